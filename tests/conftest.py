@@ -33,10 +33,8 @@ NEED = {
 }
 NEED_CASES = {
     "flint": (
-        "bench/test_hard.py::test_a_proven_reference_is_that_of_40_digits",
         "cli/test_score.py::test_a_table_of_a_group",
-        "plot/test_score.py::test_each_case_is_where_it_belongs",
-        "plot/test_score.py::test_sixteen_solvers_look_different",
+        "plot/test_judged.py::test_each_case_is_where_it_belongs",
         "simulation/test_results_compare.py::test_what_a_public_function_returns_is_public_documented_and_comparable"
         "[certify]",
     ),

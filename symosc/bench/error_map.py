@@ -21,6 +21,12 @@ from math import cos, exp, log10, nan, sin
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.patheffects import withStroke
 
 from symosc.aliases import Number, Record
 from symosc.engine.arithmetic import mp_context
@@ -28,6 +34,7 @@ from symosc.engine.flow import Constants, constants
 from symosc.kernels import entire
 from symosc.kernels.multiprecision import BasisMP
 from symosc.model import Parameters
+from symosc.plot.drawing import STYLE
 
 MAP_DIGITS = 50
 TAUS = (1e-6, 1e-2, 1.0, 6.0)
@@ -82,24 +89,13 @@ def parameters(zeta: Fraction, ratio: Fraction) -> Parameters:
 def run(
     quick: bool = False, progress: Callable[[Sequence[Any]], Iterable[Any]] = iter, taus: Sequence[float] = TAUS
 ) -> Record:
-    """Measure the map and return plain data.
+    """Measure the map for some values of w0 tau and return plain data; with `quick` at fewer points.
 
-    Parameters
-    ----------
-    quick : bool
-        Fewer points.
-    progress : callable
-        Gets a sequence of steps and returns it as an iterable that may show how far it is.
-    taus : sequence of float
-        Values of w0 tau.
-
-    Returns
-    -------
-    dict
-        taus; zeta and ratio (places on the axes, see `value_at`); cheap and symosc: errors, one matrix per tau, rows
-        over zeta and columns over Omega/w0, nan where the formula cannot be evaluated or the time is longer than what
-        symosc evaluates at once; formulas (matrices on the finer grid border_zeta, border_ratio): "series", "apart"
-        (the cheap closed form), "careful", or "" for such a time; largest: the largest error of symosc, in the map.
+    `progress` gets a sequence of steps and returns it as an iterable that may show how far it is. Keys: taus; zeta and
+    ratio (places on the axes, see `value_at`); cheap and symosc: errors, one matrix per tau, rows over zeta and columns
+    over Omega/w0, nan where the formula cannot be evaluated or the time is longer than what symosc evaluates at once;
+    formulas (matrices on the finer grid border_zeta, border_ratio): "series", "apart" (the cheap closed form),
+    "careful", or "" for such a time; largest: the largest error of symosc, in the map.
     """
     points = QUICK_MAP_POINTS if quick else MAP_POINTS
     zetas, ratios = axis(*ZETA_RANGE, points), axis(*RATIO_RANGE, points)
@@ -173,12 +169,107 @@ def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
 
 
 def _formulas(zetas: np.ndarray, ratios: np.ndarray, taus: Sequence[float]) -> list[list[list[str]]]:
-    rows: list[list[list[str]]] = [[] for _ in taus]
-    for zeta in zetas:
-        for row in rows:
-            row.append([])
-        for ratio in ratios:
-            K = constants(parameters(value_at(zeta), value_at(ratio)))
-            for row, tau in zip(rows, taus, strict=True):
-                row[-1].append("" if tau > K.chunk else formula_of(tau, K))
-    return rows
+    rows = [[constants(parameters(value_at(zeta), value_at(ratio))) for ratio in ratios] for zeta in zetas]
+    return [[["" if tau > K.chunk else formula_of(tau, K) for K in row] for row in rows] for tau in taus]
+
+
+# -- the picture -------------------------------------------------------------------------------------------------------
+
+#: Range of the colours, as powers of ten.
+COLOUR_RANGE = (-17, 0)
+# Label and place of the marks of both axes: numbers next to 1 are given by their distance from it.
+RATIO_TICKS = (
+    ("0.01", place_of(0.01)),
+    (r"$1{-}10^{-3}$", place_of(1, -1e-3)),
+    (r"$1{-}10^{-6}$", place_of(1, -1e-6)),
+    ("1", place_of(1)),
+    (r"$1{+}10^{-6}$", place_of(1, 1e-6)),
+    (r"$1{+}10^{-3}$", place_of(1, 1e-3)),
+    ("100", place_of(100)),
+)
+ZETA_TICKS = (
+    (r"$10^{-9}$", place_of(1e-9)),
+    (r"$10^{-6}$", place_of(1e-6)),
+    (r"$10^{-3}$", place_of(1e-3)),
+    ("0.5", place_of(0.5)),
+    (r"$1{-}10^{-5}$", place_of(1, -1e-5)),
+    ("1", place_of(1)),
+    (r"$1{+}10^{-5}$", place_of(1, 1e-5)),
+    ("100", place_of(100)),
+)
+FORMULA_LABELS = {"apart": "cheap", "careful": "careful", "series": "series"}
+# Regions with less than this part of a panel's width around their middle get no name.
+LEAST_NAMED = 0.05
+OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
+
+
+def figure(result: Record) -> Figure:
+    """Draw the errors of the cheap formula and of symosc, with the borders that symosc draws between its formulas."""
+    taus = result["taus"]
+    with rc_context(STYLE):
+        drawing = Figure(figsize=(7.0, 4.9), layout=ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.04))
+        grid = drawing.subplots(2, len(taus), sharex=True, sharey=True, squeeze=False)
+        for row, (key, name) in enumerate((("cheap", "the cheap formula everywhere"), ("symosc", "symosc"))):
+            for column, tau in enumerate(taus):
+                ax = grid[row, column]
+                errors = np.array(result[key][column])
+                logs = np.log10(np.maximum(errors, 10.0 ** COLOUR_RANGE[0]))
+                options = {"cmap": "viridis", "shading": "nearest", "rasterized": True}
+                ax.set_facecolor("0.88")
+                mesh = ax.pcolormesh(result["ratio"], result["zeta"], logs, norm=Normalize(*COLOUR_RANGE), **options)
+                _borders(ax, result, column, shipped=key == "symosc")
+                largest = float(np.nanmax(errors))
+                ax.set_title(rf"$\omega_0\tau = {_number(tau)}$: up to ${_number(largest)}$", fontsize=8.0)
+                ax.tick_params(labelfontfamily="STIXGeneral", labelsize=7.0, direction="out")
+            grid[row, 0].set_ylabel(rf"{name}" + "\n" + r"damping ratio $\zeta = c/(2m\omega_0)$")
+        for ax, ticks in ((grid[0, 0].xaxis, RATIO_TICKS), (grid[0, 0].yaxis, ZETA_TICKS)):
+            ax.set_ticks([place for _, place in ticks], [label for label, _ in ticks])
+        for ax in grid[1]:
+            ax.tick_params(axis="x", labelrotation=90)
+            ax.set_xlabel(r"$\Omega/\omega_0$")
+        bar = drawing.colorbar(mesh, ax=grid, pad=0.01, aspect=40, extend="max")
+        bar.set_label(r"$\log_{10}$ of the error of the flow (its worst entire function, against 50 digits)")
+        bar.ax.tick_params(labelfontfamily="STIXGeneral")
+        return drawing
+
+
+def _borders(ax: Axes, result: Record, column: int, shipped: bool) -> None:
+    """Draw the border of the cheap formula; for what is shipped all borders, and the names of what is between them."""
+    from scipy.ndimage import label
+
+    chosen = np.array(result["formulas"][column])
+    ratios, zetas = np.array(result["border_ratio"]), np.array(result["border_zeta"])
+    for formula in ("apart", "careful") if shipped else ("apart",):  # two borders between three formulas
+        inside = np.where(chosen == "", nan, chosen == formula)
+        if np.nanmin(inside) < np.nanmax(inside):
+            border = ax.contour(ratios, zetas, inside, [0.5], colors="white", linewidths=1.0)
+            border.set_path_effects([*OUTLINE])
+    for formula, name in FORMULA_LABELS.items() if shipped else ():
+        parts, count = label(chosen == formula)
+        for part in range(1, count + 1):
+            _name(ax, ratios, zetas, parts == part, name)
+    _name(ax, ratios, zetas, chosen == "", "longer than one period", color="0.25", rotation=90, path_effects=None)
+    if not shipped:
+        over = np.broadcast_to(zetas[:, np.newaxis] > NEAREST, chosen.shape) & (chosen != "")
+        _name(ax, ratios, zetas, over, "overdamped:\nno such formula", color="0.25", path_effects=None)
+
+
+def _name(ax: Axes, ratios: np.ndarray, zetas: np.ndarray, inside: np.ndarray, name: str, **style: Any) -> None:
+    """Write a name where a region is widest, if it is wide enough."""
+    from scipy.ndimage import distance_transform_edt
+
+    depth = distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
+    if depth.max() < LEAST_NAMED * len(ratios):
+        return
+    i, j = (round(float(np.mean(index))) for index in np.nonzero(depth > depth.max() - 1))
+    options: Record = {"ha": "center", "va": "center", "fontsize": 7.5, "linespacing": 1.0}
+    options |= {"color": "white", "path_effects": OUTLINE}
+    ax.text(ratios[j], zetas[i], name, **(options | style))
+
+
+def _number(value: float) -> str:
+    """Return a number for math text: 1, 6 or a power of ten."""
+    if 0.1 <= value < 100:
+        return f"{value:.0f}"
+    mantissa, exponent = f"{value:.0e}".split("e")
+    return f"10^{{{int(exponent)}}}" if mantissa == "1" else rf"{mantissa}{{\times}}10^{{{int(exponent)}}}"

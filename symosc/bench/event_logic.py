@@ -1,36 +1,52 @@
 """The event logic that a careful user of an ODE integrator writes: floats, Theorems 4 to 6, nothing of our engine.
 
-The motion is a chain of phases, a flight through a domain or a stick on a belt. Each is a smooth ODE with functions
-that are positive in its inside and fall through zero where it ends. An integrator is asked to leave one phase at a
-time; what follows there is decided here, from the forces on both sides of the belt.
+A motion is a chain of flights through a domain and sticks on a belt. A solver gives ``leave(q, s, mode, t, x, v,
+t_end)``, which follows one of them with the solver's settings `s` and returns (side, t, x): side -1 or +1 where it was
+left, 0 where it lasts until t_end, UNSOLVED where the solver gave up. `follow` decides from the forces on both sides of
+the belt what comes next. All is in scalars, so that numba can compile it together with a solver; solvers in Python call
+the same source.
 
-A touch of a belt without a change of sign is no event to an integrator: exact grazes are not found. Only a flight that
-ends at a belt by so little that the forces send it back is a "graze" here.
+The clock starts anew with each flight and stick (`from_now`). Otherwise, after many periods, the rounding of Omega t
+would be more than a fine tolerance allows, and steps would shrink to nothing.
+
+A contact without a change of sign is no event to an integrator: exact grazes are not found. Only a flight that ends at
+a belt by so little that the forces send it back is a "graze" here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
-from math import cos, pi, sin, sqrt
-from typing import NamedTuple
+from math import cos, inf, pi, sin, sqrt
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from symosc.aliases import Record
+from symosc.bench.solvers import Late
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import SymoscError
-from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
+from symosc.model import MODE_NAMES, Parameters
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
-State = Sequence[float]
-Scalar = Callable[[float, State], float]
-
-#: This oscillator never has so many events within one period (of `Motion`).
+#: This oscillator never has so many events within one period (of `Problem`).
 CHATTER = 100
+EVENT_KINDS = ("cross", "stick", "slip", "graze")
+#: What `leave` returns as the side where the solver gave up; what `follow` returns as its outcome.
+UNSOLVED = 2
+CHATTERS, GAVE_UP = 1, 2
+FIRST_ROWS = 64
+# A root is refined until its bracket is within this part of its time.
+LAST_BIT = 2.0**-52
+# A force, or a derivative of one, within this part of the sum of its terms is zero up to rounding; up to this many
+# derivatives decide where a force vanishes.
+FORCE_ROUNDING, MOST_DERIVATIVES = 1e-15, 5
 
 # What careful users of step-by-step integrators set, found by trial on the shipped scenes and some hundred random ones:
 #: Flights from a belt start this part of the larger belt speed off it. Errors after a near graze are in proportion
 #: (1e-12 costs two digits in fig8); from the belt itself, some flights come back at once for ever.
-INTEGRATOR_OFFSET = 1e-14
+INTEGRATOR_OFFSET, ONE_STEP_OFFSET = 1e-14, 1e-15
 #: Multistep methods: at least this part of rtol. They start with order 1, so that the first steps away from the belt
 #: are wrong by as much as rtol allows; closer to it, the way back is found at the start, and there for ever.
 MULTISTEP_OFFSET = 0.1
@@ -39,244 +55,197 @@ STEPS_PER_PERIOD = 8
 #: atol by rtol. With atol = rtol the same error costs the same.
 ATOL = 1e-3
 
-# A force, or a derivative of one, within this part of the sum of its terms is zero up to rounding.
-FORCE_ROUNDING = 1e-15
-# Derivatives that are looked at where a force vanishes.
-MOST_DERIVATIVES = 5
+#: What a solver's module defines under these names, and `bind` puts in their place: ``leave`` as above, and
+#: ``margin(q, mode, side, piece, tau)``, how far a flight or stick is from being left on one side after the time tau.
+leave: Any = None
+margin: Any = None
 
 
 class PeerError(SymoscError, RuntimeError):
-    """A peer that cannot go on.
+    """A peer cannot go on."""
 
-    Attributes
-    ----------
-    reason : str
-    found : list of FoundEvents
-        The events up to there.
+
+class Problem(NamedTuple):
+    """A parameter set: eq. (9) per mass, belt speeds, the shorter one of the periods of drive and free oscillation.
+
+    theta is the phase of the drive at t = 0.
     """
 
-    def __init__(self, reason: str, found: Sequence[FoundEvents] = ()) -> None:
-        self.reason, self.found = reason, list(found)
-        super().__init__(reason)
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.reason, self.found)
-
-
-class Phase(NamedTuple):
-    """A stretch of smooth motion, as an integrator is given it. All functions are of (t, (x, v)).
-
-    Attributes
-    ----------
-    mode : int
-        1 to 3 a domain, 4 and 5 a stick on belt 1 and 2 (the codes of `symosc.model.MODE_NAMES`).
-    rate : callable
-        The right-hand side, (dx/dt, dv/dt).
-    exits : tuple of (int, callable)
-        Ways out: -1 downward, +1 upward, each with a function that is positive inside and falls through 0 at the exit.
-    turn : callable
-        The time derivative of the exit functions, up to its sign: between two of its zeros each of them is monotone.
-    jacobian : tuple
-        The derivative of `rate` to (x, v), constant.
-    """
-
-    mode: int
-    rate: Callable[[float, State], tuple[float, float]]
-    exits: tuple[tuple[int, Scalar], ...]
-    turn: Scalar
-    jacobian: tuple[tuple[float, float], tuple[float, float]]
+    A1: float
+    A2: float
+    A3: float
+    swing: float
+    Omega: float
+    stiffness: float
+    damping: float
+    v1: float
+    v2: float
+    period: float
+    theta: float
 
 
-class Exit(NamedTuple):
-    """Where a phase was left: side -1 or +1, or 0 if it lasts to the end that was asked for."""
-
-    side: int
-    t: float
-    x: float
-
-
-#: ``leave(phase, t, x, v, t_end)`` follows a phase from there until it ends.
-Leave = Callable[[Phase, float, float, float, float], Exit]
-#: The same, and the turning points that were passed, as pairs (t, (x, v)).
-LeaveWithTurns = Callable[[Phase, float, float, float, float], tuple[Exit, Iterable[tuple[float, State]]]]
+def problem(p: Parameters, origin: Fraction = Fraction(0)) -> Problem:
+    """Return a parameter set in floats, with the time counted from `origin`: so late times keep their digits."""
+    m, Omega = float(p.m), float(p.Omega)
+    stiffness, damping = float(p.k) / m, float(p.c) / m
+    period = 2 * pi / max(Omega, sqrt(max(0.0, stiffness - damping * damping / 4)))
+    angle = p.Omega * origin
+    context = mp_context(40 + len(str(abs(angle.numerator))))
+    theta = float(context.fmod(context.mpf(angle.numerator) / angle.denominator, 2 * context.pi))
+    forces = (float(p.A(alpha)) / m for alpha in (1, 2, 3))
+    return Problem(*forces, float(p.B0) / m, Omega, stiffness, damping, float(p.v1), float(p.v2), period, theta)
 
 
-def _angle(value: Fraction) -> float:
-    """Return an angle, which may be large, modulo 2 pi."""
-    context = mp_context(40 + len(str(abs(value.numerator))))
-    return float(context.fmod(context.mpf(value.numerator) / value.denominator, 2 * context.pi))
+def from_now(q, t):
+    """Return the parameter set with a clock that is 0 at t."""
+    theta = (q.theta + q.Omega * t) % (2.0 * pi)
+    return Problem(q.A1, q.A2, q.A3, q.swing, q.Omega, q.stiffness, q.damping, q.v1, q.v2, q.period, theta)
 
 
-class Motion:
-    """A parameter set in floats: forces, phases, and what happens at a boundary.
-
-    Parameters
-    ----------
-    parameters : Parameters
-    origin : Fraction
-        The time from which t is counted. Counted from a late start, times keep their digits, and so does the drive.
-
-    Attributes
-    ----------
-    theta : float
-        Phase of the drive at the origin.
-    belts : dict of float
-        Speed of belt 1 and 2.
-    speed : float
-        The larger belt speed: the unit of small velocities.
-    period : float
-        The shorter one of the periods of the drive and of the free oscillation, if there is one.
-    phases : dict of Phase
-        By mode.
-    """
-
-    def __init__(self, parameters: Parameters, origin: Fraction = Fraction(0)) -> None:
-        self.origin, self.theta = origin, _angle(parameters.Omega * origin)
-        self.m, self.c, self.k, self.B0, self.Omega = (
-            float(getattr(parameters, name)) for name in ("m", "c", "k", "B0", "Omega")
-        )
-        self.A = {alpha: float(parameters.A(alpha)) for alpha in (1, 2, 3)}
-        self.belts = {boundary: float(parameters.belt(boundary)) for boundary in NEIGHBOURS}
-        self.speed = max(map(abs, self.belts.values()))
-        stiffness, decay = self.k / self.m, self.c / (2 * self.m)
-        self.period = 2 * pi / max(self.Omega, sqrt(max(0.0, stiffness - decay * decay)))
-        self.phases = {alpha: self._flight(alpha) for alpha in self.A}
-        self.phases |= {3 + boundary: self._stick(boundary) for boundary in NEIGHBOURS}
-
-    def force(self, alpha: int) -> Scalar:
-        """Return F^(alpha), the acceleration in a domain (eq. (9)), as a function of (t, (x, v))."""
-        A, B0, Omega, theta, k, c, m = self.A[alpha], self.B0, self.Omega, self.theta, self.k, self.c, self.m
-
-        def force(t: float, y: State) -> float:
-            return (A + B0 * cos(Omega * t + theta) - k * y[0] - c * y[1]) / m
-
-        return force
-
-    def _flight(self, alpha: int) -> Phase:
-        force, exits = self.force(alpha), []
-        if alpha > 1:
-            lower = self.belts[alpha - 1]
-            exits.append((-1, lambda t, y: y[1] - lower))
-        if alpha < 3:
-            upper = self.belts[alpha]
-            exits.append((1, lambda t, y: upper - y[1]))
-
-        def rate(t: float, y: State) -> tuple[float, float]:
-            return y[1], force(t, y)
-
-        return Phase(alpha, rate, tuple(exits), force, ((0.0, 1.0), (-self.k / self.m, -self.c / self.m)))
-
-    def _stick(self, boundary: int) -> Phase:
-        below, above = (self.force(alpha) for alpha in NEIGHBOURS[boundary])
-        speed = self.belts[boundary]
-        pull, swing = -self.k * speed / self.m, self.B0 * self.Omega / self.m
-        Omega, theta = self.Omega, self.theta
-        # Both exits: into the domain below when F^(below) falls to 0, above when F^(above) rises to 0.
-        exits = ((-1, below), (1, lambda t, y: -above(t, y)))
-
-        def rate(t: float, y: State) -> tuple[float, float]:
-            return speed, 0.0
-
-        def slope(t: float, y: State) -> float:
-            return pull - swing * sin(Omega * t + theta)
-
-        return Phase(3 + boundary, rate, exits, slope, ((0.0, 0.0), (0.0, 0.0)))
-
-    def sign_of_force(self, alpha: int, t: float, x: float, v: float) -> int:
-        """Return the sign that F^(alpha) has at a boundary; where it is 0, the one that it gets at once (Theorem 6)."""
-        phase, swing, stiffness = self.Omega * t + self.theta, self.B0 / self.m, self.k / self.m
-        terms = self.A[alpha] / self.m, swing * cos(phase), -stiffness * x, -self.c / self.m * v
-        before, now, size = v, sum(terms), sum(map(abs, terms)) + abs(swing * phase)
-        for order in range(MOST_DERIVATIVES):
-            if abs(now) > FORCE_ROUNDING * size:
-                return 1 if now > 0 else -1
-            # The next derivative of m v'' + c v' + k v = -B0 Omega sin(Omega t); v' and what follows is 0 so far.
-            swing *= self.Omega
-            wave = (-sin(phase), -cos(phase), sin(phase), cos(phase))[order % 4]
-            now, size = swing * wave - stiffness * before, abs(swing) * (1 + abs(phase)) + abs(stiffness * before)
-            before = 0.0
-        return 0
-
-    def resolve(self, boundary: int, t: float, x: float) -> int:
-        """Return the mode that follows at a point of a boundary: passing (Theorem 5) or else a stick (Theorem 4)."""
-        below, above = NEIGHBOURS[boundary]
-        v = self.belts[boundary]
-        if self.sign_of_force(above, t, x, v) > 0:
-            return above
-        if self.sign_of_force(below, t, x, v) < 0:
-            return below
-        return 3 + boundary
-
-    def start(self, t: float, x: float, v: float) -> tuple[int, int]:
-        """Return the mode in which a motion starts, and the boundary that it starts on or 0."""
-        boundary = next((boundary for boundary, speed in self.belts.items() if v == speed), 0)
-        if boundary:
-            return self.resolve(boundary, t, x), boundary
-        return 1 + sum(v > speed for speed in self.belts.values()), 0
+def force(q, alpha, t, x, v):
+    """Return F^(alpha), the acceleration in a domain."""
+    A = q.A1 if alpha == 1 else q.A2 if alpha == 2 else q.A3
+    return A + q.swing * cos(q.Omega * t + q.theta) - q.stiffness * x - q.damping * v
 
 
-def follow(scene: Scene, motion: Motion, leave: Leave, offset: float = 0.0) -> list[FoundEvents]:
-    """Follow a scene from phase to phase and return its events.
+def margins(q, mode, t, x, v):
+    """Return how far a mode is from being left downward and upward: positive inside."""
+    if mode == 1:
+        return inf, q.v1 - v
+    if mode == 2:
+        return v - q.v1, q.v2 - v
+    if mode == 3:
+        return v - q.v2, inf
+    above = force(q, mode - 2, t, x, v)
+    return above + (q.A1 - q.A2 if mode == 4 else q.A2 - q.A3), -above
 
-    Parameters
-    ----------
-    scene : Scene
-    motion : Motion
-        That of the scene's parameters, with any origin.
-    leave : callable
-        The integrator, see `Leave`.
-    offset : float
-        Flights from a belt start this part of the larger belt speed off it, on their own side. 0.0 starts them on it,
-        where the function that should find the way back is 0.
 
-    Raises
-    ------
-    PeerError
-        If the integrator gives up, or there are CHATTER events within one period; with the events up to there.
-    """
-    t, x, v, t_end = map(float, (scene.t0 - motion.origin, scene.x0, scene.v0, scene.t_end - motion.origin))
-    origin = float(motion.origin)
-    mode, boundary = motion.start(t, x, v)
-    found: list[FoundEvents] = []
+def turn(q, mode, t, x, v):
+    """Return the time derivative of the margins, up to its sign: between two of its zeros each is monotone."""
+    if mode < 4:
+        return force(q, mode, t, x, v)
+    return q.swing * q.Omega * sin(q.Omega * t + q.theta) + q.stiffness * v
+
+
+def sign_of_force(q, alpha, t, x, v):
+    """Return the sign that F^(alpha) has at a boundary; where it is 0, the one that it gets at once (Theorem 6)."""
+    phase, swing = q.Omega * t + q.theta, q.swing
+    A = q.A1 if alpha == 1 else q.A2 if alpha == 2 else q.A3
+    size = abs(A) + abs(swing * cos(phase)) + abs(q.stiffness * x) + abs(q.damping * v) + abs(swing * phase)
+    before, now = v, force(q, alpha, t, x, v)
+    for order in range(MOST_DERIVATIVES):
+        if abs(now) > FORCE_ROUNDING * size:
+            return 1 if now > 0.0 else -1
+        # The next derivative of m v'' + c v' + k v = -B0 Omega sin(Omega t); v' and what follows is 0 so far.
+        swing *= q.Omega
+        wave = sin(phase) if order % 2 == 0 else cos(phase)
+        now = (-swing if order % 4 < 2 else swing) * wave - q.stiffness * before
+        size = abs(swing) * (1.0 + abs(phase)) + abs(q.stiffness * before)
+        before = 0.0
+    return 0
+
+
+def resolve(q, boundary, t, x):
+    """Return the mode that follows at a point of a boundary: passing (Theorem 5) or else a stick (Theorem 4)."""
+    v = q.v1 if boundary == 1 else q.v2
+    if sign_of_force(q, boundary + 1, t, x, v) > 0:
+        return boundary + 1
+    if sign_of_force(q, boundary, t, x, v) < 0:
+        return boundary
+    return 3 + boundary
+
+
+def start_mode(q, x, v):
+    """Return the mode in which a motion starts at t = 0, and the boundary that it starts on or 0."""
+    boundary = 1 if v == q.v1 else 2 if v == q.v2 else 0
+    if boundary > 0:
+        return resolve(q, boundary, 0.0, x), boundary
+    return 1 + (v > q.v1) + (v > q.v2), 0
+
+
+def root(q, mode, side, piece, a, b, fa, fb, tolerance):
+    """Return a change of sign of `margin` between a and b (Chandrupatla 1997)."""
+    c, fc, part = a, fa, 0.5
+    for _ in range(200):
+        tau = a + part * (b - a)
+        f = margin(q, mode, side, piece, tau)
+        if (f < 0.0) == (fa < 0.0):
+            c, fc = a, fa
+        else:
+            c, fc, b, fb = b, fb, a, fa
+        a, fa = tau, f
+        best, least = (a, fa) if abs(fa) < abs(fb) else (b, fb)
+        smallest = (0.5 * tolerance + LAST_BIT * abs(best)) / abs(b - a)
+        if smallest > 0.5 or least == 0.0:
+            return best
+        part = 0.5
+        xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+        if phi * phi < xi and (1.0 - phi) ** 2 < 1.0 - xi:
+            part = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+        part = min(1.0 - smallest, max(smallest, part))
+    return b
+
+
+def follow(q, s, t, x, v, mode, boundary, offset, t_end):
+    """Follow a motion and return (rows, count, outcome, mode): rows of t, x, kind, boundary; outcome 0 at t_end."""
+    rows = np.empty((FIRST_ROWS, 4))
+    count = 0
     while t < t_end:
-        if boundary and mode < 4:
-            v += (1 if mode > boundary else -1) * offset * motion.speed
-        try:
-            side, t, x = leave(motion.phases[mode], t, x, v, t_end)
-        except PeerError as error:
-            raise PeerError(error.reason, found) from None
+        if boundary > 0 and mode < 4:
+            v += offset if mode > boundary else -offset
+        here = from_now(q, t)
+        side, tau, x = leave(here, s, mode, 0.0, x, v, t_end - t)
+        t += tau
         if side == 0:
             break
-        source = mode
+        if side == UNSOLVED:
+            return rows, count, GAVE_UP, mode
+        source, kind = mode, 2  # a place in EVENT_KINDS
         if source > 3:
             boundary = source - 3
-            mode, kind = NEIGHBOURS[boundary][side > 0], "slip"
+            mode = boundary + 1 if side > 0 else boundary
         else:
-            boundary = source - (side < 0)
-            mode = motion.resolve(boundary, t, x)
-            kind = "stick" if mode > 3 else "graze" if mode == source else "cross"
-        v = motion.belts[boundary]
-        found.append(FoundEvents(origin + t, x, kind, boundary))
-        if len(found) > CHATTER and found[-1].t - found[-1 - CHATTER].t < motion.period:
-            where = f"between {MODE_NAMES[source]} and {MODE_NAMES[mode]} near t = {origin + t:.6g}"
-            raise PeerError(f"chatters {where}: {CHATTER} events within one period", found)
-    return found
+            boundary = source if side > 0 else source - 1
+            mode = resolve(here, boundary, tau, x)
+            kind = 1 if mode > 3 else 3 if mode == source else 0
+        v = q.v1 if boundary == 1 else q.v2
+        if count == len(rows):
+            longer = np.empty((2 * count, 4))
+            for i in range(count):  # a slice would make compiling three seconds longer
+                for j in range(4):
+                    longer[i, j] = rows[i, j]
+            rows = longer
+        rows[count, 0], rows[count, 1], rows[count, 2], rows[count, 3] = t, x, kind, boundary
+        count += 1
+        if count > CHATTER and t - rows[count - 1 - CHATTER, 0] < q.period:
+            return rows, count, CHATTERS, mode
+    return rows, count, 0, mode
 
 
-def watching(leave: LeaveWithTurns) -> Leave:
-    """Return an integrator that goes back when an exit function has turned outside.
+def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Callable[[], Sequence[FoundEvents]]:
+    """Return a function that follows a scene and returns its events, or raises PeerError.
 
-    Out and back within one step leaves no change of sign between the ends of the step. But it turned in between, and
-    from the start to there the sign changes once.
+    `functions` are those of this module and of a solver, bound together; `settings` is the argument `s` of `leave`.
+    Flights from a belt start the part `offset` of the larger belt speed off it.
     """
+    q, t0, x, v = problem(scene.parameters, scene.t0), float(scene.t0), float(scene.x0), float(scene.v0)
+    arguments = q, settings, 0.0, x, v, *start_mode(q, x, v), offset * max(abs(q.v1), abs(q.v2))
+    duration = float(scene.t_end - scene.t0)
+    follow = functions["follow"]
+    follow(*arguments, 0.0)  # compiles
 
-    def watch(phase: Phase, t: float, x: float, v: float, t_end: float) -> Exit:
-        end, turns = leave(phase, t, x, v, t_end)
-        for turn, state in turns:
-            if t < turn < end.t and any(function(turn, state) < 0 for _, function in phase.exits):
-                before, _ = leave(phase, t, x, v, float(turn))
-                if before.side:
-                    return before
-        return end
+    def run() -> Late:
+        rows, count, outcome, last = follow(*arguments, duration)
+        if outcome:
+            where = f"in {MODE_NAMES[last]} after t = {t0 + rows[count - 1, 0] if count else t0:.6g}"
+            chatters = f"chatters {where}: more than {CHATTER} events within one period"
+            raise PeerError(chatters if outcome == CHATTERS else f"took too many steps {where}")
 
-    return watch
+        def events() -> list[FoundEvents]:
+            times, positions, kinds, boundaries = rows[:count].T.tolist()
+            words = (EVENT_KINDS[int(kind)] for kind in kinds)
+            return list(map(FoundEvents, (t0 + t for t in times), positions, words, map(int, boundaries)))
+
+        return Late(events)
+
+    return run

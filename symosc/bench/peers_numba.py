@@ -1,26 +1,38 @@
 """DOP853 compiled by numba: an adaptive Runge-Kutta method with the event logic inside, nothing of it in Python.
 
-Coefficients, error estimate and dense output are those of `scipy.integrate.DOP853` (Hairer, Norsett & Wanner). As it
-comes, an exit is looked for where the sign differs between the two ends of a step. At its best, steps are limited. A
-step in which the derivative of a margin vanishes is looked at there too. The event is refined by steps of the method
-itself, not by its interpolant, and flights start off the belt.
+Coefficients, error estimate and dense output are those of `scipy.integrate.DOP853` (Hairer, Norsett & Wanner). Steps
+are limited. An exit is searched where the sign of a margin differs between the two ends of a step, and up to the
+turning point where the derivative of a margin vanishes in between. The event is refined by steps of the method itself,
+not by its interpolant, and flights start off the belt.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from functools import lru_cache, partial
-from math import inf, sqrt
+from functools import lru_cache
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853
 
 from symosc.aliases import Record
-from symosc.bench import scalar_logic
-from symosc.bench.event_logic import ATOL, STEPS_PER_PERIOD, Motion
-from symosc.bench.scalar_logic import LAST_BIT, ONE_STEP_OFFSET, UNSOLVED, force, margins, root, runner, scalars, turn
+from symosc.bench import event_logic
+from symosc.bench.event_logic import (
+    ATOL,
+    LAST_BIT,
+    ONE_STEP_OFFSET,
+    STEPS_PER_PERIOD,
+    UNSOLVED,
+    Problem,
+    force,
+    margins,
+    problem,
+    root,
+    runner,
+    turn,
+)
 from symosc.bench.solvers import Solver
 from symosc.engine.arithmetic import compile_modules
 from symosc.reference.compare import FoundEvents
@@ -45,13 +57,12 @@ REFINEMENTS = 3
 
 
 class Settings(NamedTuple):
-    """Tolerances, the longest and the first step, 1 for the precautions, and room for stages and dense output."""
+    """Tolerances, the longest and the first step, and arrays for stages and dense output."""
 
     rtol: float
     atol: float
     longest: float
     first: float
-    careful: int
     K: np.ndarray
     F: np.ndarray
 
@@ -66,11 +77,10 @@ class SolverStep(NamedTuple):
     h: float
 
 
-def settings(motion: Motion, tolerance: float, careful: bool) -> Settings:
+def settings(q: Problem, tolerance: float) -> Settings:
     """Return the settings for a tolerance."""
-    tolerances = (tolerance, ATOL * tolerance if careful else tolerance)
-    steps = (motion.period / STEPS_PER_PERIOD if careful else inf, motion.period / FIRST_STEPS)
-    return Settings(*tolerances, *steps, int(careful), np.zeros((2, ALL_STAGES)), np.zeros((2, DENSE_TERMS)))
+    stages, terms = np.zeros((2, ALL_STAGES)), np.zeros((2, DENSE_TERMS))
+    return Settings(tolerance, ATOL * tolerance, q.period / STEPS_PER_PERIOD, q.period / FIRST_STEPS, stages, terms)
 
 
 def stages(q, s, mode, t, x, v, h, begin, end):
@@ -190,21 +200,18 @@ def leave(q, s, mode, t, x, v, t_end):
         slope = turn(q, mode, t + h, X, V)
         below, above = margins(q, mode, t + h, X, V)
         outside = below < 0.0 or above < 0.0
-        if outside or (s.careful == 1 and slope * last_slope < 0.0):
+        if outside or slope * last_slope < 0.0:
             # What is found in the interpolant's last bits is refined anyway.
             tolerance = s.rtol * h
             step = dense(q, s, mode, t, x, v, X, V, h)
             side, tau = 0, h
-            if s.careful == 1 and slope * last_slope < 0.0:
+            if slope * last_slope < 0.0:
                 extremum = root(q, mode, 0, step, 0.0, h, last_slope, slope, tolerance)
                 side, tau = exit_within(q, s, mode, step, extremum, tolerance)
             if side == 0 and outside:
                 side, tau = exit_within(q, s, mode, step, h, tolerance)
             if side != 0:
-                if s.careful == 1:
-                    tau, x = refined(q, s, mode, side, step, tau)
-                else:
-                    x, v = state_in(step, tau)
+                tau, x = refined(q, s, mode, side, step, tau)
                 return side, t + tau, x
         if t + h >= t_end:
             return 0, t_end, X
@@ -214,38 +221,24 @@ def leave(q, s, mode, t, x, v, t_end):
     return UNSOLVED, t, x
 
 
-DOP853_MODULES = (scalar_logic, sys.modules[__name__])
-
-
 @lru_cache(maxsize=1)
 def compiled() -> Record:
     """Return the functions compiled by numba."""
-    return compile_modules(DOP853_MODULES)
+    return compile_modules((event_logic, sys.modules[__name__]))
 
 
-def prepare(careful: bool, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
-    """Prepare DOP853, with or without the precautions."""
-    motion = Motion(scene.parameters, scene.t0)
-    offset = ONE_STEP_OFFSET * motion.speed if careful else 0.0
-    return runner(scene, compiled(), scalars(motion), settings(motion, tolerance, careful), offset)
+def prepare(scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
+    """Prepare DOP853."""
+    return runner(scene, compiled(), settings(problem(scene.parameters), tolerance), ONE_STEP_OFFSET)
 
 
-DOP853_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
 SOLVERS = (
     Solver(
         "numba DOP853",
-        partial(prepare, True),
-        DOP853_TOLERANCES,
+        prepare,
+        (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14),
         needs="numba",
         note=f"at least {STEPS_PER_PERIOD} steps per period; extrema of the margins; "
         f"flights start {ONE_STEP_OFFSET:g} off the belt",
-    ),
-    Solver(
-        "numba DOP853, raw",
-        partial(prepare, False),
-        DOP853_TOLERANCES,
-        needs="numba",
-        raw=True,
-        note="sign changes between the ends of a step only; sticks are integrated with steps that grow",
     ),
 )

@@ -1,11 +1,9 @@
-"""The closed form as a careful user writes it, scanned at a fixed distance for a change of sign.
+"""The closed form as a careful user writes it, scanned at a fixed distance for a change of sign, compiled by numba.
 
 It evaluates the particular plus the homogeneous solution in sines, cosines and exponentials, with one formula for each
 regime of damping. It takes a number of samples per period (of drive or spring, the shorter one), and a root finder
-between two samples of different sign. In Python the samples are taken with NumPy, a period at a time, and the root
-finder is scipy's brentq; the other form is compiled by numba.
-
-What happens between two samples is not seen, and the formulas divide by k and by the distance from resonance.
+between two samples of different sign. What happens between two samples is not seen, and the formulas divide by k and by
+the distance from resonance.
 """
 
 from __future__ import annotations
@@ -17,31 +15,28 @@ from math import cos, exp, sin, sqrt
 from typing import NamedTuple
 
 from symosc.aliases import Record
-from symosc.bench import scalar_logic
-from symosc.bench.event_logic import Motion, PeerError
-from symosc.bench.scalar_logic import UNSOLVED, Scalars, margins, root, runner, scalars
+from symosc.bench import event_logic
+from symosc.bench.event_logic import UNSOLVED, PeerError, Problem, margins, problem, root, runner
 from symosc.bench.solvers import Solver
-from symosc.engine.arithmetic import bind, compile_modules
+from symosc.engine.arithmetic import compile_modules
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
-SCAN_SAMPLES, MANY_SCAN_SAMPLES = 20, 200
 UNDERDAMPED, CRITICAL, OVERDAMPED = range(3)
 # The first sample of a flight or stick, as a part of the distance of two samples: at its start, the sign of what is
 # looked for is that of the rounding.
-COOL_DOWN = 1e-5
+FIRST_SAMPLE = 1e-5
 MOST_SCAN_SAMPLES = 10_000_000
 
 
 class Scan(NamedTuple):
-    """How to scan (distance and number of samples per period, tolerance of a root), and constants of the closed form.
+    """How to scan (distance of samples, tolerance of a root), and constants of the closed form.
 
     `decay` and `second` are h and omega_d (underdamped), h and 0 (critical) or the characteristic roots (overdamped).
     P and Q are the amplitudes of the particular solution's cosine and sine.
     """
 
     distance: float
-    points: int
     tolerance: float
     regime: int
     decay: float
@@ -62,24 +57,23 @@ class ScanPiece(NamedTuple):
     S: float
 
 
-def scan_of(motion: Motion, points: int, tolerance: float) -> Scan:
+def scan_of(q: Problem, points: int, tolerance: float) -> Scan:
     """Return the constants of the closed form; PeerError where it divides by zero."""
-    m, c, k, Omega = motion.m, motion.c, motion.k, motion.Omega
-    distance = motion.period / points
+    Omega, k = q.Omega, q.stiffness
     try:
-        square = (k - m * Omega**2) ** 2 + (c * Omega) ** 2
-        P, Q = motion.B0 * (k - m * Omega**2) / square, motion.B0 * c * Omega / square
+        square = (k - Omega**2) ** 2 + (q.damping * Omega) ** 2
+        P, Q = q.swing * (k - Omega**2) / square, q.swing * q.damping * Omega / square
         _ = 1 / k
     except ZeroDivisionError:
         raise PeerError("the closed form divides by zero: k = 0, or resonance without damping") from None
-    h, discriminant = c / (2 * m), (c / (2 * m)) ** 2 - k / m
+    h, discriminant = q.damping / 2, (q.damping / 2) ** 2 - k
     if discriminant < 0:
         regime, decay, second = UNDERDAMPED, h, sqrt(-discriminant)
     elif discriminant == 0:
         regime, decay, second = CRITICAL, h, 0.0
     else:
         regime, decay, second = OVERDAMPED, -h + sqrt(discriminant), -h - sqrt(discriminant)
-    return Scan(distance, points, tolerance, regime, decay, second, P, Q)
+    return Scan(q.period / points, tolerance, regime, decay, second, P, Q)
 
 
 def piece_from(q, s, mode, t, x, v):
@@ -132,7 +126,7 @@ def margin(q, mode, side, piece, tau):
 def leave(q, s, mode, t, x, v, t_end):
     """Follow one flight or stick, sample by sample."""
     piece = piece_from(q, s, mode, t, x, v)
-    tau = COOL_DOWN * s.distance
+    tau = FIRST_SAMPLE * s.distance
     x, v = state_at(q, mode, piece, tau)
     below, above = margins(q, mode, t + tau, x, v)
     for _ in range(MOST_SCAN_SAMPLES):
@@ -151,75 +145,23 @@ def leave(q, s, mode, t, x, v, t_end):
 
 
 @lru_cache(maxsize=1)
-def interpreted() -> Record:
-    """Return the functions with samples taken by NumPy, and scipy's brentq as the root finder."""
-    import numpy as np
-    from scipy.optimize import brentq
-
-    arrays = bind(SCAN_MODULES, {"cos": np.cos, "sin": np.sin, "exp": np.exp})
-    state_at_all, margins_of_all = arrays["state_at"], arrays["margins"]
-
-    def leave(q: Scalars, s: Scan, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
-        piece = piece_from(q, s, mode, t, x, v)
-        taus = s.distance * (np.arange(s.points + 1) + COOL_DOWN)
-        while t + taus[0] < t_end:
-            outside = np.minimum(*margins_of_all(q, mode, t + taus, *state_at_all(q, mode, piece, taus)))[1:] < 0
-            n = int(outside.argmax())
-            if outside[n]:
-                tau, later = float(taus[n]), float(taus[n + 1])
-                side = -1 if margin(q, mode, -1, piece, later) < 0 else 1
-                if margin(q, mode, side, piece, tau) > 0:
-                    tau = brentq(partial(margin, q, mode, side, piece), tau, later, xtol=s.tolerance)
-                x = state_at(q, mode, piece, tau)[0]
-                return (side, t + tau, x) if t + tau <= t_end else (0, t_end, x)
-            taus += s.points * s.distance
-        return 0, t_end, x
-
-    return bind(SCAN_MODULES, {"leave": leave})
-
-
-SCAN_MODULES = (scalar_logic, sys.modules[__name__])
-
-
-@lru_cache(maxsize=1)
 def compiled() -> Record:
     """Return the functions compiled by numba."""
-    return compile_modules(SCAN_MODULES)
+    return compile_modules((event_logic, sys.modules[__name__]))
 
 
-def prepare(with_numba: bool, points: int, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
+def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
     """Prepare the scan with so many samples per period."""
-    functions = compiled() if with_numba else interpreted()
-    motion = Motion(scene.parameters, scene.t0)
-    return runner(scene, functions, scalars(motion), scan_of(motion, points, tolerance))
+    return runner(scene, compiled(), scan_of(problem(scene.parameters), points, tolerance), 0.0)
 
 
-SCAN_TOLERANCES = (1e-4, 1e-7, 1e-10, 1e-13)
-SOLVERS = (
+SOLVERS = tuple(
     Solver(
-        f"closed form, scan {SCAN_SAMPLES}, numba",
-        partial(prepare, True, SCAN_SAMPLES),
-        SCAN_TOLERANCES,
+        f"closed form, scan {points}, numba",
+        partial(prepare, points),
+        (1e-4, 1e-7, 1e-10, 1e-13),
         needs="numba",
-        note=f"{SCAN_SAMPLES} samples per period, Chandrupatla's root finder; flights between two samples are not seen",
-    ),
-    Solver(
-        f"closed form, scan {MANY_SCAN_SAMPLES}, numba",
-        partial(prepare, True, MANY_SCAN_SAMPLES),
-        SCAN_TOLERANCES,
-        needs="numba",
-        note=f"{MANY_SCAN_SAMPLES} samples per period",
-    ),
-    Solver(
-        f"closed form, scan {SCAN_SAMPLES}, brentq",
-        partial(prepare, False, SCAN_SAMPLES),
-        SCAN_TOLERANCES,
-        note="samples by NumPy, a period at a time",
-    ),
-    Solver(
-        f"closed form, scan {MANY_SCAN_SAMPLES}, brentq",
-        partial(prepare, False, MANY_SCAN_SAMPLES),
-        SCAN_TOLERANCES,
-        note="samples by NumPy, a period at a time",
-    ),
+        note=f"{points} samples per period, Chandrupatla's root finder; flights between two samples are not seen",
+    )
+    for points in (20, 200)
 )

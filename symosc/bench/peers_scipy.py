@@ -1,22 +1,23 @@
-"""scipy.integrate.solve_ivp with terminal events: RK45, DOP853, Radau and LSODA, at their best and as they come.
+"""Integrators called from Python: solve_ivp of scipy (RK45, DOP853, Radau, LSODA) and CVODE of SUNDIALS (Adams, BDF).
 
-solve_ivp looks for a change of sign from one step to the next, and brentq then finds a root of the interpolant. So
-there are traps.
+Both look for a change of sign from one step to the next. So there are traps.
 
-- Out and back within one step is not seen. On a belt x is linear, every error estimate is 0, and the step grows tenfold
-  each time until it is past the end of the stick. The best version bounds the step. It also records where the exit
-  functions turn, and goes back when one has turned outside.
+- Out and back within one step is not seen. On a belt x is linear, every error estimate is 0, and the step grows past
+  the end of the stick. So the step is bounded. The turning points of the exit functions are recorded too, and where one
+  has turned outside, the piece is integrated again up to there.
 - A flight that starts on the belt starts at a zero of its own exit function. When it comes back within its first step,
-  brentq returns the start: the same flight begins again and again. The best version starts off the belt.
-- The interpolant of LSODA does not go through the start of a step, and brentq then finds no change of sign ("f(a) and
-  f(b) must have different signs"). The best version starts farther off, in proportion to rtol.
-
-Time itself is one more: at t = 1e8 a step of 1e-9 is lost in rounding. The best version counts it from the start.
+  solve_ivp finds the start again: the same flight begins again and again. So flights start off the belt.
+- LSODA's interpolant does not go through the start of a step, and brentq then finds no change of sign. The first steps
+  of CVODE, of order 1, cross the belt after a near graze. So these start farther off, in proportion to rtol.
+- Time itself: at t = 1e8 a step of 1e-9 is lost in rounding. So it is counted from the start of each piece.
+- A CVODE object of scikit-sundae (1.2) can be used for one solution only. It goes on counting events over calls of
+  `solve`, and after a terminal event the next call stops at any event. So each piece gets an object of its own (0.04
+  ms).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any
 
@@ -24,125 +25,150 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from symosc.aliases import Record
+from symosc.bench import event_logic
 from symosc.bench.event_logic import (
     ATOL,
     INTEGRATOR_OFFSET,
     MULTISTEP_OFFSET,
     STEPS_PER_PERIOD,
-    Exit,
-    Leave,
-    Motion,
     PeerError,
-    Phase,
-    State,
-    follow,
-    watching,
+    Problem,
+    force,
+    margins,
+    problem,
+    runner,
+    turn,
 )
 from symosc.bench.solvers import Solver
+from symosc.engine.arithmetic import bind
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
-
-def _event(function: Callable[..., float], direction: float, terminal: bool) -> Callable[..., float]:
-    """Return `function` as an event of solve_ivp, which reads its attributes."""
-
-    def event(t: float, y: State) -> float:
-        return function(t, y)
-
-    event.direction, event.terminal = direction, terminal  # type: ignore[attr-defined]
-    return event
+State = Sequence[float]
+#: On which sides a mode can be left.
+SIDES = {1: (1,), 2: (-1, 1), 3: (-1,), 4: (-1, 1), 5: (-1, 1)}
+#: ``integrate(q, mode, x, v, t_end)`` returns side, t and x of the end, and the turning points (t, (x, v)) before it.
+Integrate = Callable[[Problem, int, float, float, float], tuple[int, float, float, Iterable[tuple[float, State]]]]
 
 
-def _solve(phase: Phase, t: float, x: float, v: float, t_end: float, events: Sequence[Any], options: Any) -> Any:
+def _functions(q: Problem, mode: int) -> tuple[Callable[..., Any], list[Callable[..., float]], Any]:
+    """Return right-hand side, functions that fall through 0 at the exits and the turning function, and the Jacobian."""
+
+    def rate(t: float, y: State) -> tuple[float, float]:
+        return y[1], force(q, mode, t, y[0], y[1]) if mode < 4 else 0.0
+
+    def margin_at(place: int, t: float, y: State) -> float:
+        return margins(q, mode, t, y[0], y[1])[place]  # type: ignore[no-any-return]
+
+    exits = [partial(margin_at, 0 if side < 0 else 1) for side in SIDES[mode]]
+    jacobian = np.array([[0.0, 1.0], [-q.stiffness, -q.damping] if mode < 4 else [0.0, 0.0]])
+    return rate, [*exits, lambda t, y: turn(q, mode, t, y[0], y[1])], jacobian
+
+
+def integrate_by_scipy(
+    options: Record, q: Problem, mode: int, x: float, v: float, t_end: float
+) -> tuple[int, float, float, Iterable[tuple[float, State]]]:
+    """Follow one flight or stick with solve_ivp (see `Integrate`)."""
+    rate, functions, jacobian = _functions(q, mode)
+    events = []
+    for i, function in enumerate(functions):
+        event: Any = partial(function)
+        event.direction, event.terminal = (-1, True) if i < len(functions) - 1 else (0, False)
+        events.append(event)
+    if options["method"] in ("Radau", "LSODA"):
+        options = options | {"jac": lambda t, y: jacobian}
     try:
-        solution = solve_ivp(phase.rate, (t, t_end), (x, v), events=events, **options)
+        solution = solve_ivp(rate, (0.0, t_end), (x, v), events=events, **options)
     except ValueError as error:  # from brentq
-        raise PeerError(f"solve_ivp, after t = {t:.6g}: {error}") from None
+        raise PeerError(f"solve_ivp: {error}") from None
     if not solution.success:
-        raise PeerError(f"solve_ivp, after t = {solution.t[-1]:.6g}: {solution.message}")
-    return solution
-
-
-def _exit(phase: Phase, solution: Any) -> Exit:
-    for (side, _), times, states in zip(phase.exits, solution.t_events, solution.y_events, strict=False):
+        raise PeerError(f"solve_ivp: {solution.message}")
+    turns = list(zip(solution.t_events[-1], solution.y_events[-1], strict=True))
+    for side, times, states in zip(SIDES[mode], solution.t_events, solution.y_events, strict=False):
         if len(times):
-            return Exit(side, float(times[0]), float(states[0][0]))
-    return Exit(0, float(solution.t[-1]), float(solution.y[0, -1]))
+            return side, float(times[0]), float(states[0][0]), turns
+    return 0, float(solution.t[-1]), float(solution.y[0, -1]), turns
 
 
-def _raw(motion: Motion, options: Record) -> Leave:
-    """Return solve_ivp as its documentation shows it: terminal events with a direction, and the tolerances."""
-    events = {mode: [_event(f, -1, True) for _, f in phase.exits] for mode, phase in motion.phases.items()}
+def integrate_by_cvode(
+    options: Record, q: Problem, mode: int, x: float, v: float, t_end: float
+) -> tuple[int, float, float, Iterable[tuple[float, State]]]:
+    """Follow one flight or stick with CVODE (see `Integrate`), whose functions write into the arrays they are given."""
+    from sksundae.cvode import CVODE
 
-    def leave(phase: Phase, t: float, x: float, v: float, t_end: float) -> Exit:
-        return _exit(phase, _solve(phase, t, x, v, t_end, events[phase.mode], options))
+    rate, functions, jacobian = _functions(q, mode)
+    begin = q.period  # at t = 0 CVODE takes a root for two that differ by rounding only, and gives up
+
+    def rhsfn(t: float, y: Any, out: Any) -> None:
+        out[0], out[1] = rate(t - begin, y)
+
+    def eventsfn(t: float, y: Any, out: Any) -> None:
+        for i, function in enumerate(functions):
+            out[i] = function(t - begin, y)
+
+    def jacfn(t: float, y: Any, rate: Any, out: Any) -> None:
+        out[:] = jacobian
+
+    exits = len(functions) - 1
+    eventsfn.terminal, eventsfn.direction = [True] * exits + [False], [-1] * exits + [0]  # type: ignore[attr-defined]
+    solver = CVODE(rhsfn=rhsfn, eventsfn=eventsfn, jacfn=jacfn, num_events=exits + 1, **options)
+    solution = solver.solve((begin, begin + t_end), (x, v))
+    if not solution.success:
+        raise PeerError(f"CVODE: {solution.message}")
+    if solution.i_events is None:
+        return 0, t_end, float(solution.y[-1][0]), ()
+    events = zip(solution.i_events, solution.t_events, solution.y_events, strict=True)
+    turns = [(t - begin, state) for which, t, state in events if which[-1]]
+    for side, crossed in zip(SIDES[mode], solution.i_events[-1], strict=False):
+        if crossed:
+            return side, float(solution.t_events[-1]) - begin, float(solution.y_events[-1][0]), turns
+    return 0, t_end, float(solution.y[-1][0]), turns
+
+
+def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
+    """Return an integrator as `follow` calls it, which goes back where an exit function has turned outside."""
+
+    def leave(q: Problem, s: None, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
+        side, end, x_end, turns = integrate(q, mode, x, v, t_end)
+        for at, state in turns:
+            if 0 < at < end and min(margins(q, mode, at, *state)) < 0:
+                before = integrate(q, mode, x, v, float(at))
+                if before[0]:
+                    return before[:3]
+        return side, end, x_end
 
     return leave
 
 
-def _careful(motion: Motion, options: Record) -> Leave:
-    """Return solve_ivp with bounded steps, the Jacobian, and an eye on the turning points of the exit functions."""
-    events, own_options = {}, {}
-    for mode, phase in motion.phases.items():
-        events[mode] = [*(_event(f, -1, True) for _, f in phase.exits), _event(phase.turn, 0, False)]
-        own_options[mode] = (
-            options | {"max_step": motion.period / STEPS_PER_PERIOD} | _jacobian(options["method"], phase)
-        )
-
-    def leave(phase: Phase, t: float, x: float, v: float, t_end: float) -> Any:
-        solution = _solve(phase, t, x, v, t_end, events[phase.mode], own_options[phase.mode])
-        return _exit(phase, solution), zip(solution.t_events[-1], solution.y_events[-1], strict=True)
-
-    return watching(leave)
+def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
+    """Prepare an integrator with ``rtol = tolerance``."""
+    longest = problem(scene.parameters).period / STEPS_PER_PERIOD
+    options = {"method": method, "rtol": tolerance, "atol": ATOL * tolerance, "max_step": longest}
+    leave = leave_by(partial(integrate_by_cvode if method in CVODE_METHODS else integrate_by_scipy, options))
+    offset = MULTISTEP_OFFSET * tolerance if method in ("LSODA", *CVODE_METHODS) else INTEGRATOR_OFFSET
+    functions = bind((event_logic,), {"leave": leave})
+    return runner(scene, functions, None, max(offset, INTEGRATOR_OFFSET))
 
 
-def _jacobian(method: str, phase: Phase) -> Record:
-    if method == "Radau":
-        return {"jac": phase.jacobian}
-    if method == "LSODA":
-        matrix = np.array(phase.jacobian)  # before SciPy 1.17 it takes no nested tuples, and in no version a constant
-        return {"jac": lambda t, y: matrix}
-    return {}
-
-
-def prepare(method: str, raw: bool, scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
-    """Prepare solve_ivp with `method` and ``rtol = tolerance``."""
-    options = {"method": method, "rtol": tolerance, "atol": ATOL * tolerance}
-    if raw:
-        motion = Motion(scene.parameters)
-        return partial(follow, scene, motion, _raw(motion, options))
-    motion = Motion(scene.parameters, scene.t0)
-    offset = max(INTEGRATOR_OFFSET, MULTISTEP_OFFSET * tolerance) if method == "LSODA" else INTEGRATOR_OFFSET
-    return partial(follow, scene, motion, _careful(motion, options), offset)
-
-
-METHODS = {
-    "RK45": (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
-    "DOP853": (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
+TOLERANCES = (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+SCIPY_METHODS = {
+    "RK45": TOLERANCES,
+    "DOP853": TOLERANCES,
     "Radau": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8),  # of order 5 and written in Python: 1e-12 takes 0.1 s per event
-    "LSODA": (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12),
+    "LSODA": TOLERANCES,
 }
-SCIPY_NOTE = (
-    f"time counted from t0, {STEPS_PER_PERIOD} steps per period or more, turning points watched, "
+CVODE_METHODS = ("Adams", "BDF")
+NOTE = (
+    f"time counted from each flight and stick, {STEPS_PER_PERIOD} steps per period or more, turning points watched, "
     "flights start off the belt by"
 )
-NOTES = {
-    "RK45": f"{SCIPY_NOTE} {INTEGRATOR_OFFSET:g}",
-    "DOP853": f"{SCIPY_NOTE} {INTEGRATOR_OFFSET:g}",
-    "Radau": f"Jacobian given, {SCIPY_NOTE} {INTEGRATOR_OFFSET:g}",
-    "LSODA": f"Jacobian given, {SCIPY_NOTE} {MULTISTEP_OFFSET:g} rtol",
-}
-RAW_SCIPY = (
-    "a stick's step grows past both its exits; a flight that is back within its first step begins again for ever"
-)
+FAR_OFF = f"Jacobian given, {NOTE} {MULTISTEP_OFFSET:g} rtol"
+NOTES = {"Radau": f"Jacobian given, {NOTE} {INTEGRATOR_OFFSET:g}", "LSODA": FAR_OFF}
 
 SOLVERS = (
     *(
-        Solver(f"scipy {method}", partial(prepare, method, False), tolerances, note=NOTES[method])
-        for method, tolerances in METHODS.items()
+        Solver(f"scipy {name}", partial(prepare, name), each, note=NOTES.get(name, f"{NOTE} {INTEGRATOR_OFFSET:g}"))
+        for name, each in SCIPY_METHODS.items()
     ),
-    *(
-        Solver(f"scipy {method}, raw", partial(prepare, method, True), tolerances, raw=True, note=RAW_SCIPY)
-        for method, tolerances in METHODS.items()
-    ),
+    *(Solver(f"CVODE {name}", partial(prepare, name), TOLERANCES, "sksundae", note=FAR_OFF) for name in CVODE_METHODS),
 )

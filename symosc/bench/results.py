@@ -8,8 +8,8 @@ from pathlib import Path
 
 from symosc import plot
 from symosc.aliases import Record
-from symosc.bench import error_map, hard, hard_table, plot_error_map, plot_work, speed, work_precision, work_table
-from symosc.bench.machine import sentence
+from symosc.bench import cases, error_map, sentence, speed, work
+from symosc.bench.solvers import OURS
 from symosc.errors import OutputError
 from symosc.files import write_text
 from symosc.reference.compare import ERRORS, REFERENCE_DIGITS
@@ -47,44 +47,38 @@ def replaced(text: str, section: str, content: str, name: str | Path = "README")
 def write(readme: str | Path, result: Record) -> list[Path]:
     """Write the results into the README, pictures and full tables into files beside it; return these files.
 
-    `result` has the results of `run` of speed, work_precision, hard and error_map by these names, and whether they were
-    quick.
+    `result` has whether it was quick, and what `run` returns in speed, work ("work_precision"), cases ("scores") and
+    error_map.
     """
     text, folder = check(readme), Path(readme).parent / RESULTS_FOLDER
-    work, cases, command = result["work_precision"], result["hard"], _command(result)
+    measured, command = result["work_precision"], _command(result)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(str(folder), error.strerror or str(error)) from None
+    about = f"Written by `{command}` ({sentence(measured['machine'])})."
+    page = f"# Work and precision\n\n{about}\n\n{work.table(measured, markdown=True)}\n"
     files = [
-        plot.save(plot_work.figure(work), folder / "work_precision.svg"),
-        plot.save(plot_error_map.figure(result["error_map"]), folder / "error_map.png"),
-        write_text(
-            folder / "work_precision.md",
-            _page("Work and precision", work_table.table(work, markdown=True), command, work),
-        ),
-        write_text(folder / "hard_cases.md", _page("Hard cases", _hard_tables(cases), command, cases)),
+        plot.save(work.figure(measured), folder / "work_precision.svg"),
+        plot.save(error_map.figure(result["error_map"]), folder / "error_map.png"),
+        write_text(folder / "work_precision.md", page),
+        *cases.write(folder / "scores.md", result["scores"], command),
+        write_text(folder / "README.md", overview(result)),
     ]
-    write_text(folder / "README.md", overview(result))
-    text = replaced(text, "results", brief(result), readme)
-    return [write_text(readme, text), folder / "README.md", *files]
-
-
-def brief(result: Record) -> str:
-    """Return what the README says: what the page of all results begins with."""
-    return f"{figures(result)}[All solvers, all cases, pictures]({RESULTS_FOLDER}/README.md).\n"
+    brief = f"{figures(result)}[All solvers, all cases, pictures]({RESULTS_FOLDER}/README.md).\n"
+    return [write_text(readme, replaced(text, "results", brief, readme)), *files]
 
 
 def figures(result: Record) -> str:
     """Return our speed and error, and how the best of the others compares: the same in the README and on the page."""
-    work = result["work_precision"]
-    text = f"{_heyoka(work)}{looser(work)}{hard_table.verdict(result['hard'])}"
+    measured = result["work_precision"]
+    text = f"{_heyoka(measured)}{looser(measured)}{cases.our_verdict(result['scores'])}"
     return f"{speed.section(result['speed'])}\n{speed.wrapped(text)}\n"
 
 
 def overview(result: Record) -> str:
     """Return the page that all results begin with, as Markdown."""
-    work, cases = result["work_precision"], result["hard"]
+    measured = result["work_precision"]
     return f"""\
 # Results
 
@@ -95,7 +89,7 @@ Written by one run of `{_command(result)}`.
 {figures(result)}
 ## Work and precision
 
-Every solver follows the same scenes ({sentence(work["machine"])}). Time is per event, calls repeated, the first one
+Every solver follows the same scenes ({sentence(measured["machine"])}). Time is per event, calls repeated, the first one
 apart; errors are {ERRORS}, against {REFERENCE_DIGITS} digits.
 
 ![Error against time per event, one panel per scene, one curve per solver; symosc is the black star.]\
@@ -104,18 +98,14 @@ apart; errors are {ERRORS}, against {REFERENCE_DIGITS} digits.
 Each solver at the tolerance that served it best: its time as a multiple of ours, its error, and the events that it
 missed or invented. [All tolerances, and what precautions the solvers need](work_precision.md).
 
-{work_table.summary(work)}
+{work.summary(measured)}
 
 ## Hard cases
 
-The largest error of a solver in the cases of a group; and if it did not find all events in all of them,
-in how many it did, and its largest error in those.
+In how many cases of a group a solver is right, and its largest error in those, in units of condition * 1e-16, which is
+what rounding the problem's numbers to doubles does. [What counts as right, and all cases](scores.md).
 
-{hard.summary(cases, "github")}
-
-{chr(10).join(f"- {line}" for line in hard.legend(cases)[:-1])}
-
-[All cases, and the peers as they come](hard_cases.md).
+{cases.hard_summary(result["scores"])}
 
 ## The kernels
 
@@ -126,29 +116,29 @@ formula everywhere, below as symosc evaluates it, with the borders between its f
 """
 
 
-def _heyoka(work: Record) -> str:
-    """Return a sentence about heyoka, with its precautions and at its finest tolerance; "" if it did not run."""
+def _heyoka(measured: Record) -> str:
+    """Return a sentence about heyoka at its finest tolerance; "" if it did not run."""
     finest: dict[str, str] = {}
-    for row in work["rows"]:
-        if row["solver"].startswith("heyoka") and not row["raw"] and row["over_ours"]:
+    for row in measured["rows"]:
+        if row["solver"] == "heyoka" and row["over_ours"]:
             error = f", error {row['error']:.0e}" if row["over_ours"] < 1 and row["error"] is not None else ""
-            ratio = work_table.rounded(row["over_ours"], 2)
+            ratio = work.rounded(row["over_ours"], 2)
             finest[row["scene"]] = f"{ratio} ({row['scene']}{error})"  # tolerances run from coarse to fine
     ratios = ", ".join(finest.values())
     return f"heyoka at its finest tolerance takes {ratios} times as long as symosc.\n" if finest else ""
 
 
-def looser(work: Record) -> str:
+def looser(measured: Record) -> str:
     """Return what our last digits cost, for the scenes where a looser accuracy saves half of the time or more."""
     ours: dict[str, list[Record]] = {}
-    for row in work["rows"]:
-        if row["solver"] == work_precision.OURS.name and row["us_per_event"]:
+    for row in measured["rows"]:
+        if row["solver"] == OURS[0].name and row["us_per_event"]:
             ours.setdefault(row["scene"], []).append(row)
     lines = []
     for scene, rows in ours.items():
         loose, fine = rows[0], rows[-1]
         if loose["us_per_event"] < SAVES * fine["us_per_event"]:
-            less, more = (work_table.rounded(row["us_per_event"], 2) for row in (loose, fine))
+            less, more = (work.rounded(row["us_per_event"], 2) for row in (loose, fine))
             lines.append(f"{scene} takes {more} µs per event with an error of {fine['error']:.0e}, and with")
             lines.append(f"`accuracy={loose['tolerance']:g}` {less} µs with {loose['error']:.0e}.")
     if lines:
@@ -156,16 +146,5 @@ def looser(work: Record) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def _hard_tables(cases: Record) -> str:
-    tables = [hard.table(cases, form="github")]
-    if any(solver["raw"] for solver in cases["solvers"]):
-        tables += ["## The peers as they come", hard.table(cases, form="github", raw=True)]
-    return "\n\n".join([*tables, *hard.legend(cases)[:-1]])
-
-
 def _command(result: Record) -> str:
     return f"symosc bench {'--quick ' if result['quick'] else ''}--results README.md"
-
-
-def _page(title: str, body: str, command: str, result: Record) -> str:
-    return f"# {title}\n\nWritten by `{command}` ({sentence(result['machine'])}).\n\n{body}\n"

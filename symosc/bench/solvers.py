@@ -1,25 +1,46 @@
-"""What a solver is to the benchmarks: scene and tolerance in, switching events out."""
+"""Solvers as the benchmarks see them, the list of all, and calls of them with a time limit in a process of their own.
+
+What hangs or dies there is a result, not the end of the run. The process is spawned, not forked: compiled peers (numba,
+heyoka) and the pool itself run threads, and locks that these hold at a fork are never released in the child. It serves
+all calls until one overruns its limit or kills it, so imports and compilation are paid once.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import os
+import pkgutil
+import signal
+import warnings
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, TimeoutError
+from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from importlib import import_module
 from importlib.util import find_spec
-from typing import Any
+from multiprocessing import get_context
+from threading import Event as Flag
+from threading import Lock
+from typing import Any, NamedTuple
 
+from pebble import ProcessExpired, ProcessPool
+
+from symosc import bench
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
+from symosc.simulation.ensemble import simulate_many
+from symosc.simulation.simulate import ACCURACY, simulate
+
+HANG, CRASH = "hang", "crash"
+#: How much of an exception's message is kept.
+LONGEST_MESSAGE = 120
+#: Seconds for the first call of a solver, with all that it imports and compiles, on a slow machine too.
+FIRST_LIMIT = 600.0
+PROCESSES = min(2, os.cpu_count() or 1)
 
 
 class Late(Sequence[FoundEvents]):
-    """Events that become Python objects when they are looked at: a solver that works in arrays is timed without that.
-
-    Parameters
-    ----------
-    make : callable
-        Returns the events.
-    """
+    """Events that become Python objects on first access: a solver that works in arrays is timed without that."""
 
     def __init__(self, make: Callable[[], Sequence[FoundEvents]]) -> None:
         self._make = make
@@ -46,23 +67,20 @@ class Solver:
         What tables and plots call it.
     prepare : callable
         ``prepare(scene, tolerance)`` returns a function without arguments that follows the scene from its start to its
-        end and returns its events, `Late` where they come in arrays. What a user would do once (compile, build the
-        integrator) is done in `prepare`.
+        end and returns its events (`FoundEvents`), `Late` where they come in arrays. What a user would do once
+        (compile, build the integrator) is done in `prepare`.
     tolerances : tuple of float
         What a work-precision curve runs through, coarse to fine; one entry 0.0 for a solver without a tolerance.
     needs : str
         The module that must be importable, "" if it comes with symosc.
-    raw : bool
-        True if the peer is used as it comes, without the precautions that its traps ask for.
     note : str
-        What its precautions are, or what a user of the raw one would not have known.
+        What its precautions are.
     """
 
     name: str
     prepare: Callable[[Scene, float], Callable[[], Sequence[FoundEvents]]]
     tolerances: tuple[float, ...]
     needs: str = ""
-    raw: bool = False
     note: str = ""
 
     @property
@@ -71,3 +89,190 @@ class Solver:
         if not self.needs or find_spec(self.needs) is not None:
             return ""
         return f"{self.needs} is not installed (extra `bench`)"
+
+
+def compiled(scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
+    """Prepare `simulate_many`; the tolerance is its `accuracy`, the estimated error that asks for more digits."""
+    start, known = [scene.t0, scene.x0, scene.v0], scene.start_error
+
+    def run() -> Late:
+        table = simulate_many(scene.parameters, start, scene.t_end, accuracy=tolerance, start_error=known)
+        columns = (table.t, table.x, table.kind, table.boundary)
+        return Late(lambda: list(map(FoundEvents, *(column.tolist() for column in columns))))
+
+    return run
+
+
+def multiprecision(scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
+    """Prepare `simulate` with mpmath; the tolerance says how many digits."""
+    digits = max(5, len(f"{1 / tolerance:.0f}") - 1)
+
+    def run() -> list[FoundEvents]:
+        events = simulate(scene, digits=digits).events
+        return [FoundEvents(float(event.t), float(event.x), event.kind, event.boundary) for event in events]
+
+    return run
+
+
+#: symosc's own; the time of the first one is the unit. Accuracies: one that doubles keep on all shipped scenes, and the
+#: default, for which fig8 is computed again with mpmath.
+OURS = (
+    Solver("symosc, compiled", compiled, (1e-9, ACCURACY), needs="numba"),
+    Solver("symosc, mpmath", multiprecision, (1e-20,)),
+)
+
+
+@lru_cache(maxsize=1)
+def all_solvers() -> tuple[Solver, ...]:
+    """Return symosc's own solvers, then those of all modules peers_* in this package."""
+    names = [each.name for each in pkgutil.iter_modules(bench.__path__) if each.name.startswith("peers_")]
+    return (*OURS, *(solver for name in names for solver in import_module(f"symosc.bench.{name}").SOLVERS))
+
+
+# -- calls with a time limit -------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a call: its value, or a failure and None.
+
+    The failure is "hang" (the time limit was reached), "exception: <type>: <message>" or "crash: <how the process
+    ended>". `warnings` has the first lines of the different warnings.
+    """
+
+    value: Any = None
+    failure: str = ""
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def lost(self) -> bool:
+        """Whether the process is gone, with all that it had imported and compiled."""
+        return self.failure == HANG or self.failure.startswith(CRASH)
+
+
+class Worker:
+    """A process that runs one call at a time; use it in a ``with`` statement.
+
+    What calls write to standard output or standard error, from C and Fortran too, is dropped.
+
+    Examples
+    --------
+    >>> with Worker() as worker:
+    ...     worker.call(10.0, divmod, 7, 2).value
+    (3, 1)
+    """
+
+    def __init__(self) -> None:
+        self._pool = ProcessPool(max_workers=1, initializer=_drop_output, context=get_context("spawn"))
+
+    def __enter__(self) -> Worker:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._pool.stop()  # a call that is still running belongs to an interrupted caller
+        self._pool.join()
+
+    def call(self, limit: float, function: Callable[..., Any], *arguments: object) -> Outcome:
+        """Return what became of ``function(*arguments)`` (picklable) within `limit` seconds.
+
+        The clock includes what the function imports or compiles, but not the start of the process.
+        """
+        # An argument that cannot be pickled ends in an exception here: that is the caller's mistake.
+        future = self._pool.schedule(_guarded, args=(function, arguments), timeout=limit)
+        try:
+            outcome: Outcome = future.result()
+        except TimeoutError:
+            return Outcome(failure=HANG)
+        except ProcessExpired as death:
+            return Outcome(failure=f"{CRASH}: the process ended with exit code {death.exitcode}")
+        return outcome
+
+
+@contextmanager
+def processor_limit(seconds: float) -> Iterator[None]:
+    """Raise TimeoutError in a block that takes more processor time; compiled code is interrupted when it returns.
+
+    In the main thread only, and where the system has such a timer.
+    """
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
+
+    late = TimeoutError(f"more than {seconds:g} s of processor time")
+
+    def stop(*_: object) -> None:
+        raise late
+
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    except SystemError as error:  # what an exception becomes that is raised while compiled code runs
+        raise late if error.__cause__ is late or error.__context__ is late else error from None
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
+
+
+def _guarded(function: Callable[..., Any], arguments: tuple[object, ...]) -> Outcome:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            value, failure = function(*arguments), ""
+        except Exception as error:
+            value, failure = None, f"exception: {type(error).__name__}: {_first_line(error)}".removesuffix(": ")
+    return Outcome(value, failure, tuple(dict.fromkeys(_first_line(each.message) for each in caught)))
+
+
+def _first_line(message: object) -> str:
+    line = next(iter(str(message).strip().splitlines()), "")
+    return line if len(line) <= LONGEST_MESSAGE else f"{line[: LONGEST_MESSAGE - 1]}…"
+
+
+def _drop_output() -> None:
+    nothing = os.open(os.devnull, os.O_WRONLY)
+    for stream in (1, 2):
+        os.dup2(nothing, stream)
+
+
+class Job(NamedTuple):
+    """A call in a worker, and the key of its result."""
+
+    key: Hashable
+    function: Callable[..., Any]
+    arguments: tuple[object, ...]
+
+
+def in_parallel(
+    chunks: Sequence[Sequence[Job]], limit: float, first_limit: float | None, steps: Iterator[Any]
+) -> dict[Any, Outcome]:
+    """Run each chunk of jobs in a worker of its own, PROCESSES at a time; return the outcomes by key.
+
+    With `first_limit` the first job of a new process may take that long: it imports and compiles. So the first job of
+    a chunk is done again where a process was lost, and does not count.
+    """
+    stop, turn = Flag(), Lock()
+
+    def follow(chunk: Sequence[Job]) -> dict[Any, Outcome]:
+        found: dict[Any, Outcome] = {}
+        with Worker() as worker:
+            fresh = bool(first_limit)
+            for job in chunk:
+                if stop.is_set():
+                    break
+                if fresh and first_limit:
+                    worker.call(first_limit, chunk[0].function, *chunk[0].arguments)
+                with turn:
+                    next(steps, None)
+                found[job.key] = worker.call(limit, job.function, *job.arguments)
+                fresh = found[job.key].lost
+        return found
+
+    done: dict[Any, Outcome] = {}
+    with ThreadPoolExecutor(PROCESSES) as pool:
+        try:
+            for found in pool.map(follow, chunks):
+                done |= found
+        finally:
+            stop.set()
+    return done

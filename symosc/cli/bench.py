@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from importlib.util import find_spec
 from math import isfinite
+from pathlib import Path
 from typing import Any
 
 import click
@@ -32,11 +33,11 @@ def bench(
 
     Prints our time per event and the solvers' time and error on the shipped scenes, all as multiples of ours and of one
     closed-form evaluation. Solvers that are not installed are skipped, and named (extra bench); one that hangs or fails
-    is shown as such. With --hard all solvers get cases that are hard to get right. The exit code is 1 if symosc itself
-    misses or invents an event, or has an error above 1e-12 (in ill-conditioned cases above 100 * condition * 1e-16).
-    Then -o draws the error of symosc's kernels over damping ratio and drive.
+    is shown as such. With --hard all solvers get the hard ones of the reference cases. The exit code is 1 if symosc
+    itself misses or invents an event, or has an error above 1e-12 (in ill-conditioned cases above 100 * condition *
+    1e-16). Then -o draws the error of symosc's kernels over damping ratio and drive.
 
-    --scores lets all solvers follow the reference cases (`symosc cases`), which takes some minutes, and writes what
+    --scores lets all solvers follow all reference cases (`symosc cases`), which takes some minutes, and writes what
     `symosc score` says of them, with a picture beside it.
 
     --results writes into a README that has the lines '<!-- results: begin -->' and '<!-- results: end -->'. Pictures
@@ -52,7 +53,7 @@ def bench(
     """
     piped = goes_to_stdout(output, "--output", as_json)
     from symosc import plot
-    from symosc.bench import results
+    from symosc.bench import cases, error_map, results, speed, work
 
     if page is not None:
         if quick or hard_cases or as_json or output is not None or readme is not None:
@@ -66,54 +67,56 @@ def bench(
     result: Record = {"quick": quick}
     if readme is not None or not hard_cases:
         result |= _speed(quick)
-    if readme is not None or hard_cases:
-        result |= _hard(quick, with_map=readme is not None or output is not None)
+    if readme is not None:
+        result["scores"] = cases.run(progress=partial(_bar, "reference cases"))
+    elif hard_cases:
+        result["hard"] = cases.run(partial(_bar, "hard cases"), cases=cases.hard(quick))
+    if readme is not None or (hard_cases and output is not None):
+        result["error_map"] = error_map.run(quick=quick, progress=partial(_bar, "error map"))
     written = [] if readme is None else results.write(readme, result)
     if output is not None:
-        written.append(plot.save(_picture(result), output))
-    code = 0 if "hard" not in result or result["hard"]["ok"] else FAILED
+        picture = error_map.figure(result["error_map"]) if hard_cases else work.figure(result["work_precision"])
+        written.append(plot.save(picture, output))
+    code = 0 if all(result[key]["ok"] for key in ("hard", "scores") if key in result) else FAILED
     if as_json:
-        write_json(_plain(result))
+        plain = {key: cases.as_json(each) if key in ("hard", "scores") else each for key, each in result.items()}
+        write_json(_plain(plain))
     if as_json or piped:
         return code
-    if readme is None:
-        write(_tables(result))
+    if readme is None and hard_cases:
+        write(cases.table(result["hard"]))
+    elif readme is None:
+        tables = {"speed": speed.table, "digits": speed.digits_table, "ensembles": speed.ensembles_table}
+        tables |= {"sweeping": speed.sweeping_table, "work_precision": work.table}
+        write("\n\n".join(table(result[name]) for name, table in tables.items()))
     for path in written:
         write(wrote(path))
     return code
 
 
 def _speed(quick: bool) -> Record:
-    from symosc.bench import digits, ensembles, speed, sweeping, work_precision
+    from symosc.bench import speed, work
 
     if find_spec("numba") is None:
         raise MissingExtraError("symosc bench", "bench")
     return {
         "speed": speed.run(quick=quick),
-        "digits": digits.run(quick=quick),
-        "ensembles": ensembles.run(quick=quick),
-        "sweeping": sweeping.run(quick=quick),
-        "work_precision": work_precision.run(quick=quick, progress=partial(_bar, "solvers")),
+        "digits": speed.measure_digits(quick=quick),
+        "ensembles": speed.measure_ensembles(quick=quick),
+        "sweeping": speed.measure_sweeping(quick=quick),
+        "work_precision": work.run(quick=quick, progress=partial(_bar, "solvers")),
     }
 
 
-def _hard(quick: bool, with_map: bool) -> Record:
-    from symosc.bench import error_map, hard
-
-    result = {"hard": hard.run(quick=quick, progress=partial(_bar, "hard cases"))}
-    if with_map:
-        result["error_map"] = error_map.run(quick=quick, progress=partial(_bar, "error map"))
-    return result
-
-
 def _scores(page: str) -> int:
-    from symosc.bench import scores
+    from symosc.bench import cases
     from symosc.files import check_folder_of
 
     if not page.endswith(".md"):
         raise click.BadParameter(f"{page!r} must end in .md", param_hint="--scores")
     check_folder_of(page)  # before the work
-    for path in scores.write(page, scores.run(progress=partial(_bar, "reference cases"))):
+    result = cases.run(progress=partial(_bar, "reference cases"))
+    for path in cases.write(page, result, f"symosc bench --scores {Path(page).as_posix()}"):
         write(wrote(path))
     return 0
 
@@ -124,27 +127,6 @@ def _bar(label: str, steps: Sequence[Any]) -> Iterator[Any]:
         for done, step in enumerate(steps, 1):
             yield step
             report(done, len(steps))
-
-
-def _picture(result: Record) -> Any:
-    from symosc.bench import plot_error_map, plot_work
-
-    if "error_map" in result:
-        return plot_error_map.figure(result["error_map"])
-    return plot_work.figure(result["work_precision"])
-
-
-def _tables(result: Record) -> str:
-    from symosc.bench import digits, ensembles, hard, speed, sweeping, work_table
-
-    if "hard" not in result:
-        shown = {"speed": speed, "digits": digits, "ensembles": ensembles, "sweeping": sweeping}
-        shown["work_precision"] = work_table
-        return "\n\n".join(module.table(result[name]) for name, module in shown.items())
-    parts = [hard.table(result["hard"])]
-    if any(solver["raw"] for solver in result["hard"]["solvers"]):
-        parts += ["The peers as they come:", hard.table(result["hard"], raw=True)]
-    return "\n\n".join([*parts, *hard.legend(result["hard"])])
 
 
 def _plain(value: object) -> object:

@@ -108,9 +108,9 @@ def check(files: tuple[str, ...], output: str | None, report: str | None, as_jso
     check_picture(output)
     result = _checked(problem, words, options)
     if output is not None:
-        from symosc.plot import crosscheck as drawing
+        from symosc import plot
 
-        drawing.write(_only_one(result, "--output"), output)
+        plot.save(plot.crosscheck_figure(_only_one(result, "--output")), output)
     if report is not None:
         _only_one(result, "--report").to_html(report)
     if not piped:

@@ -209,15 +209,14 @@ def _data(window: GrazingWindow) -> Record:
 
 def _plane(axes: Axes, window: GrazingWindow) -> None:
     from symosc.grazing.curve import grazing_curve
-    from symosc.plot.curve import draw_plane
+    from symosc.plot.windows import draw_plane
 
     draw_plane(axes, grazing_curve(window.parameters, window.mapping, progress=True))
 
 
 def _draw(windows: list[GrazingWindow], against: str | None, output: str) -> None:
     from symosc.plot.drawing import save
-    from symosc.plot.sweep import sweep_figure
-    from symosc.plot.windows import window_figure
+    from symosc.plot.windows import sweep_figure, window_figure
 
     window = windows[0]
     if against is None:

@@ -65,7 +65,8 @@ def checked(t: object, x: object, v: object = None, events: object = None) -> Sa
         raise ParameterError("t", float(times[0]), "is repeated in all samples; the times must increase")
     if v is None:
         arrays["v"][:] = np.nan
-    return Samples(**arrays, events=None if events is None else checked_events(events))
+    listed = None if events is None else checked_events(events)
+    return Samples(arrays["t"], arrays["x"], arrays["v"], listed)
 
 
 def check_joints(samples: Samples, part: float, slack_x: np.ndarray, slack_v: np.ndarray) -> None:

@@ -6,6 +6,7 @@ import re
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from importlib import import_module
+from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -47,24 +48,17 @@ MARKS = {"exact": "e", "sign": "s", "numeric": "n"}
 
 
 class Part(NamedTuple):
-    """An item of a chapter with the evidence of its steps, in their order."""
+    """An item of a chapter with the evidence of its steps; displayed steps have a number and a label."""
 
     item: Any
     evidence: tuple[StepEvidence, ...]
+    number: str = ""
+    label: str = ""
 
     @property
     def marks(self) -> str:
-        """The letters of the checks behind a sentence or a table, each once, such as "e,n"."""
+        """The letters of the checks, each once, such as "e,n"."""
         return ",".join(dict.fromkeys(MARKS[evidence.kind] for evidence in self.evidence))
-
-
-class NumberedStep(NamedTuple):
-    """A displayed step: its number, its label, and how it was checked."""
-
-    number: str
-    label: str
-    step: Step
-    evidence: StepEvidence
 
 
 class Checked(NamedTuple):
@@ -84,36 +78,22 @@ class Checked(NamedTuple):
         """Return every step with its evidence, those behind sentences and tables included."""
         return [pair for part in self.parts for pair in zip(steps_of(part.item), part.evidence, strict=True)]
 
-    def grouped(self) -> Iterator[Part | list[NumberedStep]]:
+    def grouped(self) -> Iterator[Part | list[Part]]:
         """Yield the parts, and in place of steps that follow each other the list of them, which is one display."""
-        display: list[NumberedStep] = []
-        count = 0
-        for part in self.parts:
-            if isinstance(part.item, Step):
-                count += 1
-                number = f"{self.number}.{count}" if self.number else str(count)
-                display.append(
-                    NumberedStep(number, equation_label(part.item, self.key, count), *part[:1], *part.evidence)
-                )
-                continue
-            if display:
-                yield display
-                display = []
-            yield part
-        if display:
-            yield display
+        for displayed, parts in groupby(self.parts, lambda part: isinstance(part.item, Step)):
+            if displayed:
+                yield list(parts)
+            else:
+                yield from parts
 
     def log(self) -> list[dict[str, Any]]:
         """Return the statement (LaTeX) and evidence of each step; steps that are not displayed have no number."""
-        rows, count = [], 0
+        rows = []
         for part in self.parts:
-            displayed = isinstance(part.item, Step)
-            count += displayed
-            number = (f"{self.number}.{count}" if self.number else str(count)) if displayed else ""
-            for (left, op, right), evidence in zip(
-                (step.statement for step in steps_of(part.item)), part.evidence, strict=True
-            ):
-                rows.append({"step": number, "statement": f"{latex(left)} {op} {latex(right)}", **evidence._asdict()})
+            for step, evidence in zip(steps_of(part.item), part.evidence, strict=True):
+                left, op, right = step.statement
+                statement = f"{latex(left)} {op} {latex(right)}"
+                rows.append({"step": part.number, "statement": statement, **evidence._asdict()})
         return rows
 
 
@@ -122,13 +102,14 @@ def chapter_items(key: str, scope: Scope) -> tuple[str, list[Any]]:
     if key not in CHAPTERS:
         raise ParameterError("subject", key, f"must be all or one of {', '.join(CHAPTERS)}")
     module = import_module(f"symosc.derive.chapters.{key}")
-    return module.TITLE, list(flat(module.items(scope)))
+    return module.TITLE, flat(module.items(scope))
 
 
 def check(key: str, title: str, items: list[Any], progress: Callable[[int, int], None] | None = None) -> Checked:
     """Check the steps of a chapter or fragment."""
     count, done = sum(len(steps_of(item)) for item in items), 0
-    parts: list[Part] = []
+    number, parts = chapter_number(key), list[Part]()
+    displayed = 0
     for item in items:
         evidence = []
         for step in steps_of(item):
@@ -139,8 +120,12 @@ def check(key: str, title: str, items: list[Any], progress: Callable[[int, int],
                 raise StepError(f"{key}, step {done}: {error.statement}", error.reason) from None
             if progress:
                 progress(done, count)
-        parts.append(Part(item, tuple(evidence)))
-    return Checked(key, title, chapter_number(key), parts)
+        name = ("", "")
+        if isinstance(item, Step):
+            displayed += 1
+            name = (f"{number}.{displayed}" if number else str(displayed)), equation_label(item, key, displayed)
+        parts.append(Part(item, tuple(evidence), *name))
+    return Checked(key, title, number, parts)
 
 
 def check_chapter(key: str, scope: Scope, progress: Callable[[int, int], None] | None = None) -> Checked:
@@ -233,14 +218,14 @@ def shown(statement: Relation, scope: Scope) -> Relation:
     return Relation(scope.shown(statement.left), statement.op, scope.shown(statement.right))
 
 
-def rows(display: list[NumberedStep], scope: Scope) -> list[tuple[list[str], NumberedStep]]:
+def rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
     """Return for each step of a display the rows of LaTeX that it takes, `left &= right` first."""
-    decimals = scope.decimal or any(each.step.decimals for each in display)
-    statements = [shown(each.step.statement, scope) for each in display]
+    decimals = scope.decimal or any(each.item.decimals for each in display)
+    statements = [shown(each.item.statement, scope) for each in display]
     left = max(width(latex(statement.left, decimals)) for statement in statements)
     found = []
     for each, statement in zip(display, statements, strict=True):
-        printed, note = lines(statement, decimals, left), each.step.note
+        printed, note = lines(statement, decimals, left), each.item.note
         if note:
             if width(printed[-1]) + 0.7 * _letters(note) < LINE_WIDTH - 4:
                 printed[-1] += rf" \quad\text{{{note}}}"
@@ -255,7 +240,7 @@ def _letters(text: str) -> int:
     return len(re.sub(r"\\[a-zA-Z]+|\\.|[{}$^_ ]", "", text)) + 2 * text.count(" ")
 
 
-def align(display: list[NumberedStep], scope: Scope, end: Callable[[NumberedStep], str]) -> str:
+def align(display: list[Part], scope: Scope, end: Callable[[Part], str]) -> str:
     """Return a display as LaTeX; `end` is what stands at the end of a step, such as its label."""
     body = []
     for printed, each in rows(display, scope):
@@ -284,9 +269,9 @@ def as_latex(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = No
     return resolved("\n\n".join(out), numbers_of([chapter]) if numbers is None else numbers) + "\n"
 
 
-def _piece(part: Part | list[NumberedStep], scope: Scope) -> str:
+def _piece(part: Part | list[Part], scope: Scope) -> str:
     if isinstance(part, list):
-        return align(part, scope, lambda each: rf"\markit{{{MARKS[each.evidence.kind]}}}\label{{{each.label}}}")
+        return align(part, scope, lambda each: rf"\markit{{{each.marks}}}\label{{{each.label}}}")
     item, mark = part.item, rf"\checkedby{{{part.marks}}}" if part.evidence else ""
     if isinstance(item, Heading):
         return rf"\subsection{{{item.text}}}"
@@ -431,10 +416,10 @@ def _converter(numbers: dict[str, str]) -> ToHtml:
     return html
 
 
-def _display_html(display: list[NumberedStep], scope: Scope, html: ToHtml) -> str:
+def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
     body = []
     for printed_rows, each in rows(display, scope):
-        note = each.step.note
+        note = each.item.note
         for line in printed_rows:
             if note:
                 line = line.replace(rf" \quad\text{{{note}}}", "").replace(rf"&\quad \text{{{note}}}", "&")
@@ -443,7 +428,7 @@ def _display_html(display: list[NumberedStep], scope: Scope, html: ToHtml) -> st
             body.append(f"<tr><td>{sides[0]}</td><td>{sides[1]}</td><td></td></tr>")
         # The last line has the note and the number.
         remark = f' <span class="remark">{html(note)}</span>' if note else ""
-        label = f'<td title="{each.evidence.kind}">({each.number}&nbsp;{MARKS[each.evidence.kind]})</td>'
+        label = f'<td title="{each.evidence[0].kind}">({each.number}&nbsp;{each.marks})</td>'
         body[-1] = f'<tr id="step-{each.number}"><td>{sides[0]}</td><td>{sides[1]}{remark}</td>{label}</tr>'
     return '<div class="wide"><table class="steps">\n' + "\n".join(body) + "\n</table></div>"
 
@@ -464,17 +449,17 @@ def _paragraph(text: str) -> str:
 
 def write_document(chapters: list[Checked], scope: Scope, folder: Path, form: str = "latex") -> list[Path]:
     """Write the chapters into a folder (made if needed) and return the paths, the main file first."""
+    from symosc import plot
+
+    _make(folder)
     if form == "html":
-        _make(folder)
         return [write_text(folder / PAGE, as_page(chapters, scope))]
-    numbers = numbers_of(chapters)
-    _make(folder / CHAPTER_FOLDER)
+    numbers, target = numbers_of(chapters), _make(folder / CHAPTER_FOLDER)
     paths = [write_text(folder / MAIN, main_document(chapters, scope))]
-    for chapter in chapters:
-        path = folder / CHAPTER_FOLDER / f"{chapter.key}.tex"
-        paths.append(write_text(path, as_latex(chapter, scope, numbers)))
+    paths += [write_text(target / f"{each.key}.tex", as_latex(each, scope, numbers)) for each in chapters]
     paths.append(write_text(folder / BIBTEX, references_bib()))
-    return paths + _draw(chapters, folder / PICTURES)
+    keys = [item.key for chapter in chapters for item in chapter.items if isinstance(item, Illustration)]
+    return paths + [plot.save(figure(key), _make(folder / PICTURES) / f"{key}.pdf") for key in keys]
 
 
 def printed(chapters: list[Checked], scope: Scope, form: str) -> str:
@@ -484,17 +469,9 @@ def printed(chapters: list[Checked], scope: Scope, form: str) -> str:
     return "\n".join(as_latex(chapter, scope, numbers_of(chapters)) for chapter in chapters)
 
 
-def _draw(chapters: list[Checked], folder: Path) -> list[Path]:
-    from symosc import plot
-
-    keys = [item.key for chapter in chapters for item in chapter.items if isinstance(item, Illustration)]
-    if keys:
-        _make(folder)
-    return [plot.save(figure(key), folder / f"{key}.pdf") for key in keys]
-
-
-def _make(folder: Path) -> None:
+def _make(folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(str(folder), error.strerror or str(error)) from None
+    return folder

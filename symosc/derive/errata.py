@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+import tomllib
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from symosc.derive.records import RecordsError, kebab, one_of, records
+from symosc.errors import SymoscError
 
 ERRATA_FILE = Path(__file__).with_name("errata.toml")
 SEVERITIES = {
@@ -43,13 +45,58 @@ class Erratum:
 
 def read_errata(path: Path = ERRATA_FILE) -> tuple[Erratum, ...]:
     """Read the errata, with texts in LaTeX, in the order of the paper; RecordsError for a file that is not complete."""
-    rows = records(path, "erratum", ("id", "severity", *TEXTS), ("shown",))
-    for row in rows:
-        kebab(path.name, row["id"])
-        one_of(f"{path.name}, erratum {row['id']}", "severity", row["severity"], SEVERITIES)
-    if len({row["id"] for row in rows}) < len(rows):
-        raise RecordsError(path.name, "an id is there twice")
-    return tuple(Erratum(number, **row) for number, row in enumerate(rows, 1))
+    found = []
+    for number, (name, row) in enumerate(read_toml(path).items(), 1):
+        where = f"{path.name}, {name}"
+        kebab(path.name, name)
+        needed = {"severity", *TEXTS}
+        if not isinstance(row, dict) or not needed <= set(row) <= needed | {"shown"}:
+            raise RecordsError(where, f"must have {', '.join(('severity', *TEXTS))}, and may have shown")
+        for key, value in row.items():
+            if not isinstance(value, str) or not value.strip():
+                raise RecordsError(where, f"{key} = {value!r}: must be text")
+        one_of(where, "severity", row["severity"], SEVERITIES)
+        found.append(Erratum(number, name, **{key: one_line(value) for key, value in row.items()}))
+    return tuple(found)
+
+
+# --- files of records ---
+
+
+class RecordsError(SymoscError, ValueError):
+    """A file of records that cannot be used; `where` is the file, and the record in it."""
+
+    def __init__(self, where: str, reason: str) -> None:
+        self.where, self.reason = where, reason
+        super().__init__(f"{where}: {reason}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.where, self.reason)
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Return the content of a TOML file."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise RecordsError(path.name, f"cannot be read: {error}") from None
+
+
+def kebab(where: str, name: str) -> None:
+    """Refuse a name that is not in kebab case."""
+    if not re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name):
+        raise RecordsError(where, f"id = {name!r}: must be kebab case")
+
+
+def one_of(where: str, what: str, value: str, allowed: Collection[str]) -> None:
+    """Refuse a value that is not allowed."""
+    if value not in allowed:
+        raise RecordsError(where, f"{what} = {value!r}: must be one of {', '.join(allowed)}")
+
+
+def one_line(text: str) -> str:
+    """Return a text with single spaces between its words."""
+    return " ".join(text.split())
 
 
 # --- LaTeX as Unicode: what mails and tables take, such as F⁽¹⁾ > 0 for $F^{(1)} > 0$ ---
@@ -65,19 +112,16 @@ _ACCENTS = {r"\dot{x}": "ẋ", r"\ddot{x}": "ẍ", "F_N": "FN", r"\mathbb{R}": "
 _RAISED = dict(zip("0123456789+-()niα", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁽⁾ⁿⁱᵅ", strict=True))
 _LOWERED = dict(zip("0123456789+-ijmns", "₀₁₂₃₄₅₆₇₈₉₊₋ᵢⱼₘₙₛ", strict=True))
 _TOKEN = re.compile(r"\\([a-zA-Z]+)( (?=[a-zA-Z]))?|(\\[, ])|([_^])|(.)", re.DOTALL)
+_GROUP = re.compile(r"\{((?:[^{}]|\{[^{}]*\})*)\}|(\\[a-zA-Z]+|.)")
 
 
 def latex_to_unicode(text: str) -> str:
     """Return LaTeX text, with formulas between dollars, as Unicode; ValueError for a command that it does not know."""
     parts = text.split("$")
-    return "".join(_formula(part) if odd % 2 else _prose(part) for odd, part in enumerate(parts))
-
-
-def _prose(text: str) -> str:
-    text = text.replace("~", " ").replace("--", "–")
-    if "\\" in text:
-        raise ValueError(f"{text!r}: only formulas may have commands")
-    return text
+    for prose in parts[::2]:
+        if "\\" in prose:
+            raise ValueError(f"{prose!r}: only formulas may have commands")
+    return "".join(_formula(p) if odd % 2 else p.replace("~", " ").replace("--", "–") for odd, p in enumerate(parts))
 
 
 def _formula(text: str) -> str:
@@ -87,34 +131,25 @@ def _formula(text: str) -> str:
     while place < len(text):
         found = _TOKEN.match(text, place)
         assert found is not None
-        place = found.end()
-        if found[1] == "sqrt" or found[4]:
-            group = re.compile(r"\{((?:[^{}]|\{[^{}]*\})*)\}|(\\[a-zA-Z]+|.)").match(text, place)
+        place, command = found.end(), found[1]
+        if command == "sqrt" or found[4]:
+            group = _GROUP.match(text, place)
             if group is None:
                 raise ValueError(f"{text!r}: ends with {found[0]}")
-            place = group.end()
-            out += _root(_formula(group[1] or group[2])) if found[1] else _script(found[4], group[1] or group[2])
-        else:
-            out += _command(found[1], found[2], text) if found[1] else _sign(found[0])
+            place, inside = group.end(), group[1] or group[2]
+            root = _formula(inside) if command else ""
+            out += (f"√{root}" if root.isalnum() else f"√({root})") if command else _script(found[4], inside)
+        elif command in _FUNCTIONS:
+            out += f"{command} "
+        elif command in _SIGNS:
+            out += _SIGNS[command] + (found[2] or "")
+        elif command and command not in _LETTERS:
+            raise ValueError(f"{text!r}: \\{command} is unknown")
+        else:  # a space behind a letter ends its command only
+            out += (
+                _LETTERS[command] if command else {"-": "−", r"\,": " ", r"\ ": " ", "~": " "}.get(found[0], found[0])
+            )
     return out
-
-
-def _command(name: str, space: str | None, text: str) -> str:
-    if name in _FUNCTIONS:
-        return f"{name} "
-    if name in _SIGNS:
-        return _SIGNS[name] + (space or "")
-    if name in _LETTERS:
-        return _LETTERS[name]  # a space behind it ends the command only
-    raise ValueError(f"{text!r}: \\{name} is unknown")
-
-
-def _sign(token: str) -> str:
-    return {"-": "−", r"\,": " ", r"\ ": " ", "~": " "}.get(token, token)
-
-
-def _root(inside: str) -> str:
-    return f"√{inside}" if inside.isalnum() else f"√({inside})"
 
 
 def _script(place: str, script: str) -> str:

@@ -14,7 +14,7 @@ import sympy as sp
 
 import symosc
 from symosc.derive.chapters import domains, grazing, jacobians, motion, sticks, switching
-from symosc.derive.document import Checked, NumberedStep, Part, align, cell, check
+from symosc.derive.document import Checked, Part, align, cell, check
 from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, F, FragmentScope, G, v_lambda
 from symosc.derive.steps import (
@@ -66,7 +66,7 @@ def check_fragment(name: str, scope: FragmentScope) -> Checked:
         raise ParameterError("fragment", name, f"must be one of {', '.join(FRAGMENTS)}")
     numbers = [f"${symbol} = {value}$" for symbol, value in scope.table()]
     given = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."] if numbers else []
-    fragment = check(name, FRAGMENTS[name].title, list(flat([given, FRAGMENTS[name].items(scope)])))
+    fragment = check(name, FRAGMENTS[name].title, flat([given, FRAGMENTS[name].items(scope)]))
     for each, _ in fragment.steps():
         right = scope.shown(each.statement.right)
         if isinstance(right, sp.Expr) and right.has(sp.zoo, sp.nan, sp.oo):
@@ -87,8 +87,8 @@ def as_latex(
     tags = FRAGMENTS[fragment.key].tags if paper_tags else {}
     first = f"{prefix}:" if prefix else ""
 
-    def end(each: NumberedStep) -> str:
-        tag = rf"\tag{{{tags[each.step.label]}}} " if each.step.label in tags else ""
+    def end(each: Part) -> str:
+        tag = rf"\tag{{{tags[each.item.label]}}} " if each.item.label in tags else ""
         return rf"{tag}\label{{{first}{fragment.key}-{each.label.removeprefix('eq:')}}}"
 
     out = [_header(fragment, scope)]

@@ -1,5 +1,5 @@
-"""What answers look like: drawn, as a page of a notebook, as a table or a bar on a terminal.
+"""How answers are shown: drawn, as a page of a notebook, as a table or a bar on a terminal.
 
-May import: what stands beside it in the foundation. `drawable` is what answers derive from, `html` what pages are made
-of, `frames` tables of pandas and xarray, `terminal` and `progress` what a terminal shows.
+`drawable` is their base class, `html` has the parts of pages, `tables` prints tables, `progress` shows bars, `frames`
+imports pandas and xarray. May import: the modules beside the package.
 """

@@ -1,4 +1,4 @@
-"""Tables of pandas and xarray, which not everybody has."""
+"""Optional packages that tables need."""
 
 from __future__ import annotations
 
@@ -9,13 +9,7 @@ from symosc.errors import MissingExtraError
 
 
 def imported(name: str) -> Any:
-    """Return a package that not everybody has.
-
-    Raises
-    ------
-    MissingExtraError
-        If it is not installed.
-    """
+    """Import pandas or xarray; raise MissingExtraError if it is not installed."""
     try:
         return import_module(name)
     except ImportError:

@@ -1,6 +1,6 @@
-"""What pages of notebooks are made of: a line, tables that are cut, and small pictures that are text (SVG).
+"""Parts of pages in notebooks: a line, tables with their middle left out, and small pictures (SVG).
 
-All that is put in is escaped. Colours are those of the notebook, light or dark; no style leaves a page.
+All content is escaped. Colours are those of the notebook, light or dark; no style affects the rest of the notebook.
 """
 
 from __future__ import annotations

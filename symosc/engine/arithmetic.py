@@ -298,7 +298,11 @@ class MpArithmetic(Arithmetic):
             "basis": basis,
             "two_product": product_and_zero,
         }
-        self.namespace = bind(SOURCES, self._replaced, literal=context.mpf)
+
+    @cached_property
+    def namespace(self) -> dict[str, Any]:  # type: ignore[override]
+        """The engine's source bound to these numbers."""
+        return bind(SOURCES, self._replaced, literal=self.context.mpf)
 
     def number(self, value: Fraction) -> Number:
         """Round a Fraction to an mpf of this precision."""

@@ -16,7 +16,7 @@ from symosc.engine.flow import BeltConstants, Constants, MarchConstants, constan
 from symosc.kernels.pair_columns import PairColumn, as_double, each
 from symosc.model import Parameters
 
-# Numbers of such sizes neither overflow nor underflow in any product on the way.
+# Numbers of these sizes neither overflow nor underflow in any product on the way.
 SMALLEST_IN_COLUMNS, LARGEST_IN_COLUMNS = 1e-20, 1e20
 
 NESTED = {"belt1": BeltConstants, "belt2": BeltConstants, "march": MarchConstants, "stride": MarchConstants}

@@ -6,6 +6,7 @@ crosschecks.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, cos, log10, sin
@@ -99,19 +100,12 @@ def belt_state(
 
 
 def start_rows(
-    at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, times: np.ndarray, K: Any
+    at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, times: Sequence[Any], K: Any
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return rows of the compiled loop for many starts, some of them on a belt (`at` > 0): `belt_start` in columns.
 
-    Parameters
-    ----------
-    times : (5, n) array or five numbers: t, t_low, t_end, t_end_low and t0.
-    K : Constants, or columns of them by name.
-
-    Returns
-    -------
-    rows, unclear
-        The second is True where a force on the belt is so small that doubles do not decide.
+    `times` are t, t_low, t_end, t_end_low and t0, and K may be columns of constants by name. Also return where a force
+    on the belt is so small that doubles do not decide.
     """
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
     s, c = SIN(theta), COS(theta)
@@ -122,7 +116,7 @@ def start_rows(
     up, down = (at > 0) & (above > 0.0), (at > 0) & (below < 0.0)
     held = (at > 0) & ~up & ~down
     below, above = np.where(up, above, below), np.where(up | held, above, below)
-    zero, S22 = np.zeros(len(x)), np.where(at > 0, 0.0, EPS * v) ** 2
+    zero, S22 = np.zeros(len(at)), np.where(at > 0, 0.0, EPS * v) ** 2
     t, t_low, *ends = times
     columns = [np.where(held, ON_BELT + at, mode + up), at, zero, theta, x, v, below, above, (EPS * x) ** 2, zero, S22]
     return np.stack(np.broadcast_arrays(*columns, t, t_low, *ends, s, c, zero), axis=1), unclear

@@ -44,8 +44,8 @@ from symosc.kernels.entire import EPS
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 
-# What a search ends with: a contact; a touch, as far as the precision tells; the end of the time; a flight that never
-# met a boundary; velocities beyond HUGE; all steps used up; a contact that no number of digits tried has decided.
+# What a search ends with: a contact; a touch, as far as the precision can decide; the end of the time; a flight that
+# never met a boundary; velocities beyond HUGE; all steps used up; a contact that no number of digits tried decides.
 CONTACT, TOUCH, REACHED, NEVER, LARGE, LONG = "contact", "touch", "reached", "never", "large", "long"
 UNDECIDED = "undecided"
 
@@ -60,7 +60,7 @@ LEAST_GAP = 1e-9
 HUGE = 1e100
 # The work of a search: more than 100 periods at the fastest drive, and less than a second.
 MOST_BACKWARD_STEPS = 20_000
-# How far back a start is looked for, in periods of the excitation.
+# How far back a start is searched, in periods of the excitation.
 SEARCH_PERIODS = 100
 # Digits with which an undecided step is repeated first; then with twice as many.
 REPEAT_DIGITS, MOST_REPEAT_DIGITS = 60, 200

@@ -50,7 +50,7 @@ FLOW_DIGITS = 130
 # Times before and after a contact, over the largest rate: in double precision, and two for the adversarial phases.
 FLOW_TIME = 1e-9
 FINE_FLOW_TIMES = ("1e-21", "1e-24")
-# DOP853: times before and after the contact, over the largest rate; the second one where the first leaves it open.
+# DOP853: times before and after the contact, over the largest rate; the second one where the first cannot decide.
 DOP853_TIMES = (1e-2, 1e-13)
 DECIDER_TOLERANCE = 1e-13
 # What the scaled result of DOP853 may be wrong by (measured: 1e-15).
@@ -255,8 +255,8 @@ class _Check:
                 rows.append((phase, bool(self.window.contains(phase)), margin, *verdicts, float(value)))
                 if base in zeros and offset and NOT_DECIDED not in verdicts:
                     self.closest_phase = min(self.closest_phase, float(abs(offset)))
-        phases, *columns = zip(*rows, strict=True)
-        *columns, floats = map(np.array, columns)
+        phases = [row[0] for row in rows]
+        *columns, floats = (np.array(column) for column in list(zip(*rows, strict=True))[1:])
         self._count(phases, *columns, self.ways.solver(floats))
         self.n_adversarial = len(phases)
 

@@ -18,7 +18,6 @@ only.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from math import cos, exp, inf, nan, pi, sin
@@ -31,9 +30,10 @@ from symosc.display.drawable import Drawable
 from symosc.display.progress import late_bar
 from symosc.exact import read_exact, whole_number
 from symosc.grazing.backward import CONTACT, MOST_BACKWARD_STEPS, NEVER, STEP, TOUCH, Arrival, Origins
-from symosc.grazing.window import grazing_window
+from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels.entire import basis
 from symosc.mappings.numbers import LatexAnswer, latex_number, latex_point, latex_table, latex_words
+from symosc.mappings.theorem7_cases import ARC, EMPTY, EVERYTHING
 from symosc.model import Parameters
 
 CURVE_POINTS = 400
@@ -50,13 +50,13 @@ PIECE_POINTS = 33
 CURVE_HALVINGS = 50
 # ... but not where the search ends in one of them: that is not an end of the curve.
 ROUGH_HALVINGS = 8
-# Omega t_i changes by more than this between neighbours: there may be a jump between them, look closer ...
+# Omega t_i changes by more than this between neighbours: there may be a jump between them, which is searched ...
 CURVE_STRIDE = 0.2
 # ... unless the slopes explain it up to this part of it ...
 CURVE_AGREEMENT = 0.25
 # ... and it is one if so much is left of it at the end.
 CURVE_JUMP = 1e-3
-# Shorter pieces are not looked for: there double precision begins to take near contacts for touches.
+# Shorter pieces are not searched: there double precision begins to take near contacts for touches.
 FINEST_CURVE = 1e-6
 # How near to an open end of the window the curve is sampled.
 END_GAP = 1e-7
@@ -213,23 +213,17 @@ def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS, *, progres
     """
     window = grazing_window(p, mapping)
     n = whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
-    tracer = Tracer(p, mapping)
-    arcs = _arcs_of(window.intervals)
-    runs: list[PhaseRun] = []
-    phases = [_phases_of(*arc, n) for arc in arcs]
-    count, done = sum(map(len, phases)), 0
+    tracer, arc, samples = Tracer(p, mapping), _arc_of(window), []
     with late_bar(progress, f"grazing curve of {mapping}", "phases") as advance:
-        for arc, over in zip(arcs, phases, strict=True):
-            samples = []
-            for theta in over:
-                samples.append(tracer.sample(float(theta)))
-                done += 1
-                if advance:
-                    advance(done / count, done)
-            runs += _cut(tracer, samples, arc)
+        phases = np.array([]) if arc is None else _phases_of(*arc, n)
+        for done, theta in enumerate(phases, start=1):
+            samples.append(tracer.sample(float(theta)))
+            if advance:
+                advance(done / len(phases), done)
+    runs = [] if arc is None else _cut(tracer, samples, arc)
     pieces = tuple(_piece(_filled(tracer, run)) for run in runs if run.origin == OWN)
     gaps = tuple((*run.span, run.origin) for run in runs if run.origin != OWN)
-    return GrazingCurve(p, mapping, pieces, gaps, tuple(arc[:2] for arc in arcs), tracer)
+    return GrazingCurve(p, mapping, pieces, gaps, () if arc is None else (arc[:2],), tracer)
 
 
 def _piece(run: PhaseRun) -> CurvePiece:
@@ -309,14 +303,12 @@ class Tracer(Origins):
 # --- pieces ---
 
 
-def _arcs_of(intervals: Sequence[tuple[float, float, bool, bool]]) -> list[tuple[float, float, bool]]:
-    """Return the arcs of a window as (low, high, closed), one through 0 in one piece with a negative low end."""
-    arcs = [(low, high) for low, high, _, _ in intervals]
-    if len(arcs) == 1 and arcs[0] == (0.0, 2 * pi):
-        return [(0.0, 2 * pi, True)]
-    if len(arcs) == 2 and arcs[0][0] == 0.0 and arcs[1][1] == 2 * pi:
-        return [(arcs[1][0] - 2 * pi, arcs[0][1], False)]
-    return [(low, high, False) for low, high in arcs]
+def _arc_of(window: GrazingWindow) -> tuple[float, float, bool] | None:
+    """Return the arc of a window as (low, high, closed); one through 0 has a negative low end."""
+    if window.kind in (EMPTY, EVERYTHING):
+        return (0.0, 2 * pi, True) if window.kind == EVERYTHING else None
+    low, high = window.ends
+    return (low if window.kind == ARC else low - 2 * pi), high, False
 
 
 def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:

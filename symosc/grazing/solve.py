@@ -370,7 +370,9 @@ class Candidates:
         if is_touch and self._take(self._among_touches(theta_m, target), first, last):
             return
         self._broken.add(first)
-        self.notes.append(f"near theta_m = {first.theta_m:.12g} a solution could not be told from a break of the curve")
+        self.notes.append(
+            f"near theta_m = {first.theta_m:.12g} a solution could not be distinguished from a break of the curve"
+        )
 
     def _at_end(self, end: CurveEnd, point: Point, target: Number) -> None:
         """Find a solution between the last sample and the end of the curve."""
@@ -458,5 +460,5 @@ class Candidates:
         if steep and (self.name != "x_i" or abs(float(self.target)) > abs(point.value)):
             self.notes.append(
                 f"at theta_m = {end.theta_m:.12g} the curve goes on for ever; solutions beyond theta = "
-                f"{piece.theta[index]:.6g}, x = {piece.x[index]:.6g} are nearer to its end than doubles tell"
+                f"{piece.theta[index]:.6g}, x = {piece.x[index]:.6g} are nearer to its end than doubles resolve"
             )

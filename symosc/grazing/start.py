@@ -77,7 +77,7 @@ class GrazingStart(LatexAnswer):
     boundary : int
         The belt of that point, 0 if it is on none.
     touch : bool
-        Whether the flow only touches that belt, as far as twice the working precision tells.
+        Whether the flow only touches that belt, as far as twice the working precision can decide.
     t_m, x_m, theta_m : number
         The tangency. Without t_m= or t0= its time is theta/Omega, so that t may be negative.
     undecided : bool
@@ -151,7 +151,7 @@ def grazing_start(
     digits : int, optional
         Correct digits of the result. None: floats, rounded from 40 digits, which `start` keeps.
     periods : float
-        How far back to look, in periods of the excitation.
+        How far back to search, in periods of the excitation.
 
     Raises
     ------

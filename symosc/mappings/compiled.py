@@ -168,7 +168,7 @@ class CompiledResidual:
 
 
 def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> tuple[np.ndarray, ...]:
-    """Return arrays of one shape; their entries are not looked at."""
+    """Return arrays of one shape; their entries are not checked."""
     if len(columns) != len(names):
         raise ParameterError("points", f"{len(columns)} arrays", f"must be {', '.join(names)}")
     given = [unmasked(name, column) for name, column in zip(names, columns, strict=True)]

@@ -2,8 +2,8 @@
 
 A map takes a switching point (x_i, theta_i) to the next one (x_j, theta_j), theta = Omega t. Phases are *unwrapped*:
 the motion takes tau = (theta_j - theta_i)/Omega, so a return after a period and a half has theta_j = theta_i + 3 pi.
-(Phases modulo 2 pi could not tell that from half a period.) For a flight theta_j < theta_i is an error; the equations
-of a stick hold either way. Adding 2 pi to both phases changes nothing.
+(Phases modulo 2 pi could not distinguish that from half a period.) For a flight theta_j < theta_i is an error; the
+equations of a stick hold either way. Adding 2 pi to both phases changes nothing.
 
     flight:  f1 = x(tau) - x_j,                  f2 = v(tau) - v_j
     stick:   f1 = x_i + v_lambda tau - x_j,      f2 = F^(alpha)(x_j, v_lambda, theta_j)
@@ -339,7 +339,7 @@ class MapPoint:
     exit : str or None
         "below" or "above" for a stick.
     grazing : bool
-        Whether a flight only touches the belt there (as far as this precision tells).
+        Whether a flight only touches the belt there (as far as this precision can decide).
     derivative : array of shape (2, 2) or None
         d(x, theta)/d(x_i, theta_i). None at a graze: the end does not move smoothly there.
 

@@ -35,7 +35,7 @@ from symosc.simulation.trajectory import Event
 
 # A margin below this part of the terms that it is a difference of is decided in more digits ...
 MARGINAL = 1e-9
-SUSPECT = 1e-6  # ... may be what fails where the root is too ill-conditioned to tell if it is below this part
+SUSPECT = 1e-6  # ... may be what fails where the root is too ill-conditioned to decide, if it is below this part
 FINE_DIGITS = 50
 # ... and is 0 if it is below this part of them even there.
 NOTHING_LEFT = 1e-25
@@ -46,7 +46,7 @@ ENGINE_DIGITS = (30, 60)
 SAME_POINT = 1e-6
 VANISHING_PART = 1e-2  # a duration that Newton's method in more digits reduces to this part of itself goes to 0
 SAME_EXACTLY = 1e-12
-SAMPLE = 0.25  # step in which extrema of the velocity are looked for, in units of 1/rate
+SAMPLE = 0.25  # step of the samples that bracket extrema of the velocity, in units of 1/rate
 MOST_VELOCITY_SAMPLES = 4000
 FINEST_SAMPLES = 64.0  # an extremum is known to this many rounding errors of its time
 
@@ -200,7 +200,7 @@ def _stick_margins(
 def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
     """Return the extrema of the velocity of a flight between two times; `at_rest`: a0 = 0 is none.
 
-    They are looked for in doubles, and then placed in the arithmetic of the equations.
+    They are bracketed in doubles, and then located in the arithmetic of the equations.
     """
     coarse = equations.coarse.K
     v0, a0, s0, c0 = (float(value) for value in flight)
@@ -271,19 +271,21 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
         failed = failing(found)
         if failed:
             return failed
-        if agrees(equations, points, None):
+        if engine_agrees(equations, points, None):
             return []
     fine, root = refined(equations, points)
     if not root.converged:
         gone = _vanishing(equations, points, found, fine, root)
         if gone or small or failing(found):
             return gone or _undecided(found)
-        return [] if agrees(equations, points, None) else _undecided(found) or [_contradiction(equations, points)]
+        return (
+            [] if engine_agrees(equations, points, None) else _undecided(found) or [_contradiction(equations, points)]
+        )
     decided = conditions(fine, root.points)
     failed = failing([c._replace(value=0.0) if abs(c.value) < NOTHING_LEFT * c.scale else c for c in decided])
     if failed:
         return failed
-    if any(agrees(fine, root.points, digits) for digits in ENGINE_DIGITS):
+    if any(engine_agrees(fine, root.points, digits) for digits in ENGINE_DIGITS):
         return []
     return [_contradiction(equations, points)]
 
@@ -335,9 +337,9 @@ def _undecided(found: list[Condition]) -> list[Condition]:
     return [c._replace(text=c.text + text, value=0.0) for c in sorted(nearest, key=lambda c: c.rank)]
 
 
-def agrees(equations: ClosingEquations, points: Points, digits: int | None) -> bool:
+def engine_agrees(equations: ClosingEquations, points: Points, digits: int | None) -> bool:
     """Return whether the engine, started on the root, follows the word and comes back after the period."""
-    _, events, due = _followed(equations, points, digits)
+    _, events, due = _engine_events(equations, points, digits)
     if len(events) < len(due):
         return False
     allowed, K = (SAME_POINT if digits is None else SAME_EXACTLY), equations.K
@@ -350,7 +352,7 @@ def agrees(equations: ClosingEquations, points: Points, digits: int | None) -> b
     return True
 
 
-def _followed(
+def _engine_events(
     equations: ClosingEquations, points: Points, digits: int | None
 ) -> tuple[int, Sequence[Event], list[tuple[int, str, Number, Number]]]:
     """Return a switching point, the engine's events from it over a little more than a period, and those of the root.
@@ -380,7 +382,7 @@ def _followed(
 
 def _contradiction(equations: ClosingEquations, points: Points) -> Condition:
     """Return which piece the engine, started on the root, does not follow."""
-    first, events, due = _followed(equations, points, None)
+    first, events, due = _engine_events(equations, points, None)
     K = equations.K
     for j, (boundary, target, _, t) in enumerate(due):
         i = (first + j) % len(points)

@@ -31,7 +31,7 @@ from symosc.exact import read_exact, show, whole_number
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.admissibility import MARGINAL, Condition, conditions, failures
 from symosc.orbits.closing_equations import solve
-from symosc.orbits.curve import BranchPoint, Curve, clear, look_behind
+from symosc.orbits.curve import BranchPoint, Curve, no_margin_vanishes, word_beyond
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.words import WordLike, read_word
@@ -41,15 +41,17 @@ RANGE, NO_CONVERGENCE, MOST = "end of the range", "no convergence", "max_points"
 # Steps in the arclength of (x/size, phase, parameter/range).
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.04, 1e-10
 BENT = 1e-2  # how far a step may be from its cubic, as a part of its length
-VANISHED = 1e-5  # what a margin must have fallen to at an end, as a part of what it was a step before, to count as 0
-TOUCHED = 1e-3  # the same where doubles do not tell on which side of 0 a margin is
+VANISHED_PART = (
+    1e-5  # what a margin must have fallen to at an end, as a part of what it was a step before, to count as 0
+)
+UNDECIDED_PART = 1e-3  # the same where doubles cannot decide on which side of 0 a margin is
 RESOLUTION = 1e-12  # of the arclength, to which ends are located; closer by, rounding would decide what has happened
 # So near to a change, a gap before it that is shorter cannot be seen, and nothing is proven on the way.
 NO_GAP, NEAR_CHANGE = 1e-7, 1e-4
 MARGINAL_START, AWAY = 1e-6, (1e-6, 1e-5, 1e-4)  # below which a start is at an end, and how far from it to begin
 FAR_BEHIND = 1e-3  # arclength before an end at which margins are what they are compared with there
 MOST_BACK = 12  # an end is moved back by at most RESOLUTION 4^MOST_BACK
-TOUCH_LENGTH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
+UNDECIDED_LENGTH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
 
 
 class BranchError(SymoscError, ValueError):
@@ -305,7 +307,7 @@ def _follow(
     curve: Curve, direction: float, most: int, report: Callable[[float, int], None]
 ) -> tuple[list[BranchPoint], BranchEnd]:
     """Follow the curve one way; return its points and why they end."""
-    path, length = _begun(curve, direction), FIRST_STEP
+    path, length = _first_points(curve, direction), FIRST_STEP
     current = path[-1]
 
     def end(kind: str, message: str, conditions: tuple[Condition, ...] = ()) -> BranchEnd:
@@ -336,7 +338,7 @@ def _follow(
         current, length = path[-1], min(1.5 * length, LONGEST_STEP)
 
 
-def _begun(curve: Curve, direction: float) -> list[BranchPoint]:
+def _first_points(curve: Curve, direction: float) -> list[BranchPoint]:
     """Return the first point, and one a little further on if the first is at an end, where margins are rounding noise.
 
     On the way between the two nothing is proven (as before an end, see NO_GAP).
@@ -371,7 +373,7 @@ def _scan(
             b = _verified(curve, b)  # and so is m: between two orbits nothing has changed
             if not b.failures:
                 return [m, b], None
-        elif length < TOUCH_LENGTH:  # all is rounding noise here; next to a change it says nothing
+        elif length < UNDECIDED_LENGTH:  # all is rounding noise here; next to a change it says nothing
             if around <= NEAR_CHANGE:
                 return [m], None
             # A margin is so small that doubles cannot tell whether it passes 0.
@@ -402,7 +404,7 @@ def _proven(curve: Curve, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> boo
             points, value = curve.split(point)
             nodes.append((curve.equations(value), points))
             margins.append(tuple(conditions(*nodes[-1])))
-    return clear(nodes, margins)
+    return no_margin_vanishes(nodes, margins)
 
 
 def _verified(curve: Curve, point: BranchPoint) -> BranchPoint:
@@ -429,7 +431,7 @@ def _ended(
     before = far[-1] if far else path[0]
     pairs = zip(before.conditions, failed.conditions, strict=True)
     touches = any(condition.value > 0 for condition in failed.failures)
-    part = TOUCHED if touches else VANISHED
+    part = UNDECIDED_PART if touches else VANISHED_PART
     zero = [c for was, c in pairs if c.value < part * min(was.value, 1e300) or c.value < MARGINAL * c.scale]
     zero = sorted(zero, key=lambda condition: condition.rank) or list(failed.failures)
     kind = zero[0].event
@@ -437,7 +439,7 @@ def _ended(
     message = "; ".join(f"{c.text} no longer holds at t = {c.t:.10g}" for c in reasons)
     path[-1] = last = _inside(curve, path[-1])
     outward = float(np.sign(failed.value - before.value)) or direction
-    word, instead = look_behind(curve, last, outward)
+    word, instead = word_beyond(curve, last, outward)
     message += f"; beyond it {instead}" if instead else ""
     return path, BranchEnd(kind, last.value, message, _switchings(curve, last), reasons, word)
 

@@ -44,12 +44,12 @@ from symosc.orbits.find import (
     Passage,
     WordRun,
     follow,
-    followed,
     largest_displacement,
+    mappings_between,
+    resting_text,
     rotated,
     settled_word,
     windows,
-    without_word,
 )
 from symosc.orbits.floquet import NEAR_ONE, monodromy, multipliers
 from symosc.orbits.periodic_orbit import PeriodicOrbit
@@ -255,7 +255,7 @@ class Curve:
 # -- between two points ------------------------------------------------------------------------------------------------
 
 
-def clear(nodes: list[Node], margins: list[tuple[Condition, ...]]) -> bool:
+def no_margin_vanishes(nodes: list[Node], margins: list[tuple[Condition, ...]]) -> bool:
     """Return whether no margin reaches 0 between the first and the last of five points of a branch."""
     rows = [[c.value for c in row if not of_function(c)] for row in margins]
     if not _cells(np.array(rows)).all():
@@ -264,7 +264,7 @@ def clear(nodes: list[Node], margins: list[tuple[Condition, ...]]) -> bool:
     for i, duration in enumerate(equations.durations(points)):
         parts = duration / equations.K.Om * equations.K.rate / SAMPLE
         u = np.linspace(0.0, 1.0, 1 + int(min(MOST_PARTS, max(LEAST_PARTS, parts))))
-        if not _clear_over(nodes, i, u, DEEPEST):
+        if not _stay_positive(nodes, i, u, DEEPEST):
             return False
     return True
 
@@ -284,7 +284,7 @@ def _cells(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
     return (least > 0).all(axis=0) & (roots[:-1] + roots[1:] > np.sqrt(0.5 * MARGIN_SAFETY * bend)).all(axis=0)
 
 
-def _clear_over(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
+def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
     """Return whether the functions of piece i are positive for the parts u of its duration and all in between."""
     found = [functions(equations, points, i, u) for equations, points in nodes]
     for rows in zip(*found, strict=True):
@@ -300,7 +300,7 @@ def _clear_over(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
         for first, last in _runs(~good):
             low, high = u[max(first - 1, 0)], u[min(last + 1, len(u) - 1)]
             finer = np.linspace(low, high, 1 + REFINED * (last - first + 2))
-            if finer[1] <= finer[0] or len(finer) > MOST_PARTS or not _clear_over(nodes, i, finer, depth - 1):
+            if finer[1] <= finer[0] or len(finer) > MOST_PARTS or not _stay_positive(nodes, i, finer, depth - 1):
                 return False
     return True
 
@@ -358,7 +358,7 @@ def _of_stick(
 # -- beyond an end -----------------------------------------------------------------------------------------------------
 
 
-def look_behind(curve: Curve, point: BranchPoint, direction: float) -> tuple[str | None, str]:
+def word_beyond(curve: Curve, point: BranchPoint, direction: float) -> tuple[str | None, str]:
     """Return the word of the orbit just beyond an end; or None and what the motion does there, "" if that is not known.
 
     The motion is simulated there from the orbit at the end, and the words that it goes through are solved for. One with
@@ -378,7 +378,7 @@ def look_behind(curve: Curve, point: BranchPoint, direction: float) -> tuple[str
         found = _orbit_of(equations, run, float(np.abs(point.points[:, 0]).max()))
         if found is not None:
             return str(found), ""
-        instead = instead or (without_word(equations, run) if run.code == REST else "")
+        instead = instead or (resting_text(equations, run) if run.code == REST else "")
     return None, instead
 
 
@@ -398,7 +398,7 @@ def _orbit_of(equations: ClosingEquations, run: WordRun, size: float) -> Word | 
 
 def _words_of_a_period(equations: ClosingEquations, passages: list[Passage]) -> list[Word]:
     """Return the words that the simulation goes through in one period, the last ones first."""
-    labels, found = followed(passages), []
+    labels, found = mappings_between(passages), []
     phases = np.array([passage.theta for passage in passages])
     turn = 2 * pi * equations.periods
     for last in range(len(labels), 0, -1):

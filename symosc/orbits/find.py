@@ -252,8 +252,8 @@ def _instead(equations: ClosingEquations, resting: bool = False) -> str:
     for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
         positions = rest_positions(equations.parameters, boundary)
         if positions is not None:
-            return f"; the mass stays on belt {boundary}, {between(positions)}"
-    found = settles(equations, largest_displacement(equations)[0], 0.0, equations.pieces[0].start)
+            return f"; the mass stays on belt {boundary}, {rest_interval_text(positions)}"
+    found = settling_text(equations, largest_displacement(equations)[0], 0.0, equations.pieces[0].start)
     return f"; {found}" if found else ""
 
 
@@ -342,7 +342,7 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     return WordRun(passages, code)
 
 
-def followed(passages: list[Passage]) -> list[str | None]:
+def mappings_between(passages: list[Passage]) -> list[str | None]:
     """Return the mappings between the passages, in order of time."""
     return [MAP_LABELS.get((a.boundary, MODE_NAMES[a.mode], b.boundary)) for a, b in pairwise(passages)]
 
@@ -352,7 +352,7 @@ def settled_word(equations: ClosingEquations, run: WordRun) -> Word | None:
 
     It begins with the first mapping of the equations' word if it has that.
     """
-    labels, last = followed(run.passages), run.passages[-1]
+    labels, last = mappings_between(run.passages), run.passages[-1]
     for n in range(1, len(labels) // 2):
         before = run.passages[-1 - n]
         turn = last.theta - before.theta
@@ -371,16 +371,16 @@ def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
     return Word(labels[begin:] + labels[:begin])
 
 
-def settles(equations: ClosingEquations, x: float, theta: float, boundary: int) -> str:
+def settling_text(equations: ClosingEquations, x: float, theta: float, boundary: int) -> str:
     """Say in words where the motion from a start on a belt settles; "" if it has not settled soon."""
     run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
     word = settled_word(equations, run)
     if word is not None:
         return f"the motion settles to {word}"
-    return without_word(equations, run) if run.code == REST else ""
+    return resting_text(equations, run) if run.code == REST else ""
 
 
-def without_word(equations: ClosingEquations, run: WordRun) -> str:
+def resting_text(equations: ClosingEquations, run: WordRun) -> str:
     """Say in words where a motion without any further event ends up."""
     mode = run.passages[-1].mode
     if mode <= 3:
@@ -388,10 +388,10 @@ def without_word(equations: ClosingEquations, run: WordRun) -> str:
     positions = rest_positions(equations.parameters, mode - 3)
     if positions is None:
         return f"the motion ends up on belt {mode - 3} for ever"
-    return f"the motion comes to rest on belt {mode - 3}, {between(positions)}"
+    return f"the motion comes to rest on belt {mode - 3}, {rest_interval_text(positions)}"
 
 
-def between(positions: tuple[Number, Number]) -> str:
+def rest_interval_text(positions: tuple[Number, Number]) -> str:
     """Name an interval of positions of rest."""
     low, high = (f"{float(value):.6g}" for value in positions)
     return f"where every x from {low} to {high} is a position of rest"
@@ -400,7 +400,7 @@ def between(positions: tuple[Number, Number]) -> str:
 def windows(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
     """Return every stretch of a simulation that follows the word, with how far it is from closing."""
     n = len(labels)
-    done, found = followed(passages), []
+    done, found = mappings_between(passages), []
     for k in range(len(done) - n + 1):
         if tuple(done[k : k + n]) != labels:
             continue

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import re
-import tomllib
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
@@ -13,8 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from symosc.derive.chapters import CHAPTERS
-from symosc.derive.errata import read_errata
-from symosc.derive.records import RecordsError, kebab, one_line, one_of
+from symosc.derive.errata import RecordsError, kebab, one_line, one_of, read_errata, read_toml
 
 CONFIRMED = "confirmed"
 #: What the paper lays down, and this program with it: there is nothing to find out.
@@ -99,10 +97,7 @@ def read_claims(
     `pictures` are the keys that claims may refer to, `checks` is the package whose modules have the check functions. A
     RecordsError says what is wrong with a file: its TOML, a key, a name that does not exist, a missing correction.
     """
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise RecordsError(path.name, f"cannot be read: {error}") from None
+    data = read_toml(path)
     unjudged = data.pop("unjudged", [])
     for row in unjudged:
         if sorted(row) != ["says", "source", "why"]:

@@ -35,10 +35,10 @@ from symosc.plot.panels import (
     Mark,
     Panel,
     View,
-    look,
+    mark_style,
     view_of,
 )
-from symosc.plot.sweep import sweep_figure
+from symosc.plot.windows import sweep_figure
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
@@ -54,7 +54,7 @@ STICK_MARGIN, ORBIT_MARGIN = 1.2, 0.06
 START_STYLE: dict[str, Any] = {"mfc": "white", "mec": "black", "mew": 0.8, "ms": 4.2, "zorder": 7, "clip_on": False}
 
 
-# --- what is followed, and where the text puts dots and black curves ---
+# --- views: how long a motion is followed, and where the text puts dots and black curves ---
 
 
 def period(name: str) -> float:
@@ -83,9 +83,9 @@ def several_periods_view(name: str) -> View:
     """Return what Fig. 7(c), (d) show: several periods, start and end of the first one, a contact if there is one."""
     t0, T = start_time(name), period(name)
     view = view_of(simulate(name, t_end=t0 + SEVERAL_PERIODS * T), 1)
-    touching = first_contact(view)
+    contact = first_contact(view)
     marks = [Mark("start of period", ONSET_COLOR, t0), Mark("end of period", END_COLOR, t0 + T)]
-    marks += [] if touching is None else [_contact_mark(touching)]
+    marks += [] if contact is None else [_contact_mark(contact)]
     contacts = tuple(Contact(mark.t, mark.t, view.boundary) for mark in marks)
     return replace(view, marks=tuple(marks), contacts=contacts, magnified=(), belt_reach=LONG_REACH)
 
@@ -94,11 +94,11 @@ def several_periods_view(name: str) -> View:
 def grazing_view(name: str) -> View:
     """Return what Fig. 8 shows: a red contact with belt 1, later a stick on it."""
     view = view_of(simulate(name, t_end=default_end(load_scene(printed_scene(name)))), 1)
-    touching, stick = first_contact(view), later_stick(view)
-    assert touching is not None
+    contact, stick = first_contact(view), later_stick(view)
+    assert contact is not None
     onset, end = Mark("onset of stick", ONSET_COLOR, stick.since), Mark("end of stick", END_COLOR, stick.until)
-    marks = view.marks[0], _contact_mark(touching), onset, end
-    return replace(view, marks=marks, contacts=(touching, stick), magnified=(touching,), belt_reach=LONG_REACH)
+    marks = view.marks[0], _contact_mark(contact), onset, end
+    return replace(view, marks=marks, contacts=(contact, stick), magnified=(contact,), belt_reach=LONG_REACH)
 
 
 @lru_cache
@@ -159,8 +159,8 @@ def stick_figure(name: str, columns: int = 2) -> Figure:
 def grazing_figure_P2(name: str, columns: int = 2) -> Figure:
     """Draw Fig. 7: (a) displacement and (b) velocity in the first period, (c) velocity later on, (d) phase plane."""
     several, t0, T = several_periods_view(name), start_time(name), period(name)
-    touching = first_contact(view_of(several.trajectory, 1))
-    magnified = () if touching is None else (touching,)
+    contact = first_contact(view_of(several.trajectory, 1))
+    magnified = () if contact is None else (contact,)
     first = replace(crop(several, t0, t0 + FIRST_PERIOD * T), magnified=magnified)
     periods = partial(_velocity_of_periods, start=t0, period=T)
     panels: list[tuple[Panel, View]] = [(PANELS["a"], first), (_velocity_and_gap, first)]
@@ -242,7 +242,7 @@ def _phase_plane_with_start(ax: Axes, view: View, start: tuple[float, float]) ->
     inset = ax.inset_axes((0.33, 0.39, 0.42, 0.2))
     inset.plot(view.x, view.v, color=MASS_COLOR, lw=1.3)
     inset.axhline(float(crossing.v), color=BELT_COLOR, lw=0.6)
-    inset.plot(float(crossing.x), float(crossing.v), linestyle="none", **look("end of stick", END_COLOR))
+    inset.plot(float(crossing.x), float(crossing.v), linestyle="none", **mark_style("end of stick", END_COLOR))
     inset.plot(*start, "D", **START_STYLE)
     inset.set_xlim(start[0] - 3 * distance, start[0] + 2 * distance)
     inset.set_ylim(start[1] - 40 * distance, start[1] + 20 * distance)
@@ -253,8 +253,8 @@ def _phase_plane_with_start(ax: Axes, view: View, start: tuple[float, float]) ->
 
 # --- Theorem 7, eqs. (55) to (58) ---
 
-#: Whose parameters are taken: the scenes that graze, and for the maps of belt 2, whose grazes the paper does not show,
-#: the one that is about that belt.
+#: The scenes whose parameters are used: those that graze; for the mappings of belt 2, of which the paper shows no
+#: graze, the scene about that belt.
 WINDOW_SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "fig10"}
 
 
@@ -303,7 +303,7 @@ def window_sweep(mapping: str) -> Figure:
         Omega = float(window_parameters(mapping).Omega)
         # A phase that is 0 but for the error of its time is 0.
         theta, error = float(graze.theta), 10 * Omega * max(graze.t_error, EPS * abs(float(graze.t)))
-        style: dict[str, Any] = look("grazing point", SWITCH_COLOR) | {"clip_on": False, "ls": ""}
+        style: dict[str, Any] = mark_style("grazing point", SWITCH_COLOR) | {"clip_on": False, "ls": ""}
         axes.plot(float(graze.v), 0.0 if 2 * pi - theta <= error else theta, label="grazing point", **style)
     drawing.legends[0].remove()
     with rc_context(STYLE):

@@ -150,8 +150,8 @@ def grazing_P2_caption(name: str) -> str:
     """Return the caption of Fig. 7 with the printed or another A0."""
     view = figures.several_periods_view(name)
     p, printed, t0 = view.trajectory.parameters, load_scene(printed_scene(name)).parameters, start_time(name)
-    touching = figures.first_contact(view_of(view.trajectory, view.boundary))
-    if touching is None:
+    contact = figures.first_contact(view_of(view.trajectory, view.boundary))
+    if contact is None:
         t, v = figures.largest_velocity(view)
         what = (
             f"As printed, with A0 = {show(p.A0)}: in {figures.SEVERAL_PERIODS:g} periods the mass does not reach belt "
@@ -160,7 +160,7 @@ def grazing_P2_caption(name: str) -> str:
     else:
         shift = number(float((printed.A0 - p.A0) / p.k))
         what = (
-            f"With A0 = {show(p.A0)} instead of {show(printed.A0)}. {_contact(view, touching)} (The same motion, moved "
+            f"With A0 = {show(p.A0)} instead of {show(printed.A0)}. {_contact(view, contact)} (The same motion, moved "
             f"by {shift} in x, has A0 = {show(printed.A0)}.) {STAR}"
         )
     x, v = view.trajectory(t0 + period(name)) - view.trajectory(t0)
@@ -175,22 +175,22 @@ def grazing_P2_caption(name: str) -> str:
 def grazing_P3_caption(name: str) -> str:
     """Return the caption of Fig. 8 from the printed or the exact start."""
     view = figures.grazing_view(name)
-    touching, stick = figures.first_contact(view), figures.later_stick(view)
-    assert touching is not None
+    contact, stick = figures.first_contact(view), figures.later_stick(view)
+    assert contact is not None
     return (
-        f"{_contact(view, touching)} {STAR} (a) Displacement of the mass (red) and of the points of belt 1 "
+        f"{_contact(view, contact)} {STAR} (a) Displacement of the mass (red) and of the points of belt 1 "
         f"that it meets (black), (b) velocity, (c) velocity near the later stick, (d) phase plane. {MARKS} The later "
         f"stick lasts from t = {_span(stick)}. {stick_signs(view, [stick])} {parameters_and_start(name)}"
     )
 
 
-def _contact(view: View, touching: Contact) -> str:
-    x = number(float(view.trajectory(touching.since)[0]), 7)
-    if touching.since == touching.until:
-        return f"From the exact start the mass grazes belt 1 at t = {number(touching.since, 9)}, x = {x}."
-    length = number(1e3 * (touching.until - touching.since), 3)
+def _contact(view: View, contact: Contact) -> str:
+    x = number(float(view.trajectory(contact.since)[0]), 7)
+    if contact.since == contact.until:
+        return f"From the exact start the mass grazes belt 1 at t = {number(contact.since, 9)}, x = {x}."
+    length = number(1e3 * (contact.until - contact.since), 3)
     return (
-        f"From the printed start the mass does not graze belt 1 but sticks to it at t = {number(touching.since, 7)}, "
+        f"From the printed start the mass does not graze belt 1 but sticks to it at t = {number(contact.since, 7)}, "
         f"x = {x} for {length}·10⁻³."
     )
 

@@ -22,7 +22,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from symosc import __version__
-from symosc.bench.machine import machine
+from symosc.bench import machine
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.citation import paper_reference
 from symosc.derive.errata import SEVERITIES

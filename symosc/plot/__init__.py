@@ -50,7 +50,7 @@ for _kind, _name in DRAWN_BY.items():
 
 
 def _write(answer: Any, path: Any) -> Any:
-    from symosc.plot.crosscheck_page import write_page
+    from symosc.plot.judged import write_page
 
     return write_page(answer, path)
 

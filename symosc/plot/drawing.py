@@ -15,12 +15,15 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.spines import Spine
+from matplotlib.text import Text
 from matplotlib.ticker import ScalarFormatter
+from matplotlib.transforms import Bbox
+from numpy import isfinite
 
 from symosc.arguments import public
 from symosc.errors import OutputError, ParameterError
 from symosc.files import STDOUT, read_path, write_whole
-from symosc.plot.panel_axes import PanelAxes
 
 FIGURE_SUFFIXES = (".pdf", ".svg", ".png")
 
@@ -48,6 +51,10 @@ STYLE: dict[Any, Any] = {
     "svg.hashsalt": "symosc",  # the same figure gives the same file
 }
 
+PARAMETER_LABELS = {"A0": "$A_0$", "B0": "$B_0$", "Omega": r"$\Omega$", "FN": "$F_N$"} | {
+    f"{letter}{number}": rf"${symbol}_{number}$" for letter, symbol in (("v", "v"), ("mu", r"\mu")) for number in (1, 2)
+}
+
 # Pixels per inch of a figure in a notebook.
 NOTEBOOK_DPI = 120.0
 
@@ -70,6 +77,45 @@ def plain_numbers(axes: Iterable[Axes]) -> None:
         plain_numbers(child for child in each.child_axes if isinstance(child, Axes))
 
 
+class PanelAxes(Axes):
+    """Axes whose ticks point inwards, so that only labels, names and marks stand out of them.
+
+    matplotlib lays a figure out twice, as axes of another size may have other ticks, and asks each axis for its labels
+    some nine times: more than half of the time that a figure takes. Here it is asked once, and again only if its ticks
+    are others.
+    """
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        #: For each axis its ticks, and how far its labels stood out of the axes on each side, in pixels.
+        self.labels_of: dict[Any, tuple[tuple[float, ...], tuple[float, ...]]] = {}
+        super().__init__(*args, **options)
+
+    def get_tightbbox(self, renderer: Any = None, **options: Any) -> Bbox | None:  # type: ignore[override]
+        """Return the box of the axes with all that stands out of them."""
+        ours = options.get("for_layout_only") and renderer and options.get("bbox_extra_artists") is None
+        if not ours or not self.get_visible() or self.yaxis.get_offset_text().get_text():  # titles give way to it
+            return super().get_tightbbox(renderer, **options)
+        inside = self.get_default_bbox_extra_artists()
+        titles = [each for each in self.get_children() if isinstance(each, Text) and each not in inside]
+        boxes: list[Any] = [self.get_window_extent(renderer)]
+        boxes += [self._with_labels(axis, renderer) for axis in (self.xaxis, self.yaxis)]
+        boxes += [each.get_tightbbox(renderer) for each in inside if not isinstance(each, Spine)]
+        for box in (title.get_window_extent(renderer) for title in titles):
+            middle = (box.x0 + box.x1) / 2  # margins at the side do not depend on a title's text
+            boxes.append(Bbox.from_extents(middle - 0.5, box.y0, middle + 0.5, box.y1) if box.width else box)
+        return Bbox.union([box for box in boxes if box is not None and isfinite(box.extents).all()])
+
+    def _with_labels(self, axis: Any, renderer: Any) -> Bbox:
+        """Return the box of these axes and of the labels of one axis."""
+        inner: Any = self.bbox.extents
+        ticks = (*axis.get_view_interval(), *axis.get_majorticklocs())
+        if axis not in self.labels_of or self.labels_of[axis][0] != ticks:
+            labels = axis.get_tightbbox(renderer, for_layout_only=True)
+            sides = (0.0,) * 4 if labels is None else tuple(Bbox.union([self.bbox, labels]).extents - inner)
+            self.labels_of[axis] = ticks, sides
+        return Bbox.from_extents(*(inner + self.labels_of[axis][1]))
+
+
 class Drawing(Figure):
     """A figure that a notebook shows by itself; everything else is as for any matplotlib Figure."""
 
@@ -78,7 +124,7 @@ class Drawing(Figure):
         plain_numbers(self.axes)
         for each in self.axes:
             if isinstance(each, PanelAxes):
-                each.forget_labels()
+                each.labels_of.clear()  # something may have changed since the figure was laid out
         layout = self.get_layout_engine()
         if isinstance(layout, ConstrainedLayoutEngine) and self.canvas.is_saving():
             layout.execute(self)
@@ -99,13 +145,7 @@ def style_for(ax: Axes | None) -> AbstractContextManager[None]:
 
 
 def one_axes(ax: Any, size: tuple[float, float]) -> tuple[Figure, Axes]:
-    """Return the axes that a user gave with their figure, or new ones in a figure of their own.
-
-    Raises
-    ------
-    ParameterError
-        If `ax` is neither None nor matplotlib's Axes.
-    """
+    """Return the axes that a user gave with their figure, or new ones in a figure of their own."""
     if ax is None:
         drawing = Drawing(figsize=size, layout="constrained")
         return drawing, drawing.subplots()
@@ -119,13 +159,19 @@ def figure_of(ax: Any) -> Figure:
     return ax.figure  # type: ignore[return-value]
 
 
-def read_panels(panels: Any, known: Sequence[str], ax: Any = None, alone: str = "a") -> str:
-    """Return the letters of panels; None is all of them, with `ax` the one that stands for all `alone`.
+def legend_entries(axes: Iterable[Axes]) -> dict[str, list[Any]]:
+    """Return handles and labels of a legend for several axes, each label once."""
+    entries: dict[str, Any] = {}
+    for ax in axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            entries.setdefault(str(label), handle)
+    return {"handles": list(entries.values()), "labels": list(entries)}
 
-    Raises
-    ------
-    ParameterError
-        Unless they are different known letters; with `ax`, which must be axes, it must be one.
+
+def read_panels(panels: Any, known: Sequence[str], ax: Any = None, alone: str = "a") -> str:
+    """Return the letters of panels; None is all of them, or the one that `alone` names for axes of a user's own.
+
+    ParameterError unless they are different known letters; with `ax`, which must be axes, it must be one.
     """
     letters = "".join(known)
     if panels is None:

@@ -8,13 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import pi, sqrt
+from math import floor, log10, pi, sqrt
 from statistics import median
 from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 
+from symosc.aliases import Record
 from symosc.model import NEIGHBOURS
 from symosc.simulation.trajectory import Trajectory
 
@@ -81,22 +82,10 @@ class Contact:
 
 @dataclass(frozen=True)
 class View:
-    """Everything that the panels draw.
+    """Everything that the panels draw: the samples t, x, v of the curves, and the forces of one boundary.
 
-    Attributes
-    ----------
-    trajectory : Trajectory
-    boundary : int
-        Whose forces are drawn.
-    t, x, v : numpy.ndarray
-        The samples of the curves.
-    marks : tuple of Mark
-    contacts : tuple of Contact
-        Where panel (a) shows the displacement of a point of a belt.
-    magnified : tuple of Contact
-        At most two, which panel (b) shows in insets.
-    belt_reach : tuple of two floats
-        How far beyond a contact the belt's displacement is drawn, as fractions of both axes.
+    Panel (a) shows the displacement of a point of a belt at the `contacts`, and beyond them by the fractions
+    `belt_reach` of both axes; panel (b) shows at most two `magnified` ones in insets.
     """
 
     trajectory: Trajectory
@@ -289,7 +278,7 @@ def _forces(ax: Axes, view: View, across: np.ndarray, place: Callable[[Any], Any
     force = view.trajectory.force
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
     for domain, color, style in ((below, FORCE_BELOW, "-"), (above, FORCE_ABOVE, ABOVE_STYLE)):
-        line: dict[str, Any] = {"color": color, "ls": style, "lw": max(view.scale, 0.5)}
+        line: Record = {"color": color, "ls": style, "lw": max(view.scale, 0.5)}
         ax.plot(across, force(domain, view.t), label=f"$F^{{({domain})}}$", **line)
     for domain in (below, above):
         _dots(ax, view, _marks_of_forces(view), place, lambda t, domain=domain: force(domain, t))  # type: ignore[misc]
@@ -311,11 +300,16 @@ def _dots(ax: Axes, view: View, marks: Sequence[Mark], across: Callable[[Any], A
     for label, color in dict.fromkeys((mark.label, mark.color) for mark in marks):
         times = np.array([mark.t for mark in marks if mark.label == label])
         ax.plot(
-            across(times), up(times), linestyle="none", clip_on=False, label=label, **look(label, color, view.scale)
+            across(times),
+            up(times),
+            linestyle="none",
+            clip_on=False,
+            label=label,
+            **mark_style(label, color, view.scale),
         )
 
 
-def look(label: str, color: str, scale: float = 1.0) -> dict[str, Any]:
+def mark_style(label: str, color: str, scale: float = 1.0) -> Record:
     """Return how a mark is drawn: its shape, colour and size."""
     marker, size = SHAPES[label]
     edge, width, level = ("black", 0.8, 4) if label == "start" else ("white", 0.4, 5)
@@ -342,3 +336,60 @@ def _is_short(contact: Contact, t: np.ndarray) -> bool:
     """Tell whether a stick is too short to be seen, but long enough to be resolved, and ends in the picture."""
     longest, finest = SHORT_STICK * (t[-1] - t[0]), RESOLVED * np.abs(t).max()
     return bool(finest < contact.until - contact.since < longest and contact.until < t[-1])
+
+
+# --- insets ---
+
+# Height of the room above the axes, over the height of these with their labels.
+INSET_ROOM = 0.66
+# Bottom and height of an inset in it, and the top of what stands above it (fractions of the axes).
+INSET_BOTTOM, INSET_HEIGHT, INSET_TOP = 1.16, 0.5, 1.97
+# Left end and width, for one inset and for two.
+INSET_BOXES = {1: ((0.2, 0.6),), 2: ((0.1, 0.36), (0.63, 0.36))}
+INSET_TEXT: Record = {"fontsize": 7.5, "ha": "center", "va": "center"}
+
+
+def draw_insets(ax: Axes, view: View) -> None:
+    """Magnify what a view says into insets above axes, where there must be room for them."""
+    for contact, (left, width) in zip(view.magnified, INSET_BOXES.get(len(view.magnified), ()), strict=True):
+        _inset(ax, view, contact, (left, INSET_BOTTOM, width, INSET_HEIGHT))
+
+
+def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, float, float]) -> None:
+    since, until, belt = contact.since, contact.until, contact.belt
+    speed = float(view.trajectory.parameters.belt(belt))
+    length = until - since or SHORT_STICK * (view.t[-1] - view.t[0])
+    times = np.linspace(max(since - length, view.t[0]), min(until + length, view.t[-1]), 400)
+    times = np.union1d(times, [since, until])
+    away = view.trajectory(times)[1] - speed
+    shift, scale = floor(log10(length)), floor(log10(np.abs(away).max() or 1))
+    inset = ax.inset_axes(box)
+    inset.plot((times - since) / 10.0**shift, away / 10.0**scale, color=MASS_COLOR, lw=1.3)
+    inset.axhline(0, color=BELT_COLOR, lw=0.6, zorder=3)
+    stick = ((since, "onset of stick", ONSET_COLOR), (until, "end of stick", END_COLOR))
+    for time, label, color in stick if until > since else ((since, "grazing point", SWITCH_COLOR),):
+        inset.plot((time - since) / 10.0**shift, 0, linestyle="none", **mark_style(label, color))
+    if until > since:
+        # Clear of the belt, between the branches of the curve.
+        height = 0.7 if away.mean() > 0 else 0.3
+        inset.text(0.53, height, f"length {_scientific(length)}", transform=inset.transAxes, **INSET_TEXT)
+    inset.margins(x=0, y=0.2)
+    # Ticks and label on top leave the way free for the leaders to the spot that is magnified.
+    inset.xaxis.tick_top()
+    inset.xaxis.set_label_position("top")
+    inset.set_xlabel(f"{_power(-shift)}(t - {since:.6f})$", fontsize=INSET_TEXT["fontsize"], labelpad=2)
+    inset.set_ylabel(f"{_power(-scale)}(\\dot{{x}} - v_{belt})$", fontsize=INSET_TEXT["fontsize"], labelpad=2)
+    inset.tick_params(labelsize=7, labelfontfamily="STIXGeneral", pad=2)
+    inset.set_in_layout(False)  # the grid keeps its room free
+    for corner in (box[0], box[0] + box[2]):
+        style = {"arrowstyle": "-", "color": "0.6", "lw": 0.5, "shrinkA": 0, "shrinkB": 3}
+        ax.annotate("", (since, speed), (corner, box[1]), "data", "axes fraction", style, zorder=0)
+
+
+def _power(exponent: int) -> str:
+    return "$" if exponent == 0 else f"$10^{{{exponent}}}\\,"
+
+
+def _scientific(value: float) -> str:
+    mantissa, _, exponent = f"{value:.1e}".partition("e")
+    return f"${mantissa}\\cdot 10^{{{int(exponent)}}}$"

@@ -1,32 +1,46 @@
-"""Figures of grazing windows: on the phase circle, and with the contact curve x_m(theta).
+"""Figures of grazing: windows on the circle of phases, their contacts, windows against a parameter, regions and curves.
 
-A full dot belongs to the window, an open dot does not.
+A full dot or line belongs to a window or region, an open dot or broken line does not.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from fractions import Fraction
+from functools import partial, reduce
 from math import cos, pi, sin
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
+from symosc.aliases import NumberLike, Order, Record
 from symosc.arguments import public
 from symosc.errors import ParameterError
-from symosc.exact import show
-from symosc.grazing.window import GrazingWindow
+from symosc.exact import read_exact, show
+from symosc.grazing.curve import CurvePiece, GrazingCurve
+from symosc.grazing.window import GrazingWindow, WindowColumns, grazing_window, grazing_windows
 from symosc.kernels.double_double import HALF_PI, THREE_HALVES_PI
-from symosc.mappings.theorem7_cases import (
-    EVERYTHING,
-)
-from symosc.plot.drawing import Drawing, figure_of, read_panels, style_for
+from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC, place
+from symosc.model import Parameters
+from symosc.plot.drawing import Drawing, figure_of, legend_entries, one_axes, read_panels, style_for
+
+if TYPE_CHECKING:
+    from symosc.symbolic.inverse import ParameterRegion
 
 INSIDE_COLOR, SHADE_COLOR, OUTSIDE_COLOR, CRITICAL_COLOR = "#1f3fd6", "#cfd6f6", "0.72", "#d7191c"
+START_COLOR, CONTACT_COLOR, GAP_COLOR = "#d7191c", "#1f3fd6", "0.85"
+DASHES: Any = (0, (4, 2))
 TURN = 2 * pi
 PHASE_TICKS = ["$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$"]
-CIRCLE_POINTS = 1441
+PHASE_LABEL = r"$\mathrm{mod}(\Omega t_m, 2\pi)$"
+CIRCLE_POINTS, SWEEP_POINTS, REGION_POINTS = 1441, 801, 401
+NAMES = {"Omega": r"\Omega", "B0": "B_0", "k": "k", "v1": "v_1", "v2": "v_2"}
+
+# -- windows: the circle of phases, and the contacts -----------------------------------------------------------------
 
 
 @public
@@ -70,7 +84,9 @@ def window_figure(
     >>> len(drawing.axes)
     4
     """
-    chosen = _read_windows(windows)
+    chosen = [windows] if isinstance(windows, GrazingWindow) else list(windows)
+    if not chosen:
+        raise ParameterError("windows", windows, "must be at least one")
     draw = {"a": _circle, "b": _contacts}
     panels = read_panels(panels, tuple(draw), ax)
     if ax is None:
@@ -80,14 +96,6 @@ def window_figure(
         raise ParameterError("windows", f"{len(chosen)} windows", "axes hold one window: give ax= with one")
     draw[panels](ax, chosen[0])
     return drawing
-
-
-def _read_windows(windows: GrazingWindow | Sequence[GrazingWindow]) -> list[GrazingWindow]:
-    """Return one window, or all of a sequence, as a list."""
-    chosen = [windows] if isinstance(windows, GrazingWindow) else list(windows)
-    if not chosen:
-        raise ParameterError("windows", windows, "must be at least one")
-    return chosen
 
 
 def _rows(windows: list[GrazingWindow], columns: list[Callable[[Axes, GrazingWindow], None]]) -> Figure:
@@ -106,9 +114,6 @@ def _rows(windows: list[GrazingWindow], columns: list[Callable[[Axes, GrazingWin
 def tex(mapping: str) -> str:
     """Return the name of a map as LaTeX."""
     return f"P_{mapping.removeprefix('P')}"
-
-
-# --- the circle ---
 
 
 def _circle(axes: Axes, window: GrazingWindow) -> None:
@@ -131,19 +136,15 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
         axes.text(
             beyond * cos(theta), beyond * sin(theta), name, color=CRITICAL_COLOR, ha=side, va="center", fontsize=8
         )
-    _quarter_marks(axes, [theta for theta, _ in critical])
-    axes.set(xlim=(-1.9, 1.9), ylim=(-1.5, 1.5), aspect="equal")
-    axes.set_axis_off()
-    axes.set_title(f"${tex(window.mapping)}$: case {window.case}, {window.order} order", fontsize=8)
-
-
-def _quarter_marks(axes: Axes, taken: list[float]) -> None:
     for quarter in range(4):
         theta = quarter * pi / 2
         axes.plot([0.94 * cos(theta), cos(theta)], [0.94 * sin(theta), sin(theta)], color="black", linewidth=0.6)
-        if all(cos(theta - other) < 0.95 for other in taken):
+        if all(cos(theta - other) < 0.95 for other, _ in critical):
             side = ("left", "center", "right", "center")[quarter]
             axes.text(1.12 * cos(theta), 1.2 * sin(theta), PHASE_TICKS[quarter], ha=side, va="center", fontsize=7)
+    axes.set(xlim=(-1.9, 1.9), ylim=(-1.5, 1.5), aspect="equal")
+    axes.set_axis_off()
+    axes.set_title(f"${tex(window.mapping)}$: case {window.case}, {window.order} order", fontsize=8)
 
 
 def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
@@ -159,19 +160,12 @@ def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
 
 def draw_dot(axes: Axes, x: float, y: float, belongs: bool, label: str | None = None) -> None:
     """Draw a full dot for what belongs to a window, an open one for what does not."""
-    style: dict[str, Any] = {
-        "color": INSIDE_COLOR,
-        "markerfacecolor": INSIDE_COLOR if belongs else "white",
-        "markersize": 4.5,
-    }
+    style: Record = {"color": INSIDE_COLOR, "markerfacecolor": INSIDE_COLOR if belongs else "white", "markersize": 4.5}
     axes.plot([x], [y], "o", zorder=4, clip_on=False, linestyle="none", label=label, **style)
 
 
-# --- contacts ---
-
-
 def _contacts(axes: Axes, window: GrazingWindow) -> None:
-    axes.set(xlim=(0, TURN), xlabel=r"$\mathrm{mod}(\Omega t_m, 2\pi)$", ylabel="$x_m$")
+    axes.set(xlim=(0, TURN), xlabel=PHASE_LABEL, ylabel="$x_m$")
     axes.set_xticks(np.arange(5) * pi / 2, PHASE_TICKS)
     p = window.parameters
     axes.set_title(f"domain {window.place.domain} at $v_{window.place.boundary} = {show(window.speed)}$", fontsize=8)
@@ -199,3 +193,457 @@ def _places(window: GrazingWindow, theta: np.ndarray) -> np.ndarray:
     """Return (A_alpha + B0 cos theta - c v_lambda)/k at any phase, in the window or not."""
     p = window.parameters
     return float((p.A(window.place.domain) - p.c * window.speed) / p.k) + float(p.B0 / p.k) * np.cos(theta)
+
+
+# -- windows against one parameter -------------------------------------------------------------------------------------
+
+
+@public
+def sweep_figure(
+    p: Parameters,
+    mapping: str,
+    name: str,
+    low: NumberLike | None = None,
+    high: NumberLike | None = None,
+    order: Order = "full",
+    *,
+    ax: Axes | None = None,
+) -> Figure:
+    """Draw the window of a map against one parameter; its border is the curve of the arcsine.
+
+    Parameters
+    ----------
+    p : Parameters
+        The other parameters; the value of `name` in it is marked.
+    mapping, order :
+        As for `symosc.grazing_window`.
+    name : {"Omega", "B0", "k", "v1", "v2"}
+        A parameter on which the window depends.
+    low, high : number, optional
+        Range. Default: from 0 (both signs for B0 and the belts) to twice the larger one of the value and the equality
+        |k v_lambda| = |B0| Omega, as far as Parameters allows.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; their figure is returned.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        For a map without grazing, another parameter, or a range that is empty or not allowed.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, plot
+    >>> drawing = plot.sweep_figure(load_scene("fig9").parameters, "P2", "Omega", "0.1", 4)
+    >>> drawing.axes[0].get_xlabel()
+    '$\\\\Omega$'
+    """
+    low, high = _sweep_range(p, mapping, name, low, high)
+    equalities = [q for q in _equalities(p, mapping, name) if low < q < high]
+    values = _values(low, high, equalities)
+    found = grazing_windows(p, mapping, order, **{name: values})
+    with style_for(ax):
+        drawing, axes = one_axes(ax, (4.6, 3.4))
+        _window_areas(axes, values, found, place(mapping).side * (values if name == "B0" else float(p.B0)))
+        _window_borders(axes, values, found)
+        for q in equalities:
+            for theta, belongs in critical_phases(grazing_window(p.replace(**{name: q}), mapping, order)):
+                draw_dot(axes, float(q), theta, belongs, "belongs to it" if belongs else "does not belong to it")
+        axes.set(xlabel=f"${NAMES[name]}$", ylabel=PHASE_LABEL, xlim=(low, high), ylim=(0, TURN))
+        _mark_value(axes, float(getattr(p, name)))
+        axes.set_yticks(np.arange(5) * pi / 2, PHASE_TICKS)
+        axes.set_title(f"grazing window of ${tex(mapping)}$, {order} order")
+        entries = legend_entries([axes])
+        style: Record = {"loc": "outside lower center", "ncols": 3, "frameon": False} if ax is None else {}
+        if entries["labels"]:
+            (drawing if ax is None else axes).legend(**entries, **style)
+    return drawing
+
+
+def _values(low: float, high: float, equalities: list[Fraction]) -> np.ndarray:
+    """Return values to sample: even ones, and equality and 0, where the window changes its kind, and beside these."""
+    steps = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
+    edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in steps]
+    even = np.linspace(low, high, SWEEP_POINTS)
+    return np.unique(np.concatenate([even, [edge for edge in edges if low <= edge <= high]]))
+
+
+def _mark_value(axes: Axes, value: float) -> None:
+    """Draw a line at the given value, if the axis reaches it; make room where it would lie on the frame."""
+    low, high = axes.get_xlim()
+    if low <= value <= high:
+        axes.axvline(value, color="black", linewidth=0.9, linestyle=":", label="given value")
+        width = high - low
+        near_low, near_high = value - low < 0.02 * width, high - value < 0.02 * width
+        axes.set_xlim(low - 0.04 * width * near_low, high + 0.04 * width * near_high)
+
+
+def _sweep_range(p: Parameters, mapping: str, name: str, low: Any, high: Any) -> tuple[float, float]:
+    where = place(mapping)
+    names = ("Omega", "B0", "k", f"v{where.boundary}")
+    if name not in names:
+        raise ParameterError("name", name, f"the window of {mapping} depends on {', '.join(names)} only")
+    reach = 2 * max([abs(float(getattr(p, name))), *(abs(float(q)) for q in _equalities(p, mapping, name))]) or 1.0
+    least, most = {
+        "Omega": (reach / 400, reach),
+        "k": (0.0, reach),
+        "B0": (-reach, reach),
+        "v1": (min(-reach, float(p.v2) - reach), min(reach, float(p.v2))),
+        "v2": (max(-reach, float(p.v1)), max(reach, float(p.v1) + reach)),
+    }[name]
+    found = [
+        float(read_exact(name, given)) if given is not None else end for given, end in ((low, least), (high, most))
+    ]
+    # The belts may not have one speed.
+    shift = 1e-9 * (found[1] - found[0])
+    if name == "v1" and found[1] == float(p.v2):
+        found[1] -= shift
+    if name == "v2" and found[0] == float(p.v1):
+        found[0] += shift
+    if not found[0] < found[1]:
+        raise ParameterError(name, found, "the range must go from a lower to a higher value")
+    for end in found:
+        p.replace(**{name: end})
+    return found[0], found[1]
+
+
+def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
+    """Return the values of a parameter at which |k v_lambda| = |B0| Omega."""
+    speed = p.belt(place(mapping).boundary)
+    level, size = abs(p.k * speed), abs(p.B0 * p.Omega)
+    if name == "Omega":
+        return [level / abs(p.B0)] if p.B0 and level else []
+    if name == "B0":
+        return [sign * level / p.Omega for sign in (1, -1)] if level else []
+    if name == "k":
+        return [size / abs(speed)] if speed and size else []
+    return [sign * size / p.k for sign in (1, -1)] if p.k and size else []
+
+
+def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: Any) -> None:
+    """Shade the window; the arc that it lacks ends at 3 pi/2 where `above` > 0, at pi/2 elsewhere."""
+    if np.all(found.kind == EMPTY):
+        axes.text(0.5, 0.5, "the window is empty", transform=axes.transAxes, ha="center")
+    everything = np.isin(found.kind, (EVERYTHING, ALL_BUT_ONE))
+    # Everything is a wrapped arc whose ends meet: shaded as one with the wrapped arcs beside it, without a seam.
+    last = np.where(np.asarray(above) > 0, THREE_HALVES_PI, HALF_PI[0])
+    low, high = np.where(everything, last, found.low), np.where(everything, last, found.high)
+    wrapped = everything | (found.kind == WRAPPED_ARC)
+    floor, ceiling, label = np.zeros_like(values), np.full_like(values, TURN), "window"
+    for where, lower, upper in ((wrapped, floor, high), (wrapped, low, ceiling), (found.kind == ARC, low, high)):
+        if where.any():
+            axes.fill_between(values, lower, upper, where=where, color=SHADE_COLOR, linewidth=0.4, label=label)
+            label = "_"  # no second entry in the legend
+
+
+def _window_borders(axes: Axes, values: np.ndarray, found: Any) -> None:
+    """Draw Theta_cr and pi - Theta_cr, which are not in the window, broken where they jump by a turn."""
+    if np.all(np.isnan(found.theta_cr)):
+        return
+    label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
+    for curve in (found.theta_cr % TURN, pi - found.theta_cr):
+        broken = np.where(np.abs(np.diff(curve, prepend=curve[0])) > 3, np.nan, curve)
+        axes.plot(values, broken, color=CRITICAL_COLOR, linewidth=1.0, linestyle=DASHES, label=label)
+        label = None
+
+
+# -- regions of two parameters -----------------------------------------------------------------------------------------
+
+#: A shorter piece of the border, relative to the axes, is only where one kind of border meets another.
+LEAST_PIECE = 0.01
+FORBIDDEN: Record = {"facecolor": "0.93", "hatch": "xxx", "edgecolor": "0.6", "linewidth": 0}
+INSIDE: Record = {"facecolor": SHADE_COLOR, "edgecolor": "0.35", "linewidth": 0}
+
+
+@public
+def region_figure(
+    region: ParameterRegion,
+    first: tuple[NumberLike, NumberLike] | None = None,
+    second: tuple[NumberLike, NumberLike] | None = None,
+    *,
+    ax: Axes | None = None,
+) -> Figure:
+    """Draw a region of two parameters, the first one to the right and the second one up.
+
+    Parameters
+    ----------
+    region : ParameterRegion
+        As `symosc.values_containing` and its like return for two names.
+    first, second : pair of numbers, optional
+        Ranges of the two parameters. Default: from 0 (both signs for B0 and the belts) to twice the given value.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; their figure is returned.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        For something else than a region, and for a range that is not from a lower to a higher value.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, plot, values_containing
+    >>> region = values_containing(load_scene("fig9").parameters, "P2", ("Omega", "k"), "7*pi/6")
+    >>> drawing = plot.region_figure(region)
+    >>> [text.get_text() for text in drawing.legends[0].get_texts()]
+    ['inside', 'border, not inside', 'given values, outside']
+    """
+    names = region.question.names
+    spans = [_span(region, name, given) for name, given in zip(names, (first, second), strict=True)]
+    x, y = np.meshgrid(*(np.linspace(*span, REGION_POINTS) for span in spans))
+    allowed = _margin(region.allowed, region.letters, x, y)
+    inside = _margin(region.condition, region.letters, x, y)
+    with style_for(ax):
+        drawing, axes = one_axes(ax, (4.6, 3.9))
+        shown = [*_region_areas(axes, x, y, inside, allowed), *_region_borders(axes, x, y, inside, allowed)]
+        shown += _given(axes, region, spans)
+        axes.set(xlabel=f"${NAMES[names[0]]}$", ylabel=f"${NAMES[names[1]]}$", xlim=spans[0], ylim=spans[1])
+        axes.set_title(f"${region.question.latex()}$")
+        style: Record = {"loc": "outside lower center", "ncols": 3, "frameon": False} if ax is None else {}
+        if shown:
+            (drawing if ax is None else axes).legend(handles=shown, **style)
+    return drawing
+
+
+class _Margin(NamedTuple):
+    """How far points are inside a condition: > 0 inside, 0 on its border; and whether a border there is inside."""
+
+    values: np.ndarray
+    closed: np.ndarray
+
+
+def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarray) -> _Margin:
+    import sympy as sp
+
+    if condition in (sp.true, sp.false):
+        return _Margin(np.full_like(x, np.inf if condition == sp.true else -np.inf), np.zeros(x.shape, dtype=bool))
+    if isinstance(condition, sp.And | sp.Or):
+        both = isinstance(condition, sp.And)
+        return reduce(partial(_joined, both=both), (_margin(each, letters, x, y) for each in condition.args))
+    found = sp.lambdify(letters, condition.gts - condition.lts, "numpy")(x, y)
+    closed = np.full(x.shape, isinstance(condition, sp.Ge | sp.Le))
+    return _Margin(np.asarray(np.broadcast_to(found, x.shape), dtype=float), closed)
+
+
+def _joined(one: _Margin, other: _Margin, both: bool) -> _Margin:
+    """Return the margin of both conditions, or of either: the comparison that decides has the border."""
+    decides = one.values < other.values if both else one.values > other.values
+    either = one.closed & other.closed if both else one.closed | other.closed
+    closed = np.where(one.values == other.values, either, np.where(decides, one.closed, other.closed))
+    return _Margin(np.where(decides, one.values, other.values), closed)
+
+
+def _span(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]:
+    """Return the range of an axis; the default reaches past the given value and, for a belt, past the other one."""
+    p = region.parameters
+    if given is not None:
+        low, high = (float(read_exact(name, end)) for end in given)
+        if not low < high:
+            raise ParameterError(name, given, "must go from a lower to a higher value")
+        return low, high
+    value = abs(float(getattr(p, name)))
+    other = abs(float(p.v2 if name == "v1" else p.v1)) if name in ("v1", "v2") else 0.0
+    reach = 2 * max(value, min(other, 2 * value) if value else other) or 1.0
+    return (0.0, reach) if name in ("k", "Omega") else (-reach, reach)
+
+
+def _region_areas(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, allowed: _Margin) -> list[Any]:
+    """Shade the region, hatch what is not allowed, and return what the legend needs."""
+    shown = []
+    both = np.minimum(inside.values, allowed.values)
+    if (both > 0).any():
+        _area(axes, x, y, both, INSIDE)
+        shown.append(Patch(label="inside", **INSIDE))
+    else:
+        axes.text(
+            0.5, 0.5, "nowhere here", transform=axes.transAxes, ha="center", bbox={"facecolor": "white", "linewidth": 0}
+        )
+    if (allowed.values < 0).any():
+        _area(axes, x, y, -allowed.values, FORBIDDEN)
+        shown.append(Patch(label="not allowed", **FORBIDDEN))
+    return shown
+
+
+def _area(axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray, style: Record) -> None:
+    """Fill where values are positive."""
+    finite = np.nan_to_num(values, posinf=1.0, neginf=-1.0)
+    hatches = [style.get("hatch")]
+    area = axes.contourf(x, y, finite, [0, np.inf], colors=[style["facecolor"]], hatches=hatches, zorder=0)
+    area.set(edgecolor=style["edgecolor"] if "hatch" in style else style["facecolor"], linewidth=0)
+
+
+def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, allowed: _Margin) -> list[Any]:
+    """Draw the border, full where it belongs to the region, and return what the legend needs."""
+    shown: list[Any] = []
+    if not inside.values.min() <= 0 <= inside.values.max() < np.inf:
+        return shown
+    for style, hidden, label in (
+        ("solid", ~inside.closed, "border, inside"),
+        (DASHES, inside.closed, "border, not inside"),
+    ):
+        part = np.ma.masked_where(hidden | (allowed.values < 0), inside.values)
+        if part.count() == 0 or not part.min() <= 0 <= part.max():
+            continue
+        options: Record = {"colors": [INSIDE_COLOR], "linewidths": 1.2, "linestyles": [style], "zorder": 2}
+        pieces = axes.contour(x, y, part, [0], **options).allsegs[0]
+        if any(
+            (np.ptp(piece, axis=0) > LEAST_PIECE * np.array([np.ptp(x), np.ptp(y)])).any()
+            for piece in pieces
+            if len(piece)
+        ):
+            shown.append(Line2D([], [], color=INSIDE_COLOR, linewidth=1.2, linestyle=style, label=label))
+    return shown
+
+
+def _given(axes: Axes, region: ParameterRegion, spans: list[tuple[float, float]]) -> list[Any]:
+    """Mark the values of the parameters that the region was asked for with, if they are on the axes."""
+    names = region.question.names
+    at = [float(getattr(region.parameters, name)) for name in names]
+    if not all(low <= value <= high for value, (low, high) in zip(at, spans, strict=True)):
+        return []
+    inside = region.contains(**{name: getattr(region.parameters, name) for name in names})
+    label = f"given values, {'inside' if inside else 'outside'}"
+    face = "black" if inside else "white"
+    return axes.plot(
+        *([value] for value in at), "o", color="black", markerfacecolor=face, markersize=5, linestyle="none",
+        label=label, zorder=4, clip_on=False,
+    )  # fmt: skip
+
+
+# -- grazing curves ----------------------------------------------------------------------------------------------------
+
+#: Shapes of the ends inside a window, by how the reason begins; others are diamonds.
+END_SHAPES = {"end of the window": "o", "beyond": "o", "the flow touches": "s"}
+ANGLE_TICKS = {-2: r"$-\pi$", -1: r"$-\pi/2$", 0: "0", 1: r"$\pi/2$", 2: r"$\pi$", 3: r"$3\pi/2$", 4: r"$2\pi$"}
+
+
+@public
+def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
+    """Draw a grazing curve.
+
+    Left: the switching plane, phases mod 2 pi, with the starts (x_i, Omega t_i) and the tangencies (x_m, theta_m).
+    Right: the flight from start to tangency, in phase, over theta_m. An open dot is an end at the window's end, a full
+    one an end inside the window; phases in the window without a start are shaded.
+
+    Parameters
+    ----------
+    curve : GrazingCurve
+    panels, ax : optional
+        As for `symosc.plot.figure`. The panels are a switching plane, b flight. Default: both, with `ax` a.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If that is no GrazingCurve, or there is no such panel.
+
+    Examples
+    --------
+    >>> from symosc import grazing_curve, load_scene, plot
+    >>> drawing = plot.figure_grazing_curve(grazing_curve(load_scene("fig9").parameters, "P2"))
+    >>> drawing.axes[1].get_title()
+    'flight to the grazing point'
+    """
+    panels = read_panels(panels, tuple(CURVE_PANELS), ax)
+    if ax is not None:
+        CURVE_PANELS[panels](ax, curve)
+        return figure_of(ax)
+    with style_for(ax):
+        drawing = Drawing(figsize=(3.5 * len(panels), 3.2), layout="constrained")
+        for axes, letter in zip(drawing.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
+            CURVE_PANELS[letter](axes, curve)
+    return drawing
+
+
+def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
+    for piece in curve.pieces:
+        axes.plot(piece.theta_m, piece.theta_m - piece.theta, color=START_COLOR, linewidth=1.2)
+        _ends(axes, piece, [end.theta_m - end.theta for end in (piece.low, piece.high)], "theta_m")
+    for low, high, origin in curve.gaps:
+        axes.axvspan(low, high, color=GAP_COLOR, linewidth=0, label=f"from: {origin}")
+    axes.set(xlabel=r"$\theta_m$", ylabel=r"$\theta_m - \Omega t_i$")
+    axes.set_title("flight to the grazing point")
+    if not curve.pieces:
+        _say_why_empty(axes, curve)
+    axes.set_xlim(*(_reach(curve) if curve.windows else (0, TURN)))
+    _quarters(axes)
+    _curve_legend(axes)
+
+
+def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
+    """Draw the left half of `figure_grazing_curve` into axes of another figure."""
+    for piece in curve.pieces:
+        _line(axes, piece.theta, piece.x, START_COLOR, label="start")
+        _line(axes, piece.theta_m, piece.x_m, CONTACT_COLOR, label="grazing point", style=(0, (4, 1.6)))
+        _ends(axes, piece, [end.x for end in (piece.low, piece.high)], "theta")
+    belt = place(curve.mapping).boundary
+    axes.set(xlabel=r"$\mathrm{mod}(\Omega t, 2\pi)$", ylabel="$x$", xlim=(0, TURN))
+    axes.set_title(rf"${tex(curve.mapping)}$ on the plane $\dot x = v_{belt}$")
+    if not curve.pieces:
+        _say_why_empty(axes, curve)
+    _quarters(axes)
+    _curve_legend(axes)
+
+
+CURVE_PANELS = {"a": draw_plane, "b": _draw_flight}
+
+
+def _say_why_empty(axes: Axes, curve: GrazingCurve) -> None:
+    """Say why there is nothing to draw; a scale of nothing is not shown."""
+    why = "no start on this plane grazes" if curve.windows else "the window is empty"
+    axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center")
+    axes.set_yticks([])
+
+
+def _reach(curve: GrazingCurve) -> tuple[float, float]:
+    """Return the first and the last phase; over a full circle they are counted from where the curve was cut."""
+    spans = [(piece.low.theta_m, piece.high.theta_m) for piece in curve.pieces]
+    spans += [(low, high) for low, high, _ in curve.gaps]
+    return min(low for low, _ in spans), max(high for _, high in spans)
+
+
+def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, color: str, label: str, style: Any = "-") -> None:
+    """Draw a curve with its phase mod 2 pi, broken where that jumps."""
+    turns = np.floor(theta / TURN)
+    for part in np.split(np.arange(len(theta)), np.nonzero(np.diff(turns))[0] + 1):
+        axes.plot(theta[part] - TURN * turns[part], x[part], color=color, linestyle=style, linewidth=1.2, label=label)
+
+
+def _ends(axes: Axes, piece: CurvePiece, heights: list[float], across: str) -> None:
+    for end, height in zip((piece.low, piece.high), heights, strict=True):
+        if end.reason == "closed":
+            continue
+        style: Record = {
+            "marker": next((shape for start, shape in END_SHAPES.items() if end.reason.startswith(start)), "D"),
+            "markersize": 3.5,
+            "linestyle": "none",
+            "color": START_COLOR,
+            "zorder": 3,
+            "clip_on": False,
+        }
+        if end.reason == "end of the window":
+            style["markerfacecolor"] = "white"
+        along = end.theta % TURN if across == "theta" else end.theta_m
+        axes.plot([along], [height], **style, label=end.reason)
+
+
+def _quarters(axes: Axes) -> None:
+    low, high = axes.get_xlim()
+    shown = {k: ANGLE_TICKS.get(k, rf"${k // 2 if k % 2 == 0 else f'{k}/2 '}\pi$") for k in range(-4, 13)}
+    inside = [k for k in shown if low - 1e-9 <= k * pi / 2 <= high + 1e-9]
+    axes.set_xticks([k * pi / 2 for k in inside], [shown[k] for k in inside])
+
+
+def _curve_legend(axes: Axes) -> None:
+    entries = legend_entries([axes])
+    if entries["labels"]:
+        axes.legend(**entries, frameon=False, fontsize=7)

@@ -184,22 +184,9 @@ class Task(NamedTuple):
 class Chunk:
     """Some of many motions, followed to their ends; here they are numbered from 0.
 
-    Parameters
-    ----------
-    room : EventRows
-        A buffer, used while the motions are followed.
-    keep : callable, optional
-        Returns the tally of motions, given their numbers and their rows at the start: then no events are recorded.
-
-    Attributes
-    ----------
-    batch : Batch
-        The last states of the motions, their counts of events, and what each ended with.
-    rows : list of EventRows
-        Events in order of motion and time.
-    alone : dict of int to Trajectory
-        Motions that were followed alone.
-    status : list of str
+    `room` is a buffer for events. `keep`, if given, returns the tally of motions from their numbers and their rows at
+    the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
+    events in order of motion and time, `alone` the trajectories of motions that were followed alone.
     """
 
     def __init__(
@@ -300,14 +287,14 @@ class Chunk:
 
     def _pair_rows(self, parameters: Parameters, members: list[int]) -> np.ndarray:
         """Return the first states of motions of one parameter set, as complex numbers that stand for pairs."""
-        starts, arithmetic = self._starts[members], many_digits(parameters, ROUNDED_FROM)
+        starts = self._starts[members]
         numbers = self._first + np.array(members, np.int64)
         pairs = self.task.problems.pair_rows(numbers, starts, partial(pair_phase, parameters))
         pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
         least, largest = abs(starts[:, 6:8]).min(axis=1), abs(starts[:, 6:8]).max(axis=1)
         unclear = (starts[:, 1] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
         for i in np.flatnonzero(unclear).tolist():
-            start = self.problem(members[i])
+            start, arithmetic = self.problem(members[i]), many_digits(parameters, ROUNDED_FROM)
             pairs[i] = as_complex(tuple(row_of(first_state(start, arithmetic), *last_time(start, arithmetic))))
         return pairs
 

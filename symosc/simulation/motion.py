@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from itertools import compress
 from math import ceil, log
 from operator import itemgetter
@@ -103,14 +104,9 @@ def loaded_search() -> Any:
 class Motion:
     """The states and events of one initial value problem so far, in doubles or with many digits.
 
-    Attributes
-    ----------
-    code, decided : int, bool
-        What the last step ended with, and whether the numbers at hand decide that (`symosc.engine.state.NextEvent`).
-    first_at : int
-        The belt on which the start is, or 0.
-    searched : list of (State, NextEvent)
-        In doubles: states since digits took over, and what was found from there. With digits: what doubles found ahead.
+    `code` is what the last step ended with, and `decided` whether the numbers at hand decide that; `first_at` is the
+    belt on which the start is, or 0. `searched` are states in doubles with what was found from there: since digits took
+    over, or, with digits, what doubles found ahead.
     """
 
     rounds = False  # whether events are recorded in doubles, whatever the digits
@@ -193,10 +189,11 @@ class Motion:
 
     def _in_digits(self, state: State) -> NextEvent:
         """Return the next event with many digits, of which doubles do the search if they can."""
-        rough, found = self.searched.pop(0) if self.searched else (None, None)
-        if rough is None or rough[:3] != state[:3]:  # mode, belt and period
-            rough = rounded(state, self.start) if self._search else None
-            found = _or_none(lambda: self._search(rough)) if self._search else None  # type: ignore[misc]
+        rough, found = self.searched.pop(0) if self.searched else (state, None)
+        if found is None or rough[:3] != state[:3]:  # mode, belt and period
+            rough, found = rounded(state, self.start), None
+            if self._search is not None:
+                found = _or_none(partial(self._search, rough))
         if found is None:
             self._search = None
             return self._paths.advance(state, *self._end, self.K)
@@ -329,7 +326,8 @@ def rounded_event(event: Event) -> Event:
     """Return an event with floats; the errors cover the rounding."""
     if isinstance(event.t, float):
         return event
-    return with_rounding(replace(event, **{name: float(getattr(event, name)) for name in EXACT_COLUMNS}))
+    exact: dict[str, Any] = {name: float(getattr(event, name)) for name in EXACT_COLUMNS}
+    return with_rounding(replace(event, **exact))
 
 
 def with_rounding(event: Event) -> Event:

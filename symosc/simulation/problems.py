@@ -52,15 +52,12 @@ class NumberColumn:
         if not self.single and isinstance(given, np.ndarray) and given.ndim != 1:
             raise ParameterError(name, given, f"must be a number or have shape (n,); it has {given.shape}")
         self.name, self._exact = name, dict[int, Fraction]()
-        self._given = [given] if self.single else given if isinstance(given, np.ndarray) else list(given)
+        self._given: Any = [given] if self.single else given if isinstance(given, np.ndarray) else list(given)
         if len(self._given) > 1 and all(type(value) is float for value in self._given):
             self._given = np.array(self._given, dtype=float)
         plain = isinstance(self._given, np.ndarray) and self._given.dtype == np.float64
-        self.is_plain = plain or self.single
-        if plain:
-            self.hi, self.lo = self._of_doubles(self._given)
-        else:
-            self.hi, self.lo = self._of_any(self._given)
+        self.hi, self.lo = self._of_doubles(self._given) if plain else self._of_any(self._given)
+        self.is_plain = plain or len(self._given) == 1  # then equal doubles are equal numbers
 
     def _of_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         largest = f"must be at most {float(LARGEST):g} in size"
@@ -125,11 +122,6 @@ def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
     """Return columns that have names in the order of `wanted`: of a mapping, a table, a row of one, or a record array.
 
     Without names, as pandas' tables have where only positions were given, it is returned as it is.
-
-    Raises
-    ------
-    ParameterError
-        If the names are others.
     """
     names = getattr(getattr(given, "dtype", None), "names", None)
     if isinstance(given, Mapping):
@@ -312,8 +304,7 @@ class Problems:
         )
         unclear |= (t_end.hi - t0.hi) * Omega.hi > 6.0 * MOST_PERIODS  # near the end of what is followed at all
         times = np.broadcast_arrays(t0.hi, t0.lo, t_end.hi, t_end.lo, t0.hi)
-        theta_rows, x, v = (np.broadcast_to(column.hi, size) for column in (theta, x0, v0))
-        states, small_force = start_rows(at, theta_rows, x, v, times, table.view(np.recarray))
+        states, small_force = start_rows(at, theta.hi, x0.hi, v0.hi, times, table.view(np.recarray))
         return states, unclear | small_force | bool(self.start_error)
 
     def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:
@@ -321,7 +312,7 @@ class Problems:
         speed = self.sets.column(f"v{boundary}")
         v, belt = self.v0.pairs(rows), speed.pairs(rows)
         near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
-        if self.v0.is_plain and speed.is_plain:  # then equal doubles are equal numbers
+        if self.v0.is_plain and speed.is_plain:
             values = np.broadcast_to(v.hi, rows.stop - rows.start)[near]
             _, one_each, places = np.unique(values, return_index=True, return_inverse=True)
         else:

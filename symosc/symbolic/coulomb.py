@@ -22,27 +22,7 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from symosc.symbolic import solution
-from symosc.symbolic.solution import (
-    BASIS,
-    E0,
-    E1,
-    E2,
-    Omega,
-    Regime,
-    a_i,
-    c,
-    cm,
-    f0,
-    h,
-    k,
-    m,
-    omega_d,
-    tau,
-    theta_i,
-    v_i,
-    w0sq,
-    x_i,
-)
+from symosc.symbolic.solution import E0, E1, E2, Omega, a_i, c, cm, f0, h, k, m, omega_d, tau, v_i, w0sq, x_i
 
 Expr = Any  # sympy ships no types
 
@@ -74,7 +54,7 @@ class HalfPeriod(NamedTuple):
 def transition() -> Expr:
     """Return the matrix that takes a free motion (x, v) from the start to tau, in E0, E1, E2."""
     flow = solution.flow()
-    start = {a_i: solution.acceleration(x_i, v_i, theta_i)}
+    start = {a_i: solution.acceleration(x_i, v_i, solution.theta_i)}
     states = [solution.use_relations(expr.xreplace(start)) for expr in (flow.x, flow.v)]
     matrix = sp.Matrix(2, 2, lambda i, j: states[i].diff((x_i, v_i)[j]))
     return matrix.subs(1 - w0sq * E2 - cm * E1, E0)  # the relation of E0, E1 and E2
@@ -175,7 +155,7 @@ def resonance_growth() -> Expr:
     The highest point x_0 is at theta = pi/2, so that the drive pushes along with the velocity.
     """
     regime = solution.REGIMES["resonance"]
-    at = {x_i: x_0, v_i: 0, theta_i: sp.pi / 2, a_i: solution.acceleration(x_0, sp.Integer(0), sp.pi / 2)}
+    at = {x_i: x_0, v_i: 0, solution.theta_i: sp.pi / 2, a_i: solution.acceleration(x_0, sp.Integer(0), sp.pi / 2)}
     lowest = solution.flow(regime).x.xreplace(at).xreplace(regime.parameters()).subs(tau, HALF)
     lowest = lowest.subs({solution.A_m: Omega**2 * F / k, f0: Omega**2 * P / k})  # k = m Omega^2
     return sp.simplify(2 * (-lowest - x_0))
@@ -201,9 +181,9 @@ def one_sided_velocity() -> Expr:
 # --- closed forms ---
 
 
-def closed(expr: Expr, regime: Regime, time: Expr = HALF) -> Expr:
+def closed(expr: Expr, regime: solution.Regime, time: Expr = HALF) -> Expr:
     """Put in the closed forms of E0, E1, E2 in a damping regime, at a time."""
-    basis = {name: form.subs(tau, time) for name, form in regime.basis().items() if name in BASIS[:3]}
+    basis = {name: form.subs(tau, time) for name, form in regime.basis().items() if name in solution.BASIS[:3]}
     return expr.subs(basis).subs(regime.parameters())
 
 

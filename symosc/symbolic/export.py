@@ -174,7 +174,7 @@ def flat(*given):
 
 
 @dataclass(frozen=True)
-class Program:
+class _Program:
     """What is to be printed."""
 
     word: Word
@@ -237,7 +237,7 @@ def _setup_steps() -> dict[str, ast.Assign]:
     return {ast.unparse(node.targets[0]): node for node in ast.parse(source).body if isinstance(node, ast.Assign)}
 
 
-def program(word: Word, arrays: bool, fix: Parameters | None) -> Program:
+def program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
     """Collect the functions that a word needs; for numpy arrays or for numbers, with or without fixed parameters."""
     from symosc.engine.flow import constants  # late: `symosc codegen --help` needs none of these
     from symosc.kernels import _generated, entire, entire_array, mapping
@@ -250,7 +250,7 @@ def program(word: Word, arrays: bool, fix: Parameters | None) -> Program:
     if K is not None and K.apart and K.w0 == K.rate:
         known["K.w0 * tau >= APART_ABOVE"], known["rest.any()"] = True, False
     modules = [_generated, entire_array if arrays else entire, mapping]
-    fold = Fold(known, fixed=K is not None)
+    fold = _Fold(known, fixed=K is not None)
     trees = [_functions(inspect.getsource(module)) for module in modules]
     library = {name: fold.function(node) for tree in trees for name, node in tree.items()}
     maps: list[str] = []
@@ -280,7 +280,7 @@ def program(word: Word, arrays: bool, fix: Parameters | None) -> Program:
     if K is not None:
         of_belts = {"v1": K.belt1.v, "v2": K.belt2.v}
         values = {name: of_belts[name] if name in of_belts else getattr(K, name) for name in fields}
-    return Program(word, functions, maps, fields, values, settings, fix)
+    return _Program(word, functions, maps, fields, values, settings, fix)
 
 
 def _is_K(node: ast.expr) -> bool:
@@ -339,7 +339,7 @@ def {label}{MATRIX}({arguments}, K):
     return label, source
 
 
-class Fold(ast.NodeTransformer):
+class _Fold(ast.NodeTransformer):
     """Replaces conditions by their truth, `known` by their source; constants by names (K_cm) if they are `fixed`."""
 
     def __init__(self, known: dict[str, bool], fixed: bool) -> None:
@@ -417,7 +417,7 @@ class Fold(ast.NodeTransformer):
 # --- the languages ---
 
 
-class Language(ast.NodeTransformer):
+class _Language(ast.NodeTransformer):
     """Prints functions: expressions as Python does, with what differs replaced by names of that text.
 
     `returns` says how many numbers each function returns. C and Julia differ in the texts and methods below.
@@ -433,13 +433,11 @@ class Language(ast.NodeTransformer):
         self.returns = returns
 
     def expression(self, node: ast.expr) -> str:
-        """Return the source of an expression."""
         choice = isinstance(node, ast.IfExp)
         text = ast.unparse(self.visit(ast.parse(ast.unparse(node), mode="eval").body))
         return text[1:-1] if choice else text
 
     def visit_BoolOp(self, node: ast.BoolOp) -> ast.expr:
-        """Write a && b, or a || b."""
         texts = [
             f"({self.expression(each)})" if isinstance(each, ast.BoolOp) else self.expression(each)
             for each in node.values
@@ -447,25 +445,20 @@ class Language(ast.NodeTransformer):
         return ast.Name((" && " if isinstance(node.op, ast.And) else " || ").join(texts))
 
     def visit_IfExp(self, node: ast.IfExp) -> ast.expr:
-        """Write a ? b : c in parentheses."""
         return ast.Name(
             f"({self.expression(node.test)} ? {self.expression(node.body)} : {self.expression(node.orelse)})"
         )
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        """Write K.name as the language does."""
         return ast.Name(f"{ast.unparse(node.value)}{self.member}{node.attr}")
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
-        """Write a name as the language does."""
         return ast.Name(self.renamed.get(node.id, node.id))
 
     def visit_Constant(self, node: ast.Constant) -> ast.expr:
-        """Write a number or a flag."""
         return ast.Name(str(node.value).lower()) if isinstance(node.value, bool) else node
 
     def block(self, body: list[ast.stmt]) -> Iterator[str]:
-        """Yield the lines of a block."""
         for node in body:
             match node:
                 case ast.Expr(ast.Constant()):
@@ -495,25 +488,21 @@ class Language(ast.NodeTransformer):
                     raise ValueError(f"cannot be printed: {ast.unparse(node)}")
 
 
-class Julia(Language):
+class _Julia(_Language):
     """Julia 1.x."""
 
     def function(self, node: ast.FunctionDef) -> str:
-        """Return the source of a function."""
         arguments = ", ".join(argument.arg for argument in node.args.args)
         head = [*comment(ast.get_docstring(node), "# "), f"function {node.name}({arguments})"]
         return "\n".join([*head, *indented(self.block(node.body)), "end"])
 
     def loop(self, name: str, first: int, stop: int) -> str:
-        """Return the head of a loop."""
         return f"for {name} in {first}:{stop - 1}"
 
     def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
-        """Assign several names at once."""
         yield f"{', '.join(map(self.expression, targets))} = {self.listed(value)}"
 
     def give_back(self, value: ast.expr) -> Iterator[str]:
-        """Return one value or several."""
         yield f"return {self.listed(value)}"
 
     def listed(self, value: ast.expr) -> str:
@@ -521,7 +510,7 @@ class Julia(Language):
         return ", ".join(map(self.expression, value.elts if isinstance(value, ast.Tuple) else [value]))
 
 
-class C(Language):
+class _C(_Language):
     """C99. A function with several results writes them to the array `out`."""
 
     member, end, condition, otherwise, close = "->", ";", "if ({}) {{", "} else {", "}"
@@ -545,7 +534,6 @@ class C(Language):
         return f"{'void' if count > 1 else 'double'} {prefix}{node.name}({', '.join(arguments)})"
 
     def function(self, node: ast.FunctionDef, static: bool = True, prefix: str = "") -> str:
-        """Return the source of a function."""
         self.name, self.count = node.name, 0
         body = list(self.block(node.body))
         if body[-1] == "return;":
@@ -565,7 +553,6 @@ class C(Language):
         return [2, count // 2] if re.fullmatch(rf"P\d\w*{MATRIX}", name) else [count]
 
     def loop(self, name: str, first: int, stop: int) -> str:
-        """Return the head of a loop."""
         return f"for (int {name} = {first}; {name} < {stop}; {name}++) {{"
 
     def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
@@ -658,7 +645,7 @@ def comment(text: str | None, mark: str, opening: str = "", closing: str = "") -
 # --- layout ---
 
 
-def _about(program: Program, mark: str) -> list[str]:
+def _about(program: _Program, mark: str) -> list[str]:
     labels = ", then ".join(program.word.labels)
     lines = [
         f"The mapping structure {program.word}: {labels}. Generated by symosc; do not edit.",
@@ -674,7 +661,7 @@ def _about(program: Program, mark: str) -> list[str]:
     return [f"{mark}{line}".rstrip() for line in lines]
 
 
-def _python(program: Program, arrays: bool) -> str:
+def _python(program: _Program, arrays: bool) -> str:
     functions = [ast.unparse(node) for node in program.functions.values()]
     used = set().union(*map(_names, program.functions.values())) | ({"sqrt"} if program.passed else set())
     imports = ["from collections import namedtuple", ""] * bool(program.passed) + ["import numpy as np"] * arrays
@@ -686,45 +673,36 @@ def _python(program: Program, arrays: bool) -> str:
     return "\n\n".join(head) + "\n\n\n" + "\n\n\n".join([*setup, *functions, *_python_whole(program, arrays)]) + "\n"
 
 
-def _python_whole(program: Program, arrays: bool) -> list[str]:
+def _python_whole(program: _Program, arrays: bool) -> list[str]:
     """Return the functions of the whole word, on numbers, or on arrays that broadcast."""
     calls, arguments = program.calls(0), ", ".join(["z", *program.passed])
-    spread = [f"        *{label}({z})," for label, z, _ in calls]
-    blocks = [f"        {label}{MATRIX}({z})," for label, _, z in calls]
+    rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
+    blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
     if arrays:
-        docs = [
-            f"{what} of each map, in order of time: shape ({shape}) and that of the numbers in z."
-            for what, shape in (("f1, f2", 2 * len(calls)), ("the derivatives of f1, f2", f"{len(calls)}, 2, 4"))
-        ]
-        bodies = [
-            [
-                "    z, shape = flat(*z)",
-                "    rows = [",
-                *rows,
-                "    ]",
-                f"    return np.array(rows).reshape(({shape}, *shape))",
-            ]
-            for rows, shape in ((spread, 2 * len(calls)), (blocks, f"{len(calls)}, 2, 4"))
-        ]
+        shapes = str(2 * len(calls)), f"{len(calls)}, 2, 4"
+        ends = [f": shape ({shape}) and that of the numbers in z" for shape in shapes]
+        what = "f1, f2", "the derivatives of f1, f2"
+        frame = "    z, shape = flat(*z)\n    rows = [\n{}\n    ]\n    return np.array(rows).reshape(({}, *shape))"
+        bodies = [frame.format(each, shape) for each, shape in zip((rows, blocks), shapes, strict=True)]
     else:
-        docs = [f"{what} of each map, in order of time." for what in ("f1, f2", "the 2 x 4 derivatives of f1, f2")]
-        end = "    return [[list(block[:4]), list(block[4:])] for block in blocks]"
-        bodies = [["    return [", *spread, "    ]"], ["    blocks = [", *blocks, "    ]", end]]
+        ends, what = ["", ""], ("f1, f2", "the 2 x 4 derivatives of f1, f2")
+        last = "    return [[list(block[:4]), list(block[4:])] for block in blocks]"
+        bodies = [f"    return [\n{rows}\n    ]", f"    blocks = [\n{blocks}\n    ]\n{last}"]
     return [
-        "\n".join([f"def {name}({arguments}):", f'    """Return {doc}"""', *body])
-        for name, doc, body in zip(("residual", "jacobian"), docs, bodies, strict=True)
+        f'def {name}({arguments}):\n    """Return {of} of each map, in order of time{end}."""\n{body}'
+        for name, of, end, body in zip(("residual", "jacobian"), what, ends, bodies, strict=True)
     ]
 
 
-def _python_setup(program: Program) -> str:
+def _python_setup(program: _Program) -> str:
     lines = [*map(ast.unparse, program.setup()), f"return Constants({', '.join(program.fields)})"]
     head = [f"Constants = namedtuple('Constants', {program.fields!r})", "", ""]
     head += [f"def constants(*, {', '.join(PARAMETER_NAMES)}):", '    """Return what the functions below need."""']
     return "\n".join([*head, *(f"    {line}" for line in lines)])
 
 
-def _c(program: Program, name: str) -> dict[str, str]:
-    c, count, fixed = C(program.returns(), f"{name}_constants"), len(program.maps), program.values is not None
+def _c(program: _Program, name: str) -> dict[str, str]:
+    c, count, fixed = _C(program.returns(), f"{name}_constants"), len(program.maps), program.values is not None
     constants = "" if fixed else f"const {name}_constants *K, "
     public = [label for label in program.functions if re.match(r"P[1-8]", label)]
     residual = f"void {name}_residual(const double z[{2 * count + 2}], {constants}double f[{2 * count}])"
@@ -756,7 +734,7 @@ def _c(program: Program, name: str) -> dict[str, str]:
     return {f"{name}.h": wrapped("\n".join(header)), f"{name}.c": wrapped("\n\n".join(parts))}
 
 
-def _c_setup(program: Program, c: C, signature: str) -> str:
+def _c_setup(program: _Program, c: _C, signature: str) -> str:
     """Return the function that fills the struct; parameters that nothing needs are silenced."""
     lines, used = [], set(program.fields)
     for node in program.setup():
@@ -768,8 +746,8 @@ def _c_setup(program: Program, c: C, signature: str) -> str:
     return "\n".join([signature, "{", *lines, "}"])
 
 
-def _julia(program: Program, name: str) -> str:
-    julia, passed = Julia(program.returns()), program.passed
+def _julia(program: _Program, name: str) -> str:
+    julia, passed = _Julia(program.returns()), program.passed
     exports = ["residual", "jacobian", *["constants"] * bool(passed)]
     numbers = program.numbers()
     head = [f"module {_module(name, {*exports, *program.functions, *numbers, 'Constants'})}"]
@@ -785,14 +763,23 @@ def _julia(program: Program, name: str) -> str:
         parts.append("\n".join([f"function constants(; {arguments})", *(f"    {line}" for line in lines), "end"]))
     parts += [julia.function(node) for node in program.functions.values()]
     calls, arguments = program.calls(1), ", ".join(["z", *passed])
-    lines = [f"        {label}({z})...," for label, z, _ in calls]
-    doc = "# Return f1, f2 of each map, in order of time."
-    parts.append("\n".join([doc, f"function residual({arguments})", "    return [", *lines, "    ]", "end"]))
-    lines = [f"        {label}{MATRIX}({z})," for label, _, z in calls]
-    doc = "# Return the 2 x 4 derivatives of f1, f2 of each map, in order of time."
-    rows = "    return [permutedims(reshape(collect(block), 4, 2)) for block in blocks]"
-    body = [f"function jacobian({arguments})", "    blocks = (", *lines, "    )", rows, "end"]
-    parts.append("\n".join([doc, *body]))
+    rows = "\n".join(f"        {label}({z})...," for label, z, _ in calls)
+    blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
+    parts.append(f"""\
+# Return f1, f2 of each map, in order of time.
+function residual({arguments})
+    return [
+{rows}
+    ]
+end
+
+# Return the 2 x 4 derivatives of f1, f2 of each map, in order of time.
+function jacobian({arguments})
+    blocks = (
+{blocks}
+    )
+    return [permutedims(reshape(collect(block), 4, 2)) for block in blocks]
+end""")
     return "\n\n".join([*(part for part in parts if part), "end"]) + "\n"
 
 

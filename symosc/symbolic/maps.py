@@ -23,25 +23,7 @@ from functools import cache
 import sympy as sp
 
 from symosc.symbolic import solution
-from symosc.symbolic.solution import (
-    BASIS,
-    E0,
-    E1,
-    E2,
-    I2,
-    R2,
-    Expr,
-    Omega,
-    a_i,
-    cm,
-    f0,
-    m,
-    tau,
-    theta_i,
-    v_i,
-    w0sq,
-    x_i,
-)
+from symosc.symbolic.solution import E0, E1, E2, I2, R2, Expr, Omega, a_i, cm, f0, m, tau, theta_i, v_i, w0sq, x_i
 
 #: The functions that parameter derivatives need in addition to the basis functions.
 REPEATED = U0, U1, U2, V, W, P, Q = sp.symbols("U0 U1 U2 V W P Q", real=True)
@@ -74,7 +56,7 @@ def rate(expr: Expr) -> Expr:
 def convolve(expr: Expr) -> Expr:
     """Return S * expr for a linear combination of 1 and the basis functions."""
     expr = sp.expand(expr)
-    parts = {symbol: expr.coeff(symbol) for symbol in BASIS}
+    parts = {symbol: expr.coeff(symbol) for symbol in solution.BASIS}
     constant = expr - sp.Add(*(sp.expand(factor * symbol) for symbol, factor in parts.items()))
     return sp.expand(constant * CONVOLVED[sp.Integer(1)]) + sp.Add(*(q * CONVOLVED[f] for f, q in parts.items()))
 

@@ -171,7 +171,7 @@ def flow(regime: Regime | None = None) -> Flow:
 
 
 def _force_at_start() -> Expr:
-    """Return A_m as the acceleration a_i at the start tells it."""
+    """Return A_m from the acceleration a_i at the start."""
     return sp.solve(acceleration(x_i, v_i, theta_i) - a_i, A_m)[0]
 
 

@@ -283,7 +283,7 @@ def sign_of(number: Expr) -> int:
     value = number.evalf(15, maxn=MOST_SIGN_DIGITS)
     if value.is_Float and value._prec > 1:
         return 1 if value > 0 else -1
-    raise ParameterError("number", number, f"cannot be told from 0 with {MOST_SIGN_DIGITS} digits")
+    raise ParameterError("number", number, f"cannot be distinguished from 0 with {MOST_SIGN_DIGITS} digits")
 
 
 def _is_zero(number: Expr) -> bool:

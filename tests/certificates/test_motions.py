@@ -76,6 +76,7 @@ def test_a_belt_start_that_is_known_to_an_error_only_is_open() -> None:
     assert begin(problem, (Fraction(0), zero - 1, p.v1), (Fraction(0), error, Fraction(0))).mode == ON_A_BELT + 1
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_sets_of_starts_contain_the_events_of_their_points(family: str) -> None:
     """Corners of the set of starts have the same events, each within the enclosure of it."""
@@ -116,6 +117,7 @@ def scene_of(p: Parameters, start: dict[str, Any], **changes: Any) -> Scene:
     return Scene("random", p, **(numbers | changes))
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("name", PAPER)
 def test_the_paper_s_motions_are_proven(name: str) -> None:
     certificate, run = certify(name), simulate(name)
@@ -369,7 +371,7 @@ def test_a_start_that_touches_is_proven_to_and_verified(seed: int) -> None:
     agrees(found, scene)
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_start_that_misses_by_a_little_does_not_touch(seed: int) -> None:
     scene, _ = touching(seed)
@@ -479,6 +481,7 @@ def test_random_scenes_are_confirmed(count: int, seed: int) -> None:
     assert proven > count / 2
 
 
+@pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("family", "seed", "number"),
     [

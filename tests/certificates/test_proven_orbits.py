@@ -160,7 +160,7 @@ def branch(name: str, low: str, high: str) -> Branch:
     return continue_orbit(scene.parameters.replace(Omega=middle), scene.structure, "Omega", (low, high))
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "low", "high"), [("fig9", "3.99", "4.01"), ("fig10", "1.74", "1.76")])
 def test_orbits_lie_in_the_boxes(name: str, low: str, high: str) -> None:
     seen: list[float] = []

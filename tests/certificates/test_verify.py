@@ -117,7 +117,7 @@ def test_a_changed_window_is_proven_only_if_it_is_still_true(change: str) -> Non
     assert refused
 
 
-@pytest.mark.quick(3)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     "change", random.Random(17).sample(sorted(BRANCH_CHANGES.keys() - {"at moved", "inequality"}), 8)
 )
@@ -151,7 +151,8 @@ def test_many_changes(change: str) -> None:
 # -- motions -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["fig7-exact", pytest.param("fig8-exact", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["fig7-exact", "fig8-exact"])
 def test_a_graze_is_refused_where_no_start_touches(name: str) -> None:
     good = document(f"motion {name}")
     assert judged(good)[0] == 0
@@ -197,6 +198,7 @@ def test_a_later_contact_of_the_same_flight_is_not_the_next_event() -> None:
             assert code == (1 if number else 0), line
 
 
+@pytest.mark.slow
 def test_a_touch_within_40_digits_is_proven_with_more_bits() -> None:
     """Near the touch steps are short for want of bits; 50,000 of them said that its time is too far away."""
     found = certify("fig8-exact", digits=40)
@@ -283,7 +285,7 @@ def test_what_is_true_of_a_motion_that_settles_is_proven(name: str) -> None:
 
 
 @pytest.mark.parametrize("change", FALSE)
-@pytest.mark.quick(10)
+@pytest.mark.quick(6)
 def test_what_is_false_of_a_motion_that_settles_is_refused(change: str) -> None:
     for name in SETTLED:
         changed = FALSE[change](document(name))
@@ -304,6 +306,7 @@ def test_the_motion_has_to_come_into_the_box(name: str) -> None:
     assert judged(changed) == (1, "not proven: a number is not above the lower end stated")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SETTLED)
 def test_a_box_of_another_shape_is_not_mapped_into_itself(name: str) -> None:
     for narrow in "tx":
@@ -315,6 +318,7 @@ def test_a_box_of_another_shape_is_not_mapped_into_itself(name: str) -> None:
         assert judged(changed)[0] == 1
 
 
+@pytest.mark.slow
 def test_a_short_run_ends_as_near_to_the_orbit_as_it_has_come() -> None:
     """From starts within 1e-9 the events of the 7th period are not yet those of the orbit to 20 digits."""
     scene = load_scene("fig9-orbit").started({"t_end": "11.2"})
@@ -335,6 +339,7 @@ def test_until_when_the_start_may_stick(until: str | None) -> None:
 # -- orbits and branches -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("place", [3, 31, 40, 59, 500, 583, 827])
 def test_listed_orbits_are_proven_again(place: int) -> None:
     """Of the list of 1,030 fifty failed: their fixed point was not known well enough for 16 places of a multiplier."""
@@ -389,7 +394,7 @@ def test_branches_in_all_parameters_are_proven_again() -> None:
         assert not made.proven or judged(made.as_dict())[0] == 0, made.message
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["c", "k", "m"])
 def test_a_branch_through_critical_damping_is_proven(name: str) -> None:
     orbit = next(each for each in listed_orbits() if each.regime == "critically damped" and len(each.word) < 5)
@@ -403,6 +408,7 @@ def test_a_branch_through_critical_damping_is_proven(name: str) -> None:
 # -- the format --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_written_fits_the_schema_and_says_what_the_checker_prints(kind: str, tmp_path: Path) -> None:
     whole = json.loads(text_of(kind))
@@ -553,6 +559,7 @@ def test_what_the_checker_refuses_is_not_proven(monkeypatch: pytest.MonkeyPatch)
     assert found.message == "not confirmed by the checker: not proven: more than 20 steps (--steps)"
 
 
+@pytest.mark.slow
 def test_precision_and_cap_are_given_back_also_by_threads() -> None:
     """All threads share the precision of flint: two proofs at a time would spoil it."""
     before = ctx.prec, ctx.cap

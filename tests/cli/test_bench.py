@@ -11,19 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 from matplotlib.figure import Figure
 
-from symosc.bench import (
-    digits,
-    ensembles,
-    error_map,
-    hard,
-    plot_error_map,
-    plot_work,
-    results,
-    speed,
-    sweeping,
-    work_precision,
-    work_table,
-)
+from symosc.bench import cases, error_map, results, speed, work
 from symosc.cli.app import main
 
 MARKS = "<!-- results: begin -->\nold\n<!-- results: end -->\n"
@@ -39,17 +27,30 @@ def good(*arguments: str) -> str:
     return result.stdout
 
 
+#: Where what takes long is, and what its result is called.
+MEASURED = {
+    "speed": (speed, "run"),
+    "digits": (speed, "measure_digits"),
+    "ensembles": (speed, "measure_ensembles"),
+    "sweeping": (speed, "measure_sweeping"),
+    "work_precision": (work, "run"),
+    "hard": (cases, "run"),
+    "error_map": (error_map, "run"),
+}
+
+
 @pytest.fixture
 def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Replace what takes long; return the names of what is run."""
     names: list[str] = []
 
     def measured(name: str) -> Callable[..., dict[str, Any]]:
-        def run(quick: bool, progress: Callable[..., Iterable[int]] = iter) -> dict[str, Any]:
-            names.append(name)
-            steps = list(progress([1, 2]))
-            about: dict[str, Any] = {"machine": None, "solvers": [{"raw": True}], "ok": True}
-            return about | {"name": name, "quick": quick, "steps": steps, "empty": float("nan")}
+        def run(
+            progress: Callable[..., Iterable[int]] = iter, quick: bool = False, cases: object = None
+        ) -> dict[str, Any]:
+            names.append("scores" if name == "hard" and cases is None else name)
+            about: dict[str, Any] = {"machine": None, "ok": True, "scores": [], "ours": []}
+            return about | {"name": names[-1], "quick": quick, "steps": list(progress([1, 2])), "empty": float("nan")}
 
         return run
 
@@ -58,13 +59,13 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         drawing.text(0, 0, "x", gid=f"picture of {result['name']}")
         return drawing
 
-    for module in (speed, digits, ensembles, sweeping, work_precision, hard, error_map):
-        name = module.__name__.rpartition(".")[2]
-        monkeypatch.setattr(module, "run", measured(name))
-    for module in (speed, digits, ensembles, sweeping, work_table, hard):
-        monkeypatch.setattr(module, "table", lambda result, **options: f"table of {result['name']} {options}")
-    monkeypatch.setattr(hard, "legend", lambda result: ["legend"])
-    for module in (plot_work, plot_error_map):
+    for name, (module, function) in MEASURED.items():
+        monkeypatch.setattr(module, function, measured(name))
+        table = function.replace("measure_", "") + "_table" if function != "run" else "table"
+        if hasattr(module, table):
+            monkeypatch.setattr(module, table, lambda result, **options: f"table of {result['name']} {options}")
+    monkeypatch.setattr(cases, "hard", lambda quick: f"hard ones, {quick}")
+    for module in (work, error_map):
         monkeypatch.setattr(module, "figure", drawn)
     return names
 
@@ -73,7 +74,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 def test_tables() -> None:
     shown = ("speed", "digits", "ensembles", "sweeping", "work_precision")
     assert good("--quick") == "\n\n".join(f"table of {name} {{}}" for name in shown) + "\n"
-    assert good("--hard") == "table of hard {}\n\nThe peers as they come:\n\ntable of hard {'raw': True}\n\nlegend\n"
+    assert good("--hard") == "table of hard {}\n"
 
 
 def test_json_of_all_that_was_measured(calls: list[str]) -> None:
@@ -88,8 +89,8 @@ def test_json_of_all_that_was_measured(calls: list[str]) -> None:
 @pytest.mark.usefixtures("calls")
 @pytest.mark.parametrize("options", [[], ["--json"]], ids=["table", "JSON"])
 def test_an_error_of_ours_above_its_bound_is_a_failure(options: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    kept = hard.run
-    monkeypatch.setattr(hard, "run", lambda **options: {**kept(**options), "ok": False})
+    kept = cases.run
+    monkeypatch.setattr(cases, "run", lambda *arguments, **options: {**kept(*arguments, **options), "ok": False})
     assert run("--hard", *options).exit_code == 1
 
 
@@ -104,14 +105,15 @@ def test_the_picture(options: list[str], drawn: str, calls: list[str], tmp_path:
 
 
 def test_results_run_everything(calls: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for part in ("brief", "overview"):
+    for part in ("figures", "overview"):
         monkeypatch.setattr(results, part, lambda result: f"{sorted(result)}\n")
     monkeypatch.setattr(results, "sentence", lambda about: "a machine")
+    monkeypatch.setattr(cases, "write", lambda path, result, command: [])
     readme = tmp_path / "README.md"
     readme.write_text(MARKS)
     lines = good("--quick", "--results", str(readme)).splitlines()
-    assert sorted(calls) == ["digits", "ensembles", "error_map", "hard", "speed", "sweeping", "work_precision"]
-    assert readme.read_text() == MARKS.replace("old", str(sorted([*calls, "quick"])))
+    assert sorted(calls) == ["digits", "ensembles", "error_map", "scores", "speed", "sweeping", "work_precision"]
+    assert str(sorted([*calls, "quick"])) in readme.read_text()
     assert lines[0] == f"wrote {readme}"
     assert {Path(line.removeprefix("wrote ")) for line in lines[1:]} == set(
         (tmp_path / results.RESULTS_FOLDER).iterdir()

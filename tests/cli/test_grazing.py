@@ -17,8 +17,7 @@ from symosc.errors import ParameterError
 from symosc.grazing.window import grazing_window
 from symosc.mappings.theorem7_cases import EVERYTHING
 from symosc.model import PARAMETER_NAMES
-from symosc.plot.sweep import sweep_figure
-from symosc.plot.windows import window_figure
+from symosc.plot.windows import sweep_figure, window_figure
 from symosc.scenes import load_scene, scene_names
 
 FIG9 = load_scene("fig9").parameters

@@ -41,7 +41,7 @@ def test_a_command_loads_only_what_it_needs(command: str, tmp_path: Path) -> Non
 def test_names_of_plot_load_only_their_figures() -> None:
     code = (
         "import sys; from symosc import plot; assert 'matplotlib' not in sys.modules; plot.figure;"
-        "print({'scipy', 'symosc.plot.maps', 'symosc.plot.branch', 'symosc.crosschecks'} & set(sys.modules))"
+        "print({'scipy', 'symosc.plot.sweeps', 'symosc.orbits', 'symosc.crosschecks'} & set(sys.modules))"
     )
     run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert run.stdout == "set()\n"

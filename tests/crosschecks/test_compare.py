@@ -6,7 +6,6 @@ import json
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,6 @@ from units import UNITS, Units
 
 from symosc import CrossCheck, ParameterError, Parameters, Scene, load_scene, simulate
 from symosc.crosschecks import compare
-from symosc.crosschecks.causes import explain
 from symosc.crosschecks.samples import Samples, check_joints, checked
 from symosc.crosschecks.velocities import NOTE, with_velocities
 
@@ -204,20 +202,6 @@ def test_errors_that_add_up_fail_in_the_end() -> None:
     assert not crosscheck(scene, t, x, v, global_tolerance=1e-7).ok
 
 
-@pytest.mark.slow
-def test_the_end_of_the_exact_motion_is_the_end_of_the_comparison() -> None:
-    exact = simulate("fig8", t_end=70)
-    assert exact.status == "undecidable"
-    t = np.linspace(2.5, float(exact.t_end), 500)
-    x, v = exact(t)
-    extra = float(exact.t_end) + 0.01 * np.arange(1, 100)
-    result = crosscheck("fig8", np.append(t, extra), np.append(x, 0 * extra), np.append(v, 0 * extra))
-    assert result.compared_until == exact.t_end
-    assert np.isnan(result.errors[500:]).all()
-    assert result.max_error_x < 1e-10
-    assert any("only steps" in note for note in result.notes)
-
-
 def test_a_solution_starts_where_the_scene_does() -> None:
     """... or on its motion later; own_start allows another start."""
     t = np.linspace(0, 40, 800)
@@ -272,42 +256,6 @@ def test_a_solution_goes_on_to_the_end_of_the_scene() -> None:
     resting = Scene("resting", p, Fraction(0), Fraction(0), Fraction(0), Fraction(200))
     assert simulate(resting).status == "equilibrium"
     assert compare.crosscheck(resting, simulate(resting)).ok
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (lambda t, x, v: (t[::-1], x, v), "times must increase"),
-        (lambda t, x, v: (np.append(t[:-1], t[-2]), x, v), "is repeated"),
-        (lambda t, x, v: (t, np.append(x[:-1], np.nan), v), r"x\[800\] = nan"),
-        (lambda t, x, v: (t, x[:-1], v), "one length"),
-        (lambda t, x, v: (t[:1], x[:1], v[:1]), "at least 2"),
-        (lambda t, x, v: (t, np.array([x, x]), v), "one-dimensional"),
-        (lambda t, x, v: (t, ["a"] * len(t), v), "'a': is not a number"),
-    ],
-)
-def test_bad_samples(change: Any, words: str, grid: Any) -> None:
-    with pytest.raises(ParameterError, match=words):
-        crosscheck("fig5", *change(*grid["fig5"]))
-
-
-@pytest.mark.parametrize(
-    ("events", "words"), [([(1.0, "jump")], "kind one of"), ([1.0], "pair"), ([(np.nan, "cross")], "finite")]
-)
-def test_bad_events(events: Any, words: str, grid: Any) -> None:
-    with pytest.raises(ParameterError, match=words):
-        crosscheck("fig5", *grid["fig5"], events=events)
-
-
-def test_an_invented_event_of_a_list(grid: Any) -> None:
-    t, x, v = grid["fig9"]
-    own = [(event.t, event.kind) for event in simulate("fig9", t_end=8).events]
-    assert crosscheck("fig9", t, x, v, events=own).ok
-    result = crosscheck("fig9", t, x, v, events=[*own, (5.2, "stick")])
-    assert [(event.t, event.kind) for event in result.invented] == [(5.2, "stick")]
-    assert not result.ok
-    result = crosscheck("fig9", t, x, v, events=own[1:])
-    assert [event.t for event in result.missed] == [own[0][0]]
 
 
 @pytest.mark.slow
@@ -707,103 +655,3 @@ def test_a_step_too_far_is_a_local_error() -> None:
     assert result.first_wrong is not None
     assert result.first_wrong.reason == "local error"
     assert result.first_switching is None
-
-
-# --- one reason against the next, on steps that are made up ---
-
-
-class MadeUp(SimpleNamespace):
-    """Three faults_samples and the steps between; `flight` misses the next sample by what is told for each domain."""
-
-    @property
-    def states(self) -> np.ndarray:
-        return np.column_stack([self.x, self.v])
-
-    def flight(self, domain: int, since: np.ndarray, until: np.ndarray) -> np.ndarray:
-        gap = self.misses.get((domain, int(until[0])), (9.0, 9.0))
-        return np.array([[self.x[until[0]] + gap[0], self.v[until[0]] + gap[1]]])
-
-
-def made_up(**told: Any) -> tuple[str, str]:
-    """Return the reason for a step from 0 to 1, and its words; nothing is odd about the step but what is told."""
-    value = {
-        "first": 2, "last": 2, "found": 2, "before": 2, "v": (0.5, 0.5, 0.5), "times": (), "targets": (), "misses": {},
-        "size": 10.0, "defect": (1.0, 1.0), "near": 1e-3, "t": (0.0, 1.0, 2.0), "belts": (),
-    } | told  # fmt: skip
-    events = SimpleNamespace(
-        target=np.array(value["targets"], int),
-        t=np.array(value["times"], float),
-        boundary=np.array(value["belts"] or [1] * len(value["times"]), int),
-        rows=lambda first, last: slice(None),
-    )
-    K = SimpleNamespace(belt1=SimpleNamespace(v=0.0), belt2=SimpleNamespace(v=2.0), period=1.0)
-    n = len(value["t"])
-    steps = MadeUp(
-        t=np.array(value["t"]), x=np.zeros(n), v=np.array(value["v"][:n]), first=np.full(n - 1, value["first"]),
-        last=np.full(n - 1, value["last"]), defects=np.array([value["defect"]] * (n - 1)), events=events, K=K,
-        misses=value["misses"],
-    )  # fmt: skip
-    modes, near = np.array([value["before"], value["found"], 2][:n]), np.full(n, value["near"])
-    allowed = np.full((n - 1, 2), 0.1)
-    (fault,) = explain(steps, [0], modes, np.full(n - 1, value["size"]), allowed, near)  # type: ignore[arg-type]
-    assert fault.words
-    assert (fault.defect_x, fault.defect_v) == pytest.approx(value["defect"], nan_ok=True)
-    return fault.reason, fault.words
-
-
-def test_a_force_explains_a_step_if_it_misses_by_a_fiftieth_of_it() -> None:
-    """... or by what is allowed, if that is more: on both sides of the border, in x and in v."""
-    for size, limit in ((10.0, 1.0), (50.0, 1.0), (1000.0, 20.0)):
-        for part, explains in ((0.99, True), (1.01, False)):
-            miss = 0.1 * limit * part
-            for gap in ((miss, 0.0), (0.0, -miss)):
-                reason, words = made_up(size=size, misses={(3, 1): gap})
-                assert reason == ("wrong force" if explains else "local error")
-                assert not explains or words == "the force of Omega3 explains the step, which lies in Omega2"
-                assert made_up(size=size, misses={(2, 2): gap})[0] == ("outlier" if explains else "local error")
-
-
-def test_the_reasons_come_in_their_order() -> None:
-    """Each reason needs all its signs: without one of them the next reason that fits is given."""
-    fits = {(3, 1): (0.0, 0.0)}
-    event = {"times": (0.4,), "targets": (3,)}
-    cases: list[tuple[dict[str, Any], str]] = [
-        ({"size": np.nan, "t": (0.0, 0.0, 2.0)}, "undecidable"),
-        ({"size": np.inf}, "undecidable"),
-        ({"t": (0.0, 0.0, 2.0)}, "jump"),
-        ({"last": 4, "found": 4, "v": (0.0, 1e-9, 0.0), "defect": (0.1, 1.0)}, "drift on the belt"),
-        ({"last": 4, "found": 4, "v": (0.0, 1e-9, 0.0), "defect": (0.11, 1.0)}, "local error"),
-        ({"last": 4, "found": 4, "v": (0.0, 0.0, 0.0), "defect": (0.0, 1.0)}, "local error"),
-        ({"last": 4, "found": 5, "v": (0.0, 1e-9, 0.0), "defect": (0.0, 1.0)}, "local error"),
-        ({"last": 5, "found": 5, "v": (2.0, 2.0, 2.0), "defect": (0.0, 1.0)}, "local error"),
-        ({"last": 5, "found": 5, "v": (2.0, 2.1, 2.0), "defect": (0.0, 1.0)}, "drift on the belt"),
-        ({"misses": fits}, "wrong force"),
-        ({"misses": fits, "first": 3, "found": 3}, "wrong force"),
-        ({"misses": fits, "first": 4, "found": 3}, "event at the start"),
-        ({"misses": fits, "first": 4, "found": 4}, "local error"),
-        ({"misses": fits, **event}, "double root"),
-        ({"first": 4, "found": 3}, "event at the start"),
-        ({"first": 5, "found": 1}, "event at the start"),
-        ({"misses": fits, "v": (1e-3, 0.5, 0.5), "times": (1e-7,), "targets": (3,)}, "event at the start"),
-        ({"misses": fits, "v": (2.001, 0.5, 0.5), "times": (1e-6,), "targets": (3,)}, "event at the start"),
-        ({"misses": fits, "v": (2.002, 0.5, 0.5), "times": (1e-6,), "targets": (3,)}, "sign tolerance"),
-        ({"misses": fits, "v": (1e-3, 0.5, 0.5), **event}, "double root"),
-        ({"misses": fits, "v": (1e-3, 0.5, 0.5), "first": 4, "found": 4}, "event at the start"),
-        ({"times": (1e-6,), "targets": (3,)}, "sign tolerance"),
-        ({"times": (2e-6,), "targets": (3,)}, "double root"),
-        ({"times": (1e-6,), "targets": (3,), "found": 4}, "crossing inside the step"),
-        ({"times": (1e-6,), "targets": (3,), "first": 4, "found": 4}, "crossing inside the step"),
-        ({"found": 4, "before": 4}, "sign tolerance"),
-        ({"found": 4, "before": 2}, "local error"),
-        ({"found": 4, "before": 4, "last": 5}, "local error"),
-        (event, "double root"),
-        ({**event, "last": 3}, "crossing inside the step"),
-        ({**event, "found": 3}, "crossing inside the step"),
-        ({"misses": {(2, 2): (0.0, 0.0)}}, "outlier"),
-        ({"misses": {(2, 2): (0.0, 0.0)}, "t": (0.0, 1.0)}, "local error"),
-        ({"misses": {(1, 2): (0.0, 0.0)}}, "local error"),
-        ({"misses": {(2, 2): (0.0, 0.0)}, "first": 4, "found": 4}, "local error"),
-        ({}, "local error"),
-    ]
-    for told, reason in cases:
-        assert made_up(**told)[0] == reason, told

@@ -149,26 +149,6 @@ def test_a_library_that_is_missing_is_named(tmp_path: Path, monkeypatch: pytest.
 # -- files -------------------------------------------------------------------------------------------------------------
 
 
-def test_what_cannot_be_read(tmp_path: Path) -> None:
-    wrong = {
-        "two.csv": ("t,x,w\n0,1,2\n1,2,3\n", "column = 'v': is missing"),
-        "short.csv": ("t,x,v\n0,1,2\n1,2\n", "row 3 has 2 entries"),
-        "text.csv": ("t,x,v\n0,1,2\n1,2,three\n", "'three': is not a number"),
-        "empty.csv": ("", "is empty"),
-        "bad.json": ("{", "cannot be read"),
-        "list.json": ("[1, 2]", "must hold columns"),
-        "bad.npz": ("no zip", "is not an npz file"),
-        "run.doc": ("", "must end in"),
-        "run.txt": ("", "is empty"),
-    }
-    for name, (text, words) in wrong.items():
-        (tmp_path / name).write_text(text)
-        with pytest.raises(ParameterError, match=words):
-            read_samples(tmp_path / name)
-    with pytest.raises(ParameterError, match="cannot be read"):
-        read_samples(tmp_path / "none.csv")
-
-
 @pytest.mark.parametrize("piece", [b"\n", b",,\n", b"# a comment\n", b" ", b"\0"])
 def test_a_small_file_that_unpacks_to_very_much_is_refused_soon(
     piece: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -247,25 +227,6 @@ def test_a_column_that_is_there_twice_is_refused_only_if_it_is_read(tmp_path: Pa
                 read_samples(path)
         else:
             assert read_samples(path).v.tolist() == [2, 3]
-
-
-def test_names_of_columns_are_checked() -> None:
-    data = {"t": [0, 1], "p": [1, 2], "v": [2, 3]}
-    assert read_samples(data, {"x": "p"}).x.tolist() == [1, 2]
-    for columns, words in (
-        ("x", "must be a mapping"),
-        ({"y": "p"}, "only t, x and v are read"),
-        ({"x": 1}, "the name of the column that holds x"),
-        ({"x": "v"}, "must be three columns"),
-        ({"x": "q"}, "is missing in dict; there are: t, p, v"),
-    ):
-        with pytest.raises(ParameterError, match=words):
-            read_samples(data, columns)  # type: ignore[arg-type]
-    many = {f"column{i}": [0] for i in range(30)}
-    with pytest.raises(ParameterError, match=r"there are: column0, .*, column11, and 18 more$"):
-        read_samples(many)
-    with pytest.raises(ParameterError, match=r"there are: column0, .*, column11$"):
-        read_samples(dict(list(many.items())[:12]))
 
 
 # -- text tables -------------------------------------------------------------------------------------------------------

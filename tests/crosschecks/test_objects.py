@@ -21,7 +21,6 @@ from symosc import ParameterError, load_scene, simulate
 from symosc.crosschecks.objects import (
     MOST_TIMES,
     SolverTask,
-    asked_columns,
     find_columns,
     of_function,
     plain,
@@ -383,16 +382,6 @@ def test_the_exact_name_comes_first_then_usual_ones_in_any_case() -> None:
 def test_a_velocity_under_another_name_is_not_passed_over() -> None:
     with pytest.raises(ParameterError, match="'v': is missing in here; there are: t, x, w; without velocities"):
         find_columns(["t", "x", "w"], {}, "here")
-
-
-@pytest.mark.parametrize("columns", [{"x": None}, {"t": "none"}, {"q": "x"}, {"x": "v"}, {"x": "a", "v": "a"}])
-def test_what_cannot_be_asked(columns: dict[str, str | None]) -> None:
-    with pytest.raises(ParameterError, match="columns"):
-        asked_columns(columns)
-
-
-def test_no_velocity_can_be_asked_for() -> None:
-    assert asked_columns({"v": "none"}) == asked_columns({"v": None}) == {"v": None}
 
 
 # -- samples -----------------------------------------------------------------------------------------------------------

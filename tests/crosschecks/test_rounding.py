@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from careful_solver import random_parameters, solve
+from careful_solver import solve
 from excerpts import crosscheck
 from fault_scenes import SAMPLINGS, Case, cases
 from rounded_solutions import DEVIATION, right, wrong_solutions
@@ -85,48 +85,6 @@ def test_what_is_not_rounded() -> None:
     assert find_digits(np.array([])) is None
 
 
-def check_rounded(rng: np.random.Generator, cut: Round, words: str) -> None:
-    """Right samples of a random motion pass, and wrong ones do not."""
-    p = random_parameters(rng)
-    v0 = float(rng.choice([float(p.v1), float(p.v2), 0.25]))
-    start: dict[str, Any] = {"t0": 0, "x0": round(rng.uniform(-5, 5), 2), "v0": v0}
-    exact = simulate(p, **start, t_end=5)
-    end, count = float(exact.t_end), int(rng.choice([30, 100]))
-    own = [float(event.t) for event in exact.events]
-    t = np.linspace(0, end, count) if rng.random() < 0.5 else np.unique([0, *rng.uniform(0, end, count), *own, end])
-    times = cut(t) if rng.random() < 0.5 else t
-    x, v = exact(t)
-    events = list(zip(cut(own).tolist(), [event.kind for event in exact.events], strict=True))
-    for given in (None, events):
-        result = crosscheck(p, times, cut(x), cut(v), events=given)
-        assert result.ok, (p, start, words, result.summary())
-        assert words in result.rounded.values()
-        assert any(words in note for note in result.notes)
-    x, v = simulate(p.replace(k=p.k * 2), **start, t_end=5)(np.minimum(t, 0.9 * end))
-    assert not crosscheck(p, times, cut(x), cut(v)).ok
-
-
-@pytest.mark.full(2)
-@pytest.mark.slow
-@pytest.mark.parametrize("count", [3, 6, 10])
-@pytest.mark.parametrize("kind", [decimals, significant])
-def test_rounded_samples_are_judged_at_their_precision(kind: Any, count: int) -> None:
-    rng = np.random.default_rng(100 + count)
-    for _ in range(2):
-        check_rounded(rng, *kind(count))
-
-
-@pytest.mark.campaign
-@pytest.mark.parametrize("count", range(3, 11))
-@pytest.mark.parametrize("kind", [decimals, significant])
-def test_rounded_samples_of_many_motions(kind: Any, count: int) -> None:
-    rng = np.random.default_rng(count)
-    for _ in range(8):
-        check_rounded(rng, *kind(count))
-    for _ in range(3):
-        check_rounded(rng, *single())
-
-
 @pytest.mark.slow
 def test_six_digits_are_not_the_method_but_a_bad_method_is() -> None:
     t = np.linspace(0, 12, 201)
@@ -178,16 +136,6 @@ def test_a_short_list_beside_rounded_samples() -> None:
     assert not crosscheck("fig9", t, *(cut(values) for values in exact(t)), events=[(own[0][0] + 1e-3, "cross")]).ok
 
 
-@pytest.mark.slow
-def test_times_that_rounding_has_made_equal() -> None:
-    exact = simulate("fig9", t_end=3)
-    t = np.linspace(0.1324, 1.1, 1500)
-    cut = decimals(3)[0]
-    result = crosscheck("fig9", cut(t), *(cut(values) for values in exact(t)))
-    assert np.any(np.diff(cut(t)) == 0.0)
-    assert result.ok, result.summary()
-
-
 def test_results_are_compared_copied_and_pickled() -> None:
     t = np.linspace(0.1324, 6, 100)
     x, v = simulate("fig9", t_end=6)(t)
@@ -201,16 +149,6 @@ def test_results_are_compared_copied_and_pickled() -> None:
     for something in (None, 5, "ok", np.zeros(3), simulate("fig9", t_end=6)):
         assert (one == something) is False
         assert (one != something) is True
-
-
-@pytest.mark.slow
-def test_a_result_with_nan_equals_its_copy() -> None:
-    exact = simulate("fig8", t_end=70)
-    t = np.linspace(2.5, float(exact.t_end), 200)
-    t = np.append(t, t[-1] + 0.01)
-    one = crosscheck("fig8", t, *np.column_stack([exact(t[:-1]), [0.0, 0.0]]))
-    assert np.isnan(one.errors).any()
-    assert one == pickle.loads(pickle.dumps(one))
 
 
 # -- rounded solutions -------------------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from chapters import table
 
 from symosc import simulate
 from symosc.derive import citation, literature_page, published
-from symosc.derive.published import BORDER, CLOSED, MP, RESTING, TABLES, Formulas, Value, wall
+from symosc.derive.published import MP, RESTING, TABLES, Formulas, Value, wall
 from symosc.errors import ParameterError
 from symosc.orbits.branch import continue_orbit
 from symosc.orbits.find import find_orbit
@@ -51,7 +51,7 @@ def test_amplitudes_known_from_elsewhere(c: str, F: str, Omega: str, x_0: float)
 @pytest.mark.slow
 def test_the_amplitude_is_that_of_P32_and_so_are_its_multipliers() -> None:
     """Random systems of all regimes of damping: in doubles to 1e-12, and some with 30 digits to 1e-27."""
-    for i, (c, Omega, F) in enumerate(random_walls(8, 20, (0.05, 0.9))):
+    for i, (c, Omega, F) in enumerate(random_walls(5, 20, (0.05, 0.9))):
         p = wall(F, Omega, c)
         formulas = Formulas(p)
         digits, tolerance = (30, 1e-27) if i < 2 else (None, 1e-12)
@@ -68,7 +68,7 @@ def test_the_amplitude_is_that_of_P32_and_so_are_its_multipliers() -> None:
 
 @pytest.mark.slow
 def test_on_either_side_of_the_border_P32_is_an_orbit_or_not() -> None:
-    for c, Omega, F in random_walls(4, 21, (1, 1)):
+    for c, Omega, F in random_walls(3, 21, (1, 1)):
         border = Formulas(wall(1, Omega, c)).border()
         for part, is_orbit in (("0.999999", True), ("1.000001", False)):
             p = wall(Fraction(str(MP.nstr(border, 18))) * Fraction(part), Omega, c)
@@ -238,52 +238,18 @@ def test_equal_counts_have_no_border() -> None:
 
 # --- the tables and their page ---
 
-#: The others bisect, or expand long expressions, for seconds each.
-QUICK = ("amplitude", "resonance", "decay", "continuum", "rests")
-KEYS = [key if key in QUICK else pytest.param(key, marks=pytest.mark.slow) for key in TABLES]
-
-
-@pytest.mark.quick(2)
-@pytest.mark.parametrize("key", KEYS)
-def test_formula_and_package_agree(key: str) -> None:
-    values = table(key)
-    assert len(values) >= 2
-    for value in values:
-        assert value.tolerance in (CLOSED, BORDER)
-        assert abs(value.difference) <= value.tolerance, value
-
-
-@pytest.mark.slow
-def test_counts_of_stops_go_from_0_to_14() -> None:
-    said = " ".join(value.note for key in ("border", "stops") for value in table(key))
-    assert {int(word) for word in said.replace(",", "").split() if word.isdigit()} == {0, 2, 4, 6, 8, 10, 12, 14}
-
 
 @pytest.mark.slow
 def test_the_committed_page_is_current(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The chapter checks that the two numbers of each row agree."""
     monkeypatch.setattr(literature_page, "table", table)
     committed = (literature_page.DOCS / literature_page.PAGE).read_text(encoding="utf-8")
     assert committed == literature_page.page(), "accept it with: python -m symosc.derive.literature_page"
-
-
-def test_sources_are_known() -> None:
+    notes = " ".join(value.note for key in ("border", "stops") for value in table(key))
+    assert {int(word) for word in notes.replace(",", "").split() if word.isdigit()} == {0, *range(2, 15, 2)}
     assert {source for _, sources, _ in TABLES.values() for source in sources} <= set(citation.entries())
-    assert set(literature_page.NOTES) == set(TABLES)
 
 
 def test_a_difference_is_relative() -> None:
     assert abs(Value("x", "", MP.mpf(200), 202.0).difference + MP.mpf("0.01")) < 1e-15
     assert abs(Value("x", "", 0, 0.5).difference + MP.mpf("0.5")) < 1e-15
-
-
-@pytest.mark.slow
-def test_the_figure_has_points_on_its_lines(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The amplitudes drawn for P32 lie on the curves; borders by running are left out here, they take long."""
-    monkeypatch.setattr(literature_page, "_border_near", lambda r, c: 0.5)
-    monkeypatch.setattr(literature_page, "FINE", 9)
-    drawn = literature_page.figure().axes[1]
-    for axes in literature_page.figure().axes:
-        colours = {line.get_color() for line in axes.lines}
-        assert colours == {"0"}
-    assert len(drawn.lines) >= 4
-    assert all(len(line.get_xdata()) for line in drawn.lines)

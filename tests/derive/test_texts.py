@@ -1,4 +1,4 @@
-"""The data beside the chapters: references, the errata, files of records, and LaTeX as Unicode."""
+"""The data beside the chapters: references, the errata, and LaTeX as Unicode."""
 
 from __future__ import annotations
 
@@ -14,16 +14,14 @@ import symosc
 from symosc.cli.app import main
 from symosc.derive import citation, document
 from symosc.derive.chapters import CHAPTERS
-from symosc.derive.errata import SEVERITIES, latex_to_unicode, read_errata
-from symosc.derive.records import RecordsError, records, tables
+from symosc.derive.errata import SEVERITIES, RecordsError, latex_to_unicode, read_errata
 from symosc.scenes import load_scene, scene_names
 
 COMMITTED = Path(__file__).parents[2] / "derivations"
 MAIN = (COMMITTED / document.MAIN).read_text(encoding="utf-8")
 TEXTS = [(COMMITTED / document.CHAPTER_FOLDER / f"{key}.tex").read_text(encoding="utf-8") for key in CHAPTERS]
 ERRATUM = """
-[[erratum]]
-id = "one"
+[one]
 severity = "typo"
 where = "Eq. (1)"
 printed = "a"
@@ -111,7 +109,7 @@ def test_what_is_from_memory_is_marked_in_the_source_alone() -> None:
     assert "not checked" not in MAIN + "".join(map(citation.plain_line, citation.entries()))
 
 
-# --- errata and records ---
+# --- errata ---
 
 
 def test_each_erratum_is_short() -> None:
@@ -126,11 +124,13 @@ def test_each_erratum_is_short() -> None:
     ("change", "complaint"),
     [
         (('"typo"', '"slip"'), "severity = 'slip': must be one of wrong, gap, typo"),
-        (('proof = "c"', ""), "must have id, severity, where, printed, holds, proof"),
-        (('proof = "c"', 'proof = "c"\nseen = "d"'), "must have id, severity, where, printed, holds, proof"),
+        (('proof = "c"', ""), "must have severity, where, printed, holds, proof"),
+        (('proof = "c"', 'proof = "c"\nseen = "d"'), "must have severity, where, printed, holds, proof"),
         (('proof = "c"', 'proof = " "'), "must be text"),
-        (('id = "one"', 'id = "One!"'), "must be kebab case"),
-        (("[[erratum]]", "[[error]]"), "may only have"),
+        (('proof = "c"', "proof = 3"), "proof = 3: must be text"),
+        (("[one]", '["One!"]'), "must be kebab case"),
+        (("[one]", "one = 3\n[two]"), "must have severity"),
+        (("[one]", "[one"), "cannot be read"),
     ],
 )
 def test_wrong_errata_are_refused(tmp_path: Path, change: tuple[str, str], complaint: str) -> None:
@@ -138,44 +138,10 @@ def test_wrong_errata_are_refused(tmp_path: Path, change: tuple[str, str], compl
     path.write_text(ERRATUM, encoding="utf-8")
     assert [erratum.id for erratum in read_errata(path)] == ["one"]
     path.write_text(ERRATUM.replace(*change), encoding="utf-8")
-    with pytest.raises(RecordsError, match=complaint):
+    with pytest.raises(RecordsError, match=complaint) as caught:
         read_errata(path)
-    path.write_text(ERRATUM * 2, encoding="utf-8")
-    with pytest.raises(RecordsError, match="twice"):
-        read_errata(path)
-
-
-@pytest.mark.parametrize(
-    ("text", "complaint"),
-    [
-        ("[[part]]\na = 'x'\nb = ''", "b = ''"),
-        ("[[part]]\na = 'x'\nb = 3", "b = 3"),
-        ("[[part]]\na = 'x'", "part 1: has a; must have a, b"),
-        ("[[part]]\nid = 'y'\na = 'x'\nb = 'x'", "part y: has id, a, b; must have a, b"),
-        ("part = 3", "another part"),
-        ("[[other]]\na = 'x'", "not other"),
-        ("[[part", "cannot be read"),
-    ],
-)
-def test_bad_files(text: str, complaint: str, tmp_path: Path) -> None:
-    path = tmp_path / "file.toml"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(RecordsError) as caught:
-        records(path, "part", ("a", "b"), ("c",))
-    assert complaint in str(caught.value)
     assert "\n" not in str(caught.value)
     assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
-
-
-def test_good_files(tmp_path: Path) -> None:
-    path = tmp_path / "file.toml"
-    path.write_text("[[part]]\na = 'two  words'\nb = 'y'\n[[part]]\na = 'x'\nb = 'y'\nc = 'z'", encoding="utf-8")
-    assert records(path, "part", ("a", "b"), ("c",)) == [
-        {"a": "two words", "b": "y"},
-        {"a": "x", "b": "y", "c": "z"},
-    ]
-    with pytest.raises(RecordsError, match="cannot be read"):
-        tables(tmp_path / "none.toml", "part")
 
 
 @pytest.mark.parametrize(

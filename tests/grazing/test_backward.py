@@ -13,24 +13,18 @@ import numpy as np
 import pytest
 from grazing_starts import BELT, DOMAIN
 from oracle import flow_oracle
-from touches import tenths
 from units import UNITS, Units
 
 from symosc import Parameters, grazing_curve, grazing_start, grazing_window, load_scene
-from symosc.engine.flow import constants
 from symosc.grazing.backward import (
     CONTACT,
     REACHED,
     Arrival,
-    BackwardState,
-    BackwardSteps,
     Flights,
     Origins,
     first_root,
-    rounded,
 )
 from symosc.grazing.check import Ways
-from symosc.mappings.theorem7_cases import PLACES
 
 BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
 
@@ -74,24 +68,6 @@ def test_search_that_is_too_short_says_so() -> None:
     short = grazing_start(p, "P2", 0, periods=0.5)
     assert not short.found
     assert "periods" in str(short.reason)
-
-
-@pytest.mark.parametrize("c", ["0", "0.4", "9"])
-def test_bounds_of_errors_add_up_backward(c: str) -> None:
-    """An error of the energy grows as backward motions do, and each step adds its own rounding."""
-    p = load_scene("fig9").parameters.replace(c=c)
-    K = constants(p)
-    search = BackwardSteps(K, 1, 1)
-    state, errors = search.begin(0.0), []
-    for _ in range(40):
-        _, step, state = search.over(1.0, 1, state)
-        errors.append((state.energy_error, state.v_error))
-        state = search.ended(state, step)
-    growth = float(np.exp(K.cm * search.H))
-    for (before, _), (after, v_error) in pairwise(errors):
-        assert after > growth * before > 0.0
-        assert 0.0 < v_error < 2.0 * after / K.w0 * max(1.0, K.rate / K.w0)
-    assert errors[-1][0] > 20 * errors[0][0]
 
 
 MAPS = sorted(BELT)
@@ -167,26 +143,6 @@ def test_a_contact_is_polished_to_all_digits() -> None:
     assert flights.missing_digits(refined, 40) <= 0 < flights.missing_digits(refined, 70)
     # Newton's method that leads elsewhere is no answer
     assert flights.refined(theta, found._replace(tau=float(near) * 1.05), flights.number(100)) is None
-
-
-def test_what_was_reached_is_evaluated_there() -> None:
-    flights = Flights(system("0.7"), "P5", 40)
-    theta, far = flights.number(Fraction(3)), flights.number(Fraction(7, 3))
-    found = Arrival(REACHED, 0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    refined = flights.refined(theta, found, far)
-    now = flights.instant(theta, far)
-    assert refined is not None
-    assert (refined.tau, refined.dx, refined.v, refined.a) == (far, now.dx, now.v, now.a)
-
-
-def test_rounding_a_state_adds_its_error() -> None:
-    flights = Flights(system("0.7"), "P5", 40)
-    state = flights.state(flights.number(Fraction(3)), flights.number(Fraction(7, 3)))
-    doubles = rounded(state)
-    for name, error in (("dx", "x_error"), ("v", "v_error")):
-        lost = abs(flights.number(getattr(doubles, name)) - getattr(state, name))
-        assert lost <= getattr(doubles, error) <= 1e-15 * (1 + abs(getattr(doubles, name)))
-        assert getattr(doubles, error) > getattr(state, error)
 
 
 FIG9 = load_scene("fig9").parameters.replace(v2="1.5")  # low enough for P6 to graze
@@ -288,82 +244,7 @@ def test_what_is_said_holds_for_every_polynomial_within_the_noise() -> None:
     assert min(said.values()) > 40
 
 
-@pytest.mark.parametrize("bottom", [0.25, 0.5, 0.75])
-@pytest.mark.parametrize(("part", "touches"), [(0.5, True), (1.0, True), (2.0, False), (-1.0, True), (-2.0, None)])
-def test_a_bottom_at_the_noise_is_a_touch(bottom: float, part: float, touches: bool | None) -> None:
-    """(s - bottom)^2 + part noise, in numbers that doubles hold: at the noise itself it is open, above it is clear."""
-    noise = 2.0**-20
-    touch, sigma = first_root([bottom**2 + part * noise, -2 * bottom, 1.0], noise, 2.0**-53)
-    if touches is None:
-        assert not touch
-        assert sigma == pytest.approx(bottom - (2 * noise) ** 0.5, rel=1e-9)
-    else:
-        assert touch is touches
-        assert (sigma == pytest.approx(bottom, abs=1e-7)) if touches else sigma is None
-
-
 SCENES = [load_scene(name).parameters for name in ("fig5", "fig8", "fig9", "fig10")]
-
-
-def systems(seed: int, count: int) -> list[Parameters]:
-    rng = random.Random(seed)
-    drawn = [
-        BASE.replace(
-            m=tenths(rng, 2, 30), c=tenths(rng, 0, 60), k=tenths(rng, 1, 60), Omega=tenths(rng, 3, 40),
-            B0=tenths(rng, -60, 60), A0=tenths(rng, -30, 30),
-        )
-        for _ in range(count)
-    ]  # fmt: skip
-    return [*SCENES, *drawn]
-
-
-def factors(units: Units) -> list[float]:
-    """Return the factors of an arrival's numbers: tau, dx, v, a, and the errors of v and x."""
-    return [float(units.time), float(units.length), units.speed, units.force, units.speed, float(units.length)]
-
-
-def scaled(arrival: Arrival, units: Units) -> Arrival:
-    numbers = (value * factor for value, factor in zip(arrival[2:], factors(units), strict=True))
-    return Arrival(arrival.kind, arrival.boundary, *numbers)
-
-
-@pytest.mark.quick(2)
-@pytest.mark.parametrize("units", UNITS, ids=str)
-def test_the_way_back_is_the_same(units: Units) -> None:
-    """To the last bit, with the bounds of its errors: to the first contact, and step by step to any time."""
-    rng, kinds = random.Random(3), set()
-    for p in systems(4, 5):
-        q = units.of(p)
-        for mapping in PLACES:
-            one, two = (Origins(each, mapping) for each in (p, q))
-            for _ in range(2):
-                theta, far = rng.uniform(0, 6.28), rng.choice([0.3, 3.0, 20.0]) * one.K.period
-                plain = one.arrival(theta, 1, far, careful=False)
-                kinds.add(plain.kind)
-                assert two.arrival(theta, 1, far * float(units.time), careful=False) == scaled(plain, units), (
-                    p,
-                    mapping,
-                    theta,
-                )
-    assert kinds >= {"contact", "reached"}
-
-
-@pytest.mark.parametrize("units", UNITS[:5:2], ids=str)
-def test_flights_with_many_digits_are_the_same(units: Units) -> None:
-    """The closed form, its errors, how many digits an arrival lacks, and what is polished."""
-    T, L, V, F = float(units.time), float(units.length), units.speed, units.force
-    rng = random.Random(5)
-    for p in systems(6, 4):
-        one, two = (Flights(each, "P3", 30) for each in (p, units.of(p)))
-        theta, tau = one.context.mpf(rng.uniform(0, 6)), one.context.mpf(rng.uniform(0.1, 3))
-        a, b = one.instant(theta, tau), two.instant(theta, tau * T)
-        sizes = [L, V, F, F / T, F / T**2, V, L, V, L]
-        right = [float(v * size) for v, size in zip(a, sizes, strict=True)]
-        assert [float(value) for value in b] == pytest.approx(right, rel=1e-12)
-        state, other = one.state(theta, tau), two.state(theta, tau * T)
-        errors = [T, L, V, F, F, V, L]
-        right = [float(v * s) for v, s in zip(state, errors, strict=True)]
-        assert [float(value) for value in BackwardState(*other)] == pytest.approx(right, rel=1e-12)
 
 
 @pytest.mark.quick(3)

@@ -27,7 +27,7 @@ from symosc.grazing.curve import (
 )
 from symosc.grazing.solve import solve_grazing
 from symosc.grazing.start import grazing_start
-from symosc.plot.curve import figure_grazing_curve
+from symosc.plot.windows import figure_grazing_curve
 
 
 @pytest.mark.parametrize(("scene", "mapping"), [("fig10", "P5"), ("fig9", "P3"), ("fig6", "P2"), ("fig7-exact", "P2")])
@@ -205,3 +205,15 @@ def test_jumps_of_flows_from_the_other_belt_are_no_edges_but_what_hides_there_is
     runs = runs_of(hidden, (0.3, 5.1, False), 20)
     assert [run.origin for run in runs] == [OTHER, OWN, OTHER]
     assert runs[1].span == pytest.approx((2.5, 2.5001), abs=1e-12)
+
+
+def test_phases_of_an_arc() -> None:
+    """Closed: even, both ends included. Open: inside, near its ends the closest, and none twice."""
+    assert curve._phases_of(0.0, 2 * pi, True, 8) == pytest.approx(np.arange(9) * pi / 4)
+    for n in (8, 9, 400):
+        found = curve._phases_of(1.0, 4.0, False, n)
+        assert len(found) == n
+        assert (np.diff(found) > 0).all()
+        assert (found[0] - 1, 4 - found[-1]) == pytest.approx((3e-7, 3e-7), rel=1e-6)
+        assert np.diff(found) == pytest.approx(np.diff(found)[::-1], rel=1e-6)
+        assert np.diff(found).max() < 6.0 / n * 2

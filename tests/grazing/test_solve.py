@@ -144,7 +144,7 @@ def test_solutions_that_gather_at_the_end_of_a_curve() -> None:
     assert "goes on for ever" in found.message
 
 
-@pytest.mark.quick(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("p", "mapping", "given", "least"),
     [
@@ -222,6 +222,7 @@ def test_answers_say_why_there_is_none() -> None:
     assert "touches belt 1" in elsewhere.message
 
 
+@pytest.mark.slow
 def test_what_was_not_searched_is_said() -> None:
     """Just below critical damping all flights are so long that their starts are beyond any bound."""
     p = Parameters(

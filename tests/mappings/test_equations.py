@@ -21,16 +21,11 @@ from symosc import Parameters, load_scene, scene_names, simulate
 from symosc.errors import ParameterError
 from symosc.mappings import equations as m
 from symosc.mappings.equations import MapError, jacobian, solve_map
-from symosc.model import MODE_NAMES, PARAMETER_NAMES
+from symosc.model import PARAMETER_NAMES
 from symosc.simulation.trajectory import MAP_LABELS
 from symosc.words import MAPS
 
 ACCURACY = 1e-13
-
-
-def test_the_table_is_the_one_of_the_trajectories() -> None:
-    table = {(row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()}
-    assert table == MAP_LABELS
 
 
 @pytest.mark.full(4)
@@ -238,44 +233,6 @@ def test_bad_arguments(p: Parameters, arguments: Any, words: str) -> None:
             function(p, *arguments)
 
 
-@pytest.mark.parametrize(
-    ("start", "end", "words"),
-    [
-        ("ab", (1, 1), "a pair"),
-        (None, (1, 1), "a pair"),
-        ({1: 2, 3: 4}, (1, 1), "a pair"),
-        ((1, 0, 2), (1,), "a pair"),
-        (("1", 0), (1, 1), "x_i = '1': must be a finite real number"),
-        ((1, "x"), (1, 1), "theta_i = 'x': must be a finite real number"),
-        ((1, None), (1, 1), "theta_i = None"),
-        ((1, 0), (1j, 1), "x_j = 1j"),
-        ((True, 0), (1, 1), "x_i = True"),
-        ((10**400, 0), (1, 1), "must be a finite real number"),
-        ((1, 0), (1, float("inf")), "theta_j = inf: must be finite"),
-        ((mpmath.mpf("nan"), 0), (1, 1), "must be finite"),
-        ((mpmath.mpc(1, 1), 0), (mpmath.mpf(1), 1), r"x_i = \(1\.0 \+ 1\.0j\)"),
-        ((mpmath.mpf(1), 0), ("a", 3), "x_j = 'a'"),
-        ((mpmath.mpf(1), np.ones(2)), (1, 3), "theta_i = array"),
-        ((np.array([1, np.nan]), 0), (1, 1), "x_i = nan: must be finite everywhere"),
-        ((1, np.array([0.0, -np.inf])), (1, 1), "theta_i = -inf: must be finite everywhere"),
-        ((np.array([1j, 2]), 0), (1, 1), "must be an array of real numbers"),
-        ((np.array(["1"]), 0), (1, 1), "must be an array of real numbers"),
-        ((np.array([None, 1]), 0), (1, 1), "x_i"),
-        (([1, [2, 3]], 0), (1, 1), "must be an array of real numbers"),
-        ((np.ones(3), 0), (np.ones(4), 1), r"\(\(3,\), \(\), \(4,\), \(\)\): must be arrays whose shapes fit"),
-    ],
-)
-def test_what_is_no_switching_point_is_named(p: Parameters, start: Any, end: Any, words: str) -> None:
-    for function in (m.residual, m.jacobian, m.parameter_jacobian):
-        with pytest.raises(ParameterError, match=words):
-            function(p, "P3", start, end)
-
-
-def test_a_scene_is_no_parameter_set() -> None:
-    with pytest.raises(ParameterError, match=r"scene\.parameters"):
-        m.residual("fig9", "P3", (1, 0), (1, 1))  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize("name", ["fig6", "fig9", "fig10", "fig9-orbit", "fig10-orbit"])
 def test_solve_map_follows_the_simulator(name: str) -> None:
     scene = load_scene(name)
@@ -354,18 +311,6 @@ def test_derivatives_are_those_of_the_equation_of_motion() -> None:
             columns.append([float((a - b) / (2 * mpmath.mpf(10) ** -9)) for a, b in zip(*ends, strict=True)])
         size = 1 + np.abs(found).max()
         assert found == pytest.approx(np.array(columns).T, abs=1e-5 * size)
-
-
-@pytest.mark.parametrize("digits", [None, 30])
-def test_a_start_may_be_at_0(digits: int | None) -> None:
-    """x = 0 and theta = 0 are numbers like others: the end is that of a start beside them."""
-    context = mpmath.mp.clone()
-    context.dps = digits or 15
-    number = float if digits is None else context.mpf
-    p = load_scene("fig9").parameters
-    found, beside = (solve_map(p, "P3", number(x), number(0)) for x in (0, 1e-9))
-    assert abs(found.x - beside.x) < 1e-7
-    assert abs(found.theta - beside.theta) < 1e-7
 
 
 def test_derivatives_keep_all_digits() -> None:

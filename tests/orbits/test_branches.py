@@ -26,7 +26,7 @@ from symosc.orbits.branch import (
     continue_orbit,
 )
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
-from symosc.orbits.curve import Curve, look_behind
+from symosc.orbits.curve import Curve, word_beyond
 from symosc.orbits.find import find_orbit
 from symosc.words import read_word
 
@@ -69,6 +69,7 @@ def hand_made(rng: np.random.Generator, value: float, n: int = 2) -> BranchPoint
     return BranchPoint(value, rng.uniform(-5, 5, (n, 2)), np.zeros(2 * n + 1), 0.0, 0.0, both, (), ())  # type: ignore[arg-type]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("parameter", ["Omega", "c"])
 @pytest.mark.parametrize("c", ["0", "1/5"])
 def test_columns_of_a_branch_are_those_of_its_points(parameter: str, c: str) -> None:
@@ -190,6 +191,26 @@ def events_of_a_period(p: Parameters, branch, at: int) -> list[str]:
     return sorted(event.source for event in run.events if event.t > t0 + (cycles - 1) * period)
 
 
+def test_a_stick_is_born_where_a_branch_ends() -> None:
+    """P132 ends where P32 begins: at a crossing whose force changes its sign, and nothing else fails there."""
+    branch = branch_of(FIG9.replace(Omega="3.29"), "P32", "Omega", ("3.28", "3.3"))
+    end, other = branch.ends
+    assert (end.kind, end.beyond, other.kind) == ("birth of a stick", "P132", "end of the range")
+    assert end.value == branch.values[0] == pytest.approx(3.28857638277, abs=1e-10)
+    assert [c.text for c in end.conditions] == ["F^(1) < 0 where P3 crosses v1 (Theorem 5)"]
+    assert end.message == f"{end.conditions[0].text} no longer holds at t = {end.conditions[0].t:.10g}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("low", "high"), [("0.42", "0.48"), ("0.48", "0.52"), ("1.2", "1.8")])
+def test_without_damping_no_multiplier_exceeds_1(low: str, high: str) -> None:
+    """Friction never grows with the velocity. At Omega = 1/2 orbits are not isolated: the branch goes on."""
+    p = Parameters(m=1, c=0, k=1, A0=0, B0=1, Omega=low, v1=0, v2=100, mu1="0.1", mu2=0, FN=1)
+    branch = continue_orbit(p, "P32", "Omega", (low, high))
+    assert [end.kind for end in branch.ends] == ["end of the range"] * 2
+    assert np.abs(branch.multipliers).max() < 1 + 1e-9
+
+
 @pytest.mark.slow
 def test_points_of_a_branch_are_orbits():
     branch = branch_of(FIG9, "P32", "Omega", (3, 5))
@@ -250,10 +271,10 @@ def test_bad_input():
 def test_progress_tells_the_part_of_the_range_both_ways() -> None:
     parts: list[float] = []
     p = load_scene("fig9").parameters
-    branch = continue_orbit(p, "P32", "Omega", (3.9, 4.1), progress=lambda part, all: parts.append(part / all))
-    assert branch == continue_orbit(p, "P32", "Omega", (3.9, 4.1))
+    branch = continue_orbit(p, "P32", "Omega", (3.99, 4.01), progress=lambda part, all: parts.append(part / all))
+    assert branch == continue_orbit(p, "P32", "Omega", (3.99, 4.01))
     assert parts == sorted(parts)
-    assert 0 < parts[0] < 0.5 < parts[-1] == pytest.approx(1.0)
+    assert 0 < parts[0] < parts[-1] == pytest.approx(1.0)
 
 
 # v2 lies just below the greatest velocity that P32 has at any Omega; it does not act on P32 otherwise.
@@ -515,5 +536,5 @@ def test_nothing_is_behind_the_last_system_that_there_is() -> None:
     assert first.value == 0
     with pytest.raises(ParameterError):
         along.equations(-1e-9)
-    assert look_behind(along, first, -1.0) == (None, "")
+    assert word_beyond(along, first, -1.0) == (None, "")
     assert isinstance(along.equations(0.5), ClosingEquations)

@@ -175,6 +175,7 @@ def sizes(equations: ClosingEquations, i: int, points: Any, tau: float) -> list[
     return [whole.t, whole.a * (part if piece.zeros == 2 else 1), whole.v * part, whole.a]
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("word", WORDS)
 def test_margins_are_those_of_the_equation_of_motion(word: str) -> None:
     """Of random points of random systems: every inequality of every piece, and when it is closest to failing."""

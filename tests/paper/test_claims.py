@@ -15,8 +15,7 @@ import pytest
 from project_files import ROOT
 from stand_in_claims import CLAIM
 
-from symosc.derive.errata import SEVERITIES, read_errata
-from symosc.derive.records import RecordsError
+from symosc.derive.errata import SEVERITIES, RecordsError, read_errata
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.paper import checks
 from symosc.paper.checks.motions import judge
@@ -170,50 +169,32 @@ def test_what_looks_at_motions_names_another_source(claim: Claim, monkeypatch: p
 # --- extension points, as CONTRIBUTING says, in a copy of the package ---
 
 
-@pytest.fixture
-def run_in_copy(tmp_path: Path) -> Any:
-    """Return a function that runs a command of symosc in a copy of the package, and the folder of the copy."""
-    shutil.copytree(ROOT / "symosc", tmp_path / "symosc", ignore=shutil.ignore_patterns("__pycache__"))
-
-    def run(*words: str) -> str:
-        done = subprocess.run([sys.executable, "-m", "symosc", *words], cwd=tmp_path, capture_output=True, text=True)
-        assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-        return done.stdout
-
-    return run, tmp_path / "symosc" / "paper"
-
-
 @pytest.mark.slow
-def test_a_claim_is_added_as_contributing_says(run_in_copy: Any, tmp_path: Path) -> None:
-    run, paper = run_in_copy
+def test_a_claim_and_a_figure_are_added_as_contributing_says(tmp_path: Path) -> None:
+    paper, out = tmp_path / "symosc" / "paper", tmp_path / "out"
+    shutil.copytree(ROOT / "symosc", tmp_path / "symosc", ignore=shutil.ignore_patterns("__pycache__"))
     with (paper / "claims.toml").open("a", encoding="utf-8") as file:
         file.write(
-            '\n[figures.my-claim]\nsource = "Section 6, Fig. 5"\nsays = "The spring of Fig. 5 is weak."\n'
-            'check = "sticks.weak(FIG5, 1000)"\nsee = ["fig5"]\nverdict = "by definition"\n'
+            '\n[figures.my-claim]\nsource = "Section 6, Fig. 9"\nsays = "The spring of Fig. 9 is weak."\n'
+            'check = "orbits.weak(FIG9, 1000)"\nsee = ["fig9-mine", "motion"]\nverdict = "by definition"\n'
         )
-    with (paper / "checks" / "sticks.py").open("a", encoding="utf-8") as file:
+    with (paper / "checks" / "orbits.py").open("a", encoding="utf-8") as file:
         file.write(
             '\n\ndef weak(scene: Scene, most: int) -> Evidence:\n    """Check that the spring is weak."""\n'
             '    return Evidence("by definition", f"k is less than {most}.", {"k": scene.parameters.k})\n'
         )
-    assert "1 claim: 1 by definition" in run("reproduce", "--only", "my-claim", "-o", str(tmp_path / "out"))
-    assert "k is less than 1000" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-
-
-@pytest.mark.slow
-def test_a_figure_of_the_paper_is_added_as_contributing_says(run_in_copy: Any, tmp_path: Path) -> None:
-    run, paper = run_in_copy
-    scene = (paper.parent / "scenes" / "fig9-orbit.toml").read_text(encoding="utf-8").replace("fig9-orbit", "fig9-mine")
-    (paper.parent / "scenes" / "fig9-mine.toml").write_text(scene, encoding="utf-8")
-    source = (paper / "pictures.py").read_text(encoding="utf-8")
+    scenes, pictures = paper.parent / "scenes", paper / "pictures.py"
+    scene = (scenes / "fig9-orbit.toml").read_text(encoding="utf-8").replace("fig9-orbit", "fig9-mine")
+    (scenes / "fig9-mine.toml").write_text(scene, encoding="utf-8")
     row = '    ("fig9-mine", "my orbit", ORBIT, "The orbit of Fig. 9 is shown once more."),\n'
-    source = source.replace('    ("fig10",', f'{row}    ("fig10",', 1).replace(
-        '"orbit": ', '"mine": ", mine", "orbit": '
-    )
-    (paper / "pictures.py").write_text(source, encoding="utf-8")
-    claims = (paper / "claims.toml").read_text(encoding="utf-8")
-    claims = claims.replace('"fig9-orbit"', '"fig9-orbit", "fig9-mine"')
-    (paper / "claims.toml").write_text(claims, encoding="utf-8")
-    run("reproduce", "--only", "fig9-orbit", "-o", str(tmp_path / "out"))
-    assert (tmp_path / "out" / "figures" / "fig9-mine.svg").is_file()
-    assert "Fig. 9, mine: my orbit" in (tmp_path / "out" / "report.md").read_text(encoding="utf-8")
+    source = pictures.read_text(encoding="utf-8").replace('    ("fig10",', f'{row}    ("fig10",', 1)
+    pictures.write_text(source.replace('"orbit": ', '"mine": ", mine", "orbit": '), encoding="utf-8")
+
+    command = [sys.executable, "-m", "symosc", "reproduce", "--only", "my-claim", "-o", str(out)]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    assert "1 claim: 1 by definition" in done.stdout
+    assert (out / "figures" / "fig9-mine.svg").is_file()
+    report = (out / "report.md").read_text(encoding="utf-8")
+    assert "k is less than 1000" in report
+    assert "Fig. 9, mine: my orbit" in report

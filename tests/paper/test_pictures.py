@@ -79,19 +79,6 @@ def test_dots_are_at_the_events(key: str) -> None:
             assert np.abs(dots(ax, kinds[event.kind]) - place).max(axis=1).min() < 1e-12
 
 
-def test_sticks_are_shaded_and_end_where_a_force_vanishes() -> None:
-    for key in ("fig5", "fig10"):
-        forces = drawn(key).axes[3]
-        trajectory = simulate(key, t_end=ENDS[key])
-        slips = [event.t for event in trajectory.events if event.kind == "slip"]
-        shades = [patch.get_extents() for patch in forces.patches]
-        right = [forces.transData.inverted().transform((box.x1, 0))[0] for box in shades]
-        assert all(min(abs(np.array(right) - slip)) < 1e-9 for slip in slips)
-        ends = dots(forces, "end of stick")
-        zeros = ends[np.abs(ends[:, 1]) < 1e-9]
-        assert set(np.round(slips, 9)) <= set(np.round(zeros[:, 0], 9))
-
-
 def test_fig7_as_printed_touches_nothing() -> None:
     drawing = drawn("fig7")
     shown = {str(line.get_label()) for ax in drawing.axes for line in ax.lines}
@@ -114,21 +101,6 @@ def test_exact_starts_graze(key: str, v: float) -> None:
     assert np.abs(curve).min() == pytest.approx(0, abs=1e-9)
     assert np.sum(np.abs(curve) < 1e-9) == 1
     assert (np.sign(v) * np.array(curve) <= 1e-9).all()
-
-
-@pytest.mark.parametrize("key", ["fig7-corrected", "fig8"])
-def test_printed_starts_stick_for_a_moment_that_the_inset_spans(key: str) -> None:
-    onset, slip = simulate(key, t_end=4).events[:2]
-    assert (onset.kind, slip.kind) == ("stick", "slip")
-    velocity = drawn(key).axes[1]
-    assert dots(velocity, "contact") == pytest.approx(np.array([[onset.t, onset.v]]))
-    (inset,) = velocity.child_axes
-    scale = 1e4 if key == "fig7-corrected" else 1e3
-    low, high = inset.get_xlim()
-    assert low < 0 < scale * (slip.t - onset.t) < high
-    assert 0.2 < scale * (slip.t - onset.t) / (high - low) < 0.5
-    assert inset.lines[3].get_xdata()[0] == pytest.approx(scale * (slip.t - onset.t))  # the end of the stick
-    assert f"{onset.t:.6f}" in inset.get_xlabel()
 
 
 @pytest.mark.parametrize("number", ["9", "10"])
@@ -216,17 +188,13 @@ def test_windows_of_theorem_7(key: str, graze: tuple | None, left_out: tuple) ->
     drawing.draw_without_rendering()
     (axes,), (legend,) = drawing.axes, drawing.legends
     assert not Bbox(axes.get_tightbbox()).overlaps(legend.get_window_extent())
-    assert ("grazing point" in [text.get_text() for text in legend.get_texts()]) is (graze is not None)
     assert axes.get_xlabel() == ("$v_1$" if key == "theorem7-p3" else "$v_2$")
-    red = dots(axes, "grazing point")
-    assert red == pytest.approx(np.array([graze] if graze else np.empty((0, 2))))
+    assert dots(axes, "grazing point") == pytest.approx(np.array([graze] if graze else np.empty((0, 2))))
     # What the theorem leaves out at equality is a full dot, what does not graze there an open one: both are named.
     ends = [line for line in axes.lines if line.get_marker() == "o"]
     grazes, not_grazing = sorted(ends, key=lambda line: line.get_markerfacecolor() == "white")
     assert np.ravel(grazes.get_data()) == pytest.approx(np.array(left_out))
     assert (grazes.get_markerfacecolor(), not_grazing.get_markerfacecolor()) == (INSIDE_COLOR, "white")
-    assert "does not graze" in [text.get_text() for text in legend.get_texts()]
-    assert any("grazes, not in (5" in text.get_text() for text in legend.get_texts())
     # Equality is where the scene's k |v| is B0 Omega, and the picture shows as much again beyond it.
     p = load_scene({"theorem7-p3": "fig8", "theorem7-p5": "fig10"}[key]).parameters
     assert axes.get_xlim() == pytest.approx((-2 * float(p.B0 * p.Omega / p.k), 2 * float(p.B0 * p.Omega / p.k)))

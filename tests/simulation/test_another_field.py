@@ -76,9 +76,7 @@ def test_a_field_of_an_event_is_added_as_contributing_says(copy: Path) -> None:
     run(copy, "-c", EVENTS)
     events = json.loads(run(copy, "-m", "symosc", "simulate", "fig9", "--json"))["events"]
     assert all({"a", "period"} <= event.keys() for event in events)
-    head, _, row, *_ = run(copy, "-m", "symosc", "simulate", "fig9").splitlines()
-    assert head.split()[:7] == ["t", "x", "v", "theta", "a", "kind", "belt"]
-    assert len(row.split()) == len(head.split())
+    assert {"a", "period"} <= {*run(copy, "-m", "symosc", "simulate", "fig9").splitlines()[0].split()}
 
 
 SWEPT = """

@@ -199,21 +199,3 @@ def test_a_graze_is_decided_by_what_is_behind_the_digits() -> None:
         kinds[digits] = (found.status, [event.kind for event in found.events])
     assert kinds[20] == kinds[40] == ("t_end", [])
     assert kinds[None] in (("t_end", []), ("undecidable", []))
-
-
-@pytest.mark.slow
-def test_fig8_over_fifty_periods_is_distinguished_from_grazing_or_given_up() -> None:
-    """Its sticks shrink by 3/8 each half period: 36 digits go on beyond t = 61 and say so, 150 digits to the end."""
-    scene = load_scene("fig8")
-    t_end = scene.t0 + Fraction(355, 113) * 50
-    found = simulate(scene, t_end=t_end)
-    assert found.status == "undecidable"
-    assert "cannot be decided with 36 digits" in found.message
-    assert 61 < found.events[-1].t < t_end / 2
-    exact = simulate(scene, t_end=t_end, digits=150)
-    assert (exact.status, len(exact.events)) == ("t_end", 196)
-    sticks = [segment.t_end - segment.t_start for segment in exact.segments if segment.mode.startswith("belt")]
-    assert 9.2e-43 < min(sticks) < 9.4e-43
-    for event, right in zip(found.events, exact.events, strict=False):
-        assert (event.kind, event.boundary) == (right.kind, right.boundary)
-        assert abs(float(right.t) - event.t) <= 10 * event.t_error

@@ -90,13 +90,6 @@ def test_exact_starts_graze_and_do_not_stick(name: str, domain: str, x: float, d
     assert graze.v == float(scene.parameters.v1)
 
 
-def test_exact_starts_never_stick_later() -> None:
-    for name in ("fig7-exact", "fig8-exact"):
-        kinds = {event.kind for event in simulate(load_scene(name)).events}
-        assert "graze" in kinds
-        assert "stick" not in kinds
-
-
 # -- fig8 for many periods: sticks shrink by 3/8 each half period and belts are grazed in the limit --------------------
 
 

@@ -12,9 +12,6 @@ import pytest
 from slow_summary import slow_summary
 
 from symosc import ParameterError, Parameters, load_scene, simulate, simulate_many
-from symosc.engine import summary as tally
-from symosc.engine.flow import constants
-from symosc.engine.state import Covariance, State
 from symosc.simulation import batch
 from symosc.simulation.tables import Summary
 
@@ -156,17 +153,6 @@ def test_pairs_count_as_many_digits_do(monkeypatch: pytest.MonkeyPatch) -> None:
             assert column.tolist() == getattr(alone, name).tolist(), name
 
 
-def test_some_columns_are_those_of_all() -> None:
-    sets, starts, ends = (column[:5] for column in many())
-    whole = simulate_many(sets, starts, ends, record="summary", use_numba=False)
-    some = simulate_many(sets, starts, ends, record=("word", "events", "multiplicity"), use_numba=False)
-    assert list(some.columns()) == ["events", "word", "multiplicity"]
-    assert all(np.array_equal(column, getattr(whole, name)) for name, column in some.columns().items())
-    assert (len(some), len(whole[1:3]), whole[1]["events"]) == (5, 2, whole.events[1])
-    assert repr(some) == "<Summary of 5 motions: events, word, multiplicity>"
-    assert some != whole
-
-
 def test_each_column_alone_is_that_of_all() -> None:
     """What is not asked for is not kept, and changes nothing else; with a transient left out, and motions at rest."""
     sets, starts, ends = (column[:12] for column in many())
@@ -214,34 +200,3 @@ def test_what_only_summaries_take_is_refused_for_events(name: str, value: Any) -
     given: Any = {name: value}
     with pytest.raises(ParameterError, match=f"{name} = .* is for summaries"):
         simulate_many(load_scene("fig9").parameters, (0, 0, 0), 3, **given)
-
-
-def test_what_is_left_of_a_time_after_whole_periods() -> None:
-    """Of however many, to the last digits; also just at a period, and next to it."""
-    K, rng = constants(FIG9), random.Random(12)
-    period = Fraction(K.period) + Fraction(K.period_low)
-    assert float(period) == 2 * math.pi / float(FIG9.Omega)
-    whole = [turns * K.period for turns in (1, 2, 3, 1000, 12345678)]
-    times = [math.ldexp(rng.random(), rng.randint(-3, 30)) for _ in range(200)]
-    for tau in [*times, *whole, *(math.nextafter(each, 0.0) for each in whole)]:
-        rest = tally.rest_of(tau, K)
-        assert 0.0 <= rest <= K.period
-        off = (Fraction(tau) - Fraction(rest)) / period
-        assert abs(off - round(off)) * period < 1e-15 * K.period
-
-
-@pytest.mark.usefixtures("interpreted")
-def test_a_section_has_the_larger_errors_of_the_two_ends() -> None:
-    """Of a flight or stick over the end of a period: what repeats is judged by them."""
-    p = FIG9
-    K = constants(p)
-    rows = np.zeros((1, 16))
-    for S11, S22, after in ((4e-20, 9e-20, (1e-20, 2e-20)), (1e-20, 2e-20, (4e-20, 9e-20))):
-        kept = tally.new_tally(rows, np.zeros(1), tally.Kept(False, False, False, 4, 4))
-        before = State(
-            2, 0, 0, 6.0, 0.5, 0.2, 1.0, 1.0, Covariance(S11, 0.0, S22), 0.0, 0.0, math.sin(6), math.cos(6), 0.0
-        )
-        tally.tally_sections(0, before, 1, Covariance(after[0], 0.0, after[1]), kept, K)
-        section = kept.sections[0, 0]
-        assert (section[tally.S11_THERE], section[tally.S22_THERE]) == (4e-20, 9e-20)
-        assert section[tally.SINCE] == pytest.approx((2 * math.pi - 6.0) / K.Om, rel=1e-15)

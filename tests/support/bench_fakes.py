@@ -9,7 +9,7 @@ from typing import Any
 
 from effort import PATIENCE
 
-from symosc.bench.time_limit import HANG, Outcome, Worker
+from symosc.bench.solvers import HANG, OURS, Outcome, Solver, Worker, multiprecision
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
@@ -33,12 +33,12 @@ def talk() -> int:
 
 
 class PatientWorker(Worker):
-    """Gives every call all the time that it needs, but those of whom it is known that they would hang none at all."""
+    """Gives every call all the time that it needs, but none at all to those that would hang."""
 
     def call(self, limit: float, function: Callable[..., Any], *arguments: object) -> Outcome:
         """Return what became of a call."""
         names = {getattr(each, "name", "") for each in arguments}
-        if function.__name__ in ("measure", "judge") and names & {"hanging", "sleeps"}:
+        if function.__name__ in ("measure", "found_by") and names & {"hanging", "sleeps"}:
             return Outcome(failure=HANG)
         return super().call(PATIENCE, function, *arguments)
 
@@ -58,3 +58,32 @@ def failing_later(scene: Scene, tolerance: float) -> Callable[[], list[FoundEven
     if scene.t_end > 20:
         raise ArithmeticError("too far")
     return list
+
+
+def moody(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
+    """Prepare a solver that behaves as the scene's name says."""
+    if scene.name == "refuses":
+        raise ValueError("not this one")
+
+    def run() -> list[FoundEvents]:
+        found = list(multiprecision(scene, 1e-20)())
+        if scene.name == "dies":
+            os._exit(3)
+        if scene.name == "chatters":
+            raise RuntimeError("chatters between Omega1 and belt1")
+        if scene.name == "misses":
+            del found[1]
+        if scene.name == "invents":
+            found.insert(1, found[0]._replace(t=found[0].t + 1e-3))
+        return [event._replace(x=event.x + tolerance) for event in found]
+
+    return run
+
+
+FAKES = (
+    OURS[0],
+    Solver("careless", careless, (1e-3, 1e-6), note="looks away"),
+    Solver("hanging", hanging, (1e-3,)),  # type: ignore[arg-type]
+    Solver("failing later", failing_later, (1e-3,)),
+    Solver("absent", careless, (1e-3,), needs="no_such_module"),
+)

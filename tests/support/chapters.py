@@ -12,7 +12,7 @@ from once import alone
 from symosc.derive import document, published
 from symosc.derive.chapters import literature
 from symosc.derive.scope import Scope
-from symosc.derive.steps import CONTEXT, Step, StepEvidence, steps_of
+from symosc.derive.steps import CONTEXT, Step, StepEvidence
 
 
 def table(key: str) -> tuple[published.Value, ...]:
@@ -41,9 +41,8 @@ def unchecked_items(key: str) -> tuple[str, list[Any]]:
 @cache
 def unchecked(key: str) -> document.Checked:
     """Return a chapter with evidence that is made up: only what is printed counts."""
-    title, items = unchecked_items(key)
-    parts = [document.Part(item, (StepEvidence("exact", "0"),) * len(steps_of(item))) for item in items]
-    return document.Checked(key, title, document.chapter_number(key), parts)
+    with patch.object(Step, "verify", lambda step: StepEvidence("exact", "0")):
+        return document.check(key, *unchecked_items(key))
 
 
 @cache

@@ -280,13 +280,6 @@ def test_a_table_of_sets() -> None:
     assert found.x.values.tolist() == [grid.x.values[0, 0], grid.x.values[1, 1]]
 
 
-def test_progress_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    in_small_chunks(monkeypatch, 10)
-    calls: list[tuple[int, int]] = []
-    sweep(SCENE, OVER, **OPTIONS, progress=lambda *numbers: calls.append(numbers))
-    assert calls == [(10, 24), (24, 24)] or calls == [(10, 24), (20, 24), (24, 24)]
-
-
 def test_without_xarray_one_line_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(MissingExtraError, match=r"symosc\[sweep\]"):
@@ -376,31 +369,6 @@ def test_an_error_of_a_worker_is_one_line(monkeypatch: pytest.MonkeyPatch) -> No
     with pytest.raises(SweepError) as caught:
         sweep(SCENE, OVER)
     assert str(caught.value) == "a worker failed: ZeroDivisionError: of some kind"
-
-
-def test_what_is_done_beside_an_error_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of chunks that end together, the whole ones come first."""
-    plan, _ = planned(SCENE, {"Omega": "1:6:50"}, "word", 3, 0, None)
-    in_small_chunks(monkeypatch, 10)
-
-    class Together(ThreadPoolExecutor):
-        def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
-            ended: Future[Any] = Future()
-            if not made:
-                ended.set_exception(ZeroDivisionError("of some kind"))
-            else:
-                ended.set_result(({}, 1.0))
-            made.append(ended)
-            return ended
-
-    made: list[Future[Any]] = []
-    chunks = carried_out(plan, [(0, 50)], Together(1), 5)
-    begins = [next(chunks)[0]]
-    begins += [next(chunks)[0] for _ in range(len(made) - 2)]
-    assert min(begins) > 0
-    assert len(begins) == 4
-    with pytest.raises(SweepError, match="ZeroDivisionError"):
-        next(chunks)
 
 
 def test_a_worker_with_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

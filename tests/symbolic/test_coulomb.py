@@ -50,6 +50,7 @@ def test_transition_is_the_free_motion() -> None:
                 assert abs(value(coulomb.transition()[i, j], letters) - matrix[i, j]) < 1e-24
 
 
+@pytest.mark.slow
 def test_half_a_period_takes_the_highest_point_to_the_lowest() -> None:
     """With the steady part that symmetry gives, the motion from (x_0, 0) ends at (-x_0, 0)."""
     for c, w, turn in random_systems(12, 2):
@@ -63,6 +64,7 @@ def test_half_a_period_takes_the_highest_point_to_the_lowest() -> None:
         assert abs(end[1] - turn * q) < 1e-20
 
 
+@pytest.mark.slow
 def test_velocity_and_its_bound() -> None:
     """On p_0 = B x_f the velocity is 0 at that angle; a little above it the mass moves down."""
     for c, w, turn in random_systems(4, 3):
@@ -78,6 +80,7 @@ def test_velocity_and_its_bound() -> None:
                 assert abs(rate) < 1e-20 if not above else rate < 0
 
 
+@pytest.mark.slow
 def test_limit_of_the_bound_at_the_turning_point() -> None:
     for c, w, turn in random_systems(6, 4):
         half = as_floats(basis(c, w, mp.pi / turn) | {Omega: turn})

@@ -186,7 +186,7 @@ def changed(p: Parameters, **values: Any) -> Parameters | None:
         return None
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["full", "paper"])
 def test_intervals_of_phases(mapping: str, order: str) -> None:

@@ -14,17 +14,12 @@ from latex_reader import Reader
 from sympy import Interval, Rational, S, asin, pi
 
 from symosc import (
-    grazing_curve,
-    grazing_start,
     grazing_window,
-    is_grazing,
     load_scene,
-    solve_grazing,
     theorem7,
 )
 from symosc.errors import ParameterError
-from symosc.mappings.numbers import latex_number, latex_words
-from symosc.symbolic.theorem7 import CIRCLE, Case, latex, sign_of
+from symosc.symbolic.theorem7 import CIRCLE, Case, sign_of
 
 MAPS = ("P2", "P3", "P5", "P6")
 
@@ -212,12 +207,6 @@ def test_one_symbol_and_one_number() -> None:
     assert len(theorem7("P3", g, 0)) == 2
 
 
-@pytest.mark.parametrize("number", [0.3, "0.3", "3/10", Fraction(3, 10), Rational(3, 10), sp.Float("0.3")], ids=repr)
-def test_numbers_are_read_exactly(number: Any) -> None:
-    # 0.1 * 3 == 0.3 in rational numbers only
-    assert printed("P2", number, 3 * Fraction("0.1")) == NO_BOTTOM
-
-
 @pytest.mark.parametrize(
     ("level", "amplitude", "expected"),
     [
@@ -258,13 +247,6 @@ def test_end_points_are_the_zeros_of_the_sign_function() -> None:
                 found = theorem7(mapping, Fraction(level, 2), amplitude)
                 for end in found.boundary - sp.FiniteSet(0, 2 * pi) if found else ():
                     assert sp.expand(sp.sin(end) * amplitude + Rational(level, 2)) == 0
-
-
-@pytest.mark.parametrize("mapping", ["P1", "P4", "P7", "P8", "P9", "", "p2"])
-def test_maps_without_grazing(mapping: Any) -> None:
-    with pytest.raises(ParameterError, match="P2, P3, P5, P6") as error:
-        theorem7(mapping, 1, 1)
-    assert error.value.name == "mapping"
 
 
 @pytest.mark.parametrize(
@@ -359,44 +341,3 @@ def test_the_piecewise_is_the_theorem(mapping: str, order: str) -> None:
     for point in POINTS:
         expected = theorem7(mapping, point[GAMMA], point[A], order)
         assert intervals(piecewise.subs(point)) == intervals(expected)
-
-
-def test_conditions_are_chains() -> None:
-    assert latex((GAMMA > 0) & (GAMMA < A) & (A > 0)) == r"0 < \gamma < a,\ a > 0"
-    assert latex(sp.Eq(GAMMA, A) & (A > 0)) == r"\gamma = a,\ a > 0"
-    assert latex((GAMMA >= -A) & (GAMMA < 0)) == r"- a \leq \gamma < 0"
-    assert latex(CIRCLE) == r"\left[0, 2 \pi\right)"
-    assert latex(2 * sp.pi - sp.asin(sp.Rational(1, 12))) == r"2 \pi - \arcsin{\left(\frac{1}{12} \right)}"
-    assert theorem7("P2").latex() == theorem7("P2", GAMMA, A).latex()
-
-
-def test_letters_of_a_users_own_stand_in_the_table() -> None:
-    k, v, B0, Omega, m = sp.symbols("k v_1 B_0 Omega m", positive=True)
-    shown = theorem7("P3", k * v / m, B0 * Omega / m).latex()
-    assert r"\arcsin{\left(\frac{k v_{1}}{B_{0} \Omega} \right)}" in shown
-    assert shown.count("(56.") == 2
-
-
-def test_points_of_the_curve() -> None:
-    curve = grazing_curve(FIG9, "P2", 60)
-    end = curve.pieces[0].high
-    assert f"{end.x:.10g}" in end.latex()
-    assert r"\text{(end of the window)}" in end.latex()
-    assert curve.latex().count(r" \\") == 1 + 2 * len(curve.pieces)
-    start = grazing_start(FIG9, "P2", 1)
-    assert start.latex() == (
-        rf"P_{{2}}:\quad (\Omega t_i, x_i) = ({latex_number(start.theta)}, {latex_number(start.x)}) "
-        rf"\mapsto (\Omega t_m, x_m) = (1, {latex_number(start.x_m)})"
-    )
-    lost = grazing_start(FIG9, "P5", 1)
-    assert not lost.found
-    assert latex_words(lost.reason) in lost.latex()
-    solutions = solve_grazing(FIG9, "P2", x_i=4)
-    assert latex_number(solutions[0].theta) in solutions.latex()
-    none = solve_grazing(FIG9, "P2", x_i=100)
-    assert none.latex() == r"\text{x\_i goes over 3.65106 to 11.2811 on the grazing curve}"
-    verdict = is_grazing(FIG9, "P2", grazing_window(FIG9, "P2").contact("1"), "1")
-    assert verdict.latex().startswith("F = 0, G^{(1)} = -")
-    assert verdict.latex().endswith(r"\text{it grazes}")
-    for answer in (end, curve, start, solutions, verdict, theorem7("P2"), theorem7("P2")[0]):
-        assert answer._repr_latex_() == f"${answer.latex()}$"

@@ -20,16 +20,9 @@ SECOND, FOURTH, SINE = named(r"\ddot{g}"), named(r"g^{(4)}"), named(r"\sin\theta
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     del scope  # the statements are the same for every scene
-    return (
-        _balls(),
-        _motions(),
-        _orbits(),
-        _branches(),
-        _settled_motions(),
-        _windows(),
-    )
+    return _balls(), _motions(), _orbits(), _branches(), _settled_motions(), _windows()
 
 
 def _balls() -> Items:
@@ -135,8 +128,8 @@ def _touches() -> Items:
         r"$s$ and has a zero by the intermediate value theorem. Its derivative is $\partial g/\partial s$ at that "
         r"time, since $\dot{g} = 0$ there. That has one sign, so there is only one zero.\end{proof}",
         r"The prover uses (i), the checker (ii). That there is no event before the interval is proven for all $s$ as "
-        r"above. The start that touches is between $a$ and $b$, two fractions within the error of the start; of the "
-        r"given digits themselves nothing is said.",
+        r"above. The start that touches is between $a$ and $b$, two fractions within the error of the start; nothing "
+        r"is claimed about the given digits themselves.",
     )
 
 

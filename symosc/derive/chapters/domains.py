@@ -42,7 +42,7 @@ REGIME_WORDS = {
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     regimes = (_table(scope), _joins()) if scope.scene is None else _scene_regime(scope.regimes[0])
     return _functions(), _flow(), _paper_form(scope), regimes
 
@@ -79,7 +79,7 @@ def _functions() -> Items:
 
 
 def solved_functions(generic: dict[Any, Any]) -> Items:
-    """Yield the corollary that E_0 and E_1 give the other functions."""
+    """Return the corollary that E_0 and E_1 give the other functions."""
     still = sp.cos(Omega * tau) - E0 - cm * E1
     swing = sp.sin(Omega * tau) - Omega * E1
     meaning = generic | {name: value.xreplace(generic) for name, value in NORMS.items()}

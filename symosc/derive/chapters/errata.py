@@ -37,7 +37,7 @@ TITLE = "Errata"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     figure = scope.scene and scope.scene.name.partition("-")[0]
     figures = [section() for name, section in (("fig7", _figure7), ("fig8", _figure8)) if figure in (None, name)]
     return _list(), _flows(), _exits(), figures, _starts()
@@ -52,8 +52,8 @@ def _list() -> Items:
     return (
         r"\subsection{The list}",
         rf"These are the {len(errata)} distinct errors and gaps of the paper, in its order and each once: {counts}. "
-        r"Numbers of equations, theorems and figures in this list are the paper's, but for those behind \emph{See}. "
-        r"Its letters are the paper's too: $G^{(j)}$, $\Sigma^j$ and $x^{(i)}$ without the names of domain and belt, "
+        r"Numbers of equations, theorems and figures in this list are the paper's, except those after \emph{See}. Its "
+        r"letters are the paper's too: $G^{(j)}$, $\Sigma^j$ and $x^{(i)}$ without the names of domain and belt, "
         r"$\partial\Omega_{ij}$ for a boundary and $\varphi_{ij} = 0$ for its equation.",
         [
             rf"\textbf{{{each.number}.}}~{each.where} ({each.severity}). \emph{{Printed:}} {each.printed} "

@@ -20,7 +20,7 @@ C4 = sp.Symbol("C_4", nonnegative=True)
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     del scope  # the statements are the same for every scene
     bounds = (r"\subsection{Two bounds for later times}", _bound_for_ever(), _bound_for_a_while())
     return _gap(), _two_zeros(), bounds, _search()
@@ -181,8 +181,8 @@ def _search() -> Items:
         r"At a start on the boundary $g = 0$ is no event: the known zero is divided out of $p$, one factor $s$ for "
         r"each derivative that vanishes, and the argument holds for the quotient. Near a simple zero the steps "
         r"converge to fourth order, and \texttt{symosc.engine} changes to Newton's method once $p$ shows that there is "
-        r"one zero nearby. Near a tangency it looks for the minimum of $g$ ahead: clearly positive, clearly negative, "
-        r"or not to be told from 0 with the digits at hand, which is then said.",
+        r"one zero nearby. Near a tangency it looks for the minimum of $g$ ahead: positive, negative, or undecided "
+        r"with the digits at hand, which it then reports.",
         r"This is a proof in real arithmetic. With rounded numbers each value of $g$ is known to a few units of its "
         r"last digit only, and decisions leave margins for that, which are named in \texttt{symosc.engine}; that they "
         r"are wide enough in double precision was measured, not proven.",

@@ -53,7 +53,7 @@ CASES = (
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     places = PLACES if scope.scene else {}
     windows = [_numbers(scope, mapping) for mapping in places if PLACES[mapping].boundary in scope.boundaries]
     return _contact(), _what_it_fixes(), _theorem(), windows, _equality(), _no_spring()
@@ -298,7 +298,7 @@ def _equality() -> Items:
 
 
 def _equality_proof(true3: Any) -> Items:
-    """Yield the proof; `true3` is the third G-function at an end of a window."""
+    """Return the proof; `true3` is the third G-function at an end of a window."""
     third = G(3)
     square = named(r"\gamma + a\sin\theta_m|_{\gamma = -a}")
     half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)

@@ -30,7 +30,7 @@ def partial(what: str, by: str) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     del scope  # the statements are the same for every scene
     return _flights(), _sticks(), perturbations(), saltation(), _monodromy()
 
@@ -89,7 +89,7 @@ def _sticks() -> Items:
 
 
 def perturbations() -> Items:
-    """Yield the lemma on perturbations in a domain."""
+    """Return the lemma on perturbations in a domain."""
     flow = solution.flow()
     entries = {
         "11": (flow.x, x_i, 1 - w0sq * E2),
@@ -124,7 +124,7 @@ def perturbations() -> Items:
 
 
 def saltation() -> Items:
-    """Yield the theorem on saltation."""
+    """Return the theorem on saltation."""
     speed, delta = named(r"v_\lambda"), named(r"\delta\dot{x}^{-}")
     shift, result = named(r"\delta t"), named(r"\delta\dot{x}^{+}")
     delay = {shift: sp.solve(delta + BEFORE * named("s"), named("s"))[0]}
@@ -187,8 +187,8 @@ def _monodromy() -> Items:
     product, bound = named(r"\rho_1\rho_2"), named(r"e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j")
 
     def values() -> dict[Any, Any]:
-        found, said = _orbit("fig9-orbit", "P32")
-        return {product: _float(found), bound: _float(said)}
+        found, predicted = _orbit("fig9-orbit", "P32")
+        return {product: _float(found), bound: _float(predicted)}
 
     energy, rate = named(r"\frac{d}{d\tau}\bigl(\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2\bigr)"), named(r"\dot{y}")
     bend, place = named(r"\ddot{y}"), named("y")

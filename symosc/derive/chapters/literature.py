@@ -31,7 +31,7 @@ UNDAMPED = {cm: 0, c: 0, G: 0, Omega: r * sp.sqrt(w0sq)}
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     return (
         r"With $A_0 = 0$, $B_0 = P$, $v_1 = 0$, $\mu_1 F_N = F$, $\mu_2 = 0$ and a belt 2 that is faster than the mass "
         r"ever gets, the model is the oscillator $m \ddot{x} + c \dot{x} + k x = P \cos\Omega t - F \operatorname{sgn} "
@@ -39,13 +39,7 @@ def items(scope: Scope) -> Items:
         r"letters hold in this chapter only. Each number in its tables stands there twice: computed from a formula or "
         r"from equations with 50 digits, and found by this package, which does not know the formula (\emph{run}). "
         r"Where nothing else is said, $m = k = P = F_N = 1$ and $c = 0$.",
-        _symmetric_motion(),
-        _stability(),
-        _border(),
-        _growth_and_decay(),
-        _stops(),
-        _continuum(),
-        _rests(),
+        *(_symmetric_motion(), _stability(), _border(), _growth_and_decay(), _stops(), _continuum(), _rests()),
     )
 
 

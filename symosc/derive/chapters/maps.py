@@ -26,7 +26,7 @@ def force(alpha: int, x: Any, v: Any, theta: Any) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     return _planes(scope), _flights(), _sticks(), _with_numbers(scope) if scope.scene else ()
 
 
@@ -54,9 +54,9 @@ def _planes(scope: Scope) -> Items:
             ("mapping", "from", "to", "motion", r"$\alpha$", r"$\lambda$", r"$\lambda'$"),
             tuple(rows),
         ),
-        r"A word such as $P_{32} = P_3 \circ P_2$ is read from right to left: $P_2$ is applied first. In the paper's "
-        r"(49) the planes are told apart by limits $v_\lambda^{\pm} = \lim_{\delta\to 0}(v_\lambda \pm \delta)$, which "
-        r"all equal $v_\lambda$; what tells them apart is the side, and that is meant here.",
+        r"A word such as $P_{32} = P_3 \circ P_2$ is read from right to left: $P_2$ is applied first. The paper's (49) "
+        r"distinguishes the planes by limits $v_\lambda^{\pm} = \lim_{\delta\to 0}(v_\lambda \pm \delta)$, which all "
+        r"equal $v_\lambda$; what distinguishes them is the side, which is meant here.",
     )
 
 
@@ -84,8 +84,8 @@ def _flights() -> Items:
         r"the flight ends.\end{proof}",
         r"The mappings differ in $A_\alpha$ and in the two speeds alone, so this is all six flights. It goes into "
         r"$\Omega_\alpha$ at the start by the first G-function that does not vanish, Lemma~\ref{thm:switching-side}. "
-        r"That $\tau$ is the first time has to be checked for the other belt too: the equations of $P_3$ know nothing "
-        r"of $v_2$. Chapter~\ref{sec:events} tells how.",
+        r"That $\tau$ is the first time has to be checked for the other belt too: the equations of $P_3$ do not "
+        r"contain $v_2$. Chapter~\ref{sec:events} explains how.",
     )
 
 

@@ -59,7 +59,7 @@ def at_both(scope: Scope) -> Each:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     return _balance(), _domains(scope), _well_posed(scope), _held(scope)
 
 
@@ -201,7 +201,7 @@ def _held(scope: Scope) -> Items:
         equation(m * F(LOWER), HELD + mu_lambda * FN, at_both(scope), label="motion-held-sides"),
         equation(m * F(UPPER), HELD - mu_lambda * FN, at_both(scope)),
         r"so that the mass can stay on the belt, $|F_{s\lambda}| \le \mu_\lambda F_N$, iff "
-        r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$; and the product of the paper's section 6 tells:",
+        r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$; and the product of the paper's section 6 is",
         equation(m**2 * F(LOWER) * F(UPPER), HELD**2 - mu_lambda**2 * FN**2, at_both(scope), label="motion-product"),
         r"\end{proposition}",
         r"\begin{proof} On the belt $\ddot{x} = 0$, so \eqref{eq:motion-newton} demands $T_\lambda = -F_{s\lambda}$, "

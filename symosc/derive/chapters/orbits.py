@@ -43,7 +43,7 @@ TITLE = "Periodic motions"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     if scope.scene is None:
         found: Items = (
             _orbit(Scope(load_scene("fig9")), "P32", "The paper's Fig.~9"),

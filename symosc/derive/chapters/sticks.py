@@ -25,7 +25,7 @@ def force_on_belt(angle: Any) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     return _on_belt(), _exits(scope), _which_exit(scope), _every_stick_ends()
 
 

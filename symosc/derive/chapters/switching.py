@@ -16,7 +16,7 @@ TITLE = "What happens at a boundary"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Return the chapter."""
     del scope  # the statements are the same for every scene
     return (
         _general(),

@@ -174,11 +174,11 @@ def tangential(figure: Graze) -> Evidence:
     at, event, side = scene_contacts(scene)[0], path.events[0], place(figure.mapping).domain
     force = forces(p, at)[side - NEIGHBOURS[at.belt][0]]
     order = is_grazing(p, figure.mapping, at.x, at.theta)
-    touches = event.kind == "graze" and is_zero(force) and order.grazing
+    grazes = event.kind == "graze" and is_zero(force) and order.grazing
     numbers["t, x of the red point from the exact start"] = f"{text(event.t, 25)}, {text(event.x, 12)}"
     numbers[f"{force_name(side)}, G⁽¹⁾ at the red point"] = f"{force_text(force)}, {text(order.values[-1], 12)}"
     finding = (
-        f"From the start to 40 decimals the motion {'grazes' if touches else 'does not graze'} belt {at.belt} at t = "
+        f"From the start to 40 decimals the motion {'grazes' if grazes else 'does not graze'} belt {at.belt} at t = "
         f"{text(event.t, 12)}, with {force_name(side)} = {force_text(force)} and G⁽¹⁾ = {text(order.values[-1], 6)}."
     )
     usual = motion(figure.scene).events
@@ -189,7 +189,7 @@ def tangential(figure: Graze) -> Evidence:
     if not printed.events:
         finding += " With the printed parameters there is no contact at all."
     as_printed = bool(printed.events) and printed.events[0].kind == "graze"
-    held = verdict(as_printed or (touches and figure.print_is_right), touches)
+    held = verdict(as_printed or (grazes and figure.print_is_right), grazes)
     return Evidence(held, finding, numbers | certificate_of(scene))
 
 
@@ -471,7 +471,7 @@ def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bo
 # flow from the printed start touches the belt, and never is beyond it, explains the figure if it is no longer than what
 # is printed.
 
-#: Periods after the start in which a touch is looked for, instants in them, and values of a number left free.
+#: Periods after the start in which a graze is sought, instants in them, and values of a number left free.
 SEARCHED_PERIODS, INSTANTS, VALUES = 3, 300, 201
 LONGEST = 12
 

@@ -417,7 +417,7 @@ def _one_digit(scene: Scene, start: list[Nearest]) -> str:
 REACH = 10
 #: Values of a parameter that are tried: so many evenly spaced, and so many on each side ever closer to what is printed.
 EVEN_VALUES, CLOSER_VALUES = 120, 50
-#: So many of the smallest misses are minimised; an orbit is looked for where the miss is below this.
+#: So many of the smallest misses are minimised; an orbit is sought where the miss is below this.
 VALLEYS, NEAR_MISS = 3, 0.002
 # The least of a parameter that must stay positive, as a part of its printed value (k = 0 has no orbit).
 LEAST = 1e-3

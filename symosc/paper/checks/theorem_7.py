@@ -107,7 +107,7 @@ def is_inside(cases: list[tuple[int, list[Arc]]], where: Any) -> bool:
     return any(arc.low < where < arc.high or (arc.closed and where == arc.low) for arc in arcs)
 
 
-def touching(mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c: Fraction) -> RationalContact:
+def zero_force_contact(mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c: Fraction) -> RationalContact:
     """Return a contact with F = 0 of the domain of a mapping, for given gamma and B0 Omega/m."""
     where = PLACES[mapping]
     m, k, Omega = Fraction(2), Fraction(3), Fraction(3, 2)
@@ -149,7 +149,7 @@ def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, .
         for gamma in (ratio * (abs(amplitude) or 2) for ratio in RATIOS):
             cases = printed_window(mapping, gamma, amplitude) or [(0, [])]
             for s, c in RATIONAL_PHASES:
-                contact = touching(mapping, gamma, amplitude, s, c)
+                contact = zero_force_contact(mapping, gamma, amplitude, s, c)
                 grazes, slope = contact.grazes(domain), contact.slope(domain)
                 special = slope == 0 and abs(gamma) == abs(amplitude)
                 for case in cases:
@@ -161,7 +161,7 @@ def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, .
 def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
     """Return contacts with F = 0, of all mappings and ratios and at all phases, with their domains."""
     return tuple(
-        (where.domain, touching(mapping, ratio * 3, Fraction(3), s, c))
+        (where.domain, zero_force_contact(mapping, ratio * 3, Fraction(3), s, c))
         for mapping, where in PLACES.items()
         for ratio in RATIOS
         for s, c in RATIONAL_PHASES
@@ -215,7 +215,7 @@ def _same_ends(mapping: str) -> list[bool]:
     found = []
     for amplitude in DRIVES:
         for gamma in (ratio * amplitude for ratio in RATIOS):
-            p = touching(mapping, gamma, amplitude, *RATIONAL_PHASES[0]).p
+            p = zero_force_contact(mapping, gamma, amplitude, *RATIONAL_PHASES[0]).p
             ours = [(low, high, closed) for low, high, closed, _ in grazing_window(p, mapping, "paper").intervals]
             for _, arcs in printed_window(mapping, gamma, amplitude):
                 printed = [(angle(arc.low), angle(arc.high), arc.closed) for arc in arcs]
@@ -275,7 +275,7 @@ def equality() -> Evidence:
     for mapping, where in PLACES.items():
         for size in DRIVES:
             gamma, sine = where.side * size, Fraction(-where.side)
-            contact = touching(mapping, gamma, size, sine, Fraction(0))
+            contact = zero_force_contact(mapping, gamma, size, sine, Fraction(0))
             total += 1
             excluded += not is_inside(printed_window(mapping, gamma, size), turn(sine, Fraction(0)))
             returning += contact.grazes(where.domain)

@@ -1,0 +1,377 @@
+"""Work and precision: time per event and error of every solver, at every tolerance, on the shipped scenes.
+
+All solvers get the same tasks, a scene followed from its start over a number of events, and are compared with the same
+run in 40 digits. There are two spans. The errors are measured on a short one, which all solvers get. The times are
+measured on a long one, so that the fixed cost of a call does not count, if a solver finishes it soon.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from math import inf, nan
+from statistics import median
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
+from tabulate import tabulate
+
+from symosc.aliases import Record
+from symosc.bench import machine
+from symosc.bench.solvers import FIRST_LIMIT, HANG, OURS, Outcome, Solver, Worker, all_solvers
+from symosc.bench.speed import floor_s
+from symosc.exact import read_exact
+from symosc.plot.drawing import STYLE
+from symosc.reference.compare import ERRORS, REFERENCE_DIGITS, FoundEvents, compare, window_of
+from symosc.scenes import Scene, load_scene
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event
+
+#: Scenes, and how many events the short span has; how many of the long span are compared, and how many it has. What
+#: comes after fig8's first 20 events is beyond doubles: its sticks shrink by 3/8 each half period.
+SCENE_SPANS = {"fig5": (24, 1000, 10_000), "fig6": (24, 1000, 10_000), "fig8": (20, 20, 20)}
+SCENE_SPANS |= {"fig9": (24, 1000, 10_000), "fig10": (24, 1000, 10_000)}
+QUICK_SCENE_SPANS = {"fig5": (24, 100, 4_000), "fig8": (20, 20, 20)}
+#: Seconds that a solver may take for one span; the long span is for solvers that need no more than LONG_RUN for it.
+SPAN_LIMIT, QUICK_SPAN_LIMIT, LONG_RUN = 20.0, 6.0, 0.3
+# Calls are repeated until they have taken this many seconds ...
+BUDGET, QUICK_BUDGET = 0.2, 0.05
+# ... but not more often than that, not less than that if a call takes no longer than so many seconds, and not at all if
+# it takes longer than a part of the limit.
+MOST_REPEATS, LEAST_REPEATS, SHORT_CALL, LONG_CALL_PART = 25, 3, 0.3, 0.1
+
+TIME_KEYS = ("prepare_s", "first_call_s", "times_s", "timed_events", "us_per_event", "floor_ns", "over_floor")
+ERROR_KEYS = ("error", "error_t", "error_x", "missed", "invented", "missed_grazes", "first_wrong")
+
+
+@dataclass(frozen=True)
+class Span:
+    """A task: a scene with `count` events, and the first of them, those before the time `until`, in 40 digits."""
+
+    scene: Scene
+    count: int
+    reference: Sequence[Event]
+    until: float
+
+
+@dataclass(frozen=True)
+class Timed:
+    """What the worker process reports of a solver on a span; times in seconds.
+
+    Right after each call one closed-form evaluation is timed: some machines change their pace by the second.
+    """
+
+    prepare_s: float
+    first_call_s: float
+    times_s: list[float]
+    floors_s: list[float]
+    found: list[FoundEvents]
+
+
+def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
+    """Prepare a solver, so that what is imported and compiled once is there."""
+    floor_s()
+    follow = solver.prepare(scene, tolerance)
+    if solver == OURS[0]:
+        follow()  # numba compiles our event loop when it is first called
+
+
+def measure(solver: Solver, scene: Scene, tolerance: float, until: float, limit: float, budget: float) -> Timed:
+    """Prepare a solver and call it once, then again until `budget` seconds are spent; return events before `until`.
+
+    Only what the call itself does is timed: events that it returns `Late` are read afterwards.
+    """
+    begin = time.perf_counter()
+    follow = solver.prepare(scene, tolerance)
+    prepared = time.perf_counter()
+    found = follow()
+    first = time.perf_counter() - prepared
+    least = 0 if first > LONG_CALL_PART * limit else 1 if first > SHORT_CALL else LEAST_REPEATS
+    times: list[float] = []
+    floors: list[float] = [floor_s()] if not least else []
+    while len(times) < least or (least and sum(times) < budget and len(times) < MOST_REPEATS):
+        again = time.perf_counter()
+        found = follow()
+        times.append(time.perf_counter() - again)
+        floors.append(floor_s())
+    return Timed(prepared - begin, first, times, floors, [event for event in found if not event.t > until])
+
+
+def run(
+    quick: bool = False,
+    progress: Callable[[Sequence[Any]], Iterable[Any]] = iter,
+    solvers: Sequence[Solver] | None = None,
+    scenes: dict[str, tuple[int, int, int]] | None = None,
+) -> Record:
+    """Measure and return plain data; with `quick` two scenes, and only the finest tolerance of each peer.
+
+    `progress` gets the sequence of measurements and returns it as an iterable that may show how far it is; `solvers`
+    and `scenes` (as in SCENE_SPANS) replace all. Keys: machine; floor_ns, one closed-form evaluation; limit_s; skipped,
+    solver: why it cannot run here; notes, solver: its precautions; and rows, one per scene, solver and tolerance, with
+
+        scene, solver, tolerance;
+        failure: "" or what went wrong; the numbers that are then not known are None;
+        prepare_s, first_call_s, times_s (all repeats), timed_events: of the longest span that the solver finished;
+        floor_ns, over_floor: the floor as it was then (the best), and the median time per event as its multiple;
+        us_per_event: so many floors, as long as the best one of the run; over_ours: that by ours;
+        error, error_t, error_x: over the short span, the same for all solvers, as in `Comparison`;
+        missed, invented, missed_grazes, first_wrong: as in `Comparison`, over the first `compared` events of the
+        longest span;
+        warnings: what the solver warned of.
+    """
+    solvers = all_solvers() if solvers is None else solvers
+    chosen = scenes or (QUICK_SCENE_SPANS if quick else SCENE_SPANS)
+    limit, budget = (QUICK_SPAN_LIMIT, QUICK_BUDGET) if quick else (SPAN_LIMIT, BUDGET)
+    spans: dict[str, tuple[Span, Span]] = {}
+    able = [solver for solver in solvers if not solver.missing]
+    plan = [
+        (name, solver, tolerance)
+        for name in chosen
+        for solver in able
+        for tolerance in (solver.tolerances[-1:] if quick and solver != OURS[0] else solver.tolerances)
+    ]
+    rows: list[Record] = []
+    prepared: set[str] = set()  # in the worker process
+    with Worker() as worker:
+
+        def call(solver: Solver, tolerance: float, span: Span) -> Outcome:
+            if solver.name not in prepared:
+                outcome = worker.call(FIRST_LIMIT, prepare, solver, span.scene, tolerance)
+                if outcome.failure:
+                    return outcome
+                prepared.add(solver.name)
+            outcome = worker.call(limit, measure, solver, span.scene, tolerance, span.until, limit, budget)
+            if outcome.lost:
+                prepared.clear()
+            return outcome
+
+        for name, solver, tolerance in progress(plan):
+            if name not in spans:
+                spans[name] = _spans(load_scene(name), *chosen[name])
+            row = {"scene": name, "solver": solver.name, "tolerance": tolerance}
+            rows.append(row | _measured(lambda span, s=solver, a=tolerance: call(s, a, span), *spans[name]))  # type: ignore[misc]
+    # A machine may be half as fast in one minute as in the next, so seconds of different minutes do not compare: times
+    # are in units of the floor of their moment.
+    unit = min((row["floor_ns"] for row in rows if row["floor_ns"]), default=nan)
+    ours = {row["scene"]: row["over_floor"] for row in rows if row["solver"] == OURS[0].name}
+    for row in rows:
+        own, mine = row["over_floor"], ours.get(row["scene"])
+        row["over_ours"] = own / mine if own and mine else None
+        row["us_per_event"] = 1e-3 * unit * own if own else None
+    skipped = {solver.name: solver.missing for solver in solvers if solver.missing}
+    notes = {solver.name: solver.note for solver in able if solver.note}
+    about = {"machine": machine(), "floor_ns": unit, "limit_s": limit}
+    return {**about, "skipped": skipped, "notes": notes, "rows": rows}
+
+
+def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[Span, Span]:
+    """Return the short and the long span of a scene: cut off halfway between two events."""
+
+    def until(events: Sequence[Event], number: int) -> float:
+        return (float(events[number - 1].t) + float(events[number].t)) / 2
+
+    def span(count: int, compared: int) -> Span:
+        far = scene.t0 + 10**6
+        end = until(simulate(scene, t_end=far, max_events=count + 1).events, count)
+        exact = simulate(scene, t_end=far, max_events=compared + 1, digits=REFERENCE_DIGITS).events
+        cut = replace(scene, t_end=read_exact("t_end", end))
+        return Span(cut, count, exact[:compared], until(exact, compared))
+
+    first = span(short, short)
+    return first, first if short == long else span(long, compared)
+
+
+def _measured(call: Callable[[Span], Outcome], short: Span, long: Span) -> Record:
+    """Return the measured part of a row."""
+    outcome = call(short)
+    row, failure, warnings = _numbers(outcome, short), outcome.failure, outcome.warnings
+    fast = not failure and row["us_per_event"] * long.count < 1e6 * LONG_RUN
+    if fast and long is not short:
+        longer = call(long)
+        if longer.failure:
+            failure = f"{longer.failure} (in {long.count} events, not in {short.count})"
+        else:
+            row |= {name: value for name, value in _numbers(longer, long).items() if not name.startswith("error")}
+        warnings = tuple(dict.fromkeys((*warnings, *longer.warnings)))
+    return row | {"failure": failure, "warnings": list(warnings)}
+
+
+def _numbers(outcome: Outcome, span: Span) -> Record:
+    """Return times and errors on a span."""
+    about = {"compared": len(span.reference)}
+    if outcome.failure:
+        return about | dict.fromkeys((*TIME_KEYS, *ERROR_KEYS))
+    timed, count = outcome.value, span.count
+    times = timed.times_s or [timed.first_call_s]
+    multiple = median(a / b for a, b in zip(times, timed.floors_s, strict=True)) / count
+    values = (timed.prepare_s, timed.first_call_s, timed.times_s, count, 1e6 / count * median(times))
+    values += (1e9 * min(timed.floors_s), multiple)
+    comparison = compare(timed.found, span.reference, window_of(span.scene), float(span.scene.t0))
+    errors = {name: getattr(comparison, name) for name in ERROR_KEYS}
+    return about | dict(zip(TIME_KEYS, values, strict=True)) | errors
+
+
+# -- tables ------------------------------------------------------------------------------------------------------------
+
+
+def table(result: Record, markdown: bool = False) -> str:
+    """Return the result of `run` as text, one table per scene, ratios first."""
+    heads = ["solver", "tolerance", "time / ours", "us per event", "error"]
+    heads += ["events", "missed", "invented", "what went wrong"]
+    parts = []
+    for scene in dict.fromkeys(row["scene"] for row in result["rows"]):
+        rows = [_cells(row, result["limit_s"]) for row in result["rows"] if row["scene"] == scene]
+        form, align = "github" if markdown else "simple", ("left", *["right"] * 7, "left")
+        text = tabulate(rows, heads, tablefmt=form, disable_numparse=True, colalign=align)
+        parts += [f"**{scene}**\n" if markdown else f"{scene}:", text, ""]
+    parts.append(
+        "Times are measured in evaluations of the closed form, timed right after each call, and given at the "
+        f"{result['floor_ns']:.1f} ns that the fastest one took: a machine may change its pace. A call follows 10,000 "
+        "events if the solver does so within 0.3 s, else 24, of fig8 20, and what it costs itself is included. Errors "
+        f"are {ERRORS}, against {REFERENCE_DIGITS} digits."
+    )
+    notes = result["notes"] | {name: f"skipped, {reason}" for name, reason in result["skipped"].items()}
+    parts += ["", *(f"{'- ' if markdown else ''}{name}: {note}" for name, note in notes.items())]
+    return "\n".join(parts)
+
+
+def _cells(row: Record, limit: float) -> list[str]:
+    times = ["" if row[name] is None else rounded(row[name], 3) for name in ("over_ours", "us_per_event")]
+    error = "" if row["error"] is None else f"{row['error']:.1e}"
+    counts = ["" if row[name] is None else str(row[name]) for name in ("compared", "missed", "invented")]
+    failure = row["failure"]
+    if failure.startswith(HANG):
+        failure = failure.replace(HANG, f"hang: more than {limit:g} s", 1)
+    return [row["solver"], f"{row['tolerance']:.0e}" if row["tolerance"] else "", *times, error, *counts, failure]
+
+
+def best_rows(result: Record) -> dict[tuple[str, str], Record]:
+    """Return for each solver and scene the row at the tolerance that served it best.
+
+    That is the one with the fewest missed and invented events, and of those the one with the smallest error. A solver
+    that failed at every tolerance is there with its last row.
+    """
+
+    def badness(row: Record) -> tuple[float, ...]:
+        if row["missed"] is None:
+            return (1, 0, 0)
+        return (0, row["missed"] + row["invented"], inf if row["error"] is None else row["error"])
+
+    best: dict[tuple[str, str], Record] = {}
+    for row in result["rows"]:
+        key = row["solver"], row["scene"]
+        if key not in best or badness(row) <= badness(best[key]):
+            best[key] = row
+    return best
+
+
+def summary(result: Record) -> str:
+    """Return a Markdown table of the solvers at their best: time as a multiple of ours, error, and what went wrong."""
+
+    def cell(row: Record) -> str:
+        failure = "chatters" if "chatters" in row["failure"] else row["failure"].partition(":")[0]
+        if row["us_per_event"] is None:
+            return failure
+        parts = [f"{rounded(row['over_ours'], 2)} ×"] if row["over_ours"] is not None else []
+        parts += [f"{row['error']:.0e}"] if row["error"] is not None else []
+        parts += [f"{name} {row[name]}" for name in ("missed", "invented") if row[name]]
+        return ", ".join([*parts, *[failure] * bool(failure)])
+
+    best = best_rows(result)
+    solvers, scenes = (list(dict.fromkeys(key[i] for key in best)) for i in (0, 1))
+    rows = [[solver, *(cell(best[solver, scene]) for scene in scenes)] for solver in solvers]
+    return tabulate(rows, ["", *scenes], tablefmt="github", disable_numparse=True)
+
+
+def rounded(value: float, digits: int) -> str:
+    """Return a number with so many significant digits, and no exponent from 1e-4 to 1e6."""
+    return f"{float(f'{value:.{digits}g}'):g}"
+
+
+# -- the picture -------------------------------------------------------------------------------------------------------
+
+COLUMNS = 3
+#: A colour per library, a mark per method of it.
+COLOURS = ("#b2182b", "#2166ac", "#e08214", "#1b7837", "#762a83", "#8c510a")
+POINT_MARKS = "os^Dv"
+#: What is more exact than this (a double has no more digits) is drawn here, what is worse than the other there.
+BEST, WORST = 1e-17, 1.0
+
+
+def figure(result: Record) -> Figure:
+    """Draw the result of `run`: error against time per event, a panel per scene, a curve per solver.
+
+    A cross over a mark: events were missed or invented; no line leads there. Runs that failed have no time; each panel
+    says how many there were.
+    """
+    scenes = list(dict.fromkeys(row["scene"] for row in result["rows"]))
+    styles = _styles(list(dict.fromkeys(row["solver"] for row in result["rows"])))
+    columns = min(COLUMNS, len(scenes) + 1)
+    lines = -(-(len(scenes) + 1) // columns)  # one cell is for the legend
+    with rc_context(STYLE):
+        layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05)
+        drawing = Figure(figsize=(7.2 / COLUMNS * columns, 2.6 * lines), layout=layout)
+        grid = drawing.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
+        for ax, scene in zip(grid.flat, scenes, strict=False):
+            _panel(ax, scene, [row for row in result["rows"] if row["scene"] == scene], styles)
+        for ax in grid.flat[len(scenes) :]:
+            ax.set_axis_off()
+        for ax in grid[:, 0]:
+            ax.set_ylabel("largest error")
+        for ax in grid.flat:
+            ax.tick_params(labelbottom=True)
+        drawing.supxlabel("time per event [µs]", fontsize=STYLE["axes.labelsize"])
+        handles = [Line2D([], [], linewidth=0.7, label=name, **style) for name, style in styles.items()]
+        wrong = {"marker": "x", "color": "black", "linestyle": "none", "markersize": 4}
+        handles.append(Line2D([], [], label="events missed or invented", **wrong))
+        options = {"fontsize": 7.0, "frameon": False, "borderaxespad": 0.0, "labelspacing": 0.3}
+        grid[-1, -1].legend(handles=handles, loc="upper left", **options)
+    return drawing
+
+
+def _styles(solvers: Sequence[str]) -> dict[str, Record]:
+    """Return colour and mark of each solver."""
+    libraries: dict[str, int] = {}
+    styles: dict[str, Record] = {}
+    for name in solvers:
+        library = name.split()[0].rstrip(",")
+        number = libraries[library] = libraries.get(library, -1) + 1
+        if library == "symosc":
+            styles[name] = {"color": "black", "marker": "*P"[number % 2], "markersize": 9 - 3 * number}
+        else:
+            others = [each for each in libraries if each != "symosc"]
+            colour = COLOURS[others.index(library) % len(COLOURS)]
+            styles[name] = {"color": colour, "marker": POINT_MARKS[number % len(POINT_MARKS)], "markersize": 4}
+    return styles
+
+
+def _panel(ax: Axes, scene: str, rows: Sequence[Record], styles: dict[str, Record]) -> None:
+    def points(rows: Sequence[Record]) -> tuple[list[float], list[float]]:
+        errors = [WORST if row["error"] is None else min(max(row["error"], BEST), WORST) for row in rows]
+        return [row["us_per_event"] for row in rows], errors
+
+    for solver in dict.fromkeys(row["solver"] for row in rows):
+        style = dict(styles[solver])
+        drawn = [row for row in rows if row["solver"] == solver and row["us_per_event"] is not None]
+        above: Record = {"zorder": 4} if style["color"] == "black" else {}
+        right = [row for row in drawn if not row["missed"] and not row["invented"]]
+        wrong = [row for row in drawn if row not in right]
+        ax.plot(*points(right), linewidth=0.7, markeredgewidth=0.6, **style, **above)
+        ax.plot(*points(wrong), markeredgewidth=0.6, **style | {"linestyle": "none"}, **above)
+        ax.plot(*points(wrong), "x", color="black", markersize=6, markeredgewidth=0.7, zorder=5)
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_ylim(BEST / 3, WORST * 3)
+    ax.set_yticks([10.0**n for n in range(-16, 1, 4)])
+    ax.minorticks_off()
+    ax.grid(linewidth=0.3, color="0.85")
+    ax.set_title(scene, loc="left", pad=4)
+    failed = sum(bool(row["failure"]) for row in rows)
+    if failed:
+        text = f"{failed} run{'s' * (failed > 1)} failed"
+        ax.text(0.02, 0.03, text, transform=ax.transAxes, ha="left", va="bottom", fontsize=7)

@@ -1,0 +1,418 @@
+"""What the page shows for a link: the motion of `symosc.simulate`, as plain values for the plots, texts and table.
+
+The state of the page is a text for each number. A text is read exactly, as in scene files: 0.8 and 4/5 are the same
+number. One more number: a field in GROUPS. One more curve: a column in `_curves`, and a glyph in `server`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from math import cos, floor, log10, pi, sin, tau
+from typing import Any, NamedTuple
+from urllib.parse import parse_qsl, urlencode
+
+import numpy as np
+
+from symosc.aliases import Record
+from symosc.errors import ParameterError, SymoscError
+from symosc.exact import NO_EXPRESSION, NUMBER_FORMS, read_exact, read_start_error, show
+from symosc.grazing.window import GrazingWindow, grazing_window
+from symosc.mappings.theorem7_cases import PLACES
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.plot.panels import EVENT_MARKS, SHAPES, Sampling, View, view_of
+from symosc.scenes import Scene, load_scene, scene_names
+from symosc.scenes.quantities import QUANTITIES, unit_of
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event, Trajectory
+
+#: More periods than this crowd the pictures.
+MOST_SHOWN_PERIODS = 100
+#: To so many digits the number of periods is shown; the end of the motion is the shortest decimal that gives them.
+PERIODS_DIGITS = 12
+STARTS = ("t0", "x0", "v0")
+#: How the page says what is wrong with a text that is no number.
+IN_SHORT = {
+    NUMBER_FORMS: "is not a number; 0.8, 4/5 and 8e-1 are",
+    NO_EXPRESSION: "is an expression; write its value, such as 3.14159 for pi",
+}
+CHANGED, SOURCE = ", changed", "symosc explore"
+
+
+class Field(NamedTuple):
+    """A number of the page: how it is called, and what its slider covers until a number beyond that is typed."""
+
+    name: str
+    symbol: str
+    meaning: str
+    unit: str
+    low: float
+    high: float
+    step: float
+
+
+def _field(name: str, symbol: str, low: float, high: float, step: float) -> Field:
+    unit = unit_of(name)
+    return Field(name, symbol, QUANTITIES[name][0], "" if unit == "1" else unit, low, high, step)
+
+
+#: The numbers of the page in the groups that it shows them in.
+GROUPS: dict[str, tuple[Field, ...]] = {
+    "Mass": (_field("m", "m", 0.1, 5, 0.01), _field("c", "c", 0, 5, 0.01), _field("k", "k", 0, 20, 0.05)),
+    "Excitation A₀ + B₀ cos Ωt": (
+        _field("A0", "A₀", -30, 30, 0.1),
+        _field("B0", "B₀", -30, 30, 0.1),
+        _field("Omega", "Ω", 0.05, 8, 0.01),
+    ),
+    "Belts": (
+        _field("v1", "v₁", -15, 15, 0.05),
+        _field("v2", "v₂", -15, 30, 0.05),
+        _field("mu1", "μ₁", 0, 1.5, 0.01),
+        _field("mu2", "μ₂", 0, 1.5, 0.01),
+        _field("FN", "F_N", 0, 30, 0.1),
+    ),
+    "Start, and how much is shown": (
+        _field("t0", "t₀", 0, 10, 0.01),
+        _field("x0", "x₀", -10, 10, 0.01),
+        _field("v0", "v₀", -15, 15, 0.01),
+        Field("periods", "N", "forcing periods shown", "2π/Ω", 0.1, 20, 0.1),
+    ),
+}
+FIELDS = {field.name: field for fields in GROUPS.values() for field in fields}
+#: What else is in a link: the name of the scene, and to how much its start is known.
+OTHER_KEYS = ("scene", "start_error")
+
+
+@cache
+def shipped_scenes() -> dict[str, Scene]:
+    """Return the shipped scenes by name; they are read once."""
+    return {name: load_scene(name) for name in scene_names()}
+
+
+def state_of(scene: Scene) -> dict[str, str]:
+    """Return the page's texts for a scene."""
+    state = {"scene": scene.name, **scene.parameters.as_dict()}
+    state |= {name: show(getattr(scene, name)) for name in STARTS}
+    state["periods"] = _periods_text(scene.t0, scene.t_end, scene.parameters.Omega)
+    if scene.start_error is not None:
+        state["start_error"] = ",".join(map(show, scene.start_error))
+    return state
+
+
+def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
+    """Return the texts of a link, and what is wrong with the link.
+
+    Numbers that it lacks are those of the shipped scene that it names, else of `default`.
+    """
+    given, notes = {}, []
+    for name, text in parse_qsl(query, keep_blank_values=True):
+        if name in FIELDS or name in OTHER_KEYS:
+            given[name] = text
+        else:
+            notes.append(f"the link has an unknown name {name!r}, which is left out")
+    rest = state_of(shipped_scenes().get(given.get("scene", ""), default))
+    if not set(STARTS).isdisjoint(given):
+        rest.pop("start_error", None)  # it is not that of another start
+    return rest | given, notes
+
+
+def link_of(state: dict[str, str]) -> str:
+    """Return the texts as the query of a link."""
+    return urlencode(state)
+
+
+def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
+    """Return the scene of these texts, and for each text that is wrong what is allowed; then there is no scene."""
+    numbers, errors = _read_numbers(state)
+    parameters = _parameters(numbers, errors)
+    if errors:
+        return None, errors
+    t_end = _end(numbers["t0"], numbers["periods"], parameters.Omega)
+    start: dict[str, Any] = {name: numbers[name] for name in STARTS}
+    name = state.get("scene", "").strip() or "explored"
+    try:
+        start_error = state.get("start_error") or None
+        known = read_start_error(start_error.split(",")) if start_error else None
+        return _named(Scene(name, parameters, **start, t_end=t_end, start_error=known)), {}
+    except ParameterError as error:
+        return None, {error.name: error.allowed}
+
+
+def _read_numbers(state: dict[str, str]) -> tuple[dict[str, Fraction], dict[str, str]]:
+    """Return the numbers, and what is wrong with texts that are none; a sound number stands in for each of these."""
+    numbers, errors = {}, {}
+    stand_in = state_of(shipped_scenes()["fig5"])
+    for name in FIELDS:
+        try:
+            numbers[name] = read_exact(name, state[name])
+        except ParameterError as error:
+            errors[name] = IN_SHORT.get(error.allowed, error.allowed)
+            numbers[name] = read_exact(name, stand_in[name])
+    if not 0 < numbers["periods"] <= MOST_SHOWN_PERIODS:
+        errors["periods"] = f"must be more than 0 and at most {MOST_SHOWN_PERIODS}"
+    return numbers, errors
+
+
+def _parameters(numbers: dict[str, Fraction], errors: dict[str, str]) -> Parameters:
+    """Return the parameters; adds what is out of range to `errors`, all of it at once."""
+    sound = shipped_scenes()["fig5"].parameters
+    tried = {name: numbers[name] for name in PARAMETER_NAMES}
+    while True:
+        try:
+            return Parameters(**tried)
+        except ParameterError as error:
+            errors.setdefault(error.name, error.allowed)
+            tried[error.name] = getattr(sound, error.name)
+            if error.name == "v1":  # both belts are needed for v1 < v2
+                tried["v2"] = sound.v2
+
+
+def _named(scene: Scene) -> Scene:
+    """Return a scene with the source of the shipped one of its name, or with a name that says it is another."""
+    base = scene.name.removesuffix(CHANGED)
+    shipped = shipped_scenes().get(base)
+    if shipped is None:
+        return replace(scene, source=SOURCE)
+    if state_of(shipped) == state_of(replace(scene, name=base)):
+        return shipped
+    return replace(scene, name=base + CHANGED, source=SOURCE)
+
+
+def _periods_text(t0: Fraction, t_end: Fraction, Omega: Fraction) -> str:
+    return f"{float((t_end - t0) * Omega) / tau:.{PERIODS_DIGITS}g}"
+
+
+def _end(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
+    """Return the shortest decimal that is so many periods after t0, as far as their digits are shown."""
+    wanted = f"{float(periods):.{PERIODS_DIGITS}g}"
+    exact = t0 + Fraction(wanted) * Fraction(tau) / Omega
+    for decimals in range(PERIODS_DIGITS + 4 + len(str(int(Omega)))):
+        end = round(exact, decimals)
+        if end > t0 and _periods_text(t0, end, Omega) == wanted:
+            return end
+    return exact
+
+
+# --- the answer ---
+
+#: More events than this are not followed, and more than these not listed: an answer takes no longer than a look.
+MOST_SHOWN_EVENTS, TABLE_ROWS = 300, 100
+#: Errors of events, relative to max(1, |value|): no picture and no number of the page shows more.
+SHOWN_ACCURACY = 1e-9
+SAMPLING = Sampling(per_period=60, least=12, most=1000)
+#: Digits of the curves' points, relative to what a plot shows: enough to look a thousand times closer.
+DRAWN_DIGITS = 7
+AXIS_MARGIN = 0.06
+
+#: The dial: the radius of a belt's ring, and how far inside of it its events are marked.
+RINGS, INSIDE = {1: 0.62, 2: 1.0}, 0.15
+#: Belts nearer to each other than this part of the axis have one name.
+NEAR_NAMES = 0.13
+#: What a stick is shaded with, by its belt.
+STICK_SHADES = {1: "#e3e6eb", 2: "#b4bac6"}
+#: A window's arc and its name: dark for contacts from below, light for those from above.
+BELOW_COLORS, ABOVE_COLORS = ("#1f3fd6", "white"), ("#c3cdf5", "black")
+ARC_COLUMNS = ("radius", "low", "high", "color", "text", "map", "label_x", "label_y")
+MARKERS = {"o": "circle", "s": "square", "^": "triangle", "*": "star"}
+
+
+def answer(link: str, default: Scene) -> Record:
+    """Return what the page shows for a link: always "link", "errors" and "notes", the rest if there are no errors.
+
+    Errors say what is allowed, by the name of the field; "" for what belongs to none.
+    """
+    state, notes = read_link(link, default)
+    scene, errors = scene_of(state)
+    content: Record = {"link": link_of(state), "errors": errors, "notes": notes}
+    if scene is None:
+        return content
+    try:
+        trajectory = simulate(scene, max_events=MOST_SHOWN_EVENTS, accuracy=SHOWN_ACCURACY)
+        return content | {"notes": notes + _notes(scene, trajectory)} | _shown(scene, trajectory)
+    except ParameterError as error:
+        errors[error.name if error.name in FIELDS else ""] = error.allowed
+    except (SymoscError, ArithmeticError) as error:
+        errors[""] = f"doubles cannot follow this motion: {error}"
+    return content
+
+
+def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
+    notes = []
+    if scene.start_error is not None and any(scene.start_error):
+        known = ", ".join(f"±{float(each):.3g}" for each in scene.start_error)
+        notes.append(f"t₀, x₀, v₀ of this scene are known to {known}; a contact within their reach is a graze")
+    if trajectory.status == "max_events":
+        notes.append(f"more than {MOST_SHOWN_EVENTS} events: the picture ends there; show fewer periods")
+    if trajectory.segments[0].mode.startswith("belt"):
+        notes.append(f"the motion starts with a stick on belt {trajectory.segments[0].mode[-1]}")
+    return notes
+
+
+def _shown(scene: Scene, trajectory: Trajectory) -> Record:
+    view = view_of(trajectory, None, SAMPLING)
+    F1, begin = np.asarray(trajectory.force(1, view.t)), trajectory.t_start
+    # F^(1) - F^(domain) is the same in every state.
+    steps = {domain: float(trajectory.force(1, begin) - trajectory.force(domain, begin)) for domain in (2, 3)}
+    forces = {1: F1} | {domain: F1 - step for domain, step in steps.items()}
+    ranges = _ranges(view, forces)
+    hint = " (symosc simulate --digits)" if trajectory.status == "undecidable" else ""
+    sticks = [each for each in view.contacts if each.until > each.since]
+    return {
+        "name": scene.name,
+        "word": trajectory.word,
+        "status": trajectory.status,
+        "message": trajectory.message + hint,
+        "count": len(trajectory.events),
+        "table": [_row(event) for event in trajectory.events[:TABLE_ROWS]],
+        "windows": [_window(grazing_window(scene.parameters, mapping)) for mapping in PLACES],
+        "sources": {
+            "curves": _curves(view, forces),
+            "marks": _marks(view),
+            "sticks": {
+                "since": [each.since for each in sticks],
+                "until": [each.until for each in sticks],
+                "shade": [STICK_SHADES[each.belt] for each in sticks],
+            },
+            "arcs": _arcs(scene),
+            "contacts": _contacts(view),
+        },
+        "ranges": ranges,
+        "belts": _belts(view, ranges["v"]),
+    }
+
+
+# --- the plots ---
+
+
+def _rounded(values: Any, span: float) -> list[float]:
+    """Return values with as many decimals as a plot of that span can show."""
+    decimals = DRAWN_DIGITS - floor(log10(span)) if span > 0 else DRAWN_DIGITS
+    rounded: list[float] = np.round(np.asarray(values, dtype=float), max(min(decimals, 300), -300)).tolist()
+    return rounded
+
+
+def _span(values: np.ndarray) -> float:
+    return float(np.ptp(values)) or float(np.abs(values).max())
+
+
+def _curves(view: View, forces: dict[int, np.ndarray]) -> Record:
+    columns = {"t": view.t, "x": view.x, "v": view.v, **{f"F{domain}": values for domain, values in forces.items()}}
+    return {name: _rounded(values, _span(values)) for name, values in columns.items()}
+
+
+def _marks(view: View) -> Record:
+    times = np.array([mark.t for mark in view.marks])
+    x, v = view.trajectory(times)
+    shapes = [SHAPES[mark.label] for mark in view.marks]
+    return {
+        "t": times.tolist(),
+        "x": x.tolist(),
+        "v": v.tolist(),
+        "marker": [MARKERS[shape] for shape, _ in shapes],
+        "size": [2 * size for _, size in shapes],
+        "color": [mark.color for mark in view.marks],
+        "label": [mark.label for mark in view.marks],
+        "belt": [f"belt {mark.belt}" if mark.belt else "" for mark in view.marks],
+    }
+
+
+def _ranges(view: View, forces: dict[int, np.ndarray]) -> dict[str, tuple[float, float]]:
+    """Return what each axis shows: the curve, the belts that are near, and for forces the zero."""
+    p, near = view.trajectory.parameters, view.belts()
+    shown = {
+        "x": [view.x.min(), view.x.max()],
+        "v": [view.v.min(), view.v.max(), *(float(p.belt(belt)) for belt in near)],
+        "F": [0.0, forces[3].min(), forces[1].max()],
+    }
+    ranges = {name: _with_margin(min(values), max(values)) for name, values in shown.items()}
+    return ranges | {"t": (float(view.t[0]), float(view.t[-1]))}
+
+
+def _with_margin(low: float, high: float) -> tuple[float, float]:
+    room = AXIS_MARGIN * (high - low) or AXIS_MARGIN * max(abs(low), 1.0)
+    return float(low - room), float(high + room)
+
+
+def _belts(view: View, v_range: tuple[float, float]) -> Record:
+    """Return the speeds of both belts, whether they are drawn, and their names beside the plots.
+
+    The name of a belt that is too far away to be drawn is at the edge, with an arrow.
+    """
+    speeds = [float(view.trajectory.parameters.belt(belt)) for belt in (1, 2)]
+    low, high = v_range
+    drawn = [low <= speed <= high for speed in speeds]
+    arrows = ["↓ " * (speed < low) + "↑ " * (speed > high) for speed in speeds]
+    places = [min(max(speed, low), high) for speed in speeds]
+    texts = [f"{arrows[i]}belt {i + 1}" for i in (0, 1)]
+    names = list(zip(places, texts, strict=True))
+    if places[1] - places[0] < NEAR_NAMES * (high - low):  # they would lie over each other
+        names = [(places[drawn.index(True) if any(drawn) else 0], f"{texts[1]}\n{texts[0]}")]
+    return {"speeds": speeds, "drawn": drawn, "names": names}
+
+
+# --- the dial ---
+
+
+def _window(window: GrazingWindow) -> Record:
+    arcs = [
+        f"{'[' if first else '('}{low:.4f}, {high:.4f}{']' if last else ')'}"
+        for low, high, first, last in window.intervals
+    ]
+    return {
+        "map": window.mapping,
+        "place": f"Ω{'₁₂₃'[window.place.domain - 1]} at belt {window.place.boundary}",
+        "from": "below" if _from_below(window) else "above",
+        "phases": " ∪ ".join(arcs) or "none",
+        "case": window.case,
+    }
+
+
+def _arcs(scene: Scene) -> Record:
+    """Return the windows as arcs of the rings: dark from below, light from above."""
+    arcs: dict[str, list[Any]] = {name: [] for name in ARC_COLUMNS}
+    for mapping in PLACES:
+        window = grazing_window(scene.parameters, mapping)
+        radius = RINGS[window.place.boundary]
+        pieces = [(low, high) for low, high, *_ in window.intervals]
+        if len(pieces) == 2:  # they meet at the phase 0
+            pieces = [(pieces[1][0] - 2 * pi, pieces[0][1])]
+        for low, high in pieces:
+            middle = (low + high) / 2 if high - low < 2 * pi else pi / 2
+            colors = BELOW_COLORS if _from_below(window) else ABOVE_COLORS
+            row = (radius, low, high, *colors, mapping, radius * cos(middle), radius * sin(middle))
+            for column, value in zip(arcs.values(), row, strict=True):
+                column.append(value)
+    return arcs
+
+
+def _from_below(window: GrazingWindow) -> bool:
+    return window.place.domain == NEIGHBOURS[window.place.boundary][0]
+
+
+def _contacts(view: View) -> Record:
+    """Return the events as marks on the dial, at their phases, inside the ring of their belt."""
+    events = view.trajectory.events
+    marks = [(event, *EVENT_MARKS[event.kind]) for event in events]
+    radius = [RINGS[event.boundary] - INSIDE for event in events]
+    return {
+        "x": [r * cos(event.theta) for r, event in zip(radius, events, strict=True)],
+        "y": [r * sin(event.theta) for r, event in zip(radius, events, strict=True)],
+        "phase": [event.theta for event in events],
+        "marker": [MARKERS[SHAPES[label][0]] for _, label, _ in marks],
+        "size": [1.7 * SHAPES[label][1] for _, label, _ in marks],
+        "color": [color for *_, color in marks],
+        "label": [label for _, label, _ in marks],
+    }
+
+
+# --- the table ---
+
+
+def _row(event: Event) -> list[str]:
+    numbers = [f"{value:.8g}" for value in (event.t, event.x, event.v, event.theta)]
+    return [event.kind, *numbers, str(event.boundary), _mode(event.source), _mode(event.target)]
+
+
+def _mode(name: str) -> str:
+    return f"Ω{'₁₂₃'[int(name[-1]) - 1]}" if name.startswith("Omega") else f"belt {name[-1]}"

@@ -1,0 +1,224 @@
+"""What notebooks show of each answer: a line, a short table, and a small picture where that takes milliseconds.
+
+It draws with nothing but `symosc.display.html`; figures are what ``.plot()`` is for. One more answer: a function that
+returns a page, registered at the end for its class.
+"""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from math import cos, pi, sin
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from symosc.aliases import Record
+from symosc.certificates.certificate import Certificate, common_complex, common_digits
+from symosc.crosschecks.report import CrossCheck
+from symosc.display.drawable import register_page
+from symosc.display.html import MOST_POINTS, PICTURE_HEIGHT, curve, ends, facts, page, picture, shown, table
+from symosc.grazing.window import GrazingWindow
+from symosc.orbits.branch import Branch
+from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.simulation.tables import EventTable, Summary, counted, statuses
+from symosc.simulation.trajectory import Trajectory
+
+HEADS = ("t", "x", "v", "kind", "belt", "from", "to", "t error")
+#: Characters of a word, and of a number with many digits, that a page shows.
+LONGEST_SHOWN, LONGEST_NUMBER = 60, 24
+#: Events that have a dot in the picture, at most.
+MOST_DOTS = 60
+
+
+def trajectory_page(path: Trajectory) -> str:
+    """Return the page of a motion: its events, how it ended, and x against t."""
+    begin, end = float(path.t_start), float(path.t_end)
+    line = f"t = {begin:g} … {end:g}, {counted(len(path.events), 'event')}: {path.status}"
+    rows = [_row(path, i) for i in ends(len(path.events))]
+    times = np.clip(np.linspace(begin, end, MOST_POINTS), begin, end)
+    dots = [(float(event.t), float(event.x)) for event in path.events] if len(path.events) <= MOST_DOTS else []
+    drawn = curve(f"x against t, from {begin:g} to {end:g}", times, path(times)[0], dots)
+    about = facts({"word": cut(" ".join(path.word) or "none"), "ended": path.message, "digits": path.digits})
+    return page("Trajectory", line, table(HEADS, rows, len(path.events)) if rows else "", drawn, about)
+
+
+def _row(path: Trajectory, i: int) -> list[Any]:
+    event = path.events[i]
+    numbers = (event.t, event.x, event.v)
+    texts = [shown(float(n)) if path.digits is None else n.context.nstr(n, LONGEST_NUMBER) for n in numbers]
+    return [*texts, event.kind, event.boundary, event.source, event.target, f"{event.t_error:.0e}"]
+
+
+def events_page(events: EventTable) -> str:
+    """Return the page of the events of many motions."""
+    heads = ("motion", *HEADS)
+    names = ("trajectory", "t", "x", "v", "kind", "boundary", "source", "target", "t_error")
+    some = np.array(ends(len(events)), dtype=int)
+    few = events.rows(some, [])
+    columns = [getattr(few, name) for name in names]
+    rows = [[*row[:-1], f"{row[-1]:.0e}"] for row in zip(*columns, strict=True)]
+    line = f"{counted(len(events), 'event')} of {counted(len(events.status), 'motion')}"
+    return page(
+        "EventTable", line, table(heads, rows, len(events)) if rows else "", facts({"ended": statuses(events.status)})
+    )
+
+
+def summary_page(summary: Summary) -> str:
+    """Return the page of what became of many motions: a row each, and the words from the most frequent on."""
+    columns = {name: column for name, column in summary.columns().items() if name != "section"}
+    some = ends(len(summary))
+    rows = [[i, *(cut(str(shown(column[i]))) for column in columns.values())] for i in some]
+    ended = statuses(summary.status) if len(summary.status) else None
+    kept = counted(summary.section.shape[1], "point") if isinstance(summary.section, np.ndarray) else None
+    about = facts({"ended": ended, "words": _frequent(summary.word), "section": kept})
+    return page("Summary", counted(len(summary), "motion"), table(["motion", *columns], rows, len(summary)), about)
+
+
+def _frequent(words: Any) -> str | None:
+    """Return the most frequent words with how often they are there."""
+    if not len(words):
+        return None
+    names, counts = np.unique(words, return_counts=True)
+    order = np.argsort(-counts, kind="stable")[:5]
+    more = f", and {len(names) - 5} more" if len(names) > 5 else ""
+    said = (f"{cut(str(names[i])) or 'no event'} ({counts[i]:,})" for i in order)
+    return ", ".join(said) + more
+
+
+def cut(text: str) -> str:
+    """Return text that is not longer than a page has room for."""
+    return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 1]}…"
+
+
+# The radius of the ring of phases, and the width of a window's part of it.
+RADIUS, RING = 42.0, 10.0
+
+
+def orbit_page(orbit: PeriodicOrbit) -> str:
+    """Return the page of a periodic orbit: its switching points, its multipliers, and its loop in the phase plane."""
+    rows = [[label, shown(float(t)), shown(float(x))] for label, (t, x) in zip(orbit.labels, orbit.points, strict=True)]
+    begin = float(orbit.points[0].t)
+    x, v = orbit(np.linspace(begin, begin + float(orbit.period), MOST_POINTS))
+    speeds = [float(orbit.parameters.belt(piece.start)) for piece in orbit.equations().pieces]
+    dots = [(float(point.x), speed) for point, speed in zip(orbit.points, speeds, strict=True)]
+    loop = curve("phase plane: v against x over one period", x, v, dots)
+    values = {
+        "period": shown(float(orbit.period)),
+        "multipliers": ", ".join(complex_text(complex(value)) for value in orbit.multipliers),
+        "stable": {True: "yes", False: "no", None: "marginal"}[orbit.stable],
+        "residual": f"{float(orbit.residual):.1e}",
+        "grazing distance": f"{orbit.grazing_distance:.4g}",
+        "digits": orbit.digits,
+    }
+    heads = ("mapping from", "t", "x")
+    return page("PeriodicOrbit", f"{orbit.word}: {orbit.message}", table(heads, rows), loop, facts(values))
+
+
+def complex_text(value: complex) -> str:
+    """Return a complex number with six digits, a real one as such."""
+    if value.imag == 0:
+        return f"{value.real:.6g}"
+    return f"{value.real:.6g} {'-' if value.imag < 0 else '+'} {abs(value.imag):.6g} i"
+
+
+def branch_page(branch: Branch) -> str:
+    """Return the page of a branch: some of its points, why it ends, and where its first switching is."""
+    rows = [_point(branch, i) for i in ends(len(branch.values))]
+    x = branch.points[:, 0, 1]
+    marks = [(float(branch.values[i]), float(x[i])) for i in (0, -1)]
+    drawn = curve(f"x of the first switching against {branch.parameter}", branch.values, x, marks)
+    reasons = {
+        f"{side} end": f"{end.kind} at {branch.parameter} = {end.value:.10g}: {end.message}"
+        for side, end in zip(("first", "last"), branch.ends, strict=True)
+    }
+    line = f"{branch.word} in {branch.parameter}, {len(branch.values)} points"
+    heads = (branch.parameter, "t", "x", "largest |multiplier|", "stable")
+    return page("Branch", line, table(heads, rows, len(branch.values)), drawn, facts(reasons))
+
+
+def _point(branch: Branch, i: int) -> list[Any]:
+    largest = float(np.abs(branch.multipliers[i]).max())
+    return [branch.values[i], *branch.points[i, 0], f"{largest:.6g}", "yes" if branch.stable[i] else "no"]
+
+
+def window_page(window: GrazingWindow) -> str:
+    """Return the page of a grazing window: its intervals, its case, and the phases as a dial."""
+    place = window.place
+    rows = [
+        ["[" if low_closed else "(", low, high, "]" if high_closed else ")"]
+        for low, high, low_closed, high_closed in window.intervals
+    ]
+    values = {"case": window.case, "γ": str(window.gamma), "B₀Ω/m": str(window.amplitude), "order": window.order}
+    line = f"{window.mapping}: domain {place.domain} at belt {place.boundary}, Ω t mod 2π" + (
+        "" if rows else ": empty, no phase grazes"
+    )
+    intervals = table(("", "from", "to", ""), rows) if rows else ""
+    return page("GrazingWindow", line, intervals, _dial(window), facts(values))
+
+
+def _dial(window: GrazingWindow) -> Markup:
+    """Return the phases as a ring, 0 at the right and going round against the clock; the window's part is thick."""
+    ring = Markup('<circle cx="0" cy="0" r="{}" fill="none" stroke="currentColor" stroke-opacity="0.4"/>')
+    arcs = [_arc(low, high) for low, high, *_ in window.intervals]
+    names = [
+        Markup(
+            '<text x="{:.1f}" y="{:.1f}" font-size="10" fill="currentColor" text-anchor="middle" '
+            'dominant-baseline="central">{}</text>'
+        ).format(56 * cos(angle), -56 * sin(angle), name)
+        for angle, name in ((0, "0"), (pi / 2, "π/2"), (pi, "π"), (3 * pi / 2, "3π/2"))
+    ]
+    inside = Markup("").join([ring.format(RADIUS), *arcs, *names])
+    said = " and ".join(f"{low:.4g} to {high:.4g}" for low, high, *_ in window.intervals) or "none"
+    moved = Markup('<g transform="translate({} {})">{}</g>').format(PICTURE_HEIGHT / 2, PICTURE_HEIGHT / 2, inside)
+    return picture(f"phases that graze: {said}", moved, PICTURE_HEIGHT, PICTURE_HEIGHT)
+
+
+def _arc(low: float, high: float) -> Markup:
+    angles = np.linspace(low, high, max(2, int(40 * (high - low))))
+    points = " ".join(f"{RADIUS * cos(angle):.1f},{-RADIUS * sin(angle):.1f}" for angle in angles)
+    line = '<polyline points="{}" fill="none" stroke="#1f3fd6" stroke-width="{}"/>'
+    return Markup(line).format(points, RING)
+
+
+def crosscheck_page(check: CrossCheck) -> str:
+    """Return the page of a comparison: its findings, and the samples with what is wrong in them."""
+    strange = [("missed", event) for event in check.missed] + [("invented", event) for event in check.invented]
+    rows = [[what, event.kind, event.boundary or "", float(event.t)] for what, event in strange]
+    lines = Markup('<pre style="margin:0;white-space:pre-wrap">{}</pre>').format(check.summary())
+    wrong = check.wrong_steps[:20].tolist()
+    marks = [(float(check.t[step]), float(check.x[step])) for step in wrong]
+    drawn = curve("the samples' x against t; dots are wrong steps", check.t, check.x, marks)
+    found = table(("", "kind", "belt", "t"), rows) if rows else ""
+    line = f"{'ok' if check.ok else 'FAILED'}, {len(check.t):,} samples"
+    return page("CrossCheck", line, found, drawn, lines)
+
+
+def certificate_page(certificate: Certificate) -> str:
+    """Return the page of a proof: what is proven, and the enclosures."""
+    said = "proven" if certificate.proven else "not proven"
+    line = f"{certificate.kind}, {said}: {certificate.message}"
+    events = certificate.events
+    rows = [_event(events[i]) for i in ends(len(events))]
+    heads = ("kind", "from", "to", "t", "x", "width of t", "width of x")[: len(rows[0]) if rows else 0]
+    about: Record = {f"multiplier {i}": common_complex(*each) for i, each in enumerate(certificate.multipliers, 1)}
+    about |= {"stable": None if certificate.stable is None else "yes" if certificate.stable else "no"}
+    about |= {name: certificate.statement.get(key) for name, key in (("made by", "made_by"), ("map", "map"))}
+    return page("Certificate", line, table(heads, rows, len(events)) if rows else "", facts(about))
+
+
+def _event(event: tuple[Any, ...]) -> list[str]:
+    """Return an event as a row; the events of a branch have no enclosures of their own."""
+    enclosures = event[3:]
+    widths = (f"{float(Decimal(high) - Decimal(low)):.0e}" for low, high in enclosures)
+    return [*event[:3], *(common_digits(*each) for each in enclosures), *widths]
+
+
+register_page(Trajectory, trajectory_page)
+register_page(EventTable, events_page)
+register_page(Summary, summary_page)
+register_page(PeriodicOrbit, orbit_page)
+register_page(Branch, branch_page)
+register_page(GrazingWindow, window_page)
+register_page(CrossCheck, crosscheck_page)
+register_page(Certificate, certificate_page)

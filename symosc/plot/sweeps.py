@@ -1,0 +1,563 @@
+"""Figures of many motions: sweeps over one axis and over two, their columns, and events and summaries of ensembles.
+
+In maps every class has its own lightness, a line around it, and its name in its largest place where there is room. So a
+map can be read in greyscale.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from json import loads
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+
+from symosc.aliases import Record
+from symosc.arguments import public
+from symosc.engine.events import KIND_NAMES
+from symosc.errors import ParameterError
+from symosc.plot.drawing import PARAMETER_LABELS, one_axes, style_for
+from symosc.plot.panels import EVENT_MARKS, SHAPES
+from symosc.simulation.tables import EventTable, Summary
+
+if TYPE_CHECKING:
+    import xarray
+
+    from symosc.sweeps.output import SweptDataset
+
+LABELS = PARAMETER_LABELS | {name: f"${name[0]}_0$" for name in ("t0", "x0", "v0")}
+LABELS |= {"stuck": "share of time stuck", "x": "last $x$", "v": r"last $\dot{x}$"} | {c: f"${c}$" for c in "mck"}
+COMPONENT_LABELS = {"x": "displacement $x$ at whole periods", "v": "velocity $\\dot{x}$ at whole periods"}
+#: From light to dark with even steps of lightness.
+SHADES, LIGHTEST, DARKEST = "cividis_r", 0.02, 0.92
+MOST_CLASSES = 10
+OTHERS_COLOR, UNDECIDED_COLOR = "white", "#d7191c"
+OTHERS_HATCH, UNDECIDED_HATCH = "......", "xxxxxx"
+# A class is named in the map where this part of the map's width is free around the place.
+NAME_ROOM = 0.045
+# Whole numbers of more different values than this are shown as shades.
+MOST_LEVELS = 24
+
+
+def read_column(dataset: Any, name: Any) -> Any:
+    """Return a column of a result, without dimensions of length 1; ParameterError if there is none."""
+    if not hasattr(dataset, "data_vars") or "status" not in dataset:
+        raise ParameterError("dataset", type(dataset).__name__, "must be a Dataset; sweep(...) makes one")
+    names = [str(each) for each in dataset.data_vars]
+    if name is None:
+        name = "section" if "section" in names else names[0]
+    if name not in names:
+        raise ParameterError("name", name, f"is not recorded here; there is {', '.join(names)}")
+    return dataset[name].squeeze([each for each in axes_of(dataset[name]) if dataset.sizes[each] == 1])
+
+
+def axes_of(column: Any) -> list[str]:
+    """Return the dimensions of a column that were swept."""
+    return [str(each) for each in column.dims if each not in ("period", "component")]
+
+
+def read_axes(column: Any, count: int, what: str) -> list[str]:
+    """Return the axes of a column, which must be `count`, each with a coordinate; else raise ParameterError."""
+    if "component" in column.dims:
+        raise ParameterError("name", column.name, "has x and v at many times; bifurcation_figure draws it")
+    axes = axes_of(column)
+    if len(axes) != count or any(each not in column.coords for each in axes):
+        sizes = ", ".join(f"{each} ({column.sizes[each]})" for each in axes) or "none"
+        allowed = f"{what} has {count} ax{'is' if count == 1 else 'es'}; select values, such as dataset.isel(k=0)"
+        raise ParameterError("dataset", f"axes {sizes}", allowed)
+    return axes
+
+
+def label(name: str) -> str:
+    """Return how a parameter, a start value or a column is named at an axis."""
+    return LABELS.get(name, name.replace("_", " "))
+
+
+def undecided(dataset: Any, column: Any) -> np.ndarray:
+    """Return where the motion could not be decided, in the shape of a column."""
+    status = dataset["status"].squeeze([each for each in dataset["status"].dims if dataset.sizes[each] == 1])
+    return np.asarray(status.transpose(*axes_of(column)).values == "undecidable")
+
+
+def typeset(word: str) -> str:
+    """Return a word as the paper writes it; other text as it is."""
+    if not word:
+        return "no event"
+    return f"$P_{{{word[1:]}}}$" if word[0] == "P" and word[1:].isdigit() else word
+
+
+# -- sweeps over one axis ----------------------------------------------------------------------------------------------
+
+
+@public
+def swept_figure(dataset: xarray.Dataset | SweptDataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
+    """Draw the result of a sweep, in the form that fits it.
+
+    A section over one axis is a bifurcation diagram, anything else over one axis a curve; two axes make a map, and a
+    basin if they are starts x0 and v0.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        What `symosc.sweep` returns, or a selection of it such as ``dataset.isel(k=0)``; it is drawn by
+        ``dataset.symosc.plot()`` too.
+    name : str, optional
+        The column. Default: the section if there is one, else the first that was recorded.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; their figure is returned.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If `dataset` is no result of a sweep, has no such column, or has more axes than a figure.
+
+    Examples
+    --------
+    >>> from symosc import plot, sweep
+    >>> found = sweep("fig9", {"Omega": "3:5:3", "FN": "5:10:2"}, t_end="12T", skip="10T")
+    >>> [axes.get_xlabel() for axes in plot.swept_figure(found).axes]
+    ['$\\\\Omega$']
+    """
+    from symosc.sweeps.output import SweptDataset
+
+    if isinstance(dataset, SweptDataset):
+        return swept_figure(dataset.dataset, name, ax=ax)
+    column = read_column(dataset, name)
+    axes = axes_of(column)
+    if column.name == "section":
+        return bifurcation_figure(dataset, ax=ax)
+    if len(axes) == 1:
+        return curve_figure(dataset, column.name, ax=ax)
+    return (basin_figure if set(axes) == {"x0", "v0"} else map_figure)(dataset, column.name, ax=ax)
+
+
+@public
+def bifurcation_figure(
+    dataset: xarray.Dataset, component: Literal["x", "v"] = "x", *, ax: Axes | None = None
+) -> Figure:
+    """Draw the stroboscopic section against a parameter: a point for each recorded period.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        What `symosc.sweep` returns for ``record="section"`` over one axis; several starts lie over each other.
+    component : {"x", "v"}
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; their figure is returned.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If an argument is none of these.
+
+    Examples
+    --------
+    >>> from symosc import plot, sweep
+    >>> found = sweep("fig9", {"Omega": "3:5:3"}, record="section:2", t_end="12T")
+    >>> [axes.get_ylabel() for axes in plot.bifurcation_figure(found).axes]
+    ['displacement $x$ at whole periods']
+    """
+    section = read_column(dataset, "section").sel(component=component)
+    one = section.isel(start=0) if "start" in section.dims else section
+    (name,) = read_axes(one, 1, "a bifurcation diagram")
+    points = section.transpose(name, ...).values.reshape(section.sizes[name], -1)
+    values = np.repeat(section[name].values, points.shape[1])
+    with style_for(ax):
+        drawing, axes = one_axes(ax, (5.0, 3.4))
+        _scatter(axes, values, points.ravel())
+        axes.set(xlabel=label(name), ylabel=COMPONENT_LABELS[component])
+        _span(axes, section[name].values)
+    return drawing
+
+
+@public
+def curve_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
+    """Draw a column against one parameter: numbers as a curve, words as levels.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        What `symosc.sweep` returns over one axis.
+    name : str, optional
+        The column; default: the first that was recorded.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; their figure is returned.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If an argument is none of these.
+
+    Examples
+    --------
+    >>> from symosc import plot, sweep
+    >>> found = sweep("fig9", {"Omega": "3:5:3"}, record="events", t_end="12T")
+    >>> [axes.get_ylabel() for axes in plot.curve_figure(found).axes]
+    ['events']
+    """
+    column = read_column(dataset, name)
+    (axis,) = read_axes(column, 1, "a curve")
+    column = column.sortby(axis)
+    values, shown = column[axis].values, column.values
+    with style_for(ax):
+        drawing, axes = one_axes(ax, (5.0, 3.4))
+        if shown.dtype.kind in "UO":
+            words, levels = np.unique(shown.astype(str), return_inverse=True)
+            axes.plot(values, levels, linestyle="none", marker="o", ms=2.5, color="black")
+            axes.set_yticks(range(len(words)), [typeset(word) for word in words])
+        else:
+            axes.plot(values, shown, color="black", lw=0.8, drawstyle="steps-mid" if shown.dtype.kind in "iu" else None)
+        axes.set(xlabel=label(axis), ylabel=label(str(column.name)))
+        _span(axes, values)
+    return drawing
+
+
+def _span(axes: Axes, values: Any) -> None:
+    if values.min() < values.max():
+        axes.set_xlim(values.min(), values.max())
+
+
+def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
+    """Draw points, smaller ones where there are many."""
+    size = max(6.0 * min(1.0, 500 / max(len(x), 1)), 0.3)
+    axes.scatter(x, y, s=size, color="black", linewidths=0, rasterized=True)
+
+
+# -- sweeps over two axes ----------------------------------------------------------------------------------------------
+
+
+class Classes(NamedTuple):
+    """Cells by class: a number for each cell, and for each number what it is called and how it looks."""
+
+    codes: np.ndarray
+    names: list[str]
+    colors: list[Any]
+    hatches: list[str]
+
+
+@public
+def map_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
+    """Draw a map over two axes, the first one across.
+
+    Words and whole numbers are classes with borders and a legend; of many words the rarest are one class. Other numbers
+    are shades with lines of equal value. Cells that could not be decided are a class of their own.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        What `symosc.sweep` returns over two axes.
+    name : str, optional
+        The column; default: the first that was recorded.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; their figure is returned.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If an argument is none of these.
+
+    Examples
+    --------
+    >>> from symosc import plot, sweep
+    >>> found = sweep("fig9", {"Omega": "3:5:3", "FN": "5:10:2"}, t_end="12T", skip="10T")
+    >>> [axes.get_ylabel() for axes in plot.map_figure(found).axes]
+    ['$F_N$']
+    """
+    column = read_column(dataset, name)
+    first, second = read_axes(column, 2, "a map")
+    dataset = dataset.sortby([first, second])
+    column = read_column(dataset, str(column.name))
+    values, unknown = column.transpose(first, second).values, undecided(dataset, column.transpose(first, second))
+    edges = _edges(column[first].values), _edges(column[second].values)
+    with style_for(ax):
+        drawing, axes = one_axes(ax, (5.2, 3.8))
+        if values.dtype.kind in "UO" or (values.dtype.kind in "iu" and len(np.unique(values)) <= MOST_LEVELS):
+            _draw_classes(axes, edges, classes_of(values, unknown), new=ax is None)
+        else:
+            _draw_shades(drawing, axes, edges, np.where(unknown, np.nan, values.astype(float)), label(str(column.name)))
+        axes.set(xlabel=label(first), ylabel=label(second))
+        axes.set(xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
+    return drawing
+
+
+@public
+def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
+    """Draw where starts in the phase plane lead: a map over x0 and v0, with the belts.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        What `symosc.sweep` returns over x0 and v0.
+    name : str, optional
+        What tells the motions apart, such as "word" or the last position "x"; default: the first that was recorded.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; their figure is returned.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If an argument is none of these.
+
+    Examples
+    --------
+    >>> from symosc import plot, sweep
+    >>> found = sweep("fig9", {"v0": "0:2:2", "x0": "-1:1:3"}, t_end="12T", skip="10T")
+    >>> [axes.get_xlabel() for axes in plot.basin_figure(found).axes]
+    ['$x_0$']
+    """
+    column = read_column(dataset, name)
+    if set(read_axes(column, 2, "a basin")) != {"x0", "v0"}:
+        raise ParameterError("dataset", "axes " + ", ".join(map(str, column.dims)), "a basin has the axes x0 and v0")
+    drawing = map_figure(dataset.transpose("x0", "v0", ...), str(column.name), ax=ax)
+    axes = drawing.axes[0] if ax is None else ax
+    low, high = axes.get_ylim()
+    with style_for(ax):
+        scene = loads(dataset.attrs.get("scene", "{}"))
+        for belt, text in ((belt, scene[f"v{belt}"]) for belt in (1, 2) if f"v{belt}" in scene):
+            if low < (speed := float(Fraction(text))) < high:
+                axes.axhline(speed, color="black", lw=0.8, ls=(0, (4, 2)))
+                place: Record = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
+                axes.annotate(f"$v_{belt}$", (1, speed), (3, 0), va="center", **place)
+    return drawing
+
+
+def classes_of(values: np.ndarray, undecidable: np.ndarray) -> Classes:
+    """Return the classes of cells: numbers in their order, words from the most frequent to the rarest."""
+    texts = np.where(values == "", "no event", values).astype(str) if values.dtype.kind in "UO" else values
+    kinds, codes, counts = np.unique(texts, return_inverse=True, return_counts=True)
+    codes = codes.reshape(values.shape)
+    if values.dtype.kind in "UO":
+        order = np.argsort(-counts, kind="stable")
+        codes, kinds = np.argsort(order, kind="stable")[codes], kinds[order]
+    shown = MOST_CLASSES - 1 if len(kinds) > MOST_CLASSES else len(kinds)
+    shades = colormaps[SHADES](np.linspace(LIGHTEST, DARKEST, max(shown, 2)))[:shown]
+    looks: list[tuple[str, Any, str]] = [
+        (str(kind), shade, "") for kind, shade in zip(kinds[:shown], shades, strict=True)
+    ]
+    if shown < len(kinds):
+        codes = np.minimum(codes, shown)
+        looks.append((f"{len(kinds) - shown} others", OTHERS_COLOR, OTHERS_HATCH))
+    if undecidable.any():
+        codes = np.where(undecidable, len(looks), codes)
+        looks.append(("undecidable", UNDECIDED_COLOR, UNDECIDED_HATCH))
+    return Classes(codes, *(list(column) for column in zip(*looks, strict=True)))
+
+
+def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], classes: Classes, new: bool) -> None:
+    palette = ListedColormap(classes.colors)
+    options: Record = {"vmin": -0.5, "vmax": len(classes.names) - 0.5, "rasterized": True}
+    axes.pcolormesh(*edges, classes.codes.T, cmap=palette, **options)
+    x, y = edges
+    for number, hatch in enumerate(classes.hatches):
+        inside = np.argwhere(classes.codes == number) if hatch else ()
+        cells = [[(x[i], y[j]), (x[i + 1], y[j]), (x[i + 1], y[j + 1]), (x[i], y[j + 1])] for i, j in inside]
+        if hatch:
+            style: Record = {"facecolors": "none", "edgecolors": "black", "hatch": hatch, "linewidths": 0}
+            axes.add_collection(PolyCollection(cells, **style))
+    axes.add_collection(LineCollection(borders(x, y, classes.codes), colors="black", linewidths=0.5))
+    for i, name in enumerate(classes.names):
+        if not classes.hatches[i]:
+            _name_place(axes, edges, classes.codes == i, name, classes.colors[i])
+    handles = [
+        Patch(facecolor=color, edgecolor="black", linewidth=0.5, hatch=hatch, label=typeset(name))
+        for name, color, hatch in zip(classes.names, classes.colors, classes.hatches, strict=True)
+    ]
+    legend: Record = {"frameon": False, "handlelength": 1.4, "handleheight": 1.0}
+    if new:
+        axes.figure.legend(handles=handles, loc="outside right upper", **legend)
+    else:
+        axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1, 1), **legend)
+
+
+def _name_place(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: Any) -> None:
+    """Write the name of a class where its cells reach farthest from its border."""
+    from scipy.ndimage import distance_transform_edt  # takes longer to load than most figures to draw
+
+    depth = distance_transform_edt(np.pad(inside, 1), sampling=[1 / length for length in inside.shape])[1:-1, 1:-1]
+    i, j = np.unravel_index(np.argmax(depth), depth.shape)
+    if depth[i, j] > NAME_ROOM:
+        place = [(edge[k] + edge[k + 1]) / 2 for edge, k in zip(edges, (i, j), strict=True)]
+        ink = "white" if luminance(color) < 0.45 else "black"
+        axes.text(place[0], place[1], typeset(name), ha="center", va="center", color=ink, fontsize=8)
+
+
+def luminance(color: Any) -> float:
+    """Return how light a colour is, from 0 to 1, as a greyscale print shows it."""
+    red, green, blue = color[:3]
+    return float(0.299 * red + 0.587 * green + 0.114 * blue)
+
+
+def borders(x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[list[tuple[float, float]]]:
+    """Return the lines between cells of different classes; `x` and `y` are the edges of the cells."""
+    lines = []
+    for i, j in np.argwhere(codes[1:] != codes[:-1]):
+        lines.append([(x[i + 1], y[j]), (x[i + 1], y[j + 1])])
+    for i, j in np.argwhere(codes[:, 1:] != codes[:, :-1]):
+        lines.append([(x[i], y[j + 1]), (x[i + 1], y[j + 1])])
+    return lines
+
+
+def _draw_shades(
+    drawing: Figure, axes: Axes, edges: tuple[np.ndarray, np.ndarray], values: np.ndarray, name: str
+) -> None:
+    mesh = axes.pcolormesh(*edges, np.ma.masked_invalid(values).T, cmap=SHADES, rasterized=True)
+    axes.set_facecolor(UNDECIDED_COLOR)
+    drawing.colorbar(mesh, ax=axes, label=name)
+    if min(values.shape) > 1 and np.nanmin(values) < np.nanmax(values):
+        centres = [(edge[1:] + edge[:-1]) / 2 for edge in edges]
+        lines = axes.contour(*centres, np.ma.masked_invalid(values).T, levels=5, colors="black", linewidths=0.5)
+        axes.clabel(lines, fontsize=7, inline_spacing=2)
+
+
+def _edges(values: np.ndarray) -> np.ndarray:
+    """Return the edges of cells around values in increasing order."""
+    if len(values) == 1:
+        return values[0] + np.array([-0.5, 0.5])
+    middles = (values[1:] + values[:-1]) / 2
+    return np.concatenate([[2 * values[0] - middles[0]], middles, [2 * values[-1] - middles[-1]]])
+
+
+# -- ensembles ---------------------------------------------------------------------------------------------------------
+
+
+@public
+def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
+    """Draw when which motion has which event: time across, a line of marks for each motion.
+
+    Parameters
+    ----------
+    events : EventTable
+        What `symosc.simulate_many` returns.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; their figure is returned.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If `events` is no EventTable, or `ax` are no axes.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, plot, simulate_many
+    >>> events = simulate_many(load_scene("fig5").parameters, [(0, 0, 0), (0, 1, 0)], t_end=7, use_numba=False)
+    >>> [axes.get_ylabel() for axes in plot.events_figure(events).axes]
+    ['motion']
+    """
+    with style_for(ax):
+        drawing, axes = one_axes(ax, (5.0, 3.4))
+        scale = max(0.6 / 5, min(1.0, (200 / max(len(events), 1)) ** 0.5))
+        for code, kind in KIND_NAMES.items():
+            name, color = EVENT_MARKS[kind]
+            shape, size = SHAPES[name]
+            here = events.kind_code == code
+            if here.any():
+                style: Record = {"ls": "", "ms": max(size * scale, 0.6), "color": color, "label": name}
+                axes.plot(events.t[here], events.trajectory[here], shape, **style)
+        axes.set(xlabel="time $t$", ylabel="motion")
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.set_ylim(-0.5, max(len(events.status), 1) - 0.5)
+        if len(events) == 0:
+            axes.text(0.5, 0.5, "no event", transform=axes.transAxes, ha="center")
+        elif ax is None:
+            drawing.legend(loc="outside upper center", ncols=4, frameon=False)
+    return drawing
+
+
+@public
+def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None = None) -> Figure:
+    """Draw what became of many motions.
+
+    Parameters
+    ----------
+    summary : Summary
+        What ``simulate_many(…, record="summary")`` returns.
+    name : str, optional
+        The column. "section" draws the points in the phase plane, a column of text or whole numbers how often each
+        value is there, another one how its values are spread. Default: the first of word, section and the others that
+        is there.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; their figure is returned.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ParameterError
+        If `summary` is no Summary, has no such column, or `ax` are no axes.
+
+    Examples
+    --------
+    >>> from symosc import load_scene, plot, simulate_many
+    >>> starts = [(0, 0, 0), (0, 1, 0)]
+    >>> found = simulate_many(load_scene("fig9").parameters, starts, t_end=20, record="summary", use_numba=False)
+    >>> [axes.get_xlabel() for axes in plot.summary_figure(found).axes]
+    ['motions']
+    """
+    columns = summary.columns()
+    if name is None:
+        name = next((each for each in ("word", "section", *columns) if each in columns), "word")
+    if name not in columns:
+        raise ParameterError("name", name, f"is not recorded here; there is {', '.join(columns) or 'nothing'}")
+    values = columns[name]
+    with style_for(ax):
+        drawing, axes = one_axes(ax, (4.6, 3.4))
+        if name == "section":
+            _scatter(axes, *values.reshape(-1, 2).T)
+            axes.set(xlabel=COMPONENT_LABELS["x"], ylabel=COMPONENT_LABELS["v"])
+        elif values.dtype.kind == "f":
+            axes.hist(values[np.isfinite(values)], bins="auto", color="0.6", edgecolor="black", linewidth=0.5)
+            axes.set(xlabel=label(name), ylabel="motions")
+        else:
+            _bars(axes, values, name)
+    return drawing
+
+
+def _bars(axes: Axes, values: np.ndarray, name: str) -> None:
+    """Draw how often each value is there, the most frequent on top; rare ones as one bar."""
+    kinds, counts = np.unique(values, return_counts=True)
+    order = np.argsort(-counts, kind="stable")
+    names = [typeset(str(kinds[i])) if name == "word" else str(kinds[i]) for i in order]
+    sizes = counts[order].tolist()
+    if len(names) > 12:
+        rest = len(names) - 12 + 1
+        names, sizes = [*names[:-rest], f"{rest} others"], [*sizes[:-rest], sum(sizes[-rest:])]
+    bars = axes.barh(range(len(names)), sizes, color="0.8", edgecolor="black", linewidth=0.5)
+    axes.bar_label(bars, padding=2)
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(max(len(names), 4) - 0.5, -0.5)
+    axes.margins(x=0.12)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set(xlabel="motions", ylabel=label(name))

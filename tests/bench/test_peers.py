@@ -1,0 +1,311 @@
+"""Other people's solvers: right where they can be, and each known trap where it is."""
+
+from __future__ import annotations
+
+import pickle
+import random
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from math import cos, pi, sin
+from typing import Any
+
+import mpmath
+import pytest
+
+from symosc import Parameters, Scene, load_scene, simulate
+from symosc.bench import event_logic, peers_heyoka, peers_numba, peers_scan, peers_scipy
+from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve, runner, sign_of_force
+from symosc.bench.solvers import OURS, Solver, all_solvers
+from symosc.engine.arithmetic import bind
+from symosc.reference.compare import FoundEvents
+
+SOLVERS = {solver.name: solver for solver in all_solvers()}
+PEERS = [solver for solver in all_solvers() if solver not in OURS]
+#: Those that take microseconds an event, and a minute to compile; and those that Python calls.
+FAST = [solver for solver in PEERS if not solver.name.startswith(("scipy", "CVODE"))]
+SLOW = [solver for solver in PEERS if solver not in FAST]
+COMPILED = pytest.mark.slow  # compiles for half a minute
+
+EASY = Parameters(m=1, c=1, k=4, A0=1, B0=9, Omega="3/2", v1=-1, v2=2, mu1="2/5", mu2="3/10", FN=5)
+# A flight of 2.5 ms, 3.4e-6 below belt 1, seen from 2 s before: it is shorter than the first step of most integrators.
+DIP = Scene(
+    "dip",
+    Parameters(
+        m="1.966", c="1.541", k="4.409", A0="3.603", B0="4.25", Omega="2.25", v1="-0.987", v2="4.752", mu1="0.462",
+        mu2="0.367", FN="2.693",
+    ),
+    "2.491758084473163", "0.162784459", "-0.987", 6,
+)  # fmt: skip
+
+
+def found_by(solver: Solver, scene: Scene, tolerance: float | None = None) -> Sequence[FoundEvents]:
+    if solver.missing:
+        pytest.skip(solver.missing)
+    return solver.prepare(scene, solver.tolerances[-1] if tolerance is None else tolerance)()
+
+
+def words(events: Sequence[Any]) -> list[tuple[str, int]]:
+    return [(event.kind, event.boundary) for event in events]
+
+
+def error(found: Sequence[Any], exact: Sequence[Any]) -> float:
+    """Return the largest error of a time or position, after the events have been found to be the same."""
+    assert words(found) == words(exact)
+    pairs = list(zip(found, exact, strict=True))
+    return float(max((abs(a - b) for f, e in pairs for a, b in ((f.t, e.t), (f.x, e.x))), default=0))
+
+
+def test_solvers_say_what_they_are() -> None:
+    assert len(SOLVERS) == len(all_solvers())
+    assert all_solvers()[:2] == OURS
+    for solver in all_solvers():
+        assert list(solver.tolerances) == sorted(solver.tolerances, reverse=True), solver.name
+        assert solver in OURS or solver.note
+        assert pickle.loads(pickle.dumps(solver)).name == solver.name  # runs in another process
+
+
+@pytest.mark.slow
+def test_nothing_optional_is_imported_before_it_is_used() -> None:
+    code = "import sys; from symosc.bench.solvers import all_solvers; all_solvers()\n"
+    code += "print([name for name in ('numba', 'heyoka', 'sksundae') if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+# -- the event logic ---------------------------------------------------------------------------------------------------
+
+
+def test_the_phase_at_a_late_origin_has_all_digits() -> None:
+    q = problem(load_scene("fig9").parameters, Fraction(10**12) + Fraction("0.1324"))
+    with mpmath.workdps(50):
+        assert abs(mpmath.sin(4 * (10**12 + mpmath.mpf("0.1324"))) - sin(q.theta)) < 1e-15
+
+
+def test_what_follows_at_a_boundary() -> None:
+    p = load_scene("fig8").parameters
+    q = problem(p)
+    places = {(1, -100.0): 2, (1, 100.0): 1, (2, -100.0): 3, (2, 100.0): 2}  # both forces upward, or downward
+    places[1, float((p.A(1) + p.A(2)) / 2 + p.B0 - p.c * p.v1) / float(p.k)] = 4  # half way between the two forces
+    assert {(boundary, x): resolve(q, boundary, 0.0, x) for boundary, x in places} == places
+
+
+def test_a_vanishing_force_is_decided_by_the_derivatives() -> None:
+    grazing = problem(load_scene("fig8").parameters)  # F^(2) = 0 < G^(1) where it grazes belt 1 from above
+    assert sign_of_force(grazing, 2, pi, 4.51425, -4.0) == 1
+    assert resolve(grazing, 1, pi, 4.51425) == 2
+    quartic = problem(load_scene("fig7-corrected").parameters)  # F^(1) = G^(1) = G^(2) = 0 > G^(3)
+    assert sign_of_force(quartic, 1, 1.5 * pi, 4.4145, 5.0) == -1
+    assert resolve(quartic, 1, 1.5 * pi, 4.4145) == 1
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_force_that_vanishes_up_to_rounding(seed: int) -> None:
+    """On the set where F^(2) = 0 on belt 1 the motion leaves upward if F^(2) grows, else the belt takes it."""
+    q, t = problem(load_scene("fig8").parameters.replace(v1="-3.7")), random.Random(seed).uniform(0, 20)
+    x = (q.A2 + q.swing * cos(q.Omega * t) - q.damping * q.v1) / q.stiffness
+    growing = -q.stiffness * q.v1 - q.swing * q.Omega * sin(q.Omega * t) > 0
+    assert resolve(q, 1, t, x) == (2 if growing else 4)
+
+
+@pytest.mark.parametrize("outcome", ["chatters", "too many steps"])
+def test_a_solver_that_cannot_go_on(outcome: str) -> None:
+    """Two exits without a step between them, again and again; or none at all."""
+
+    def leave(q: Any, s: Any, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
+        return event_logic.UNSOLVED if outcome == "too many steps" else -1 if mode > 1 else 1, 0.0, x
+
+    functions = bind((event_logic,), {"leave": leave})
+    with pytest.raises(PeerError, match=rf"{outcome}.* in Omega. after t = 0\.1324"):
+        runner(load_scene("fig9"), functions, None, 0.0)()
+
+
+# -- integrators called from Python ------------------------------------------------------------------------------------
+
+
+@pytest.mark.quick(4)
+@pytest.mark.parametrize("name", ["fig9", "fig5", "fig10"])
+@pytest.mark.parametrize("solver", SLOW, ids=lambda solver: solver.name)
+def test_integrators_on_easy_scenes(solver: Solver, name: str) -> None:
+    start = replace(load_scene(name), t_end=Fraction({"fig5": 13, "fig9": 4, "fig10": 8}[name]))
+    exact = simulate(start, digits=30).events
+    coarse, fine = (error(found_by(solver, start, tolerance), exact) for tolerance in (1e-5, 1e-8))
+    assert coarse < 3e-4
+    assert fine < min(1e-6, max(coarse / 5, 1e-9))
+
+
+@pytest.mark.quick(3)
+@pytest.mark.parametrize("solver", SLOW, ids=lambda solver: solver.name)
+def test_integrators_in_their_traps(solver: Solver) -> None:
+    """A stick of 2.6 ms, one of 0.9 ms, a flight that is back within a step, and a late start."""
+    micro = replace(load_scene("fig8"), t_end=Fraction(5))
+    exact = simulate(micro, digits=30).events
+    assert [event.kind for event in exact] == ["stick", "slip"]
+    assert exact[1].t - exact[0].t < 0.003
+    assert error(found_by(solver, micro, 1e-8), exact) < 1e-4
+    peak = load_scene("fig7-corrected")
+    assert error(found_by(solver, peak, 1e-7), simulate(peak).events) < 1e-3
+    for tolerance in (1e-4, 1e-8):
+        assert error(found_by(solver, DIP, tolerance), simulate(DIP).events) < 500 * tolerance
+    late = replace(load_scene("fig9"), t0=10**10 + Fraction("0.1324"), t_end=Fraction(10**10 + 4))
+    assert error(found_by(solver, late, 1e-8), simulate(late).events) < 1e-5  # the last bit of 1e10 is 2e-6
+
+
+# -- compiled solvers --------------------------------------------------------------------------------------------------
+
+
+@COMPILED
+@pytest.mark.full(8)
+@pytest.mark.parametrize("name", ["fig5", "fig6", "fig9", "fig10"])
+@pytest.mark.parametrize("solver", FAST, ids=lambda solver: solver.name)
+def test_the_events_of_an_easy_scene(solver: Solver, name: str) -> None:
+    scene = load_scene(name)
+    exact = simulate(scene, digits=30).events
+    assert error(found_by(solver, scene), exact) < 2e-13
+    if name == "fig10":
+        errors = [error(found_by(solver, scene, tolerance), exact) for tolerance in (1e-4, 1e-10)]
+        assert errors[0] > 1e-9 > errors[1]
+
+
+CASES = {
+    "critical damping": (EASY.replace(c=4), 0),
+    "overdamped": (EASY.replace(c=5), 0),
+    "little damping": (EASY.replace(c="1/100"), 0),
+    "light mass": (EASY.replace(m="1/1000"), 0),
+    "belt at rest": (EASY.replace(v1=0), 0),
+    "no friction on one belt": (EASY.replace(mu2=0), 0),
+    "late": (EASY, 10**10),
+}
+
+
+@COMPILED
+@pytest.mark.full(10)
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("solver", FAST, ids=lambda solver: solver.name)
+def test_other_regimes_and_late_starts(solver: Solver, case: str) -> None:
+    parameters, t0 = CASES[case]
+    scene = Scene(case, parameters, t0, "1/10", 3, t0 + 20)
+    exact, found = simulate(scene, digits=30).events, found_by(solver, scene)
+    assert len(exact) >= 5
+    # Events this late are known to the last bit of their time.
+    assert error(found, exact) <= 1e-11 + 2.0**-53 * t0
+
+
+@COMPILED
+@pytest.mark.full(10)
+@pytest.mark.parametrize("speed", [EASY.v1, EASY.v2])
+@pytest.mark.parametrize("x0", [-6, -1, 0, 1, 6])
+@pytest.mark.parametrize("solver", FAST, ids=lambda solver: solver.name)
+def test_starts_on_a_belt(solver: Solver, x0: int, speed: Fraction) -> None:
+    scene = Scene("on a belt", EASY, 0, x0, speed, 5)
+    assert error(found_by(solver, scene), simulate(scene, digits=30).events) < 1e-12
+
+
+@COMPILED
+def test_random_motions() -> None:
+    """No compiled solver is wrong in any of sixty motions but the coarse scan, which misses events of some."""
+    rng = random.Random(5)
+
+    def number(low: float, high: float) -> str:
+        return f"{rng.uniform(low, high):.3f}"
+
+    available = [solver for solver in FAST if not solver.missing]
+    wrong = dict.fromkeys((solver.name for solver in available), 0)
+    for index in range(60):
+        c, v1 = rng.choice(["0.05", number(0, 3), number(0, 20)]), Fraction(number(-10, 5))
+        rest = {"m": number(0.1, 3), "k": number(0.5, 10), "A0": number(-15, 15), "B0": number(-20, 20)}
+        rest |= {"Omega": number(0.2, 5), "mu1": number(0, 1), "mu2": number(0, 1), "FN": number(0, 20)}
+        p = Parameters(c=c, v1=v1, v2=v1 + Fraction(number(0.5, 12)), **rest)  # type: ignore[arg-type]
+        scene = Scene(f"random {index}", p, number(0, 10), number(-8, 8), number(-10, 10), 30)
+        events = simulate(scene).events
+        for solver in available:
+            found = found_by(solver, scene)
+            wrong[solver.name] += words(found) != words(events) or error(found, events) > 1e-9
+    coarse = wrong.pop("closed form, scan 20, numba", 1)
+    assert not any(wrong.values()), wrong
+    assert coarse
+
+
+def heyoka_return(v0: float) -> tuple[float, int]:
+    """Follow v' = 0.01 - t with heyoka from v0 until v falls through 0, or to 1; returns the time and the steps."""
+    hy = pytest.importorskip("heyoka")
+    v, w = hy.make_vars("v", "w")
+    event = hy.t_event(v, direction=hy.event_direction.negative)
+    integrator = hy.taylor_adaptive([(v, w), (w, hy.expression(-1.0))], [v0, 0.01], t_events=[event])
+    _, _, _, steps, _, _ = integrator.propagate_until(1.0)
+    return integrator.time, steps
+
+
+@COMPILED
+def test_heyoka_misses_the_second_root_of_a_step_from_the_event_surface() -> None:
+    """The trap that `peers_heyoka` names, alone: v = t/100 - t^2/2 is back at t = 0.02, within the first step."""
+    time, steps = heyoka_return(1e-15)
+    assert time == pytest.approx(0.02, rel=1e-9)
+    assert steps == 1
+    assert heyoka_return(0.0) == (1.0, 1), "this version of heyoka sees the root: say so in peers_heyoka"
+
+
+@COMPILED
+def test_a_scan_of_twenty_points_misses_the_micro_stick() -> None:
+    """fig8's first stick lasts 2.6 ms; the flight that ends in it is out and back between two samples."""
+    scene = load_scene("fig8")
+    exact = simulate(scene, digits=30).events
+    coarse = found_by(SOLVERS["closed form, scan 20, numba"], scene)
+    assert coarse[0].t > exact[1].t + 1
+    fine = found_by(SOLVERS["closed form, scan 200, numba"], scene)
+    assert [event.t for event in fine[:2]] == pytest.approx([float(event.t) for event in exact[:2]], abs=1e-10)
+    for name in ("heyoka", "numba DOP853"):
+        if not SOLVERS[name].missing:
+            assert error(found_by(SOLVERS[name], scene), exact) < 1e-9
+
+
+@COMPILED
+@pytest.mark.parametrize("change", [{"k": 0}, {"c": 0, "Omega": 2}], ids=["no spring", "resonance"])
+def test_where_the_closed_form_divides_by_zero(change: dict[str, int]) -> None:
+    scene = Scene("singular", EASY.replace(**change), 0, 0, 0, 5)
+    with pytest.raises(PeerError, match="divides by zero"):
+        found_by(SOLVERS["closed form, scan 20, numba"], scene)
+    assert error(found_by(SOLVERS["numba DOP853"], scene), simulate(scene, digits=30).events) < 1e-11
+
+
+@pytest.mark.parametrize("module", [peers_numba, peers_scan], ids=["DOP853", "scan"])
+def test_the_number_of_steps_is_bounded(module: Any) -> None:
+    """In Python, the same source: with enough steps it is right, with two it says so."""
+    scene = load_scene("fig9")
+    q = problem(scene.parameters)
+    s = peers_scan.scan_of(q, 20, 1e-9) if module is peers_scan else peers_numba.settings(q, 1e-9)
+    limit = "MOST_SCAN_SAMPLES" if module is peers_scan else "MOST_DOP853_STEPS"
+    plain = runner(scene, bind((event_logic, module), {}), s, 1e-15)()
+    assert error(plain, simulate(scene).events) < 1e-6
+    with pytest.raises(PeerError, match=r"too many steps in Omega1 after t = 0\.1324"):
+        runner(scene, bind((event_logic, module), {limit: 2}), s, 1e-15)()
+
+
+@COMPILED
+def test_the_number_of_heyokas_steps_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(peers_heyoka, "MOST_HEYOKA_STEPS", 1)
+    with pytest.raises(PeerError, match="step_limit"):
+        found_by(SOLVERS["heyoka"], load_scene("fig9"))
+
+
+@COMPILED
+@pytest.mark.parametrize("name", ["heyoka", "numba DOP853", "closed form, scan 20, numba"])
+def test_more_events_than_the_first_table_holds(name: str) -> None:
+    scene = load_scene("fig9")
+    long = replace(scene, t_end=scene.t0 + 250)
+    events = simulate(long).events
+    assert len(events) > max(300, CHATTER)
+    assert error(found_by(SOLVERS[name], long), events) < 1e-11
+
+
+def test_methods_of_scipy_have_their_jacobian() -> None:
+    q = problem(EASY)
+    for mode in range(1, 6):
+        rate, _, jacobian = peers_scipy._functions(q, mode)
+        columns = [
+            [b - a for a, b in zip(rate(0.7, (0.3, 0.2)), rate(0.7, moved), strict=True)]
+            for moved in ((1.3, 0.2), (0.3, 1.2))
+        ]
+        assert jacobian.T.tolist() == [pytest.approx(column) for column in columns]

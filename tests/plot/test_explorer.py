@@ -1,0 +1,342 @@
+"""The page of `symosc explore`: what it shows is what `simulate` says, and nothing that it is sent makes it fail."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from http.client import HTTPConnection, HTTPResponse
+from math import hypot, pi
+from socket import create_connection
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+from effort import PATIENCE
+from explorer_states import FIG5, random_state
+from exploring import served
+
+from symosc import ParameterError, grazing_window, load_scene, scene_names, simulate
+from symosc.plot.explorer.answers import (
+    FIELDS,
+    MOST_SHOWN_EVENTS,
+    MOST_SHOWN_PERIODS,
+    RINGS,
+    TABLE_ROWS,
+    answer,
+    link_of,
+    read_link,
+    scene_of,
+    state_of,
+)
+from symosc.scenes import START_NAMES, as_toml, read_scene
+
+# -- support ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def address() -> Iterator[str]:
+    """Return the link of a page that shows Fig. 5."""
+    pytest.importorskip("bokeh")
+    with served("fig5") as address:
+        yield address
+
+
+# -- answers ----------------------------------------------------------------------------------------------------------
+
+
+STATES = [state_of(load_scene(name)) for name in ("fig5", "fig6", "fig8", "fig9", "fig10", "fig7-exact")]
+STATES += [random_state(random.Random(seed)) for seed in range(12)]
+BAD_TEXTS = [
+    "",
+    "0",
+    "-1",
+    "1e50",
+    "1e-50",
+    "1e51",
+    "nan",
+    "inf",
+    "1/0",
+    "½",
+    "1_000",
+    "<b>",
+    "0x10",
+    "é" * 90,
+    "9" * 5000,
+]
+
+
+def shown(state: dict[str, str]) -> dict:
+    content = answer(link_of(state), FIG5)
+    assert content["errors"] == {}, content["errors"]
+    return json.loads(json.dumps(content, allow_nan=False))
+
+
+@pytest.mark.parametrize("state", STATES[::3])
+def test_word_and_events_are_those_of_simulate(state: dict[str, str]) -> None:
+    content, trajectory = shown(state), simulate(scene_of(state)[0], max_events=MOST_SHOWN_EVENTS)
+    assert (content["word"], content["status"]) == (trajectory.word, trajectory.status)
+    assert content["count"] == len(trajectory.events)
+    for row, event in zip(content["table"], trajectory.events[:TABLE_ROWS], strict=True):
+        assert (row[0], row[5]) == (event.kind, str(event.boundary))
+        assert [float(text) for text in row[1:4]] == pytest.approx([event.t, event.x, event.v], rel=1e-7, abs=1e-8)
+    marks = content["sources"]["marks"]
+    assert marks["t"][1:] == pytest.approx([event.t for event in trajectory.events], rel=1e-8)
+    shapes = {"stick": "circle", "slip": "square", "cross": "triangle", "graze": "star"}
+    assert marks["marker"][1:] == [shapes[event.kind] for event in trajectory.events]
+
+
+@pytest.mark.parametrize("state", STATES[1::3])
+def test_curves_are_the_motion_and_its_forces(state: dict[str, str]) -> None:
+    content, trajectory = shown(state), simulate(scene_of(state)[0], max_events=MOST_SHOWN_EVENTS)
+    curves, ranges = content["sources"]["curves"], content["ranges"]
+    t = np.clip(curves["t"], trajectory.t_start, trajectory.t_end)
+    expected = {"x": trajectory(t)[0], "v": trajectory(t)[1]}
+    expected |= {f"F{domain}": trajectory.force(domain, t) for domain in (1, 2, 3)}
+    for name, values in expected.items():
+        assert curves[name] == pytest.approx(values, abs=1e-5 * max(np.ptp(values), 1e-3 * np.abs(values).max()))
+        low, high = ranges["F" if name[0] == "F" else name]
+        assert low <= min(curves[name]) <= max(curves[name]) <= high
+    sticks = content["sources"]["sticks"]
+    on_belts = [segment for segment in trajectory.segments if segment.mode.startswith("belt")]
+    assert sticks["since"] == pytest.approx([segment.t_start for segment in on_belts], rel=1e-8)
+    assert sticks["until"] == pytest.approx([segment.t_end for segment in on_belts], rel=1e-8)
+    assert len(set(sticks["shade"])) == len({segment.mode for segment in on_belts})
+
+
+@pytest.mark.parametrize("state", STATES[2::3])
+def test_the_dial_has_the_windows(state: dict[str, str]) -> None:
+    content, scene = shown(state), scene_of(state)[0]
+    assert scene is not None
+    arcs = content["sources"]["arcs"]
+    for row in content["windows"]:
+        window = grazing_window(scene.parameters, row["map"])
+        mine = [i for i, name in enumerate(arcs["map"]) if name == row["map"]]
+        length = sum(arcs["high"][i] - arcs["low"][i] for i in mine)
+        assert length == pytest.approx(sum(high - low for low, high, *_ in window.intervals))
+        assert len(mine) <= 1  # through the phase 0 as well
+        assert (row["phases"] == "none") == (not mine)
+        for i in mine:
+            assert arcs["radius"][i] == RINGS[window.place.boundary]
+            middle = (arcs["low"][i] + arcs["high"][i]) / 2 % (2 * pi)
+            assert window.contains(middle) or length > 6.28
+    contacts = content["sources"]["contacts"]
+    phases = np.arctan2(contacts["y"], contacts["x"]) % (2 * pi)
+    assert phases == pytest.approx(np.array(contacts["phase"]) % (2 * pi), abs=1e-9)
+    assert {round(hypot(x, y), 2) for x, y in zip(contacts["x"], contacts["y"], strict=True)} <= {0.47, 0.85}
+
+
+def test_belts_that_are_far_away_are_named_at_the_edge() -> None:
+    near, far = shown(state_of(FIG5)), shown(state_of(FIG5) | {"v2": "100"})
+    assert near["belts"]["drawn"] == [True, True]
+    assert [text for _, text in near["belts"]["names"]] == ["belt 1", "belt 2"]
+    assert far["belts"]["drawn"] == [True, False]
+    assert "↑ belt 2" in " ".join(text for _, text in far["belts"]["names"])
+    assert all(low <= far["ranges"]["v"][1] for low, _ in far["belts"]["names"])
+    together = shown(state_of(FIG5) | {"v2": "1.001"})["belts"]["names"]
+    assert [text for _, text in together] == ["belt 2\nbelt 1"]
+
+
+def test_many_events_end_the_picture_and_it_says_so() -> None:
+    state = state_of(load_scene("fig10")) | {"periods": "100"}
+    content = shown(state)
+    assert (content["status"], content["count"], len(content["table"])) == ("max_events", MOST_SHOWN_EVENTS, TABLE_ROWS)
+    assert any("show fewer periods" in note for note in content["notes"])
+    assert len(content["sources"]["curves"]["t"]) < 8000
+
+
+def test_a_mass_that_never_moves_is_drawn() -> None:
+    content = shown(state_of(FIG5) | {"A0": "0", "B0": "0", "v1": "-1", "mu1": "0", "mu2": "0"})
+    assert (content["status"], content["count"], content["word"]) == ("equilibrium", 0, [])
+    assert set(content["sources"]["curves"]["x"]) == {0.0}
+    assert all(low < high for low, high in content["ranges"].values())
+
+
+def test_no_input_makes_it_fail() -> None:
+    rng = random.Random(3)
+    for _ in range(60):
+        changes = {name: rng.choice(BAD_TEXTS) for name in rng.sample(list(FIELDS), rng.randint(1, 3))}
+        content = answer(link_of(state_of(FIG5) | changes), FIG5)
+        json.dumps(content, allow_nan=False)
+        assert content["errors"] or content["count"] >= 0
+        assert all(said and "\n" not in said for said in content["errors"].values())
+
+
+@pytest.mark.parametrize("query", ["", "&&&", "=", "k", "k=", "scene=<script>", "%ff=%ff", "start_error=1", "k=1&k=2"])
+def test_no_link_makes_it_fail(query: str) -> None:
+    content = answer(query, FIG5)
+    json.dumps(content, allow_nan=False)
+    assert content["link"].startswith("scene=")
+
+
+# -- texts, links and files -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_a_shipped_scene_comes_back_whole(name: str) -> None:
+    scene = load_scene(name)
+    state, notes = read_link(link_of(state_of(scene)), FIG5)
+    assert (scene_of(state), notes) == ((scene, {}), [])
+    assert scene_of(state_of(read_scene(as_toml(scene), "file"))) == (scene, {})
+
+
+def test_a_link_and_a_file_have_the_whole_state() -> None:
+    rng = random.Random(1)
+    for _ in range(60):
+        state = random_state(rng)
+        scene, errors = scene_of(state)
+        assert scene is not None, (state, errors)
+        assert read_link(link_of(state), FIG5) == (state, [])
+        again, _ = scene_of(state_of(read_scene(as_toml(scene), "file")))
+        assert again == scene
+        for field in FIELDS:
+            assert field == "periods" or Fraction(state_of(scene)[field]) == Fraction(state[field].strip())
+
+
+def test_everything_that_is_wrong_is_said_at_once() -> None:
+    wrong = {"m": "0", "c": "", "k": "pi", "FN": "1/0", "mu1": "-1", "Omega": "x", "v1": "9", "v2": "8", "periods": "0"}
+    scene, errors = scene_of(state_of(FIG5) | wrong)
+    assert scene is None
+    assert set(errors) == set(wrong) - {"v2"}
+    assert errors["m"] == "must be > 0"
+    assert errors["v1"] == "must be less than v2 = 8"
+    assert "expression" in errors["k"]
+    assert "not a number" in errors["c"]
+
+
+@pytest.mark.parametrize("text", ["0", "-1", str(MOST_SHOWN_PERIODS + 1), "1e400", "nan", "1e-40000"])
+def test_a_number_of_periods_that_no_picture_shows(text: str) -> None:
+    scene, errors = scene_of(state_of(FIG5) | {"periods": text})
+    assert scene is None
+    assert list(errors) == ["periods"]
+
+
+def test_a_scene_that_was_changed_has_another_name() -> None:
+    state = state_of(FIG5) | {"k": "1.01"}
+    scene, _ = scene_of(state)
+    assert scene is not None
+    assert scene.name == "fig5, changed"
+    assert scene_of(state_of(scene))[0] == scene
+    assert scene_of(state_of(scene) | {"k": "1.00"})[0] == FIG5
+    assert scene_of(state | {"scene": "  "})[0] == replace(scene, name="explored")
+
+
+def test_a_link_may_have_some_numbers_only() -> None:
+    state, notes = read_link("k=4%2F5&velocity=3&t0=1", load_scene("fig9-orbit"))
+    scene, _ = scene_of(state)
+    assert scene is not None
+    assert (scene.parameters.k, scene.t0, scene.x0) == (Fraction(4, 5), 1, load_scene("fig9-orbit").x0)
+    assert scene.start_error is None  # it was that of another start
+    assert len(notes) == 1
+    assert "'velocity'" in notes[0]
+
+
+def test_every_number_of_a_scene_is_a_field() -> None:
+    given = {*FIG5.parameters.as_dict(), *START_NAMES} - {"t_end"} | {"periods"}
+    assert set(FIELDS) == given
+    for field in FIELDS.values():
+        assert field.low < field.high
+        assert (field.high - field.low) / field.step >= 90  # fine enough to be moved with a finger
+
+
+# -- the server -------------------------------------------------------------------------------------------------------
+
+
+GOOD = as_toml(load_scene("fig5"))
+
+
+def ask(address: str, target: str, body: bytes | None = None, **headers: str) -> tuple[HTTPResponse, str]:
+    connection = HTTPConnection(urlsplit(address).netloc, timeout=PATIENCE)
+    connection.request("GET" if body is None else "POST", target, body, headers)
+    response = connection.getresponse()
+    text = response.read().decode()
+    connection.close()
+    return response, text
+
+
+def test_the_page_has_the_numbers_of_its_link(address: str) -> None:
+    response, text = ask(address, "/?k=4%2F5&scene=%3Cscript%3Ealert(1)")
+    assert response.status == 200
+    assert 'value="4/5"' in text
+    assert "<script>alert" not in text
+    assert "http" not in text.replace("http-equiv", "")  # nothing is loaded from elsewhere
+    policy = response.headers["Content-Security-Policy"]
+    assert policy.startswith("default-src 'self'")
+
+
+@pytest.mark.parametrize("target", ["/server.py", "/../server.py", "/page/page.js", "//etc/passwd", "/%2e%2e/x"])
+def test_nothing_else_is_there(address: str, target: str) -> None:
+    assert ask(address, target)[0].status == 404
+    assert ask(address, target, b"")[0].status == 404
+
+
+def test_only_this_machine_is_answered(address: str) -> None:
+    assert urlsplit(address).hostname == "127.0.0.1"
+    port = urlsplit(address).port
+    assert ask(address, "/answer", Host=f"localhost:{port}")[0].status == 200
+    assert ask(address, "/answer", Host="127.0.0.1")[0].status == 200
+    for name in (f"example.org:{port}", "example.org", f"127.0.0.1.example.org:{port}", ""):
+        assert ask(address, "/answer", Host=name)[0].status == 403
+        assert ask(address, "/scene", b"", Host=name)[0].status == 403
+
+
+def test_only_its_own_page_may_send_it_files(address: str) -> None:
+    own = address.rstrip("/")
+    assert ask(address, "/scene", GOOD.encode(), Origin=own)[0].status == 200
+    for origin in ("http://example.org", "null", "https" + own[4:], "http://127.0.0.1:1", f"{own}.example.org"):
+        assert ask(address, "/scene", GOOD.encode(), Origin=origin)[0].status == 403
+        assert ask(address, "/answer", Origin=origin)[0].status == 403
+    picture = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "no-cors"}
+    assert ask(address, "/answer", **picture)[0].status == 403
+    assert ask(address, "/", **picture | {"Sec-Fetch-Mode": "navigate"})[0].status == 200  # a link to it
+
+
+@pytest.mark.parametrize("length", ["x", "-5", "", "1e3", "٣", "1" * 5000 + "x", None])
+def test_a_bad_length_is_a_bad_request(address: str, length: str | None) -> None:
+    header = "" if length is None else f"Content-Length: {length}\r\n"
+    with create_connection((urlsplit(address).hostname, urlsplit(address).port), 20) as connection:
+        connection.sendall(f"POST /scene HTTP/1.1\r\nHost: 127.0.0.1\r\n{header}\r\n".encode())
+        assert connection.recv(1000).startswith(b"HTTP/1.1 400 ")
+
+
+def test_who_says_nothing_is_not_waited_for(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    from symosc.plot.explorer import server
+
+    monkeypatch.setattr(server._Handler, "timeout", 0.05)
+    for said in (b"", b"GET / HT", b"POST /scene HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 9\r\n\r\nhalf"):
+        with create_connection((urlsplit(address).hostname, urlsplit(address).port), 20) as connection:
+            connection.sendall(said)
+            assert connection.recv(1000).startswith(b"HTTP/1.1 408 " if said.startswith(b"POST") else b"")
+            while connection.recv(1000):
+                pass
+
+
+def test_a_scene_file_goes_out_and_comes_in(address: str) -> None:
+    response, text = ask(address, f"/scene.toml?{link_of(state_of(load_scene('fig9-orbit')))}")
+    assert "attachment" in response.headers["Content-Disposition"]
+    assert read_scene(text, "file") == load_scene("fig9-orbit")
+    _, back = ask(address, "/scene", text.encode())
+    assert json.loads(back)["state"] == state_of(load_scene("fig9-orbit"))
+    for wrong in ("x", "%CF%80", "%0D%0AX:1"):
+        assert ask(address, f"/scene.toml?k={wrong}")[0].status == 400
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"\xff\xfe", b"x" * 200_000, b"[[[", GOOD.replace("m = 1\n", "m = -1\n").encode(), b"a = 1", b"\0" * 9],
+)  # fmt: skip
+def test_a_bad_scene_file_is_one_clear_line(address: str, content: bytes) -> None:
+    response, text = ask(address, "/scene", content)
+    said = json.loads(text)["error"]
+    assert response.status == 200
+    assert said
+    assert "\n" not in said
+
+
+def test_a_port_that_is_taken_is_said(address: str) -> None:
+    from symosc.plot.explorer.server import ExplorerServer
+
+    with pytest.raises(ParameterError, match="name another one"):
+        ExplorerServer(load_scene("fig5"), urlsplit(address).port or 0)

@@ -1,0 +1,221 @@
+"""The page in a real browser: what is moved, typed, linked, saved and opened there, and how soon it answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from pathlib import Path
+from statistics import median
+from time import monotonic
+from typing import Any
+
+import pytest
+from effort import PATIENCE
+from exploring import served
+
+from symosc import Scene, load_scene, simulate
+
+# -- support ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def address() -> Iterator[str]:
+    """Return the link of a page that shows Fig. 5."""
+    pytest.importorskip("bokeh")
+    with served("fig5") as address:
+        yield address
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    from browsing import chromium
+
+    with ExitStack() as stack:
+        yield stack.enter_context(chromium())
+
+
+# -- the page ---------------------------------------------------------------------------------------------------------
+
+
+pytestmark = pytest.mark.slow
+#: What is drawn: the points of the curves, and the ranges of the axes.
+DRAWN = """() => {
+  const model = name => Bokeh.documents[0].get_model_by_name(name);
+  const range = name => [model(`range-${name}`).start, model(`range-${name}`).end];
+  return {marks: model("marks").data.label, times: [...model("marks").data.t], t: range("t"), v: range("v")};
+}"""
+#: What is wider than the window, or lies outside of it; cells of tables scroll.
+TOO_WIDE = """() => {
+  const wide = [...document.body.querySelectorAll("*")].filter(each => !each.closest(".scroll") &&
+    each.checkVisibility() && each.getBoundingClientRect().right > innerWidth + 1);
+  const page = document.scrollingElement.scrollWidth > innerWidth ? ["the page"] : [];
+  return [...wide.map(each => each.outerHTML.slice(0, 80)), ...page];
+}"""
+#: Every line that is drawn on a canvas leaves its time.
+WATCH = """for (const name of ["stroke", "fill"]) {
+  const draw = CanvasRenderingContext2D.prototype[name];
+  CanvasRenderingContext2D.prototype[name] = function (...all) {
+    window.drawn = performance.now();
+    return draw.apply(this, all);
+  };
+}"""
+#: Milliseconds from the move of a slider to the last line of the plots that it changes.
+MOVE = """async value => {
+  const curves = Bokeh.documents[0].get_model_by_name("curves"), before = curves.data;
+  const slider = document.querySelector("[data-name=k] [type=range]");
+  await new Promise(requestAnimationFrame);
+  const begin = performance.now();
+  slider.value = value;
+  slider.dispatchEvent(new Event("input", {bubbles: true}));
+  while (curves.data === before) await new Promise(done => setTimeout(done, 5));
+  await new Promise(done => setTimeout(done, 250));
+  return window.drawn - begin;
+}"""
+
+
+@contextmanager
+def opened(browser: Any, link: str, width: int = 1400) -> Iterator[Any]:
+    """Open a page; nothing may be wrong in it at its end."""
+    page = browser.new_page(viewport={"width": width, "height": 900}, accept_downloads=True)
+    complaints: list[str] = []
+    page.on(
+        "console", lambda message: complaints.append(message.text) if message.type in ("error", "warning") else None
+    )
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("requestfailed", lambda request: complaints.append(f"not loaded: {request.url[:80]}"))
+    page.add_init_script(WATCH)
+    page.goto(link)
+    page.locator("#status:not(:empty)").wait_for()
+    yield page
+    page.close()
+    assert complaints == []
+
+
+def eventually(page: Any, holds: Callable[[], bool]) -> None:
+    """Wait until the page shows what it is to show."""
+    until = monotonic() + PATIENCE
+    while not holds():
+        assert monotonic() < until, "the page does not come to show it"
+        page.wait_for_timeout(50)
+
+
+def word_in(page: Any) -> list[str]:
+    return [each for each in page.locator("#word span").all_text_contents() if each.startswith("P")]
+
+
+def agrees(page: Any, scene: Scene) -> bool:
+    """Whether the page shows the motion of this scene: its word, its events, its marks."""
+    trajectory = simulate(scene)
+    drawn = page.evaluate(DRAWN)
+    times = [float(text) for text in page.locator("#events tbody td:nth-child(3)").all_text_contents()]
+    expected = [event.t for event in trajectory.events]
+    return (
+        word_in(page) == trajectory.word
+        and times == pytest.approx(expected, rel=1e-7)
+        and drawn["times"][1:] == pytest.approx(expected, rel=1e-8)
+        and drawn["t"] == pytest.approx([float(scene.t0), float(scene.t_end)])
+    )
+
+
+def test_a_move_of_a_slider_shows_the_motion_of_simulate(browser: Any, address: str) -> None:
+    scene = load_scene("fig5")
+    with opened(browser, address) as page:
+        assert page.locator("#name").inner_text() == "fig5"
+        assert agrees(page, scene)
+        slider = page.locator("[data-name=FN] [type=range]")
+        slider.focus()
+        for _ in range(5):
+            slider.press("ArrowLeft")
+        page.locator("#name", has_text="changed").wait_for()
+        value = page.locator("#FN").input_value()
+        assert value == "9.3"
+        eventually(page, lambda: agrees(page, replace(scene, parameters=scene.parameters.replace(FN=value))))
+        eventually(page, lambda: "FN=9.3" in page.url)
+        with opened(browser, page.url) as again:  # the link is the state
+            assert again.locator("#FN").input_value() == value
+            eventually(again, lambda: again.evaluate(DRAWN) == page.evaluate(DRAWN))
+            assert word_in(again) == word_in(page)
+
+
+def test_what_is_typed_is_exact_and_what_is_wrong_is_said_beside_it(browser: Any, address: str) -> None:
+    scene = load_scene("fig5")
+    with opened(browser, address) as page:
+        page.locator("#k").fill("4/3")
+        page.locator("#v2").fill("50")
+        page.locator("#name", has_text="changed").wait_for()
+        eventually(page, lambda: agrees(page, replace(scene, parameters=scene.parameters.replace(k="4/3", v2=50))))
+        slider = page.locator("[data-name=v2] [type=range]")
+        assert (slider.input_value(), slider.get_attribute("max")) == ("50", "50")
+        before = page.evaluate(DRAWN)
+        page.locator("#m").fill("-1")
+        page.locator("#c").fill("much")
+        page.locator("#v1").fill("60")
+        page.locator("#v1-error:not(:empty)").wait_for()
+        said = {
+            "m": "must be > 0",
+            "c": "is not a number; 0.8, 4/5 and 8e-1 are",
+            "v1": "must be less than v2 = 50",
+            "k": "",
+        }
+        eventually(page, lambda: {name: page.locator(f"#{name}-error").inner_text() for name in said} == said)
+        assert page.locator("#m").get_attribute("aria-invalid") == "true"
+        assert "See the numbers marked" in page.locator("#status").inner_text()
+        assert page.evaluate(DRAWN) == before
+        assert not page.evaluate(TOO_WIDE)
+        for name, text in (("m", "1"), ("c", "1"), ("v1", "1")):
+            page.locator(f"#{name}").fill(text)
+        page.locator("#status", has_text="reached").wait_for()
+        assert page.locator(".wrong").count() == 0
+
+
+def test_a_scene_file_is_saved_and_opened(browser: Any, address: str, tmp_path: Path) -> None:
+    orbit = load_scene("fig9-orbit")
+    with opened(browser, address) as page:
+        page.locator("#scene").select_option(label="fig9-orbit")
+        page.locator("#name", has_text="fig9-orbit").wait_for()
+        page.locator("#mu1").fill("1/3")
+        page.locator("#name", has_text="changed").wait_for()
+        changed = replace(orbit, parameters=orbit.parameters.replace(mu1="1/3"))
+        eventually(page, lambda: word_in(page) == simulate(changed).word)
+        with page.expect_download() as download:
+            page.locator("#download").click()
+        file = tmp_path / "mine.toml"
+        download.value.save_as(file)
+        saved = load_scene(file)
+        assert (saved.parameters, saved.x0, saved.t_end) == (changed.parameters, changed.x0, changed.t_end)
+        assert saved.start_error == orbit.start_error
+        word = word_in(page)
+        with opened(browser, f"{address}?k=2") as other:
+            other.locator("#upload").set_input_files(file)
+            other.locator("#name", has_text="fig9-orbit, changed").wait_for()
+            eventually(other, lambda: word_in(other) == word)
+            other.locator("#x0").fill("4")  # what is typed is exact
+            eventually(other, lambda: other.locator("#start_error").input_value().split(",")[1:] == ["0", "0"])
+            bad = tmp_path / "bad.toml"
+            bad.write_text(file.read_text().replace("m = 0.1", 'm = "heavy"'))
+            other.locator("#upload").set_input_files(bad)
+            other.locator("#file", has_text="bad.toml").wait_for()
+            assert "m = 'heavy'" in other.locator("#file").inner_text()
+            assert word_in(other)
+
+
+@pytest.mark.parametrize("width", [360, 768, 1400])
+def test_nothing_is_wider_than_the_window(browser: Any, address: str, width: int) -> None:
+    with opened(
+        browser, f"{address}?scene=fig10&t0=1234567.25&x0=123456789/1000&v0=-0.33333333333333&foo=1", width
+    ) as page:
+        assert "foo" in page.locator("#notes").inner_text()
+        assert page.evaluate(TOO_WIDE) == []
+        assert page.locator("canvas").first.is_visible()
+        labels = page.locator("input[type=text]:not([id])").count()
+        assert labels == 0
+
+
+@pytest.mark.campaign
+def test_it_answers_within_a_tenth_of_a_second(browser: Any, address: str) -> None:
+    """On a machine that does nothing else: other tests beside this one take most of its time."""
+    with opened(browser, address) as page:
+        page.evaluate(MOVE, 2)
+        moves = [page.evaluate(MOVE, 2.1 + i / 10) for i in range(9)]
+        assert median(moves) < 100, moves

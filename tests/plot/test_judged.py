@@ -1,0 +1,312 @@
+"""Figures of cross-checks, certificates, scores and branches, and what notebooks show of all answers."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from copy import copy
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from answers import MAKERS, PROVEN, answer
+from careful_solver import TIGHT, Run, solve
+from excerpts import crosscheck
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from small_set import right, stored_set
+
+from symosc import (
+    Branch,
+    OutputError,
+    Parameters,
+    continue_orbit,
+    find_orbit,
+    load_scene,
+    plot,
+    simulate,
+)
+from symosc.certificates.certificate import Certificate
+from symosc.crosschecks.report import CrossCheck
+from symosc.plot.figures import END_MARKERS, multiplier_curves
+from symosc.plot.judged import ABSENT, FAULTY, LEAST_UNITS
+from symosc.plot.judged import crosscheck_figure as figure
+from symosc.reference.results import CaseResult
+from symosc.reference.score import score
+
+# -- branches ---------------------------------------------------------------------------------------------------------
+
+
+FIG9 = load_scene("fig9").parameters
+# Without damping, where the multipliers are on the unit circle.
+UNDAMPED = Parameters(m=1, c=0, k=4, A0=0, B0=3, Omega="1.5", v1="1/10", v2=25, mu1=0, mu2="1/10", FN=1)
+
+
+@pytest.fixture(scope="module")
+def branch() -> Branch:
+    return continue_orbit(FIG9, "P32", "Omega", (3, 5))
+
+
+@pytest.fixture(scope="module")
+def undamped() -> Branch:
+    return continue_orbit(UNDAMPED, "P32", "Omega", (1.47, 1.55))
+
+
+@pytest.mark.slow
+def test_multipliers_between_the_orbits_are_those_of_orbits_there(branch: Branch) -> None:
+    values, sizes = multiplier_curves(branch.values, branch.multipliers)
+    assert len(values) > 8 * len(branch.values)
+    for i in np.random.default_rng(2).choice(len(values), 8, replace=False):
+        orbit = find_orbit(FIG9.replace(Omega=float(values[i])), "P32")
+        exact = sorted((abs(each) for each in orbit.multipliers), reverse=True)
+        assert sizes[i] == pytest.approx(exact, abs=2e-3)
+    # Smooth where the orbits of the branch leave corners: two real multipliers meet and turn complex at 4.88.
+    corner = (values > 4.8) & (values < 4.95)
+    assert np.abs(np.diff(sizes[corner, 0])).max() < 0.02
+    assert sizes[0] == pytest.approx(np.sort(np.abs(branch.multipliers[0]))[::-1], abs=1e-9)
+
+
+def styles(drawing: Figure, panel: int) -> set[str]:
+    return {str(line.get_linestyle()) for line in drawing.axes[panel].lines if len(line.get_xdata()) > 2}  # type: ignore[arg-type]
+
+
+@pytest.mark.slow
+def test_stability_has_a_line_style_and_the_unit_circle_is_drawn(branch: Branch, undamped: Branch) -> None:
+    assert [undamped.orbit(i).stable for i in (0, -1)] == [None, None]
+    grown = copy(undamped)  # no such orbit exists: friction never makes a difference grow
+    grown.multipliers = 1.1 * undamped.multipliers
+    cases = ((branch, "-", "stable"), (undamped, "-.", "marginal"), (grown, "--", "not stable"))
+    for each, style, name in cases:
+        drawing = plot.branch_figure(each)
+        assert styles(drawing, 0) == styles(drawing, 1) == {style}
+        labels = [text.get_text() for text in drawing.legends[0].get_texts()]
+        assert {name} == {"stable", "marginal", "not stable"} & {*labels}
+        assert "unit circle" in labels
+        multipliers = drawing.axes[1]
+        low, high = multipliers.get_ylim()
+        assert low < 0 < 1 < high
+        assert [line.get_ydata()[0] for line in multipliers.lines if line.get_label() == "unit circle"] == [1]  # type: ignore[index]
+    # Curves are named where they end: colour alone does not tell them apart.
+    names = [text.get_text() for text in plot.branch_figure(branch).axes[0].texts]
+    assert names == ["$P_2$", "$P_3$"]
+
+
+@pytest.mark.slow
+def test_points_ends_and_words_are_those_of_the_branch(branch: Branch) -> None:
+    positions, multipliers = plot.branch_figure(branch).axes
+    ends = [(end, row) for end, row in zip(branch.ends, (0, -1), strict=True) if end.kind in END_MARKERS]
+    assert {end.kind for end, row in ends} == {"birth of a stick"}  # the other end is where the range ends
+    curves = [line for line in positions.lines if str(line.get_label()).startswith("start of")]
+    for i, line in enumerate(curves):
+        assert np.asarray(line.get_xydata()) == pytest.approx(np.column_stack([branch.values, branch.points[:, i, 1]]))
+    assert len(curves) == len(branch.labels)
+    expected = {(end.kind, end.value, point.x) for end, row in ends for point in end.points}
+    assert marks_of_ends(positions) == expected
+    sizes = np.abs(branch.multipliers)
+    expected = {(end.kind, end.value, size) for end, row in ends for size in sizes[row]}
+    assert marks_of_ends(multipliers) == expected
+    for ax in (positions, multipliers):
+        verticals = [line.get_xdata() for line in ax.lines if len(set(np.asarray(line.get_xdata()))) == 1]
+        assert {end.value for end, row in ends} == {float(np.asarray(each)[0]) for each in verticals if len(each) == 2}  # type: ignore[arg-type]
+    words = {text.get_text(): text.xy[0] for text in multipliers.texts}  # type: ignore[attr-defined]
+    beyond = {end.beyond: end.value for end, row in ends}
+    assert words == {branch.word: (branch.values.min() + branch.values.max()) / 2} | beyond
+
+
+def marks_of_ends(ax: Axes) -> set[tuple[str, float, float]]:
+    """Return kind, value and height of each mark at an end of a branch."""
+    kinds = {marker: kind for kind, marker in END_MARKERS.items()}
+    dots = [line for line in ax.lines if line.get_marker() in kinds]
+    return {(kinds[str(line.get_marker())], *map(float, np.asarray(line.get_xydata())[0])) for line in dots}  # type: ignore[misc]
+
+
+# -- cross-checks -----------------------------------------------------------------------------------------------------
+
+
+def check(name: str, t_end: float, **options: Any) -> tuple[Run, CrossCheck]:
+    run = solve(load_scene(name), t_end, **options)
+    return run, crosscheck(name, run.t, run.x, run.v)
+
+
+@pytest.mark.slow
+def test_the_figure_marks_events_and_tolerances(tmp_path: Path) -> None:
+    result = check("fig8", 3.6, **TIGHT)[1]
+    drawing = figure(result)
+    for ax in drawing.axes:
+        missed = [line.get_xdata()[0] for line in ax.lines if line.get_label() == "event, missed"]  # type: ignore[index]
+        assert missed == pytest.approx([event.t for event in result.missed])
+    error = next(line for line in drawing.axes[0].lines if line.get_label() == "$x$, relative")
+    assert np.nanmax(np.asarray(error.get_ydata(), dtype=float)) * result.scales[0] == pytest.approx(result.max_error_x)
+
+
+# -- the page of a cross-check ----------------------------------------------------------------------------------------
+
+
+T = np.linspace(0, 12, 120)
+
+
+def wrong() -> CrossCheck:
+    p = load_scene("fig5").parameters
+    return crosscheck(p, T, *simulate(p.replace(B0=9), t0=0, x0=0, v0=0, t_end=12)(T))
+
+
+class Reader(HTMLParser):
+    """Says which tags are open, and what the page refers to."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.sources: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in ("meta", "img"):
+            self.open.append(tag)
+        self.sources += [value or "" for name, value in attrs if name in ("src", "href")]
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+@pytest.mark.slow
+def test_the_page_is_whole_and_needs_nothing_else(tmp_path: Path) -> None:
+    check = wrong()
+    text = check.to_html(tmp_path / "check.html").read_text(encoding="utf-8")
+    reader = Reader()
+    reader.feed(text)
+    assert reader.open == []
+    assert len(reader.sources) == 4
+    assert all(source.startswith("data:image/svg+xml;base64,") for source in reader.sources)
+    assert "width=device-width" in text
+    said = re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", text))
+    for words in ("Not right", check.diagnosis[0].words, "Explains", "First wrong step", "invented", "The system"):
+        assert words in said
+    for event in check.missed:
+        assert f"{float(event.t):.10g}" in said
+
+
+@pytest.mark.slow
+def test_long_tables_are_folded(tmp_path: Path) -> None:
+    """A reader sees the first wrong steps; the rest, a page of 15,000 pixels, is one click away."""
+    check = wrong()
+    assert len(check.wrong_steps) > 40
+    text = check.to_html(tmp_path / "check.html").read_text(encoding="utf-8")
+    unfolded = re.sub(r"<details>.*?</details>", "", text, flags=re.DOTALL)
+    assert 4 <= unfolded.count('<td class="words">') <= 10
+    assert text.count('<td class="words">') == len(check.wrong_steps)
+    hidden = len(check.wrong_steps) - unfolded.count('<td class="words">')
+    assert f"<summary>{hidden} more</summary>" in text
+
+
+@pytest.mark.slow
+def test_the_page_of_a_right_solution(tmp_path: Path) -> None:
+    check = crosscheck("fig5", T, *simulate("fig5", t_end=12)(T))
+    text = check.to_html(tmp_path / "check.html").read_text(encoding="utf-8")
+    assert "Right: every step agrees" in text
+    assert "Diagnosis" not in text
+    assert "First wrong step" not in text
+    with pytest.raises(OutputError):
+        check.to_html(tmp_path / "nowhere" / "check.html")
+    assert not (tmp_path / "nowhere").exists()
+
+
+# -- one step ---------------------------------------------------------------------------------------------------------
+
+
+def spoilt() -> CrossCheck:
+    t = np.linspace(0, 7, 100)
+    x, v = simulate("fig5", t_end=7)(t)
+    v[67] += 0.3
+    return crosscheck("fig5", t, x, v)
+
+
+def test_the_first_wrong_step_is_drawn() -> None:
+    check = spoilt()
+    drawing = plot.step_figure(check)
+    assert [axes.get_ylabel() for axes in drawing.axes] == ["$v$", "$x$"]
+    lines = {line.get_label(): line for line in drawing.axes[0].get_lines()}
+    exact = lines["exact, from the sample before"]
+    step = check.first_wrong.step if check.first_wrong else -1
+    assert step == 66
+    assert exact.get_xdata()[[0, -1]] == pytest.approx(check.t[step : step + 2])  # type: ignore[index]
+    given = lines["given, end of this step"].get_ydata()
+    assert exact.get_ydata()[-1] - given[0] == pytest.approx(check.defects[step, 1], abs=1e-9)  # type: ignore[index]
+
+
+# -- certificates -----------------------------------------------------------------------------------------------------
+
+
+def test_widths_are_those_of_the_enclosures() -> None:
+    axes = Figure().add_subplot()
+    assert PROVEN.plot(ax=axes) is axes.figure
+    drawn = np.array([line.get_xydata() for line in axes.lines])
+    assert drawn[:, 0, 0] == pytest.approx([1.58260582141] * 2, rel=1e-12)
+    assert drawn[:, 0, 1] == pytest.approx([2e-11, 1e-11], rel=1e-9)
+
+
+# -- scores -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_each_case_is_where_it_belongs() -> None:
+    cases = list(stored_set())
+    good = score("good", cases, {case.name: right(case) for case in cases})
+    bad = score("bad", cases, {cases[0].name: CaseResult(right(cases[0]).events[1:])})
+    drawing = plot.score_figure([good, bad])
+    (ax,) = drawing.axes
+    heights = [list(line.get_ydata()) for line in ax.lines[:2]]
+    happening = [case for case in cases if any(event.kind != "graze" for event in case.events)]
+    assert heights[0] == [LEAST_UNITS] * len(happening)  # no error at all
+    assert heights[1] == [FAULTY] + [ABSENT] * (len(cases) - 1)
+    assert [label.get_text() for label in ax.get_xticklabels()] == list(dict.fromkeys(case.group for case in cases))
+    assert [text.get_text() for text in drawing.legends[0].get_texts()] == ["good", "bad"]
+    looks = {(line.get_color(), line.get_marker()) for line in ax.lines[:2]}
+    assert len(looks) == 2
+
+
+# -- pages in notebooks -----------------------------------------------------------------------------------------------
+
+
+KINDS = sorted(MAKERS)
+
+
+@pytest.mark.quick(4)
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_page_is_well_formed_and_short(kind: str) -> None:
+    page = answer(kind)._repr_html_()
+    root = ElementTree.fromstring(page)
+    assert root.attrib["class"] == "symosc"
+    assert root.find(".//strong").text == type(answer(kind)).__name__  # type: ignore[union-attr]
+    assert len(page) < 40_000
+    assert len(root.findall(".//tbody/tr")) < 30
+    assert not {"nan", "None"} & set("".join(root.itertext()).split())
+
+
+def test_what_is_put_in_is_escaped() -> None:
+    hostile = '<script>alert("&amp;")</script>'
+    proof = Certificate(hostile, True, hostile, ((hostile, hostile, hostile),), statement={"made_by": hostile})
+    root = ElementTree.fromstring(proof._repr_html_() or "")
+    assert root.findall(".//script") == []
+    texts = "".join(root.itertext())
+    assert texts.count(hostile) == 6
+
+
+@pytest.mark.slow
+def test_no_page_loads_what_draws() -> None:
+    code = (
+        "import sys; from symosc import simulate, grazing_window, load_scene;"
+        "pages = [simulate('fig5', t_end=3), grazing_window(load_scene('fig9').parameters, 'P2')];"
+        "[page._repr_html_() for page in pages]; print({'matplotlib', 'sympy', 'numba'} & set(sys.modules))"
+    )
+    run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert run.stdout == "set()\n"
+
+
+def test_a_proof_shows_the_digits_that_are_proven() -> None:
+    texts = [cell.text for cell in ElementTree.fromstring(PROVEN._repr_html_() or "").iter("td")]
+    assert texts[3:7] == ["1.5826058214", "7.913029107", "2e-11", "1e-11"]
+    assert texts[7] == "-0.017"
+    assert texts[8] == "0.25 - 0.5 i"

@@ -1,0 +1,221 @@
+"""Figures of sweeps and ensembles: what is drawn is what was recorded, told apart without colours."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from answers import answer
+from bad_values import refused
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from small_sweeps import made_up
+
+from symosc import Summary, plot
+from symosc.plot.sweeps import MOST_CLASSES, borders, classes_of, luminance
+
+# -- sweeps over one axis ---------------------------------------------------------------------------------------------
+
+
+pytest.importorskip("xarray")
+ONE_AXIS = {"Omega": "1:6:40"}
+
+
+def section(cells: dict[str, np.ndarray]) -> np.ndarray:
+    return cells["Omega"][:, None, None] * np.array([[1, 2], [3, 4], [5, 6]])
+
+
+@pytest.mark.parametrize(("component", "factors"), [("x", [1, 3, 5]), ("v", [2, 4, 6])])
+def test_a_point_for_each_recorded_period(component: str, factors: list[int]) -> None:
+    axes = plot.bifurcation_figure(made_up(ONE_AXIS, section=section), component).axes[0]
+    points = np.asarray(axes.collections[0].get_offsets())
+    assert len(points) == 120
+    assert sorted({round(float(y / x)) for x, y in points}) == factors
+    assert axes.get_xlim() == (1, 6)
+
+
+def test_numbers_are_a_curve_and_words_are_levels() -> None:
+    dataset = made_up(
+        ONE_AXIS, stuck=lambda cells: cells["Omega"] / 6, word=lambda cells: np.where(cells["Omega"] > 3, "P32", "")
+    )
+    (line,) = plot.curve_figure(dataset).axes[0].lines
+    assert np.array_equal(line.get_ydata(), dataset.stuck.values)
+    axes = plot.curve_figure(dataset, "word").axes[0]
+    assert [text.get_text() for text in axes.get_yticklabels()] == ["no event", "$P_{32}$"]
+
+
+def test_what_is_no_sweep() -> None:
+    dataset = made_up(ONE_AXIS | {"k": [1, 2]}, section=section, sticks=lambda cells: cells["k"].astype(int))
+    refused(lambda: plot.bifurcation_figure(dataset), "dataset")
+    refused(lambda: plot.bifurcation_figure(dataset.isel(k=0), "z"), "component")
+    refused(lambda: plot.bifurcation_figure(dataset[["sticks", "status"]].isel(k=0)), "name")
+    refused(lambda: plot.curve_figure(dataset, "sticks"), "dataset")
+    drawing = Figure()
+    axes = drawing.add_subplot()
+    assert plot.bifurcation_figure(dataset.isel(k=0), ax=axes) is drawing
+
+
+# -- sweeps over two axes ---------------------------------------------------------------------------------------------
+
+
+pytest.importorskip("xarray")
+OVER = {"Omega": "1:6:30", "FN": "1:20:20"}
+WORDS = np.array(["P32", "P3212", "P2", ""])
+
+
+def bands(cells: dict[str, np.ndarray]) -> np.ndarray:
+    return np.clip(cells["Omega"] - 1, 0, 3.5).astype(int)
+
+
+def legend(drawing: Figure) -> list[str]:
+    return [text.get_text() for text in drawing.legends[0].get_texts()]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_cells_have_the_class_of_their_value(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    words = rng.choice(["P32", "P2", "", "P56", *(f"P{i}" for i in range(100, 100 + 5 * seed))], (12, 9))
+    doubt = rng.random(words.shape) < 0.1
+    found = classes_of(words, doubt)
+    assert len({len(found.names), len(found.colors), len(found.hatches)}) == 1
+    assert len(found.names) <= MOST_CLASSES + 1
+    for word, code, undecided in zip(words.ravel(), found.codes.ravel(), doubt.ravel(), strict=True):
+        name = found.names[code]
+        assert name == ("undecidable" if undecided else word or "no event") or name.endswith(" others")
+    kept = [name for name in found.names if name != "undecidable" and not name.endswith(" others")]
+    counts = [np.sum(words == ("" if name == "no event" else name)) for name in kept]
+    assert counts == sorted(counts, reverse=True)  # the rarest are the others
+
+
+def test_classes_are_told_apart_without_colours() -> None:
+    found = classes_of(np.arange(9).reshape(3, 3), np.zeros((3, 3), dtype=bool))
+    assert found.names == [str(i) for i in range(9)]  # numbers in their order
+    light = [luminance(to_rgb(color)) for color in found.colors]
+    assert np.diff(light).max() < -0.05
+    several = classes_of(np.array([[f"P{i}" for i in range(30)]]), np.zeros((1, 30), dtype=bool))
+    assert several.hatches[:-1] == [""] * (MOST_CLASSES - 1)
+    assert several.hatches[-1]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_borders_are_where_the_class_changes(seed: int) -> None:
+    codes = np.random.default_rng(seed).integers(0, 3, (6, 5))
+    lines = borders(np.arange(7.0), np.arange(6.0), codes)
+    assert len(lines) == np.sum(codes[1:] != codes[:-1]) + np.sum(codes[:, 1:] != codes[:, :-1])
+    for (x1, y1), (x2, y2) in lines:
+        middle = np.array([x1 + x2, y1 + y2]) / 2
+        step = np.array([y2 - y1, x2 - x1]) / 2
+        (a, b), (c, d) = np.floor(middle - step).astype(int), np.floor(middle + step).astype(int)
+        assert codes[a, b] != codes[c, d]
+
+
+def test_a_map_of_words() -> None:
+    dataset = made_up(
+        OVER,
+        word=lambda cells: WORDS[bands(cells)],
+        status=lambda cells: np.where(cells["FN"] + cells["Omega"] < 3, "undecidable", "t_end"),
+    )
+    drawing = plot.map_figure(dataset)
+    assert {*legend(drawing)} == {"$P_{32}$", "$P_{3212}$", "$P_{2}$", "no event", "undecidable"}
+    axes = drawing.axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$\Omega$", "$F_N$")
+    inside = {text.get_text(): text.get_position() for text in axes.texts}
+    for name, (omega, _) in inside.items():  # each name is on its own class
+        word = WORDS[bands({"Omega": np.array([omega])})][0]
+        assert name == (f"$P_{{{word[1:]}}}$" if word else "no event")
+    assert len(inside) >= 3
+
+
+def test_numbers_are_shades_with_lines() -> None:
+    dataset = made_up(OVER, stuck=lambda cells: cells["FN"] / 20)
+    drawing = plot.map_figure(dataset)
+    assert drawing.axes[1].get_ylabel() == "share of time stuck"
+    assert drawing.legends == []
+    constant = made_up(OVER, stuck=lambda cells: 0 * cells["FN"])
+    plot.map_figure(constant)
+    many = made_up(OVER, events=lambda cells: (100 * cells["FN"] * cells["Omega"]).astype(int))
+    assert len(plot.map_figure(many).axes) == 2
+
+
+def test_a_basin_has_the_belts() -> None:
+    dataset = made_up({"v0": "-3:3:9", "x0": "-1:1:5"}, word=lambda cells: WORDS[(cells["v0"] > 0).astype(int)])
+    axes = plot.basin_figure(dataset).axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x_0$", "$v_0$")
+    lines = [line.get_ydata()[0] for line in axes.lines]  # type: ignore[index]
+    assert lines == [1]  # belt 1 of fig9; belt 2 runs with 25
+    refused(lambda: plot.basin_figure(made_up(OVER, sticks=bands)), "dataset")
+
+
+def test_what_is_no_map() -> None:
+    three = made_up(OVER | {"k": [1, 2]}, sticks=bands)
+    assert "isel" in refused(lambda: plot.map_figure(three), "dataset")
+    plot.map_figure(three.isel(k=0))
+    plot.map_figure(three.isel(k=[0]))
+    refused(lambda: plot.map_figure(three.isel(k=0, FN=0)), "dataset")
+    refused(lambda: plot.map_figure(three, "words"), "name")
+    for value in (None, 5, "map.nc", {}):
+        refused(lambda value=value: plot.map_figure(value), "dataset")  # type: ignore[misc]
+    refused(lambda: plot.map_figure(three.isel(k=0), ax=3), "ax")  # type: ignore[arg-type]
+
+
+# -- the form that fits -----------------------------------------------------------------------------------------------
+
+
+pytest.importorskip("xarray")
+
+
+def axis_labels(over: dict[str, str], name: str | None = None) -> tuple[str, str]:
+    dataset = made_up(
+        over,
+        sticks=lambda cells: np.arange(len(next(iter(cells.values())))) % 3,
+        section=lambda cells: np.ones((len(next(iter(cells.values()))), 2, 2)),
+    )
+    axes = plot.swept_figure(dataset, name).axes[0]
+    return axes.get_xlabel(), axes.get_ylabel()
+
+
+def test_the_form_that_fits() -> None:
+    assert axis_labels({"mu1": "0:1:5"}) == (r"$\mu_1$", "displacement $x$ at whole periods")
+    assert axis_labels({"mu1": "0:1:5"}, "sticks") == (r"$\mu_1$", "sticks")
+    assert axis_labels({"mu1": "0:1:5", "k": "1:2:3"}, "sticks") == (r"$\mu_1$", "$k$")
+    assert axis_labels({"v0": "0:1:5", "x0": "1:2:3"}, "sticks") == ("$x_0$", "$v_0$")
+
+
+# -- ensembles --------------------------------------------------------------------------------------------------------
+
+
+def test_every_event_has_a_mark() -> None:
+    events = answer("events")
+    axes = events.plot().axes[0]
+    drawn = {line.get_label(): line.get_xydata() for line in axes.lines}
+    assert sum(map(len, drawn.values())) == len(events)
+    here = events.kind == "cross"
+    assert np.array_equal(drawn["crossing"], np.column_stack([events.t, events.trajectory])[here])
+    low, high = axes.get_ylim()
+    assert low < 0 < len(events.status) - 1 < high
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_bars_count_all_motions(seed: int) -> None:
+    words = np.random.default_rng(seed).choice([f"P{n}" for n in range(11, 11 + 7 * (seed + 1))], 300)
+    axes = Summary(word=words).plot().axes[0]
+    counts = [bar.get_width() for bar in axes.patches]
+    assert sum(counts) == 300
+    names = [tick.get_text() for tick in axes.get_yticklabels()]
+    assert len(names) == len(counts) <= 12
+    assert counts[0] == max(np.unique(words, return_counts=True)[1])
+    assert ("others" in names[-1]) == (len(set(words)) > 12)
+
+
+@pytest.mark.parametrize("name", ["section", "stuck", "mode", "sticks", "events"])
+def test_every_column_is_drawn_into_given_axes(name: str) -> None:
+    axes = Figure().add_subplot()
+    assert answer("summary").plot(name=name, ax=axes) is axes.figure
+    assert axes.has_data()
+
+
+def test_what_is_no_ensemble() -> None:
+    refused(lambda: plot.events_figure(3), "events")  # type: ignore[arg-type]
+    refused(lambda: plot.summary_figure(answer("events")), "summary")
+    refused(lambda: answer("summary").plot(name="words"), "name")
+    refused(lambda: Summary().plot(), "name")
+    refused(lambda: answer("summary").plot(ax=3), "ax")
