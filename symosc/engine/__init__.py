@@ -1,10 +1,10 @@
 """One motion, event by event: exact flights and sticks, the search for their ends, and what happens there.
 
 The inner loop is plain scalar Python on numbers: `flow` (constants and closed form), `first_exit` (where a flight or a
-stick ends), `next_event` (what happens there), `batch` (many motions, events into columns) and `summary`; `state` has
-its codes and the tuples that it passes on. `arithmetic` binds it to doubles, to numba, to double-double numbers and to
-any number of digits. `start` decides how a motion begins, on a belt too, also for many at once, `constant_table` makes
-their constants, and `events` says what is recorded. May import: kernels, and the modules beside the packages.
+stick ends), `next_event` (what happens there), `events` (what is recorded of it), `batch` (many motions, events into
+columns) and `summary`; `state` has its codes and the tuples that it passes on. `arithmetic` binds it to doubles, to
+numba, to double-double numbers and to any number of digits. `start` decides how a motion begins, on a belt too;
+`constant_table` makes the constants of many parameter sets. May import: kernels, and the modules beside the packages.
 
 One more formula: derive it in symbolic, print it into kernels (``symosc codegen --regenerate``), and call it here.
 """
