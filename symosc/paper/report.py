@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
+import threading
 from base64 import b64encode
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from datetime import date
 from html import escape
@@ -189,6 +191,22 @@ def _data_uri(svg: str) -> str:
     return f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}"
 
 
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Delay an interrupt to the end of the block."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread gets interrupts
+        return
+    caught: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: caught.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if caught:
+            signal.raise_signal(signal.SIGINT)
+
+
 class Folder:
     """A folder for a report: made and tried out before the work, filled when all is done, else taken away again."""
 
@@ -217,9 +235,10 @@ class Folder:
             for name, text in texts.items():
                 (draft / name).parent.mkdir(exist_ok=True)
                 (draft / name).write_text(text, encoding="utf-8")
-            for name in texts:
-                (self.path / name).parent.mkdir(exist_ok=True)
-                os.replace(draft / name, self.path / name)
+            with uninterrupted():
+                for name in texts:
+                    (self.path / name).parent.mkdir(exist_ok=True)
+                    os.replace(draft / name, self.path / name)
         except OSError as error:
             raise OutputError(str(self.path), error.strerror or str(error)) from None
 

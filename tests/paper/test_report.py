@@ -6,6 +6,7 @@ import json
 import os
 import random
 import re
+import signal
 from collections.abc import Callable
 from functools import partial
 from html import unescape
@@ -130,6 +131,21 @@ def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixt
     assert "<math" in html
     assert html.count("<source ") == 1  # the picture in the form for phones
     assert not re.search(r"<script|src=\"(?!data:)|href=\"(?!#|data:)", html)
+
+
+def test_an_interrupt_while_files_are_moved_waits_until_all_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rename = os.replace
+
+    def interrupted(old: Path, new: Path) -> None:
+        signal.raise_signal(signal.SIGINT)
+        rename(old, new)
+
+    monkeypatch.setattr(os, "replace", interrupted)
+    with report.Folder(tmp_path) as folder, pytest.raises(KeyboardInterrupt):
+        folder.write({"a": "1", "b": "2"})
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "b"]
 
 
 @pytest.mark.parametrize("there", [False, True])
