@@ -133,11 +133,10 @@ def grazing(
                 write(answer.latex() if as_latex else answer.text())
         return 0
     assert p is not None
-    from symosc.grazing.check import check_grazing
     from symosc.grazing.window import grazing_window
 
     windows = [grazing_window(p, mapping, order) for mapping in chosen or PLACES]
-    reports = [] if phases is None else [check_grazing(p, each, n=phases, progress=True) for each in chosen or PLACES]
+    reports = [] if phases is None else _checks(p, chosen or list(PLACES), phases)
     if output is not None:
         _draw(windows, against, output)
     if as_json:
@@ -150,6 +149,12 @@ def grazing(
     elif not piped:
         _print(windows, reports)
     return int(any(not report.ok for report in reports))
+
+
+def _checks(p: Parameters, mappings: list[str], phases: int) -> list[GrazingReport]:
+    from symosc.grazing.check import check_grazing
+
+    return [check_grazing(p, mapping, n=phases, progress=True) for mapping in mappings]
 
 
 def _print(windows: list[GrazingWindow], reports: list[GrazingReport]) -> None:
