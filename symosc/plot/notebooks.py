@@ -21,7 +21,7 @@ from symosc.display.html import MOST_POINTS, PICTURE_HEIGHT, curve, ends, facts,
 from symosc.grazing.window import GrazingWindow
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
-from symosc.simulation.tables import EventTable, Summary, counted, statuses
+from symosc.simulation.tables import EventTable, Summary, counted, select_rows, statuses
 from symosc.simulation.trajectory import Trajectory
 
 HEADS = ("t", "x", "v", "kind", "belt", "from", "to", "t error")
@@ -55,7 +55,7 @@ def events_page(events: EventTable) -> str:
     heads = ("motion", *HEADS)
     names = ("trajectory", "t", "x", "v", "kind", "boundary", "source", "target", "t_error")
     some = np.array(ends(len(events)), dtype=int)
-    few = events.rows(some, [])
+    few = select_rows(events, some, [])
     columns = [getattr(few, name) for name in names]
     rows = [[*row[:-1], f"{row[-1]:.0e}"] for row in zip(*columns, strict=True)]
     line = f"{counted(len(events), 'event')} of {counted(len(events.status), 'motion')}"

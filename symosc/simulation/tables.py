@@ -68,15 +68,12 @@ class EventTable(Drawable):
 
     __hash__ = None  # type: ignore[assignment]  # arrays have none
 
-    def rows(self, rows: Any, status: list[str]) -> EventTable:
-        """Return some of the rows, by numbers or a slice, with the statuses of their trajectories."""
-        return EventTable(status, **{name: column[rows] for name, column in vars(self).items() if name != "status"})
-
     @public
     def __getitem__(self, trajectory: int) -> EventTable:
         """Return the events of one trajectory, as a table of it alone."""
         number = range(len(self.status))[trajectory]
-        found = self.rows(slice(*np.searchsorted(self.trajectory, [number, number + 1])), [self.status[number]])
+        rows = slice(*np.searchsorted(self.trajectory, [number, number + 1]))
+        found = select_rows(self, rows, [self.status[number]])
         found.trajectory = found.trajectory * 0
         return found
 
@@ -107,6 +104,11 @@ class EventTable(Drawable):
         """Return a Dataset over `event`, with the statuses over `motion`; MissingExtraError without xarray."""
         columns: Record = {name: (("event",), column) for name, column in self.columns().items()}
         return imported("xarray").Dataset(columns | {"status": (("motion",), np.array(self.status, dtype=str))})
+
+
+def select_rows(table: EventTable, rows: Any, status: list[str]) -> EventTable:
+    """Return some rows of a table, by numbers or a slice, with the statuses of their trajectories."""
+    return EventTable(status, **{name: column[rows] for name, column in vars(table).items() if name != "status"})
 
 
 def table_from(parts: Sequence[EventRows], status: list[str]) -> EventTable:
