@@ -7,6 +7,7 @@ depend on the number of threads either: each chunk is computed by itself, and pu
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
@@ -143,6 +144,10 @@ def joined(parts: Iterable[EventRows]) -> EventRows:
     return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))
 
 
+#: Buffers of earlier calls, 18 MB each: memory that is new to a process is slow.
+SPARE_BUFFERS: deque[EventRows] = deque(maxlen=2)
+
+
 class Stopped(Exception):
     """The caller was interrupted: nobody needs the result of this thread any more."""
 
@@ -176,12 +181,16 @@ def in_chunks(
     size = max(1, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))
     # No motions are a chunk too: it has the columns, each without an entry.
     chunks = [slice(begin, min(begin + size, count)) for begin in range(0, max(count, 1), size)]
-    cancel, own, done = CancelToken(), local(), 0
+    cancel, own, used, done = CancelToken(), local(), list[EventRows](), 0
 
     def one(rows: slice) -> Result:
         cancel.check()
         if not hasattr(own, "buffer"):
-            own.buffer = event_buffer(CAPACITY)
+            try:  # another thread may have taken the last one
+                own.buffer = SPARE_BUFFERS.pop()
+            except IndexError:
+                own.buffer = event_buffer(CAPACITY)
+            used.append(own.buffer)
         return work(rows, own.buffer, cancel)
 
     if min(workers, len(chunks)) <= 1:
@@ -189,6 +198,7 @@ def in_chunks(
         for rows in chunks:
             results.append(one(rows))
             progress(rows.stop, count)
+        SPARE_BUFFERS.extend(used)
         return results
     with ThreadPoolExecutor(min(workers, len(chunks)), thread_name_prefix="symosc") as pool:
         try:
@@ -201,6 +211,7 @@ def in_chunks(
             cancel.set()
             pool.shutdown(wait=True, cancel_futures=True)
             raise
+    SPARE_BUFFERS.extend(used)
     return [future.result() for future in futures]
 
 

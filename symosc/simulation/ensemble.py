@@ -235,12 +235,12 @@ class Chunk:
         found: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
         apart = self.task.problems.are_apart(numbers, self._starts[members, 1], FAR_OFF)
-        groups: dict[Parameters, list[int]] = {}
+        groups: dict[int, list[int]] = {}
         for i, is_apart in zip(members, apart.tolist(), strict=True):
             if is_apart or fits_pairs(self.problem(i)):
-                groups.setdefault(self.task.problems.sets[self._first + i], []).append(i)
-        for parameters, some in groups.items():
-            events = joined(self._escalate(parameters, some))
+                groups.setdefault(int(self.batch.sets[i]), []).append(i)
+        for some in groups.values():
+            events = joined(self._escalate(self.task.problems.sets[self._first + some[0]], some))
             order = np.argsort(events.ints[0], kind="stable")
             events = EventRows(*(columns[:, order] for columns in events))
             cuts = np.searchsorted(events.ints[0], np.arange(len(some) + 1)).tolist()
