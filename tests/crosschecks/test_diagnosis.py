@@ -27,6 +27,7 @@ from symosc.model import PARAMETER_NAMES
 SEED = 1
 
 
+@pytest.mark.full(16)
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "smoothed friction"])
 def test_each_kind_of_fault_has_its_name(kind: str) -> None:
@@ -47,7 +48,7 @@ def test_each_kind_of_fault_has_its_name(kind: str) -> None:
 @pytest.mark.slow
 def test_a_sample_of_the_matrix(capsys: pytest.CaptureFixture[str]) -> None:
     """Of all kinds; the whole is below."""
-    counts = run(SEED, random.Random(SEED).sample(whole(), 30))
+    counts = run(SEED, random.Random(SEED).sample(whole(), 15))
     with capsys.disabled():
         print("\n" + table(counts))
     judge_counts(counts, 0.9)
@@ -385,6 +386,7 @@ MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {
 }
 
 
+@pytest.mark.full(5)
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("what", MEASURED)
 def test_the_number_of_a_fault_is_measured(what: str) -> None:

@@ -156,7 +156,7 @@ def test_results_are_compared_copied_and_pickled() -> None:
 
 RUNS = [
     pytest.param(12, 600, id="few"),
-    pytest.param(60, 1_000, marks=pytest.mark.slow),
+    pytest.param(30, 1_000, marks=pytest.mark.slow),
     pytest.param(1_000, 4_000, marks=pytest.mark.campaign),
 ]
 

@@ -230,6 +230,7 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
 ]
 
 
+@pytest.mark.full(14)
 @pytest.mark.quick(8)
 @pytest.mark.parametrize(("module", "name", "instead", "check", "verdict"), STATEMENTS)
 def test_another_statement_gets_another_verdict(
