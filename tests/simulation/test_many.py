@@ -418,12 +418,15 @@ def test_a_table_has_its_trajectories_by_number(tmp_path: Path, monkeypatch: pyt
     assert [row["kind"] for row in rows] == table.kind.tolist()
     with pytest.raises(OutputError):
         table.to_csv(tmp_path / "missing" / "events.csv")
+    with monkeypatch.context() as patch:
+        patch.setitem(sys.modules, "pandas", None)
+        with pytest.raises(MissingExtraError, match=r"a table of pandas.*symosc\[sweep\]"):
+            table.to_pandas()
+    pytest.importorskip("pandas")
+    pytest.importorskip("xarray")
     frame, dataset = table.to_pandas(), table.to_xarray()
     assert frame["kind"].tolist() == dataset["kind"].values.tolist() == table.kind.tolist()
     assert dataset["status"].values.tolist() == table.status
-    monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(MissingExtraError, match=r"a table of pandas.*symosc\[sweep\]"):
-        table.to_pandas()
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
