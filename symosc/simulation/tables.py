@@ -1,4 +1,4 @@
-"""What `simulate_many` returns: events of many motions in columns, or a summary with a row per motion."""
+"""The results of `simulate_many`: events of many motions in columns, or a summary with a row per motion."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class EventTable(Drawable):
     __hash__ = None  # type: ignore[assignment]  # arrays have none
 
     def rows(self, rows: Any, status: list[str]) -> EventTable:
-        """Return some of the rows, by numbers or a slice, with the statuses of their trajectories."""
+        """Return some rows, by numbers or a slice, with the statuses of their trajectories."""
         return EventTable(status, **{name: column[rows] for name, column in vars(self).items() if name != "status"})
 
     @public
@@ -110,7 +110,7 @@ class EventTable(Drawable):
 
 
 def table_from(parts: Sequence[EventRows], status: list[str]) -> EventTable:
-    """Return rows of events as a table, each column in one piece."""
+    """Return rows of events as a table with contiguous columns."""
     parts, columns = parts or [event_buffer(0)], {}
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):
@@ -130,12 +130,12 @@ def rows_of(i: int, events: Sequence[Event]) -> EventRows:
 
 
 def counted(count: int, what: str) -> str:
-    """Return a number of things in words."""
+    """Return a count and a noun, singular or plural, as text."""
     return f"{count:,} {what}{'s' * (count != 1)}"
 
 
 def statuses(status: Any) -> str:
-    """Return how many motions ended in which way, in short."""
+    """Return a short text: how many motions ended with each status."""
     names, counts = np.unique(np.asarray(status, dtype=str), return_counts=True)
     return ", ".join(f"{count:,} {name}" for name, count in zip(names.tolist(), counts.tolist(), strict=True)) or "none"
 
@@ -161,7 +161,7 @@ SUMMARY_COLUMNS = {
 
 
 class Summary(Drawable):
-    """What became of many motions, one row each.
+    """The summary of many motions, one row each.
 
     Attributes
     ----------
