@@ -117,10 +117,10 @@ class Formulas:
         angle = MP.findroot(slope, (low, angles[top + 1]), solver="anderson")
         return self.slide_bound(angle), angle
 
-    def border(self) -> Any:
+    def largest_force_ratio(self) -> Any:
         """Return F/P at the end of the motions without stops."""
         largest = sp.Symbol("largest")
-        return self.value(coulomb.border(largest), {largest: self.largest_slide_bound()[0]})
+        return self.value(coulomb.largest_force_ratio(largest), {largest: self.largest_slide_bound()[0]})
 
 
 @cache
@@ -396,7 +396,9 @@ def borders() -> list[Value]:
     found = []
     for c, Omega, low, high in BORDERS:
         border = find_border(Fraction(low), Fraction(high), Omega, c)
-        found.append(_border(rf"$c = {c}$, $\Omega = {Omega}$", Formulas(wall(1, Omega, c)).border(), border))
+        found.append(
+            _border(rf"$c = {c}$, $\Omega = {Omega}$", Formulas(wall(1, Omega, c)).largest_force_ratio(), border)
+        )
     return found
 
 
