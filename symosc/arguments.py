@@ -1,4 +1,4 @@
-"""Check the arguments of public functions against their annotations, all in one way.
+"""Check the arguments of public functions against their annotations.
 
 `public` decorates a function or a method. Its annotations, read as text at the first call, say what each argument may
 be: no package is loaded for that, and a name such as ``Axes`` is that of a class, wherever it was defined. Whether a
@@ -39,7 +39,7 @@ class Kind(NamedTuple):
 
 
 def _inherits(*names: str) -> Callable[[type], bool]:
-    """Return what tells whether a type is, or inherits from, a class of one of some names."""
+    """Return a function that checks whether a type inherits from a class with one of some names."""
     return lambda kind: any(base.__name__ in names for base in kind.__mro__)
 
 
@@ -202,6 +202,7 @@ def _fits(kinds: list[Kind] | None, value: object) -> bool:
 
 
 def _text(kinds: list[Kind]) -> str:
+    """Return kinds as text for a message."""
     *first, last = dict.fromkeys(kind.text for kind in kinds)
     return f"{', '.join(first)} or {last}" if first else last
 

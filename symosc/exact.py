@@ -110,7 +110,7 @@ def unmasked(name: str, value: Any) -> Any:
 
 
 def _is_truth(value: object) -> bool:
-    """Tell whether this is a truth value, of Python or of numpy, which is not loaded for this."""
+    """Return whether a value is a boolean of Python or of numpy, without importing numpy."""
     return type(value).__name__ in ("bool", "bool_")
 
 
@@ -181,7 +181,7 @@ def _digits(number: int) -> str:
 
 
 def _twos_and_fives(denominator: int) -> tuple[int, int, int]:
-    """Return the exponents of 2 and 5 in a number, and what is left of it without them."""
+    """Return the exponents of 2 and 5 in a number, and the remaining factor."""
     twos, fives = (denominator & -denominator).bit_length() - 1, 0
     rest = denominator >> twos
     while rest % 5 == 0:

@@ -1,4 +1,4 @@
-"""Words: sequences of mappings in order of time, such as P2 and then P3; and which map may follow which.
+"""Words: sequences of mappings in order of time, such as P2 and then P3; and which mapping may follow which.
 
 The paper writes a word like a composition of functions, from right to left: P32 = P3∘P2 applies P2 first. That text is
 its mapping structure. `read_word` makes a `Word` of a text, and ``str`` a text of a `Word`; nothing else converts them.
@@ -184,7 +184,7 @@ def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> 
 
 
 def why_not(before: str, after: str, *, grazing: bool = False) -> str:
-    """Return why no motion does `before` and then `after`, or "" if one can."""
+    """Return the reason why no motion does `before` and then `after`, or "" if one can."""
     first, second = MAPS[before], MAPS[after]
     ends, starts = first.end, second.start
     step = f"{after} cannot follow {before}"

@@ -1,4 +1,4 @@
-"""Runs pdflatex, and reads its complaints."""
+"""Run pdflatex and extract its error messages."""
 
 from __future__ import annotations
 

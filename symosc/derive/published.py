@@ -118,7 +118,7 @@ class Formulas:
         return self.slide_bound(angle), angle
 
     def largest_force_ratio(self) -> Any:
-        """Return F/P at the end of the motions without stops."""
+        """Return the largest F/P for which the symmetric motion has no stops."""
         largest = sp.Symbol("largest")
         return self.value(coulomb.largest_force_ratio(largest), {largest: self.largest_slide_bound()[0]})
 
@@ -468,6 +468,7 @@ def rests() -> list[Value]:
 
 
 def _border(case: str, formula: Any, border: Border) -> Value:
+    """Return a border as a Value."""
     note = f"{border.below} stops below, {border.above} above"
     return Value("F/P", case, formula, border.middle, 7, BORDER, note)
 

@@ -1,4 +1,4 @@
-"""What a derivation is about: the general oscillator, one scene, or numbers for some letters of a fragment."""
+"""The scope of a derivation: the general oscillator, one scene, or numbers for some symbols of a fragment."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ FORMS = ("entire", "paper")
 
 
 def F(alpha: int | str) -> Expr:
-    """Return the letter of the acceleration in a domain."""
+    """Return the symbol of the acceleration in a domain."""
     return named(f"F^{{({alpha})}}")
 
 
 def G(order: int | str, alpha: int | str = r"\alpha") -> Expr:
-    """Return the letter of a G-function."""
+    """Return the symbol of a G-function."""
     return named(f"G^{{({order},{alpha})}}")
 
 

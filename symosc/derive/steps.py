@@ -1,4 +1,4 @@
-r"""What a chapter is made of: LaTeX text, and steps, each with the check that it has to pass.
+r"""The parts of a chapter: LaTeX text, and steps, each with the check that it must pass.
 
 A chapter has texts (also ``\subsection{...}``, ``\begin{theorem}[title]\label{...}`` and ``\end{theorem}``), `Step`,
 `facts` (checks of the paragraph before), `Table` and `Illustration`, in tuples or lists nested as needed; `flat` reads
@@ -146,13 +146,13 @@ class Prose(NamedTuple):
 
 
 class Facts(NamedTuple):
-    """Checks of what the paragraph before states in words."""
+    """Checks of the statements in the preceding paragraph."""
 
     facts: tuple[Step, ...]
 
 
 def facts(*steps: Step) -> Facts:
-    """Return the checks of what the paragraph before states in words."""
+    """Return the checks of the statements in the preceding paragraph."""
     return Facts(steps)
 
 
@@ -407,12 +407,13 @@ def rounded(number: Any, decimals: int) -> Any:
 
 
 def _vanish(statement: Relation, rest: Expr, complaint: str) -> None:
+    """Check that all expressions vanish, or raise StepError with the complaint."""
     if rest != 0 and sp.simplify(rest) != 0:
         raise StepError(str(statement), complaint.format(rest))
 
 
 def _refute(statement: Relation, difference: Expr) -> None:
-    """Raise StepError if a difference that should vanish clearly does not, at one point: no proof is tried then."""
+    """Raise StepError, without trying a proof, if a difference that should vanish is nonzero at one point."""
     if difference == 0 or difference.atoms(sp.Function) - difference.atoms(*KNOWN) or difference.has(sp.Derivative):
         return
     for point in points(difference, count=1):

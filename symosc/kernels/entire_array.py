@@ -1,4 +1,4 @@
-"""The entire functions of `symosc.kernels.entire` for numpy arrays of times, with a formula chosen per entry."""
+"""The entire functions of `symosc.kernels.entire` for numpy arrays of times: each formula where it is good."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def basis(tau: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
 
 
 def basis_at(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
-    """Return the values of `basis` for phases Omega tau with given, more accurate sines and cosines."""
+    """Return what `basis` returns, for phases Omega tau whose sines and cosines are known better than from tau."""
     short = K.rate * tau < SERIES_BELOW
     if K.apart:  # for all: most times are long, and picking them out would cost more
         found = np.array(apart(tau, s, c, K))

@@ -41,6 +41,7 @@ DRAWN_BY = {
 
 
 def _draw(figure_name: str, answer: object, /, **options: Any) -> Any:
+    """Draw a result by the plot function of this name."""
     draw: Callable[..., Any] = __getattr__(figure_name)
     return draw(answer, **options)
 
@@ -50,6 +51,7 @@ for _kind, _name in DRAWN_BY.items():
 
 
 def _write(answer: Any, path: Any) -> Any:
+    """Write the page of a cross-check."""
     from symosc.plot.judged import write_page
 
     return write_page(answer, path)

@@ -395,7 +395,7 @@ def _rest(
 
 
 def _creeping() -> Iterator[ReferenceCase]:
-    """Yield flights from v = -1 to v = 0: with u = g' + r2 g = `push` at the start, g = |v|, contact only if u < 0.
+    """Yield flights from v = -1 towards v = 0: g = |v|, u = g' + r2 g = `push` at the start; contact only if u < 0.
 
     Then it is at t = log(1 + (r2 - r1) g/|u|)/(r2 - r1), and at t = g/|u| if the two roots are one.
     """

@@ -1,4 +1,4 @@
-"""What a sweep computes: a motion for each cell of a grid or row of a table, in chunks that are calls.
+"""The plan of a sweep: a motion for each cell of a grid or row of a table, computed in chunks.
 
 A plan is named by a hash of its content: two sweeps of one name give the same bits.
 """
@@ -223,7 +223,7 @@ class Duration:
         return f"{show(self.value)}{'T' * self.periods}"
 
     def times(self, period: Any) -> Any:
-        """Return it as a time for each period."""
+        """Return the duration as a time for each period."""
         return float(self.value) * period if self.periods else self.value
 
 
@@ -240,7 +240,7 @@ def read_duration(name: str, given: Any) -> Duration:
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
-    """A sweep as it is computed.
+    """A sweep with all settings that decide its numbers.
 
     `scene` is what is not swept, `record` are columns of summaries, `sections` the points of a section, 0 if none is
     recorded. Periods of `t_end` count from the start of each motion; `skip` is left out of it from its start on.
@@ -308,7 +308,7 @@ class SweepPlan:
 
 
 def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
-    """Make the call of a chunk, wherever it was sent; return its columns and the processor seconds that it took.
+    """Make the call of a chunk, in any process; return its columns and the processor seconds.
 
     SweepError unless the sources here have the hash `kernels`: a worker with another version of symosc.
     """
@@ -324,7 +324,7 @@ def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[s
 
 
 def cycles(words: np.ndarray) -> np.ndarray:
-    """Return words so that all that are one cycle, such as P32 and P23, are the same: its rotation largest in text.
+    """Return words with all rotations of a cycle, such as P32 and P23, made equal: the largest in text order.
 
     Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
     shows borders only where the cycle itself changes.

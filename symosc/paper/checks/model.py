@@ -52,7 +52,7 @@ def friction_interval(p: Parameters, boundary: int) -> tuple[Fraction, Fraction]
 
 
 def added_force(p: Parameters, alpha: int) -> Fraction:
-    """Eq. (5): what stands beside A0 on the right."""
+    """Eq. (5): the friction term added to A0 on the right."""
     return {1: p.mu1 + p.mu2, 2: -(p.mu1 - p.mu2), 3: -(p.mu1 + p.mu2)}[alpha] * p.FN
 
 
@@ -511,7 +511,7 @@ def four_grazes() -> Evidence:
 
 
 def position_bound(p: Parameters) -> float:
-    """Return what |x| comes down to in the long run, from the L1 norm of the impulse response; c, k > 0.
+    """Return the long-term bound of |x| from the L1 norm of the impulse response; c, k > 0.
 
     Friction and drive together stay below a force M; then lim sup |x| <= (M/k) coth(pi zeta/(2 sqrt(1 - zeta^2))), or
     M/k without oscillation.

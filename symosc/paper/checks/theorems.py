@@ -321,7 +321,7 @@ def _passes_as_printed(contact: Contact) -> bool:
 
 
 def _grazes_as_printed(contact: Contact) -> list[bool]:
-    """Tell it for the domain below, and for the one above."""
+    """Return whether a contact grazes as printed, for the domain below and for the one above."""
     lo, hi = NEIGHBOURS[contact.boundary]
     return [grazing_condition(a == lo, contact.force(a), slope_of_field(contact, a)) for a in (lo, hi)]
 
@@ -376,7 +376,7 @@ def theorem(which: int, boundary: int) -> Evidence:
 
 @cache
 def _simulated(boundary: int) -> tuple[bool, ...]:
-    """Tell for each contact at phase 0 whether `simulate`, started there, does what the exact flow does."""
+    """Return for each contact at phase 0 whether `simulate`, started there, agrees with the exact flow."""
     found = []
     for contact in exact_contacts(boundary):
         if contact.s == 0 and contact.c == 1:
