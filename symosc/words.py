@@ -137,6 +137,7 @@ WordLike: TypeAlias = str | Iterable[str] | Word
 
 
 def _exit(stick: Map, after: Map) -> str | None:
+    """Return the side on which a stick ends, by the mapping after it."""
     if after.sticks or after.start.boundary != stick.end.boundary:
         return None
     return "below" if after.domain == NEIGHBOURS[stick.end.boundary][0] else "above"
@@ -198,6 +199,7 @@ def why_not(before: str, after: str, *, grazing: bool = False) -> str:
 
 
 def _read(word: str | Iterable[object]) -> tuple[tuple[str, ...], str]:
+    """Read a word without a check that a motion can follow it."""
     if isinstance(word, str):
         text = word.strip()
         parts = [part for part in re.split(r"[\s,*·∘]+", text) if part]

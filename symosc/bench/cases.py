@@ -74,7 +74,7 @@ def run(
     cases: Sequence[ReferenceCase] | None = None,
     limit: float = CASE_LIMIT,
 ) -> Record:
-    """Let solvers (None: all) follow cases (None: all) and judge what they find.
+    """Run solvers (None: all) on cases (None: all) and judge their events.
 
     `progress` gets a sequence of steps and returns it as an iterable that may show how far it is; `limit` is in seconds
     of processor time. Keys: scores and ours (lists of `symosc.reference.score.Score`; the second one with
@@ -183,7 +183,7 @@ def as_json(result: Record) -> Record:
 
 
 def write(path: str | Path, result: Record, command: str) -> list[Path]:
-    """Write the page of all scores, and the picture beside it; return both files."""
+    """Write the page of all scores and its picture; return both files."""
     picture = Path(path).with_suffix(".svg")
     scores: list[Score] = result["scores"]
     more = [

@@ -234,7 +234,7 @@ def figure(result: Record) -> Figure:
 
 
 def _borders(ax: Axes, result: Record, column: int, shipped: bool) -> None:
-    """Draw the border of the cheap formula; for what is shipped all borders, and the names of what is between them."""
+    """Draw the border of the cheap formula, or all borders between symosc's formulas with their names."""
     from scipy.ndimage import label
 
     chosen = np.array(result["formulas"][column])

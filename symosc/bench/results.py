@@ -45,7 +45,7 @@ def replaced(text: str, section: str, content: str, name: str | Path = "README")
 
 
 def write(readme: str | Path, result: Record) -> list[Path]:
-    """Write the results into the README, pictures and full tables into files beside it; return these files.
+    """Write the results into the README, with pictures and full tables in separate files; return these files.
 
     `result` has whether it was quick, and what `run` returns in speed, work ("work_precision"), cases ("scores") and
     error_map.

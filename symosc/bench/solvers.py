@@ -248,7 +248,7 @@ class Job(NamedTuple):
 def in_parallel(
     chunks: Sequence[Sequence[Job]], limit: float, first_limit: float | None, steps: Iterator[Any]
 ) -> dict[Any, Outcome]:
-    """Run each chunk of jobs in a worker of its own, PROCESSES at a time; return the outcomes by key.
+    """Run each chunk of jobs in a separate worker, PROCESSES at a time; return the outcomes by key.
 
     With `first_limit` the first job of a new process may take that long: it imports and compiles. So the first job of
     a chunk is done again where a process was lost, and does not count.

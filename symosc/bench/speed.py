@@ -506,7 +506,7 @@ def ensembles_table(r: Record) -> str:
 
 
 def measure_sweeping(quick: bool = False) -> Record:
-    """Measure the processor time of a sweep beside that of the bare call with the same motions, in turns.
+    """Measure the processor time of a sweep and of the direct call with the same motions, in turns.
 
     An empty dictionary without the extra `sweep`. Keys: motions, periods, motions_per_s (in the sweep, for each second
     of processor time), overhead (of the sweep over the bare call, each at its best of the turns). A sweep costs some

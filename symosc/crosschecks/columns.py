@@ -322,7 +322,7 @@ def event_list_faults(check: Any) -> Iterator[Diagnosis]:
 
 
 def outliers(case: Case) -> Iterator[Candidate]:
-    """Yield samples with errors of their own: without them the steps are right."""
+    """Yield outliers: single wrong samples without which the steps are right."""
     check = case.check
     off = [fault for fault in check.faults if fault.reason == "outlier"]
     if off:

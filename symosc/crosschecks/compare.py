@@ -80,7 +80,7 @@ def crosscheck(
     workers: int | None = 1,
     progress: Progress | None = None,
 ) -> Any:
-    """Compare somebody's solution, or several, with the exact motion.
+    """Compare one or several external solutions with the exact motion.
 
     Parameters
     ----------

@@ -77,7 +77,7 @@ def terms(expr: Expr) -> list[Expr]:
 
 
 class PaperPrinter(LatexPrinter):
-    """sympy's LaTeX printer with the paper's letters, order and fractions."""
+    """A sympy LaTeX printer with the paper's symbols, order and fractions."""
 
     def __init__(self, decimals: bool = False) -> None:
         super().__init__({"mul_symbol": "", "inv_trig_style": "full"})
@@ -223,7 +223,7 @@ class PaperPrinter(LatexPrinter):
 
 
 def _factor_key(factor: Expr) -> tuple[int, int, Any]:
-    """Order numbers, parameters, other letters, functions, sums."""
+    """Return the sort key of a factor: numbers, parameters, other symbols, functions, sums."""
     base = factor.as_base_exp()[0]
     if factor.is_Rational:
         return 0, 0, sp.default_sort_key(factor)

@@ -98,7 +98,7 @@ def _above(difference: Any) -> int:
 
 
 def figure() -> Figure:
-    """Return the figure: formulas as lines, what was found by running as points."""
+    """Return the figure: formulas as lines, results of the package as points."""
     from matplotlib.figure import Figure
 
     fig = Figure(figsize=(9, 3.6), layout="constrained")

@@ -156,7 +156,7 @@ class PeriodicOrbit(Drawable):
         return ClosingEquations(self.parameters, Word(self.labels), self.periods)
 
     def phases(self) -> np.ndarray:
-        """Return the switching points as an (n, 2) array of (x, theta), phases not wrapped."""
+        """Return the switching points as an (n, 2) array of (x, theta), phases unwrapped."""
         Omega = float(self.parameters.Omega)
         return np.array([(float(x), Omega * float(t)) for t, x in self.points])
 

@@ -188,7 +188,7 @@ def motion_figure(name: str, columns: int = 2) -> Figure:
 
 
 def orbit_figure(name: str, columns: int = 2) -> Figure:
-    """Draw one period of the periodic orbit in the form of Figs. 9 and 10, with the printed start beside it."""
+    """Draw one period of the periodic orbit in the form of Figs. 9 and 10, with the printed start."""
     view, scene = orbit_view(name), load_scene(printed_scene(name))
     t, x, v = (float(value) for value in (scene.t0, scene.x0, scene.v0))
     panels: dict[str, Panel] = {letter: PANELS[letter] for letter in "abcdef"}
@@ -238,7 +238,7 @@ def _with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, float]) 
 
 
 def _phase_plane_with_start(ax: Axes, view: View, start: tuple[float, float]) -> None:
-    """Panel (c) with the printed start, and an inset inside the orbit if they cannot be told apart."""
+    """Draw panel (c) with the printed start, and an inset inside the orbit if they coincide visually."""
     _with_start(ax, view, PANELS["c"], start)
     crossing = min(view.trajectory.events, key=lambda event: abs(float(event.x) - start[0]))
     distance = abs(float(crossing.x) - start[0])

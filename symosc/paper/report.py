@@ -309,7 +309,7 @@ _MARKED: list[tuple[str, _Replacement]] = [
 
 
 def typeset(text: str) -> str:
-    """Return a text as HTML, its letters, signs, indices and powers as a printer would set them."""
+    """Return a text as HTML, with symbols, signs, indices and powers set typographically."""
     for sign, replacement in _SIGNS.items():
         text = re.sub(rf"(?<![\w]){re.escape(sign)}" if sign[0] == "x" else re.escape(sign), replacement, text)
     for pattern, plain in _PLAIN:

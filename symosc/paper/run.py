@@ -48,7 +48,7 @@ class Done(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """A picture's file, its caption, and what a phone shows in place of it, if that is another file."""
+    """A picture's file, its caption, and its replacement on phones, if that is another file."""
 
     svg: str
     caption: str
@@ -81,7 +81,7 @@ class Plan:
         return len(self.claims) + len(self.pictures) + len(self.chapters)
 
     def only(self, prefix: str) -> Plan:
-        """Return the part of it whose claims' ids begin with `prefix`, with the pictures that they refer to.
+        """Return the plan of the claims with ids that begin with `prefix`, and of their pictures.
 
         Derivations are left out: one chapter may take as long as all claims together.
         """
@@ -236,7 +236,7 @@ def timed(task: Callable[[], Any]) -> Done:
 
 
 def draw(picture: Picture) -> Drawn:
-    """Return a picture as SVG, with its caption, whose numbers are computed as well."""
+    """Return a picture as SVG, and its computed caption."""
     return Drawn(_svg(picture.build), picture.describe(), _svg(picture.narrow) if picture.narrow else "")
 
 

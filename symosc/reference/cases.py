@@ -67,7 +67,7 @@ CASE_GROUPS = {
 
 @lru_cache(maxsize=1)
 def reference_cases() -> Sequence[ReferenceCase]:
-    """Return all reference cases: motions whose events are known for certain, and mostly proven.
+    """Return all reference cases: motions with known, mostly proven events.
 
     Nothing is computed yet; a case computes its events, certificate and condition when they are asked for.
 
@@ -530,7 +530,7 @@ def _borders() -> Iterator[ReferenceCase]:
 
 
 def _resonance() -> Iterator[ReferenceCase]:
-    """Yield motions at Omega = omega_0, c = 0, whose turning points are at pi/2 + i pi and grow."""
+    """Yield motions at Omega = omega_0, c = 0, with growing turning points at pi/2 + i pi."""
     for number, F in enumerate(("0.1", "0.4", "0.75"), 1):
         p = wall(F, 1)
         closed = [f"t[{i}] = pi/2 + {i}*pi" for i in range(12)]

@@ -113,7 +113,7 @@ def _wrong(what: str) -> ParameterError:
 
 
 def _named(names: Iterable[str]) -> dict[str, str]:
-    """Return the names of the columns of events, by what they are."""
+    """Return the column names of events by their meaning."""
     found: dict[str, str] = {}
     there = list(map(str, names))
     for what, usual in EVENT_COLUMNS.items():

@@ -52,7 +52,7 @@ class Coordinate(NamedTuple):
 
 
 class Grid:
-    """The cells of a sweep, in C order of its dimensions, whose lengths are `sizes`.
+    """The cells of a sweep, in C order of its dimensions, which have the lengths `sizes`.
 
     Values are doubles, each read as the decimal that it prints as: a coordinate of the result says exactly what was
     computed. What is not swept stays exact.
@@ -198,7 +198,7 @@ def _starts(starts: Any) -> dict[str, np.ndarray]:
 
 
 def _check_values(scene: Scene, grid: Grid) -> None:
-    """Let Parameters judge the extreme values: what it allows are intervals, and that belt 1 is the slower one."""
+    """Check the extreme values by Parameters: its ranges are intervals, and belt 1 must be the slower one."""
     swept = {name: each.values for name, each in grid.coordinates.items() if name in PARAMETER_NAMES}
     belts = {name: swept.pop(name) for name in ("v1", "v2") if name in swept}
     for name, values in swept.items():
@@ -375,7 +375,7 @@ def read_record(record: Any) -> tuple[tuple[str, ...], int]:
 
 
 def _check_times(plan: SweepPlan) -> None:
-    """Raise ParameterError unless every motion ends after its start and after what is left out."""
+    """Raise ParameterError unless every motion ends after its start and after the skipped time."""
     grid = plan.grid.coordinates
     t0 = read_exact("t0", float(grid["t0"].values.max())) if "t0" in grid else plan.scene.t0
     if plan.skip.value < 0:

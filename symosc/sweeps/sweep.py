@@ -247,7 +247,7 @@ def _cut(todo: list[Range], size: int, under_way: int) -> Range:
 
 @contextmanager
 def _worker_errors() -> Iterator[None]:
-    """Raise SweepError for what a worker, or a broken pool, raises; but for our own errors and a lack of memory."""
+    """Raise SweepError for errors of a worker or a broken pool, except symosc's own and a lack of memory."""
     try:
         yield
     except (SymoscError, MemoryError):

@@ -296,7 +296,7 @@ def _table(scope: Scope) -> Items:
 
 
 def true_letters() -> dict[Any, Any]:
-    """Return the letters of the regimes from the coefficients and the discriminant of m z^2 + c z + k."""
+    """Return the symbols of the regimes in the coefficients and the discriminant of m z^2 + c z + k."""
     z = sp.Symbol("z")
     polynomial = sp.Poly(m * z**2 + c * z + k, z)
     a, b, _ = polynomial.all_coeffs()

@@ -165,7 +165,7 @@ def saltation() -> Items:
 
 @cache
 def _orbit(scene: str, word: str) -> tuple[Any, Any]:
-    """Return the product of an orbit's multipliers, and what the theorem says about it, with 50 digits."""
+    """Return the product of an orbit's multipliers, and its value by the theorem, with 50 digits."""
     from symosc.orbits.find import find_orbit
 
     p = load_scene(scene).parameters

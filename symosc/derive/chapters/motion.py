@@ -28,7 +28,7 @@ def coulomb(alpha: int) -> Any:
 
 
 def acceleration(alpha: int) -> Any:
-    """Return F^(alpha)(x, v, t) in the paper's letters: eq. (9) with A_alpha of the domain."""
+    """Return F^(alpha)(x, v, t) in the paper's notation: eq. (9) with A_alpha of the domain."""
     return solution.in_paper_letters(solution.acceleration()).subs(solution.A, solution.force_constant(alpha))
 
 

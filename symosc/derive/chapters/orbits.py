@@ -126,7 +126,7 @@ def _assumptions() -> Items:
 
 
 class Piece(NamedTuple):
-    """A map of an orbit: the map before it, the letters of its start, f1 and f2, and what the letters in them are."""
+    """A map of an orbit: the map before it, the symbols of its start, f1 and f2, and the values of the symbols."""
 
     row: Map
     before: Map

@@ -165,7 +165,7 @@ def contacts_text(path: Trajectory) -> str:
 
 
 def tangential(figure: Graze) -> Evidence:
-    """Check that the motion touches the belt at the red point and leaves: from the printed start and the exact one."""
+    """Check that the motion grazes the belt at the red point: from the printed start and the exact one."""
     printed, scene, p = motion(figure.printed), exact(figure), figure.parameters
     path = motion(scene)
     numbers = {"contacts as printed until the first slip": contacts_text(printed)}
@@ -196,7 +196,7 @@ def tangential(figure: Graze) -> Evidence:
 
 
 def touches_once(figure: Graze) -> Evidence:
-    """Check that a motion in the domain below touches belt 1 once and never again."""
+    """Check that a motion in the domain below grazes belt 1 once and never meets it again."""
 
     def once(scene: Scene) -> bool:
         return [event.kind for event in motion(scene, LATE).events] == ["graze"]
@@ -527,7 +527,7 @@ class FreeValue:
 
 
 def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray:
-    """Return x0 and v0 at t0 of the flows that touch the mapping's belt at the times t_m."""
+    """Return x0 and v0 at t0 of the flows that graze the mapping's belt at the times t_m."""
     p, at = scene.parameters, place(mapping)
     v = float(p.belt(at.boundary))
     A, B0, Omega, c, k = (float(value) for value in (p.A(at.domain), p.B0, p.Omega, p.c, p.k))

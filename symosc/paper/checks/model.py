@@ -392,7 +392,7 @@ def basic_mappings() -> Evidence:
 
 
 def trajectories_in_domains() -> Evidence:
-    """Fig. 4: between its ends a trajectory is in one domain or on one belt; that is what a mapping is."""
+    """Fig. 4: between its ends a trajectory is in one domain or on one belt, which defines a mapping."""
     numbers = {}
     for label, planes in PLANES.items():
         start, end = ({NEIGHBOURS[belt][side > 0]} if side else set() for belt, side in planes)
@@ -524,7 +524,7 @@ def position_bound(p: Parameters) -> float:
 
 
 def bounded_motions() -> Evidence:
-    """Section 5: three bounded motions in the three unbounded domains; and what becomes of that without a damper."""
+    """Section 5: three bounded motions in the three unbounded domains; and the case without a damper."""
     within, numbers = 0, {}
     for name in STATES:
         scene = load_scene(name)

@@ -133,7 +133,7 @@ def recording() -> Iterator[list[Any]]:
 
 
 def recorded(found: Any) -> Any:
-    """Return a motion or orbit, and add it to what is being recorded."""
+    """Return a motion or orbit, and add it to the current recording."""
     for each in _recorders:
         each.append(found)
     return found
@@ -224,7 +224,7 @@ def is_zero(force: Any) -> bool:
 
 
 def certificate_of(what: Scene | PeriodicOrbit) -> dict[str, str]:
-    """Return what a certificate of a motion or an orbit says, for the numbers of an evidence.
+    """Return the statement of a motion's or an orbit's certificate, for the numbers of an evidence.
 
     Without python-flint it says that nothing is proven here; the verdict does not rest on it.
     """

@@ -398,7 +398,7 @@ def _end_of_stick(scene: Scene) -> dict[str, str]:
 
 
 def _one_digit(scene: Scene, start: list[Nearest]) -> str:
-    """Point out a start whose x0 or t0 alone differs from the orbit's in one digit."""
+    """Describe a start with only x0 or t0 different from the orbit's, in one digit."""
     remarks = ""
     for each in start:
         printed, orbit = f"{float(getattr(scene, each.name)):.4f}", f"{each.value:.4f}"

@@ -357,7 +357,7 @@ def grazing_inequality() -> Evidence:
 
 
 def gamma_is_fixed() -> Evidence:
-    """gamma_j = (c/m) x'' + (k/m) x' tells the cases apart: what it is at a graze, where x'' = 0."""
+    """gamma_j = (c/m) x'' + (k/m) x' distinguishes the cases: its value at a graze, where x'' = 0."""
     grazes = [(contact, contact.force(domain)) for domain, contact in _zero_force_contacts() if contact.grazes(domain)]
     other = sum(gamma_of(c.p, force, c.speed) != c.p.k * c.speed / c.p.m for c, force in grazes)
     total = len(grazes)

@@ -345,7 +345,7 @@ THEOREMS = {
 
 
 def theorem(which: int, boundary: int) -> Evidence:
-    """Theorems 4 to 6, eqs. (26), (27), (34), (35), (38) to (43): is the printed "iff" what the exact flow does?"""
+    """Theorems 4 to 6, eqs. (26), (27), (34), (35), (38) to (43): does the exact flow obey the printed "iff"?"""
     printed, true, what, is_degenerate, degenerate = THEOREMS[which]
     cases, simulated = exact_contacts(boundary), _simulated(boundary)
     regular = sum(not is_degenerate(contact) for contact in cases)
