@@ -137,7 +137,7 @@ WordLike: TypeAlias = str | Iterable[str] | Word
 
 
 def _exit(stick: Map, after: Map) -> str | None:
-    """Return the side on which a stick ends, by the mapping after it."""
+    """Return the side on which a stick ends, by the mapping after it; None if that cannot follow."""
     if after.sticks or after.start.boundary != stick.end.boundary:
         return None
     return "below" if after.domain == NEIGHBOURS[stick.end.boundary][0] else "above"
@@ -199,7 +199,7 @@ def why_not(before: str, after: str, *, grazing: bool = False) -> str:
 
 
 def _read(word: str | Iterable[object]) -> tuple[tuple[str, ...], str]:
-    """Read a word without a check that a motion can follow it."""
+    """Return the labels of a word in order of time, and its text."""
     if isinstance(word, str):
         text = word.strip()
         parts = [part for part in re.split(r"[\s,*·∘]+", text) if part]

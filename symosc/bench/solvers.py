@@ -231,7 +231,7 @@ def _first_line(message: object) -> str:
 
 
 def _drop_output() -> None:
-    """Discard the standard output of the worker."""
+    """Discard standard output and standard error of the worker."""
     nothing = os.open(os.devnull, os.O_WRONLY)
     for stream in (1, 2):
         os.dup2(nothing, stream)

@@ -391,7 +391,7 @@ def certify_orbit(
 
 
 def _exact(number: Number) -> Ball:
-    """Return a number as an exact fraction."""
+    """Return a number as an exact ball."""
     man_exp = getattr(number, "man_exp", None)  # an mpmath number has more digits than a float
     if man_exp is None:
         return arb(number)

@@ -469,7 +469,7 @@ def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the least-squares solution of here + J change = 0."""
+    """Return the change by least squares and its standard deviations, or None."""
     matrix, right = J.reshape(-1, J.shape[-1]), -here.ravel()
     units = np.sqrt(np.sum(matrix**2, axis=0))
     if not len(right) or not np.all(units > 0.0):

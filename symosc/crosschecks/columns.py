@@ -98,7 +98,7 @@ def _units(p: Parameters) -> Iterator[Transform]:
 
 
 def _divided(names: list[str], factor: float, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
-    """Return a description and t, x, v with the named columns divided by a factor."""
+    """Return t, x, v with the named columns divided by a factor."""
     t, x, v = (each / factor if name in names else each for name, each in (("t", t), ("x", x), ("v", v)))
     return t, x, v
 

@@ -149,7 +149,7 @@ def crosscheck(
 
 
 def _positive(name: str, value: object) -> float:
-    """Check that a tolerance is a positive number."""
+    """Return a tolerance as a float; raise ParameterError unless it is positive."""
     number = float(read_exact(name, value))
     if not number > 0.0:
         raise ParameterError(name, value, "must be > 0")
@@ -401,7 +401,7 @@ class Task:
         return notes
 
     def _notes(self, units: np.ndarray, listed: np.ndarray) -> list[str]:
-        """Return the notes on the units and the list of events."""
+        """Return the notes on the samples and on their rounding."""
         columns = ", ".join(f"{name} to {text}" for name, text in self.rounding.texts.items())
         at_it = "; they are judged at that precision" if np.any(units) or np.any(listed) else ""
         return [*self.samples.notes, *([f"the samples are rounded: {columns}{at_it}"] if columns else [])]

@@ -462,7 +462,7 @@ class Matcher:
                 self._set_aside(run, ())
 
     def _set_aside(self, found: Iterable[int], exact: Iterable[int]) -> None:
-        """Ignore these found and exact events."""
+        """Move these found and exact events to the unresolved ones."""
         exact, found = sorted(exact), sorted(found)
         self.exact_free -= set(exact)
         self.found_free -= set(found)

@@ -118,7 +118,7 @@ def _push(case: Case, x: np.ndarray, v: np.ndarray, theta: np.ndarray, boundary:
 
 
 def _half_jump(case: Case, boundary: np.ndarray) -> np.ndarray:
-    """Return half the jump of the acceleration at a boundary."""
+    """Return half the jump of the acceleration at a boundary, from the belt constants."""
     return np.asarray(0.5 * np.array([case.steps.K.belt1.J, case.steps.K.belt2.J])[boundary - 1])
 
 

@@ -361,7 +361,7 @@ def _of_table(table: Table, asked: Asked, where: str) -> list[Samples]:
 
 
 def _array(values: Any) -> np.ndarray:
-    """Return values as a numpy array."""
+    """Return values as a numpy array, empty if they have no common shape."""
     try:
         return np.asarray(values)
     except ValueError:  # ragged; the check of the samples says where
@@ -496,7 +496,7 @@ def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until
 
 
 def _times(values: Any) -> list[float]:
-    """Return the times of a list of states."""
+    """Return the times in lists of event times, checked to be finite."""
     unmasked("t_events", values)
     try:
         found: list[float] = np.ravel(np.asarray(values, dtype=float)).tolist()
@@ -508,7 +508,7 @@ def _times(values: Any) -> list[float]:
 
 
 def _speed(states: Any, i: int, j: int) -> float:
-    """Return the mean velocity between two states."""
+    """Return the velocity in an event state."""
     try:
         return float(np.ravel(states[i][j])[-1])
     except (IndexError, KeyError, TypeError, ValueError):

@@ -127,7 +127,7 @@ def _of_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, of
 
 
 def _motion(scene: Scene | Parameters, t_end: float, start: Record) -> Trajectory | None:
-    """Return the exact motion of a scene from a start."""
+    """Return the exact motion of a scene from a start, or None if it is not allowed."""
     try:
         return simulate(scene, t_end=float(t_end), max_events=MOST_TRIED_EVENTS, **start)
     except ParameterError:

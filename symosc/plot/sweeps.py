@@ -232,7 +232,7 @@ def curve_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
 
 
 def _span(axes: Axes, values: Any) -> None:
-    """Return the range of an axis."""
+    """Set the range of the horizontal axis."""
     if values.min() < values.max():
         axes.set_xlim(values.min(), values.max())
 

@@ -169,7 +169,7 @@ class Trajectory(Drawable):
         return values[0] if times.ndim == 0 else np.array(values).reshape(times.shape)
 
     def _piece(self, t: float) -> tuple[Piece, float]:
-        """Return the piece at a time."""
+        """Return the piece at a time, and the time since its start."""
         if not float(self.t_start) <= t <= float(self.t_end):
             raise ParameterError("t", float(t), f"must be within [{float(self.t_start)!r}, {float(self.t_end)!r}]")
         elapsed = (t - self._t0) - self._t0_low
@@ -272,7 +272,7 @@ class Trajectory(Drawable):
         return hash((self.parameters, self.digits, self.status, float(self.t_end), len(self.events)))
 
     def _content(self) -> tuple[Any, ...]:
-        """Return the data that `as_dict` and notebooks show."""
+        """Return the data by which trajectories are compared."""
         about = self.parameters, self.digits, self.status, self.message
         return *about, self.events, self.segments, self._pieces
 

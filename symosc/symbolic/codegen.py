@@ -314,7 +314,7 @@ class ArithmeticPrinter:
         return self.text(head) + "".join(signed)
 
     def _is_plain(self, term: Expr) -> bool:
-        """Return whether a term is a name or a number."""
+        """Return whether a term is an integer or a named symbol, up to its sign."""
         symbol = -term if _is_negative(term) else term
         return symbol.is_Integer or (symbol in self.names and symbol not in self.scratch)
 
@@ -328,5 +328,5 @@ class ArithmeticPrinter:
 
 
 def _is_negative(expr: Expr) -> bool:
-    """Return whether an expression begins with a minus sign."""
+    """Return whether an expression has a negative coefficient."""
     return bool(expr.as_coeff_Mul()[0].is_negative)

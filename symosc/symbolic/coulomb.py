@@ -142,7 +142,7 @@ def largest_force_ratio(largest: Expr) -> Expr:
 
 
 def _steady(expr: Expr) -> Expr:
-    """Return the steady part of an expression."""
+    """Substitute p_0 and q_0 of the steady part, and expand."""
     return sp.expand(expr.subs({p_0: x_0 + G * x_f, q_0: H * x_f}))
 
 

@@ -195,7 +195,7 @@ def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
 
 
 def _cases(where: Place, gamma: Expr, amplitude: Expr, full: bool) -> Theorem7Cases:
-    """Yield the cases with their conditions and sets."""
+    """Return the cases with gamma and amplitude substituted."""
 
     def substituted(expr: Expr) -> Expr:
         if isinstance(expr, sp.Union):
