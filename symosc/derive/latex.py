@@ -271,7 +271,7 @@ def _long_names(parts: list[str]) -> bool:
 
 
 def _parentheses(text: str) -> str:
-    """Return text in parentheses."""
+    """Return text in parentheses of sufficient size."""
     return rf"\left({text}\right)" if r"\frac" in text else f"({text})"
 
 
@@ -376,5 +376,5 @@ def _term_pieces(term: Expr, decimals: bool, room: float, first: bool) -> list[s
 
 
 def _signed(text: str, first: bool) -> str:
-    """Return text with an explicit sign."""
+    """Return text with a leading sign, except for the first positive term."""
     return text if first or text.startswith("-") else f"+ {text}"

@@ -407,7 +407,7 @@ def rounded(number: Any, decimals: int) -> Any:
 
 
 def _vanish(statement: Relation, rest: Expr, complaint: str) -> None:
-    """Check that all expressions vanish, or raise StepError with the complaint."""
+    """Raise StepError with the complaint unless an expression vanishes."""
     if rest != 0 and sp.simplify(rest) != 0:
         raise StepError(str(statement), complaint.format(rest))
 

@@ -272,7 +272,7 @@ class Tracer(Origins):
 
     @cached_property
     def _autonomous(self) -> Arrival:
-        """Return the sample of a system without drive."""
+        """The arrival of a system without drive, the same for all phases."""
         return self.arrival(0.0)
 
     def sample(self, theta_m: float, careful: bool = True) -> Sample:

@@ -209,7 +209,7 @@ class PeriodicOrbit(Drawable):
         return min(choices, key=lambda states: float(np.abs(states[:, :1] - start).max()))
 
     def _nearest_switching(self, scene: Scene) -> tuple[float, float]:
-        """Return the switching point nearest to the scene's start."""
+        """Return the distance (dt, dx) from the scene's start to the nearest switching point."""
         T, best = float(self.period) / self.periods, (float("nan"), float("nan"))
         for piece, (t, x) in zip(self.equations().pieces, self.points, strict=True):
             if scene.v0 == self.parameters.belt(piece.start):
@@ -257,7 +257,7 @@ def _state(equations: ClosingEquations, points: np.ndarray, t: float) -> tuple[f
 
 
 def _size(dt: float, dx: float) -> float:
-    """Return the size of a distance in time and position."""
+    """Return the larger of |dt| and |dx|, inf without a time."""
     return inf if dt != dt else max(abs(dt), abs(dx))
 
 

@@ -290,7 +290,7 @@ def page(check: CrossCheck) -> Record:
 
 
 def _verdict(check: CrossCheck) -> str:
-    """Return the verdict as HTML."""
+    """Return the verdict as text."""
     if check.ok:
         return f"Right: every step agrees with the exact motion, to a tolerance of {check.tolerance:g}."
     wrong = f"wrong steps: {len(check.wrong_steps)} of {len(check.defects)}"
@@ -300,7 +300,7 @@ def _verdict(check: CrossCheck) -> str:
 
 
 def _facts(check: CrossCheck) -> list[tuple[str, str]]:
-    """Return the findings as an HTML table."""
+    """Return the findings as names and texts."""
     limits = check.limits_there
     return [
         ("Samples", f"{len(check.t)}, from t = {check.t[0]:.10g} to {check.t[-1]:.10g}"),
@@ -313,7 +313,7 @@ def _facts(check: CrossCheck) -> list[tuple[str, str]]:
 
 
 def _diagnosis(one: Diagnosis) -> Record:
-    """Return a diagnosis as HTML."""
+    """Return a diagnosis as values for the page."""
     from symosc.crosschecks.causes import CAUSES
 
     error = f" ± {one.error:.2g}" if one.error else ""
@@ -329,7 +329,7 @@ def _diagnosis(one: Diagnosis) -> Record:
 
 
 def _fault(fault: Fault | None) -> Record | None:
-    """Return a wrong step as HTML."""
+    """Return a wrong step as values for the page."""
     from symosc.crosschecks.causes import REASONS
 
     if fault is None:
@@ -361,7 +361,7 @@ def _events(check: CrossCheck) -> Iterator[Record]:
 
 
 def _pictures(check: CrossCheck) -> Iterator[Record]:
-    """Yield the pictures of the page as HTML."""
+    """Yield the pictures of the page as values for it."""
     first, many = check.first_wrong, len(check.t) > MOST_LINES
     if first:
         said = f"The step from sample {first.step} (t = {first.t:.8g}) to the next one. The line is the exact motion "
@@ -385,7 +385,7 @@ CAPTIONS = (
 
 
 def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
-    """Return a figure as HTML."""
+    """Return a figure as values for the page."""
     width, height = drawing.get_size_inches()
     if len(drawing.axes) == 1:
         drawing.axes[0].set_title("", loc="left")  # no letter for a single panel
@@ -498,7 +498,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
 
 
 def _mark_of(i: int) -> Record:
-    """Return the mark of the i-th solver."""
+    """Return the style of the i-th solver's marks."""
     mark = SOLVER_MARKS[(i + i // len(SOLVER_COLOURS)) % len(SOLVER_MARKS)]
     return {"color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)], "marker": mark, "markersize": 3.2, "markeredgewidth": 0}
 

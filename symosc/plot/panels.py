@@ -401,7 +401,7 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
 
 
 def _power(exponent: int) -> str:
-    """Return a power of ten as text."""
+    """Return the beginning of a label with a power of ten, in math text."""
     return "$" if exponent == 0 else f"$10^{{{exponent}}}\\,"
 
 

@@ -570,7 +570,7 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: 
 
 
 def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
-    """Draw a flight from its start to its graze."""
+    """Draw the flights of a grazing curve against the phase."""
     for piece in curve.pieces:
         axes.plot(piece.theta_m, piece.theta_m - piece.theta, color=START_COLOR, linewidth=1.2)
         _ends(axes, piece, [end.theta_m - end.theta for end in (piece.low, piece.high)], "theta_m")

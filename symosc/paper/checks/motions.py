@@ -554,7 +554,7 @@ def stick_appears(scene: Scene, belt: int) -> Evidence:
 
 
 def _figure(scene: Scene) -> str:
-    """Return the name of the scene's figure."""
+    """Return the figure of a scene as text, such as "Fig. 5"."""
     return f"Fig. {scene.name.removeprefix('fig')}"
 
 

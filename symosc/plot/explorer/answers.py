@@ -297,7 +297,7 @@ def _rounded(values: Any, span: float) -> list[float]:
 
 
 def _span(values: np.ndarray) -> float:
-    """Return the range of values."""
+    """Return the width of the range of values, or their size if they are equal."""
     return float(np.ptp(values)) or float(np.abs(values).max())
 
 
@@ -363,7 +363,7 @@ def _belts(view: View, v_range: tuple[float, float]) -> Record:
 
 
 def _window(window: GrazingWindow) -> Record:
-    """Return a grazing window as text."""
+    """Return a grazing window as plain values."""
     arcs = [
         f"{'[' if first else '('}{low:.4f}, {high:.4f}{']' if last else ')'}"
         for low, high, first, last in window.intervals

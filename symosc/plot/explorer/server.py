@@ -172,7 +172,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._send(as_toml(scene) + "\n", TYPES[".toml"], Content_Disposition='attachment; filename="scene.toml"')
 
     def _read_file(self, name: str) -> None:
-        """Return the link of an uploaded scene file."""
+        """Send the texts and notes of an uploaded scene file, or its error."""
         length = self.headers.get("Content-Length", "")
         if not (length.isascii() and length.isdecimal()):
             self.send_error(HTTPStatus.BAD_REQUEST, explain="Content-Length is no number")
