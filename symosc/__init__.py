@@ -1,8 +1,8 @@
 """symosc: exact solutions of the double-belt friction oscillator.
 
-What calls what, from a scene to its events:
+Call sequence, from a scene to its events:
 
-    simulate            simulation.simulate     reads the problem, follows it, asks for more digits where it must
+    simulate            simulation.simulate     reads the problem, follows it, raises the precision where needed
       Motion.step       simulation.motion       one event after the other, recorded
         advance         engine.next_event       the next event: its kind, the state after it, their errors
           first_exit    engine.first_exit       where a flight meets a belt (in the bounds: gap_bound)
@@ -10,9 +10,9 @@ What calls what, from a scene to its events:
             basis       kernels                 the closed form, printed by sympy (symbolic.codegen)
 
 The packages, each using only those before it: kernels, engine, mappings and simulation, symbolic, orbits, crosschecks,
-grazing, certificates, reference, plot, derive and bench, paper, cli. What stands beside them (errors, arguments, exact,
-files, display, model, words, scenes) is for all. The public names are listed in ``__init__.pyi`` and loaded on first
-use: importing symosc loads neither sympy nor matplotlib nor numba.
+grazing, certificates, reference, plot, derive and bench, paper, cli. The top-level modules (errors, arguments, exact,
+files, model, words, aliases), display and scenes serve all. The public names are listed in ``__init__.pyi`` and loaded
+on first use: importing symosc loads neither sympy nor matplotlib nor numba.
 """
 
 from functools import partial

@@ -1,4 +1,4 @@
-"""Names for types: of what mpmath and sympy ship no types for, and of what callers may hand in."""
+"""Type aliases: for mpmath and sympy, which ship no types, and for the arguments of public functions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Check the arguments of public functions against their annotations, all in one way.
+"""Check the arguments of public functions against their annotations.
 
 `public` decorates a function or a method. Its annotations, read as text at the first call, say what each argument may
 be: no package is loaded for that, and a name such as ``Axes`` is that of a class, wherever it was defined. Whether a
@@ -39,11 +39,12 @@ class Kind(NamedTuple):
 
 
 def _inherits(*names: str) -> Callable[[type], bool]:
-    """Return what tells whether a type is, or inherits from, a class of one of some names."""
+    """Return a function that checks whether a type inherits from a class with one of some names."""
     return lambda kind: any(base.__name__ in names for base in kind.__mro__)
 
 
 def _is_truth(kind: type) -> bool:
+    """Return whether a type is a boolean."""
     return kind is bool or (kind.__name__ in ("bool", "bool_") and kind.__module__ == "numpy")
 
 
@@ -102,6 +103,7 @@ def _is_shallow(value: Any, depth: int = MOST_DEPTH) -> bool:
 
 
 def _class(name: str, source: str = "") -> Kind:
+    """Return the kind of the instances of a class."""
     return Kind(f"{'an' if name[0] in 'AEIO' else 'a'} {name}", _inherits(name), source=source)
 
 
@@ -158,7 +160,7 @@ KINDS |= {
 
 
 def _kinds(node: ast.expr) -> list[Kind] | None:
-    """Return the kinds that an annotation names; None: anything."""
+    """Return the kinds allowed by an annotation, or None for anything."""
     match node:
         case ast.BinOp(left, ast.BitOr(), right):
             first, second = _kinds(left), _kinds(right)
@@ -187,6 +189,7 @@ def _kinds(node: ast.expr) -> list[Kind] | None:
 
 
 def _named(name: str) -> list[Kind] | None:
+    """Return the kinds of a named type."""
     if name in ("Any", "object"):
         return None
     kind = KINDS.get(name) or _class(name)
@@ -194,19 +197,23 @@ def _named(name: str) -> list[Kind] | None:
 
 
 def _parsed(text: str) -> ast.expr:
+    """Parse an annotation."""
     return ast.parse(text, mode="eval").body
 
 
 def _fits(kinds: list[Kind] | None, value: object) -> bool:
+    """Return whether a value is of one of the kinds."""
     return kinds is None or any(kind.takes(value) for kind in kinds)
 
 
 def _text(kinds: list[Kind]) -> str:
+    """Return kinds as text for a message."""
     *first, last = dict.fromkeys(kind.text for kind in kinds)
     return f"{', '.join(first)} or {last}" if first else last
 
 
 def _each(kinds: list[Kind] | None) -> str:
+    """Return the part of a message about the entries of a row, "" if they may be anything."""
     return f", each {_text(kinds)}" if kinds else ""
 
 
@@ -221,7 +228,7 @@ def _row(entries: list[list[Kind] | None]) -> Kind:
 
 
 def _rows(entry: list[Kind] | None, once: bool) -> Kind:
-    """Return the kind of rows of any length; of what is read only `once` the entries are not looked at here."""
+    """Return the kind of rows of any length; entries that are read only `once` are not checked here."""
 
     def may(kind: type) -> bool:
         return _is_row(kind) or (once and hasattr(kind, "__next__"))
@@ -233,6 +240,8 @@ def _rows(entry: list[Kind] | None, once: bool) -> Kind:
 
 
 def _mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
+    """Return the kind of mappings."""
+
     def fits(given: Mapping[Any, Any]) -> bool:
         return all(_fits(key, name) and _fits(value, each) for name, each in given.items())
 
@@ -240,7 +249,7 @@ def _mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
 
 
 class Rule:
-    """What one parameter takes; `known` are types all of whose values are allowed."""
+    """The allowed values of one parameter; `known` are types with all values allowed."""
 
     __slots__ = ("kinds", "known", "name")
 

@@ -48,6 +48,7 @@ def read_exact(name: str, value: object) -> Fraction:
 
 
 def _read(name: str, value: Any) -> Fraction:
+    """Return a value as an exact Fraction."""
     if isinstance(value, bool):
         raise ParameterError(name, value, NUMBER_FORMS)
     if isinstance(value, Fraction):
@@ -74,6 +75,7 @@ def _read(name: str, value: Any) -> Fraction:
 
 
 def _read_text(name: str, text: str) -> Fraction:
+    """Return a number given as text as an exact Fraction."""
     if len(text) > MOST_CHARACTERS:
         raise ParameterError(name, text, f"a number may have at most {MOST_CHARACTERS} characters")
     read = NUMBER.fullmatch(text.strip())
@@ -90,6 +92,7 @@ def _read_text(name: str, text: str) -> Fraction:
 
 
 def _read_mpf(name: str, value: Any) -> Fraction:
+    """Return an mpf as an exact Fraction."""
     sign, mantissa, exponent, bits = value._mpf_
     if not mantissa and (exponent or bits):  # mpmath's encoding of nan and the infinities
         raise ParameterError(name, value, "must be finite")
@@ -110,7 +113,7 @@ def unmasked(name: str, value: Any) -> Any:
 
 
 def _is_truth(value: object) -> bool:
-    """Tell whether this is a truth value, of Python or of numpy, which is not loaded for this."""
+    """Return whether a value is a boolean of Python or of numpy, without importing numpy."""
     return type(value).__name__ in ("bool", "bool_")
 
 
@@ -177,11 +180,12 @@ def show(value: Fraction) -> str:
 
 
 def _digits(number: int) -> str:
+    """Return all digits of a whole number as text."""
     return str(Decimal(number))  # an int of more than 4300 digits cannot be printed
 
 
 def _twos_and_fives(denominator: int) -> tuple[int, int, int]:
-    """Return the exponents of 2 and 5 in a number, and what is left of it without them."""
+    """Return the exponents of 2 and 5 in a number, and the remaining factor."""
     twos, fives = (denominator & -denominator).bit_length() - 1, 0
     rest = denominator >> twos
     while rest % 5 == 0:

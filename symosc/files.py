@@ -1,4 +1,4 @@
-"""Writing files whole or not at all."""
+"""Write files atomically."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DRAFT_PREFIX = ".symosc-"
 
 
 def write_whole(path: str | Path, write: Callable[[Path], object], suffix: str = "") -> Path:
-    """Let `write` fill a draft beside `path`, then move it there; on an error nothing is left behind.
+    """Write a draft next to `path` by `write`, then move it there; on an error nothing remains.
 
     ``"-"`` is standard output; the draft then has the given suffix. OutputError if the folder cannot be written to.
     """
@@ -69,6 +69,7 @@ def check_folder_of(path: str | Path) -> None:
 
 
 def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
+    """Write to standard output."""
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / f"draft{suffix}"
         write(draft)
@@ -137,7 +138,7 @@ def check_folder(path: str | Path, earlier: Callable[[Path], Container[str]]) ->
 
 
 def _put_in_place(draft: Path, target: Path) -> None:
-    """Rename a draft to its final name; what was there goes last, and comes back if that fails."""
+    """Rename a draft to its final name; restore the previous file if that fails."""
     if not target.exists():
         draft.rename(target)
         return
@@ -152,6 +153,7 @@ def _put_in_place(draft: Path, target: Path) -> None:
 
 
 def _umask() -> int:
+    """Return the file mode creation mask."""
     mask = os.umask(0)
     os.umask(mask)
     return mask

@@ -1,4 +1,4 @@
-"""Words: sequences of mappings in order of time, such as P2 and then P3; and which map may follow which.
+"""Words: sequences of mappings in order of time, such as P2 and then P3; and which mapping may follow which.
 
 The paper writes a word like a composition of functions, from right to left: P32 = P3∘P2 applies P2 first. That text is
 its mapping structure. `read_word` makes a `Word` of a text, and ``str`` a text of a `Word`; nothing else converts them.
@@ -137,6 +137,7 @@ WordLike: TypeAlias = str | Iterable[str] | Word
 
 
 def _exit(stick: Map, after: Map) -> str | None:
+    """Return the side on which a stick ends, by the mapping after it; None if that cannot follow."""
     if after.sticks or after.start.boundary != stick.end.boundary:
         return None
     return "below" if after.domain == NEIGHBOURS[stick.end.boundary][0] else "above"
@@ -184,7 +185,7 @@ def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> 
 
 
 def why_not(before: str, after: str, *, grazing: bool = False) -> str:
-    """Return why no motion does `before` and then `after`, or "" if one can."""
+    """Return the reason why no motion does `before` and then `after`, or "" if one can."""
     first, second = MAPS[before], MAPS[after]
     ends, starts = first.end, second.start
     step = f"{after} cannot follow {before}"
@@ -198,6 +199,7 @@ def why_not(before: str, after: str, *, grazing: bool = False) -> str:
 
 
 def _read(word: str | Iterable[object]) -> tuple[tuple[str, ...], str]:
+    """Return the labels of a word in order of time, and its text."""
     if isinstance(word, str):
         text = word.strip()
         parts = [part for part in re.split(r"[\s,*·∘]+", text) if part]

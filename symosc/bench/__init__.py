@@ -1,9 +1,9 @@
-"""Speed beside error: this package's own, and other people's solvers on the same scenes.
+"""Benchmarks: run time and error of this package and of other solvers on the same scenes.
 
 speed, work and error_map measure, cases scores on the reference cases, results writes README and docs/results. May
 import: up to plot.
 
-One more solver: a module peers_*.py with a tuple ``SOLVERS``, like peers_scipy; it is found by its name.
+To add a solver, write a module peers_*.py with a tuple ``SOLVERS``, like peers_scipy; it is found by its name.
 """
 
 from __future__ import annotations

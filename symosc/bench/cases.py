@@ -1,4 +1,4 @@
-"""All solvers on the reference cases: what `symosc score` would say of each, and whether symosc keeps its bound.
+"""Run all solvers on the reference cases: the score of each, and whether symosc keeps its error bound.
 
 A solver follows a case at its finest tolerance, in a process of its own and within a limit of processor time, so that
 other work on the machine changes no score. In the hard cases (`symosc.reference.cases`) symosc's own errors must
@@ -74,7 +74,7 @@ def run(
     cases: Sequence[ReferenceCase] | None = None,
     limit: float = CASE_LIMIT,
 ) -> Record:
-    """Let solvers (None: all) follow cases (None: all) and judge what they find.
+    """Run solvers (None: all) on cases (None: all) and judge their events.
 
     `progress` gets a sequence of steps and returns it as an iterable that may show how far it is; `limit` is in seconds
     of processor time. Keys: scores and ours (lists of `symosc.reference.score.Score`; the second one with
@@ -117,7 +117,7 @@ def run(
 
 
 def found_by(solver: Solver, case: ReferenceCase, limit: float) -> list[FoundEvents] | None:
-    """Return what a solver finds in a case; None if it takes longer than `limit`."""
+    """Return the events that a solver finds in a case; None if it takes longer than `limit`."""
     try:
         with processor_limit(limit):
             return list(solver.prepare(case.scene, solver.tolerances[-1])())
@@ -144,7 +144,7 @@ def _value(outcome: Outcome) -> Any:
 
 
 def our_verdict(result: Record) -> str:
-    """Return in how many hard cases ours kept its bound, and by how much; else where it did not."""
+    """Return in how many hard cases symosc kept its bound, and by how much; else where it did not."""
     bound = "1e-12, or 100 * condition * 1e-16 where that is more"
     if result["violations"]:
         return "\n".join([f"Not within {bound}:", *(f"  {each}" for each in result["violations"])])
@@ -167,7 +167,7 @@ def table(result: Record) -> str:
 
 
 def hard_summary(result: Record) -> str:
-    """Return a Markdown table of the groups of hard cases: what each solver made of them, and what is hard."""
+    """Return a Markdown table of the groups of hard cases: each solver's results, and the difficulty."""
     scores, rows = result["scores"], []
     for group, cases in by_group(scores[0].cases):
         if group in GROUPS:
@@ -178,12 +178,12 @@ def hard_summary(result: Record) -> str:
 
 
 def as_json(result: Record) -> Record:
-    """Return plain data."""
+    """Return the results as plain data."""
     return result | {key: [score.as_dict() for score in result[key]] for key in ("scores", "ours")}
 
 
 def write(path: str | Path, result: Record, command: str) -> list[Path]:
-    """Write the page of all scores, and the picture beside it; return both files."""
+    """Write the page of all scores and its picture; return both files."""
     picture = Path(path).with_suffix(".svg")
     scores: list[Score] = result["scores"]
     more = [

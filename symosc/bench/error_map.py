@@ -1,4 +1,4 @@
-"""How exact the flow's kernels are in double precision, over damping, drive and time, against 50 digits.
+"""Map of the errors of the flow's kernels in double precision over damping, drive and time, against 50 digits.
 
 The flow from any start is linear in the start's data, with the entire functions E0, E1, E2, R2, I2 of
 `symosc.kernels.entire` as coefficients. The error of a time is the largest error of these functions, each relative to
@@ -143,7 +143,7 @@ def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
 
 
 def formula_of(tau: float, K: Constants) -> str:
-    """Return which formula `symosc.kernels.entire.basis` takes: "series", "apart" (the cheap one) or "careful"."""
+    """Return the formula that `symosc.kernels.entire.basis` uses: "series", "apart" (the cheap one) or "careful"."""
     return str(_naming_basis_at(tau, 0.0, 1.0, K)[0])
 
 
@@ -234,7 +234,7 @@ def figure(result: Record) -> Figure:
 
 
 def _borders(ax: Axes, result: Record, column: int, shipped: bool) -> None:
-    """Draw the border of the cheap formula; for what is shipped all borders, and the names of what is between them."""
+    """Draw the border of the cheap formula, or all borders between symosc's formulas with their names."""
     from scipy.ndimage import label
 
     chosen = np.array(result["formulas"][column])

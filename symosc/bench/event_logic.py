@@ -1,4 +1,4 @@
-"""The event logic that a careful user of an ODE integrator writes: floats, Theorems 4 to 6, nothing of our engine.
+"""Event logic for ODE integrators as a careful user writes it: floats, Theorems 4 to 6, independent of the engine.
 
 A motion is a chain of flights through a domain and sticks on a belt. A solver gives ``leave(q, s, mode, t, x, v,
 t_end)``, which follows one of them with the solver's settings `s` and returns (side, t, x): side -1 or +1 where it was
@@ -62,7 +62,7 @@ margin: Any = None
 
 
 class PeerError(SymoscError, RuntimeError):
-    """A peer cannot go on."""
+    """Raised if a peer solver cannot continue."""
 
 
 class Problem(NamedTuple):
@@ -110,7 +110,7 @@ def force(q, alpha, t, x, v):
 
 
 def margins(q, mode, t, x, v):
-    """Return how far a mode is from being left downward and upward: positive inside."""
+    """Return the distances of a mode from its lower and upper exit: positive inside."""
     if mode == 1:
         return inf, q.v1 - v
     if mode == 2:

@@ -1,4 +1,4 @@
-"""The results: a short section in the README, and pages of their own; measured, written and drawn by one command."""
+"""Benchmark results: measure, write the README section and the pages, and draw the figures."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def replaced(text: str, section: str, content: str, name: str | Path = "README")
 
 
 def write(readme: str | Path, result: Record) -> list[Path]:
-    """Write the results into the README, pictures and full tables into files beside it; return these files.
+    """Write the results into the README, with pictures and full tables in separate files; return these files.
 
     `result` has whether it was quick, and what `run` returns in speed, work ("work_precision"), cases ("scores") and
     error_map.
@@ -70,7 +70,7 @@ def write(readme: str | Path, result: Record) -> list[Path]:
 
 
 def figures(result: Record) -> str:
-    """Return our speed and error, and how the best of the others compares: the same in the README and on the page."""
+    """Return symosc's speed and error, and the ratio to the best of the others, for the README and the page."""
     measured = result["work_precision"]
     text = f"{_heyoka(measured)}{looser(measured)}{cases.our_verdict(result['scores'])}"
     return f"{speed.section(result['speed'])}\n{speed.wrapped(text)}\n"
@@ -129,7 +129,7 @@ def _heyoka(measured: Record) -> str:
 
 
 def looser(measured: Record) -> str:
-    """Return what our last digits cost, for the scenes where a looser accuracy saves half of the time or more."""
+    """Return the cost of symosc's last digits, for scenes where a looser accuracy saves half of the time or more."""
     ours: dict[str, list[Record]] = {}
     for row in measured["rows"]:
         if row["solver"] == OURS[0].name and row["us_per_event"]:

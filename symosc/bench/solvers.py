@@ -1,4 +1,4 @@
-"""Solvers as the benchmarks see them, the list of all, and calls of them with a time limit in a process of their own.
+"""The solvers of the benchmarks, and calls of them with a time limit in a separate process.
 
 What hangs or dies there is a result, not the end of the run. The process is spawned, not forked: compiled peers (numba,
 heyoka) and the pool itself run threads, and locks that these hold at a fork are never released in the child. It serves
@@ -40,7 +40,7 @@ PROCESSES = min(2, os.cpu_count() or 1)
 
 
 class LazyEvents(Sequence[FoundEvents]):
-    """Events that become Python objects on first access: a solver that works in arrays is timed without that."""
+    """Events converted to Python objects on first access, so that array solvers are timed without that."""
 
     def __init__(self, make: Callable[[], Sequence[FoundEvents]]) -> None:
         self._make = make
@@ -134,7 +134,7 @@ def all_solvers() -> tuple[Solver, ...]:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a call: its value, or a failure and None.
+    """The result of a call: its value, or a failure and None.
 
     The failure is "hang" (the time limit was reached), "exception: <type>: <message>" or "crash: <how the process
     ended>". `warnings` has the first lines of the different warnings.
@@ -146,7 +146,7 @@ class Outcome:
 
     @property
     def lost(self) -> bool:
-        """Whether the process is gone, with all that it had imported and compiled."""
+        """Whether the process has ended and must be started again."""
         return self.failure == HANG or self.failure.startswith(CRASH)
 
 
@@ -173,7 +173,7 @@ class Worker:
         self._pool.join()
 
     def call(self, limit: float, function: Callable[..., Any], *arguments: object) -> Outcome:
-        """Return what became of ``function(*arguments)`` (picklable) within `limit` seconds.
+        """Return the outcome of ``function(*arguments)`` (picklable) within `limit` seconds.
 
         The clock includes what the function imports or compiles, but not the start of the process.
         """
@@ -215,6 +215,7 @@ def processor_limit(seconds: float) -> Iterator[None]:
 
 
 def _guarded(function: Callable[..., Any], arguments: tuple[object, ...]) -> Outcome:
+    """Call a function in the worker; return its outcome."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
@@ -230,6 +231,7 @@ def _first_line(message: object) -> str:
 
 
 def _drop_output() -> None:
+    """Discard standard output and standard error of the worker."""
     nothing = os.open(os.devnull, os.O_WRONLY)
     for stream in (1, 2):
         os.dup2(nothing, stream)
@@ -246,7 +248,7 @@ class Job(NamedTuple):
 def in_parallel(
     chunks: Sequence[Sequence[Job]], limit: float, first_limit: float | None, steps: Iterator[Any]
 ) -> dict[Any, Outcome]:
-    """Run each chunk of jobs in a worker of its own, PROCESSES at a time; return the outcomes by key.
+    """Run each chunk of jobs in a separate worker, PROCESSES at a time; return the outcomes by key.
 
     With `first_limit` the first job of a new process may take that long: it imports and compiles. So the first job of
     a chunk is done again where a process was lost, and does not count.

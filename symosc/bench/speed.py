@@ -1,4 +1,4 @@
-"""How fast, and how exact: motions, formulas, digits, ensembles and sweeps, measured in one run.
+"""Benchmarks of speed and error: motions, formulas, digits, ensembles and sweeps, measured in one run.
 
 The unit is one evaluation of the closed-form flow: one exp, the sine and cosine of two angles, and the arithmetic that
 makes position and velocity of them. It is timed in the same process, right after what is measured, because some
@@ -66,7 +66,7 @@ def compiled_floor() -> Callable[..., float]:
 
 
 def floor_s() -> float:
-    """Return the seconds that one evaluation of the closed form takes now."""
+    """Return the seconds per evaluation of the closed form at present."""
     evaluate, arguments = compiled_floor(), (0.5, 0.866, 1.0, 1.0, 2.0, 3.0, 4.0)
     evaluate(10, *arguments)
     return best(lambda: evaluate(FLOOR_EVALUATIONS, *arguments), 1) / FLOOR_EVALUATIONS
@@ -346,7 +346,7 @@ DIGIT_SETS, DIGIT_PERIODS, ASKED_DIGITS = 300, 50, 30
 
 
 def measure_digits(quick: bool = False) -> Record:
-    """Measure what more digits cost: motions that doubles cannot follow, beside those that they can.
+    """Measure the cost of more digits: motions that doubles cannot follow, compared with those that they can.
 
     Keys: fig5_us and fig8_us (per event in `simulate_many`, all of it), fig8_over_fig5; sweep_default_over_inf (values
     of Omega from 1 to 6 in fig9, at default accuracy and with ``math.inf``), sweep_sets_per_s; simulate_fig8_us (per
@@ -506,7 +506,7 @@ def ensembles_table(r: Record) -> str:
 
 
 def measure_sweeping(quick: bool = False) -> Record:
-    """Measure the processor time of a sweep beside that of the bare call with the same motions, in turns.
+    """Measure the processor time of a sweep and of the direct call with the same motions, in turns.
 
     An empty dictionary without the extra `sweep`. Keys: motions, periods, motions_per_s (in the sweep, for each second
     of processor time), overhead (of the sweep over the bare call, each at its best of the turns). A sweep costs some

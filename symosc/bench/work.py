@@ -1,4 +1,4 @@
-"""Work and precision: time per event and error of every solver, at every tolerance, on the shipped scenes.
+"""Work-precision diagrams: time per event and error of every solver, at every tolerance, on the shipped scenes.
 
 All solvers get the same tasks, a scene followed from its start over a number of events, and are compared with the same
 run in 40 digits. There are two spans. The errors are measured on a short one, which all solvers get. The times are
@@ -74,7 +74,7 @@ class Timed:
 
 
 def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
-    """Prepare a solver, so that what is imported and compiled once is there."""
+    """Prepare a solver, so that imports and compilation are done."""
     floor_s()
     follow = solver.prepare(scene, tolerance)
     if solver == OURS[0]:

@@ -1,6 +1,6 @@
 """Proofs: the events that `simulate` computes to a tolerance, enclosed and proven (extra ``certify``: python-flint).
 
-From below:
+Modules, lowest layer first:
 
     balls           exact numbers as balls, certain signs, `Undecided`, decimals rounded outward; sets of states
     flow            the motion in one mode, enclosed; where the drift of a belt changes its sign (Theta_cr)
@@ -14,7 +14,7 @@ From below:
     window          a grazing window, for all phases
     certificate     `Certificate` and its JSON
     certify         `certify`; the events of a scene as a reference
-    verify          proves motions and windows again by other means; one file that needs nothing of symosc
+    verify          proves motions and windows again by other means; one file, independent of symosc
     verify_orbits   the same for orbits and branches; needs verify.py only
 
 Another kind of proof builds on `motion`: `next_event` takes a `Moving` (a mode and a set of (t, x), as wide as wanted)

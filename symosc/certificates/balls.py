@@ -1,4 +1,4 @@
-"""Ball arithmetic: python-flint's arb, exact input, signs that are certain, decimals rounded outward; sets of states.
+"""Ball arithmetic: python-flint's arb, exact input, certain signs, decimals rounded outward; sets of states.
 
 The working precision of arb is global to the process. It is set with `working_bits`, which restores it; nothing here
 may run in threads.
@@ -33,7 +33,7 @@ Matrix: TypeAlias = Sequence[Sequence[Ball]]
 
 
 class Undecided(Exception):
-    """A sign that these balls cannot decide; more bits, or a better known start, may.
+    """Raised if balls cannot decide a sign; more bits, or a more accurate start, may.
 
     `what` says it in words, `near` is the time near which it is. If a graze is possible, `graze` has the belt and the
     time after the start of the flight.
@@ -44,13 +44,13 @@ class Undecided(Exception):
         super().__init__(what)
 
     def place(self) -> str:
-        """Return " near t = ...", or nothing."""
+        """Return " near t = ...", or ""."""
         return "" if self.near is None else f" near t = {self.near.mid().str(15, radius=False)}"
 
 
 @contextmanager
 def working_bits(bits: int) -> Iterator[None]:
-    """Work with that many bits, and restore the previous precision."""
+    """Set the working precision in bits, and restore the previous one at the end of the block."""
     before = ctx.prec
     ctx.prec = bits
     try:
@@ -60,7 +60,7 @@ def working_bits(bits: int) -> Iterator[None]:
 
 
 def made_by(bits: int) -> dict[str, Any]:
-    """Return the entry of a file that says what made it."""
+    """Return the entry of a file that names the program and its version."""
     return {"made_by": f"symosc, python-flint {FLINT_VERSION}, {bits} bits"}
 
 
@@ -75,17 +75,17 @@ def around(middle: Ball, radius: Ball) -> Ball:
 
 
 def known_to(value: Fraction, error: Fraction) -> Ball:
-    """Return the ball of a number that is known to an error."""
+    """Return the ball of a number with an error bound."""
     return ball(value) + arb(0, ball(error).upper())
 
 
 def sure_sign(value: Ball) -> int:
-    """Return the sign of all numbers in a ball, 0 if they do not all have the same one."""
+    """Return the sign of all numbers in a ball, 0 if they differ in sign."""
     return 1 if value > 0 else -1 if value < 0 else 0
 
 
 def decided_sign(value: Ball, what: str, near: Ball | None = None) -> int:
-    """Return the sign of all numbers in a ball; Undecided if they do not all have the same one."""
+    """Return the sign of all numbers in a ball; raise Undecided if they differ in sign."""
     sign = sure_sign(value)
     if sign == 0:
         raise Undecided(what, near)
@@ -93,7 +93,7 @@ def decided_sign(value: Ball, what: str, near: Ball | None = None) -> int:
 
 
 def size(value: Ball) -> float:
-    """Return a float near the largest absolute value in a ball; it proves nothing."""
+    """Return a float near the largest absolute value in a ball, not a bound."""
     return float(abs(value).upper())
 
 
@@ -104,6 +104,7 @@ def exact_ends(value: Ball) -> tuple[Fraction, Fraction]:
 
 
 def _exact(point: Ball) -> Fraction:
+    """Return a point ball as an exact fraction."""
     mantissa, exponent = point.man_exp()
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
@@ -151,15 +152,15 @@ class StateSet:
 
     @property
     def thin(self) -> bool:
-        """Whether it is a point."""
+        """Whether the set is a single point."""
         return all(y.is_zero() for y in self.box)
 
     def hull(self) -> list[Ball]:
         """Return the smallest box around the set, up to rounding."""
         return [c + _dot(row, self.box) for c, row in zip(self.centre, self.matrix, strict=True)]
 
-    def mapped(self, value: Sequence[Ball], jacobian: Matrix) -> StateSet:
-        """Return a set in the plane that contains the image; `value` is that of the centre."""
+    def image(self, value: Sequence[Ball], jacobian: Matrix) -> StateSet:
+        """Return an enclosure of the image; `value` encloses the map at the centre, `jacobian` its derivative."""
         carried, slopes = (
             [[_dot(row, column) for column in zip(*each, strict=True)] for row in jacobian]
             for each in (self.matrix, self.slopes)
@@ -175,6 +176,7 @@ class StateSet:
 
 
 def _dot(row: Sequence[Ball], column: Sequence[Ball]) -> Ball:
+    """Return the scalar product of a row and a column."""
     total = row[0] * column[0]
     for a, b in zip(row[1:], column[1:], strict=True):
         total += a * b

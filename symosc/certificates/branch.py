@@ -83,7 +83,7 @@ class Family:
         self.points: Values = []
 
     def prove(self, near: Values) -> None:
-        """Prove that there is one root for every value of the parameter; else Undecided."""
+        """Prove that there is one root for every value of the parameter, or raise Undecided."""
         start = self.thin.polished(near)
         try:
             Y = self.thin.jacobian(start).mid().inv().mid()
@@ -130,11 +130,11 @@ class Family:
         return self._coefficients(self.range, shifted, ORDER + 1)[-1]
 
     def near(self, value: Fraction) -> Values:
-        """Return the curve at a value of the parameter; it may be outside the interval."""
+        """Return the curve at a value of the parameter, possibly outside the interval."""
         return _horner(self.curve, ball(value) - self.middle)
 
     def holds(self, value: Fraction, points: Values) -> bool:
-        """Return whether points at a value of the parameter are all in the tube in which it has one root."""
+        """Return whether points at a value of the parameter are all in the box with the unique root."""
         return all((c + r).contains(each) for c, r, each in zip(self.near(value), self.tube, points, strict=True))
 
     def at(self, value: Fraction) -> ClosingBalls:
@@ -142,7 +142,7 @@ class Family:
         return ClosingBalls(Oscillator(self.p.replace(**{self.name: value})), self.pieces, self.periods)
 
     def root(self, thin: ClosingBalls, value: Fraction) -> Values:
-        """Return a narrow enclosure of the root at one value of the parameter, for which `thin` is."""
+        """Return a narrow enclosure of the root at the parameter value of the equations `thin`."""
         for root in thin.roots(thin.polished([each.mid() for each in self.near(value)])):
             if self.holds(value, root.points):
                 return root.points
@@ -150,6 +150,7 @@ class Family:
 
 
 def _horner(coefficients: list[Values], at: Ball) -> Values:
+    """Return the value of a polynomial by Horner's scheme."""
     total = coefficients[-1]
     for row in reversed(coefficients[:-1]):
         total = [a + at * b for a, b in zip(row, total, strict=True)]
@@ -157,12 +158,12 @@ def _horner(coefficients: list[Values], at: Ball) -> Values:
 
 
 def _scaled(value: Ball, factor: float) -> Ball:
-    """Return a ball with the same middle and a radius that is larger by a factor."""
+    """Return a ball with the same middle and its radius multiplied by a factor."""
     return value.mid() + arb(0, (factor * value.rad()).mid())
 
 
 def _inflated(value: Ball) -> Ball:
-    """Return a ball about 0 that contains a ball with something to spare."""
+    """Return a ball about 0 that contains a ball with a margin."""
     return arb(0, (INFLATION * abs(value).upper()).mid()) + arb(0, arb(2) ** (8 - ctx.prec))
 
 
@@ -170,7 +171,7 @@ def _inflated(value: Ball) -> Ball:
 
 
 class Violation(NamedTuple):
-    """An inequality that surely does not hold, in words, a time at which it does not, and the kind of the end."""
+    """An inequality that certainly fails: its text, a time of failure, and the kind of branch end."""
 
     text: str
     t: Ball
@@ -178,7 +179,7 @@ class Violation(NamedTuple):
 
 
 def violated(closing: ClosingBalls, values: Values) -> Violation | None:
-    """Return an inequality that surely does not hold for the root in `values`; None if none is found."""
+    """Return an inequality that certainly fails for the root in `values`; None if none is found."""
     ends, pieces = closing.ends(values), closing.pieces
     spans = [ends[2 * i] - values[2 * i] for i in range(len(pieces))]
     for i, (piece, span) in enumerate(zip(pieces, spans, strict=True)):
@@ -201,12 +202,12 @@ def violated(closing: ClosingBalls, values: Values) -> Violation | None:
 
 
 def _first_sign(margin: Margin) -> int:
-    """Return the sign with which a margin begins: of g, g' or g'', by how many are 0 at its start; 0 if undecided."""
+    """Return the initial sign of a margin: that of g, g' or g'', by its zeros at the start; 0 if undecided."""
     return sure_sign(margin.curve(arb(0))[1 + margin.at_start])
 
 
 def _below(margin: Margin, span: Ball) -> Ball | None:
-    """Return a time between 0 and `span` at which a margin is surely negative; None if none is found."""
+    """Return a time between 0 and `span` at which a margin is certainly negative; None if none is found."""
     last, curve = span.lower().mid(), margin.curve
     tau = min(((last * part / LOW_SAMPLES).mid() for part in range(1, LOW_SAMPLES)), key=lambda t: float(curve(t).g))
     for _ in range(MOST_LOW_STEPS):
@@ -223,7 +224,7 @@ def _below(margin: Margin, span: Ball) -> Ball | None:
 
 
 class ProvenEnd(NamedTuple):
-    """An end: its kind, a value inside at which all inequalities hold, one outside at which one of them fails.
+    """A branch end: its kind, a value inside with all inequalities true, one outside with one false.
 
     And that inequality, the time at which it fails, and the family of the roots between the two values.
     """
@@ -254,7 +255,7 @@ def prove_branch(branch: Branch, progress: Callable[[float], None] | bool | None
 
 
 class BranchProver:
-    """Proves the orbits of a word for all values of a parameter between two ends, the lower one first."""
+    """A prover of a word's orbits for all values of a parameter between two ends, the lower one first."""
 
     def __init__(
         self, p: Parameters, name: str, labels: tuple[str, ...], periods: int, ends: tuple[GivenEnd, GivenEnd]
@@ -275,6 +276,7 @@ class BranchProver:
             return self._certificate((low, high))
 
     def _family(self, low: Fraction, high: Fraction, near: Values) -> Family:
+        """Return the family of roots between two parameter values."""
         family = Family(self.p, self.name, low, high, self.pieces, self.periods)
         family.prove(near)
         return family
@@ -328,6 +330,7 @@ class BranchProver:
                 progress(float((at - low) / whole))
 
     def _certificate(self, ends: tuple[ProvenEnd, ProvenEnd]) -> Certificate:
+        """Return the certificate of the branch."""
         first = self.families[0]
         events = [
             {"kind": kind, "boundary": boundary, "source": source, "target": target}
@@ -354,6 +357,6 @@ class BranchProver:
 
 
 def _points(family: Family) -> Record:
-    """Return the enclosures of the points as a file has them."""
+    """Return the enclosures of the points in the form of the file."""
     events = switchings(family.wide, family.stated, 0)
     return {name: [list(outward(event[j], BRANCH_DIGITS)) for event in events] for name, j in (("t", 4), ("x", 5))}

@@ -21,7 +21,7 @@ SHOWN_DIGITS = 17
 
 @dataclass(frozen=True, repr=False)
 class Certificate(Drawable):
-    """What was proven, with enclosures that are rounded outward.
+    """A proven statement, with enclosures rounded outward.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Certificate(Drawable):
     statement: Record = field(default_factory=dict)
 
     def as_dict(self) -> Record:
-        """Return what `to_json` writes."""
+        """Return the contents of the file written by `to_json`."""
         about = {"format": FORMAT, "kind": self.kind, "proven": self.proven, "message": self.message}
         return about | self.statement
 
@@ -76,7 +76,7 @@ class Certificate(Drawable):
 
 
 def confirmed(certificate: Certificate) -> Certificate:
-    """Return a certificate with the message of the checker that has proven it again, or one that is not proven."""
+    """Return a certificate with the message of the checker that has verified it, or one that is not proven."""
     from symosc.certificates.verify_orbits import judge
 
     about = {name: value for name, value in certificate.as_dict().items() if name != "message"}
@@ -98,7 +98,7 @@ def proven_rows(certificate: Certificate) -> list[Record]:
 
 
 def common_digits(low: str, high: str) -> str:
-    """Return as many digits of a number as both ends of its enclosure round to."""
+    """Return the digits of a number to which both ends of its enclosure round."""
     for digits in range(SHOWN_DIGITS, 0, -1):
         shown = {f"{Decimal(end):.{digits}g}" for end in (low, high)}
         if len(shown) == 1:
@@ -107,6 +107,6 @@ def common_digits(low: str, high: str) -> str:
 
 
 def common_complex(re: tuple[str, str], im: tuple[str, str]) -> str:
-    """Return the same of a complex number; a real one as such."""
+    """Return the common digits of a complex number's enclosure; a real one as such."""
     imaginary = "" if im == ("0", "0") else f" + {common_digits(*im)} i".replace("+ -", "- ")
     return common_digits(*re) + imaginary

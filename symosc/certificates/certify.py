@@ -1,4 +1,4 @@
-"""`certify`: from a scene, an orbit, a branch or a window to a proof. The provers are loaded when they are needed.
+"""`certify`: the proof of a motion, an orbit, a branch or a window. The provers are loaded on demand.
 
 So the name is there without python-flint too: `from symosc import *` and completion need no extra.
 """
@@ -107,6 +107,7 @@ def certify(
 
 
 def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any) -> Certificate:
+    """Prove the motion of a scene."""
     from symosc.certificates.settled import prove_settled
     from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_trajectory
 
@@ -128,7 +129,7 @@ def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any) -> Certific
 
 
 class ProvenMiddle(NamedTuple):
-    """A proven event: the middles of its enclosures, which have at least 24 digits, and what it is."""
+    """A proven event: the middles of its enclosures (at least 24 digits), kind and boundary."""
 
     t: Number
     x: Number
@@ -137,14 +138,14 @@ class ProvenMiddle(NamedTuple):
 
 
 class Known(NamedTuple):
-    """The proven events of a scene; or none, and why they are not proven."""
+    """The proven events of a scene; or none, and the reason why they are not proven."""
 
     events: tuple[ProvenMiddle, ...]
     reason: str = ""
 
 
 def known_events(scene: Scene) -> Known:
-    """Return the events of a scene from its certificate as a reference to compare with, or why it has none.
+    """Return the proven events of a scene as a reference for comparison, or why it has none.
 
     Of a motion that settles on an orbit they are those of its last periods.
     """

@@ -43,7 +43,7 @@ MOST_WIDENINGS = 40
 
 
 def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[Jet, Jet] | None:
-    """Return the ends of a piece with exactly one zero of the gap, the first one up to a time `stop` after the start.
+    """Return the ends of a piece with exactly one zero of the gap, the first one before the time `stop`.
 
     None if there is none. `on_it`: the flight starts on that belt, from where it is known to leave it.
     """
@@ -94,13 +94,13 @@ def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple
 
 
 def never_meets(flight: Flight, boundary: int, tau: Ball) -> bool:
-    """Return whether a flight surely stays on its side of a belt from tau on, for ever."""
+    """Return whether a flight certainly stays on its side of a belt from tau on."""
     bound = flight.stays_within(flight.at(tau))
     return bool(-flight.side(boundary) * flight.oscillator.speed[boundary] > bound)
 
 
 def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tuple[Jet, Jet] | None:
-    """Look for the first zero on a piece where H is convex and the gap positive at both ends."""
+    """Search the first zero on a piece where H is convex and the gap positive at both ends."""
     o, pending = flight.oscillator, [high]
     for cut in range(MOST_CUTS):
         high = pending[-1]
@@ -124,7 +124,7 @@ def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tupl
 
 
 def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball | None:
-    """Return where to cut a convex piece, or None if the gap is positive on all of it."""
+    """Return the point at which to divide a convex piece, or None if the gap is positive on all of it."""
     slope_low = low.dg + o.h * low.g
     if slope_low >= 0:
         return None
@@ -150,7 +150,7 @@ def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball
 
 
 def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
-    """Return an enclosure of the only zero of the gap between low and high, where it falls through 0.
+    """Return an enclosure of the only zero of the gap between low and high, where its sign falls.
 
     Newton's method finds it, kept between points where the sign is known; two signs prove the enclosure. The slope has
     one sign on it.
@@ -177,7 +177,7 @@ def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
 
 
 def fenced(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: str, t: Ball) -> Ball:
-    """Return a ball around a sample at whose ends the gap has different signs, and in which its slope has one sign."""
+    """Return a ball around a sample with different signs of the gap at its ends and one sign of its slope."""
     (low, high), here = ends, sample.tau
     width = 2 * abs(sample.g).upper() / max(abs(sample.dg).lower(), arb(2) ** -10000) + spare
     for _ in range(MOST_WIDENINGS):
@@ -194,7 +194,7 @@ def fenced(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: 
 
 
 def sharper(gap: Curve, found: Ball, slope: Ball) -> Ball:
-    """Return a sharper enclosure of the zero of a gap that is known to lie in `found` (interval Newton, twice).
+    """Return a sharper enclosure of a gap's zero in `found` (interval Newton, twice).
 
     `slope` encloses the derivative of the gap over `found`, and may do so for other starts as well.
     """
@@ -209,7 +209,7 @@ def sharper(gap: Curve, found: Ball, slope: Ball) -> Ball:
 
 
 class Slip(NamedTuple):
-    """The end of a stick: the domain into which, the time since its start, the derivative of the force there."""
+    """The end of a stick: the domain entered, the time since the stick's start, the force's derivative there."""
 
     domain: int
     tau: Ball
@@ -221,7 +221,7 @@ FOR_EVER = "for ever"
 
 
 def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> Slip | str | None:
-    """Return the end of a stick from (t, x), FOR_EVER, or None if it lasts for a time `stop` at least.
+    """Return the end of a stick from (t, x), FOR_EVER, or None if it lasts at least for a time `stop`.
 
     At its start F^(below) >= 0 >= F^(above) is known, and that it goes into the stick where one of them is 0.
     """

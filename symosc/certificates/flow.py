@@ -27,7 +27,7 @@ ROUGH = 32
 
 
 def first_coefficient(value: Ball) -> Ball:
-    """Return a ball as it is, and the first coefficient of a power series."""
+    """Return a ball itself, or the first coefficient of a power series."""
     return value[0] if isinstance(value, arb_series) else value
 
 
@@ -47,7 +47,7 @@ def entire_0f1(b: Ball, z: Ball) -> Ball:
 
 
 class Oscillator:
-    """The constants of an oscillator as balls of the working precision, and what is exact about them.
+    """The constants of an oscillator as balls of the working precision, with its exactly known properties.
 
     `ranges` replaces parameters of `p` by a ball, or by a power series in a change of one parameter (arb_series), whose
     first coefficient may be a ball: a family of oscillators. Undecided if it may be at resonance without damping.
@@ -112,7 +112,7 @@ class Oscillator:
         return E, E1, E1 + self.cm * E
 
     def steady(self, tau: Ball, s: Ball, c: Ball) -> tuple[Ball, Ball]:
-        """Return velocity and acceleration of the steady motion; at resonance of one that grows from tau = 0."""
+        """Return velocity and acceleration of the steady motion; at resonance of one growing from tau = 0."""
         if self.resonant:
             turn = self.Omega * tau
             return self.growth * (s + turn * c), self.growth * self.Omega * (2 * c - turn * s)
@@ -137,7 +137,7 @@ Curve = Callable[[Ball], Jet]
 
 
 class FlightPoint(NamedTuple):
-    """A point of a flight, `tau` after its start: what is the same for both belts."""
+    """A point of a flight, `tau` after its start: the quantities common to both belts."""
 
     tau: Ball
     v: Ball
@@ -174,7 +174,7 @@ class Flight:
         return -o.cm * there.a - o.km * there.v - o.drive * there.s
 
     def x(self, there: FlightPoint) -> Ball:
-        """Return the position, from the balance of forces, or of momentum where there is no spring."""
+        """Return the position from the balance of forces, or of momentum without a spring."""
         o, p = self.oscillator, self.oscillator.p
         if p.k > 0:
             change = o.B0 * (there.c - self.c0) - o.c * (there.v - self.v0) - o.m * (there.a - self.a0)
@@ -187,7 +187,7 @@ class Flight:
         return self.x0 + self.v0 * there.tau + way / o.m
 
     def moved(self, there: FlightPoint, start: Sequence[Ball]) -> tuple[Ball, Ball]:
-        """Return the derivatives of x and v at a fixed time, from those of t, x (and v) at the start.
+        """Return the derivatives of x and v at a fixed time by t, x (and v) at the start.
 
         A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
         """
@@ -196,7 +196,7 @@ class Flight:
         return there.phi * x + there.E * v, there.E1 * v - self.oscillator.km * there.E * x
 
     def stays_within(self, there: FlightPoint) -> Ball:
-        """Return a bound of |v| from this point on for ever, or infinity.
+        """Return a bound of |v| from this point on forever, or infinity.
 
         The free motion y loses energy: y^2 + (m/k) y'^2 never grows.
         """
@@ -209,7 +209,7 @@ class Flight:
         return free + (o.steady_c * o.steady_c + o.steady_s * o.steady_s).sqrt()
 
     def side(self, boundary: int) -> int:
-        """Return the side of a belt that the flight is on."""
+        """Return the side of a belt on which the flight is."""
         return 1 if self.domain > boundary else -1
 
     def gap(self, boundary: int) -> Curve:
@@ -224,7 +224,7 @@ class Flight:
 
 
 def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -> Curve:
-    """Return the force in a domain beside a belt along a stick from (t, x), positive while it holds."""
+    """Return the force per mass that presses the mass on the belt during a stick from (t, x); > 0 while it holds."""
     speed, side = o.speed[boundary], 1 if domain == boundary else -1
 
     def force(tau: Ball) -> Jet:
@@ -236,7 +236,7 @@ def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -
 
 
 class Turns:
-    """The turns of the drift of one belt; `constant` is its sign if it never changes, else None."""
+    """The extrema of the drift of one belt; `constant` is its sign if it never changes, else None."""
 
     def __init__(self, p: Parameters, boundary: int) -> None:
         bias, amplitude = p.k * p.belt(boundary), p.B0 * p.Omega
@@ -250,13 +250,13 @@ class Turns:
             self.angle = ball(ratio).asin()
 
     def time(self, index: int) -> Ball:
-        """Return the time of a turn; from those of even index on sin(Omega t) is above its turning value."""
+        """Return the time of a turn; after those of even index sin(Omega t) is above its value there."""
         turn, odd = divmod(index, 2)
         angle = arb.pi() - self.angle if odd else self.angle
         return (angle + 2 * turn * arb.pi()) / self.Omega
 
     def after(self, t: Ball) -> Iterator[tuple[Ball | None, int]]:
-        """Yield the turns after t (None: never) and the sign of the drift before each; one exactly at t is past."""
+        """Yield the turns after t (None: never) and the drift's sign before each; one exactly at t counts as past."""
         if self.constant is not None:
             yield None, self.constant
             return

@@ -1,4 +1,4 @@
-"""From one event to the next, with everything proven: which belt, when, and what happens there (Theorems 4 and 5).
+"""Proven steps from event to event: the next belt, the time, and the continuation (Theorems 4 and 5).
 
 Exact grazes. In a domain without damping and drive v'' = -w^2 v, w^2 = k/m, so v = v0 cos(w tau) + (a0/w) sin(w tau)
 goes round a circle with R^2 = v0^2 + a0^2/w^2. If v0 and a0 are rational, so is R^2. The velocity grazes a belt if and
@@ -23,14 +23,14 @@ ON_A_BELT = 3  # modes above it are sticks, on belt mode - ON_A_BELT
 
 
 class Circle(NamedTuple):
-    """The exact velocity and acceleration at the start of a flight that goes round a circle."""
+    """The exact initial velocity and acceleration of a flight whose (v, a) move on a circle."""
 
     v: Fraction
     a: Fraction
 
 
 class Moving(NamedTuple):
-    """A set of states in one mode: (t, x), or (t, x, v) before the first event of a motion from between the belts.
+    """A set of states in one mode: (t, x), or (t, x, v) before the first event of a start off the belts.
 
     `mode` is a code of `symosc.model.MODE_NAMES`; `boundary` the belt that it is on or leaves just now (into its mode,
     which is proven), or 0; `circle` is known where velocities go round one from an exact state.
@@ -42,12 +42,12 @@ class Moving(NamedTuple):
     circle: Circle | None = None
 
     def flight(self, o: Oscillator, values: list[Ball]) -> Flight:
-        """Return the flight from these values of t, x and v, the last left out on a belt."""
+        """Return the flight from these values of t, x and v; v is omitted on a belt."""
         return Flight(o, self.mode, values[0], values[1], values[2] if len(values) == 3 else o.speed[self.boundary])
 
 
 class ProvenEvent(NamedTuple):
-    """A proven event: what, and enclosures of its time and position."""
+    """A proven event: its kind, and enclosures of its time and position."""
 
     kind: str
     boundary: int
@@ -58,17 +58,17 @@ class ProvenEvent(NamedTuple):
 
 
 def goes_round(p: Parameters) -> bool:
-    """Return whether velocities go round circles."""
+    """Return whether (v, a) move on circles (no damping, no drive)."""
     return p.c == 0 and p.B0 == 0 and p.k > 0
 
 
 def belts_around(domain: int) -> list[int]:
-    """Return the belts beside a domain."""
+    """Return the belts that border a domain."""
     return [boundary for boundary in (1, 2) if domain in NEIGHBOURS[boundary]]
 
 
 def begin(o: Oscillator, start: tuple[Fraction, ...], errors: tuple[Fraction, ...]) -> Moving:
-    """Return the mode and the states from t0, x0, v0 that are known to half-widths."""
+    """Return the mode and the states from t0, x0, v0 with given half-widths."""
     p, (t0, x0, v0) = o.p, start
     values = [known_to(each, error) for each, error in zip(start, errors, strict=True)]
     if v0 not in (p.v1, p.v2):
@@ -90,7 +90,7 @@ def begin(o: Oscillator, start: tuple[Fraction, ...], errors: tuple[Fraction, ..
 def _force_sign(
     o: Oscillator, domain: int, boundary: int, values: list[Ball], start: tuple[Fraction, ...], exact: bool
 ) -> int:
-    """Return the sign of a force on a belt at the start, or, where it is exactly 0, that of its change."""
+    """Return the sign of a force on a belt at the start, or of its derivative if the force is exactly 0."""
     p, (_, x0, v0) = o.p, start
     sign = sure_sign(o.force(domain, *values))
     if sign == 0 and not exact:
@@ -106,12 +106,12 @@ def _force_sign(
 
 
 def next_event(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
-    """Return the next event and the states after it, or None if there is surely none until t_end; else Undecided."""
+    """Return the next event and the states after it, None if there is none until t_end, or raise Undecided."""
     return (_slip if state.mode > ON_A_BELT else _contact)(o, state, t_end)
 
 
 def _first_contact(flight: Flight, belts: list[int], on: int, t_end: Ball) -> tuple[int, Ball] | None:
-    """Return the belt that a flight meets first, and when; None if none until t_end. It starts on the belt `on`."""
+    """Return the belt that a flight from belt `on` meets first, and when; None if none until t_end."""
     best, stop = None, t_end - flight.t0
     for boundary in belts:
         found = first_zero(flight, boundary, stop, boundary == on)
@@ -127,6 +127,7 @@ def _first_contact(flight: Flight, belts: list[int], on: int, t_end: Ball) -> tu
 
 
 def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
+    """Return the event at the first contact of a flight and the states after it."""
     flight, belts = state.flight(o, state.states.hull()), belts_around(state.mode)
     grazes = {} if state.circle is None else _exact_grazes(o.p, state.circle, belts)
     met = _first_contact(flight, [belt for belt in belts if belt not in grazes], state.boundary, t_end)
@@ -150,7 +151,7 @@ def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Mo
         thin = state.flight(o, list(state.states.centre))
         then = sharper(thin.gap(boundary), tau, flight.side(boundary) * there.a)
         value = [thin.t0 + then, thin.x(thin.at(then))]
-        states = state.states.mapped(value, _contact_jacobian(flight, there, boundary, len(state.states.centre)))
+        states = state.states.image(value, _contact_jacobian(flight, there, boundary, len(state.states.centre)))
     t, x = states.hull()
     target = _mode_after(o, state.mode, boundary, there.a, t)
     kind = "stick" if target > ON_A_BELT else "cross"
@@ -159,7 +160,7 @@ def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Mo
 
 
 def _exact_grazes(p: Parameters, circle: Circle, belts: list[int]) -> dict[int, Ball]:
-    """Return the belts that a flight grazes, and when first after its start; there it neither passes nor sticks."""
+    """Return the belts that a flight grazes, with the first times; it neither crosses nor sticks there."""
     square, found = circle.v**2 + circle.a**2 * p.m / p.k, {}
     for boundary in belts:
         speed = p.belt(boundary)
@@ -177,7 +178,7 @@ def _exact_grazes(p: Parameters, circle: Circle, belts: list[int]) -> dict[int, 
 
 
 def _mode_after(o: Oscillator, mode: int, boundary: int, force: Ball, t: Ball) -> int:
-    """Return the mode after a contact from a domain with that acceleration at it, which has the right sign."""
+    """Return the mode after a contact from a domain with an acceleration of the right sign."""
     upward = mode == boundary
     beyond = boundary + 1 if upward else boundary
     if o.jump[boundary].is_zero():
@@ -198,6 +199,7 @@ def _contact_jacobian(flight: Flight, there: FlightPoint, boundary: int, count: 
 
 
 def _slip(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
+    """Return the event at the end of a stick and the states after it."""
     boundary, speed = state.boundary, o.speed[state.boundary]
     t, x = state.states.hull()
     slip = end_of_stick(o, boundary, t, x, t_end - t)
@@ -211,7 +213,7 @@ def _slip(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Movin
         # The force depends on the line x - v t = u of the stick and on time: dt = (k/m) du / (dF/dt).
         by_x = o.km / slip.slope
         jacobian = [[-speed * by_x, by_x], [-speed * (1 + speed * by_x), 1 + speed * by_x]]
-        states = state.states.mapped([t_c + then, x_c + speed * then], jacobian)
+        states = state.states.image([t_c + then, x_c + speed * then], jacobian)
     t, x = states.hull()
     event = ProvenEvent("slip", boundary, MODE_NAMES[state.mode], MODE_NAMES[slip.domain], t, x)
     circle = Circle(o.p.belt(boundary), Fraction(0)) if goes_round(o.p) else None

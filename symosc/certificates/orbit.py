@@ -75,19 +75,19 @@ def unit_matrix(count: int) -> arb_mat:
 
 
 def column(values: Sequence[Ball]) -> arb_mat:
-    """Return a matrix of one column."""
+    """Return a matrix with one column."""
     return arb_mat([[value] for value in values])
 
 
 class Root(NamedTuple):
-    """A proven root: the box in which it is the only one, and a narrow enclosure; t_0, x_0, t_1, x_1, ..."""
+    """A proven root: the box in which it is unique, and a narrow enclosure; t_0, x_0, t_1, x_1, ..."""
 
     box: Values
     points: Values
 
 
 class Margin(NamedTuple):
-    """One function that must stay positive: in words, the function, and whether it is 0 at its start and its end.
+    """One function that must stay positive: its text, the function, and whether it is 0 at its start and its end.
 
     `at_start` is how many of g, g' are 0 at the start, `at_end` whether g is 0 at the end.
     """
@@ -115,11 +115,11 @@ class ClosingBalls:
         return Flight(o, piece.mode, values[2 * i], values[2 * i + 1], o.speed[piece.start])
 
     def slips_into(self, i: int) -> int:
-        """Return the domain that stick i ends into."""
+        """Return the domain in which stick i ends."""
         return self.pieces[i].start + (self.pieces[i].side > 0)
 
     def residuals(self, values: Values) -> Values:
-        """Return f: two residuals of each piece; balls or power series."""
+        """Return f, two residuals for each piece; balls or power series."""
         o, end, found = self.oscillator, self.ends(values), list[Ball]()
         for i, piece in enumerate(self.pieces):
             (t0, x0), (t1, x1) = values[2 * i : 2 * i + 2], end[2 * i : 2 * i + 2]
@@ -144,7 +144,7 @@ class ClosingBalls:
         return (-v0 * phi - a0 * E, phi, there.v, -one), (o.km * E * v0 - a0 * E1, -o.km * E, there.a, zero)
 
     def jacobian(self, values: Values) -> arb_mat:
-        """Return the derivatives of f."""
+        """Return the Jacobian of f."""
         n = len(self.pieces)
         rows = [[arb(0)] * (2 * n) for _ in range(2 * n)]
         for i in range(n):
@@ -154,14 +154,14 @@ class ClosingBalls:
         return arb_mat(rows)
 
     def end_by_start(self, i: int, values: Values) -> arb_mat:
-        """Return the derivatives of the end of piece i by its start, nearly."""
+        """Return the approximate derivatives of the end of piece i by its start."""
         rows = self._slopes(i, values)
         return -arb_mat([list(row[2:]) for row in rows]).solve(arb_mat([list(row[:2]) for row in rows]))
 
     # -- roots ---------------------------------------------------------------------------------------------------------
 
     def polished(self, values: Values) -> Values:
-        """Return exact numbers near a root, by Newton's method; they prove nothing. Undecided if it does not settle."""
+        """Return exact numbers near a root by Newton's method, without proof; Undecided if it does not converge."""
         values = [value.mid() for value in values]
         for _ in range(MOST_POLISHINGS):
             try:
@@ -178,7 +178,7 @@ class ClosingBalls:
         raise Undecided("a root of the closing equations, which are singular or nearly so")
 
     def krawczyk(self, box: Values, about: Values | None = None) -> Values | None:
-        """Return K(box) if it lies inside the box, else None; `about`: exact numbers to develop around."""
+        """Return K(box) if it lies inside the box, else None; `about`: exact centre of the expansion."""
         middle = about or [each.mid() for each in box]
         J = self.jacobian(box)
         try:
@@ -192,7 +192,7 @@ class ClosingBalls:
         return image if inside else None
 
     def roots(self, middle: Values) -> Iterator[Root]:
-        """Yield proven roots about exact numbers, the one that is alone in the widest box first."""
+        """Yield proven roots near exact numbers, that with the widest box of uniqueness first."""
         sizes = self.turn.mid(), max((abs(value) for value in middle[1::2]), key=float) + 1
         for part in BOXES:
             box = [value + arb(0, (part * sizes[j % 2]).mid()) for j, value in enumerate(middle)]
@@ -201,7 +201,7 @@ class ClosingBalls:
                 yield Root(box, self._narrowed(image))
 
     def _narrowed(self, box: Values) -> Values:
-        """Return a narrower enclosure of the root in a box that is known to have exactly one."""
+        """Return a narrower enclosure of the root in a box with exactly one root."""
         for _ in range(MOST_CONTRACTIONS):
             image = self.krawczyk(box)
             if image is None:
@@ -215,7 +215,7 @@ class ClosingBalls:
     # -- the course of the word ----------------------------------------------------------------------------------------
 
     def margins(self, i: int, values: Values) -> list[Margin]:
-        """Return what must stay positive on piece i."""
+        """Return the functions that must stay positive on piece i."""
         o, piece = self.oscillator, self.pieces[i]
         if piece.sticks:
             found = []
@@ -233,7 +233,7 @@ class ClosingBalls:
         return found
 
     def forces_at(self, i: int, values: Values) -> list[tuple[int, str, Ball, int]]:
-        """Return domain, condition in words, force and its sign where piece i begins, by Theorems 4 and 5.
+        """Return domain, condition, force and its sign at the start of piece i, by Theorems 4 and 5.
 
         None where a stick ends: one force is 0 there, and that the other one holds is part of the stick.
         """
@@ -251,7 +251,7 @@ class ClosingBalls:
         ]
 
     def prove_course(self, values: Values) -> None:
-        """Prove that the root in `values` takes the course of its word; else Undecided."""
+        """Prove that the root in `values` follows its word, or raise Undecided."""
         ends = self.ends(values)
         for i, piece in enumerate(self.pieces):
             span = ends[2 * i] - values[2 * i]
@@ -290,7 +290,7 @@ class ClosingBalls:
 
 
 def prove_positive(margin: Margin, span: Ball) -> None:
-    """Prove that a margin stays positive between 0 and a time that lies in `span`; else Undecided."""
+    """Prove that a margin stays positive from 0 to a time in `span`, or raise Undecided."""
     last, begin, first = span.upper().mid(), arb(0), True
     if margin.at_start == 0 and not margin.curve(begin).g > 0:
         raise Undecided(f"{margin.what} at its start")
@@ -312,7 +312,7 @@ def prove_positive(margin: Margin, span: Ball) -> None:
 
 
 def _positive_on_step(margin: Margin, begin: Ball, end: Ball, first: bool, final: bool) -> bool:
-    """Return whether the margin is surely positive on a step, its end included unless the margin is 0 there."""
+    """Return whether the margin is certainly positive on a step; its end counts unless the margin is 0 there."""
     over = begin.union(end)
     whole, middle = margin.curve(over), over.mid()
     there, off = margin.curve(middle), over - middle
@@ -333,14 +333,14 @@ class Stability(NamedTuple):
 
     @property
     def stable(self) -> bool | None:
-        """Whether both multipliers are surely inside the unit circle; False: one is outside; None: undecided."""
+        """Whether both multipliers are certainly inside the unit circle; False: one is outside; None: undecided."""
         T, D = self.trace, self.determinant
         if abs(D) < 1 and abs(T) < 1 + D:
             return True
         return False if abs(D) > 1 or abs(T) > 1 + D else None
 
     def multipliers(self) -> tuple[tuple[Ball, Ball], tuple[Ball, Ball]]:
-        """Return real and imaginary parts of both, the larger one first if they are real."""
+        """Return real and imaginary parts of both multipliers, the larger one first if real."""
         half, zero = self.trace / 2, arb(0)
         square = half * half - self.determinant
         if self.determinant.is_zero():
@@ -373,7 +373,7 @@ def prove_orbit(orbit: PeriodicOrbit) -> Certificate:
 def certify_orbit(
     p: Parameters, labels: tuple[str, ...], periods: int, points: Sequence[tuple[Number, Number]]
 ) -> Certificate:
-    """Prove an orbit near the given points (t, x), with as many bits as it takes; labels are in order of time."""
+    """Prove an orbit near the given points (t, x), raising the precision as needed; labels in order of time."""
     word, bits = Word(labels), LEAST_ORBIT_BITS
     near = [_exact(each) for point in points for each in point]
     while True:
@@ -391,6 +391,7 @@ def certify_orbit(
 
 
 def _exact(number: Number) -> Ball:
+    """Return a number as an exact ball."""
     man_exp = getattr(number, "man_exp", None)  # an mpmath number has more digits than a float
     if man_exp is None:
         return arb(number)
@@ -399,7 +400,7 @@ def _exact(number: Number) -> Ball:
 
 
 def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Root, Stability]:
-    """Prove a root near these points and its word, and enclose its multipliers; else Undecided."""
+    """Prove a root near these points and its word, and enclose its multipliers, or raise Undecided."""
     middle = closing.polished(near)
     reason = Undecided("the closing equations: no box in which their root is the only one")
     for root in closing.roots(middle):
@@ -415,7 +416,7 @@ def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Root, Stabili
 
 
 def _marginal(closing: ClosingBalls, near: Values) -> str:
-    """Return that an orbit is marginal, if the given points have a multiplier of 1 to many digits."""
+    """Return the message that an orbit is marginal, if the given points have a multiplier of 1 to many digits."""
     try:
         T, D = closing.stability(near)
     except Undecided:
@@ -429,7 +430,7 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
 
 
 def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[str, int, str, str, Ball, Ball]]:
-    """Return kind, boundary, source, target, t and x from one switching up to the same one a period later."""
+    """Return kind, boundary, source, target, t and x from one switching up to its repetition."""
     pieces, n, rows = closing.pieces, len(closing.pieces), []
     for j in range(begin, begin + n + 1):
         i = j % n
@@ -441,7 +442,7 @@ def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[
 
 
 def _reaches(closing: ClosingBalls, root: Root, begin: int) -> list[Ball]:
-    """Return how far in time the motions from the box of the first arrival may be off at the events; a hint, no proof.
+    """Return estimates of the time spread at the events for motions from the first box; a hint, no proof.
 
     It is many times the first-order value: the checker uses balls that are wider than the set.
     """
@@ -455,7 +456,7 @@ def _reaches(closing: ClosingBalls, root: Root, begin: int) -> list[Ball]:
 
 
 def one_digit(radius: Ball) -> str:
-    """Return a decimal of one digit that is surely a little less than a radius."""
+    """Return a decimal of one digit that is certainly slightly less than a radius."""
     most = max(exact_ends(radius)[0], LEAST_RADIUS) * Fraction(99, 100)
     power = floor(log10(most))
     return f"{most // Fraction(10) ** power}e{power}"
@@ -464,6 +465,7 @@ def one_digit(radius: Ball) -> str:
 def _certificate(
     p: Parameters, word: Word, closing: ClosingBalls, root: Root, stability: Stability, bits: int
 ) -> Certificate:
+    """Return the certificate of the orbit."""
     pieces, points = closing.pieces, root.points
     # It begins at the end of a flight: there the forces say how the motion goes on.
     begin = next(i for i in range(len(pieces)) if not pieces[i - 1].sticks)

@@ -1,4 +1,4 @@
-"""A list of periodic orbits in all damping regimes, which ships as data, and the proof of all of them.
+"""The list of periodic orbits in all damping regimes that ships with the package, and the proof of all of them.
 
 Each line of ``orbits.csv`` has the eleven parameters, the word, and t and x at its first event, the end of a flight.
 The other points are simulated from there; the proof takes them as a guess.
@@ -40,7 +40,7 @@ class ListedOrbit(NamedTuple):
 
     @property
     def regime(self) -> str:
-        """Its damping."""
+        """The damping regime."""
         p = self.p
         square = p.c * p.c - 4 * p.k * p.m
         if p.c == 0:
@@ -49,16 +49,16 @@ class ListedOrbit(NamedTuple):
 
     @property
     def cycle(self) -> str:
-        """Its word, begun so that it is the same for all that differ only in where they begin."""
+        """The word, started so that rotated words are equal."""
         digits = self.word[1:]
         return "P" + min(digits[i:] + digits[:i] for i in range(len(digits)))
 
     def line(self) -> str:
-        """Return its line of the list."""
+        """Return the orbit as a line of the list."""
         return ",".join([*self.p.as_dict().values(), self.word, f"{self.t:.10g}", f"{self.x:.10g}"])
 
     def points(self) -> list[tuple[float, float]]:
-        """Return its switching points (t, x), nearly, by a simulation from the first one."""
+        """Return approximate switching points (t, x), simulated from the first one."""
         labels, p = read_word(self.word).labels, self.p
         v0 = p.belt(MAPS[labels[0]].start.boundary)
         end = self.t + 2 * math.pi / float(p.Omega) * (1 + BEYOND)
@@ -66,12 +66,12 @@ class ListedOrbit(NamedTuple):
         return [(self.t, self.x), *((event.t, event.x) for event in events)][: len(labels)]
 
     def prove(self) -> Certificate:
-        """Prove it."""
+        """Prove the orbit."""
         return certify_orbit(self.p, read_word(self.word).labels, 1, self.points())
 
 
 class Proven(NamedTuple):
-    """The result of the list: how many orbits are proven, by damping and word, and which are undecided."""
+    """The result for a list: the number of proven orbits by damping and word, and the undecided ones."""
 
     orbits: int
     regimes: dict[str, int]
@@ -81,7 +81,7 @@ class Proven(NamedTuple):
 
 @cache
 def listed_orbits() -> tuple[ListedOrbit, ...]:
-    """Return the list that ships."""
+    """Return the list that ships with the package."""
     text = (files("symosc.certificates") / "orbits.csv").read_text(encoding="utf-8")
     found = []
     for row in csv.reader(text.splitlines()):
@@ -98,27 +98,29 @@ def listed_orbits() -> tuple[ListedOrbit, ...]:
 def prove_list(
     orbits: Sequence[ListedOrbit] | None = None, workers: int = 2, progress: Callable[[int, int], None] | None = None
 ) -> Proven:
-    """Prove all orbits of a list (default: the one that ships), in processes: the precision of balls is global to one.
+    """Prove all orbits of a list (default: the shipped one) in processes: the precision of balls is global to each.
 
     `progress` is called with how many orbits are done, and how many there are.
     """
     orbits = listed_orbits() if orbits is None else orbits
-    return summary(orbits, _of_each(_prove_some, orbits, workers, progress))
+    return summary(orbits, _of_each(_prove_part, orbits, workers, progress))
 
 
 def verify_list(
     orbits: Sequence[ListedOrbit] | None = None, workers: int = 2, progress: Callable[[int, int], None] | None = None
 ) -> list[str]:
-    """Certify all orbits of a list and check each file; return for each "", or what is not proven."""
-    return _of_each(_verify_some, listed_orbits() if orbits is None else orbits, workers, progress)
+    """Certify all orbits of a list and check each file; return for each "", or the reason of failure."""
+    return _of_each(_verify_part, listed_orbits() if orbits is None else orbits, workers, progress)
 
 
-def _prove_some(orbits: Sequence[ListedOrbit]) -> list[str]:
+def _prove_part(orbits: Sequence[ListedOrbit]) -> list[str]:
+    """Prove some orbits in one process; return for each "" if it is proven, else the reason."""
     found = [orbit.prove() for orbit in orbits]
     return ["" if each.proven else each.message for each in found]
 
 
-def _verify_some(orbits: Sequence[ListedOrbit]) -> list[str]:
+def _verify_part(orbits: Sequence[ListedOrbit]) -> list[str]:
+    """Certify and check some orbits in one process; return for each "" or the reason of failure."""
     from symosc.certificates.verify_orbits import verify
 
     answers = []
@@ -137,7 +139,7 @@ def _of_each(
     workers: int,
     progress: Callable[[int, int], None] | None,
 ) -> list[str]:
-    """Return the answer of `work` for each orbit, "" if it is proven."""
+    """Return the result of `work` for each orbit, "" if it is proven."""
     parts = [orbits[i : i + ORBITS_PER_TASK] for i in range(0, len(orbits), ORBITS_PER_TASK)]
     answers: list[str] = []
     with ProcessPool(max_workers=workers, context=get_context("spawn")) as pool:
@@ -149,7 +151,7 @@ def _of_each(
 
 
 def summary(orbits: Iterable[ListedOrbit], answers: Sequence[str]) -> Proven:
-    """Return the result of a list."""
+    """Return the result of a list as text."""
     proven = [orbit for orbit, answer in zip(orbits, answers, strict=True) if not answer]
     regimes = dict(Counter(orbit.regime for orbit in proven))
     return Proven(len(proven), regimes, len({orbit.cycle for orbit in proven}), tuple(filter(None, answers)))

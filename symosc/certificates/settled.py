@@ -1,4 +1,4 @@
-"""A motion that settles on a proven orbit: all its events, of any number of periods, by one period and a contraction.
+"""Proof of a motion that settles on a proven orbit: events of any number of periods, by a contraction over one.
 
 Let P be the map from an arrival at a belt to the same one some periods later, less the periods, and B = c + [-e, e] a
 box of times and positions about the orbit's arrival. If every motion from B has the events of the word, and P(B) lies
@@ -40,7 +40,7 @@ BOX_MARGIN, LEAST_BOX, MOST_Q, MOST_TURNS = 8, Fraction(1, 10**22), 0.9, 8
 
 
 class Cycle(NamedTuple):
-    """A box (middle and half-widths of t and x) that is mapped into itself after `turns` times round the orbit.
+    """A box (middle and half-widths of t and x) mapped into itself after `turns` rounds of the orbit.
 
     And the events of the motions from it, with the sets of states after each.
     """
@@ -53,7 +53,7 @@ class Cycle(NamedTuple):
 
 
 def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
-    """Prove all events of a motion until t_end, which come again and again from some event on, as it nears an orbit."""
+    """Prove all events of a motion until t_end that repeat from some event on as it approaches an orbit."""
     with working_bits(SETTLED_BITS):
         closing = ClosingBalls(Oscillator(task.p), pieces_of(Word(orbit.labels)), orbit.periods)
         before: list[ProvenEvent] = []
@@ -75,7 +75,7 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
 
 
 def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
-    """Return the states at the start; and until when some may stick, where the start is at the end of a stick."""
+    """Return the initial states; and the time until which some may stick, for a start at the end of a stick."""
     try:
         return begin(o, task.start, task.errors), None
     except Undecided:
@@ -96,12 +96,13 @@ def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
 
 
 def _decimal_above(value: Ball) -> Fraction:
-    """Return a decimal of few digits that is above a small positive ball."""
+    """Return a decimal of few digits that is greater than a small positive ball."""
     unit = Fraction(1, 10**60)
     return (floor(exact_ends(value)[1] / unit) + 2) * unit
 
 
 def _followed(o: Oscillator, state: Moving, t_end: Ball, most: int) -> Iterator[tuple[ProvenEvent, Moving]]:
+    """Return the proven events up to a number of them, with the states after each."""
     for _ in range(most):
         following = next_event(o, state, t_end)
         if following is None:
@@ -111,7 +112,7 @@ def _followed(o: Oscillator, state: Moving, t_end: Ball, most: int) -> Iterator[
 
 
 def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int | None:
-    """Return the switching point of the orbit, an arrival, that an event is near, or None."""
+    """Return the switching point of the orbit, an arrival, that is near an event, or None."""
     for i, piece in enumerate(closing.pieces):
         names = (closing.pieces[i - 1].mode, piece.mode, piece.start)
         if names[0] > ON_A_BELT or (MODE_NAMES[names[0]], MODE_NAMES[names[1]], names[2]) != event[2:4] + event[1:2]:
@@ -123,7 +124,7 @@ def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int |
 
 
 def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving) -> Cycle | None:
-    """Return a box that contains the states and is mapped into itself, and how; None if these are not near enough."""
+    """Return a box that contains the states and is mapped into itself, with the map; None if they are too far."""
     n, turns = len(closing.pieces), 1
     D = once = _derivative(closing, points, i)
     while (shape := _shape(D)) is None:
@@ -155,11 +156,12 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
 
 
 def _rounded(value: Ball) -> Fraction:
+    """Return a number rounded to a short exact one."""
     return Fraction(round(exact_ends(value)[0] * 10**60), 10**60)
 
 
 def _derivative(closing: ClosingBalls, points: Values, i: int) -> arb_mat:
-    """Return the derivative of the map from switching point i to itself, nearly."""
+    """Return the approximate derivative of the map from switching point i to itself."""
     moved = unit_matrix(2)
     for j in range(i, i + len(closing.pieces)):
         moved = (closing.end_by_start(j % len(closing.pieces), points) * moved).mid()
@@ -167,7 +169,7 @@ def _derivative(closing: ClosingBalls, points: Values, i: int) -> arb_mat:
 
 
 def _shape(D: arb_mat) -> tuple[Fraction, Fraction] | None:
-    """Return the sides of a box that D shrinks by MOST_Q at least, the larger one 1, or None."""
+    """Return the sides of a box that D contracts by MOST_Q at least, the larger side 1, or None."""
     sizes = [[abs(float(D[i, j])) for j in (0, 1)] for i in (0, 1)]
     e = [1.0, 1.0]
     for _ in range(60):  # towards the eigenvector of |D|
@@ -178,7 +180,7 @@ def _shape(D: arb_mat) -> tuple[Fraction, Fraction] | None:
 
 
 def _contraction(cycle: Cycle) -> Ball:
-    """Return the factor q of a cycle, proven."""
+    """Return the proven contraction factor q of a cycle."""
     sums = [
         sum((abs(d) * ball(w) for d, w in zip(row, cycle.widths, strict=True)), arb(0)) / ball(width)
         for row, width in zip(cycle.states[-1].slopes, cycle.widths, strict=True)
@@ -196,6 +198,7 @@ def _certificate(
     first_mode: str,
     until: Fraction | None,
 ) -> Certificate:
+    """Return the certificate of the settled motion."""
     n, turn, t_end = len(cycle.events), cycle.turns * closing.turn, ball(task.t_end)
     box = [[show(c - w), show(c + w)] for c, w in zip(cycle.middle, cycle.widths, strict=True)]
     rows = [event_row(before[-1], DIGITS) | {"t": box[0], "x": box[1]}]

@@ -1,4 +1,4 @@
-"""A motion up to its end, proven event by event, with as many bits as it takes; a graze of some start within its error.
+"""Proof of a motion up to its end, event by event, with as many bits as needed; a graze of one start in its error.
 
 A graze is a double zero of the gap, and no balls can tell it from a near miss. So one number of the start is left free,
 s, and with it the zero is a simple one of the bordered system
@@ -54,7 +54,7 @@ MOST_SECANTS, MOST_NARROWINGS = 12, 60
 
 
 class ToProve(NamedTuple):
-    """A motion to prove: parameters, t0, x0, v0, their errors, t_end, and how many digits enclosures have."""
+    """The motion to prove: parameters, t0, x0, v0, their errors, t_end, and the digits of the enclosures."""
 
     p: Parameters
     start: tuple[Fraction, Fraction, Fraction]
@@ -69,7 +69,7 @@ class ToProve(NamedTuple):
 
 
 class Proof(NamedTuple):
-    """The mode that the motion starts in, proven events, what is undecided, and the free number of a start that grazes.
+    """The initial mode, proven events, the undecided question, and the free number of a start that grazes.
 
     The last is its name and the two fractions between which it is.
     """
@@ -100,7 +100,7 @@ def prove_trajectory(task: ToProve) -> Certificate:
 
 
 def _first_bits(task: ToProve) -> int:
-    """Return the first precision: more for a start that is known very well, and for late ones."""
+    """Return the initial precision: higher for an accurate start and for late times."""
     p, (t0, _, v0) = task.p, task.start
     small = [each for each in (*task.errors, abs(v0 - p.v1), abs(v0 - p.v2)) if each]
     turns = abs(p.Omega * t0) + p.Omega * (task.t_end - t0)
@@ -110,11 +110,12 @@ def _first_bits(task: ToProve) -> int:
 
 
 def _log2(number: Fraction) -> int:
+    """Return the binary logarithm of a number, approximately."""
     return number.numerator.bit_length() - number.denominator.bit_length() if number else 0
 
 
 def _follow(task: ToProve) -> Proof:
-    """Return what is proven with the working precision."""
+    """Return the events proven with the working precision."""
     mode, events = "", []
     try:
         o = Oscillator(task.p)
@@ -143,6 +144,7 @@ def _events(o: Oscillator, state: Moving, task: ToProve) -> Iterator[tuple[Prove
 
 
 def _accurate(value: Ball, digits: int) -> bool:
+    """Return whether a ball has the wanted number of digits."""
     return size(value.rad()) < 10.0 ** (-digits - 1) * max(1.0, size(value))
 
 
@@ -150,7 +152,7 @@ def _accurate(value: Ball, digits: int) -> bool:
 
 
 def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof:
-    """Return a proof in which some start within the error grazes where one with all starts is undecided."""
+    """Return a proof in which one start within the error grazes, where one for all starts is undecided."""
     o, before, (boundary, near) = Oscillator(task.p), len(proof.events), graze
     name, place = next((name, place) for name, place in FREE if task.errors[place])
     events: list[ProvenEvent] = []
@@ -188,7 +190,7 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
 def _grazing_interval(
     o: Oscillator, arrive: Callable[[Ball], Moving], boundary: int, given: Fraction, error: Fraction, near: Ball
 ) -> tuple[Fraction, Fraction]:
-    """Return fractions around the value of the free number that grazes; secant steps, which prove nothing."""
+    """Return fractions around the free number's value at the graze, by secant steps without proof."""
     start, reach, points = ball(given), ball(error), []
 
     def sample(value: Ball, near: Ball) -> Ball:
@@ -254,7 +256,7 @@ def _krawczyk(
 
 
 def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Flight, Jet]:
-    """Return the flight and its lowest gap near a time, proven to be the only zero of the derivative around there."""
+    """Return the flight and its smallest gap near a time, proven to be the only zero of the derivative there."""
     flight = state.flight(o, state.states.hull())
     gap = flight.gap(boundary)
 
@@ -276,7 +278,7 @@ def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Fl
 
 
 def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boundary: int) -> None:
-    """Prove that there is no other contact up to a graze, nor beside it; else Undecided."""
+    """Prove that there is no other contact up to and near a graze, or raise Undecided."""
     width = there.tau.mid() / 4
     for _ in range(MOST_NARROWINGS):
         bend = flight.jerk(flight.at(around(there.tau, width)))
@@ -295,6 +297,7 @@ def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boun
 
 
 def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
+    """Return the certificate of the motion."""
     rows, before = [], ball(task.start[0])
     for event in proof.events:
         digits, since = task.digits, event.t - before
@@ -321,7 +324,7 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
 
 
 def question(task: ToProve, bits: int) -> Record:
-    """Return how the file of a motion begins: what made it, and the exact input as rational numbers."""
+    """Return the header of a motion's file: the program, and the exact input as rational numbers."""
     return made_by(bits) | {
         "parameters": {name: show(getattr(task.p, name)) for name in task.p.as_dict()},
         "start": {name: show(value) for name, value in zip(("t0", "x0", "v0"), task.start, strict=True)},
@@ -331,13 +334,13 @@ def question(task: ToProve, bits: int) -> Record:
 
 
 def event_row(event: ProvenEvent, digits: int) -> Record:
-    """Return an event as a file has it, with so many digits at most."""
+    """Return an event as a row of the file, with at most so many digits."""
     row: Record = {"kind": event.kind, "boundary": event.boundary, "source": event.source, "target": event.target}
     return row | {name: list(outward(value, _known(value, digits))) for name, value in (("t", event.t), ("x", event.x))}
 
 
 def _known(value: Ball, digits: int) -> int:
-    """Return how many digits a ball knows, but no more than that many."""
+    """Return the number of digits of a ball, at most the given one."""
     low, high = exact_ends(value)
     if low == high:
         return digits

@@ -57,18 +57,18 @@ class Stop(Exception):
 
 
 def check(good, what, code=FALSE):
-    """Go on only if something is so."""
+    """Raise Stop unless a statement is true."""
     if not good:
         raise Stop(code, what)
 
 
 def require(value, what):
-    """Go on only if all numbers in a ball are > 0."""
+    """Raise Stop unless all numbers in a ball are > 0."""
     check(value > 0, what, FALSE if value < 0 else OPEN)
 
 
 def inside(value, ends):
-    """Prove that a number is between two that are stated; both 0 state that it is 0."""
+    """Prove that a number lies between two stated ones; both 0 state that it is 0."""
     if not (ends[0] == ends[1] == 0 and value.is_zero()):
         require(value - arb(ends[0]), "a number is not above the lower end stated")
         require(arb(ends[1]) - value, "a number is not below the upper end stated")
@@ -78,7 +78,7 @@ def inside(value, ends):
 
 
 def number(value, where):
-    """Read a number, which is text."""
+    """Read a number given as text."""
     found = fmpq(*Fraction(value).as_integer_ratio()) if type(value) is str and NUMBER.fullmatch(value) else None
     right = found is not None and (found == 0 or TINY <= abs(found) <= 1 / TINY)
     check(right, f"{where}: {str(value)[:40]!r} is no decimal or fraction between 1e-100 and 1e100", BAD)
@@ -93,7 +93,7 @@ def interval(value, where):
 
 
 def read(value, shape, where):
-    """Read a part of a file that must have a shape: exactly these keys, one of some values, a list, or a number."""
+    """Read a part of a file of a given form: exact keys, one of some values, a list, or a number."""
     if isinstance(shape, dict):
         check(type(value) is dict, f"{where} is no object", BAD)
         wrong = sorted(value.keys() ^ shape.keys(), key=str)
@@ -135,7 +135,7 @@ SHAPES = {
 
 
 def in_range(p):
-    """Refuse parameters out of the range of the model."""
+    """Raise Stop for parameters outside the range of the model."""
     right = min(p["m"], p["Omega"], p["v2"] - p["v1"]) > 0 <= min(p[each] for each in ("c", "k", "mu1", "mu2", "FN"))
     check(right, "parameters out of range: m, Omega > 0; c, k, mu1, mu2, FN >= 0; v1 < v2", BAD)
     return p
@@ -145,13 +145,13 @@ def in_range(p):
 
 
 class Problem:
-    """An oscillator: its parameters, its modes, and the limits of the work."""
+    """An oscillator: its parameters, its modes, and the work limits."""
 
     def __init__(self, p, limits):
         self.p, self.limits, self.mode = in_range(p), limits, cache(lambda i: Mode(p, i))
 
     def step(self, count=1):
-        """Count a step, or the work of so many."""
+        """Count steps against the work limit."""
         self.limits["left"] -= max(1, count) * max(1, ctx.prec // 256)
         check(self.limits["left"] > 0, f"more than {self.limits['steps']} steps (--steps)")
 
@@ -195,7 +195,7 @@ class Mode:
         return energy.min((u + h * w + h * lag * D) / near) if near > 0 else energy
 
     def settles(self, z):
-        """Say if surely all f of a flight are > 0 for ever after a state z (2 above)."""
+        """Return whether all f of a flight are certainly > 0 forever after a state z (2 above)."""
         if self.steady is None:
             return False
         w, rate = (abs((row * z)[0, 0]).upper() for row in (self.free, self.free * self.M))
@@ -203,7 +203,7 @@ class Mode:
         return all(arb(self.row[i, 2]) - most > 0 for i in range(len(self.ends)))
 
     def stays(self, z, h, orders, after=None):
-        """Say if surely all f > 0 for a time h after a state z (2 above); `after` is the state at its end, if known."""
+        """Return whether all f are certainly > 0 for a time h after z (2 above); `after`: final state, if known."""
         half = h if after is None else h / 2
         for i, end in enumerate(self.ends):
             n = orders.get(end, 0)  # f, or its first derivative that is not 0
@@ -223,7 +223,7 @@ class Mode:
 
 
 class Motion:
-    """A motion in one mode from starts t, x, v on, a centre + columns [-1, 1] + rest [-1, 1].
+    """A motion in one mode from starts t, x, v in a set: centre + columns [-1, 1] + rest [-1, 1].
 
     `columns` contain the derivatives by the numbers that it began with; or, if there is a `rest`, exact numbers near
     them, so that the set of a long motion does not grow by what is not known of the derivatives. `leaves` are the ends
@@ -245,7 +245,7 @@ class Motion:
         self.amplitude = p[f"v{belt}"] ** 2 if circles and max(self.leaves.values(), default=0) > 1 else amplitude
 
     def at(self, t):
-        """Return z at a time; for a ball of times the same with all of them."""
+        """Return z at a time, or an enclosure of it for a ball of times."""
         self.problem.step()
         z = (self.mode.M * (t.mid() - self.origin)).exp() * self.z0
         return z if t.is_exact() else (self.mode.M * (t - t.mid())).exp() * z
@@ -283,7 +283,7 @@ class Motion:
             a, h, orders = b, b - a, {}
 
     def zero(self, end, order, found):
-        """Return a sharper enclosure of the zero of f, or of a derivative, that lies in `found` (interval Newton)."""
+        """Return a sharper enclosure of the zero of f, or of a derivative, in `found` (interval Newton)."""
         while True:
             step = found.mid() - self.f(end, found.mid())[order] / self.f(end, found)[order + 1]
             check(step.overlaps(found), "where an event is", OPEN)
@@ -298,7 +298,7 @@ class Motion:
         return [e * arb_mat([[x - rate[0, 0] * s], [v - rate[1, 0] * s], [0], [0], [0]]) for s, x, v in sides]
 
     def behind(self, row, limits=()):
-        """Prove that the next event is that of a row (3 above); return the motion behind it."""
+        """Prove that the next event is that of a row (3 above); return the motion after it."""
         if row["kind"] == "graze":
             return self.graze(row, limits)
         p, mode, flies = self.problem.p, self.mode, self.mode.flies
@@ -323,7 +323,7 @@ class Motion:
         return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
 
     def around(self, end, row, turn):
-        """Return times around an event, f > 0 at the first and turn * f > 0 at the last; f there and between them."""
+        """Return times around an event, f > 0 at the first and turn * f > 0 at the last; and f there and between."""
         low, high = arb(row["t"][0]).lower(), arb(row["t"][1]).upper()
         for _ in range(WIDENINGS):
             first, last = self.f(end, low), self.f(end, high)
@@ -336,7 +336,7 @@ class Motion:
         return low.union(high), first, last, self.f(end, low.union(high))
 
     def arrive(self, end, belt, when):
-        """Return centre, columns and rest of the states behind the zero of f at a time (5 above)."""
+        """Return centre, columns and rest of the states after the zero of f at a time (5 above)."""
         v, sides = arb(self.problem.p[f"v{belt}"]), []
         slope, i, count = self.f(end, when)[1], self.mode.ends.index(end), len(self.columns)
         for dz in self.moved(when, [*self.columns, *(self.rest or ())]):
@@ -352,7 +352,7 @@ class Motion:
         return [t.mid(), centre[1].mid(), v], [[each.mid() for each in side] for side in sides[:count]], frame(rest)
 
     def graze(self, row, limits):
-        """Prove that a flight touches a belt next, for one start between two limits, or exactly (4 above)."""
+        """Prove that a flight grazes a belt next, for one start between two limits, or exactly (4 above)."""
         end, mode = row["boundary"], self.mode
         check(mode.flies and end in mode.ends, "a graze of a belt that is not beside the domain")
         speed = self.problem.p[f"v{end}"]
@@ -378,23 +378,23 @@ class Motion:
         return Motion(self.problem, mode.number, end, place, columns, {end: 2}, None, [])
 
     def least(self, end, times):
-        """Return the least f at times where f' falls through 0 (mean value theorem)."""
+        """Return the smallest f at times where f' changes sign (mean value theorem)."""
         found = self.zero(end, 1, times)
         return self.f(end, found.mid())[0] + self.f(end, found)[1] * (found - found.mid())
 
     def made(self, row, kind, then):
-        """Refuse an event that is not of its kind, or another mode before or behind it."""
+        """Raise Stop for an event of another kind, or another mode before or after it."""
         found = row["kind"], row["source"], row["target"]
         check(found == (kind, self.mode.number, then), f"{kind}: {MODES[self.mode.number]} to {MODES[then]}")
 
     def within(self, row):
-        """Prove that the start is within the times and positions of a row."""
+        """Prove that the start lies within the times and positions of a row."""
         inside(self.t, row["t"])
         inside(self.x, row["x"])
         return self
 
     def from_centre(self, parts):
-        """Return t and x of the start that has these parts of the columns."""
+        """Return t and x of the start with these components along the columns."""
         return [
             c + sum((part * column[i] for part, column in zip(parts, self.columns, strict=True)), arb(0))
             for i, c in enumerate(self.centre[:2])
@@ -413,7 +413,7 @@ def frame(sides):
 
 
 def begin(problem, start, errors, rest=None):
-    """Return the motion from a start. Where F is rational and 0, its first derivative that is not 0 decides."""
+    """Return the motion from a start. A rational F that is 0 is decided by its first nonzero derivative."""
     (t0, x0, v0), p, centre = start, problem.p, [arb(value) for value in start]
     columns = [[arb(error) if i == j else arb(0) for j in range(3)] for i, error in enumerate(errors) if error]
     z = fmpq_mat([[x0], [v0], [1], [1], [0]])  # where t0 or B0 is 0
@@ -442,7 +442,7 @@ def begin(problem, start, errors, rest=None):
 
 
 def leave(problem, start, errors, until):
-    """Return the flights from a belt of starts that may stick until a time (6 above)."""
+    """Return the flights from a belt for starts that may stick until a time (6 above)."""
     (t0, _, v0), p = start, problem.p
     at, after = 1 if v0 == p["v1"] else 2, until - t0 - errors[0]
     check(v0 in (p["v1"], p["v2"]) and errors[2] == 0 and after > 0, "a start on a belt, and a time after it")
@@ -466,24 +466,24 @@ def leave(problem, start, errors, until):
 
 
 def about(p, *more):
-    """Return what a statement is about, in words."""
+    """Describe the subject of a statement."""
     return ", ".join([f"{name} = {p[name]}" for name in NAMES] + list(more))
 
 
 def what(row):
-    """Return the kind of an event, its belt, and the modes before and behind it."""
+    """Return the kind of an event, its belt, and the modes before and after it."""
     return [row[name] for name in WHAT]
 
 
 def table(rows):
-    """Return events in words."""
+    """Return events as text."""
     for i, row in enumerate(rows, 1):
         ends = [f"{row[name][0]} < {name} < {row[name][1]}" for name in "tx" if name in row]
         yield "; ".join(["{}: {} at belt {}, {} to {}".format(i, *what(row)), *ends])
 
 
 def question(data, source):
-    """Return start and errors of a motion, and the question in words."""
+    """Return start and errors of a motion, and the question as text."""
     start, errors = [data["start"][name] for name in START], data["start_error"]
     check(min(errors) >= 0, "start_error: a negative number", BAD)
     check(data["t_end"] - start[0] - errors[0] > 0, "t_end is not after the start", BAD)
@@ -492,7 +492,7 @@ def question(data, source):
 
 
 def trajectory(data, source, limits):
-    """Prove that a motion has the events that are stated, and no others until t_end."""
+    """Prove that a motion has the stated events, and no others until t_end."""
     problem = Problem(data["parameters"], limits)
     start, errors, shown = question(data, source)
     starts, suffix = [(start, errors)], ", for every start within the error" if any(errors) else ""
@@ -517,7 +517,7 @@ def trajectory(data, source, limits):
 
 
 def follow(problem, rows, box, kind=Motion):
-    """Return the motions from a box (middles and half-widths of t and x) at the first event, behind every event."""
+    """Return the motions from a box (middles and half-widths of t and x) at the first event, after every event."""
     (t, x), (dt, dx) = box
     belt, mode = rows[0]["boundary"], rows[0]["target"]
     columns, leaves = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))], {belt: 1} if mode < 4 else {}
@@ -528,7 +528,7 @@ def follow(problem, rows, box, kind=Motion):
 
 
 def fixed_point(motions, box, turn):
-    """Return where the only fixed point may be, less the middle (6 above), and the matrix D."""
+    """Return the enclosure of the only fixed point, minus the middle (6 above), and the matrix D."""
     (centre, widths), last = box, motions[-1]
     D = arb_mat([[last.columns[j][i] / widths[j] for j in (0, 1)] for i in (0, 1)])
     moved = arb_mat([[last.centre[0] - turn - centre[0]], [last.centre[1] - centre[1]]])
@@ -540,7 +540,7 @@ def fixed_point(motions, box, turn):
 
 
 def settled(data, source, limits):
-    """Prove what a motion does first, that it goes on for ever in a box, and its last events."""
+    """Prove the first events of a motion, that it stays in a box forever, and its last events."""
     problem, until = Problem(data["parameters"], limits), data["may_stick_until"]
     start, errors, shown = question(data, source)
     events, cycle, last = data["events"], data["cycle"], data["last"]
@@ -586,7 +586,7 @@ def settled(data, source, limits):
 
 
 def keeps(bias, swing, low, high, problem):
-    """Prove that bias + swing sin theta > 0 for all theta from low to high, in parts that are halved."""
+    """Prove that bias + swing sin theta > 0 for all theta from low to high, by bisection."""
     parts = [(low, high)]
     while parts:
         problem.step()
@@ -650,13 +650,13 @@ BESIDE = {"orbit": "verify_orbits.py", "branch": "verify_orbits.py"}
 
 
 def unique(pairs):
-    """Return an object of a file whose keys are not twice there."""
+    """Return a JSON object of a file; raise Stop if a key occurs twice."""
     check(len(dict(pairs)) == len(pairs), "a key that is twice in an object", BAD)
     return dict(pairs)
 
 
 def prove(data, limits):
-    """Return the statement of a certificate that is proven, as lines."""
+    """Return the proven statement of a certificate, as lines."""
     check(type(data) is dict and data.get("format") == FORMAT, "an unknown format", BAD)
     kind, proven, author = data.get("kind"), data.get("proven"), data.get("made_by", "")
     check(type(author) is str and len(author) <= 200, "made_by is no text of 200 characters at most", BAD)
@@ -683,7 +683,7 @@ def prove(data, limits):
 
 
 def judge(data, **limits):
-    """Return an exit code and the answer about what a file says; the answer is one line if the code is not 0."""
+    """Return an exit code and the answer about the contents of a file; one line if the code is not 0."""
     with LOCK:
         before, ctx.prec = (ctx.prec, ctx.cap), 256
         try:
@@ -698,7 +698,7 @@ def judge(data, **limits):
 
 
 def verify(path, **limits):
-    """Return the same about a file."""
+    """Return an exit code and the answer about a file."""
     most = (LIMITS | limits)["bytes"]
     try:
         with open(path, "rb") as file:
@@ -713,7 +713,7 @@ def verify(path, **limits):
 
 
 def main():
-    """Answer on the command line."""
+    """Print the answer on the command line."""
     parser = argparse.ArgumentParser(description="Prove a certificate once more.")
     parser.add_argument("file")
     for name, most in LIMITS.items():

@@ -82,7 +82,7 @@ base.SHAPES["branch"] = ORBIT | {
 
 
 def course(data):
-    """Prove that the events follow each other, come back to the first, and that the word is theirs."""
+    """Prove that the events follow each other, return to the first, and have the stated word."""
     rows = data["events"]
     check(0 < data["periods"] < 10_000 and len(rows) > 2, "a number of periods, and three events at least", BAD)
     found = [tuple(base.what(row)) for row in rows]
@@ -111,7 +111,7 @@ def least(events, periods, apart):
 
 
 def column(values):
-    """Return a matrix of one column."""
+    """Return a matrix with one column."""
     return arb_mat(len(values), 1, values)
 
 
@@ -136,7 +136,7 @@ Within = type("Within", (base.Motion,), {"positive": lambda motion, *until: None
 
 
 def orbit(data, source, limits):
-    """Prove that there is the orbit stated, with its multipliers, and no other beside it."""
+    """Prove that the stated orbit exists with its multipliers, and is unique in its box."""
     problem, periods, events = base.Problem(data["parameters"], limits), data["periods"], course(data)
     rows, turn = data["events"], 2 * periods * arb.pi() / arb(problem.p["Omega"])
     centre, widths = ([arb((row[1] + sign * row[0]) / 2) for row in (rows[0]["t"], rows[0]["x"])] for sign in (1, -1))
@@ -190,7 +190,7 @@ def orbit(data, source, limits):
 
 
 def horner(rows, at):
-    """Return the values of polynomials whose coefficients are rows."""
+    """Return the values of polynomials given by rows of coefficients."""
     total = rows[-1]
     for row in reversed(rows[:-1]):
         total = [a + at * b for a, b in zip(row, total, strict=True)]
@@ -198,7 +198,7 @@ def horner(rows, at):
 
 
 def level(value):
-    """Return a ball, or the first coefficient of a series."""
+    """Return a ball itself, or the first coefficient of a series."""
     return value[0] if isinstance(value, arb_series) else value
 
 
@@ -213,7 +213,7 @@ def entire(b, z):
 
 
 class Equation:
-    """The equation where one parameter is a ball, or a series in a change of it."""
+    """The equation of motion with one parameter a ball, or a series in a change of it."""
 
     def __init__(self, p, name, value):
         q = {each: arb(p[each]) for each in base.NAMES} | {name: value}
@@ -238,7 +238,7 @@ class Equation:
 
 
 class Piece:
-    """The motion in one mode from t and x at a belt on, and the functions f that are > 0 in it."""
+    """The motion in one mode from t and x at a belt on, and the functions f that are > 0 during it."""
 
     def __init__(self, e, mode, belt, t, x, late):
         self.e, self.mode, self.t, self.x, self.v, self.ends = e, mode, t, x, e.belts[belt], {belt: 1, belt + 1: -1}
@@ -274,7 +274,7 @@ class Piece:
 
 
 class Margin(NamedTuple):
-    """What is > 0 on a piece: in words, the end of a branch where it fails, and f.
+    """A function that must be > 0 on a piece: its text, the kind of branch end where it fails, and f.
 
     And which derivative of f is not 0 at the start, if f is 0 at the end, and if it is > 0 all the time between them.
     """
@@ -288,18 +288,18 @@ class Margin(NamedTuple):
 
 
 class Course:
-    """The equations r of an orbit with these events, and what else makes a root an orbit."""
+    """The equations r of an orbit with these events, and the inequalities that make a root an orbit."""
 
     def __init__(self, events, periods, e):
         self.events, self.e, self.turn, self.count = events, e, periods * e.turn, len(events) - 1
 
     def piece(self, i, u, late=0):
-        """Return the motion behind event i, how long it lasts, and until when."""
+        """Return the motion after event i, its duration, and its end time."""
         until, t = u[2 * i + 2] if i + 1 < self.count else u[0] + self.turn, u[2 * i]
         return Piece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late), until - t, until
 
     def left(self, i, u, late=0):
-        """Return both parts of r behind event i."""
+        """Return both components of r after event i."""
         (piece, s, until), (_, belt, _, target) = self.piece(i, u, late), self.events[i + 1]
         sticks, onto = piece.mode > 3, u[(2 * i + 3) % len(u)]
         x, f = (piece.x + piece.v * s, piece.force(target, s, until)[0]) if sticks else piece.at(s, until)[:2]
@@ -320,7 +320,7 @@ class Course:
         return J
 
     def margins(self, i, u):
-        """Return what is > 0 behind event i."""
+        """Return the functions that must be > 0 after event i."""
         ((made, belt, source, mode), after), (piece, s, _) = self.events[i : i + 2], self.piece(i, u)
         around = pairwise([self.events[i - 1 - (not i)], *self.events[i : i + 2]])
         previous, label = (f"P{LABELS[a[1], a[3], b[1]]}" for a, b in around)
@@ -410,7 +410,7 @@ class Family:
         self.within(row, self.points, self.all)
 
     def coefficients(self, value, curve, count):
-        """Return that many coefficients of r about a value of the parameter, along a curve given there."""
+        """Return so many coefficients of r about a value of the parameter, along a curve given there."""
         ctx.cap = max(ctx.cap, count)
         points = [arb_series(list(each), prec=count) for each in zip(*curve, strict=True)]
         r = self.course(arb_series([value, 1], prec=count)).r(points)
@@ -428,19 +428,19 @@ class Family:
         return self.newton(c, course.r(c)), course
 
     def within(self, row, u, course):
-        """Prove that all points in u are in a row of the file."""
+        """Prove that all points in u lie in a row of the file."""
         for name, values in (("t", [*u[::2], u[0] + course.turn]), ("x", [*u[1::2], u[1]])):
             for value, ends in zip(values, row[name], strict=True):
                 inside(value, ends)
 
     def apart(self, i, earlier):
-        """Say if surely event i is not the first one, so many forcing periods later, for all values."""
+        """Return whether event i differs from the first, so many forcing periods later, for all values."""
         (t, x), (t0, x0) = self.points[2 * i : 2 * i + 2], self.points[:2]
         return not (t - t0).overlaps(earlier * self.all.e.turn) or not x.overlaps(x0)
 
 
 def families(problem, data, events, row):
-    """Prove a row, by parts of its interval; return the last of them."""
+    """Prove a row, in parts of its interval; return the last of them."""
     parts, count = [row["value"]], 0
     while parts:
         low, high = parts.pop()
@@ -456,7 +456,7 @@ def families(problem, data, events, row):
 
 
 def fails(problem, data, events, end, row):
-    """Prove that the inequality of an end fails at its outer value, for the root that is in a row at the inner one."""
+    """Prove that an end's inequality fails at its outer value, for the root in a row at the inner one."""
     family = Family(problem, data, events, end, *sorted((end["inside"], end["outside"])))
     family.within(row, *family.root(end["inside"]))
     (u, course), at, kind = family.root(end["outside"]), arb(end["at"]), end["kind"]
@@ -470,7 +470,7 @@ def fails(problem, data, events, end, row):
 
 
 def branch(data, source, limits):
-    """Prove a branch: every row, that they go on as each other, and both ends."""
+    """Prove a branch: every row, that they join, and both ends."""
     name, rows, span, periods = data["parameter"], data["boxes"], data["range"], data["periods"]
     values, events, before = [row["value"] for row in rows], course(data), None
     right = values and span == [values[0][0], values[-1][1]] and all(a[1] == b[0] for a, b in pairwise(values))
@@ -506,7 +506,7 @@ def branch(data, source, limits):
 
 
 def pairs(row):
-    """Return t and x of a row of a branch in words."""
+    """Return t and x of a row of a branch as text."""
     return "; ".join(
         f"{low} < {name}{i} < {high}"
         for i, both in enumerate(zip(row["t"], row["x"], strict=True), 1)

@@ -47,7 +47,7 @@ def prove_window(window: GrazingWindow) -> Certificate:
 
 
 def _where(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple[Ball, Fraction, int]]]:
-    """Return where s = bias + swing sin(theta) > 0, and the ends: the phase, its sine, and the sign of its cosine.
+    """Return where s = bias + swing sin(theta) > 0, and the ends: the phase, its sine, and its cosine's sign.
 
     An arc goes up from its first end to its second.
     """

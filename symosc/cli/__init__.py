@@ -1,4 +1,4 @@
-"""The command line: `app` is the group, each command a module of its name; output and settings are what they share.
+"""The command line: `app` is the group, each command is in a module of its name; output and settings are shared.
 
-May import everything. One more command: a module with a function of its name, and that name in `app.COMMANDS`.
+May import everything. To add a command, write a module with a function of its name, and add it to `app.COMMANDS`.
 """

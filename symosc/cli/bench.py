@@ -130,7 +130,7 @@ def _bar(label: str, steps: Sequence[Any]) -> Iterator[Any]:
 
 
 def _plain(value: object) -> object:
-    """Return data with None for what JSON has no number for."""
+    """Return data with None for numbers that JSON lacks."""
     if isinstance(value, dict):
         return {key: _plain(each) for key, each in value.items()}
     if isinstance(value, (list, tuple)):

@@ -119,7 +119,7 @@ def check(files: tuple[str, ...], output: str | None, report: str | None, as_jso
 
 
 def _named_scene(options: Record) -> str | Scene | None:
-    """Return the scene or the reference case that an option names."""
+    """Return the scene or the reference case named by an option."""
     if options["case"] is None:
         name: str | None = options["scene"]
         return name

@@ -1,4 +1,4 @@
-"""What the commands share: reading scenes, parameters and file names; printing text, JSON and tables."""
+"""Functions shared by the commands: reading scenes, parameters and file names; printing text, JSON and tables."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def write(text: str, end: str = "\n") -> None:
 
 
 def complain(text: str) -> None:
-    """Print a failure on stderr."""
+    """Print an error on stderr."""
     pause_working()
     click.echo(f"symosc: {text}", err=True)
 

@@ -1,4 +1,4 @@
-"""Causes of wrong samples: their words, a guess for each wrong step, and the case on which alternatives are tried."""
+"""The causes of wrong samples: their descriptions, a guess for each wrong step, and the test case for alternatives."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ CAUSES = {
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What is probably wrong in a solution.
+    """A probable cause of the errors in a solution.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class Diagnosis:
 
 
 class Change(NamedTuple):
-    """A change before a check is repeated: other parameters, or other columns t, x, v (v None: positions alone)."""
+    """A modification for a repeated check: other parameters, or other columns t, x, v (v None: positions only)."""
 
     words: str
     parameters: Parameters | None = None
@@ -96,7 +96,7 @@ class Change(NamedTuple):
 
 
 class Candidate(NamedTuple):
-    """A diagnosis, and the change with which the steps should be right, if it can be made."""
+    """A diagnosis, and the change that should make the steps right, if there is one."""
 
     diagnosis: Diagnosis
     change: Change | None = None
@@ -123,7 +123,7 @@ EXPLAINS = 0.02
 
 @dataclass(frozen=True)
 class Fault:
-    """A step that does not agree with the exact motion over it.
+    """A step that disagrees with the exact motion over it.
 
     Attributes
     ----------
@@ -162,7 +162,7 @@ class Fault:
 
     @property
     def wrong_decision(self) -> bool:
-        """Whether the samples stick, slip or pass where the exact motion does something else."""
+        """Whether the samples stick, slip or cross where the exact motion does otherwise."""
         return self.found not in ("", self.expected)
 
 
@@ -203,7 +203,7 @@ def _guess(
     near: np.ndarray,
     misses: np.ndarray,
 ) -> tuple[str, str]:
-    """Return a reason and its words; `misses` are those to the next sample, and to the one after, for each domain."""
+    """Return a reason and its text; `misses` are those to the next sample, and to the one after, for each domain."""
     if not np.isfinite(sizes[i]):
         return "undecidable", "the exact motion over the step cannot be decided in double precision"
     if steps.t[i + 1] == steps.t[i]:
@@ -260,7 +260,7 @@ TRIM = 5.0
 
 
 class Fit(NamedTuple):
-    """Numbers fitted to steps, their standard deviations, and the sizes of the defects that they leave."""
+    """Numbers fitted to steps, their standard deviations, and the sizes of the remaining defects."""
 
     value: np.ndarray
     error: np.ndarray
@@ -268,7 +268,7 @@ class Fit(NamedTuple):
 
 
 def tried_samples(check: Any) -> slice:
-    """Return on which samples of a `CrossCheck` alternatives are tried."""
+    """Return the samples of a `CrossCheck` on which alternatives are tried."""
     first = int(check.wrong_steps[0]) if len(check.wrong_steps) else 0
     low = max(0, min(first - STEPS_BEFORE, len(check.t) - MOST_TRIED_STEPS - 1))
     return slice(low, low + MOST_TRIED_STEPS + 1)
@@ -276,7 +276,7 @@ def tried_samples(check: Any) -> slice:
 
 @dataclass(frozen=True)
 class Case:
-    """Samples that do not agree with the exact motion, and the exact motion over their steps.
+    """Samples that disagree with the exact motion, and the exact motion over their steps.
 
     `offset` is the number of the first of them among all samples of the `check`; `near` are distances from a belt that
     count as on it.
@@ -291,7 +291,7 @@ class Case:
 
     @classmethod
     def of(cls, check: Any) -> Case:
-        """Return the case of a `CrossCheck`: all samples, or many from shortly before the first wrong step."""
+        """Return the case of a `CrossCheck`: all samples, or many beginning shortly before the first wrong step."""
         part = tried_samples(check)
         allowed, scales = check.allowed[part.start : part.stop - 1], np.array(check.scales)
         near = np.append(allowed[:1, 1], allowed[:, 1])
@@ -305,7 +305,7 @@ class Case:
 
     @cached_property
     def sizes(self) -> np.ndarray:
-        """Defects in units of the allowed ones, one for each step."""
+        """Defects in units of the allowed ones, one per step."""
         return np.max(np.abs(self.steps.defects) / self.allowed, axis=1)
 
     @cached_property
@@ -327,7 +327,7 @@ class Case:
 
     @cached_property
     def inside(self) -> np.ndarray:
-        """Steps that lie in one domain, for the samples and for the exact motion."""
+        """Which steps lie in one domain, for the samples and the exact motion."""
         before, after = self.domain[:-1], self.domain[1:]
         inside = (before > 0) & (before == after) & (self.steps.first == before) & (self.steps.last == before)
         inside[np.unique(self.steps.events.step)] = False
@@ -335,12 +335,12 @@ class Case:
 
     @property
     def inside_wrong(self) -> np.ndarray:
-        """The wrong ones of the steps inside a domain."""
+        """Which steps inside a domain are wrong."""
         return self.inside[self.wrong[self.inside]]
 
     @cached_property
     def sticks(self) -> bool:
-        """Whether there is any stick to be wrong about: of the exact motion, or two steps in a row of the samples."""
+        """Whether there is a stick: in the exact motion, or in two successive steps of the samples."""
         if any(part.mode.startswith("belt") and part.t_end > part.t_start for part in self.check.trajectory.segments):
             return True
         s, on = self.steps, self.domain == 0
@@ -350,15 +350,15 @@ class Case:
 
     @property
     def flights_wrong(self) -> float:
-        """Part of the steps inside a domain that are wrong; 0 if there is none."""
+        """The fraction of the steps inside a domain that are wrong; 0 if there are none."""
         return float(np.mean(self.wrong[self.inside])) if len(self.inside) else 0.0
 
     def limits(self, part: float = EXPLAINS) -> np.ndarray:
-        """Return how large the defects may be, in units of the allowed ones, if an alternative explains the steps."""
+        """Return the largest defects, in units of the allowed ones, at which an alternative explains the steps."""
         return np.maximum(1.0, part * np.nan_to_num(self.sizes, nan=0.0, posinf=0.0))
 
     def share(self, sizes: np.ndarray, of: np.ndarray | None = None, part: float = EXPLAINS) -> float:
-        """Return which part of the wrong steps an alternative explains, less the right ones that it makes wrong.
+        """Return the fraction of the wrong steps that an alternative explains, minus that of right ones it spoils.
 
         `sizes` are the defects that it leaves in the steps `of` (default: all); a step is explained if `part` is left.
         """
@@ -368,21 +368,21 @@ class Case:
         return float((np.sum(fits & wrong) - np.sum(~fits & ~wrong)) / max(1, np.sum(wrong)))
 
     def misses(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return by how much ends x, v of steps miss the next samples, in units of what is allowed."""
+        """Return the ends x, v of steps minus the next samples, in units of the allowed differences."""
         return np.asarray((ends - self.steps.states[steps + 1]) / self.allowed[steps])
 
     def miss_sizes(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return the larger one of both misses."""
+        """Return the larger of the two misses in x and v."""
         return np.asarray(np.max(np.abs(self.misses(ends, steps)), axis=1))
 
     def followed(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
-        """Return the sizes of the defects with other parameters, or a clock that is ahead."""
+        """Return the sizes of the defects with other parameters, or a shifted clock."""
         s = self.steps
         found = follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales)
         return np.asarray(np.max(np.abs(found.defects) / self.allowed, axis=1))
 
     def share_of(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
-        """Return which part of the wrong steps other columns explain; they may have fewer rows."""
+        """Return the fraction of the wrong steps that other columns explain; they may have fewer rows."""
         near, allowed = float(np.median(self.near)), np.median(self.allowed, axis=0)
         found = follow_steps(self.parameters, t, x, v, near, self.scales)
         left, wrong = np.max(np.abs(found.defects) / allowed, axis=1), self.sizes[self.wrong]
@@ -390,20 +390,20 @@ class Case:
         return float(1.0 - np.mean(~(left <= limit)) / max(np.mean(self.wrong), 1e-300))
 
     def some(self, chosen: np.ndarray, most: int) -> np.ndarray:
-        """Return at most so many of the chosen steps, evenly spread."""
+        """Return at most `count` of the chosen steps, evenly spread."""
         if len(chosen) <= most:
             return chosen
         return chosen[np.linspace(0, len(chosen) - 1, most).astype(int)]
 
     def followed_some(self, p: Parameters, chosen: np.ndarray) -> np.ndarray:
-        """Return the defects of a few steps with other parameters, in units of what is allowed, shape (steps, 2)."""
+        """Return the defects of a few steps with other parameters, in allowed units, shape (steps, 2)."""
         begin = np.column_stack([self.steps.t, self.steps.x, self.steps.v])[chosen]
         return self.between(begin, chosen + 1, self.near[chosen], p) / self.allowed[chosen]
 
     def between(
         self, begin: np.ndarray, until: np.ndarray, near: np.ndarray, p: Parameters | None = None
     ) -> np.ndarray:
-        """Return the exact motion from states t, x, v, one a row, minus the samples `until`; shape (rows, 2).
+        """Return the exact motion from states t, x, v (rows) minus the samples `until`; shape (rows, 2).
 
         No row may begin before the one before ends.
         """
@@ -417,14 +417,14 @@ class Case:
         return np.asarray(found)
 
     def flown(self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None) -> np.ndarray:
-        """Return the misses of flights inside domains with other constants or a turned phase of the drive."""
+        """Return the misses of flights inside domains with other constants or a shifted phase of the drive."""
         chosen, s = self.inside if chosen is None else chosen, self.steps
         other = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
         return self.misses(other.flight(self.domain[chosen], chosen, chosen + 1), chosen)
 
 
 def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks: np.ndarray) -> Fit | None:
-    """Fit numbers to steps, of which some may be wrong for another reason; None if the steps do not show the numbers.
+    """Fit numbers to steps, some of which may have other faults; None if the steps do not determine them.
 
     `misses` returns by how much the steps miss with given numbers, (steps, 2); `ticks` are changes for derivatives.
     """
@@ -454,7 +454,7 @@ def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks:
 
 
 def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the change of one number that most steps ask for; of several numbers, that of least squares."""
+    """Return the median change of one number over the steps; of several numbers, the least-squares one."""
     if J.shape[-1] > 1:
         return _least_squares(here, J)
     slopes = J[..., 0]
@@ -469,6 +469,7 @@ def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return the change by least squares and its standard deviations, or None."""
     matrix, right = J.reshape(-1, J.shape[-1]), -here.ravel()
     units = np.sqrt(np.sum(matrix**2, axis=0))
     if not len(right) or not np.all(units > 0.0):

@@ -1,4 +1,4 @@
-"""Wrong columns as causes: signs, units, places, velocities made from x, uneven clocks, few digits, noise, outliers."""
+"""Wrong columns as causes: signs, units, order, velocities made from x, uneven clocks, few digits, noise, outliers."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ POSITIONS_ALONE = Change("with positions alone", columns=lambda t, x, v: (t, x, 
 
 
 def other_columns(case: Case) -> Iterator[Candidate]:
-    """Yield the columns of the table that explain the steps, each with the change that tests it."""
+    """Yield the column changes of the table that explain the steps, each with the change for its test."""
     s = case.steps
     for one in changed_columns(case.parameters, s.t, s.x, s.v):
         columns = one.change.columns(s.t, s.x, s.v)  # type: ignore[union-attr,misc]
@@ -47,20 +47,21 @@ def other_columns(case: Case) -> Iterator[Candidate]:
 
 
 def changed_columns(p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Iterator[Candidate]:
-    """Yield the columns of the table; those in other units only if x is about the way that v makes."""
+    """Yield the column changes of the table; other units only if x agrees with the integral of v."""
     for cause, subject, words, change, value, make in (*_signs_and_places(p), *_units(p)):
-        if value is None or 1.0 / SAME_WAY < _way(*make(t, x, v)) < SAME_WAY:
+        if value is None or 1.0 / SAME_WAY < _path_ratio(*make(t, x, v)) < SAME_WAY:
             found = Diagnosis(cause, subject, words, "", value, None if value is None else 0.0)
             yield Candidate(found, Change(change, columns=make))
 
 
-def _way(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
-    """Return the way that x makes over the one that v makes."""
+def _path_ratio(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
+    """Return the path length from x divided by that from v."""
     way = float(np.sum(np.abs(v[1:] + v[:-1]) * np.abs(np.diff(t))) / 2.0)
     return float(np.sum(np.abs(np.diff(x)))) / way if way else np.inf
 
 
 def _signs_and_places(p: Parameters) -> Iterator[Transform]:
+    """Yield columns with other signs or in another order."""
     yield "sign", "x", "x has the wrong sign", "with -x", None, lambda t, x, v: (t, -x, v)
     yield "sign", "v", "v has the wrong sign", "with -v", None, lambda t, x, v: (t, x, -v)
     yield "sign", "x and v", "x and v have the wrong sign", "with -x, -v", None, lambda t, x, v: (t, -x, -v)
@@ -77,6 +78,7 @@ def _signs_and_places(p: Parameters) -> Iterator[Transform]:
 
 
 def _units(p: Parameters) -> Iterator[Transform]:
+    """Yield columns in other units."""
     m, Om = float(p.m), float(p.Omega)
     rows = [
         (name, factor, f"{name} {'are' if ' ' in name else 'is'} {size}: other units")
@@ -96,6 +98,7 @@ def _units(p: Parameters) -> Iterator[Transform]:
 
 
 def _divided(names: list[str], factor: float, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
+    """Return t, x, v with the named columns divided by a factor."""
     t, x, v = (each / factor if name in names else each for name, each in (("t", t), ("x", x), ("v", v)))
     return t, x, v
 
@@ -104,7 +107,7 @@ def _divided(names: list[str], factor: float, t: np.ndarray, x: np.ndarray, v: n
 
 
 def no_motion(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Diagnosis | None:
-    """Return that the samples never move, if they do not."""
+    """Return the diagnosis that the samples never move, or None."""
     if np.ptp(x) or np.ptp(v):
         return None
     words, evidence = "x and v never change: the mass does not move", f"x = {x[0]:.10g}, v = {v[0]:.10g} in all samples"
@@ -112,7 +115,7 @@ def no_motion(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Diagnosis | None:
 
 
 def column_faults(case: Case) -> Iterator[Candidate]:
-    """Yield faults in how the columns were made."""
+    """Yield faults in the generation of the columns."""
     if len(case.steps.t) >= FEWEST:
         yield from _velocity_column(case)
         yield from _frozen(case)
@@ -120,7 +123,7 @@ def column_faults(case: Case) -> Iterator[Candidate]:
 
 
 def _velocity_column(case: Case) -> Iterator[Candidate]:
-    """Yield how v was made from right positions: by differences, or at times between the samples."""
+    """Yield wrong velocities at right positions: differences, or values between the samples."""
     s, h = case.steps, np.diff(case.steps.t)
     if np.any(h <= 0.0):
         return
@@ -150,7 +153,7 @@ def _velocity_column(case: Case) -> Iterator[Candidate]:
 
 
 def other_velocities(case: Case) -> Iterator[Candidate]:
-    """Yield that x alone is right, whatever v is."""
+    """Yield the diagnosis that x alone is right, for any v."""
     exact = _from_positions(case) if len(case.inside) >= FEWEST_ALONE else None
     if exact is not None:
         s, (first, v) = case.steps, exact
@@ -160,7 +163,7 @@ def other_velocities(case: Case) -> Iterator[Candidate]:
 
 
 def _from_positions(case: Case) -> tuple[int, np.ndarray] | None:
-    """Return the velocities that belong to the positions, from the first sample that has one on."""
+    """Return the velocities determined by the positions, from the first sample that has one."""
     s, tolerance = case.steps, float(case.allowed[0, 0] / case.scales[0])
     try:
         found = with_velocities(Samples(s.t, s.x, np.full(len(s.t), np.nan)), case.parameters, tolerance)
@@ -170,7 +173,7 @@ def _from_positions(case: Case) -> tuple[int, np.ndarray] | None:
 
 
 def _at_other_times(case: Case, first: int, v: np.ndarray, part: float) -> np.ndarray:
-    """Return the exact velocity a part of a step before each sample (negative: after it); NaN where there is none."""
+    """Return the exact velocity a fraction of a step before each sample (negative: after it); NaN if none."""
     s = case.steps
     t, x = s.t[first:], s.x[first:]
     time = (t[1:] if part > 0.0 else t[:-1]) - part * np.diff(t)
@@ -182,7 +185,7 @@ def _at_other_times(case: Case, first: int, v: np.ndarray, part: float) -> np.nd
 
 
 def _frozen(case: Case) -> Iterator[Candidate]:
-    """Yield positions that stand still in a stick, in which the belt carries the mass along."""
+    """Yield positions that stay constant during a stick although the belt moves."""
     s, speeds = case.steps, (float(case.parameters.v1), float(case.parameters.v2))
 
     def moved(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
@@ -207,7 +210,7 @@ def _frozen(case: Case) -> Iterator[Candidate]:
 
 
 def _resampled(case: Case) -> Iterator[Candidate]:
-    """Yield samples on straight lines between fewer samples."""
+    """Yield samples interpolated linearly between fewer samples."""
     s = case.steps
 
     def bends(t: np.ndarray, *columns: np.ndarray) -> np.ndarray:
@@ -239,14 +242,14 @@ def _resampled(case: Case) -> Iterator[Candidate]:
 
 
 def other_times(case: Case) -> Iterator[Candidate]:
-    """Yield times that are off by themselves, and belong to an even grid or are in single precision."""
+    """Yield wrong times: deviations from an even grid, or single precision."""
     if len(case.steps.t) >= FEWEST:
         yield from _even_times(case)
         yield from _single_times(case)
 
 
 def _even_times(case: Case) -> Iterator[Candidate]:
-    """Yield times that are an even grid, but written or added up with few digits."""
+    """Yield times of an even grid that were rounded or accumulated with few digits."""
     t = case.steps.t
     h, step = np.diff(t), float((t[-1] - t[0]) / (len(t) - 1))
     if np.ptp(h) == 0.0 or not np.max(np.abs(h - step)) <= NEARLY_EVEN * step:
@@ -266,7 +269,7 @@ def _even_times(case: Case) -> Iterator[Candidate]:
 
 
 def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
-    """Return an even grid; the step may be rounded to so many digits (0: none is), or both ends (None)."""
+    """Return an even grid with its step, or both ends (None), rounded to so many digits (0: not rounded)."""
     if not digits:
         ends = (float(t[0]), float(t[-1])) if digits == 0 else (float(f"{t[0]:.6g}"), float(f"{t[-1]:.6g}"))
         return np.linspace(*ends, len(t))
@@ -275,7 +278,7 @@ def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
 
 
 def _single_times(case: Case) -> Iterator[Candidate]:
-    """Yield times that are each off by themselves: in single precision, a shift of each explains its step."""
+    """Yield times in single precision, or with single errors: a shift of each explains its step."""
     s, chosen = case.steps, case.inside
     if not np.array_equal(s.t.astype(np.float32).astype(float), s.t) or np.array_equal(s.t, np.rint(s.t)):
         return
@@ -300,7 +303,7 @@ def _single_times(case: Case) -> Iterator[Candidate]:
 # -- the numbers themselves, and the list of events --------------------------------------------------------------------
 
 
-def listed(check: Any) -> Iterator[Diagnosis]:
+def event_list_faults(check: Any) -> Iterator[Diagnosis]:
     """Yield the faults of a list of events where the samples are right."""
     missed, invented = check.missed, check.invented
     evidence = "the samples are right"
@@ -319,7 +322,7 @@ def listed(check: Any) -> Iterator[Diagnosis]:
 
 
 def outliers(case: Case) -> Iterator[Candidate]:
-    """Yield samples that are off by themselves: without them the steps are right."""
+    """Yield outliers: single wrong samples without which the steps are right."""
     check = case.check
     off = [fault for fault in check.faults if fault.reason == "outlier"]
     if off:
@@ -333,7 +336,7 @@ def outliers(case: Case) -> Iterator[Candidate]:
 
 
 def noise(case: Case) -> Iterator[Diagnosis]:
-    """Yield noise: the error of a sample is in the defect before it, and carried on in the defect after it."""
+    """Yield sample noise: each defect, carried over the next step, is opposite to that step's defect."""
     inside = case.inside_wrong
     pairs = inside[:-1][np.diff(inside) == 1]
     if len(pairs) < FEW_NOISY:
@@ -357,7 +360,7 @@ def noise(case: Case) -> Iterator[Diagnosis]:
 
 
 def few_digits(check: Any) -> Iterator[Diagnosis]:
-    """Yield how few digits the columns have."""
+    """Yield the diagnosis that the columns have few digits."""
     if check.rounded:
         columns = ", ".join(f"{name} to {text}" for name, text in check.rounded.items())
         words, evidence = f"the samples are rounded: {columns}", "all numbers of these columns fit that grid"

@@ -1,4 +1,4 @@
-"""Cross-checks of other people's solutions against the exact motion: step by step, event by event, and as a whole."""
+"""Compare external solutions with the exact motion: step by step, event by event, and globally."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def crosscheck(
     workers: int | None = 1,
     progress: Progress | None = None,
 ) -> Any:
-    """Compare somebody's solution, or several, with the exact motion.
+    """Compare one or several external solutions with the exact motion.
 
     Parameters
     ----------
@@ -149,6 +149,7 @@ def crosscheck(
 
 
 def _positive(name: str, value: object) -> float:
+    """Return a tolerance as a float; raise ParameterError unless it is positive."""
     number = float(read_exact(name, value))
     if not number > 0.0:
         raise ParameterError(name, value, "must be > 0")
@@ -157,7 +158,7 @@ def _positive(name: str, value: object) -> float:
 
 @dataclass(frozen=True)
 class Judge:
-    """The motion that samples are compared with, and how strictly; called with samples, it returns a verdict."""
+    """The exact motion and the tolerances for a comparison; calling it with samples returns the verdict."""
 
     scene: Scene | Parameters
     tolerance: float
@@ -183,7 +184,7 @@ class Judge:
         return usual if self.given_limit is None else self.given_limit
 
     def global_part(self, scales: np.ndarray, loose: np.ndarray, rounded: bool) -> np.ndarray:
-        """Return the allowed global errors of x and v beside what rounding makes."""
+        """Return the allowed global errors of x and v in addition to rounding."""
         part = self.limit * scales
         if self.given_limit is not None or not rounded:
             return part
@@ -202,7 +203,7 @@ class Judge:
 
 @dataclass(frozen=True)
 class Task:
-    """Samples to be judged, and by whom."""
+    """Samples and the Judge that compares them."""
 
     by: Judge
     parameters: Parameters
@@ -210,7 +211,7 @@ class Task:
     rounding: Rounding
 
     def verdict(self) -> CrossCheck:
-        """Judge the samples, and whether they go on to the end of the motion."""
+        """Judge the samples, and whether they continue to the end of the motion."""
         result = self._judged()
         early = self._early_end(result.trajectory)
         if not early:
@@ -220,7 +221,7 @@ class Task:
         return replace(result, ok=False, early_end=early)
 
     def _judged(self) -> CrossCheck:
-        """Judge the samples as numbers with all digits; if they fail and have few, once more at their precision."""
+        """Judge the samples with all digits; if they fail and have few, again at their precision."""
         samples, rounding = self.samples, self.rounding
         units, listed = rounding.units(len(samples.t)), rounding.of_events(len(samples.events or ()))
         jump = max(SAMPLE_JUMP, self.by.tolerance)
@@ -235,7 +236,7 @@ class Task:
         return self._cut(half, listed, result) or self._coarser(half, listed, result)
 
     def _cut(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck | None:
-        """Return the verdict on samples that are right if their last digits are cut off in place of rounded."""
+        """Return the verdict on samples that are right if their last digits were truncated, not rounded."""
         samples = self.samples
         if not np.any(half) or np.nanmax(np.abs(result.errors) / result.limits) > CUT_EXCESS:
             return None
@@ -251,7 +252,7 @@ class Task:
         return None
 
     def _coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
-        """Add the verdict on every n-th sample where the rounding hides in each step what is wrong over n steps."""
+        """Add the verdict on every n-th sample where rounding hides errors within single steps."""
         spans, samples, count = result.wrong_spans, self.samples, len(self.samples.t)
         # A few spans show no cause, and where most steps are wrong these show it themselves.
         if len(spans) < FEW_SPANS or 2 * len(result.wrong_steps) >= np.sum(spans[:, 1] - spans[:, 0]):
@@ -327,7 +328,7 @@ class Task:
         )
 
     def _start(self, loose: np.ndarray, rounding: np.ndarray) -> tuple[Record, str]:
-        """Return the start of the exact motion, and a note if it is not the scene's start.
+        """Return the start of the exact motion, and a note if it differs from the scene's start.
 
         That is {} for the scene's own start, which may have more digits than the sample, or the first sample.
         """
@@ -368,7 +369,7 @@ class Task:
         return f"the solution ends at t = {last:.10g}; the motion of {scene.name} goes on to t = {t_end:.10g}"
 
     def _wrong_spans(self, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
-        """Return spans of rounded samples over which the exact motion leads elsewhere, as pairs of samples.
+        """Return intervals of rounded samples over which the exact motion leads elsewhere, as pairs of samples.
 
         Dense samples with few digits hide a wrong model in each step, and not over many. The tolerances of the steps
         add up. Of all lengths that is chosen of which many spans are wrong, and a great part.
@@ -400,6 +401,7 @@ class Task:
         return notes
 
     def _notes(self, units: np.ndarray, listed: np.ndarray) -> list[str]:
+        """Return the notes on the samples and on their rounding."""
         columns = ", ".join(f"{name} to {text}" for name, text in self.rounding.texts.items())
         at_it = "; they are judged at that precision" if np.any(units) or np.any(listed) else ""
         return [*self.samples.notes, *([f"the samples are rounded: {columns}{at_it}"] if columns else [])]
@@ -413,6 +415,7 @@ class Task:
         label: np.ndarray,
         wrong: np.ndarray,
     ) -> Matching:
+        """Match the exact events with those of the samples or the list."""
         events, until, times = self.samples.events, float(trajectory.t_end), list[float]()
         if events and not any(kind for _, kind in events):  # a solver's list of times
             times, events = [t for t, _ in events], None
@@ -427,7 +430,7 @@ class Task:
         return Matcher(trajectory, exact, given_events(reach.steps, pairs), True, reach, label, wrong).match()
 
     def _later_events(self, trajectory: Trajectory, start: Record, pairs: Sequence[tuple[float, str]]) -> list[Event]:
-        """Return exact events just after the last sample, if the list has events about there."""
+        """Return exact events just after the last sample, if the list has events near there."""
         t_end, span = float(trajectory.t_end), WINDOW * 2.0 * np.pi / float(self.parameters.Omega)
         if trajectory.status != "t_end" or not pairs or pairs[-1][0] < t_end - span:
             return []
@@ -435,6 +438,7 @@ class Task:
         return list(longer.events[len(trajectory.events) :])
 
     def _simulate(self, t_end: float, start: Record) -> Trajectory:
+        """Return the exact motion from a start to t_end."""
         # So many more events than samples cannot be meant.
         most = FEW_EVENTS + EVENTS_PER_SAMPLE * len(self.samples.t)
         return simulate(self.by.scene, t_end=t_end, max_events=most, **start)
@@ -452,7 +456,7 @@ def _global_errors(trajectory: Trajectory, samples: Samples) -> tuple[np.ndarray
 
 
 def _disorder(events: Sequence[tuple[float, str]], notes: list[str]) -> bool:
-    """Return whether a list of events is not in order of time, and note where."""
+    """Return whether a list of events is out of time order, and note where."""
     for (before, _), (time, kind) in pairwise(events):
         if time < before:
             notes.append(f"the list is not in order of time: {kind} at t = {time:.10g} comes after t = {before:.10g}")
@@ -463,7 +467,7 @@ def _disorder(events: Sequence[tuple[float, str]], notes: list[str]) -> bool:
 def _faults(
     steps: ExactSteps, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray, matching: Matching
 ) -> tuple[Fault, ...]:
-    """Return the first wrong steps with guesses why, and all wrong ones with a missed or invented event."""
+    """Return the first wrong steps with guessed causes, and all wrong ones with a missed or invented event."""
     wrong = ~(sizes <= 1.0)
     odd = {event.step for event in matching.invented}
     odd |= {int(np.searchsorted(steps.t, float(event.t))) - 1 for event in matching.missed}
@@ -474,13 +478,13 @@ def _faults(
 
 
 def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:
-    """Return units of x and v: the largest of the exact motion, and nothing less than the belts give."""
+    """Return units of x and v: the maxima of the exact motion, at least those given by the belts."""
     reach = np.array([np.max(np.abs(row)) for row in exact])
     speed = max(float(reach[1]), abs(float(p.v1)), abs(float(p.v2)))
     return np.array([max(float(reach[0]), speed / fastest_rate(p)), speed])
 
 
 def _within(errors: np.ndarray, limits: np.ndarray) -> np.ndarray:
-    """Return the sizes of the errors, as far as they are allowed; 0 where there is nothing to compare."""
+    """Return the sizes of the errors in units of the allowed ones; 0 without data."""
     sizes = np.abs(errors)
     return np.fmin(sizes, limits, where=~np.isnan(sizes), out=np.zeros_like(sizes))

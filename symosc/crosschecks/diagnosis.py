@@ -1,4 +1,4 @@
-"""What is probably wrong in a solution: every cause is tried on the wrong steps, and the best ones are named."""
+"""The probable causes of errors in a solution: each is tried on the wrong steps, and the best are reported."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ SURE_STAGES = 3
 
 
 def diagnose(check: Any) -> tuple[Diagnosis, ...]:
-    """Return what is probably wrong in the samples of a `CrossCheck`, the likeliest first.
+    """Return the probable causes of the errors of a `CrossCheck`, the most probable first.
 
     Each alternative is followed over all steps, and has to make the wrong ones right. For those that are named the
     whole check is repeated with the change, and its result is their evidence. Where several explain the samples as
@@ -67,7 +67,9 @@ def diagnose(check: Any) -> tuple[Diagnosis, ...]:
         return diagnose(check.coarser)
     if not len(check.wrong_steps):
         return (
-            (*columns.listed(check), *few_digits) if check.missed or check.invented else (*_start(check), *few_digits)
+            (*columns.event_list_faults(check), *few_digits)
+            if check.missed or check.invented
+            else (*_start(check), *few_digits)
         )
     constant = columns.no_motion(check.t, check.x, check.v)
     t = check.t[tried_samples(check)]
@@ -79,7 +81,7 @@ def diagnose(check: Any) -> tuple[Diagnosis, ...]:
 
 
 def _other_times(check: Any) -> Diagnosis | None:
-    """Return the unit of times in which the steps are right, if there is one."""
+    """Return the unit of time in which the steps are right, if there is one."""
     for one in columns.changed_columns(check.trajectory.parameters, check.t, check.x, check.v):
         found = with_evidence(one, check) if one.diagnosis.subject == "t" else None
         if found is not None and found.share >= ENOUGH:
@@ -88,7 +90,7 @@ def _other_times(check: Any) -> Diagnosis | None:
 
 
 def _best(case: Case, check: Any) -> tuple[Diagnosis, ...]:
-    """Return what explains the wrong steps; a stage that costs more is tried only if the cheaper ones explain less."""
+    """Return the candidates that explain the wrong steps; expensive stages run only if cheap ones fail."""
     tried: list[Candidate] = []
     named: list[Diagnosis] = []
     for number, stage in enumerate(STAGES):
@@ -108,7 +110,7 @@ def _best(case: Case, check: Any) -> tuple[Diagnosis, ...]:
 
 
 def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
-    """Return the best candidates as diagnoses, each tested by a check with its change; what fails that is not named."""
+    """Return the best candidates as diagnoses after a repeated check; omit those that fail it."""
     waiting = list(tried)
     while waiting and (best := waiting[0].diagnosis.share) >= NAMED:
         good = [one for one in waiting if one.diagnosis.share >= max(NAMED, best - AS_GOOD)]
@@ -128,7 +130,7 @@ def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
 
 
 def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
-    """Return a diagnosis with the result of the check repeated with the change; None if that cannot be done."""
+    """Return a diagnosis with the result of the check repeated with its change; None if impossible."""
     diagnosis, change = candidate
     if change is None:
         return diagnosis
@@ -144,7 +146,7 @@ def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
 
 
 def repeated_check(check: Any, change: Change) -> Any:
-    """Return the check of the same samples with another system or other columns; None if there is none."""
+    """Return the check of the same samples with another system or other columns, or None."""
     task = check._task
     p, samples = change.parameters or task.parameters, task.samples
     if change.columns is not None:
@@ -163,7 +165,7 @@ def repeated_check(check: Any, change: Change) -> Any:
 
 
 def _explained(check: Any, again: Any) -> float:
-    """Return which part of the wrong steps a change explains: their defects all but vanish."""
+    """Return the fraction of the wrong steps with nearly vanishing defects after a change."""
     before, after = (np.max(np.abs(one.defects) / one.allowed, axis=1) for one in (check, again))
     wrong = ~(before <= 1.0)
     if len(before) == len(after):
@@ -173,7 +175,7 @@ def _explained(check: Any, again: Any) -> float:
 
 
 def _start(check: Any) -> Iterable[Diagnosis]:
-    """Yield another start, which is said, or one that the global error shows; an early end is no fault of the steps."""
+    """Yield a different start, given or shown by the global error; an early end is no fault of the steps."""
     words = "every step is right, but the motion starts elsewhere, or errors of the steps add up"
     if check.wrong_start:
         yield Diagnosis("start", "", check.wrong_start, "every step is right")
@@ -182,6 +184,7 @@ def _start(check: Any) -> Iterable[Diagnosis]:
 
 
 def _unknown(check: Any) -> Diagnosis:
+    """Return the diagnosis that the cause is unknown."""
     first = check.first_wrong
     words = f"the first wrong step: {REASONS[first.reason]} ({first.words})" if first else "no step tells what it is"
     return Diagnosis("unknown", "", words, "no single cause explains most of the wrong steps", share=0.0)

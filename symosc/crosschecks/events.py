@@ -1,4 +1,4 @@
-"""Switching events of samples, or of a list, and their exact partners: in order, each once, within the tolerance."""
+"""Match the events of samples, or of a list, with the exact events: in order, one to one, within the tolerance."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ STAYS: set[tuple[str, ...]] = {(), ("slip", "stick")}
 
 @dataclass(frozen=True)
 class FoundEvent:
-    """An event of the samples.
+    """An event found in the samples.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class FoundEvent:
 
 @dataclass(frozen=True)
 class Match:
-    """An exact event and the time at which the samples have it.
+    """An exact event, and its time in the samples.
 
     Attributes
     ----------
@@ -125,12 +125,12 @@ def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray
 
 
 def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tuple[list[FoundEvent], np.ndarray]:
-    """Return the events that the labels of the samples show, in order of time, and the modes of the samples.
+    """Return the events shown by the labels of the samples in order of time, and the modes of the samples.
 
     `wrong` marks the wrong steps. The modes are the labels, 0 for samples that only pass or graze a belt.
     """
     modes = label.copy()
-    starts = np.flatnonzero((np.diff(label, prepend=0) != 0) | _flown(steps, label, wrong))
+    starts = np.flatnonzero((np.diff(label, prepend=0) != 0) | _reached_by_flight(steps, label, wrong))
     ends = np.append(starts[1:], len(label)) - 1
     found: list[FoundEvent] = []
     now, since = 0, 0  # the last mode of the samples, and the last sample in it
@@ -176,8 +176,8 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
     return found, modes
 
 
-def _flown(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
-    """Return which samples at a belt were reached from one at the same belt by a flight, in a step that is right."""
+def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
+    """Return which samples at a belt follow one at the same belt by a flight, in a right step."""
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
     for i in np.flatnonzero((label[:-1] > 3) & ~held).tolist():
         held[i] = bool(np.any(steps.events.target[steps.events.rows(i, i)] == label[i]))
@@ -186,7 +186,7 @@ def _flown(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarra
 
 
 def _is_stick(steps: ExactSteps, mode: int, first: int, last: int, wrong: np.ndarray) -> bool:
-    """Return whether samples first … last at a belt stick to it, in place of only passing or grazing it."""
+    """Return whether samples first … last at a belt stick to it, and do not only cross or graze it."""
     inside = np.arange(first, min(last, len(wrong) - 1) + 1)
     sticks = (steps.first[inside] == mode) | (steps.last[inside] == mode)
     for i in inside[~sticks].tolist():
@@ -199,7 +199,7 @@ def _is_stick(steps: ExactSteps, mode: int, first: int, last: int, wrong: np.nda
 def _event(
     steps: ExactSteps, kind: str, boundary: int, source: int, target: int, step: int, last_step: int, sample: int | None
 ) -> FoundEvent:
-    """Return an event between two samples, at the time of the exact event there, of a sample, or interpolated."""
+    """Return an event between two samples, at the exact event's time, a sample's time, or interpolated."""
     last_step = min(last_step, len(steps.first) - 1)
     i, j, rows = step, last_step + 1, steps.events.rows(step, last_step)
     times = steps.events.t[rows][(steps.events.kind[rows] == CODES[kind]) & (steps.events.boundary[rows] == boundary)]
@@ -225,7 +225,7 @@ def given_events(steps: ExactSteps, pairs: Iterable[tuple[float, str]]) -> list[
 
 @dataclass(frozen=True)
 class Reach:
-    """Bounds of the time errors that the tolerance and the errors of the samples make.
+    """Bounds of the time errors of events, from the tolerance and the errors of the samples.
 
     `errors` are the allowed errors of the samples in x and v, (n, 2); `allowed_v` is the tolerance as a velocity;
     `listed` the rounding of the times of a list.
@@ -238,12 +238,12 @@ class Reach:
     listed: np.ndarray
 
     def of(self, event: Event) -> float:
-        """Return the time error of an exact event."""
+        """Return the time error bound of an exact event."""
         t, x, theta = float(event.t), float(event.x), float(event.theta)
         return self._width(t, x, theta, event.boundary, MODES[event.source])
 
     def of_row(self, row: int) -> float:
-        """Return the time error of an event of `steps.events`."""
+        """Return the time error bound of an event of `steps.events`."""
         events = self.steps.events
         step, boundary = int(events.step[row]), int(events.boundary[row])
         starts = row == 0 or events.step[row - 1] != step
@@ -252,12 +252,12 @@ class Reach:
         return self._width(float(events.t[row]), float(events.x[row]), float(events.theta[row]), boundary, source)
 
     def of_start(self, boundary: int) -> float:
-        """Return how far from the first sample a solver may see its start on a belt."""
+        """Return the largest time from the first sample at which a solver may report its start on a belt."""
         t, x, theta = float(self.steps.t[0]), float(self.steps.x[0]), float(self.steps.theta[0])
         return max(self._width(t, x, theta, boundary, domain) for domain in NEIGHBOURS[boundary])
 
     def of_near_graze(self, trajectory: Trajectory, time: float) -> float | None:
-        """Return how long the exact motion nearly grazes a belt at a time, or None if it does not."""
+        """Return the duration of a near graze of the exact motion at a time, or None."""
         if not float(trajectory.t_start) <= time <= float(trajectory.t_end):
             return None
         K, mode = self.steps.K, MODES[trajectory.mode(time)]
@@ -276,16 +276,18 @@ class Reach:
         return REACH_SAFETY * sqrt(2.0 * spread / abs(b))
 
     def _acceleration(self, x: float, v: float, theta: float, domain: int) -> float:
+        """Return the acceleration in a domain."""
         K = self.steps.K
         return float(acceleration(x, v, cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0))
 
     def _spread(self, time: float) -> tuple[float, float]:
-        """Return how far x and v of the samples may be off at a time: in a flight neither outgrows its energy."""
+        """Return the error bounds of x and v of the samples at a time, by the energy estimate."""
         j = int(np.searchsorted(self.steps.t, time))
         dx, dv = (float(value) for value in np.max(self.errors[max(j - 2, 0) : j + 2], axis=0))
         return dx, sqrt(dv * dv + self.steps.K.w0sq * dx * dx)
 
     def _width(self, time: float, x: float, theta: float, boundary: int, source: int) -> float:
+        """Return the time error bound at a boundary."""
         K, (dx, dv) = self.steps.K, self._spread(time)
         v, s, c = (K.belt1, K.belt2)[boundary - 1].v, sin(theta), cos(theta)
         rate = max(K.Om, sqrt(K.w0sq))
@@ -304,7 +306,7 @@ class Reach:
 
 @dataclass(frozen=True)
 class Matching:
-    """The partners of events; the words are those of `CrossCheck`."""
+    """Matched and unmatched events; the terms are those of `CrossCheck`."""
 
     matched: list[Match] = field(default_factory=list)
     missed: list[Event] = field(default_factory=list)
@@ -314,7 +316,7 @@ class Matching:
 
 
 class Matcher:
-    """Pair exact events with those of the samples, or of a list that the solver reported (`given`).
+    """A matcher of exact events with those of the samples, or of a solver's list (`given`).
 
     `exact` may have events shortly after the last sample too; `label` are the codes of `labels`; `wrong` marks steps.
     """
@@ -340,7 +342,7 @@ class Matcher:
         self.result = Matching()
 
     def match(self) -> Matching:
-        """Match the events, and say what those without a partner are."""
+        """Match the events, and classify the unmatched ones."""
         self._pair()
         if self.given:
             self._allow_start()
@@ -353,7 +355,7 @@ class Matcher:
         return self.result
 
     def _local(self, event: Event, time: float) -> int | None:
-        """Return which event of the exact motion over a right step is this event, or None."""
+        """Return the index of this event in the exact motion over a right step, or None."""
         events = self.steps.events
         rows = np.arange(*np.searchsorted(events.t, [time - self.window, time + self.window]))
         same = (events.kind[rows] == CODES[event.kind]) & (events.boundary[rows] == event.boundary)
@@ -361,7 +363,7 @@ class Matcher:
         return int(rows[np.argmin(np.abs(events.t[rows] - time))]) if len(rows) else None
 
     def _pair(self) -> None:
-        """Pair events of one kind that are within reach of each other, in order, as many as possible."""
+        """Pair events of one kind in order within their time errors, as many as possible."""
         pairs = []
         most = float(np.max(self.reaches, initial=0.0)) + self.window
         for j, event in enumerate(self.found):
@@ -383,7 +385,7 @@ class Matcher:
             self.result.matched.append(Match(self.exact[i], self.found[j].t, self.found[j]))
 
     def _allow_start(self) -> None:
-        """Allow one event at a start on a belt: it is not an event, but solvers list it."""
+        """Allow one event at a start on a belt: it is no event, but solvers list it."""
         boundary = int(self.label[0]) - 3
         if boundary <= 0 or not self.found_free:
             return
@@ -394,7 +396,7 @@ class Matcher:
             self.result.notes.append(f"the list's event at t = {time:.10g} is the start on belt {boundary}")
 
     def _allow_events_of_the_samples(self) -> None:
-        """Set aside listed events that only the samples' own path has."""
+        """Ignore listed events that occur only on the samples' own path."""
         events = self.steps.events
         used = {row for row in self.local if row is not None}
         for j in sorted(self.found_free):
@@ -411,14 +413,14 @@ class Matcher:
                         break
 
     def _is_exact(self, row: int) -> bool:
-        """Return whether an event over a step is an exact one: then it is no other event of the samples' path."""
+        """Return whether an event over a step is an exact one, and so no other event of the samples' path."""
         events = self.steps.events
         near = np.flatnonzero(np.abs(self.times - events.t[row]) <= self.reaches + self.reach.of_row(row))
         kind, boundary = events.kind[row], events.boundary[row]
         return any(CODES[self.exact[i].kind] == kind and self.exact[i].boundary == boundary for i in near.tolist())
 
     def _allow_close_events(self) -> None:
-        """Set aside differences within the tolerance where exact events at one belt are too close to be resolved."""
+        """Ignore differences within the tolerance where exact events at one belt cannot be resolved."""
         partner = {id(match.event): match.found for match in self.result.matched}
         index = {id(event): j for j, event in enumerate(self.found)}
         clusters: list[list[int]] = []
@@ -441,7 +443,7 @@ class Matcher:
                 self._set_aside(loose, self.exact_free & set(cluster))
 
     def _allow_near_grazes(self) -> None:
-        """Set aside listed contacts where the exact motion nearly grazes a belt, closer than the tolerance."""
+        """Ignore listed contacts at near grazes of the exact motion, closer than the tolerance."""
         runs: list[list[int]] = []
         for j in sorted(self.found_free):
             time = self.found[j].t
@@ -460,16 +462,18 @@ class Matcher:
                 self._set_aside(run, ())
 
     def _set_aside(self, found: Iterable[int], exact: Iterable[int]) -> None:
+        """Move these found and exact events to the unresolved ones."""
         exact, found = sorted(exact), sorted(found)
         self.exact_free -= set(exact)
         self.found_free -= set(found)
         self.result.unresolved.extend([self.exact[i] for i in exact] + [self.found[j] for j in found])
 
     def _is_wrong(self, low: float, high: float) -> bool:
+        """Return whether a step between two times is wrong."""
         return bool(self.wrong[self.steps.at(low)[0] : self.steps.at(high)[1] + 1].any())
 
     def _judge_exact(self) -> None:
-        """Say what exact events without a partner are: missed, inside a step, or not on the samples' path."""
+        """Classify unmatched exact events: missed, inside a step, or not on the samples' path."""
         slack, start, end = 1e-6 * self.steps.K.period, float(self.steps.t[0]), float(self.steps.t[-1])
         for i in sorted(self.exact_free):
             own, time, reach = self.exact[i], float(self.times[i]), self.reaches[i]
@@ -490,7 +494,7 @@ class Matcher:
                 self.result.unresolved.append(own)
 
     def _inside(self, i: int, first: int, last: int, slack: float) -> float | None:
-        """Return when the exact motion over right steps has this event, or None."""
+        """Return the time of this event in the exact motion over right steps, or None."""
         row = self.local[i]
         if row is not None:
             return float(self.steps.events.t[row])
@@ -500,7 +504,7 @@ class Matcher:
         return float(self.steps.t[nearest]) if there and self.label[nearest] == 3 + self.exact[i].boundary else None
 
     def _judge_found(self) -> None:
-        """Say what events of the samples without a partner are: invented, or only on the samples' own path."""
+        """Classify unmatched events of the samples: invented, or only on the samples' own path."""
         for j in sorted(self.found_free):
             event = self.found[j]
             rows = self.steps.events.rows(event.step, event.last_step)
@@ -513,7 +517,7 @@ class Matcher:
                 self.result.unresolved.append(event)
 
     def with_times(self, matching: Matching, times: Sequence[float]) -> Matching:
-        """Return a matching in which the exact events have the times of a solver's list without kinds.
+        """Return a matching with the exact events at the times of a solver's list without kinds.
 
         Such a list need not be complete. An exact event that is not in it is judged by the samples; a time at which
         there is no event is invented.
@@ -551,7 +555,7 @@ class Matcher:
 
 
 def _equivalents(cluster: Sequence[Event]) -> set[tuple[str, ...]]:
-    """Return the kinds of events that a list may have in place of events too close to be resolved."""
+    """Return the kinds of events that a list may contain instead of events too close to resolve."""
     source, target = cluster[0].source, cluster[-1].target
     if source.startswith("belt"):
         return STAYS if source == target else set()
@@ -561,7 +565,7 @@ def _equivalents(cluster: Sequence[Event]) -> set[tuple[str, ...]]:
 
 
 def in_order(pairs: Iterable[tuple[int, int, float]]) -> list[tuple[int, int]]:
-    """Return the longest chain of pairs (i, j, cost) in which i and j both increase; of several, the cheapest."""
+    """Return the longest chain of pairs (i, j, cost) with i and j increasing; among these, the cheapest."""
     rows = sorted(pairs, key=lambda pair: (pair[0], -pair[1]))
     # A Fenwick tree over j: the best chain (length, -cost, its last row) that ends before a given j.
     tree = [(0, 0.0, -1)] * (max((j for _, j, _ in rows), default=-1) + 2)

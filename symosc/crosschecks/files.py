@@ -1,4 +1,4 @@
-"""Read solutions and events from files: tables as text, JSON, numpy, parquet, feather, HDF5, MATLAB and Octave.
+"""Read solutions and events from files: text tables, JSON, numpy, parquet, feather, HDF5, MATLAB and Octave.
 
 `read_solutions` reads samples for `symosc check`, `read_content` whatever a file holds, for `symosc score`.
 """
@@ -32,10 +32,10 @@ from symosc.crosschecks.objects import (
     ID_COLUMN,
     Asked,
     SolverTask,
-    asked_columns,
     find_columns,
     is_wanted,
-    listed,
+    names_text,
+    read_column_names,
     refuse_twice,
     solutions_in,
 )
@@ -63,7 +63,7 @@ Choose = Callable[[list[str]], dict[str, str]]
 
 
 class Kind(NamedTuple):
-    """The name of the format if a library reads it, and a function of (file, columns asked for or None, where)."""
+    """A file format: the name if a library reads it, and a function of (file, wanted columns or None, location)."""
 
     library: str
     read: Callable[[IO[bytes], Any, str], Any]
@@ -77,7 +77,7 @@ def read_solutions(
     `columns` names the columns t, x, v and id (None: there is no such column); a function needs a `problem` for its
     times. ParameterError if the file cannot be read, a column is missing or the samples are wrong.
     """
-    asked: Asked = asked_columns(columns)
+    asked: Asked = read_column_names(columns)
     if isinstance(source, (list, tuple)) and source and all(isinstance(each, (str, Path)) for each in source):
         found = [(path, each) for path in source for each in read_solutions(path, columns, problem)]
         return [replace(each, name=f"{path}:{each.name}" if each.name else str(path)) for path, each in found]
@@ -91,12 +91,12 @@ def read_solutions(
 
 
 def read_content(path: str | Path, choose: Choose) -> Any:
-    """Return what a file holds: columns, an array, JSON values with Decimals, or rows of text (see `read_cells`)."""
+    """Return the contents of a file: columns, an array, JSON values with Decimals, or text rows (`read_cells`)."""
     return _read(path, str(path), None, lambda file, _, where: read_cells(file, choose, where))
 
 
 def _read(path: str | Path, where: str, asked: Asked | None, text: Callable[..., Any]) -> Any:
-    """Return what a file holds; turn whatever a library raises into a ParameterError of one line."""
+    """Return the contents of a file; convert any library error into a one-line ParameterError."""
     library = ""
     try:
         with _opened(path, where) as file:
@@ -124,7 +124,7 @@ def _read(path: str | Path, where: str, asked: Asked | None, text: Callable[...,
 
 
 class _Unpacked(io.RawIOBase):
-    """The unpacked content of a packed file, up to MOST_BYTES: a small file may unpack to very much."""
+    """A decompressed file, limited to MOST_BYTES: a small file may decompress to a huge one."""
 
     def __init__(self, inner: IO[bytes], where: str) -> None:
         self.inner, self.where, self.count = inner, where, 0
@@ -145,18 +145,20 @@ class _Unpacked(io.RawIOBase):
 
 
 def _check_size(count: int, where: str) -> None:
+    """Raise ParameterError if a file has too many bytes."""
     if count > MOST_BYTES:
         raise ParameterError("file", where, f"is larger than {MOST_BYTES:.0e} bytes")
 
 
 def _whole(file: IO[bytes], where: str) -> bytes:
+    """Return all bytes of a file."""
     data = file.read(MOST_BYTES + 1)
     _check_size(len(data), where)
     return data
 
 
 def _opened(path: str | Path, where: str) -> io.BufferedReader:
-    """Open a file or standard input, unpacked; its beginning can be seen with `peek`."""
+    """Open a file or standard input, decompressed; `peek` shows its beginning."""
     if path == STDOUT:
         data = _whole(sys.stdin.buffer, where)
         file: Any = io.BytesIO(data)
@@ -172,7 +174,7 @@ def _opened(path: str | Path, where: str) -> io.BufferedReader:
 
 
 def _kind(path: str | Path, file: io.BufferedReader, where: str, text: Callable[..., Any]) -> Kind:
-    """Return the kind of a file, by its suffix, or by its first bytes if it has none."""
+    """Return the format of a file by its suffix, or by its first bytes without one."""
     kinds = {**dict.fromkeys(TEXT_SUFFIXES, Kind("", text)), **FILE_KINDS}
     suffix = "" if path == STDOUT else suffix_of(path)
     if suffix and suffix not in kinds:
@@ -187,7 +189,7 @@ def _kind(path: str | Path, file: io.BufferedReader, where: str, text: Callable[
 
 
 def suffix_of(path: str | Path) -> str:
-    """Return the suffix of a file in lower case, of a packed file the one before; "" without one."""
+    """Return the suffix of a file in lower case, before that of a compression; "" without one."""
     return next((each for each in map(str.lower, Path(path).suffixes[::-1]) if each not in PACKED), "")
 
 
@@ -206,7 +208,7 @@ FORTRAN = re.compile(r"([\d.])[dD]([+-]?\d)")
 
 
 class TextColumns(dict[str, np.ndarray]):
-    """Columns of a text, under the names t, x, v and id."""
+    """The columns of a text file, under the names t, x, v and id."""
 
 
 #: A line that is not empty: its number in the file, its text, and whether it holds data.
@@ -214,7 +216,7 @@ Line = tuple[int, str, bool]
 
 
 class Layout(NamedTuple):
-    """How lines are split (None: at blanks), how many cells they have, and the numbers of the columns to read."""
+    """The layout of a text table: delimiter (None: blanks), number of cells, and the column numbers to read."""
 
     delimiter: str | None
     width: int
@@ -226,11 +228,11 @@ class Layout(NamedTuple):
             raise ParameterError("file", where, f"row {number} has {width} entries, the header {self.width}")
 
     def plain(self, line: str, number: int, where: str) -> str:
-        """Return a line of numbers without quotes, with decimal points and exponents with e."""
+        """Return a line of unquoted numbers, with decimal points and exponents with e."""
         delimiter = self.delimiter
         if '"' in line:
             sign = delimiter or " "
-            line = sign.join(cell.replace(sign, " ") if delimiter else cell for cell in _cells(line, delimiter))
+            line = sign.join(cell.replace(sign, " ") if delimiter else cell for cell in _split_cells(line, delimiter))
         if delimiter != "," and "," in line:
             line = line.replace(",", ".")
         if "D" in line or "d" in line:
@@ -240,7 +242,7 @@ class Layout(NamedTuple):
 
 
 def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
-    """Return the columns t, x, and v and id if they are there; numpy reads one line after the other."""
+    """Return the columns t, x, and v and id if present; numpy reads line by line."""
 
     def choose(names: list[str]) -> dict[str, str]:
         if names != [str(i + 1) for i in range(len(names))] or set(asked.values()) & set(names):
@@ -261,7 +263,7 @@ def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
         for row, (number, text, _) in enumerate(lines):  # noqa: B007
             line = layout.plain(text, number, where)
             if id_column is not None:
-                cell = _cells(line, layout.delimiter)[id_column]
+                cell = _split_cells(line, layout.delimiter)[id_column]
                 ids.append(known.setdefault(cell, cell))
             yield line
 
@@ -274,7 +276,7 @@ def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
             chain([first], rest), delimiter=layout.delimiter, usecols=[*wanted.values()], ndmin=2, comments=None
         )
     except ValueError:
-        cells = _cells(line, layout.delimiter)
+        cells = _split_cells(line, layout.delimiter)
         for name, i in wanted.items():
             if not _is_number(cells[i], ","):
                 raise ParameterError(f"{name}[{row}]", short(cells[i]), f"is not a number (line {number})") from None
@@ -284,18 +286,18 @@ def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
 
 
 def read_cells(file: IO[bytes], choose: Choose, where: str) -> list[tuple[str, dict[str, str]]]:
-    """Return the rows of a table as text, each with the number of its line, without empty cells."""
+    """Return the rows of a text table with their line numbers, without empty cells."""
     layout, lines = _table(file, choose, where)
     found = []
     for number, text, _ in lines:
-        cells = _cells(text, layout.delimiter)
+        cells = _split_cells(text, layout.delimiter)
         layout.check_width(len(cells), number, where)
         found.append((f"line {number}", {name: cells[i] for name, i in layout.columns.items() if cells[i]}))
     return found
 
 
 def plain_number(cell: str) -> str:
-    """Return a number with a decimal point, and with e before its exponent."""
+    """Return a number as text with a decimal point, and with e before its exponent."""
     return FORTRAN.sub(r"\1e\2", cell.replace(",", "."))
 
 
@@ -308,6 +310,7 @@ def _table(file: IO[bytes], choose: Choose, where: str) -> tuple[Layout, Iterato
 
 
 def _lines(file: IO[bytes], where: str) -> Iterator[Line]:
+    """Return the lines of a text file."""
     empty = 0
     with io.TextIOWrapper(file, "utf-8-sig", newline=None) as text:
         for number, line in enumerate(iter(partial(text.readline, LONGEST_LINE), ""), 1):
@@ -323,7 +326,7 @@ def _lines(file: IO[bytes], where: str) -> Iterator[Line]:
 
 
 def _layout(head: list[Line], choose: Choose, where: str) -> tuple[Layout, int]:
-    """Return the layout of a table, and how many of its first lines are no data."""
+    """Return the layout of a text table, and the number of header lines."""
     data = [i for i, (_, _, has_data) in enumerate(head) if has_data]
     comments = head[: data[0]] if data else head  # one may be the header: numpy.savetxt writes such
     if not data and not comments:
@@ -336,10 +339,10 @@ def _layout(head: list[Line], choose: Choose, where: str) -> tuple[Layout, int]:
         found = choose(names)
         for name in found.values():
             if names.count(name) > 1:
-                raise ParameterError("file", where, f"has {short(name)!r} twice; there are: {listed(names)}")
+                raise ParameterError("file", where, f"has {short(name)!r} twice; there are: {names_text(names)}")
         return Layout(delimiter, len(names), {name: names.index(column) for name, column in found.items()})
 
-    first = _cells(head[data[0]][1], delimiter) if data else []
+    first = _split_cells(head[data[0]][1], delimiter) if data else []
     wrong = None
     if data and not all(_is_number(cell, delimiter) for cell in first):
         try:
@@ -347,7 +350,7 @@ def _layout(head: list[Line], choose: Choose, where: str) -> tuple[Layout, int]:
         except ParameterError as error:  # it may be a row with words, below a header that is a comment
             wrong = error
     for _, line, _ in comments[::-1]:
-        names = _cells(line.lstrip("".join(COMMENT_SIGNS) + " "), delimiter)
+        names = _split_cells(line.lstrip("".join(COMMENT_SIGNS) + " "), delimiter)
         if all(_is_number(name, None) for name in names) or (data and len(names) != len(first)):
             continue
         with suppress(ParameterError):  # it is only a comment
@@ -358,6 +361,7 @@ def _layout(head: list[Line], choose: Choose, where: str) -> tuple[Layout, int]:
 
 
 def _delimiter(line: str) -> str | None:
+    """Return the delimiter of a line."""
     line = QUOTED.sub("", line)
     cells = line.split()
     if ";" in line or "\t" in line:
@@ -365,7 +369,8 @@ def _delimiter(line: str) -> str | None:
     return "," if "," in line and not (len(cells) > 1 and all(_is_number(cell, None) for cell in cells)) else None
 
 
-def _cells(line: str, delimiter: str | None) -> list[str]:
+def _split_cells(line: str, delimiter: str | None) -> list[str]:
+    """Split a line into cells."""
     if delimiter is None:
         return line.replace('"', " ").split()
     if '"' not in line:
@@ -374,6 +379,7 @@ def _cells(line: str, delimiter: str | None) -> list[str]:
 
 
 def _is_number(cell: str, delimiter: str | None) -> bool:
+    """Return whether a cell is a number."""
     try:
         number_of(FORTRAN.sub(r"\1e\2", cell) if delimiter == "," else plain_number(cell))
     except (TypeError, ValueError):
@@ -407,6 +413,7 @@ def read_json(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _read_numpy(file: IO[bytes], asked: Asked | None, where: str) -> Any:
+    """Read a numpy file."""
     data = np.load(file)
     if isinstance(data, np.ndarray):
         return data
@@ -423,6 +430,7 @@ def _read_numpy(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _read_parquet(file: IO[bytes], asked: Asked | None, where: str) -> Any:
+    """Read a parquet file."""
     parquet = _library("pyarrow.parquet", "a parquet file").ParquetFile(file)
     names = parquet.schema_arrow.names
     table = parquet.read(columns=[name for name in names if is_wanted(name, asked)])
@@ -430,6 +438,7 @@ def _read_parquet(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _read_feather(file: IO[bytes], asked: Asked | None, where: str) -> Any:
+    """Read a feather file."""
     table = _library("pyarrow.feather", "a feather file").read_table(file)
     return {name: table.column(name).to_numpy() if is_wanted(name, asked) else None for name in table.column_names}
 
@@ -443,7 +452,7 @@ def _library(name: str, what: str) -> Any:
 
 
 def _unwrapped(found: Record) -> Any:
-    """Return the variables of a file; if there is one alone, the fields of that struct, or that array."""
+    """Return the variables of a file; of a single one, the fields of the struct, or the array."""
     only = next(iter(found.values())) if len(found) == 1 else None
     return found if only is None or (np.ndim(only) == 0 and not isinstance(only, dict)) else only
 
@@ -467,11 +476,12 @@ def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _is_octave(group: Any) -> bool:
+    """Return whether an HDF5 group was written by Octave."""
     return "OCTAVE_NEW_FORMAT" in group.attrs
 
 
 def _hdf5_value(item: Any, depth: int = 0) -> Any:
-    """Return a dataset, or a variable of Octave: a group with its type and value."""
+    """Return the value of a dataset, or of an Octave variable: a group with type and value."""
     if not _is_octave(item):
         values = item[()]
         if isinstance(values, np.ndarray) and values.dtype.kind == "O":
@@ -496,18 +506,19 @@ def _hdf5_value(item: Any, depth: int = 0) -> Any:
 
 
 def _octave_range(base: float, limit: float, increment: float, count: int) -> np.ndarray:
+    """Return the numbers of an Octave range."""
     values = base + increment * np.arange(count)  # rounding leads none beyond the limit
     return np.minimum(values, limit) if increment > 0 else np.maximum(values, limit)
 
 
 def read_octave(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the variables of a text that Octave's `save` has written."""
+    """Return the variables of a text file written by Octave's `save`."""
     lines = iter(_whole(file, where).decode("utf-8-sig", "replace").splitlines())
     return _unwrapped({line[8:]: _octave_value(lines) for line in lines if line.startswith("# name: ")})
 
 
 def _octave_value(lines: Iterator[str], depth: int = 0) -> Any:
-    """Return the value that follows; None for one that is no sample."""
+    """Return the next value; None if it cannot hold samples."""
     if depth > DEEPEST_VALUE:
         raise RecursionError("values inside values")
 
@@ -577,7 +588,7 @@ def _read_mat(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def has_wrong_tags(data: bytes) -> bool:
-    """Return whether a file of version 5 has an unknown tag, or one that reaches beyond its matrix: scipy crashes.
+    """Return whether a version 5 file has an unknown or overlong tag, at which scipy crashes.
 
     Examples
     --------
@@ -599,6 +610,7 @@ def has_wrong_tags(data: bytes) -> bool:
 
 
 def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: int) -> bool:
+    """Return whether the elements between two positions have valid tags."""
     if kind != MATRIX_TAG:
         return kind in (*NUMBER_TAGS, PACKED_TAG, *TEXT_TAGS)
     parts = list(_tags(data, order, begin, end, True))
@@ -611,7 +623,7 @@ def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: i
 
 
 def _tags(data: bytes, order: str, at: int, end: int, inside: bool) -> Iterator[tuple[int, int, int]]:
-    """Yield kind, begin and end of the elements between two places; those inside a matrix are multiples of 8."""
+    """Yield kind, begin and end of the elements between two positions; those inside a matrix are multiples of 8."""
     while at < end:
         kind, size = struct.unpack_from(f"{order}II", data, at)
         if kind >> 16:  # a short one, in the tag itself

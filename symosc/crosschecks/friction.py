@@ -1,4 +1,4 @@
-"""Faults at the belts: smoothed friction, chatter, drift in a stick, sticks that end too early or too late."""
+"""Faults at the belts: smoothed friction, chatter, drift during a stick, sticks that end too early or too late."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from symosc.model import NEIGHBOURS
 
 
 class Curve(NamedTuple):
-    """Smoothed friction from -1 to 1 over z = (v - v_belt)/width, its inverse, and the integral of it minus sign(z)."""
+    """A smoothed friction law from -1 to 1 over z = (v - v_belt)/width, its inverse, and the integral minus sign(z)."""
 
     of: Callable[[Any], Any]
     inverse: Callable[[Any], Any]
@@ -62,12 +62,13 @@ LARGEST_DRIFT = 0.02
 
 
 def _smoothed(name: str, width: float, error: float, evidence: str, share: float) -> Diagnosis:
+    """Return the diagnosis of a smoothed friction law with its width."""
     words = f"friction is smoothed: like {name}((v - v_belt)/{rounded(width, error)}) in place of a sign"
     return Diagnosis("smoothed friction", name, words, evidence, width, error, share)
 
 
-def _middle_spread(values: np.ndarray) -> tuple[float, float]:
-    """Return the median, and the standard deviation that the median distance from it shows."""
+def _median_and_deviation(values: np.ndarray) -> tuple[float, float]:
+    """Return the median, and the standard deviation from the median absolute deviation (MAD)."""
     middle = float(np.median(values))
     return middle, 1.4826 * float(np.median(np.abs(values - middle)))
 
@@ -76,7 +77,7 @@ def _middle_spread(values: np.ndarray) -> tuple[float, float]:
 
 
 def at_belts(case: Case) -> Iterator[Diagnosis]:
-    """Yield faults of samples that should be on a belt and are beside it."""
+    """Yield faults of samples that should be on a belt but are not."""
     s, belts = case.steps, case.steps.belts
     steps = case.moving_wrong[s.last[case.moving_wrong] > 3]
     gap = s.v[steps + 1] - belts[s.last[steps] - 4]
@@ -117,13 +118,14 @@ def _push(case: Case, x: np.ndarray, v: np.ndarray, theta: np.ndarray, boundary:
 
 
 def _half_jump(case: Case, boundary: np.ndarray) -> np.ndarray:
+    """Return half the jump of the acceleration at a boundary, from the belt constants."""
     return np.asarray(0.5 * np.array([case.steps.K.belt1.J, case.steps.K.belt2.J])[boundary - 1])
 
 
 def _widths_in_sticks(
     case: Case, steps: np.ndarray, boundary: np.ndarray, gap: np.ndarray
 ) -> list[tuple[str, float, float, float]]:
-    """Return for each curve the width that the samples beside a belt show, its error and its relative spread."""
+    """Return the width of each curve from the samples near a belt, with its error and relative spread."""
     s, K, i, half = case.steps, case.steps.K, steps + 1, _half_jump(case, boundary)
     push = _push(case, s.x[i], s.v[i], s.theta[i], boundary)
     slope = -K.w0sq * s.belts[boundary - 1] - K.fB * np.sin(s.theta[i])  # of the push, in a stick
@@ -136,7 +138,7 @@ def _widths_in_sticks(
             if np.sum(good) < 3:
                 width, spread = np.nan, np.inf
                 break
-            width, spread = _middle_spread(gap[good] / curve.inverse(needed[good]))
+            width, spread = _median_and_deviation(gap[good] / curve.inverse(needed[good]))
             spread /= abs(width)
             clipped = np.clip(needed, -FLAT_ABOVE, FLAT_ABOVE)
             steep = (curve.inverse(clipped + 1e-6) - curve.inverse(clipped)) / 1e-6
@@ -148,14 +150,14 @@ def _widths_in_sticks(
 
 
 def _rates(case: Case, steps: np.ndarray, boundary: np.ndarray, gap: np.ndarray) -> tuple[float, float, int]:
-    """Return how fast the gap grows in steps from the belt or beside it, how much that differs, and their number."""
+    """Return the mean growth rate of the gap in steps at or near the belt, its spread, and the number of steps."""
     s = case.steps
     before = s.v[steps] - s.belts[boundary - 1]
     inside = np.isin(steps - 1, steps) | (np.abs(before) <= case.near[steps])
     if np.sum(inside) < 2:
         return 0.0, np.inf, 0
     rates = ((gap - before) / (s.t[steps + 1] - s.t[steps]))[inside]
-    rate, spread = _middle_spread(rates)
+    rate, spread = _median_and_deviation(rates)
     return rate, spread / abs(rate) if rate else np.inf, len(rates)
 
 
@@ -163,7 +165,7 @@ def _rates(case: Case, steps: np.ndarray, boundary: np.ndarray, gap: np.ndarray)
 
 
 def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
-    """Yield the smoothed friction whose equation, integrated over the wrong steps, repeats them."""
+    """Yield the smoothed friction law (curve and width) whose integration reproduces the wrong steps."""
     wrong = case.moving_wrong[np.isfinite(case.sizes[case.moving_wrong])]
     if len(wrong) < FEWEST_SMOOTHED:
         return
@@ -171,7 +173,9 @@ def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
     distance = float(np.diff(case.steps.belts)[0])
     tried = []
     for name, curve in CURVES.items():
-        sizes = np.max(np.abs(_missed(case, few, WIDTHS_TRIED * distance, curve)), axis=2) / case.sizes[few]
+        sizes = (
+            np.max(np.abs(_misses_with_smoothing(case, few, WIDTHS_TRIED * distance, curve)), axis=2) / case.sizes[few]
+        )
         left = np.median(np.where(np.isfinite(sizes), sizes, np.inf), axis=1)
         best = int(np.argmin(left))
         tried.append((float(left[best]), float(WIDTHS_TRIED[best] * distance), name))
@@ -180,7 +184,7 @@ def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
             return
 
         def misses(value: np.ndarray, curve: Curve = CURVES[name]) -> np.ndarray:
-            return _missed(case, more, np.exp(value), curve)[0]
+            return _misses_with_smoothing(case, more, np.exp(value), curve)[0]
 
         fit = fitted(misses, np.log([width]), np.array([1e-4]))
         if fit is None or not np.nanmedian(fit.sizes / case.sizes[more]) <= WIDTH_LEAVES:
@@ -193,7 +197,7 @@ def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
             return
 
 
-def _missed(case: Case, steps: np.ndarray, widths: np.ndarray, curve: Curve) -> np.ndarray:
+def _misses_with_smoothing(case: Case, steps: np.ndarray, widths: np.ndarray, curve: Curve) -> np.ndarray:
     """Return the misses of steps with smoothed friction, shape (widths, steps, 2)."""
     s, K = case.steps, case.steps.K
     length = s.t[steps + 1] - s.t[steps]
@@ -221,7 +225,7 @@ def _missed(case: Case, steps: np.ndarray, widths: np.ndarray, curve: Curve) -> 
 
 
 def smoothed_passages(case: Case) -> Iterator[Diagnosis]:
-    """Yield smoothed friction that shows in flights and passages, by its effect beside the belts to first order."""
+    """Yield smoothed friction found in flights and crossings by its first-order effect near the belts."""
     s = case.steps
     usable = case.wrong & (s.first < 4) & (s.last < 4) & (np.diff(s.t) > 0.0) & np.isfinite(case.sizes)
     usable &= np.isin(np.arange(len(usable)), s.events.step[s.events.target > 3], invert=True)
@@ -248,7 +252,7 @@ def smoothed_passages(case: Case) -> Iterator[Diagnosis]:
 
 
 def _paths(case: Case, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return times since the beginning of steps and velocities of the exact motion there, shape (steps, pieces + 1)."""
+    """Return times from the start of steps, and exact velocities at these, shape (steps, pieces + 1)."""
     s = case.steps
     length = s.t[steps + 1] - s.t[steps]
     order = np.argsort(steps)
@@ -267,7 +271,7 @@ def _paths(case: Case, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _effect(case: Case, time: np.ndarray, velocity: np.ndarray, width: float, curve: Curve) -> np.ndarray:
-    """Return how smoothed friction moves the ends of steps in x and v, to first order, shape (steps, 2)."""
+    """Return the first-order effect of smoothed friction on x and v at the ends of steps, shape (steps, 2)."""
     K = case.steps.K
     push = np.zeros((len(time), PIECES))
     for belt in (K.belt1, K.belt2):
@@ -291,8 +295,8 @@ def _effect(case: Case, time: np.ndarray, velocity: np.ndarray, width: float, cu
 # -- sticks that end too early or too late, or drift within a step -----------------------------------------------------
 
 
-class Sticks(NamedTuple):
-    """Wrong steps with a stick: its boundary, when and where it begins, and its exact end or that of the step."""
+class StickSteps(NamedTuple):
+    """Wrong steps with a stick: step, belt, onset time and position, exact end time (or that of the step)."""
 
     step: np.ndarray
     boundary: np.ndarray
@@ -301,8 +305,8 @@ class Sticks(NamedTuple):
     end: np.ndarray
 
 
-def _find_sticks(case: Case) -> Sticks | None:
-    """Return the wrong steps that end in a flight after a stick, for the samples; None if there is none."""
+def _find_sticks(case: Case) -> StickSteps | None:
+    """Return the wrong steps in which the samples stick and then fly; None if there are none."""
     s, rows = case.steps, []
     for i in case.some(np.flatnonzero(case.wrong & (case.domain[1:] > 0)), MOST_DELAYS).tolist():
         part = s.events.rows(i, i)
@@ -323,16 +327,17 @@ def _find_sticks(case: Case) -> Sticks | None:
     if not rows:
         return None
     table = np.array(rows)
-    return Sticks(table[:, 0].astype(int), table[:, 1].astype(int), *table[:, 2:].T)
+    return StickSteps(table[:, 0].astype(int), table[:, 1].astype(int), *table[:, 2:].T)
 
 
 def _nearest_belt(case: Case, samples: np.ndarray) -> np.ndarray:
+    """Return the belt nearest to each sample."""
     v, K = case.steps.v[samples], case.steps.K
     return np.where(np.abs(v - K.belt1.v) <= np.abs(v - K.belt2.v), 1, 2)
 
 
 def _kept_on(case: Case, steps: np.ndarray) -> np.ndarray:
-    """Return which of the steps go on with a belt from beginning to end."""
+    """Return which steps stay on a belt from beginning to end."""
     s = case.steps
     speed = s.belts[_nearest_belt(case, steps) - 1]
     ends = np.column_stack([s.x[steps] + speed * (s.t[steps + 1] - s.t[steps]), speed])
@@ -340,7 +345,7 @@ def _kept_on(case: Case, steps: np.ndarray) -> np.ndarray:
 
 
 def stick_ends(case: Case) -> Iterator[Diagnosis]:
-    """Yield sticks that end too early or too late: then a flight with one force begins, without a cause."""
+    """Yield sticks that end too early or too late, followed by a flight with the force of one domain."""
     sticks, total = _find_sticks(case), int(np.sum(case.wrong))
     if sticks is None:
         yield from _kept_too_long(case)
@@ -369,21 +374,21 @@ def stick_ends(case: Case) -> Iterator[Diagnosis]:
 
 
 def _kept_too_long(case: Case) -> Iterator[Diagnosis]:
-    """Yield sticks that end too late, where the samples show their ends: only steps on the belt are wrong."""
+    """Yield sticks that end too late where the samples show the ends: only steps on the belt are wrong."""
     s, wrong = case.steps, np.flatnonzero(case.wrong)
     on = wrong[(case.domain[wrong] == 0) & (s.last[wrong] <= 3)]
     on = on[_kept_on(case, on)]
     if len(on):
         ends = on[np.diff(on, append=-1) != 1] + 1
         steps, time = np.minimum(ends, len(s.first) - 1), s.t[ends]
-        held = _needed_friction(case, Sticks(steps, _nearest_belt(case, ends), time, s.x[ends], time), time)
+        held = _needed_friction(case, StickSteps(steps, _nearest_belt(case, ends), time, s.x[ends], time), time)
         if np.median(held) > 1.0:
             evidence = f"{len(on)} steps go on with the belt where it does not hold any more"
             yield _late(held, evidence, len(on) / len(wrong))
 
 
 def _flights_without_cause(case: Case, steps: np.ndarray) -> int:
-    """Return how many of the steps are flights with the force of one domain, be it the right one or not."""
+    """Return how many steps are flights with the force of one domain, right or wrong."""
     if not len(steps):
         return 0
     left = np.min([case.miss_sizes(case.steps.flight(d, steps, steps + 1), steps) for d in (1, 2, 3)], axis=0)
@@ -391,7 +396,7 @@ def _flights_without_cause(case: Case, steps: np.ndarray) -> int:
 
 
 def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
-    """Return sticks that are left too late, with the friction at which they are left."""
+    """Return sticks that end too late, with the friction at their ends."""
     ratio, count = float(np.median(held)), len(held)
     alike = np.abs(held - ratio) <= SAME_RATE * abs(ratio - 1.0) + ONE_NUMBER
     if count >= FEWEST_HELD and 2 * np.sum(alike) < count:
@@ -403,27 +408,28 @@ def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
     return Diagnosis("stick left late", "", words, evidence, ratio, error, share)
 
 
-def _needed_friction(case: Case, sticks: Sticks, time: np.ndarray) -> np.ndarray:
-    """Return which part of the friction each stick needs at a time."""
+def _needed_friction(case: Case, sticks: StickSteps, time: np.ndarray) -> np.ndarray:
+    """Return the fraction of the friction that each stick needs at a time."""
     speed = case.steps.belts[sticks.boundary - 1]
     push = _push(case, sticks.x + speed * (time - sticks.begin), speed, _phase(case, sticks, time), sticks.boundary)
     return np.asarray(np.abs(push) / _half_jump(case, sticks.boundary))
 
 
-def _phase(case: Case, sticks: Sticks, time: np.ndarray) -> np.ndarray:
+def _phase(case: Case, sticks: StickSteps, time: np.ndarray) -> np.ndarray:
+    """Return the phase of the drive in each stick at a time."""
     s = case.steps
     return np.asarray(s.theta[sticks.step] + s.K.Om * (time - s.t[sticks.step]))
 
 
-def _left_at(case: Case, sticks: Sticks, time: np.ndarray, side: int, dx: Any = 0.0, dv: Any = 0.0) -> np.ndarray:
-    """Return the misses of steps whose stick ends at a time, with a flight below (0) or above (1) it."""
+def _left_at(case: Case, sticks: StickSteps, time: np.ndarray, side: int, dx: Any = 0.0, dv: Any = 0.0) -> np.ndarray:
+    """Return the misses of steps with the stick ended at a time, and a flight below (0) or above (1) it."""
     s, speed = case.steps, case.steps.belts[sticks.boundary - 1]
     x, tau = sticks.x + speed * (time - sticks.begin) + dx, s.t[sticks.step + 1] - time
     return case.misses(s.fly(sticks.boundary + side, x, speed + dv, _phase(case, sticks, time), tau), sticks.step)
 
 
-def _best_exit(case: Case, sticks: Sticks, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the time between two limits at which a stick that ends there fits best, and the rest of the defect."""
+def _best_exit(case: Case, sticks: StickSteps, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the end time of a stick, between two limits, that fits best, and the remaining defect."""
     best, leaves = low.copy(), np.full(len(low), np.inf)
     begin, end = low, high
     for _ in range(DELAY_ZOOMS):
@@ -439,7 +445,7 @@ def _best_exit(case: Case, sticks: Sticks, low: np.ndarray, high: np.ndarray) ->
 
 
 def drift_within_steps(case: Case) -> Iterator[Diagnosis]:
-    """Yield a velocity that drifts off the belt in sticks within one step: it shows in the flight after them."""
+    """Yield a velocity that drifts off the belt during sticks within a step, visible in the next flight."""
     sticks = _find_sticks(case)
     if sticks is None:
         return
@@ -455,7 +461,7 @@ def drift_within_steps(case: Case) -> Iterator[Diagnosis]:
     fits = (leaves <= case.limits(0.1)[sticks.step]) & (np.abs(best) * T <= LARGEST_DRIFT * case.scales[1])
     if not np.any(fits):
         return
-    middle, spread = _middle_spread(best[fits])
+    middle, spread = _median_and_deviation(best[fits])
     if spread <= SAME_RATE * abs(middle):
         # One number for all sticks says more than an end for each.
         surely = 0.01 if spread <= ONE_NUMBER * abs(middle) else 0.0

@@ -1,4 +1,4 @@
-"""The method that made wrong steps: a known one with a fixed step, events that it misses or sees late, its errors."""
+"""Numerical methods as causes: a known one with fixed step, missed or delayed events, truncation errors."""
 
 from __future__ import annotations
 
@@ -31,32 +31,32 @@ DELAY_LEAVES = 0.005
 
 
 def semi_implicit(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-    """Use the new velocity for the position."""
+    """Make a semi-implicit Euler step: the new velocity moves the position."""
     v = v + h * a(t, x, v)
     return x + h * v, v
 
 
 def position_first(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-    """Use the new position for the velocity."""
+    """Make a semi-implicit Euler step: the new position gives the force."""
     x = x + h * v
     return x, v + h * a(t, x, v)
 
 
 def taylor(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-    """Keep the acceleration."""
+    """Make a Taylor step with constant acceleration."""
     first = a(t, x, v)
     return x + h * v + 0.5 * h * h * first, v + h * first
 
 
 def kick_first(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-    """Do half a kick, a drift, half a kick (leapfrog, Verlet)."""
+    """Make a leapfrog (Verlet) step: half a kick, a drift, half a kick."""
     middle = v + 0.5 * h * a(t, x, v)
     x = x + h * middle
     return x, middle + 0.5 * h * a(t + h, x, middle)
 
 
 def drift_first(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-    """Do half a drift, a kick, half a drift."""
+    """Make a leapfrog step: half a drift, a kick, half a drift."""
     middle = x + 0.5 * h * v
     after = v + h * a(t + 0.5 * h, middle, v)
     return middle + 0.5 * h * after, after
@@ -138,7 +138,7 @@ MOST_RARE = 10
 
 
 def repeated(case: Case) -> Iterator[Diagnosis]:
-    """Yield the method that repeats the wrong steps: with events located, or with the friction of each stage's v."""
+    """Yield the method that reproduces the wrong steps, with located events or with friction by each stage's v."""
     wrong, inside = case.moving_wrong, case.inside_wrong
     at_events = case.some(np.setdiff1d(wrong, inside), MOST_REPEATED)
     flights = case.some(inside, MOST_REPEATED)
@@ -190,7 +190,7 @@ def _other_weights(case: Case, flights: np.ndarray) -> Iterator[Diagnosis]:
 
 
 def _not_located(case: Case, name: str, h: float, share: float, unseen: bool, held: bool) -> Diagnosis:
-    """Return that a method with a fixed step goes over events; in sticks that is chatter."""
+    """Return the diagnosis that a fixed-step method skips events; in sticks that is chatter."""
     if name == "exact" and unseen:
         words = "belts are met and left within a step, and that is not seen"
         evidence = f"the force at the beginning repeats {share:.0%} of the steps with events"
@@ -209,7 +209,7 @@ def _not_located(case: Case, name: str, h: float, share: float, unseen: bool, he
 
 
 def _share_repeated(case: Case, chosen: np.ndarray, method: Method | None, count: int, held: bool = False) -> float:
-    """Return which part of the steps is repeated by so many steps of a method, with the friction of each stage's v.
+    """Return the fraction of steps reproduced by so many substeps of a method, with friction by each stage's v.
 
     `held`: with the friction at the beginning of each of its steps.
     """
@@ -230,7 +230,7 @@ def _share_repeated(case: Case, chosen: np.ndarray, method: Method | None, count
 
 
 def _force(case: Case, chosen: np.ndarray, held: bool = False) -> Force:
-    """Return the acceleration in some steps, at times since they began; `held`: in the domain at their beginning."""
+    """Return the acceleration in some steps at times since their start; `held`: in the domain at their start."""
     s, K = case.steps, case.steps.K
     forces = np.array([K.A1, K.A2, K.A3])
     domain: list[np.ndarray] = []
@@ -246,7 +246,7 @@ def _force(case: Case, chosen: np.ndarray, held: bool = False) -> Force:
 
 
 def truncation(case: Case) -> Iterator[Diagnosis]:
-    """Yield errors like those of some method, with their size and order."""
+    """Yield errors similar to those of some method, with their size and order."""
     wrong = case.inside_wrong
     if len(wrong) < 3:
         return
@@ -265,7 +265,7 @@ def truncation(case: Case) -> Iterator[Diagnosis]:
 
 
 def double_roots(case: Case) -> Iterator[Diagnosis]:
-    """Yield belts met within one step, which signs at its ends do not show: the samples keep to their domain."""
+    """Yield belts met twice within a step without a sign change at its ends: the samples keep to their domain."""
     s = case.steps
     source, target = case.domain[:-1], case.domain[1:]
     there = case.wrong & (source > 0) & (source == target) & (s.first == source)
@@ -285,7 +285,7 @@ def double_roots(case: Case) -> Iterator[Diagnosis]:
 
 
 def delays(case: Case) -> Iterator[Diagnosis]:
-    """Yield events that happen later than they should, with the mean delay."""
+    """Yield events that occur too late, with the mean delay."""
     s = case.steps
     chosen, rows, every = _first_events(case, np.ones(len(s.first), bool))
     if not len(chosen):
@@ -308,7 +308,7 @@ def delays(case: Case) -> Iterator[Diagnosis]:
 
 
 def _best_delays(case: Case, chosen: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the delay of the first event of each step that fits best, and the defect that it leaves."""
+    """Return the best-fitting delay of the first event of each step, and the remaining defect."""
     room = case.steps.t[chosen + 1] - case.steps.events.t[rows]
     low, high = np.zeros(len(chosen)), np.ones(len(chosen))
     best, leaves = np.ones(len(chosen)), np.full(len(chosen), np.inf)
@@ -326,7 +326,7 @@ def _best_delays(case: Case, chosen: np.ndarray, rows: np.ndarray) -> tuple[np.n
 
 
 def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndarray, onto: bool) -> np.ndarray:
-    """Return the miss sizes of steps if their first event came later; `onto`: then v is set to the belt's."""
+    """Return the miss sizes of steps with the first event delayed; `onto`: v is then set to the belt's."""
     s = case.steps
     time = np.minimum(s.events.t[rows] + delay, s.t[chosen + 1])
     source, tau = s.first[chosen], time - s.t[chosen]
@@ -335,17 +335,17 @@ def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndar
     x, v = s.fly(np.minimum(source, 3), s.x[chosen], s.v[chosen], s.theta[chosen], tau).T
     held = source > 3
     x = np.where(held, s.x[chosen] + speed * tau, x)
-    return _after(case, chosen, time, x, np.where(held | onto, speed, v))
+    return _misses_from(case, chosen, time, x, np.where(held | onto, speed, v))
 
 
-def _after(case: Case, chosen: np.ndarray, time: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+def _misses_from(case: Case, chosen: np.ndarray, time: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Return the miss sizes of the exact motion from states inside steps to their ends."""
     misses = case.between(np.column_stack([time, x, v]), chosen + 1, np.zeros(len(chosen))) / case.allowed[chosen]
     return np.asarray(np.max(np.abs(misses), axis=1))
 
 
 def interpolated(case: Case) -> Iterator[Diagnosis]:
-    """Yield events located on the straight line between the ends of a step, from which the flight goes on."""
+    """Yield events located by linear interpolation over a step, from which the flight continues."""
     s = case.steps
     chosen, rows, every = _first_events(case, s.first <= 3)
     if not len(chosen):
@@ -362,7 +362,7 @@ def interpolated(case: Case) -> Iterator[Diagnosis]:
     at_flight = s.fly(first, x, v, theta, np.where(good, time, s.t[chosen + 1]) - t)[:, 0]
     left = np.full(len(chosen), np.inf)
     for place in (at_line, at_flight):
-        after = _after(case, chosen, np.where(good, time, t), np.where(good, place, x), np.where(good, speed, v))
+        after = _misses_from(case, chosen, np.where(good, time, t), np.where(good, place, x), np.where(good, speed, v))
         left = np.fmin(left, np.where(good, after, np.inf))
     # Where the samples end with the event, the line from its sample to the end of the solver's usual step led there.
     usual = float(np.median(np.diff(s.t)))
@@ -381,7 +381,7 @@ def interpolated(case: Case) -> Iterator[Diagnosis]:
 
 
 def _first_events(case: Case, usable: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return some wrong steps with an event, the row of the first event of each, and how many such steps there are."""
+    """Return some wrong steps with an event, the row of each first event, and the number of such steps."""
     steps = np.unique(case.steps.events.step)
     steps = steps[case.wrong[steps] & usable[steps]]
     chosen = case.some(steps, MOST_DELAYS)

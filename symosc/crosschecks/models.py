@@ -1,4 +1,4 @@
-"""Other systems as causes of wrong steps: those that people write by mistake, as they are, and fitted numbers."""
+"""Other systems as causes of wrong steps: common modelling mistakes, unchanged, and with fitted numbers."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ System = tuple[str, str, str, str, dict[str, Any]]
 
 
 def other_systems(case: Case) -> Iterator[Candidate]:
-    """Yield the systems of the table that explain the steps, each with the change that tests it."""
+    """Yield the systems of the table that explain the steps, each with the change for its test."""
     p, seen = case.parameters, {case.parameters}
     tried = case.some(case.moving_wrong, MOST_TRIED)
     flights = case.some(case.inside, MOST_FLIGHTS)
     for cause, subject, words, change, values in _systems(p):
-        other = _other(p, **values)
+        other = _replaced(p, **values)
         if other is None or other in seen or not len(tried):
             continue
         seen.add(other)
@@ -63,7 +63,7 @@ def other_systems(case: Case) -> Iterator[Candidate]:
 
 
 def _systems(p: Parameters) -> Iterator[System]:
-    """Yield common mistakes, the likeliest first."""
+    """Yield systems with common mistakes, the most probable first."""
     m, Om = float(p.m), float(p.Omega)
     for name in ("A0", "B0", "v1", "v2"):
         yield "sign", name, f"{name} has the wrong sign", f"-{name}", {name: -getattr(p, name)}
@@ -95,7 +95,7 @@ def _systems(p: Parameters) -> Iterator[System]:
 
 
 def _flights_of_no_system(case: Case) -> Iterator[Candidate]:
-    """Yield wrong signs with which there is no system: only flights can show them."""
+    """Yield wrong signs that no Parameters can represent, tested on flights only."""
     p, inside, K = case.parameters, case.some(case.inside, 10 * MOST_FLIGHTS), case.steps.K
     if len(inside) < LEAST_FLIGHTS:
         return
@@ -128,9 +128,9 @@ def _flights_of_no_system(case: Case) -> Iterator[Candidate]:
 
 
 def coefficients(case: Case) -> Iterator[Candidate]:
-    """Yield one wrong coefficient after the other, each fitted to the flights, those of belts to all steps."""
+    """Yield one wrong coefficient after the other, fitted to the flights, those of belts to all steps."""
     flights = case.some(case.inside, MOST_FLOWN)
-    before = _middle(case.sizes[flights])
+    before = _median(case.sizes[flights])
     for name in PARAMETER_NAMES:
         if name in ("v1", "v2"):
             fit = _fit_belt(case, name) if case.flights_wrong <= 0.5 else None
@@ -141,16 +141,16 @@ def coefficients(case: Case) -> Iterator[Candidate]:
 
 
 def far_coefficients(case: Case) -> Iterator[Candidate]:
-    """Yield coefficients so far away that no fit from the right one finds them: the best of a grid is fitted."""
+    """Yield coefficients too far from the right one for a direct fit: the best of a grid is fitted."""
     flights = case.some(case.inside, MOST_FLOWN)
-    before, p = _middle(case.sizes[flights]), case.parameters
+    before, p = _median(case.sizes[flights]), case.parameters
     if len(flights) < FEWEST_FAR or case.flights_wrong < 0.5:
         return
     few = case.some(flights, FEW_FAR)
     for name in ("m", "c", "k", "Omega"):
         right = float(getattr(p, name))
         values = _frequencies(case, flights) if name == "Omega" else (right or 1.0) * FAR_FACTORS
-        tried = [(_middle(np.max(np.abs(case.flown(K, chosen=few)), axis=1)), value)
+        tried = [(_median(np.max(np.abs(case.flown(K, chosen=few)), axis=1)), value)
                  for value in values if (K := _constants(p, name, float(value))) is not None]  # fmt: skip
         if tried:
             fit = _fit_flights(case, name, flights, float(min(tried)[1]))
@@ -158,22 +158,23 @@ def far_coefficients(case: Case) -> Iterator[Candidate]:
 
 
 def _if_good(fit: Fit | None, before: float) -> Fit | None:
-    """Return a fit that leaves little of the defects, else None."""
-    return fit if fit is not None and _middle(fit.sizes) <= max(1.0, LEFT_OVER * before) else None
+    """Return a fit with small remaining defects, else None."""
+    return fit if fit is not None and _median(fit.sizes) <= max(1.0, LEFT_OVER * before) else None
 
 
-def _middle(sizes: np.ndarray) -> float:
+def _median(sizes: np.ndarray) -> float:
+    """Return the median of the defect sizes."""
     known = sizes[~np.isnan(sizes)]
     return float(np.median(known)) if len(known) else 0.0 if not len(sizes) else inf
 
 
 def _coefficient(case: Case, name: str, fit: Fit | None) -> Iterator[Candidate]:
-    """Yield a fitted coefficient, with the digits that are named."""
+    """Yield a fitted coefficient with its significant digits."""
     if fit is None:
         return
     value, error, right = float(fit.value[0]), float(fit.error[0]), float(getattr(case.parameters, name))
     text = rounded(value, error)
-    other = _other(case.parameters, **{name: float(text)})
+    other = _replaced(case.parameters, **{name: float(text)})
     if other is not None and other != case.parameters:
         words = f"the solution has {name} = {text}, which should be {right:.10g}"
         share = case.share(case.followed(other), part=FITS)
@@ -189,15 +190,15 @@ def with_error(value: float, error: float) -> str:
 
 
 def rounded(value: float, error: float) -> str:
-    """Return a number with the digits that its error leaves, at most 10."""
+    """Return a number rounded to the digits that its error justifies, at most 10."""
     if not error > 0.0 or not value:
         return f"{value:.10g}"
     digits = int(np.clip(np.ceil(np.log10(abs(value) / error)) + 1, 2, 10))
     return f"{value:.{digits}g}"
 
 
-def _other(p: Parameters, **values: Any) -> Parameters | None:
-    """Return changed parameters, or None if there is no such system."""
+def _replaced(p: Parameters, **values: Any) -> Parameters | None:
+    """Return the parameters with new values, or None if the model does not allow them."""
     try:
         return p.replace(**values)
     except ParameterError:
@@ -205,7 +206,7 @@ def _other(p: Parameters, **values: Any) -> Parameters | None:
 
 
 def _tick(p: Parameters, name: str) -> np.ndarray:
-    """Return a small change of a parameter."""
+    """Return a small change of a parameter, for a difference quotient."""
     rate = max(float(p.Omega), sqrt(float(p.k / p.m)), float(p.c / p.m))
     push = max(abs(float(p.A(alpha))) for alpha in (1, 2, 3)) + abs(float(p.B0))
     units = {"c": float(p.m) * rate, "k": float(p.m) * rate**2, "A0": push, "B0": push, "mu1": 1.0, "mu2": 1.0}
@@ -214,6 +215,7 @@ def _tick(p: Parameters, name: str) -> np.ndarray:
 
 
 def _fit_flights(case: Case, name: str, flights: np.ndarray, start: float | None = None) -> Fit | None:
+    """Fit one coefficient to flights."""
     p = case.parameters
 
     def misses(value: np.ndarray) -> np.ndarray:
@@ -224,7 +226,8 @@ def _fit_flights(case: Case, name: str, flights: np.ndarray, start: float | None
 
 
 def _constants(p: Parameters, name: str, value: float) -> Constants | None:
-    other = _other(p, **{name: value})
+    """Return the engine's constants with one parameter replaced."""
+    other = _replaced(p, **{name: value})
     if other is not None:
         return Arithmetic(other).K
     if name in ("mu1", "mu2", "FN"):  # beyond 0, for a derivative at 0: the forces are linear in them
@@ -235,12 +238,12 @@ def _constants(p: Parameters, name: str, value: float) -> Constants | None:
 
 
 def _fit_belt(case: Case, name: str) -> Fit | None:
-    """Return the speed of a belt: that of samples that move with it, or else fitted."""
+    """Return the speed of a belt from the samples that move with it, else fitted."""
     p, s = case.parameters, case.steps
     chosen = case.some(case.moving_wrong, MOST_FOLLOWED)
 
     def misses(value: np.ndarray) -> np.ndarray:
-        other = _other(p, **{name: float(value[0])})
+        other = _replaced(p, **{name: float(value[0])})
         return np.full((len(chosen), 2), np.nan) if other is None else case.followed_some(other, chosen)
 
     step, start = np.diff(s.t), np.array([float(getattr(p, name))])
@@ -257,7 +260,7 @@ def _fit_belt(case: Case, name: str) -> Fit | None:
 
 
 def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
-    """Return the frequencies of the drive that fit the mean accelerations of flights best."""
+    """Return the frequencies of the drive that best fit the mean accelerations of flights."""
     s, K = case.steps, case.steps.K
     begin, end = s.t[flights], s.t[flights + 1]
     tau = end - begin
@@ -275,7 +278,7 @@ def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
 
 
 def phases_of_drive(case: Case) -> Iterator[Candidate]:
-    """Yield another phase of the drive, as a phase or as a shifted clock: the steps cannot say which, the start can."""
+    """Yield a different phase of the drive, as a phase or a shifted clock; only the start distinguishes them."""
     flights, K = case.some(case.inside, MOST_FLOWN), case.steps.K
     if not case.parameters.B0:
         return
@@ -290,7 +293,7 @@ def phases_of_drive(case: Case) -> Iterator[Candidate]:
 
 
 def _turn_of_flights(case: Case, flights: np.ndarray) -> float | None:
-    """Return the phase by which the drive of flights is ahead, if they have a drive of that size."""
+    """Return the phase shift of the drive in flights, if they show a drive of that size."""
     K = case.steps.K
 
     def misses(value: np.ndarray) -> np.ndarray:
@@ -305,7 +308,7 @@ def _turn_of_flights(case: Case, flights: np.ndarray) -> float | None:
 
 
 def _turn_of_steps(case: Case) -> Fit | None:
-    """Return the phase of all steps, also of those with events: the best of a grid is fitted."""
+    """Return the phase shift in all steps, also those with events: the best of a grid is fitted."""
     s, chosen = case.steps, case.some(case.moving_wrong, MOST_FOLLOWED)
 
     def misses(value: np.ndarray) -> np.ndarray:
@@ -318,7 +321,7 @@ def _turn_of_steps(case: Case) -> Fit | None:
 
 
 def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
-    """Return which of the two it is: with a shifted clock the samples are the scene's own motion at other times."""
+    """Return whether it is a shifted clock (samples of the scene's motion at other times) or a phase."""
     Om, s, start = case.steps.K.Om, case.steps, case.check.own_start
     quarters = round(turn / (pi / 2))
     names = {-1: " (sine in place of cosine)", 1: " (-sine in place of cosine)", 2: " (-cosine)", -2: " (-cosine)"}
@@ -343,7 +346,7 @@ def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
 
 
 def forces(case: Case) -> Iterator[Diagnosis]:
-    """Yield the forces of the domains, fitted to the flights: another law of friction, whatever it is."""
+    """Yield fitted forces of the domains: another friction law of any form."""
     flights, K = case.some(case.inside, MOST_FLOWN), case.steps.K
     visited = [d for d in (1, 2, 3) if np.sum(case.domain[flights] == d) >= 3]
     if not visited:

@@ -1,4 +1,4 @@
-"""Read solutions from Python objects: tables of any package, results of solvers, arrays, functions, lists of these.
+"""Read solutions from Python objects: tables of any package, solver results, arrays, functions, lists of these.
 
 None of the packages is imported: the attributes of an object show what it is. `run_solver` calls somebody's function.
 """
@@ -52,8 +52,8 @@ NONE = "none"
 IN_BRACKETS = re.compile(r"\([^)]*\)|\[[^\]]*\]|\{[^}]*\}")
 
 
-def asked_columns(columns: Mapping[str, str | None] | None) -> dict[str, str | None]:
-    """Check which columns are asked for by name; "none" or None: there is no such column."""
+def read_column_names(columns: Mapping[str, str | None] | None) -> dict[str, str | None]:
+    """Check the mapping from t, x, v and id to column names; "none" or None means that the column is missing."""
     if columns is not None and not isinstance(columns, Mapping):
         raise ParameterError("columns", shown(columns), 'must be a mapping, such as {"x": "position"}')
     asked: dict[str, str | None] = {}
@@ -80,14 +80,14 @@ def plain(name: str) -> str:
 
 
 def is_wanted(name: str, asked: Asked | None) -> bool:
-    """Return whether a column may be read; others need not be numbers. All are read where `asked` is None."""
+    """Return whether a column is to be read; others may hold anything. All are read if `asked` is None."""
     if asked is None or plain(name) in set().union(*USUAL_NAMES.values()):
         return True
     return name.lower() in {column.lower() for column in asked.values() if column} | NO_COLUMNS | set(STATE_NAMES)
 
 
 def refuse_twice(where: str, names: Iterable[str], asked: Asked | None) -> None:
-    """Raise ParameterError if a column to be read is there twice."""
+    """Raise ParameterError if a column to be read occurs twice."""
     seen: set[str] = set()
     for name in names:
         if name in seen and is_wanted(name, asked):
@@ -96,8 +96,8 @@ def refuse_twice(where: str, names: Iterable[str], asked: Asked | None) -> None:
 
 
 def find_columns(there: Sequence[str], asked: Asked, where: str) -> dict[str, str]:
-    """Find the columns t and x, and v and id if they are there; ParameterError if one is missing or ambiguous."""
-    missing = f"is missing in {where}; there are: {listed(there)}"
+    """Find the columns t and x, and v and id if present; ParameterError if one is missing or ambiguous."""
+    missing = f"is missing in {where}; there are: {names_text(there)}"
     found: dict[str, str] = {}
     free = [each for each in there if each not in asked.values()]
     for name, usual in USUAL_NAMES.items():
@@ -110,7 +110,7 @@ def find_columns(there: Sequence[str], asked: Asked, where: str) -> dict[str, st
         elif name not in asked:
             fitting = [each for each in free if each == name][:1] or [each for each in free if plain(each) in usual]
             if len(fitting) > 1 and name in SAMPLE_COLUMNS:
-                what = f"may be any of {listed(fitting)} in {where}; say which, such as {name}={fitting[0]}"
+                what = f"may be any of {names_text(fitting)} in {where}; say which, such as {name}={fitting[0]}"
                 raise ParameterError("column", name, what)
             if fitting:
                 found[name] = fitting[0]
@@ -122,8 +122,8 @@ def find_columns(there: Sequence[str], asked: Asked, where: str) -> dict[str, st
     return found
 
 
-def listed(names: Iterable[str]) -> str:
-    """Return names for a message."""
+def names_text(names: Iterable[str]) -> str:
+    """Return names as text for a message."""
     keys = [short(str(key)) for key in names]
     ends = accumulate(len(key) + 2 for key in keys)
     fit = sum(end <= LONGEST_LIST for end in islice(ends, COLUMNS_LISTED)) or 1
@@ -156,7 +156,7 @@ class SolverTask:
 
     @property
     def period(self) -> float:
-        """The shorter one of the periods of the drive and of the free motion."""
+        """The shorter of the periods of the drive and of the free motion."""
         return 2.0 * pi / max(float(self.parameters.Omega), float(self.parameters.k / self.parameters.m) ** 0.5)
 
 
@@ -188,6 +188,7 @@ def solutions_in(source: Any, asked: Asked, problem: SolverTask | None = None, w
 
 
 def _has_column(source: Any, column: str) -> bool:
+    """Return whether a source has a column."""
     if isinstance(source, np.ndarray):
         return column in (source.dtype.names or ())
     try:
@@ -197,7 +198,7 @@ def _has_column(source: Any, column: str) -> bool:
 
 
 def _of_result(source: Any, problem: SolverTask | None) -> list[Samples] | None:
-    """Return the solutions in the result of a solver (t and y, or ts and ys), or None if it is no such thing."""
+    """Return the solutions in a solver result (t and y, or ts and ys), or None for another object."""
     for times, states in (("t", "y"), ("ts", "ys")):
         inside = isinstance(source, Mapping)
         if not all(name in source if inside else hasattr(source, name) for name in (times, states)):
@@ -219,7 +220,7 @@ def _of_result(source: Any, problem: SolverTask | None) -> list[Samples] | None:
 
 
 def _of_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
-    """Return solutions from times and states: x and v as two rows, two columns, or a pair; or a batch of these."""
+    """Return solutions from times and states: x and v as two rows, two columns, or a pair; or a batch."""
     try:
         y = np.asarray(y, dtype=float)
     except (TypeError, ValueError):
@@ -238,6 +239,7 @@ def _of_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
 
 
 def _of_list(source: Sequence[Any], asked: Asked, problem: SolverTask | None, where: str) -> list[Samples]:
+    """Return the solutions in a list."""
     if not source:
         raise ParameterError("solution", shown(source), "is empty")
     if all(isinstance(row, Mapping) and _is_row(row) for row in source):
@@ -262,22 +264,23 @@ def _of_list(source: Sequence[Any], asked: Asked, problem: SolverTask | None, wh
 
 
 def _is_row(row: Mapping[Any, Any]) -> bool:
-    """Return whether a mapping is a row, whose entries are numbers or texts, and not columns."""
+    """Return whether a mapping is a row (entries are numbers or texts), not columns."""
     return all(value is None or np.ndim(value) == 0 for name, value in row.items() if name != "events")
 
 
 def _are_numbers(row: Any) -> bool:
+    """Return whether all entries of a row are numbers."""
     return len(row) > 0 and all(isinstance(value, (int, float, str, np.number)) for value in row)
 
 
 def _meet(one: Samples, other: Samples) -> bool:
-    """Return whether one piece begins where another ends."""
+    """Return whether one piece begins at another's end."""
     end, begin = float(one.t[-1]), float(other.t[0])
     return abs(begin - end) <= SAME_TIME * float(np.spacing(abs(end))) and one.lacks_v == other.lacks_v
 
 
 def _joined(pieces: Sequence[Samples]) -> Samples:
-    """Return pieces of a solution as one."""
+    """Join pieces of a solution."""
     columns: Record = {name: np.concatenate([getattr(each, name) for each in pieces]) for name in ("t", "x", "v")}
     begin = np.cumsum([len(each.t) for each in pieces[:-1]])
     columns["t"][begin] = np.maximum(columns["t"][begin], columns["t"][begin - 1])  # they agree but for rounding
@@ -291,7 +294,7 @@ def _joined(pieces: Sequence[Samples]) -> Samples:
 
 
 def as_table(source: Any) -> Table | None:
-    """Return a mapping, a structured array, or a table of pandas, polars, xarray or pyarrow as a table, else None."""
+    """Return a mapping, structured array, or table of pandas, polars, xarray or pyarrow as a table, else None."""
     package = type(source).__module__.partition(".")[0]
     if isinstance(source, np.ndarray):
         return None if source.dtype.names is None else (list(source.dtype.names), source.__getitem__)
@@ -312,7 +315,7 @@ def as_table(source: Any) -> Table | None:
 
 
 def _of_pandas(frame: Any) -> Table | None:
-    """Return a DataFrame; an index with names is columns too."""
+    """Return a DataFrame as a table; a named index gives columns too."""
     if not hasattr(frame, "columns"):
         return None
     inside = {str(name) for name in frame.columns}
@@ -325,7 +328,7 @@ def _of_pandas(frame: Any) -> Table | None:
 
 
 def _of_xarray(data: Any) -> Table | None:
-    """Return a Dataset; over two dimensions it is several trajectories, the shorter rows of a table."""
+    """Return a Dataset as a table; two dimensions are several trajectories, the shorter one the rows."""
     if not hasattr(data, "data_vars"):
         return None
     if max((len(variable.dims) for variable in data.variables.values()), default=0) > 1:
@@ -358,6 +361,7 @@ def _of_table(table: Table, asked: Asked, where: str) -> list[Samples]:
 
 
 def _array(values: Any) -> np.ndarray:
+    """Return values as a numpy array, empty if they have no common shape."""
     try:
         return np.asarray(values)
     except ValueError:  # ragged; the check of the samples says where
@@ -365,7 +369,7 @@ def _array(values: Any) -> np.ndarray:
 
 
 def _with_split_states(names: list[str], column: Callable[[str], Any], asked: Asked) -> Table:
-    """Return a table in which an array that holds x and v together is two columns."""
+    """Return a table with an array of x and v split into two columns."""
     if {plain(name) for name in names} & {"x", "position"} or "x" in asked:
         return names, column
     for name in names:
@@ -378,7 +382,7 @@ def _with_split_states(names: list[str], column: Callable[[str], Any], asked: As
 
 
 def _of_matrices(values: Record, where: str) -> list[Samples]:
-    """Return the solutions in columns that are matrices: a row, or a column, for each of them."""
+    """Return the solutions in matrix columns: one per row or column."""
     arrays = {name: np.asarray(value) for name, value in values.items()}
     count = arrays["t"].shape[-1] if arrays["t"].ndim else 0
     shapes = {name: array.shape for name, array in arrays.items()}
@@ -395,7 +399,7 @@ def _of_matrices(values: Record, where: str) -> list[Samples]:
 
 
 def _by_id(values: Record, ids: np.ndarray) -> list[Samples]:
-    """Return a solution for each id, in order of their first rows."""
+    """Return one solution per id, in order of their first rows."""
     lengths = {name: len(column) for name, column in values.items()} | {ID_COLUMN: len(ids)}
     if len(set(lengths.values())) > 1:
         raise ParameterError("lengths", lengths, "the columns must have one length")
@@ -422,12 +426,13 @@ AT_BELT, SAME_EVENT = 1e-6, 1e-9
 
 
 def _grid(t0: float, t_end: float, problem: SolverTask) -> np.ndarray:
+    """Return times over the scene or between two given ones."""
     count = ceil(min((t_end - t0) / problem.period * TIMES_PER_PERIOD, float(MOST_TIMES)))
     return np.linspace(t0, t_end, min(max(count, FEWEST_TIMES), MOST_TIMES) + 1)
 
 
 def _of_trajectory(trajectory: Trajectory) -> Samples:
-    """Return samples of an exact motion, at its events too, and the list of these."""
+    """Return samples of an exact motion, including its events, and the list of events."""
     t0, t_end = float(trajectory.t_start), float(trajectory.t_end)
     events = tuple((float(event.t), event.kind) for event in trajectory.events)
     times = np.unique([*_grid(t0, t_end, SolverTask(trajectory.parameters)), *(t for t, _ in events)])
@@ -435,7 +440,7 @@ def _of_trajectory(trajectory: Trajectory) -> Samples:
 
 
 def of_function(function: Callable[..., Any], problem: SolverTask | None, times: Any = None) -> Samples:
-    """Return samples of a function t -> (x, v), at given times, between its own ends, or over the scene."""
+    """Return samples of a function t -> (x, v) at given times, over its own interval, or over the scene."""
     if times is None:
         ends: list[Any] = [getattr(function, name, None) for name in ("t_min", "t_max")]
         if None in ends and problem is not None:
@@ -452,7 +457,7 @@ def of_function(function: Callable[..., Any], problem: SolverTask | None, times:
 
 
 def _evaluated(function: Callable[..., Any], times: np.ndarray) -> np.ndarray:
-    """Return x and v of a function that takes all times at once, or one after the other."""
+    """Return x and v of a function that takes all times at once or one by one."""
     try:
         states = np.asarray(unmasked("function", function(times)), dtype=float)
     except Exception:  # masked, or whatever it raises if it takes single numbers alone
@@ -478,7 +483,7 @@ def _evaluated(function: Callable[..., Any], times: np.ndarray) -> np.ndarray:
 
 
 def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until: float) -> str:
-    """Return how far a solver's dense output is from the exact motion, as a note: it is no step, and not judged."""
+    """Return a note on the error of a solver's dense output, which is not judged."""
     ends = (getattr(dense, "t_min", -inf), getattr(dense, "t_max", inf))
     low, high = max(float(trajectory.t_start), float(ends[0])), min(until, float(ends[1]))
     if not low < high:
@@ -491,6 +496,7 @@ def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until
 
 
 def _times(values: Any) -> list[float]:
+    """Return the times in lists of event times, checked to be finite."""
     unmasked("t_events", values)
     try:
         found: list[float] = np.ravel(np.asarray(values, dtype=float)).tolist()
@@ -502,6 +508,7 @@ def _times(values: Any) -> list[float]:
 
 
 def _speed(states: Any, i: int, j: int) -> float:
+    """Return the velocity in an event state."""
     try:
         return float(np.ravel(states[i][j])[-1])
     except (IndexError, KeyError, TypeError, ValueError):
@@ -511,7 +518,7 @@ def _speed(states: Any, i: int, j: int) -> float:
 def solver_events(
     result: Any, problem: SolverTask | None
 ) -> tuple[tuple[tuple[float, str], ...] | None, tuple[str, ...]]:
-    """Return the events at a belt in scipy's `t_events`, with the kind "", and notes; the solver may list others.
+    """Return the events at a belt in scipy's `t_events` with kind "", and notes on others listed.
 
     Two functions that vanish together, such as an event that ends a piece, are one event.
     """
@@ -542,7 +549,7 @@ def solver_events(
 
 
 def run_solver(name: str, scene: Scene) -> Any:
-    """Call FUNCTION(parameters, t0, x0, v0, t_end) of "MODULE:FUNCTION" or "file.py:FUNCTION" with four floats.
+    """Call the FUNCTION of "MODULE:FUNCTION" or "file.py:FUNCTION" with (parameters, t0, x0, v0, t_end).
 
     Its prints go to standard error. ParameterError if there is no such function, it fails, or it returns nothing.
     """
@@ -553,7 +560,7 @@ def run_solver(name: str, scene: Scene) -> Any:
         try:
             solve = _imported(module)
         except (Exception, SystemExit) as error:
-            raise ParameterError("solver", name, f"cannot be imported: {_reason(error)}") from None
+            raise ParameterError("solver", name, f"cannot be imported: {_error_text(error)}") from None
         for part in function.split("."):
             solve = getattr(solve, part, None)
         if not callable(solve):
@@ -561,7 +568,7 @@ def run_solver(name: str, scene: Scene) -> Any:
         try:
             solution = solve(scene.parameters, *(float(getattr(scene, each)) for each in ("t0", "x0", "v0", "t_end")))
         except (Exception, SystemExit) as error:
-            raise ParameterError("solver", name, f"failed: {_reason(error)}") from None
+            raise ParameterError("solver", name, f"failed: {_error_text(error)}") from None
     if iscoroutine(solution):
         solution.close()  # or Python warns on standard error that nobody waited for it
         raise ParameterError("solver", name, "is async; it must return a solution")
@@ -571,6 +578,7 @@ def run_solver(name: str, scene: Scene) -> Any:
 
 
 def _imported(name: str) -> Any:
+    """Import a module or a file by name."""
     if not name.endswith(".py"):
         if "" not in sys.path:
             sys.path.insert(0, "")  # the folder in which the command runs
@@ -584,7 +592,7 @@ def _imported(name: str) -> Any:
     return module
 
 
-def _reason(error: BaseException) -> str:
+def _error_text(error: BaseException) -> str:
     """Return an error as one line, with the place where it was raised."""
     frames = [
         frame

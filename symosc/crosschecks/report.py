@@ -1,4 +1,4 @@
-"""The result of a cross-check, as values, as text and as plain data; and the results of several solutions."""
+"""The result of a cross-check as values, text and plain data; and the results of several solutions."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ EVENT_LISTS = ("matched", "missed", "invented", "unresolved")
 
 @dataclass(frozen=True, eq=False)
 class CrossCheck(Drawable, Reportable):
-    """How samples compare with the exact motion.
+    """The comparison of samples with the exact motion.
 
     Attributes
     ----------
@@ -143,12 +143,12 @@ class CrossCheck(Drawable, Reportable):
 
     @cached_property
     def diagnosis(self) -> tuple[Diagnosis, ...]:
-        """What is probably wrong, the likeliest first; worked out when it is first asked for."""
+        """The probable causes, the most probable first; computed on first access."""
         return diagnose(self)
 
     @property
     def limits_there(self) -> tuple[float, float]:
-        """Limits of the global errors of x and v where these are largest."""
+        """Limits of the global errors of x and v at their maxima."""
         worst = np.nanargmax(np.abs(self.errors), axis=0)
         return float(self.limits[worst[0], 0]), float(self.limits[worst[1], 1])
 
@@ -193,9 +193,9 @@ class CrossCheck(Drawable, Reportable):
             ]
             lines += _first_lines(name, items)
         if self.first_wrong:
-            lines.append(f"first wrong step: {_words(self.first_wrong)}")
+            lines.append(f"first wrong step: {_fault_text(self.first_wrong)}")
         if self.first_switching and self.first_switching != self.first_wrong:
-            lines.append(f"first wrong step at a belt: {_words(self.first_switching)}")
+            lines.append(f"first wrong step at a belt: {_fault_text(self.first_switching)}")
         decisions = [
             f"step {f.step}, t = {f.t_next:.10g}: {f.found} where {f.expected} is right" for f in self.decisions
         ]
@@ -250,19 +250,20 @@ class CrossCheck(Drawable, Reportable):
 
 
 def _first_lines(name: str, items: Sequence[str]) -> list[str]:
-    """Return the first items as lines, and how many more there are."""
+    """Return the first items as lines, and the number of omitted ones."""
     more = [f"{name}: and {len(items) - EVENTS_LISTED} more"] if len(items) > EVENTS_LISTED else []
     return [*(f"{name}: {item}" for item in items[:EVENTS_LISTED]), *more]
 
 
-def _words(fault: Fault) -> str:
+def _fault_text(fault: Fault) -> str:
+    """Describe a wrong step: its number, times, defects and the guessed cause."""
     size = f"defect {fault.defect_x:.1e} in x, {fault.defect_v:.1e} in v"
     guess = f"{REASONS[fault.reason]} ({fault.words})"
     return f"{fault.step}, t = {fault.t:.10g} to {fault.t_next:.10g}, {size}; guess: {guess}"
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Compare values of any depth; NaN equals NaN, arrays are compared as wholes."""
+    """Return whether values of any depth are equal; NaN equals NaN, arrays are compared as a whole."""
     if type(one) is not type(other):
         return False
     if isinstance(one, np.ndarray):
@@ -301,7 +302,7 @@ class CrossChecks(list[CrossCheck]):
 
     @property
     def ok(self) -> bool:
-        """Whether all are right."""
+        """Whether all solutions are right."""
         return all(check.ok for check in self)
 
     def __repr__(self) -> str:
@@ -352,6 +353,7 @@ class CrossChecks(list[CrossCheck]):
 
 
 def _row(name: str, check: CrossCheck) -> Record:
+    """Return the findings on one solution as a row."""
     fault = check.first_wrong
     defects = np.max(np.abs(check.defects), axis=0)
     return {
@@ -393,13 +395,14 @@ class Judgements:
 
 
 def _judged(i: int) -> CrossCheck:
+    """Return the verdict on solution i, in a worker process."""
     return _tasks[-1](i)
 
 
 def check_all(
     judge: Callable[[Samples], CrossCheck], solutions: Sequence[Samples], workers: Any, progress: Any
 ) -> CrossChecks:
-    """Judge several solutions, in `workers` processes (None: as many as there are cores)."""
+    """Judge several solutions in `workers` processes (None: one per core)."""
     count, judged = min(read_workers(workers), len(solutions)), Judgements(judge, solutions)
     numbers, found = range(len(solutions)), list[CrossCheck]()
     with reporting(progress or False, 0, len(solutions), "check", "solutions") as report, warnings.catch_warnings():

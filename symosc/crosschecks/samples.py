@@ -1,4 +1,4 @@
-"""Samples t, x, v as arrays, and how they were rounded: decimals, significant digits, single precision, a converter."""
+"""Samples t, x, v as arrays, and their rounding: decimals, significant digits, single precision, a converter."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LONGEST_ITEM = 60
 
 @dataclass(frozen=True)
 class Samples:
-    """A solution at times; `v` is NaN if only positions were given, until they are computed with the error `v_off`.
+    """A solution at times; `v` is NaN for positions only, until it is computed with error `v_off`.
 
     `events` are pairs (t, kind), with the kind "" if unknown; `name` distinguishes several solutions; `notes` say how
     it was read; `dense` is the solver's own function t -> (x, v).
@@ -44,7 +44,7 @@ class Samples:
 
 
 def checked(t: object, x: object, v: object = None, events: object = None) -> Samples:
-    """Return samples as float arrays; without `v` they have positions alone.
+    """Return samples as float arrays; without `v`, positions only.
 
     ParameterError unless all are finite real numbers, one-dimensional, of one length >= 2, and t never decreases.
     """
@@ -70,7 +70,7 @@ def checked(t: object, x: object, v: object = None, events: object = None) -> Sa
 
 
 def check_joints(samples: Samples, part: float, slack_x: np.ndarray, slack_v: np.ndarray) -> None:
-    """Raise ParameterError where a time is repeated with a clearly different state.
+    """Raise ParameterError where a time occurs twice with different states.
 
     At a joint of two pieces the states differ by at most `part` of the largest |x| and |v|, and by the slack.
     """
@@ -86,7 +86,7 @@ def check_joints(samples: Samples, part: float, slack_x: np.ndarray, slack_v: np
 
 
 def _array(name: str, values: Any) -> np.ndarray:
-    """Return one column as floats."""
+    """Return one column as an array of floats."""
     if values is None:
         raise ParameterError(name, None, "is missing: give t, x and v")
     unmasked(name, values)
@@ -116,7 +116,7 @@ def _array(name: str, values: Any) -> np.ndarray:
 
 
 def _refuse_wrong(name: str, values: Iterable[object]) -> None:
-    """Raise ParameterError for the first entry that is no real number."""
+    """Raise ParameterError for the first entry that is not a real number."""
     for i, value in enumerate(values):
         try:
             number_of(value)
@@ -125,7 +125,7 @@ def _refuse_wrong(name: str, values: Iterable[object]) -> None:
 
 
 def number_of(value: Any) -> float:
-    """Return `value` as a float; ValueError for text such as 1_000, which float() would read."""
+    """Return `value` as a float; raise ValueError for text such as 1_000, which float() would read."""
     if isinstance(value, (bool, np.bool_, complex)) or value is np.ma.masked:
         raise TypeError("no real number")
     if isinstance(value, bytes):
@@ -136,13 +136,13 @@ def number_of(value: Any) -> float:
 
 
 def short(text: str) -> str:
-    """Return text for a message, cut if it is too long for a line."""
+    """Return text for a message, truncated to one line."""
     text = text.encode("utf-8", "backslashreplace").decode()  # half a surrogate pair cannot be printed
     return text if len(text) <= LONGEST_ITEM else text[:LONGEST_ITEM] + "…"
 
 
 def shown(value: object) -> object:
-    """Return a wrong value for a message: itself if it is short, else the beginning of its text or its type."""
+    """Return a wrong value for a message: itself if short, else the beginning of its text or its type."""
     if isinstance(value, str):
         return short(value)
     try:
@@ -186,7 +186,7 @@ DOUBLE_ROUNDING = 4.0 * np.finfo(float).eps
 
 @dataclass(frozen=True)
 class Digits:
-    """How the numbers of a column were rounded ("6 decimals"), and one unit of the last digit of each number."""
+    """The rounding of a column ("6 decimals"), and one unit in the last digit of each number."""
 
     text: str
     units: np.ndarray
@@ -194,7 +194,7 @@ class Digits:
 
 @dataclass(frozen=True)
 class Rounding:
-    """How samples and the times of a list of events were rounded; None: a column has all digits of a double."""
+    """The rounding of samples and listed event times; None: a column has all digits of a double."""
 
     t: Digits | None
     x: Digits | None
@@ -214,19 +214,19 @@ class Rounding:
 
     @property
     def texts(self) -> dict[str, str]:
-        """What is rounded, and to how many digits."""
+        """The rounded columns, with the number of digits."""
         return {name: digits.text for name, digits in vars(self).items() if digits is not None}
 
 
 def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None = None) -> Rounding:
-    """Return how samples were rounded; in a stick v is one of `speeds`, with as few digits as they have.
+    """Return the rounding of samples; in a stick v is one of `speeds`, rounded likewise.
 
     Times are taken as rounded only if x or v are rounded and the times are not an even grid: a time such as 0.05 is
     exact, unless the first one is the start of the scene, rounded.
     """
     x, v = find_digits(samples.x, samples.x[:1]), find_digits(samples.v, [*speeds, samples.v[0]])
     if not samples.lacks_v:
-        x, v = x or _as_beside(samples.x, v), v or _as_beside(samples.v, x)
+        x, v = x or _as_neighbour(samples.x, v), v or _as_neighbour(samples.v, x)
     t = None
     if x is not None or v is not None:
         t = find_digits(samples.t, samples.t[:1])
@@ -240,7 +240,7 @@ def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None
 
 
 def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN) -> Digits | None:
-    """Return how `values` were rounded, or None if they have all digits, or fewer than `least` of them show it.
+    """Return the rounding of `values`, or None if they have all digits or fewer than `least` show it.
 
     Both fixed decimals and significant digits are tried. Any rounded numbers fit both, one of them with more digits
     than were written; the coarser unit is the right one for every number. Numbers that are 0 or `natural` show nothing.
@@ -254,8 +254,8 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
     return grid if coarser else found
 
 
-def _as_beside(values: np.ndarray, beside: Digits | None) -> Digits | None:
-    """Return the decimals of the column beside, if these numbers fit them: few numbers, such as zeros, show none."""
+def _as_neighbour(values: np.ndarray, beside: Digits | None) -> Digits | None:
+    """Return the rounding of the adjacent column if it fits: few numbers, such as zeros, show none."""
     if beside is None or np.ptp(beside.units) > 0.0:
         return None
     unit = beside.units[0]
@@ -264,7 +264,7 @@ def _as_beside(values: np.ndarray, beside: Digits | None) -> Digits | None:
 
 
 def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return to how many decimals or significant digits numbers were rounded, or None."""
+    """Return the number of decimals or significant digits of rounded numbers, or None."""
     exponents = _exponents(numbers)
     significant = next((n for n in range(1, MOST_SAMPLE_DIGITS + 1) if _fits(numbers, n - 1 - exponents)), None)
     if significant is None:
@@ -291,7 +291,7 @@ def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 
 
 def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the step of an even grid that holds all numbers, as a converter makes them.
+    """Return the step of an even grid that contains all numbers, as from an analogue-digital converter.
 
     Two halves of the numbers must give the same step: a single number beside a grid would make a much finer one.
     """
@@ -312,7 +312,7 @@ def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 
 
 def _common_step(levels: np.ndarray, largest: float) -> float | None:
-    """Return the largest number of which all levels are multiples, by Euclid's algorithm; None if it is too small."""
+    """Return the largest common divisor of all levels by Euclid's algorithm; None if it is too small."""
     step, least = float(levels[0]), largest / MOST_GRID_STEPS
     for level in levels[1:].tolist():
         rest, step = step, level
@@ -333,7 +333,7 @@ def _exponents(values: np.ndarray) -> np.ndarray:
 
 
 def _fits(values: np.ndarray, places: np.ndarray) -> bool:
-    """Return whether all values are whole multiples of 10^-places; most that are not show it in the first few."""
+    """Return whether all values are multiples of 10^-places; the first few mostly decide."""
     if len(values) > FEW_VALUES and not _fits(values[:FEW_VALUES], places[:FEW_VALUES]):
         return False
     with np.errstate(over="ignore", invalid="ignore"):

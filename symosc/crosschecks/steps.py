@@ -1,4 +1,4 @@
-"""The exact motion over each step of samples, restarted from every sample, and how far right samples may be off.
+"""The exact motion over each step of samples, restarted from every sample, and the error bounds of right samples.
 
 Two motions of one scene never move apart. Friction falls with the velocity, so for the differences X and V of two
 motions X' = V and V' = -(c/m) V - (k/m) X - (a force with the sign of V), through sticks and crossings as well. Hence
@@ -53,7 +53,7 @@ CLEARANCE = 1e-9
 
 
 def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
-    """Bound |x| and |v| between two exact motions that begin `off` apart, (n, 2) or (2,), a time `tau` later."""
+    """Bound |x| and |v| of the difference of two exact motions that starts as `off` (n, 2) or (2,), after `tau`."""
     if not np.any(off):
         return np.zeros(2)
     x, v = off[..., 0], off[..., 1]
@@ -69,7 +69,7 @@ def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
 
 
 def double_rounding(p: Parameters, t: np.ndarray, scales: np.ndarray) -> np.ndarray:
-    """Return the error of x and v over the steps from rounding times and samples to doubles, shape (n - 1, 2)."""
+    """Return the error of x and v over the steps from rounding to doubles, shape (n - 1, 2)."""
     ticks = 2.0 * np.spacing(np.maximum(np.abs(t[1:]), np.abs(t[:-1])))
     return np.outer(ticks, [scales[1], float(_push(p, *scales))]) + 8.0 * np.finfo(float).eps * scales
 
@@ -96,7 +96,7 @@ def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.n
 
 @dataclass(frozen=True)
 class StepEvents:
-    """Events of the exact motion inside steps, in order of step and time; kind, boundary, target are codes."""
+    """Events of the exact motion inside steps in order of step and time, with codes for kind, boundary, target."""
 
     step: np.ndarray
     t: np.ndarray
@@ -147,7 +147,7 @@ class ExactSteps:
         return min(max(int(low), 0), last), min(max(int(high), 0), last)
 
     def flight(self, domain: Any, since: Any, until: Any) -> np.ndarray:
-        """Return x, v at samples `until` if the force of `domain` acted alone since samples `since`."""
+        """Return x, v at samples `until` with the force of `domain` alone since samples `since`."""
         return self.fly(domain, self.x[since], self.v[since], self.theta[since], self.t[until] - self.t[since])
 
     def fly(self, domain: Any, x: np.ndarray, v: np.ndarray, theta: np.ndarray, tau: np.ndarray) -> np.ndarray:
@@ -175,7 +175,7 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
         part = slice(begin, min(begin + STEPS_TOGETHER, count) + 1)
         theta[part] = phases(parameters, t[part])
         inner = slice(begin, part.stop - 1)
-        some = Pieces(K, t[part], x[part], v[part], theta[part], near[part], scales[inner])
+        some = SampleBlock(K, t[part], x[part], v[part], theta[part], near[part], scales[inner])
         defects[inner], modes[:, inner], events = some.follow()
         found.append(replace(events, step=events.step + begin))
     # A step in which no time passes has the mode in which the motion arrives, or leaves the first sample.
@@ -185,8 +185,8 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
 
 
 @dataclass(frozen=True)
-class Pieces:
-    """Some consecutive samples, as arguments of `follow_steps`."""
+class SampleBlock:
+    """Consecutive samples, with the arguments of `follow_steps`."""
 
     K: Constants
     t: np.ndarray
@@ -217,7 +217,7 @@ class Pieces:
         return defects, modes, events
 
     def of(self, steps: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, StepEvents]:
-        """Return defects, modes, sizes and events of some steps that begin on belt `on` (0: where the sample is)."""
+        """Return defects, modes, sizes and events of some steps that begin on belt `on` (0: at the sample)."""
         belts, left = np.array([self.K.belt1.v, self.K.belt2.v]), self.t[steps + 1] - self.t[steps]
         start_v = np.where(on > 0, belts[on - 1], self.v[steps])
         rows, _ = start_rows(on, self.theta[steps], self.x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), self.K)
@@ -233,7 +233,7 @@ class Pieces:
 
 
 def phases(parameters: Parameters, t: Any) -> np.ndarray:
-    """Return the phases Omega t modulo 2 pi of an array of times, however large they are."""
+    """Return the phases Omega t modulo 2 pi of an array of times of any size."""
     context = mp_context(60)
     Om = parameters.Omega
     exact = context.mpf(Om.numerator) / Om.denominator / (2 * context.pi)  # turns per time
@@ -250,6 +250,7 @@ def phases(parameters: Parameters, t: Any) -> np.ndarray:
 
 
 def _upper_half(value: Any) -> Any:
+    """Return the upper half of the bits of a double."""
     shifted = value * 134217729.0  # 2^27 + 1
     return shifted - (shifted - value)
 
@@ -258,7 +259,7 @@ def _upper_half(value: Any) -> Any:
 
 
 def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return which rows of `start_rows` have no event in the time `left`, and their states [x, v] at the end."""
+    """Return which rows of `start_rows` have no event in the time `left`, and their final states [x, v]."""
     numbers = np.flatnonzero(K.rate * left < LONGEST_QUIET)
     tau = left[numbers]
     mode, _, _, theta, x, v, below, above = rows[numbers, :8].T
@@ -280,7 +281,7 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
 def _flight_is_clear(
     tau: np.ndarray, mode: np.ndarray, v: np.ndarray, v_end: np.ndarray, a: np.ndarray, K: Constants
 ) -> np.ndarray:
-    """Return which flights stay in their domain, clear of the belts."""
+    """Return which flights certainly stay in their domain."""
     most = np.hypot(a, K.w0 * v) + abs(K.fB) * tau
     off = 0.125 * tau * tau * ((K.cm + K.w0) * most + abs(K.fB))
     off += CLEARANCE * (np.abs(v) + np.abs(v_end) + abs(K.belt1.v) + abs(K.belt2.v))
@@ -294,7 +295,7 @@ def _flight_is_clear(
 
 
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow every row event by event; return the last modes, states [x, v] there and events, from time 0."""
+    """Follow every row event by event; return the final modes, states [x, v] and events, from time 0."""
     batch = batch_of(rows.copy())
     few = len(rows) < COMPILE_FROM and FEW_STEPS.events > 0
     follow = chosen_loops(False if few else None).follow
@@ -315,7 +316,7 @@ def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarra
 
 
 def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEvents, K: Constants) -> np.ndarray:
-    """Return the states [x, v] at the ends, in one piece from the last event of each row or from its start."""
+    """Return the final states [x, v] in closed form from the last event of each row or its start."""
     theta, x, v, a, left = rows[:, 3].copy(), rows[:, 4].copy(), rows[:, 5].copy(), rows[:, 6].copy(), left.copy()
     lasts = np.flatnonzero(np.diff(events.step, append=-1))
     i, belt = events.step[lasts], np.array([K.belt1.v, K.belt2.v])[events.boundary[lasts] - 1]
@@ -330,7 +331,7 @@ def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEve
 
 
 def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tuple[Any, ...]]:
-    """Follow a row with a contact within rounding: either answer is right to rounding, so the first is taken."""
+    """Follow a row with a contact within rounding: both continuations are right, so take the first."""
     state, (t_end, t_end_low) = state_of(rows, i), rows[i, 13:15].tolist()
     events: list[tuple[Any, ...]] = []
     code = MOVED
@@ -344,7 +345,7 @@ def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tu
 
 
 def _merged(events: StepEvents, others: StepEvents, steps: np.ndarray) -> StepEvents:
-    """Return `events` with those of `steps` taken from `others`."""
+    """Return `events` with those of `steps` replaced by those in `others`."""
     kept, taken = ~np.isin(events.step, steps), np.isin(others.step, steps)
     columns = {
         name: np.concatenate([getattr(events, name)[kept], getattr(others, name)[taken]]) for name in vars(events)
@@ -354,5 +355,5 @@ def _merged(events: StepEvents, others: StepEvents, steps: np.ndarray) -> StepEv
 
 
 def _concatenated(parts: Sequence[StepEvents]) -> StepEvents:
-    """Return events of several parts, one after the other."""
+    """Concatenate events of several parts."""
     return StepEvents(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in vars(parts[0])})

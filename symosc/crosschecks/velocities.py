@@ -1,4 +1,4 @@
-"""Velocities of positions that were given without: those with which the exact motion leads from one to the next.
+"""Velocities for positions given without: those with which the exact motion leads from one position to the next.
 
 In one domain the displacement over a step is linear in the velocity at its start, so each step has one velocity for
 each domain, and on a belt that of the belt. The velocity of a motion does not jump. So where two steps agree about the
@@ -19,7 +19,7 @@ import numpy as np
 
 from symosc.aliases import Record
 from symosc.crosschecks.samples import Samples, find_digits
-from symosc.crosschecks.steps import Pieces, phases
+from symosc.crosschecks.steps import SampleBlock, phases
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
 from symosc.errors import ParameterError
@@ -54,7 +54,7 @@ MOST_FITTED, MOST_TRIED_EVENTS = 1_000, 20_000
 
 
 def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: float) -> Samples:
-    """Return samples with velocities, and how far these may be off; ParameterError if positions are too far apart."""
+    """Return samples with velocities and their errors; ParameterError if positions are too far apart."""
     p = scene if isinstance(scene, Parameters) else scene.parameters
     K = Arithmetic(p).K._replace(sigmas=0.0)
     t, x = samples.t, samples.x
@@ -96,7 +96,7 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
 
 
 def _of_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float) -> Samples | None:
-    """Return samples with the velocities of an exact motion that has their positions, or None if none is found."""
+    """Return samples with the velocities of an exact motion through their positions, or None."""
     t, x = samples.t, samples.x
     p = scene if isinstance(scene, Parameters) else scene.parameters
     digits = find_digits(t, t[:1])
@@ -127,6 +127,7 @@ def _of_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, of
 
 
 def _motion(scene: Scene | Parameters, t_end: float, start: Record) -> Trajectory | None:
+    """Return the exact motion of a scene from a start, or None if it is not allowed."""
     try:
         return simulate(scene, t_end=float(t_end), max_events=MOST_TRIED_EVENTS, **start)
     except ParameterError:
@@ -134,7 +135,7 @@ def _motion(scene: Scene | Parameters, t_end: float, start: Record) -> Trajector
 
 
 def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
-    """Return velocities at the first sample whose exact motions are nearest to the first positions, the best first."""
+    """Return initial velocities with which the exact motion is nearest to the first positions, best first."""
     count = max(8, int(np.searchsorted(t, t[0] + 1.0 / fastest_rate(p))))
     tau = t[:count] - t[0]
     few = max(3, int(np.searchsorted(tau, 0.3 / fastest_rate(p))))
@@ -158,7 +159,7 @@ def fastest_rate(p: Parameters) -> float:
 
 
 def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajectory | None:
-    """Return the exact motion whose start is fitted to positions, first over a short time, then over longer ones."""
+    """Return the exact motion with a start fitted to positions, over increasing times."""
     start, span = np.array([x[0], v0]), 1.0 / fastest_rate(p)
     tick = 1e-4 * np.array([1.0, fastest_rate(p)]) * max(float(np.ptp(x)), 1e-300)
     while True:
@@ -184,6 +185,7 @@ def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajector
 
 
 def _is_start(scene: Scene | Parameters, samples: Samples, off: float, clock: float = 0.0) -> TypeGuard[Scene]:
+    """Return whether the scene's start is within the errors of the first sample."""
     if isinstance(scene, Parameters):
         return False
     near = abs(float(scene.x0) - float(samples.x[0])) <= off + abs(float(scene.v0)) * clock
@@ -191,7 +193,7 @@ def _is_start(scene: Scene | Parameters, samples: Samples, off: float, clock: fl
 
 
 def _flown(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocities at the starts and the ends of the steps in domains 1 to 3, shape (3, n - 1).
+    """Return velocities at the starts and ends of the steps in domains 1 to 3, shape (3, n - 1).
 
     NaN where a step cannot be such.
     """
@@ -217,7 +219,7 @@ def _flown(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tup
 
 
 def _held(t: np.ndarray, x: np.ndarray, off: float | np.ndarray, K: Constants) -> np.ndarray:
-    """Return the velocities of the belts where a step can be a stick, else NaN, shape (2, n - 1)."""
+    """Return the belt velocities where a step can be a stick, else NaN, shape (2, n - 1)."""
     off = np.broadcast_to(off, x.shape)
     belts, tau = np.array([[K.belt1.v], [K.belt2.v]]), np.diff(t)
     near = np.abs(np.diff(x) - belts * tau) <= off[:-1] + off[1:]
@@ -225,7 +227,7 @@ def _held(t: np.ndarray, x: np.ndarray, off: float | np.ndarray, K: Constants) -
 
 
 def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return how well the two steps at each inner sample agree about it at best, and by which of their candidates."""
+    """Return the best agreement of the two steps at each inner sample, and the two candidates."""
     inner = starts.shape[1] - 1
     best, left, right = np.full(inner, np.inf), np.zeros(inner, np.int8), np.zeros(inner, np.int8)
     for i in range(len(ends)):
@@ -237,7 +239,7 @@ def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.ndarray, sure: np.ndarray) -> np.ndarray:
-    """Return the velocities that are known where two steps agree: there, and at their other ends; NaN for others."""
+    """Return the velocities where two steps agree, there and at their other ends; NaN elsewhere."""
     v = np.full(starts.shape[1] + 1, np.nan)
     left, right = left[sure], right[sure]
     v[sure], v[sure + 2] = starts[left, sure], ends[right, sure + 1]
@@ -248,7 +250,7 @@ def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.nd
 
 
 def _continued(K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    """Return all velocities: where none is known the exact motion leads there from the sample before, or a guess."""
+    """Return all velocities, unknown ones by the exact motion from the sample before, or a guess."""
     for _ in range(MOST_ROUNDS):
         open_ends = np.flatnonzero(np.isnan(v[1:]) & ~np.isnan(v[:-1]))
         if not len(open_ends):
@@ -263,8 +265,8 @@ def _continued(K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta:
 def _after(
     K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray, steps: np.ndarray
 ) -> np.ndarray:
-    """Return the velocities with which the exact motion arrives at the ends of some steps."""
+    """Return the velocities of the exact motion at the ends of some steps."""
     on = (v[steps] == K.belt1.v) + 2 * (v[steps] == K.belt2.v)
-    pieces = Pieces(K, t, x, np.where(np.isnan(v), 0.0, v), theta, np.zeros(len(t)), np.ones((len(t) - 1, 2)))
+    pieces = SampleBlock(K, t, x, np.where(np.isnan(v), 0.0, v), theta, np.zeros(len(t)), np.ones((len(t) - 1, 2)))
     found = pieces.of(steps, on)[0][:, 1]
     return np.where(np.isnan(found), v[steps], found)

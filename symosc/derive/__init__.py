@@ -1,7 +1,7 @@
 """Derivations that check each of their steps before they print it (LaTeX and HTML).
 
-steps are the checks, chapters what is derived; document makes files of them, fragments are for users' papers. May
+steps has the checks, chapters the derivations; document writes them to files, fragments serve users' papers. May
 import: up to plot.
 
-One more chapter: a module in chapters with a TITLE and ``items(scope)``, and its key in ``CHAPTERS``.
+To add a chapter, write a module in chapters with a TITLE and ``items(scope)``, and add its key to ``CHAPTERS``.
 """

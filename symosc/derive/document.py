@@ -62,7 +62,7 @@ class Part(NamedTuple):
 
 
 class Checked(NamedTuple):
-    """A chapter whose steps have all passed; a fragment has the number 0."""
+    """A chapter with all steps passed; a fragment has the number 0."""
 
     key: str
     title: str
@@ -154,7 +154,7 @@ _REFERENCE = re.compile(
 
 
 def chapter_number(key: str) -> int:
-    """Return the number of a chapter in the whole document, 0 for what is none."""
+    """Return the number of a chapter in the whole document, 0 if it is not in it."""
     return list(CHAPTERS).index(key) + 1 if key in CHAPTERS else 0
 
 
@@ -236,7 +236,7 @@ def rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
 
 
 def _letters(text: str) -> int:
-    """Estimate how many letters a short LaTeX text prints."""
+    """Estimate the number of characters that a short LaTeX text prints."""
     return len(re.sub(r"\\[a-zA-Z]+|\\.|[{}$^_ ]", "", text)) + 2 * text.count(" ")
 
 
@@ -310,7 +310,7 @@ def main_document(chapters: list[Checked], scope: Scope) -> str:
 
 
 def texts(chapters: list[Checked]) -> str:
-    """Return all texts of chapters, for what they cite."""
+    """Return all texts of chapters, in which citations are searched."""
     return "".join(str(item) for chapter in chapters for item in chapter.items)
 
 

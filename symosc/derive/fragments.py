@@ -53,7 +53,7 @@ BASIS_TEXT = (
 
 
 class Fragment(NamedTuple):
-    """A fragment: its title, what makes it, and the paper's numbers of its equations by their labels."""
+    """A fragment: its title, its function, and the paper's numbers of its equations by their labels."""
 
     title: str
     items: Callable[[FragmentScope], Items]
@@ -99,6 +99,7 @@ def as_latex(
 
 
 def _header(fragment: Checked, scope: FragmentScope) -> str:
+    """Return the comment at the top of a fragment."""
     command = [f"symosc derive {fragment.key}", *(f"--set {name}={show(value)}" for name, value in scope.values)]
     command += [f"--form {scope.form}"] if scope.form != "entire" else []
     command += [f"--digits {scope.digits}"] if scope.digits is not None else []
@@ -109,6 +110,7 @@ def _header(fragment: Checked, scope: FragmentScope) -> str:
 
 
 def _piece(part: Part, scope: FragmentScope, tags: dict[str, str]) -> str:
+    """Return a part of a fragment as LaTeX."""
     if isinstance(part.item, Prose):
         return part.item.text
     table: Table = part.item
@@ -136,10 +138,12 @@ def _taken(items: Items, label: str) -> list[Step]:
 
 
 def _constant(alpha: int) -> Step:
+    """Return the fragment of A_alpha."""
     return equation(named(f"A_{alpha}"), solution.force_constant(alpha), motion.coulomb(alpha), label=f"A{alpha}")
 
 
 def _acceleration() -> list[Step]:
+    """Return the fragment of the acceleration."""
     general = F(r"\alpha")
     checks = [Exact({general: motion.newton(a), A: solution.force_constant(a)}) for a in (1, 2, 3)]
     right = (A + B0 * sp.cos(Omega * t) - k * x - c * v) / m
@@ -147,6 +151,7 @@ def _acceleration() -> list[Step]:
 
 
 def _friction(scope: FragmentScope) -> Items:
+    """Return the fragment of the friction law."""
     return (
         r"A mass $m$ on a spring $k$ and a damper $c$ is driven by $A_0 + B_0\cos\Omega t$ and pressed with the force "
         r"$F_N$ between two belts with the speeds $v_1 < v_2$ and the friction coefficients $\mu_1$ and $\mu_2$. With "
@@ -160,6 +165,7 @@ def _friction(scope: FragmentScope) -> Items:
 
 
 def _flow(scope: FragmentScope) -> Items:
+    """Return the fragment of the flow."""
     return (
         r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$, take the motion from $(x_i, \dot{x}_i)$ at "
         r"the time $t_i$ with the phase $\theta_i = \Omega t_i$, at $\tau = t - t_i$ later.",
@@ -168,6 +174,7 @@ def _flow(scope: FragmentScope) -> Items:
 
 
 def _stick(scope: FragmentScope) -> Items:
+    """Return the fragment of sticks."""
     rate = named(r"m\dot{F}^{(\alpha)}")
     moving = sticks.force_on_belt(theta_i + Omega * tau)
     true = solution.in_paper_letters(moving.diff(tau)).subs(theta_i + Omega * tau, theta)
@@ -192,6 +199,7 @@ def _stick(scope: FragmentScope) -> Items:
 
 
 def _g_functions(scope: FragmentScope) -> Items:
+    """Return the fragment of the G-functions."""
     return (
         r"The G-functions of the domain $\Omega_\alpha$ at a boundary $\dot{x} = v_\lambda$ are the derivatives of the "
         r"acceleration $F^{(\alpha)}$ along its flow; $\theta = \Omega t$ is the phase:",
@@ -200,6 +208,7 @@ def _g_functions(scope: FragmentScope) -> Items:
 
 
 def _saltation(scope: FragmentScope) -> Items:
+    """Return the fragment of the saltation matrices."""
     ratios = [each for each in flat(jacobians.saltation()) if isinstance(each, Step) and isinstance(each.check, Sign)]
     return (
         r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ before and $F^{+} \ne 0$ "
@@ -214,6 +223,7 @@ def _saltation(scope: FragmentScope) -> Items:
 
 
 def _cases(condition: str) -> Items:
+    """Return the beginning of a fragment about a condition at a boundary."""
     return (
         r"At the boundary $\dot{x} = v_\lambda$ between $\Omega_\lambda$ below and $\Omega_{\lambda+1}$ above it, "
         rf"{condition}.",

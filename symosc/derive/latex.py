@@ -64,7 +64,7 @@ def _rank(term: Expr) -> tuple[float, bool, Any]:
 
 
 def _is_basis(outside: list[Expr]) -> bool:
-    """Tell whether a term is a basis function or a wave alone."""
+    """Return whether a term is a single basis function or wave."""
     bare = {symbol for factor in outside if not factor.is_Function for symbol in factor.free_symbols}
     return bare <= set(solution.BASIS)
 
@@ -77,7 +77,7 @@ def terms(expr: Expr) -> list[Expr]:
 
 
 class PaperPrinter(LatexPrinter):
-    """sympy's LaTeX printer with the paper's letters, order and fractions."""
+    """A sympy LaTeX printer with the paper's symbols, order and fractions."""
 
     def __init__(self, decimals: bool = False) -> None:
         super().__init__({"mul_symbol": "", "inv_trig_style": "full"})
@@ -223,7 +223,7 @@ class PaperPrinter(LatexPrinter):
 
 
 def _factor_key(factor: Expr) -> tuple[int, int, Any]:
-    """Order numbers, parameters, other letters, functions, sums."""
+    """Return the sort key of a factor: numbers, parameters, other symbols, functions, sums."""
     base = factor.as_base_exp()[0]
     if factor.is_Rational:
         return 0, 0, sp.default_sort_key(factor)
@@ -271,6 +271,7 @@ def _long_names(parts: list[str]) -> bool:
 
 
 def _parentheses(text: str) -> str:
+    """Return text in parentheses of sufficient size."""
     return rf"\left({text}\right)" if r"\frac" in text else f"({text})"
 
 
@@ -294,7 +295,7 @@ OPERATORS = {"=": "=", ">": ">", "<": "<", ">=": r"\ge", "<=": r"\le", "in": r"\
 
 
 def width(text: str) -> float:
-    """Estimate how wide LaTeX mathematics prints, in units of a digit."""
+    """Estimate the printed width of LaTeX mathematics in units of a digit."""
     return _group_width(_TOKEN.findall(text), 0)[0]
 
 
@@ -375,4 +376,5 @@ def _term_pieces(term: Expr, decimals: bool, room: float, first: bool) -> list[s
 
 
 def _signed(text: str, first: bool) -> str:
+    """Return text with a leading sign, except for the first positive term."""
     return text if first or text.startswith("-") else f"+ {text}"

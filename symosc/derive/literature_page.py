@@ -98,14 +98,14 @@ def _above(difference: Any) -> int:
 
 
 def figure() -> Figure:
-    """Return the figure: formulas as lines, what was found by running as points."""
+    """Return the figure: formulas as lines, results of the package as points."""
     from matplotlib.figure import Figure
 
     fig = Figure(figsize=(9, 3.6), layout="constrained")
     left, right = fig.subplots(1, 2)
     for c, line, marker in (("0", "-", "o"), ("0.2", "--", "s")):
         grid = np.linspace(0.35, 2, FINE)
-        border = [float(Formulas(wall(1, _short(r), c)).border()) for r in grid]
+        border = [float(Formulas(wall(1, _short(r), c)).largest_force_ratio()) for r in grid]
         left.plot(grid, border, line, color="0", lw=1.2, label=f"formula, c = {c}")
         found = [(r, _border_near(r, c)) for r in RATIOS]
         left.plot(*np.transpose(found), marker, color="0", mfc="1", ms=6, label=f"run, c = {c}")
@@ -131,13 +131,13 @@ def _short(r: float) -> str:
 
 def _border_near(r: float, c: str) -> float:
     """Return the border that is found by running between 0.95 and 1.05 times the formula's."""
-    formula = Fraction(float(Formulas(wall(1, _short(r), c)).border()))
+    formula = Fraction(float(Formulas(wall(1, _short(r), c)).largest_force_ratio()))
     return find_border(formula * Fraction(19, 20), formula * Fraction(21, 20), _short(r), c).middle
 
 
 def _slides(r: float, F: str) -> bool:
     """Return whether there is a motion without stops, c = 0.1."""
-    return float(Formulas(wall(F, _short(r), "0.1")).border()) > float(F)
+    return float(Formulas(wall(F, _short(r), "0.1")).largest_force_ratio()) > float(F)
 
 
 def write(folder: Path = DOCS) -> list[Path]:

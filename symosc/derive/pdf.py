@@ -1,4 +1,4 @@
-"""Runs pdflatex, and reads its complaints."""
+"""Run pdflatex and extract its error messages."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def has_latex() -> bool:
 
 
 def make_pdf(main: Path) -> Path:
-    """Compile a document, which may read files in folders beside it, and return the PDF's path.
+    """Compile a document, which may read files in neighbouring folders, and return the PDF's path.
 
     SymoscError for an error, a warning, or a box that is overfull by more than `OVERFULL` points.
     """

@@ -73,7 +73,7 @@ class Formulas:
         self.numbers[x_0] = self.value(coulomb.amplitude())
 
     def value(self, expr: Any, more: dict[Any, Any] | None = None) -> Any:
-        """Return an expression in the letters as a number."""
+        """Return an expression in the symbols as a number."""
         known = self.numbers | (more or {})
         letters = sorted(sp.sympify(expr).free_symbols, key=str)
         return as_function(expr, tuple(letters))(*(known[letter] for letter in letters))
@@ -117,22 +117,22 @@ class Formulas:
         angle = MP.findroot(slope, (low, angles[top + 1]), solver="anderson")
         return self.slide_bound(angle), angle
 
-    def border(self) -> Any:
-        """Return F/P at the end of the motions without stops."""
+    def largest_force_ratio(self) -> Any:
+        """Return the largest F/P for which the symmetric motion has no stops."""
         largest = sp.Symbol("largest")
-        return self.value(coulomb.border(largest), {largest: self.largest_slide_bound()[0]})
+        return self.value(coulomb.largest_force_ratio(largest), {largest: self.largest_slide_bound()[0]})
 
 
 @cache
 def as_function(expr: Any, letters: tuple[Any, ...]) -> Callable[..., Any]:
-    """Return an expression as a function of its letters, in mpmath numbers of 60 digits."""
+    """Return an expression as a function of its symbols, in mpmath numbers of 60 digits."""
     functions = {name: getattr(MP, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt")}
     return sp.lambdify(letters, expr, modules=functions)
 
 
 @cache
 def _slide_bounds(regime: solution.Regime) -> tuple[Callable[..., Any], list[Any]]:
-    """Return B for arrays of angles in double precision, and the letters that it needs after the angles."""
+    """Return B for arrays of angles in double precision, and the symbols of its further arguments."""
     closed = coulomb.closed(coulomb.slide_function(), regime, phi / solution.Omega)
     letters = sorted(closed.free_symbols - {phi}, key=str)
     return sp.lambdify([phi, *letters], closed, "numpy"), letters
@@ -303,7 +303,7 @@ def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
 
 
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:
-    """Return (phase, duration) of each slide down in half a settled cycle, and what is near: grazes and births."""
+    """Return (phase, duration) of each slide down in half a settled cycle, and nearby grazes and births."""
     turn = 2 * pi / float(p.Omega)
     path = from_rest(p, 22)
     late = [event for event in path.events if event.t > 20 * turn]
@@ -396,7 +396,9 @@ def borders() -> list[Value]:
     found = []
     for c, Omega, low, high in BORDERS:
         border = find_border(Fraction(low), Fraction(high), Omega, c)
-        found.append(_border(rf"$c = {c}$, $\Omega = {Omega}$", Formulas(wall(1, Omega, c)).border(), border))
+        found.append(
+            _border(rf"$c = {c}$, $\Omega = {Omega}$", Formulas(wall(1, Omega, c)).largest_force_ratio(), border)
+        )
     return found
 
 
@@ -466,6 +468,7 @@ def rests() -> list[Value]:
 
 
 def _border(case: str, formula: Any, border: Border) -> Value:
+    """Return a border as a Value."""
     note = f"{border.below} stops below, {border.above} above"
     return Value("F/P", case, formula, border.middle, 7, BORDER, note)
 

@@ -1,4 +1,4 @@
-"""What a derivation is about: the general oscillator, one scene, or numbers for some letters of a fragment."""
+"""The scope of a derivation: the general oscillator, one scene, or numbers for some symbols of a fragment."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ FORMS = ("entire", "paper")
 
 
 def F(alpha: int | str) -> Expr:
-    """Return the letter of the acceleration in a domain."""
+    """Return the symbol of the acceleration in a domain."""
     return named(f"F^{{({alpha})}}")
 
 
 def G(order: int | str, alpha: int | str = r"\alpha") -> Expr:
-    """Return the letter of a G-function."""
+    """Return the symbol of a G-function."""
     return named(f"G^{{({order},{alpha})}}")
 
 
@@ -95,7 +95,7 @@ class Scope:
 
     @cached_property
     def numbers(self) -> dict[Expr, Expr]:
-        """The scene's numbers for the letters, exactly."""
+        """The scene's numbers for the symbols, exactly."""
         if self.parameters is None:
             return {}
         found = {letter: rational(getattr(self.parameters, name)) for name, letter in LETTERS.items()}
@@ -103,7 +103,7 @@ class Scope:
 
     @cached_property
     def display(self) -> dict[Expr, Expr]:
-        """What is put in before printing: numbers, or the paper's letters for the quantities divided by m."""
+        """The substitutions before printing: numbers, or the paper's symbols for the quantities divided by m."""
         if self.parameters is None:
             return PAPER_LETTERS
         regime = self.regimes[0].letters if self.regimes else {}
@@ -121,7 +121,7 @@ class Scope:
 
 @dataclass(frozen=True)
 class FragmentScope(Scope):
-    """Numbers for some letters of a fragment, and the form of the motion.
+    """Numbers for some symbols of a fragment, and the form of the motion.
 
     `values` are the parameters given as numbers, `form` is "entire" (the five basis functions) or "paper"
     (e^{-ct/2m} cos omega_d t), `digits` rounds the numbers, `instances` is what letters are in this fragment, such as
@@ -140,7 +140,7 @@ class FragmentScope(Scope):
 
     @property
     def letters(self) -> dict[Expr, Expr]:
-        """The numbers by their letters."""
+        """The numbers by their symbols."""
         return {LETTERS[name]: rational(value) for name, value in self.values}
 
     @property

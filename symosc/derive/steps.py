@@ -1,4 +1,4 @@
-r"""What a chapter is made of: LaTeX text, and steps, each with the check that it has to pass.
+r"""The parts of a chapter: LaTeX text, and steps, each with the check that it must pass.
 
 A chapter has texts (also ``\subsection{...}``, ``\begin{theorem}[title]\label{...}`` and ``\end{theorem}``), `Step`,
 `facts` (checks of the paragraph before), `Table` and `Illustration`, in tuples or lists nested as needed; `flat` reads
@@ -40,7 +40,7 @@ KNOWN = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.sign, sp.asin, sp.Abs)
 
 
 class StepError(SymoscError):
-    """A step whose check failed or could not be decided; `statement` is what could not be shown."""
+    """Raised if the check of a step fails or is undecided; `statement` is the statement not shown."""
 
     def __init__(self, statement: str, reason: str) -> None:
         self.statement, self.reason = statement, reason
@@ -95,7 +95,7 @@ class Step:
 
 
 def step(left: Expr, op: str, right: Expr, check: Any = None, **options: Any) -> Step:
-    """Return a step; the check may be what `left` is, or a dictionary of what the letters of both sides are."""
+    """Return a step; the check may be the value of `left`, or a dictionary of the values of the symbols."""
     if not isinstance(check, Check):
         meaning = {} if check is None else check if isinstance(check, dict) else {left: check}
         check = Exact(meaning)
@@ -146,13 +146,13 @@ class Prose(NamedTuple):
 
 
 class Facts(NamedTuple):
-    """Checks of what the paragraph before states in words."""
+    """Checks of the statements in the preceding paragraph."""
 
     facts: tuple[Step, ...]
 
 
 def facts(*steps: Step) -> Facts:
-    """Return the checks of what the paragraph before states in words."""
+    """Return the checks of the statements in the preceding paragraph."""
     return Facts(steps)
 
 
@@ -223,7 +223,7 @@ def steps_of(item: Any) -> tuple[Step, ...]:
 
 @dataclass(frozen=True)
 class Exact(Check):
-    """The sides are equal once each name is replaced by what it stands for.
+    """The sides are equal after substitution of all names by their values.
 
     `meaning` has an independent expression (or a function that returns it) by its name, and is applied until nothing
     changes. `tidy` reduces a difference that vanishes to 0; what it leaves is simplified. Unless the letters that are
@@ -244,7 +244,7 @@ class Exact(Check):
 
 @dataclass(frozen=True)
 class Each(Check):
-    """The statement passes several checks: one for each thing that its letters stand for, such as the two belts."""
+    """The statement passes several checks: one for each meaning of its symbols, such as the two belts."""
 
     checks: tuple[Check, ...]
 
@@ -302,7 +302,7 @@ def modes(expr: Expr) -> Expr:
 
 @dataclass(frozen=True)
 class Sign(Check):
-    """An inequality that follows from the signs of the letters, or is between exact numbers."""
+    """An inequality that follows from the signs of the symbols, or holds between exact numbers."""
 
     meaning: dict[Expr, Any] = field(default_factory=dict)
 
@@ -377,7 +377,7 @@ def resolve(expr: Expr, meaning: dict[Expr, Any]) -> Expr:
 
 
 def points(expr: Expr, count: int) -> Iterator[dict[Expr, Any]]:
-    """Yield random points that the assumptions on the letters allow, always the same ones."""
+    """Yield random points allowed by the assumptions on the symbols, reproducibly."""
     letters = sorted(expr.free_symbols, key=lambda symbol: symbol.name)
     dice = random.Random(20161031)
     for _ in range(count):
@@ -407,12 +407,13 @@ def rounded(number: Any, decimals: int) -> Any:
 
 
 def _vanish(statement: Relation, rest: Expr, complaint: str) -> None:
+    """Raise StepError with the complaint unless an expression vanishes."""
     if rest != 0 and sp.simplify(rest) != 0:
         raise StepError(str(statement), complaint.format(rest))
 
 
 def _refute(statement: Relation, difference: Expr) -> None:
-    """Raise StepError if a difference that should vanish clearly does not, at one point: no proof is tried then."""
+    """Raise StepError, without trying a proof, if a difference that should vanish is nonzero at one point."""
     if difference == 0 or difference.atoms(sp.Function) - difference.atoms(*KNOWN) or difference.has(sp.Derivative):
         return
     for point in points(difference, count=1):

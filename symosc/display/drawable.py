@@ -1,4 +1,4 @@
-"""Answers that show themselves: drawn by ``.plot()``, and as a page in notebooks.
+"""Base classes of results that display themselves: by ``.plot()``, and as a page in notebooks.
 
 `symosc.plot` and `symosc.plot.notebooks`, above the answers, register here what draws each kind of them, what makes its
 page and what writes a report about it, so that no answer imports a figure. `symosc` adds the loaders of these packages.
@@ -44,12 +44,12 @@ def _found(answer: object, what: str, load: list[Callable[[], object]]) -> Show 
 
 
 class Drawable:
-    """An answer that draws itself, and shows itself in notebooks."""
+    """A result with a plot and a notebook page."""
 
     __slots__ = ()
 
     def plot(self, **options: Any) -> Any:
-        """Draw this: the same as the function of `symosc.plot` for it.
+        """Draw the result, by the function of `symosc.plot` for it.
 
         Parameters
         ----------
@@ -78,7 +78,7 @@ class Drawable:
         return draw(self, **options)
 
     def _repr_html_(self) -> str | None:
-        """Return the page that notebooks show; None where there is none, and they show the repr."""
+        """Return the notebook page, or None, in which case the repr is shown."""
         page = _found(self, "page", page_loaders)
         return None if page is None else str(page(self))
 
@@ -88,7 +88,7 @@ class Drawable:
 
 
 class Reportable:
-    """An answer that writes a page about itself."""
+    """A result that can be written as an HTML page."""
 
     __slots__ = ()
 

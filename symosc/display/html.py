@@ -1,4 +1,4 @@
-"""Parts of pages in notebooks: a line, tables with their middle left out, and small pictures (SVG).
+"""Parts of notebook pages: a line, tables with the middle omitted, and small pictures (SVG).
 
 All content is escaped. Colours are those of the notebook, light or dark; no style affects the rest of the notebook.
 """
@@ -21,7 +21,7 @@ CELL = "text-align:left;padding:1px 12px 1px 0;white-space:nowrap"
 
 
 def page(kind: str, line: str, *parts: str) -> Markup:
-    """Return a page: what it is, a line about it, and its tables and pictures side by side."""
+    """Return a page: a title, a line, and its tables and pictures side by side."""
     shown = Markup("").join(Markup("<div>{}</div>").format(part) for part in parts if part)
     head = Markup('<div style="margin-bottom:4px"><strong>{}</strong> {}</div>').format(kind, line)
     row = Markup('<div style="display:flex;flex-wrap:wrap;gap:8px 24px;align-items:flex-start">{}</div>').format(shown)
@@ -52,7 +52,7 @@ def _row(cells: Sequence[Any]) -> Markup:
 
 
 def shown(value: Any) -> Any:
-    """Return a value as a cell shows it: numbers with ten digits."""
+    """Return a value as text for a cell: numbers with ten digits."""
     if isinstance(value, (float, np.floating)):
         return f"{float(value):.10g}"
     return "" if value is None else value

@@ -4,7 +4,7 @@ The inner loop is plain scalar Python on numbers: `flow` (constants and closed f
 stick ends), `next_event` (what happens there), `events` (what is recorded of it), `batch` (many motions, events into
 columns) and `summary`; `state` has its codes and the tuples that it passes on. `arithmetic` binds it to doubles, to
 numba, to double-double numbers and to any number of digits. `start` decides how a motion begins, on a belt too;
-`constant_table` makes the constants of many parameter sets. May import: kernels, and the modules beside the packages.
+`constant_table` makes the constants of many parameter sets. May import: kernels, and the top-level modules.
 
-One more formula: derive it in symbolic, print it into kernels (``symosc codegen --regenerate``), and call it here.
+To add a formula, derive it in symbolic, print it into kernels (``symosc codegen --regenerate``), and call it here.
 """

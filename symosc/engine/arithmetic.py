@@ -54,7 +54,7 @@ CONSTANTS = (bool, int, float, complex, str)
 
 # Functions that are called from several places and rarely: not worth a copy in each.
 OUTLINED = """
-    advance_near apart_from_walls behind_flat_start careful closest_approach covered creeps_for_ever cut_at
+    advance_near apart_from_walls behind_flat_start careful closest_approach cell_within creeps_for_ever cut_at
     flight_extremes flown follow_all finish_tally march_rows newton_root next_undecided no_contact parts_again periods
     point_at_end resolve rest_stretches search_row searched section series settle slow_passing_time
     stationary stays_closed stepped stiff_derivatives tally_stretch tolerance graze_belt within
@@ -65,7 +65,7 @@ OUTLINED = """
 
 
 def functions_of(modules: Iterable[types.ModuleType]) -> dict[str, types.FunctionType]:
-    """Return the functions that are written in `modules`, by name; no two may have the same."""
+    """Return the functions that are written in `modules`, by name; names must be unique."""
     found: dict[str, types.FunctionType] = {}
     for module in modules:
         for name, value in vars(module).items():
@@ -174,7 +174,7 @@ _ON_DISK: dict[tuple[str, str], tuple[bool, float]] = {}
 
 
 def converted(value: Any, number: Callable[[Any], Any]) -> Any:
-    """Return a value with `number` applied to it, or to the entries of a tuple in any depth."""
+    """Return a value with `number` applied to it, or to the entries of a tuple of any depth."""
     if not isinstance(value, tuple):
         return number(value)
     entries = [converted(entry, number) for entry in value]
@@ -182,7 +182,7 @@ def converted(value: Any, number: Callable[[Any], Any]) -> Any:
 
 
 def product_and_zero(a, b):
-    """Return a product and 0: `symosc.kernels.double_double.two_product` for numbers that are no doubles."""
+    """Return (a b, 0): the form of `symosc.kernels.double_double.two_product` for numbers other than doubles."""
     return a * b, 0.0 * a
 
 
@@ -193,7 +193,7 @@ IN_DOUBLES = {name: value for module in SOURCES for name, value in vars(module).
 
 
 class Arithmetic:
-    """Doubles, and what all kinds of numbers have.
+    """The engine in double precision, and the interface of all arithmetics.
 
     `K` are the constants of the parameters, `number` rounds a Fraction to such a number, and `namespace` is the
     engine's source bound to them. `advance`, `advance_near` (None for a search in all digits), `time_with_errors` and
@@ -221,38 +221,38 @@ class Arithmetic:
         return periods, self.rounded(theta) if theta else self.number(Fraction(0))
 
     def time(self, t: Fraction) -> tuple[Number, Number]:
-        """Return a time as the sum of two such numbers."""
+        """Return a time as the sum (high, low) of two numbers of this arithmetic."""
         high = float(t)
         return high, float(t - Fraction(high))
 
     def rounded(self, value: Number) -> Number:
-        """Round an mpf of any precision to such a number."""
+        """Round an mpf of any precision to a number of this arithmetic."""
         return float(value)
 
     def enter(self) -> Any:
-        """Begin to compute; return the argument of `leave`."""
+        """Make this precision the current one; return the argument of `leave`."""
 
     def leave(self, before: Any) -> None:
         """Restore the precision that was current before `enter`."""
 
     def inward(self, value: Any) -> Any:
-        """Return a number, or a tuple with some, as motions are followed by."""
+        """Convert a number, or the numbers in a tuple, to those of the event loop."""
         return value
 
     def outward(self, value: Any) -> Any:
-        """Return what `inward` took."""
+        """Convert back what `inward` converted."""
         return value
 
 
 @lru_cache(maxsize=1024)
 def _float_constants(parameters: Parameters) -> Constants:
-    """Return the constants in floats; their derivation in rational numbers takes longer than many a short run."""
+    """Return the constants as floats, cached: their exact derivation takes longer than many short runs."""
     return with_march(constants(parameters), entire.basis)
 
 
 @lru_cache(maxsize=256)
 def _reduced(angle: Fraction, digits: int) -> tuple[int, Any]:
-    """Return (turns, rest) of an angle; many starts have the same."""
+    """Return (turns, remainder) of an angle, cached: many starts have the same angle."""
     if angle == 0:
         return 0, None
     context = mp_context(digits + 20 + len(str(abs(int(angle)))))
@@ -263,7 +263,7 @@ def _reduced(angle: Fraction, digits: int) -> tuple[int, Any]:
 
 @lru_cache(maxsize=1)
 def compiled() -> dict[str, Any]:
-    """Return the source for doubles compiled by numba; MissingExtraError if that is not installed."""
+    """Return the source for doubles compiled by numba; raise MissingExtraError if numba is not installed."""
     return compile_modules((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED.split())
 
 
@@ -309,7 +309,7 @@ class MpArithmetic(Arithmetic):
         return self.context.mpf(value.numerator) / value.denominator
 
     def time(self, t: Fraction) -> tuple[Number, Number]:
-        """Return a time and 0."""
+        """Return a time as (t, 0)."""
         return self.number(t), self.number(Fraction(0))
 
     def rounded(self, value: Number) -> Number:
@@ -318,7 +318,7 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def _mpfr(self) -> Any:
-        """The module of MPFR's numbers, or None."""
+        """The MPFR context of this precision, or None without gmpy2."""
         try:
             from symosc.kernels import mpfr
         except ImportError:
@@ -327,12 +327,12 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def _inner(self) -> Any:
-        """The context of the numbers by which motions are followed."""
+        """The context of the numbers of the event loop: MPFR if available, else mpmath."""
         return self._mpfr.mpfr_context(self.context.prec) if self._mpfr else self.context
 
     @cached_property
     def following(self) -> dict[str, Any]:
-        """The source bound to the numbers by which motions are followed."""
+        """The engine's source bound to the numbers of the event loop."""
         if self._mpfr is None:
             return self.namespace
         from symosc.kernels.multiprecision import BasisMP
@@ -350,7 +350,7 @@ class MpArithmetic(Arithmetic):
     leave = property(lambda self: self._inner.leave)
 
     def inward(self, value: Any) -> Any:
-        """Return a number of mpmath, or a tuple with some, as motions are followed by."""
+        """Convert an mpmath number, or the numbers in a tuple, to those of the event loop."""
         if self._mpfr is None:
             return value
         before = self.enter()
@@ -361,12 +361,12 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def inner_K(self) -> Constants:  # type: ignore[override]
-        """The constants in the numbers by which motions are followed."""
+        """The constants as numbers of the event loop."""
         found: Constants = self.inward(self.K)
         return found
 
     def outward(self, value: Any) -> Any:
-        """Return a number, or a tuple with some, as numbers of mpmath with all their digits."""
+        """Convert a number, or the numbers in a tuple, to mpmath numbers with all their digits."""
         if self._mpfr is None:
             return value
         mpfr, to_mpf, context = self._mpfr.mpfr, self._mpfr.to_mpf, self.context
@@ -377,7 +377,7 @@ class MpArithmetic(Arithmetic):
 
 @lru_cache(maxsize=64)
 def many_digits(parameters: Parameters, digits: int) -> MpArithmetic:
-    """Return the arithmetic with that many digits; it is shared, and kept, as its constants take a while."""
+    """Return the arithmetic with that many digits, cached: its constants take a while."""
     return MpArithmetic(parameters, digits)
 
 
@@ -401,7 +401,7 @@ PLAIN_IN_PAIRS = {
 
 
 class PairLoops(NamedTuple):
-    """The functions of `symosc.engine.batch` by which motions are begun and followed in double-double numbers."""
+    """The functions of `symosc.engine.batch` that start and follow motions in double-double numbers."""
 
     first_pairs: Any
     follow_pairs: Any
@@ -436,7 +436,7 @@ def _pair_constants() -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def compiled_pairs() -> PairLoops:
-    """Return the loops compiled by numba: each when it is first called, and kept on disk."""
+    """Return the loops of double-double numbers compiled by numba, each at its first call, cached on disk."""
     import numba
 
     from symosc.kernels import pairs
@@ -454,7 +454,7 @@ def compiled_pairs() -> PairLoops:
 
 @lru_cache(maxsize=1)
 def interpreted_pairs() -> PairLoops:
-    """Return the loops as CPython runs them."""
+    """Return the loops of double-double numbers as CPython runs them."""
     from symosc.kernels import pairs
 
     def number(z: Any) -> Any:
@@ -479,12 +479,12 @@ def interpreted_pairs() -> PairLoops:
 
 
 def pairs_are_compiled() -> bool:
-    """Return whether both were compiled before, here or in an earlier program that left them on disk."""
+    """Return whether both loops of `compiled_pairs` are compiled, in this process or on disk."""
     return all(map(is_compiled, compiled_pairs()))
 
 
-def as_complex(value: Any) -> Any:
-    """Return an mpf as the complex number hi + i lo, or a tuple with some; other entries stay."""
+def pairs_as_complex(value: Any) -> Any:
+    """Convert mpf entries, in tuples of any depth, to complex numbers hi + i lo; keep other entries."""
 
     def number(entry: Any) -> Any:
         if not hasattr(entry, "_mpf_"):
@@ -499,10 +499,10 @@ def as_complex(value: Any) -> Any:
 @lru_cache(maxsize=1024)
 def pair_constants(parameters: Parameters) -> Constants:
     """Return the constants as complex numbers hi + i lo, each rounded once."""
-    return as_complex(many_digits(parameters, ROUNDED_FROM).K)
+    return pairs_as_complex(many_digits(parameters, ROUNDED_FROM).K)
 
 
 def pair_phase(parameters: Parameters, t: Fraction) -> complex:
     """Return the phase at a time, rounded once."""
-    found: complex = as_complex(many_digits(parameters, ROUNDED_FROM).phase(t)[1])
+    found: complex = pairs_as_complex(many_digits(parameters, ROUNDED_FROM).phase(t)[1])
     return found

@@ -47,7 +47,7 @@ PAGE = 1 << 21  # bytes of a large page
 
 
 class Batch(NamedTuple):
-    """Trajectories: where they are, their parameter sets, their events so far, and what each ended with."""
+    """Columns of trajectories: states, parameter set numbers, numbers of events so far, and end codes."""
 
     states: np.ndarray  # (n, STATE_WIDTH), rows as `row_of` makes them
     sets: np.ndarray  # (n,)
@@ -56,14 +56,14 @@ class Batch(NamedTuple):
 
 
 class EventRows(NamedTuple):
-    """A buffer of events: FLOAT_COLUMNS, and the number of the trajectory with CODE_COLUMNS; each in one piece."""
+    """A buffer of events: FLOAT_COLUMNS, the trajectory's number, and CODE_COLUMNS; each contiguous."""
 
     floats: np.ndarray  # (columns, rows)
     ints: np.ndarray
 
 
 class PairLimits(NamedTuple):
-    """How far motions are followed in pairs, and by which constants in doubles."""
+    """Accuracy and limits of a run in pairs, and the constants in doubles."""
 
     most: int  # events after which a trajectory is FULL
     accuracy: float
@@ -76,7 +76,7 @@ class PairLimits(NamedTuple):
 
 
 def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
-    """Return an array with any content, as ``np.empty`` does, that begins at a large page if it is large.
+    """Return an uninitialised array, as ``np.empty`` does; a large one begins at a large memory page.
 
     To touch a page for the first time costs a microsecond or more: with pages of 4 KiB up to a quarter of the time of
     an event. numpy asks the system for pages of 2 MiB, but gets them only between multiples of 2 MiB.
@@ -90,38 +90,38 @@ def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
 
 
 def joined(pieces: list[np.ndarray]) -> np.ndarray:
-    """Return columns of one type as one, in one piece of memory."""
+    """Concatenate columns of one type in contiguous memory."""
     if len(pieces) == 1:
         return np.ascontiguousarray(pieces[0])
     return np.concatenate(pieces, out=large_array((sum(map(len, pieces)),), pieces[0].dtype))
 
 
-def copied(columns: np.ndarray) -> np.ndarray:
-    """Return a copy of columns, each in one piece."""
+def contiguous_copy(columns: np.ndarray) -> np.ndarray:
+    """Return a contiguous copy of columns."""
     out = large_array(columns.shape, columns.dtype)
     out[...] = columns
     return out
 
 
 def batch_of(states: np.ndarray, sets: np.ndarray | None = None) -> Batch:
-    """Return trajectories that are about to begin; all have the first parameter set unless `sets` says another."""
+    """Return a batch of trajectories at their starts; all have the first parameter set unless `sets` is given."""
     count = len(states)
     sets = np.zeros(count, np.int64) if sets is None else sets
     return Batch(states, sets, np.zeros(count, np.int64), np.zeros(count, np.int64))
 
 
 def event_buffer(events: int) -> EventRows:
-    """Return a buffer for so many events."""
+    """Return an empty buffer for `count` events."""
     return EventRows(large_array((len(FLOAT_COLUMNS), events)), large_array((1 + len(CODE_COLUMNS), events), np.int32))
 
 
 def rows_between(rows: EventRows, begin: int, end: int) -> EventRows:
-    """Return some of the rows; they are not copied."""
+    """Return a slice of the rows, without a copy."""
     return EventRows(rows.floats[:, begin:end], rows.ints[:, begin:end])
 
 
 def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
-    """Return a state, the two parts of the end, and the time as that of the start, as a row of a batch."""
+    """Return one row of a batch: a state, the end time in two parts, and the start time."""
     return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t, *state[11:]]
 
 
@@ -149,7 +149,7 @@ def keep_state(states, i, state):
 
 
 def follow_all(begin, batch, most, accuracy, out, tally, table):
-    """Follow trajectories from number `begin` on, until all are done or there were as many events as the output holds.
+    """Follow trajectories from number `begin` on until all have ended or the event buffer is full.
 
     Parameters
     ----------
@@ -206,18 +206,18 @@ def follow_all(begin, batch, most, accuracy, out, tally, table):
 
 
 def is_inexact(t, t_error, x, x_error, t0, accuracy):
-    """Return whether an event is known to less than `accuracy`."""
+    """Return whether the time or position of an event is known less accurately than `accuracy`."""
     return t_error > accuracy * max(1.0, abs(t), abs(t0)) or x_error > accuracy * max(1.0, abs(x))
 
 
 def end_by_phase(row, K):
-    """Return t_end in two parts, as doubles count it (`symosc.engine.flow.clock_time`), and t0 of a row of a batch."""
+    """Return t_end in two parts, on the clock of doubles (`symosc.engine.flow.clock_time`), and t0 of a row."""
     t_end, t0 = float(row[13]), float(row[15])
     return t_end, float(row[14]) - (t_end - t0) * K.Om_gain, t0
 
 
 def searched(state, row, K):
-    """Return the next event (NextEvent) of a state, by the times in a row of a batch."""
+    """Return the next event (NextEvent) of a state, up to the end time in a row of a batch."""
     t_end, t_end_low, _ = end_by_phase(row, K)
     return advance(state, t_end, t_end_low, K)
 
@@ -268,12 +268,12 @@ write_event_in_doubles = write_event
 
 
 def from_complex(value):
-    """Return complex numbers, also those in a named tuple, as pairs hi + lo; doubles have none."""
+    """Convert complex numbers, also in a named tuple, to pairs hi + lo; doubles have no low part."""
     return value
 
 
 def first_pairs(pairs, K):
-    """Complete rows of starts, which have mode, at, theta, x, v and the times; no force on a belt may be 0."""
+    """Complete rows of starts (mode, at, theta, x, v and times given); no force on a belt may be 0."""
     K = from_complex(K)
     for i in range(pairs.shape[0]):
         mode, at, theta = int(pairs[i, 0]), int(pairs[i, 1]), float(pairs[i, 3])
@@ -291,7 +291,7 @@ def first_pairs(pairs, K):
 
 
 def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, limits):
-    """Follow trajectories to a number of events, or to their end; events and states come out in doubles.
+    """Follow trajectories to a number of events, or to their end; return events and states in doubles.
 
     The search for each event is made in doubles as far as these are sure (`advance_near`). A motion that doubles could
     soon not decide again is followed farther, as long as the buffer holds its events.
@@ -360,7 +360,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, limits):
 
 
 def in_doubles(state, t0, K):
-    """Return a state of pairs in doubles, whose constants are K, as `symosc.engine.start.rounded`."""
+    """Round a state of pairs to doubles, with constants K in doubles, as `symosc.engine.start.rounded` does."""
     x, v, t, S = state.x.hi, state.v.hi, state.t.hi, state.S
     S11, S12, S22 = rounded_covariance(state.at, x, v, S.S11.hi, S.S12.hi, S.S22.hi)
     t_low = ((state.t - t) + state.t_low).hi - (t - t0.hi) * K.Om_gain
@@ -373,18 +373,18 @@ def in_doubles(state, t0, K):
 
 
 def is_negligible(error, value):
-    """Return whether the error of a value is nothing beside its rounding to a double."""
+    """Return whether the error of a value is negligible compared with its rounding to a double."""
     return error <= NEGLIGIBLE * (EPS * abs(value))
 
 
 def rounding_error(error, value):
-    """Return the error of a value that is rounded to a double."""
+    """Return the error made by rounding a value to a double."""
     rounding = EPS * abs(value)
     return rounding if is_negligible(error, value) else error + rounding
 
 
 def rounded_covariance(at, x, v, S11, S12, S22):
-    """Return the covariance of a state that is rounded to doubles; on a belt, `at` > 0, the velocity is exact."""
+    """Return the covariance of a state rounded to doubles; on a belt (`at` > 0) the velocity is exact."""
     position, velocity = (EPS * x) * (EPS * x), (EPS * v) * (EPS * v)
     if NEGLIGIBLE * NEGLIGIBLE * velocity >= S22:
         S12, S22 = 0.0, 0.0

@@ -1,4 +1,4 @@
-"""numba's disk cache of compiled code, with a checksum, and never a reason to fail.
+"""The disk cache of numba's compiled code, with checksums; a damaged or unwritable cache never raises.
 
 numba itself raises where no folder can be written, and where a file is damaged; changed code it would run.
 """
@@ -25,7 +25,7 @@ _warned: set[str] = set()
 
 
 def _warn(problem: str, reason: str) -> None:
-    """Warn, once in a program: there are dozens of functions, in several folders."""
+    """Warn once per program, not once for each of dozens of functions."""
     if problem not in _warned:
         _warned.add(problem)
         advice = "; each program compiles it; NUMBA_CACHE_DIR names another folder" if problem == NOT_KEPT else ""
@@ -33,7 +33,7 @@ def _warn(problem: str, reason: str) -> None:
 
 
 class _CheckedFiles(IndexDataCacheFile):
-    """Index and data files that end with a checksum of what is before it; pickle does not read that far."""
+    """Index and data files with a checksum at the end, which pickle does not read."""
 
     @contextmanager
     def _open_for_write(self, filepath: str) -> Iterator[Any]:
@@ -53,13 +53,14 @@ class _CheckedFiles(IndexDataCacheFile):
 
 
 def _check(path: str) -> None:
+    """Raise an error unless a file ends with the checksum of its contents."""
     content = Path(path).read_bytes()
     if content[-DIGEST_SIZE:] != sha256(content[:-DIGEST_SIZE]).digest():
         raise pickle.UnpicklingError(path)
 
 
 class _BesideSource(InTreeCacheLocator):
-    """The folder beside the source, though it cannot be written: it may have what was compiled for all users."""
+    """The cache folder next to the source, read-only too: it may hold code compiled for all users."""
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> Any:
@@ -67,13 +68,13 @@ class _BesideSource(InTreeCacheLocator):
 
 
 class _Places(CompileResultCacheImpl):
-    """Where compiled code is kept: where numba would, else beside the source."""
+    """The cache folders to try in order: numba's own, then the one next to the source."""
 
     _locator_classes = [*CompileResultCacheImpl._locator_classes, _BesideSource]  # noqa: RUF012
 
 
 class _CheckedCache(FunctionCache):
-    """A cache that is as good as empty where it cannot be read, and full where it cannot be written."""
+    """A numba cache that counts as empty if it cannot be read, and ignores failures to write."""
 
     _impl_class = _Places
 
@@ -102,7 +103,7 @@ class _CheckedCache(FunctionCache):
 
 
 def keep_on_disk(dispatcher: Any) -> Any:
-    """Let numba keep what it compiles of a function, where that is possible; return the function."""
+    """Enable the disk cache of a compiled function where possible; return the function."""
     try:
         dispatcher._cache = _CheckedCache(dispatcher.py_func)
     except RuntimeError as error:  # the source is in no folder, or the environment names strange ones

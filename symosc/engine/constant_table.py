@@ -1,4 +1,4 @@
-"""The constants of many parameter sets at once, a row of a table each.
+"""The constants of many parameter sets at once, one table row each.
 
 The formulas are those of `symosc.engine.flow.constants`, on columns of pairs (`symosc.kernels.pair_columns`).
 A row of the table has the fields of `Constants`: compiled functions take either.
@@ -23,7 +23,7 @@ NESTED = {"belt1": BeltConstants, "belt2": BeltConstants, "march": MarchConstant
 
 
 def _row_type(kind: Any) -> np.dtype[Any]:
-    """Return the type of a row with the fields of a NamedTuple of numbers, flags and such tuples."""
+    """Return the numpy row type for a NamedTuple of numbers, flags and nested tuples."""
     fields = [
         (name, _row_type(NESTED[name]) if name in NESTED else np.bool_ if hint == "bool" else np.float64)
         for name, hint in kind.__annotations__.items()
@@ -35,7 +35,7 @@ ROW = _row_type(Constants)
 
 
 class ConstantRows(Sequence[Constants]):
-    """A table as CPython takes it: rows become tuples of floats when they are asked for."""
+    """A table for CPython: indexing converts a row to a tuple of floats."""
 
     def __init__(self, table: np.ndarray) -> None:
         self.table = table
@@ -63,14 +63,14 @@ class ParameterColumns:
 
 
 def table_of(rows: Iterable[Constants]) -> np.ndarray:
-    """Return constants as a table."""
+    """Return a one-row or longer table of the given constants."""
     return np.array([tuple(row) for row in rows], dtype=ROW)
 
 
 def constant_table(
     columns: dict[str, PairColumn], count: int, alone: Callable[[int], Constants], march_rows: Callable[..., None]
 ) -> np.ndarray:
-    """Return the constants of `count` parameter sets; `alone` returns those of one set by exact arithmetic."""
+    """Return the constants of `count` parameter sets; `alone` computes single sets in exact arithmetic."""
     doubts = np.zeros(count, dtype=bool)
     given = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
     for column in given.values():
@@ -91,6 +91,7 @@ def constant_table(
 
 
 def _fill(table: np.ndarray, values: Any) -> None:
+    """Write values, columns or nested tuples of them, into the table."""
     for name, value in zip(values._fields, values, strict=True):
         if name in NESTED:
             _fill(table[name], value)

@@ -1,4 +1,4 @@
-"""What is recorded of an event: one schema, from which tables, files and the command line follow.
+"""The recorded fields of an event: one schema for tables, files and the command line.
 
 `Event` names the fields with their types, `event_numbers` and `event_codes` compute them. Nothing else lists them.
 """
@@ -17,7 +17,7 @@ KIND_NAMES = {CROSS: "cross", STICK: "stick", SLIP: "slip", GRAZE: "graze"}
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """A change of the motion at a belt.
+    """A change of mode at a belt, or a graze.
 
     Attributes
     ----------

@@ -94,7 +94,7 @@ MOST_STALLS = 30  # short steps on which no minimum of the gap was found ahead, 
 
 
 def fourth_derivative_bound(G2, G3, s, c, K):
-    """Return M4 >= |v''''| from here on, when K.steady; over the next 1/Omega otherwise."""
+    """Return M4 >= |v''''| from here on if K.steady, else over the next 1/Omega."""
     if not K.steady:
         return sqrt(G3 * G3 + K.w0sq * G2 * G2) + abs(K.fB) * K.Om * K.Om
     Om3 = K.Om * K.Om * K.Om
@@ -104,7 +104,7 @@ def fourth_derivative_bound(G2, G3, s, c, K):
 
 
 def positive_on(s, P):
-    """Return whether p0 + p1 s + ... + p4 s^4 > 0 on [0, s] is shown by its Bernstein coefficients."""
+    """Return whether the Bernstein coefficients prove p0 + p1 s + ... + p4 s^4 > 0 on [0, s]."""
     p0, p1, p2, p3, p4 = P
     t1, t2, t3 = p1 * s, p2 * s * s, p3 * s * s * s
     if p0 <= 0.0 or p0 + 0.25 * t1 <= 0.0 or p0 + 0.5 * t1 + SIXTH * t2 <= 0.0:
@@ -113,7 +113,7 @@ def positive_on(s, P):
 
 
 def safe_step(cap, P):
-    """Return (s, root): P > 0 on [0, s] with s <= cap; `root` estimates the first root of P, cap if none comes before.
+    """Return (s, root): P > 0 on [0, s], s <= cap; `root` estimates the first root of P (cap if none is earlier).
 
     First the root of the quadratic, then Halley's method; the result is checked before it is used.
     """
@@ -175,7 +175,7 @@ def gap_bound(side, now, M4, margin, walls):
 
 
 def is_near(root, P, degree, M4, size, K):
-    """Return (near, close, deep): is the first root `root` within ISOLATED or NEAR/rate; is the gap deep behind it?
+    """Return (near, close, deep): root isolated, root within NEAR/rate, gap clearly negative behind it.
 
     One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its sign
     up to there and over what makes up for `missing` (Kantorovich).
@@ -200,7 +200,7 @@ def is_near(root, P, degree, M4, size, K):
 
 
 def local_root(over, F, G1, G2, G3, resolution):
-    """Return the root near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24; FAR if none was found.
+    """Return the root near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24; FAR if none is found.
 
     The inverted series places a near simple root to `resolution`; from there on Newton's method.
     """
@@ -235,7 +235,7 @@ def newton_root(s, over, F, G1, G2, G3, resolution):
 
 
 class Marched(NamedTuple):
-    """Where a march ended."""
+    """The end of a march."""
 
     now: Flown  # up to there no wall is met; without dx and the entire functions
     M4: Number  # the bound of the fourth derivative from there on
@@ -244,7 +244,7 @@ class Marched(NamedTuple):
 
 
 def march(tau_max, v0, now, walls, margin, K):
-    """Pass over times without a contact in whole fixed steps: the bound of `first_exit`, at a fraction of its cost.
+    """Skip whole fixed steps without a contact: the bound of `first_exit` at a fraction of its cost.
 
     Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
     so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
@@ -302,7 +302,7 @@ def march(tau_max, v0, now, walls, margin, K):
 
 
 def whole(now, v0, K):
-    """Return a point of a flight with all its derivatives; its launch has them, and knows which are exactly 0."""
+    """Return a point of a flight with all its derivatives; at the launch, exact zeros stay exact."""
     if now.tau == 0.0:
         return now
     tau, dx, dv, F, _, _, _, s, c, E0, E1, E2 = now
@@ -311,12 +311,12 @@ def whole(now, v0, K):
 
 
 def gaps_exceed(least, dv, walls):
-    """Return whether the gaps to the walls around are wider than `least` where the velocity has gained dv."""
+    """Return whether the gaps to all walls are wider than `least` after a velocity gain dv."""
     return (not walls.has_below or walls.below + dv > least) and (not walls.has_above or walls.above - dv > least)
 
 
 def is_free(side, now, there, lift, slack, walls):
-    """Return whether a wall is surely not met over a step, at its start apart if that is on the wall.
+    """Return whether a step certainly meets no wall, except at its start if that is on the wall.
 
     The cubic less its error is a polynomial of degree four whose Bernstein coefficients are g0, g0 + d0/4,
     (g0 + g1)/2 + (d0 - d1)/6 - M4 h^4/144, g1 - d1/4 and g1, with the values g0, g1 and the slopes times h, d0, d1, at
@@ -336,7 +336,7 @@ def is_free(side, now, there, lift, slack, walls):
 
 
 def meets_once(side, now, there, M4, slack, walls):
-    """Return whether a gap is surely positive at one point of a flight, negative at the next, and 0 once between.
+    """Return whether a gap is certainly positive at one point, negative at the next, and 0 exactly once between.
 
     It is if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1, keeps its sign.
     """
@@ -354,7 +354,7 @@ def meets_once(side, now, there, M4, slack, walls):
 
 
 def tolerance(now, start_gap, start, S, K):
-    """Return how far a gap may be wrong on a flight: rounding, and the propagated errors `S` of its launch."""
+    """Return the error bound of a gap on a flight: rounding, and the error `S` propagated from its launch."""
     pull = -K.w0sq * now.E1
     variance = pull * pull * S.S11 + 2.0 * pull * now.E0 * S.S12 + now.E0 * now.E0 * S.S22
     rounding = ROUNDING * EPS * (velocity_scale(now.tau, start.v, start.F, K) + start_gap)
@@ -362,7 +362,7 @@ def tolerance(now, start_gap, start, S, K):
 
 
 def closest_approach(tau, earliest, side, M4, start, walls, S, K):
-    """Return (verdict, tau_min): a minimum of the gap near `tau` and after `earliest`, by Newton steps on its slope.
+    """Return (verdict, tau_min): a minimum of the gap near `tau`, later than `earliest`, by Newton's method.
 
     NOTHING: the gap is positive up to tau_min. HIT: it is negative at tau_min. TANGENCY: it is 0 there within its
     error, and not for good; LOST: for good. STALLED: no minimum was found nearby, or the way to it is not proven free.
@@ -396,7 +396,7 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
 
 
 def parts_again(tau, side, start, walls, S, K):
-    """Return whether a gap that is 0 within its error at `tau` is clearly not 0 soon after; else it shrinks on."""
+    """Return whether a gap that is 0 within its error at `tau` is certainly not 0 soon afterwards."""
     for rate in (K.rate, K.Om):
         now = state_at(tau + 0.5 / rate, start, K)
         if abs(gap_to(side, now, walls)) > 4.0 * tolerance(now, walls.below if side < 0 else walls.above, start, S, K):
@@ -405,14 +405,14 @@ def parts_again(tau, side, start, walls, S, K):
 
 
 def stays_closed(tau, side, start, walls, S, K):
-    """Return whether a gap is 0 within its error, and was or will be so for a while around `tau`."""
+    """Return whether a gap is 0 within its error on an interval around `tau`."""
     now = state_at(tau, start, K)
     allowed = tolerance(now, walls.below if side < 0 else walls.above, start, S, K)
     return gap_to(side, now, walls) <= allowed and abs(now.F) <= allowed * K.rate / SOON
 
 
 def closed_side(now, thin, start, walls, S, K):
-    """Return the side of a wall whose gap is 0 within its error, and stays so for a while; else 0."""
+    """Return the side of a wall at which the gap is 0 within its error for a while; else 0."""
     below, above, away = walls.below + now.dv, walls.above - now.dv, now.tau > 0.0
     thin_below = walls.has_below and below * below < thin and (away or not walls.on_below)
     thin_above = walls.has_above and above * above < thin and (away or not walls.on_above)
@@ -460,7 +460,7 @@ def first_exit(tau_max, start, walls, S, K):
 
 
 def behind_flat_start(tau_max, G2, G3, start, K):
-    """Return a point of a flight before which a gap that starts with its fourth power has no other root."""
+    """Return a point of a flight that has no other root before it, for a gap that starts as tau^4."""
     Om4 = K.Om * K.Om * K.Om * K.Om
     fifth = fifth_derivative(G3, G2, start.c, K)
     if K.steady:
@@ -475,7 +475,7 @@ def behind_flat_start(tau_max, G2, G3, start, K):
 
 
 def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
-    """Return the result of `first_exit` by safe steps from `now` on: where marching has not decided."""
+    """Return the first contact from `now` on by safe steps, where marching was undecided."""
     code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
     crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
     for _ in range(MOST_STEPS):
@@ -531,7 +531,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
 
 
 def nearest_root(cap, now, M4, margin, walls):
-    """Return (side, step, root, P, degree): the wall that allows the shorter safe step, with what `safe_step` finds."""
+    """Return (side, step, root, P, degree) of the wall that allows the shorter safe step."""
     side = -1 if walls.has_below else 1
     P, degree = gap_bound(side, now, M4, margin, walls)
     step, root = safe_step(cap, P)
@@ -546,7 +546,7 @@ def nearest_root(cap, now, M4, margin, walls):
 
 
 def graze_ahead(now, side, step, M4, start, walls, S, K):
-    """Return the result of `closest_approach`; STALLED where the other wall may come before."""
+    """Return the result of `closest_approach`; STALLED if the other wall may be met earlier."""
     verdict, tau_min = closest_approach(now.tau, now.tau, side, M4, start, walls, S, K)
     reach = tau_min - now.tau
     if walls.has_below and walls.has_above and verdict != STALLED and reach > step:
@@ -556,7 +556,7 @@ def graze_ahead(now, side, step, M4, start, walls, S, K):
 
 
 def between(now, there, side, v0, walls, K):
-    """Return about the time of the only root of a gap between two points.
+    """Return an estimate of the time of the only root of a gap between two points.
 
     A step of Newton's method from the secant's root on Hermite's cubic, with the secant's slope; then `sharpened`.
     """
@@ -573,7 +573,7 @@ def between(now, there, side, v0, walls, K):
 
 
 def sharpened(root, side, now, walls, K):
-    """Return a root that a lower bound has placed, by one step of Halley's method on a polynomial of degree five.
+    """Refine a root estimate by one step of Halley's method on a polynomial of degree five.
 
     So one evaluation of the flow is enough to make it exact. The root is counted from `now`.
     """
@@ -591,7 +591,7 @@ def sharpened(root, side, now, walls, K):
 
 
 def polish(tau, low, high, side, start, walls, K):
-    """Return the contact in [low, high], searched from `tau` on by roots of local polynomials of the exact flow.
+    """Return the contact in [low, high], refined from `tau` by roots of local polynomials of the exact flow.
 
     The gap is positive at `low`. A step that leaves the bracket is replaced by halving it; it narrows. Mostly the first
     point is near enough.
@@ -615,7 +615,7 @@ def polish(tau, low, high, side, start, walls, K):
 
 
 def shifted(now, shift, v0, K):
-    """Return a point of a flight moved by so short a time that Taylor's formula has full precision."""
+    """Return a point of a flight moved by a time so short that Taylor's formula has full precision."""
     _, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = now
     square = shift * shift
     dx = dx + ((v0 + dv) * shift + square * ((0.5 * F + SIXTH * G1 * shift) + square * (0.25 * SIXTH * G2)))
@@ -629,7 +629,7 @@ def shifted(now, shift, v0, K):
 
 
 def gain(tau, s0, c0, belt, K):
-    """Return Delta at tau, without cancellation at small tau, and the phase's sine and cosine; s0, c0: at the start."""
+    """Return Delta at tau, accurate for small tau, and the phase's sine and cosine; s0, c0: at the start."""
     half = 0.5 * K.Om * tau
     s, c = sin(half), cos(half)
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
@@ -653,7 +653,7 @@ def wrapped(angle):
 
 
 def ahead(angle):
-    """Return how far a turning phase lies ahead, in [0, 2 pi); one within rounding is here, and its piece is behind."""
+    """Return the distance in [0, 2 pi) to a phase ahead; one within rounding counts as passed."""
     angle = wrapped(angle)
     return 0.0 * angle if angle < SAME_PHASE * EPS or 2.0 * PI - angle < SAME_PHASE * EPS else angle
 
@@ -702,13 +702,13 @@ def belt_exit(tau_max, held, belt, K):
 
 
 def force_noise(F_below, tau, S11, belt, K):
-    """Return how far a force on the belt may be wrong `tau` after the start of the stick."""
+    """Return the error bound of a force on the belt `tau` after the start of the stick."""
     size = abs(F_below) + abs(belt.drift) * tau + 2.0 * abs(K.f0)
     return ROUNDING * EPS * size + K.sigmas * K.w0sq * sqrt(S11)
 
 
 def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
-    """Return the only root of force + Delta from `low` to `high`, where Delta is monotone, as `belt_exit` does.
+    """Return the only root of force + Delta in [low, high], where Delta is monotone; see `belt_exit`.
 
     Delta, s and c are those at `low`. Steps to the root of the local parabola (Euler's method, which needs no slope),
     corrected for the third derivative, and `local_root` from nearby. Halving when a step leaves the bracket or the
@@ -761,7 +761,7 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
 
 
 def slips_at(tau, step, side, Delta, s, c, belt, K):
-    """Return the end of a stick at tau + step, from the sine and cosine of the phase at tau."""
+    """Return the end of a stick at tau + step, given sine and cosine of the phase at tau."""
     slope, bend = slopes(s, c, belt, K)
     third = K.Om * K.Om * (belt.drift - slope)
     incline = slope + (bend + 0.5 * third * step) * step

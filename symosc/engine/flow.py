@@ -54,7 +54,7 @@ class BeltConstants(NamedTuple):
 
 
 class MarchConstants(NamedTuple):
-    """Motion over one fixed step: how transient and steady state turn into what they are a step later."""
+    """Constants of motion over one fixed step, for the transient and the steady state."""
 
     step: Number
     C: Number  # transient velocity from transient velocity: 1 - (k/m) E2

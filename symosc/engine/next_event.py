@@ -94,7 +94,7 @@ USUAL_LENGTH = 1.0625
 
 
 def advance(state, t_end, t_end_low, K):
-    """Advance a state to its next event, or to the end of a stretch without events; return a `NextEvent`.
+    """Advance a state to its next event, or to the end of an interval without events; return a `NextEvent`.
 
     Its code is CROSS, STICK, SLIP, GRAZE (an event on `boundary`), MOVED (no event, the search goes on from here), END,
     REST (no event will come any more; at rest or in a steady motion: the state is the last start, from which the end
@@ -119,7 +119,7 @@ def advance(state, t_end, t_end_low, K):
 
 
 def launched(state, K):
-    """Return the launch of a flight, and the walls around it."""
+    """Return the launch of a flight and the walls around it."""
     mode, at, v = state.mode, state.at, state.v
     lower, upper = speeds_around(mode, K)
     walls = Walls(v - lower, upper - v, mode > 1, mode < 3, at > 0 and at == mode - 1, at == mode)
@@ -127,14 +127,14 @@ def launched(state, K):
 
 
 def past_end(tau_max, remaining):
-    """Return how far a search for `tau_max` goes: a little past the end of the motion if that is not farther."""
+    """Return the time limit of a search: `tau_max`, but at most a little past the end of the motion."""
     if tau_max >= remaining:
         return remaining + PAST_END * remaining if remaining > 0.0 else remaining
     return tau_max
 
 
 def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
-    """Return the end of a search that goes on until it is not near a belt.
+    """Return the end of a search, continued until the flight is not near a wall.
 
     Two searches must not meet where a belt is: each would leave a touch there to the other.
     """
@@ -147,14 +147,14 @@ def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
 
 
 def ends_beside_wall(state, now, K):
-    """Return whether a flight from `state` is so near a wall at the point `now` that a touch may be here."""
+    """Return whether a flight ends so near a wall, at the point `now`, that a graze is possible there."""
     v, (lower, upper) = state.v, speeds_around(state.mode, K)
     size = abs(v) + abs(now.dv) + (abs(state.Fb) + abs(K.f0)) * K.moment
     return v + now.dv - lower <= BESIDE * size or upper - (v + now.dv) <= BESIDE * size
 
 
 def after_flight(state, end, start, remaining, K):
-    """Return the next event of a flight from `state`, given its `start` and how its search ended; see `advance`."""
+    """Return the event at the end of a flight from `state`, from its `start` and the search result; see `advance`."""
     mode, at, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = state
     if end.now.tau > remaining and end.code != STALLED:
         end = FlightEnd(NOTHING, 0, point_at_end(remaining, start, K))
@@ -185,12 +185,12 @@ def after_flight(state, end, start, remaining, K):
 
 
 def point_at_end(remaining, start, K):
-    """Return where a flight is at the end of the motion, which a search has passed."""
+    """Return the point of a flight at the end of the motion, which the search has passed."""
     return state_at(remaining, start, K)
 
 
 def no_contact(state, there, now, remaining, K):
-    """Return the end of a flight from `state` without a contact, at `there` (`Flown` now); see `advance`."""
+    """Return the end of a flight from `state` at `there` (Flown) without a contact; see `advance`."""
     mode, _, n, theta, x, v, F, _, S, t, t_low, _, _, theta_low = there
     if now.tau >= remaining:
         return NextEvent(END, 0, True, 0.0, there)
@@ -203,7 +203,7 @@ def no_contact(state, there, now, remaining, K):
 
 
 def never_leaves(start, S, lower, upper, domain, K):
-    """Return whether v stays between two speeds for ever, from the steady amplitude and the transient's size.
+    """Return whether v stays between two speeds forever, from the amplitude of steady motion and transient.
 
     `lower` and `upper` are the speeds of the belts around the domain, -inf and inf where there is none; S is the
     covariance of the errors of `start`, a Launch.
@@ -226,7 +226,7 @@ def never_leaves(start, S, lower, upper, domain, K):
 
 
 def creeps_for_ever(state, K):
-    """Return whether a flight without drive and oscillation (K.creeps) never reaches a wall; see the module."""
+    """Return whether a flight without drive and oscillation (K.creeps) never meets a wall; see the module."""
     mode, v, F, S = state.mode, state.v, state.Fb, state.S
     terms = abs(constant_force(mode, K)) + abs(K.w0sq * state.x) + (K.cm - K.l2) * abs(v)
     noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S.S11) + (K.cm - K.l2) * sqrt(S.S22))
@@ -246,7 +246,7 @@ def creeps_for_ever(state, K):
 
 
 def flight_noise(state, now, K):
-    """Return the rounding errors that a flight from `state` to `now` adds to x and v."""
+    """Return the rounding errors of x and v that accumulate on a flight from `state` to `now`."""
     tau, v0, F0, S = now.tau, state.v, state.Fb, state.S
     speed = abs(v0) + velocity_scale(tau, v0, F0, K)
     reach = tau if tau < K.swing else K.swing
@@ -264,7 +264,7 @@ def flight_noise(state, now, K):
 
 
 def carried_error(S, now, x_noise, v_noise, K):
-    """Return the covariance of (x, v) at the time of `now` (`Flown`), after a launch with covariance S.
+    """Return the covariance of (x, v) at `now` (Flown), propagated from the covariance S at the launch.
 
     Perturbations obey the unforced equation in every domain, so the entire functions carry them: dx gains E1 dv,
     dv gains -(k/m) E1 dx. The rounding errors of the step are added.
@@ -282,7 +282,7 @@ def carried_error(S, now, x_noise, v_noise, K):
 
 
 def meet_belt(there, end, v_noise, remaining, K):
-    """Return what happens where a flight meets a belt: a touch, or a stick or a crossing by Theorems 4 and 5.
+    """Return the event where a flight meets a belt: a graze, or a stick or crossing (Theorems 4 and 5).
 
     `there` is the State at the contact, in the domain that the flight comes from, `end` its FlightEnd, v_noise the
     rounding error of the velocity, and `remaining` the time to the end from the start of the flight. A vague contact
@@ -333,7 +333,7 @@ def meet_belt(there, end, v_noise, remaining, K):
 
 
 def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
-    """Return the graze at a contact `tau` after the start of a flight, with the derivatives of its acceleration."""
+    """Return the graze at a contact `tau` after the start of a flight, with the acceleration's derivatives."""
     mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
     if F * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind
         shift = min(-F / G1, remaining - tau)
@@ -349,7 +349,7 @@ def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
 
 
 def resolve(v, F_below, F_above, s, c, K):
-    """Return where the motion goes from a point of a boundary: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4 and 5).
+    """Return the continuation from a point of a boundary: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4 and 5).
 
     F_below - F_above = 2 mu FN/m >= 0 always, so the flow cannot leave on both sides at once.
     """
@@ -385,7 +385,7 @@ def following_sign(v, F, s, c, K):
 
 
 def after_stick(state, end, remaining, K):
-    """Return the next event of a stick from `state`, given how its search ended; see `advance`."""
+    """Return the event at the end of a stick from `state`, given the search result; see `advance`."""
     mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, _, _, theta_low = state
     boundary, zero = mode - ON_BELT, 0.0 * Fb
     belt = K.belt1 if boundary == 1 else K.belt2
@@ -421,7 +421,7 @@ def after_stick(state, end, remaining, K):
 
 
 def later(n, theta, theta_low, tau, K):
-    """Return the phase `tau` later, in two parts: what rounding takes from it would add up to a wrong time."""
+    """Return the phase `tau` later in two parts, so that rounding errors do not accumulate in the time."""
     if tau == K.period:  # exactly
         return n + 1, theta, theta_low
     turn = K.Om * tau
@@ -464,7 +464,7 @@ def passing_time(error, first, second, third, K):
 
 
 def slow_passing_time(error, first, second, third, K):
-    """Return the `passing_time` where the first derivative alone does not decide."""
+    """Return the `passing_time` if the first derivative alone is not sufficient."""
     best = 1.0 / K.Om
     if error == 0.0:
         return 0.0 * best
@@ -476,7 +476,7 @@ def slow_passing_time(error, first, second, third, K):
 
 
 def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
-    """Return an event's time, and standard errors of t and x that cover the rounding of these two numbers.
+    """Return the time of an event, and standard errors of t and x that include their rounding.
 
     What a motion is locked to is the phase: the rounding of Omega is taken back in the time that it stands for.
     """
@@ -489,7 +489,7 @@ def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
 
 
 def advance_near(state, rough, found, t_end, t_end_low, K):
-    """Do what `advance` does, given the result of doubles from the same state.
+    """Advance as `advance` does, from the same state, near the result already found in doubles.
 
     Doubles decide by more than the rounding of their start and their own. Where they are sure which contact is the
     first and how it is met, many digits would find the same one. So these begin at its time, take a step of Newton's
@@ -523,7 +523,7 @@ def advance_near(state, rough, found, t_end, t_end_low, K):
 
 
 def contact_near(tau, uncertainty, side, start, walls, K):
-    """Return the contact with the wall on a side within `uncertainty` of `tau`, like `first_exit`; STALLED for none."""
+    """Return the contact with the wall on a side within `uncertainty` of `tau`; STALLED if there is none."""
     first = tau
     now = state_at(tau, start, K)
     for _ in range(MOST_CORRECTIONS):
@@ -539,7 +539,7 @@ def contact_near(tau, uncertainty, side, start, walls, K):
 
 
 def slip_near(tau, uncertainty, side, held, belt, K):
-    """Return the end of a stick within `uncertainty` of `tau`, like `belt_exit`; STALLED for none."""
+    """Return the end of a stick within `uncertainty` of `tau`; STALLED if there is none."""
     first, force = tau, held.Fa if side > 0 else held.Fb
     Om2 = K.Om * K.Om
     for _ in range(MOST_CORRECTIONS):

@@ -37,7 +37,7 @@ SIN, COS = each(sin), each(cos)
 
 @dataclass(frozen=True)
 class Start:
-    """An exact initial value problem; `start_error` are half-widths to which t0, x0 and v0 are known, None: exact."""
+    """An exact initial value problem; `start_error`: half-widths of t0, x0 and v0 (None: exact)."""
 
     parameters: Parameters
     t0: Fraction
@@ -52,14 +52,14 @@ class Start:
 
     @property
     def spare_digits(self) -> int:
-        """Digits after the decimal point that show the errors of the start, and that v0 is not quite a belt's speed."""
+        """Digits after the decimal point that resolve the start errors and the distance of v0 from the belt speeds."""
         p = self.parameters
         small = [abs(value) for value in (*(self.start_error or ()), self.v0 - p.v1, self.v0 - p.v2) if value != 0]
         return max(0, *(ceil(-log10(value)) for value in small))
 
 
 class BeltStart(NamedTuple):
-    """What a motion does from a point of a belt (Theorems 4 and 5)."""
+    """The continuation of a motion from a point of a belt (Theorems 4 and 5)."""
 
     boundary: int
     mode: int  # that it goes on in
@@ -68,7 +68,7 @@ class BeltStart(NamedTuple):
 
     @property
     def forces(self) -> tuple[Number, Number]:
-        """The accelerations that the state begins with: both on the belt, twice that of its domain beside it."""
+        """The accelerations of the initial state: both sides on the belt, else twice that of its domain."""
         if self.mode > ON_BELT:
             return self.below, self.above
         force = self.above if self.mode > self.boundary else self.below
@@ -76,7 +76,7 @@ class BeltStart(NamedTuple):
 
 
 def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, allowed: Number = 0) -> BeltStart:
-    """Return what a motion does from a point of a belt, in the given arithmetic.
+    """Return the continuation of a motion from a point of a belt, in the given arithmetic.
 
     A force that is not larger than `allowed` is 0: then its first G-function that does not vanish decides.
     """
@@ -94,7 +94,7 @@ def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, a
 def belt_state(
     start: BeltStart, clock: tuple[int, Number], phase: Phase, x: Number, S: Covariance, K: Constants
 ) -> State:
-    """Return the state at the time 0 for a start on a belt; `clock` is the number of periods and the angle."""
+    """Return the state at time 0 for a start on a belt; `clock` is the number of periods and the angle."""
     v, zero = (K.belt1 if start.boundary == 1 else K.belt2).v, 0 * x
     return State(start.mode, start.boundary, *clock, x, v, *start.forces, S, zero, zero, *phase, zero)
 
@@ -102,7 +102,7 @@ def belt_state(
 def start_rows(
     at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, times: Sequence[Any], K: Any
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return rows of the compiled loop for many starts, some of them on a belt (`at` > 0): `belt_start` in columns.
+    """Return batch rows for many starts, some of them on a belt (`at` > 0): `belt_start` for columns.
 
     `times` are t, t_low, t_end, t_end_low and t0, and K may be columns of constants by name. Also return where a force
     on the belt is so small that doubles do not decide.
@@ -123,7 +123,7 @@ def start_rows(
 
 
 def force_terms(boundary: int, x: Number, K: Constants) -> Number:
-    """Return the size of the terms of the forces on a belt: what their rounding errors are measured by."""
+    """Return the size of the terms of the forces on a belt, the scale of their rounding errors."""
     v, A = (K.belt1 if boundary == 1 else K.belt2).v, (constant_force(n, K) for n in (boundary, boundary + 1))
     return max(map(abs, A)) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
 
@@ -166,14 +166,14 @@ def sine_and_cosine(theta: Number, arithmetic: Arithmetic) -> Phase:
 
 
 def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
-    """Return how far the error of a start on a belt can move the forces there."""
+    """Return the largest change of the forces on a belt that the error of the start allows."""
     K, number = arithmetic.K, arithmetic.number
     dt, dx, dv = (number(error) for error in start.start_error or (Fraction(0),) * 3)
     return K.w0sq * (dx + abs(number(start.v0)) * dt) + K.cm * dv + abs(K.fB) * dt
 
 
 def _decided(start: Start, boundary: int) -> BeltStart:
-    """Return what a motion does from a start on a belt, with enough digits to tell a force from 0."""
+    """Return the continuation of a motion from a belt, with enough digits to distinguish a force from 0."""
     p = start.parameters
     numbers = [start.t0, start.x0, start.v0, *(getattr(p, name) for name in PARAMETER_NAMES)]
     digits = SPARE_DIGITS + sum(len(str(abs(q.numerator))) + len(str(q.denominator)) for q in numbers)
@@ -185,7 +185,7 @@ def _decided(start: Start, boundary: int) -> BeltStart:
 
 
 def is_steady(start: Start) -> bool:
-    """Return whether a start at t0 = 0 is on the steady motion of its domain: a decision in rational numbers."""
+    """Return whether a start at t0 = 0 is on the steady motion of its domain, decided in rational numbers."""
     p = start.parameters
     pull, drag = p.k - p.m * p.Omega**2, p.c * p.Omega
     size = pull * pull + drag * drag
@@ -198,7 +198,7 @@ def is_steady(start: Start) -> bool:
 
 
 def settles(start: Start) -> bool:
-    """Return whether a start between the belts surely comes to rest without a contact: a decision in rational numbers.
+    """Return whether a start between the belts comes to rest without a contact, decided in rational numbers.
 
     The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g >= 0
     follows from the squares of its two parts.
@@ -223,7 +223,7 @@ def settles(start: Start) -> bool:
 
 
 def rounded(state: State, start: Start) -> State:
-    """Return a state of a motion in double precision, with the rounding as a part of its error."""
+    """Round a state to double precision; add the rounding to its error."""
     theta, x, v, Fb, Fa, t = (float(value) for value in (state.theta, state.x, state.v, state.Fb, state.Fa, state.t))
     s, c = float(state.s), float(state.c)
     gain = Arithmetic(start.parameters).K.Om_gain  # see `symosc.engine.flow.clock_time`

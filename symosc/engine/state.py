@@ -1,4 +1,4 @@
-"""The engine's codes, and the tuples that it passes on.
+"""The engine's codes for modes and events, and its named tuples for states and search results.
 
 Codes are plain integers and states are NamedTuples of numbers, whole numbers and flags, because numba compiles both
 into registers; so they serve floats, pairs and mpmath numbers alike.
@@ -32,7 +32,7 @@ class Covariance(NamedTuple):
 
 
 class State(NamedTuple):
-    """The state between events.
+    """The state at an event or between events.
 
     Phase and time are both carried, each in two parts: Omega t loses no digits however large t becomes, and t none
     however slow the drive is. Sine and cosine of the phase come from the search, and anew from theta in each forcing
@@ -56,7 +56,7 @@ class State(NamedTuple):
 
 
 class NextEvent(NamedTuple):
-    """What a step ends with: its code, the belt (0: none), and the state behind it."""
+    """The result of one step: event code, belt (0: none), and the state afterwards."""
 
     code: int
     boundary: int
@@ -66,7 +66,7 @@ class NextEvent(NamedTuple):
 
 
 class Launch(NamedTuple):
-    """A point of a flight from which it is computed: velocity, acceleration, sine and cosine of the phase."""
+    """The initial point of a flight: velocity, acceleration, sine and cosine of the phase."""
 
     v: Number
     F: Number
@@ -75,7 +75,7 @@ class Launch(NamedTuple):
 
 
 class Flown(NamedTuple):
-    """A flight at `tau` after its launch."""
+    """The state of a flight at `tau` after its launch."""
 
     tau: Number
     dx: Number  # what x and v have gained
@@ -92,7 +92,7 @@ class Flown(NamedTuple):
 
 
 class Walls(NamedTuple):
-    """The belts around a domain, as a flight sees them at its launch."""
+    """The belts around a domain, relative to a flight at its launch."""
 
     below: Number  # v minus the lower belt's speed; exact 0 at a launch from it
     above: Number  # the upper belt's speed minus v
@@ -103,7 +103,7 @@ class Walls(NamedTuple):
 
 
 class FlightEnd(NamedTuple):
-    """What a search along a flight ends with: its code, the side (-1 the lower wall, 1 the upper), and where."""
+    """The result of a search along a flight: code, side (-1 the lower wall, 1 the upper), and point."""
 
     code: int
     side: int
@@ -111,7 +111,7 @@ class FlightEnd(NamedTuple):
 
 
 class StickEnd(NamedTuple):
-    """What a search along a stick ends with: its code, the side that it slips to, and where."""
+    """The result of a search along a stick: code, the side on which the mass slips, and point."""
 
     code: int
     side: int

@@ -1,4 +1,4 @@
-"""The summary of a motion, kept step by step in memory that does not grow with the number of events.
+"""The summary of a motion, updated at every step, in memory independent of the number of events.
 
 A step of the event loop (`symosc.engine.next_event.advance`) is a flight or a stick without an event inside. The events
 at their ends are always counted. Where it is asked for, also the share of the time on belts, the extremes, and the
@@ -62,7 +62,7 @@ MAP_OF = np.array([_MAP_CODES.get((at, mode, to), 0) for at in range(3) for mode
 
 
 class Kept(NamedTuple):
-    """What a tally keeps beside counts and the last state."""
+    """The optional parts of a tally: sections, words and extremes."""
 
     stuck: bool  # the time on belts
     extent: bool  # the extremes of the ends of steps
@@ -72,7 +72,7 @@ class Kept(NamedTuple):
 
 
 class Tally(NamedTuple):
-    """The summaries of motions, a row each; the last sections and words are kept in a ring."""
+    """The summaries of motions, one row each; ring buffers hold the last sections and words."""
 
     asked: Kept
     floats: np.ndarray  # (n, 13)
@@ -93,12 +93,12 @@ class Extremes(NamedTuple):
 
 @cache
 def no_tally() -> Tally:
-    """Return a tally of no motion: events are recorded."""
+    """Return an empty tally: events are recorded instead."""
     return new_tally(np.zeros((0, 16)), np.zeros(0), Kept(False, False, False, 0, 0))
 
 
 def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
-    """Return the tally of motions at their starts (rows of a batch), of which the times `skipped` are left out."""
+    """Return the tally of motions at their starts (rows of a batch); the time `skipped` is not counted."""
     count = len(states)
     floats, ints = np.zeros((count, 13)), np.zeros((count, 9), np.int64)
     floats[:, SKIPPED] = skipped
@@ -111,12 +111,12 @@ def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
 
 
 def select_tallies(tally: Tally, rows: Any) -> Tally:
-    """Return the tallies of some motions, as a copy."""
+    """Return a copy of the tallies of some motions."""
     return Tally(tally.asked, *(column[rows].copy() for column in tally[1:])) if len(tally.floats) else tally
 
 
 def store_tallies(tally: Tally, rows: Any, own: Tally) -> None:
-    """Write the tallies of some motions."""
+    """Write the tallies of some motions back."""
     if len(tally.floats):
         for column, part in zip(tally[1:], own[1:], strict=True):
             column[rows] = part
@@ -160,7 +160,7 @@ def launch_of(state):
 
 
 def tally_stretch(i, before, after, tau, t0, tally, K):
-    """Count the time and the extremes of the way from one state to another, as far as it is not left out."""
+    """Add the time and extremes of the motion from one state to another, without the skipped time."""
     floats, asked = tally.floats, tally.asked
     begin = floats[i, SKIPPED] - ((before.t - t0) + before.t_low)
     if tau < begin:
@@ -196,7 +196,7 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
 
 
 def tally_sections(i, before, last, S, tally, K):
-    """Keep the sections between a state and the period number `last`, as many of the last ones as the ring holds."""
+    """Store the sections from a state to period number `last`, the latest in the ring buffer."""
     ring = tally.words.shape[1]
     first = before.n + 1
     if last - first >= ring:  # a long way without an event: all but the last words are empty
@@ -210,7 +210,7 @@ def tally_sections(i, before, last, S, tally, K):
 
 
 def keep_section(i, before, tau, S_x, S_v, tally):
-    """Keep a section `tau` after a state; the word of its period ends here unless an event just before did that."""
+    """Store the section `tau` after a state, and close the word unless an event just before did so."""
     ints = tally.ints
     if ints[i, EARLY] == 0:
         close_word(i, tally)
@@ -223,7 +223,7 @@ def keep_section(i, before, tau, S_x, S_v, tally):
 
 
 def close_word(i, tally):
-    """Keep the word of the period that ends, if that is a whole one, and begin the next."""
+    """Store the word of the ending period if it is complete, and begin the next."""
     ints, labels, ring = tally.ints, tally.labels, tally.words.shape[1]
     length = ints[i, LENGTH]
     if ints[i, WHOLE] == 1:
@@ -237,7 +237,7 @@ def close_word(i, tally):
 
 
 def finish_tally(i, last, code, remaining, t0, tally, K):
-    """Keep the last state of a motion that ended, or goes on later; `remaining` is the time to its end."""
+    """Store the last state of a motion that ended or continues later; `remaining`: the time to its end."""
     n, theta, t, x, v = last.n, last.theta, clock_time(last.t, last.t_low, t0, K), last.x, last.v
     if code == REST:  # without any more events
         rest = rest_of(remaining, K)
@@ -259,7 +259,7 @@ def finish_tally(i, last, code, remaining, t0, tally, K):
 
 
 def rest_of(tau, K):
-    """Return the remainder of a time after whole forcing periods, of which there may be many."""
+    """Return a time minus its whole forcing periods, of which there may be many."""
     if tau < K.period:
         return tau
     rest = tau % K.period
@@ -269,7 +269,7 @@ def rest_of(tau, K):
 
 
 def rest_stretches(i, state, remaining, t0, tally, K):
-    """Count the time and the extremes of a motion without any more events.
+    """Add the time and extremes of a motion after its last event.
 
     Its extremes are searched piece by piece, until the transient is over; then one period shows all that is to come.
     """
@@ -293,7 +293,7 @@ def rest_stretches(i, state, remaining, t0, tally, K):
 
 
 def flown(x, start, tau, s_Om, c_Om, K):
-    """Return position and velocity of a flight from x, given sine and cosine of what the phase gains."""
+    """Return position and velocity of a flight from x, given sine and cosine of the phase gained."""
     E0, E1, E2, R2, I2, _, _ = basis_at(tau, s_Om, c_Om, K)
     dx, dv, _ = motion(start.v, start.F, start.s, start.c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     return x + dx, start.v + dv
@@ -303,7 +303,7 @@ def flown(x, start, tau, s_Om, c_Om, K):
 
 
 def settle(tally, sets, table, sections, repeats):
-    """Write the last sections of motions, and after how many periods these repeat.
+    """Write the last sections of motions, and the number of periods after which they repeat.
 
     `sets` (n,) are the parameter sets of the motions, `table` their constants. `sections` (n, m, 2) is filled with x
     and v at the last m sections in order of time, as far as they were reached, and `repeats`, (n,) or (0,), with the
@@ -321,7 +321,7 @@ def settle(tally, sets, table, sections, repeats):
 
 
 def periods(i, tally, K):
-    """Return after how many periods words and sections repeat, twice in a row; 0 if they do not."""
+    """Return the number of periods after which words and sections repeat, twice in a row; 0 if they do not."""
     there = tally.ints[i, SECTIONS]
     for m in range(1, LONGEST_REPEAT + 1):
         if 2 * m > there:
@@ -332,7 +332,7 @@ def periods(i, tally, K):
 
 
 def same_words(i, m, tally):
-    """Return whether the last m words are whole and those of the m periods before."""
+    """Return whether the last m words are complete and equal the m words before."""
     words, ring, there = tally.words, tally.words.shape[1], tally.ints[i, SECTIONS]
     for n in range(there - m, there):
         before = words[i, (n - m) % ring]
@@ -342,7 +342,7 @@ def same_words(i, m, tally):
 
 
 def same_sections(i, m, tally, K):
-    """Return whether the last m sections are those of the m periods before."""
+    """Return whether the last m sections equal the m sections before."""
     floats, there = tally.floats, tally.ints[i, SECTIONS]
     x_extent, v_extent = floats[i, X_HIGH] - floats[i, X_LOW], floats[i, V_HIGH] - floats[i, V_LOW]
     for n in range(there - m, there):
@@ -356,7 +356,7 @@ def same_sections(i, m, tally, K):
 
 
 def section(i, n, tally, K):
-    """Return a section of the ring by its number, as one that is reached at once, computed if it is not yet."""
+    """Return a section of the ring buffer by its number, and compute it if necessary."""
     kept = tally.sections[i, n % tally.words.shape[1]]
     x, v, tau, theta = kept[FROM_X], kept[FROM_V], kept[SINCE], kept[FROM_THETA]
     if kept[FLIES] > 0.0:
@@ -372,7 +372,7 @@ def section(i, n, tally, K):
 
 
 def widened(seen, x, v):
-    """Return extremes that include a point."""
+    """Return the extremes, extended to include a point."""
     return Extremes(
         x if x < seen.x_min else seen.x_min,
         x if x > seen.x_max else seen.x_max,
@@ -382,7 +382,7 @@ def widened(seen, x, v):
 
 
 def flight_extremes(begin, last, start, x0, seen, K):
-    """Return extremes that include a flight from the time `begin` to `last` (Flown), if they include its ends.
+    """Return the extremes, extended to include a flight from `begin` to `last` (Flown).
 
     `start` is its Launch, x0 the position there.
     """
@@ -402,7 +402,7 @@ def flight_extremes(begin, last, start, x0, seen, K):
             then = state_at(now.tau + cell, start, K)
             seen = widened(seen, x0 + then.dx, start.v + then.dv)
         cut = False
-        while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not covered(now, then, M4, start.v, x0, seen):
+        while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not cell_within(now, then, M4, start.v, x0, seen):
             then, cut = cut_at(now, then, start, K), True
             seen = widened(seen, x0 + then.dx, start.v + then.dv)
         cell = FIRST_CELL * K.moment if cut or cell < FIRST_CELL * K.moment else 2.0 * cell
@@ -410,14 +410,14 @@ def flight_extremes(begin, last, start, x0, seen, K):
     return seen
 
 
-def covered(now, then, M4, v0, x0, seen):
-    """Return whether a cell lies within the extremes: one half seen from its beginning, the other from its end."""
+def cell_within(now, then, M4, v0, x0, seen):
+    """Return whether bounds from both ends of a cell prove that the flight stays within the extremes."""
     half = 0.5 * (then.tau - now.tau)
     return within(half, 1.0, now, M4, v0, x0, seen) and within(half, -1.0, then, M4, v0, x0, seen)
 
 
 def within(reach, way, now, M4, v0, x0, seen):
-    """Return whether a flight stays within the extremes for the time `reach` after a point, or before it (way -1)."""
+    """Return whether a flight stays within the extremes for a time `reach` after a point, or before it (way -1)."""
     v, x = v0 + now.dv, x0 + now.dx
     slack = WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
     half, third, fourth = 0.5 * now.G1, way * SIXTH * now.G2, -0.25 * SIXTH * M4
@@ -436,14 +436,14 @@ def within(reach, way, now, M4, v0, x0, seen):
 
 
 def stays_positive(reach, p0, p1, p2, p3, p4):
-    """Return whether p0 + p1 s + ... + p4 s^4 > 0 on [0, reach]: `positive_on`, which does not see a shallow dip."""
+    """Return whether p0 + p1 s + ... + p4 s^4 > 0 on [0, reach], up to a shallow dip."""
     if p1 < 0.0 and p2 > 0.0 and p1 * p1 < 2.0 * p0 * p2:  # p1 s + p2 s^2/2 is not below -p1^2/(2 p2)
         return positive_on(reach, (p0 - 0.5 * p1 * p1 / p2, 0.0, 0.5 * p2, p3, p4))
     return positive_on(reach, (p0, p1, p2, p3, p4))
 
 
 def cut_at(now, then, start, K):
-    """Return a point between two: where the acceleration is 0, or the velocity, or the middle."""
+    """Return a point between two: a zero of the acceleration or velocity, else the middle."""
     width = then.tau - now.tau
     for of_v in (True, False):
         first, rise, _ = rates(now, of_v, start)
@@ -463,7 +463,7 @@ def rates(now, of_v, start):
 
 
 def stationary(now, then, of_v, start, K):
-    """Return the point between two where v is stationary, or x: by Halley's method, and a short shift at the end."""
+    """Return the point between two at which v, or x, is stationary, by Halley's method and a final short shift."""
     low, high, width = now.tau, then.tau, then.tau - now.tau
     first, rise, _ = rates(now, of_v, start)
     last, _, _ = rates(then, of_v, start)

@@ -3,5 +3,5 @@
 backward goes back in time from a tangency to where the flow came from. check compares Theorem 7 with numerics.
 May import: kernels to crosschecks.
 
-One more way to decide a graze: a method of `Ways` in check, and its name in `WHY_UNDECIDED`.
+To add a way of deciding a graze, write a method of `Ways` in check, and its name in `WHY_UNDECIDED`.
 """

@@ -1,4 +1,4 @@
-"""Where the flow into a tangency came from: backward in time to its first contact, without stepping over one.
+"""The origin of a flow into a tangency: integration backward in time to its first contact, missing none.
 
 Why nothing can be missed in real arithmetic
 --------------------------------------------
@@ -82,7 +82,7 @@ MOST_ROOT_STEPS = 20_000
 
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
-    """Return (touch, sigma) for the first root in (0, 1] of a polynomial known within `noise`; sigma None: no root.
+    """Return (graze, sigma) for the first root in (0, 1] of a polynomial known within `noise`; sigma None: no root.
 
     `touch` says that the polynomial comes to 0 within the noise, and whether it passes is undecided.
 
@@ -126,7 +126,7 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Numbe
 
 
 def bernstein(p: list[Number]) -> list[Number]:
-    """Return the Bernstein coefficients on [0, 1] of a polynomial in powers."""
+    """Convert power coefficients of a polynomial to Bernstein coefficients on [0, 1]."""
     n = len(p) - 1
     row = [term / math.comb(n, j) for j, term in enumerate(p)]
     coefficients = []
@@ -137,12 +137,13 @@ def bernstein(p: list[Number]) -> list[Number]:
 
 
 def _changes(b: list[Number], level: Number) -> int:
-    """Return how often a row of numbers crosses a level."""
+    """Return how often a sequence of numbers crosses a level."""
     signs = [value > level for value in b]
     return sum(first != second for first, second in pairwise(signs))
 
 
 def _polynomial(p: list[Number], sigma: Number) -> Number:
+    """Return the value of the polynomial p at sigma."""
     value = 0 * sigma
     for term in reversed(p):
         value = value * sigma + term
@@ -150,7 +151,7 @@ def _polynomial(p: list[Number], sigma: Number) -> Number:
 
 
 def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps: Number) -> Number:
-    """Return the root of p, positive at `low` and negative at `high`, by Newton's method kept inside the bracket.
+    """Return the root of p, positive at `low` and negative at `high`, by Newton's method within the bracket.
 
     Only steps of Newton's method can show that it has converged. A step that leaves the bracket is replaced by a
     halving, whose length says nothing.
@@ -180,7 +181,7 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
 
 
 class Boundary(NamedTuple):
-    """A boundary of the domain: its number, its velocity, and the direction into the domain, 1 up or -1 down."""
+    """A boundary of the domain: number, velocity, and direction into the domain (1 up, -1 down)."""
 
     number: int
     v: Number
@@ -188,7 +189,7 @@ class Boundary(NamedTuple):
 
 
 class BackwardState(NamedTuple):
-    """A flight `tau` before the tangency, displaced by dx from it, with bounds of its errors."""
+    """A flight `tau` before the tangency, displaced by dx from it, with error bounds."""
 
     tau: Number
     dx: Number
@@ -200,7 +201,7 @@ class BackwardState(NamedTuple):
 
 
 class Arrival(NamedTuple):
-    """How a backward flight ends, on which boundary (0: none), and its state there."""
+    """The end of a backward flight: the boundary it reaches (0: none), and the state there."""
 
     kind: str
     boundary: int
@@ -213,12 +214,12 @@ class Arrival(NamedTuple):
 
     @classmethod
     def at(cls, kind: str, state: BackwardState, boundary: int = 0) -> Arrival:
-        """Return the arrival at a state."""
+        """Return the arrival at a boundary in a state."""
         return cls(kind, boundary, *state[:-1])
 
 
 class BackwardHit(NamedTuple):
-    """A contact on a step: at its part `sigma`, with which boundary, and whether it is a touch."""
+    """A contact in a step: its part `sigma` of the step, the boundary, and whether it is a graze."""
 
     touch: bool
     sigma: Number
@@ -226,7 +227,7 @@ class BackwardHit(NamedTuple):
 
 
 class BackwardStep(NamedTuple):
-    """A step of a flight: Taylor coefficients of v over it, bounds of them and of v, and the changes of v, a, dx."""
+    """A step of a flight: Taylor coefficients of v, bounds of them and of v, and the changes of v, a, dx."""
 
     T: list[Number]
     remainder: Number
@@ -236,7 +237,7 @@ class BackwardStep(NamedTuple):
 
 
 class BackwardSteps:
-    """Steps backward from tangencies of one system at one belt, in the arithmetic `functions` with rounding unit `eps`.
+    """Backward steps from tangencies at one belt, in the arithmetic `functions` with rounding unit `eps`.
 
     A step is linear in v, a and the sine and cosine of the phase. So in double precision one product with a matrix
     gives its Taylor coefficients, its Bernstein coefficients (less v) and the state at its end.
@@ -278,13 +279,13 @@ class BackwardSteps:
     def over(
         self, theta: Number, order: int, state: BackwardState
     ) -> tuple[BackwardHit | None, BackwardStep, BackwardState]:
-        """Return the first contact on the step from a state, the step, and the state with the errors at its end.
+        """Return the first contact in the step from a state, the step, and the state at its end with errors.
 
         `order` is that of the first G-function that does not vanish at the tangency, 1 or 3.
         """
         K, H, eps = self.K, self.H, self.eps
         tau, v, a = state.tau, state.v, state.a
-        step = self._step(v, a, *self.wave(theta, tau))
+        step = self._taylor_step(v, a, *self.wave(theta, tau))
         drive = abs(K.fB) * (1 + abs(theta) + K.Om * tau)
         rounding = BACKWARD_ROUNDING * eps * (abs(a) * H + (K.w0sq * abs(v) + drive) * H * H)
         energy_error = self.growth * state.energy_error + rounding / H
@@ -313,26 +314,27 @@ class BackwardSteps:
         return self.functions.sin(angle), self.functions.cos(angle)
 
     def moved(self, state: BackwardState, step: BackwardStep, sigma: Number) -> BackwardState:
-        """Return the state at the part `sigma` of a step, whose errors are those at its end."""
+        """Return the state at the part `sigma` of a step, with the errors of the step's end."""
         dv, slope, area = _changes_over(step.T, sigma)
         return self._moved(state, sigma * self.H, dv, -slope / self.H, -self.H * area)
 
     def ended(self, state: BackwardState, step: BackwardStep) -> BackwardState:
-        """Return the state at the end of a step in double precision."""
+        """Return the state at the end of a step, in double precision."""
         return self._moved(state, self.H, *step.end)
 
     def _moved(self, state: BackwardState, tau: Number, dv: Number, a: Number, dx: Number) -> BackwardState:
+        """Return a state displaced by tau, dv, a and dx."""
         dx = state.dx + dx
         x_error = state.x_error + self.H * state.v_error + self.eps * abs(dx)
         return BackwardState(state.tau + tau, dx, state.v + dv, a, state.v_error, x_error, state.energy_error)
 
     def arrival(self, state: BackwardState, step: BackwardStep, found: BackwardHit) -> Arrival:
-        """Return the contact found on a step from a state."""
+        """Return the arrival at the contact found in the step from a state."""
         here = self.moved(state, step, found.sigma)._replace(v=found.boundary.v)
         return Arrival.at(TOUCH if found.touch else CONTACT, here, found.boundary.number)
 
     def _taylor(self, v: Number, a: Number, s: Number, c: Number) -> list[Number]:
-        """Return the Taylor coefficients of v over the part of a step gone back, and the one behind them."""
+        """Return the Taylor coefficients of v in units of the backward step, and the next one after them."""
         sines = (s, -c, -s, c)  # (-d/dphase)^k sin
         T = [v, -a * self.H]
         for k, (power, cm, w0sq) in enumerate(self.recurrence):
@@ -340,11 +342,12 @@ class BackwardSteps:
         return T
 
     def _remainder(self, behind: Number, last: Number) -> Number:
-        """Return the bound of what the Taylor polynomial lacks, from its last coefficient and the one behind it."""
+        """Bound the remainder of the Taylor polynomial by its last coefficient and the next one."""
         degree = len(self.recurrence)
         return self.growth * (abs(behind) + self.K.w0 * self.H * abs(last) / (degree + 1) + self.drive_remainder)
 
-    def _step(self, v: Number, a: Number, s: Number, c: Number) -> BackwardStep:
+    def _taylor_step(self, v: Number, a: Number, s: Number, c: Number) -> BackwardStep:
+        """Return the backward Taylor step from v, a at sin, cos of the phase, with its remainder and range of v."""
         if self._matrix is None:
             *T, behind = self._taylor(v, a, s, c)
             spread = sum(map(abs, T[1:]))
@@ -356,7 +359,7 @@ class BackwardSteps:
 
 
 def _changes_over(T: list[Number], sigma: Number) -> tuple[Number, Number, Number]:
-    """Return the change of a polynomial from 0 to sigma, its slope at sigma and its integral."""
+    """Return a polynomial's change from 0 to sigma, its slope at sigma and its integral."""
     change = slope = area = 0 * sigma
     for k in range(len(T) - 1, -1, -1):
         slope = slope * sigma + change
@@ -402,13 +405,13 @@ class Flights:
         self._steps: dict[float, BackwardSteps] = {}
 
     def number(self, value: Any) -> Number:
-        """Return a Fraction, a float or a sympy constant as a number of this precision."""
+        """Return a Fraction, float or sympy constant as a number of this precision."""
         if hasattr(value, "evalf"):
             return self.context.mpf(str(value.evalf(self.digits + 5)))
         return self.arithmetic.number(value) if hasattr(value, "numerator") else self.context.mpf(value)
 
     def contact(self, theta: Number) -> Number:
-        """Return x_m(theta)."""
+        """Return the contact position x_m(theta)."""
         rest = self.number((self.p.A(self.place.domain) - self.p.c * self.p.belt(self.place.boundary)) / self.p.k)
         return rest + self.number(self.p.B0 / self.p.k) * self.context.cos(theta)
 
@@ -430,12 +433,12 @@ class Flights:
         return Instant(dx, v, a, b, w, v_theta, x_theta, noise * v_size, noise * x_size)
 
     def state(self, theta: Number, tau: Number) -> BackwardState:
-        """Return the flight as the state of a search."""
+        """Return the flight as the state of a backward search."""
         now = self.instant(theta, tau)
         return BackwardState(tau, now.dx, now.v, now.a, now.v_error, now.x_error, now.v_error * self.K.rate)
 
     def refined(self, theta: Number, found: Arrival, tau_max: Number) -> Arrival | None:
-        """Return an arrival in double precision with all digits; None if Newton's method leads elsewhere."""
+        """Return an arrival in doubles refined to all digits; None if Newton's method converges elsewhere."""
         if found.kind in (NEVER, LARGE, LONG):
             return found
         tau = self.number(tau_max if found.kind == REACHED else found.tau)
@@ -450,7 +453,7 @@ class Flights:
         return found._replace(tau=tau, dx=now.dx, v=v, a=now.a, v_error=now.v_error, x_error=now.x_error)
 
     def _contact_time(self, theta: Number, tau: Number, speed: Number, touch: bool) -> Number:
-        """Return where v is `speed` by Newton's method, or where it is nearest to it, for a touch."""
+        """Return the time where v is `speed` by Newton's method, or nearest to it for a graze."""
         before = None
         for _ in range(MOST_CONTACT_NEWTON):
             now = self.instant(theta, tau)
@@ -469,7 +472,7 @@ class Flights:
         return None
 
     def repeat_step(self, theta: Number, order: int, tau: float, step: float) -> tuple[Arrival | None, BackwardState]:
-        """Return the contact on a step of this length about the one at tau, if any, and the state to go on from."""
+        """Return the contact, if any, in a step of this length about the one at tau, and the state after it."""
         if step not in self._steps:
             where, context = self.place, self.context
             self._steps[step] = BackwardSteps(self.K, where.boundary, where.domain, context, context.eps, step)
@@ -492,7 +495,7 @@ class Flights:
 
 
 def rounded(state: BackwardState) -> BackwardState:
-    """Return a state in doubles, with the errors that rounding it adds."""
+    """Round a state to doubles; add the rounding to its errors."""
     eps = 2.0**-53
     tau, dx, v, a, v_error, x_error, energy_error = map(float, state)
     errors = v_error + eps * abs(v), x_error + eps * abs(dx), energy_error + eps * abs(a)
@@ -503,7 +506,7 @@ def rounded(state: BackwardState) -> BackwardState:
 
 
 class Origins:
-    """The origins of the flows into the tangencies of one mapping; ParameterError without grazing and for k = 0."""
+    """The origins of the flows into the tangencies of one mapping; ParameterError without grazing or for k = 0."""
 
     def __init__(self, p: Parameters, mapping: str) -> None:
         where = place(mapping)
@@ -517,7 +520,7 @@ class Origins:
         return type(self), (self.p, self.mapping)
 
     def flights(self, digits: int) -> Flights:
-        """Return flights with that many digits, made once."""
+        """Return flights with that many digits, cached."""
         if digits not in self._flights:
             self._flights[digits] = Flights(self.p, self.mapping, digits)
         return self._flights[digits]
@@ -532,7 +535,7 @@ class Origins:
         repeats: int = len(REPEATED_STEPS),
         most_steps: int = MOST_BACKWARD_STEPS,
     ) -> Arrival:
-        """Follow the flow back from the tangency at an angle in double precision, to the first contact or over `far`.
+        """Follow the flow back from a tangency in doubles, to the first contact or over `far`.
 
         `order` is that of the first G-function that does not vanish there. An undecided step is repeated with `digits`
         (keeping them if it has the contact), then with twice as many; without `careful` it is a touch.
@@ -574,7 +577,7 @@ class Origins:
     def _repeated(
         self, angle: Angle | float, order: int, tau: float, digits: int, repeats: int
     ) -> tuple[Arrival | None, BackwardState]:
-        """Return the contact on an undecided step, if any, and the state to go on from."""
+        """Repeat an undecided step with more digits; return the contact, if any, and the next state."""
         for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
             flights = self.flights(times * digits)
             arrival, state = flights.repeat_step(flights.number(angle), order, tau, length)
@@ -583,12 +586,12 @@ class Origins:
         return arrival, state
 
     def _reached(self, theta: float, order: int, state: BackwardState, far: float) -> Arrival:
-        """Return the end of the search, reached on the step from a state."""
+        """Return the end of the search in the step from a state."""
         _, step, state = self.steps.over(theta, order, state)
         return Arrival.at(REACHED, self.steps.moved(state, step, (far - state.tau) / self.steps.H))
 
     def _never_came(self, theta: float, state: BackwardState) -> bool:
-        """Return whether, going on backward from a state, no boundary is met; an underdamped flight comes back."""
+        """Return whether the backward flow from a state meets no boundary; an underdamped one always does."""
         K = self.K
         if K.under or self.place.domain == 2:
             return False
@@ -604,7 +607,7 @@ class Origins:
     def exact(
         self, angle: Angle | float, order: int, far: Callable[[Flights], Number], wanted: int
     ) -> tuple[Arrival, Flights]:
-        """Return where the flow came from with `wanted` digits after the point, and the flights that it is one of.
+        """Return the origin of a flow with `wanted` digits after the point, and its flights.
 
         `far` is the time to search, as a number of the given flights.
         """

@@ -1,4 +1,4 @@
-"""Theorem 7 against numerics: does a contact at a phase graze? Decided in three ways and compared with the window.
+"""Check of Theorem 7 by numerics: three independent decisions whether a contact grazes, against the window.
 
 A contact is built at each phase (x_m from F = 0). Whether the flow of the domain turns back there is decided in three
 independent ways (`Ways`), each of which answers YES, NO or NOT_DECIDED, never on less than its error:
@@ -67,7 +67,7 @@ MOST_SHOWN = 20
 
 @dataclass(frozen=True)
 class GrazingReport:
-    """What `check_grazing` found.
+    """The results of `check_grazing`.
 
     Attributes
     ----------
@@ -210,7 +210,7 @@ def check_grazing(
 
 
 class _Check:
-    """The counters of a check."""
+    """The counters and comparisons of one check."""
 
     def __init__(self, window: GrazingWindow) -> None:
         self.window, self.ways = window, Ways(window)
@@ -221,7 +221,7 @@ class _Check:
         self.n_random = self.n_grazing = self.n_adversarial = self.finely = 0
 
     def random(self, theta: np.ndarray) -> None:
-        """Decide phases in double precision; what that leaves undecided, one by one."""
+        """Decide random phases in double precision, the undecided ones singly with more digits."""
         ways = self.ways
         inside = self.window.contains(theta)
         if inside.any():
@@ -235,7 +235,7 @@ class _Check:
         self.n_random += len(theta)
 
     def adversarial(self) -> None:
-        """Decide the special phases themselves and 1e-3 to 1e-14 beside them."""
+        """Decide the special phases and phases 1e-3 to 1e-14 away from them."""
         import sympy
 
         zeros: set[Expr] = set()  # where G^(1) = 0 exactly
@@ -276,7 +276,7 @@ class _Check:
             self._mismatch(theta[i], "contact", "F = 0", f"F = {F[i]}")
 
     def _count(self, phases: Any, inside: np.ndarray, margins: np.ndarray, *verdicts: np.ndarray) -> None:
-        """Compare what the ways say with the window."""
+        """Compare the verdicts of the three ways with the window."""
         self.n_grazing += int(inside.sum())
         for way, verdict in zip(WHY_UNDECIDED, verdicts, strict=True):
             decided = verdict != NOT_DECIDED
@@ -290,6 +290,7 @@ class _Check:
                 self._mismatch(phases[i], way, words[int(inside[i])], words[int(verdict[i] == YES)])
 
     def _mismatch(self, theta: object, way: str, expected: str, found: str) -> None:
+        """Record a verdict that contradicts the window."""
         self.mismatches.append({"theta": str(theta), "way": way, "window": expected, "found": found})
 
 
@@ -322,17 +323,17 @@ class Ways:
         return self.side * (self.K.w0sq * self.v + self.K.fB * np.sin(theta)) / self.size
 
     def fine_slope(self, theta: Number) -> float:
-        """Return what `slope` returns, for an mpmath phase."""
+        """Return the value of `slope` for an mpmath phase."""
         slope = self.fine.K.w0sq * self.v_fine + self.fine.K.fB * self.fine.context.sin(theta)
         return self.side * float(slope) / self.size
 
     def signs(self, theta: np.ndarray) -> np.ndarray:
-        """Return verdicts of G^(1) in double precision."""
+        """Return verdicts by the sign of G^(1) in double precision."""
         slope = self.slope(theta)
         return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED)
 
     def fine_signs(self, theta: Number, zero: bool) -> tuple[int, int]:
-        """Return the verdict of the first G-function that does not vanish, from 50-digit intervals, and its order.
+        """Return the verdict by the first nonzero G-function in 50-digit intervals, and its order.
 
         `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where
         that is 0, G^(2) = -(B0 Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one
@@ -358,38 +359,38 @@ class Ways:
     # -- the exact flow ----------------------------------------------------------------------------------------------
 
     def flow(self, theta: np.ndarray) -> np.ndarray:
-        """Return verdicts of the exact flow FLOW_TIME before and after; NOT_DECIDED where the third order decides."""
+        """Return verdicts of the exact flow FLOW_TIME before and after; NOT_DECIDED where the third order matters."""
         tau = FLOW_TIME / self.K.rate
         basis, convert = self.fine.namespace["basis"], self.fine.context.convert
         bases = [[float(value) for value in basis(convert(at), self.fine.K)[:5]] for at in (-tau, tau)]
-        gaps = [self._gap(each, np.sin(theta), np.cos(theta), self.v, self.K) for each in bases]
+        gaps = [self._velocity_gap(each, np.sin(theta), np.cos(theta), self.v, self.K) for each in bases]
         return _verdicts(gaps, (FLOW_ROUNDING * EPS * self.size + self._third_order(tau)) * tau**2)
 
     def fine_flow(self, theta: Number) -> int:
-        """Return the verdict of the exact flow with FLOW_DIGITS digits, if it is the same at both FINE_FLOW_TIMES."""
+        """Return the verdict of the exact flow with FLOW_DIGITS digits, if equal at both FINE_FLOW_TIMES."""
         context = self.fine.context
         s, c = context.sin(theta), context.cos(theta)
-        gaps = [self._gap(basis, s, c, self.v_fine, self.fine.K) for basis in self._fine_bases]
+        gaps = [self._velocity_gap(basis, s, c, self.v_fine, self.fine.K) for basis in self._fine_bases]
         least = self.size * context.mpf(10) ** (20 - FLOW_DIGITS)
         if any(abs(gap) <= least * abs(basis[2]) for gap, basis in zip(gaps, self._fine_bases, strict=True)):
             return NOT_DECIDED
         verdicts = [YES if gaps[i] > 0 and gaps[i + 1] > 0 else NO for i in (0, 2)]
         return verdicts[0] if verdicts[0] == verdicts[1] else NOT_DECIDED
 
-    def _gap(self, basis: Sequence[Numbers], s: Numbers, c: Numbers, v: Number, K: Constants) -> Any:
-        """Return how far into the domain the velocity is, after the flight over which `basis` was taken."""
+    def _velocity_gap(self, basis: Sequence[Numbers], s: Numbers, c: Numbers, v: Number, K: Constants) -> Any:
+        """Return v - v_belt a time tau before or after contact, > 0 into the domain; `basis` is taken at tau."""
         _, dv, _ = motion(v, 0.0 * v, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis)
         return -self.side * dv
 
     def _third_order(self, tau: float) -> float:
-        """Return a bound of what terms of third order and above add to the gap, over tau^2 (tau * rate << 1)."""
+        """Bound the terms of third and higher order in the gap, over tau^2 (tau * rate << 1)."""
         third = abs(self.K.fB) * self.K.Om + self.K.cm * self.size + self.K.w0sq * self.size * tau
         return third * tau / 3.0
 
     # -- DOP853 ------------------------------------------------------------------------------------------------------
 
     def solver(self, theta: np.ndarray) -> np.ndarray:
-        """Return verdicts of DOP853, all phases in one system; NOT_DECIDED where the third order could decide."""
+        """Return verdicts of DOP853, all phases in one system; NOT_DECIDED where the third order matters."""
         verdicts = np.zeros(len(theta), dtype=int)
         for time_over_rate in DOP853_TIMES:
             left = np.nonzero(verdicts == NOT_DECIDED)[0]
@@ -400,7 +401,7 @@ class Ways:
         return verdicts
 
     def integrated(self, theta: np.ndarray, tau: float) -> np.ndarray:
-        """Return how far into the domain the velocity is at tau, over size tau^2, by DOP853.
+        """Return the velocity gap at tau by DOP853, positive into the domain, divided by size tau^2.
 
         The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of time/tau. The force is
         the difference from its value 0 at the contact, where a difference of cosines is written as a product.
@@ -427,6 +428,6 @@ def _verdicts(gaps: list[np.ndarray], least: float) -> np.ndarray:
 
 
 def bounds(value: Number, context: Context) -> list[str]:
-    """Return decimals just below and above a value, 5 digits finer than the intervals are."""
+    """Return decimals just below and above a value, 5 digits finer than the intervals."""
     shift = context.mpf(10) ** (-INTERVAL_DIGITS - 5) * max(1, abs(value))
     return [context.nstr(value + sign * shift, INTERVAL_DIGITS + 15) for sign in (-1, 1)]

@@ -99,7 +99,7 @@ class CurveEnd(LatexAnswer):
 
 @dataclass(frozen=True, eq=False)
 class CurvePiece:
-    """A stretch of theta_m over which the start moves continuously; columns in order of theta_m.
+    """A range of theta_m over which the start moves continuously; columns in order of theta_m.
 
     Attributes
     ----------
@@ -168,7 +168,7 @@ class GrazingCurve(Drawable, LatexAnswer):
     _source: Tracer = field(repr=False, compare=False)
 
     def latex(self) -> str:
-        """Return the ends of the pieces as LaTeX: a table of (Omega t_i, x_i), Omega t_m and why it ends there."""
+        """Return the ends of the pieces as a LaTeX table: (Omega t_i, x_i), Omega t_m and the reason."""
         ends = [end for piece in self.pieces for end in (piece.low, piece.high)]
         cells = [
             (latex_number(end.theta), latex_number(end.x), latex_number(end.theta_m), latex_words(end.reason))
@@ -179,7 +179,7 @@ class GrazingCurve(Drawable, LatexAnswer):
 
     @public
     def sample(self, theta_m: NumberLike) -> Sample:
-        """Return the sample at any phase of the window, computed anew."""
+        """Compute the sample at any phase of the window."""
         return self._source.sample(float(read_exact("theta_m", theta_m)))
 
 
@@ -227,6 +227,7 @@ def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS, *, progres
 
 
 def _piece(run: PhaseRun) -> CurvePiece:
+    """Return a run of samples as a piece of the curve."""
     names = ("theta_m", "x_m", "theta", "x", "slope_theta", "slope_x")
     columns = {name: np.array([getattr(sample, name) for sample in run.samples]) for name in names}
     ends = [
@@ -241,7 +242,7 @@ def _piece(run: PhaseRun) -> CurvePiece:
 
 @dataclass(frozen=True)
 class Sample:
-    """A tangency at theta_m and where its flow came from: `origin`, x, and Omega t = theta_m - Omega tau, unwrapped."""
+    """A tangency at theta_m and its flow's start: `origin`, x, and unwrapped Omega t = theta_m - Omega tau."""
 
     theta_m: float
     x_m: float
@@ -254,7 +255,7 @@ class Sample:
 
 
 class Tracer(Origins):
-    """Samples the curve of one mapping, in double precision backed up by more digits."""
+    """A sampler of one mapping's curve, in doubles with precision escalation."""
 
     def __init__(self, p: Parameters, mapping: str) -> None:
         super().__init__(p, mapping)
@@ -264,17 +265,18 @@ class Tracer(Origins):
         self.steps_left = MOST_CURVE_STEPS
 
     def _is_quartic(self, theta_m: float) -> bool:
-        """Return whether a phase is that of the tangency of fourth order, to the digits of a double."""
+        """Return whether a phase is that of the fourth-order tangency, to double precision."""
         p, level = self.p, self.K.w0sq * self.v
         equal = abs(p.k * p.belt(self.place.boundary)) == abs(p.B0 * p.Omega)
         return equal and abs(level + self.K.fB * sin(theta_m)) <= QUARTIC * abs(level)
 
     @cached_property
     def _autonomous(self) -> Arrival:
+        """The arrival of a system without drive, the same for all phases."""
         return self.arrival(0.0)
 
     def sample(self, theta_m: float, careful: bool = True) -> Sample:
-        """Return the sample at theta_m; without `careful` a contact may stay undecided, as a touch."""
+        """Return the sample at theta_m; without `careful` an undecided contact counts as a graze."""
         K = self.K
         if self.p.B0 == 0:  # every phase has the same flight
             arrival = self._autonomous
@@ -304,7 +306,7 @@ class Tracer(Origins):
 
 
 def _arc_of(window: GrazingWindow) -> tuple[float, float, bool] | None:
-    """Return the arc of a window as (low, high, closed); one through 0 has a negative low end."""
+    """Return an arc of a window as (low, high, closed); one through 0 has a negative low end."""
     if window.kind in (EMPTY, EVERYTHING):
         return (0.0, 2 * pi, True) if window.kind == EVERYTHING else None
     low, high = window.ends
@@ -312,7 +314,7 @@ def _arc_of(window: GrazingWindow) -> tuple[float, float, bool] | None:
 
 
 def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:
-    """Return n phases over an arc, both ends of a closed one included; near open ends they are closest."""
+    """Return n phases in an arc, densest near open ends, with both ends of a closed one included."""
     if closed:
         return low + (high - low) * (np.arange(n + 1) / n)
     inner = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(pi * (np.arange(n - 2) + 0.5) / (n - 2))
@@ -322,7 +324,7 @@ def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:
 
 @dataclass
 class PhaseRun:
-    """Neighbouring samples of one origin that move continuously, and the stretch of theta_m that they stand for."""
+    """Neighbouring samples of one origin that move continuously, and the interval of theta_m they represent."""
 
     samples: list[Sample]
     span: tuple[float, float]
@@ -330,12 +332,12 @@ class PhaseRun:
 
     @property
     def origin(self) -> str:
-        """Where the flow back from these tangencies comes from."""
+        """Where the flow backward from these tangencies ends: own belt, other belt, no belt, or not found."""
         return self.samples[0].origin
 
 
 def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) -> list[PhaseRun]:
-    """Cut the samples over an arc where the origin changes or the start jumps."""
+    """Split the samples of an arc where the origin changes or the start jumps."""
     low, high, closed = arc
     limit = "closed" if closed else "end of the window"
     runs: list[PhaseRun] = []
@@ -351,8 +353,8 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
             continue
         before, behind, border = edges
         run += before
-        runs.append(PhaseRun(run, (begin, border), (reason, _reason(tracer, run[-1], behind[-1]))))
-        begin, reason = border, _reason(tracer, behind[-1], run[-1])
+        runs.append(PhaseRun(run, (begin, border), (reason, _end_reason(tracer, run[-1], behind[-1]))))
+        begin, reason = border, _end_reason(tracer, behind[-1], run[-1])
         ahead[-1:] = behind
         run = [ahead.pop()]
     runs.append(PhaseRun(run, (begin, high), (reason, limit)))
@@ -360,7 +362,7 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
 
 
 def _joined(runs: list[PhaseRun]) -> list[PhaseRun]:
-    """Join the last run over a full circle with the first, a turn later, if they are one."""
+    """Join the last run of a full circle to the first, one turn later, if they are continuous."""
     first, last = runs[0], runs[-1]
     if first.origin != last.origin:
         return runs
@@ -371,21 +373,21 @@ def _joined(runs: list[PhaseRun]) -> list[PhaseRun]:
 
 
 def _continuous(left: Sample, right: Sample) -> bool:
-    """Return whether Omega t_i moves between neighbours of one origin as their slopes say, or hardly."""
+    """Return whether Omega t_i changes between neighbours of one origin as their slopes predict, or hardly."""
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
     return not abs(change) > CURVE_STRIDE or abs(change - expected) <= CURVE_AGREEMENT * abs(change)
 
 
 def _needs_middle(left: Sample, right: Sample) -> bool:
-    """Return whether a steep stretch of the curve needs another sample."""
+    """Return whether a steep interval of the curve needs another sample."""
     if not left.origin == right.origin == OWN or _continuous(left, right):
         return False
     return right.theta_m - left.theta_m > FINEST_CURVE
 
 
 def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
-    """Return what lies on both sides of the first change of origin found between two neighbours, or of a jump.
+    """Return both sides of the first change of origin, or of a jump, between two neighbours.
 
     That is: the samples visited behind `left`, those before `right` from it inward, and theta_m of the edge. None:
     there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
@@ -419,7 +421,8 @@ def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], li
     return [each for each in lefts if not each.undecided], [each for each in rights if not each.undecided], border
 
 
-def _reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
+def _end_reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
+    """Say why a piece of the curve ends between two samples."""
     own = tracer.place.boundary
     if beyond.origin == OTHER:
         return f"beyond, the flow comes from belt {3 - own}"
@@ -431,7 +434,7 @@ def _reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
 
 
 def _filled(tracer: Tracer, run: PhaseRun) -> PhaseRun:
-    """Return a run with at least PIECE_POINTS samples away from its ends, where those of the edges gather."""
+    """Return a run with at least PIECE_POINTS samples away from its ends, where edge samples gather."""
     first, last = run.samples[0].theta_m, run.samples[-1].theta_m
     margin = 0.1 * (last - first)
     if sum(first + margin < each.theta_m < last - margin for each in run.samples) >= PIECE_POINTS:

@@ -1,4 +1,4 @@
-"""The grazing conditions with one unknown given: equations (54) with F = 0 at the end of the map.
+"""Solve the grazing conditions, equations (54) with F = 0 at the end of the map, for one given unknown.
 
 Three equations and an inequality have four unknowns (x_i, Omega t_i, x_j, Omega t_j), the start of a map and its end,
 which is the tangency. A given theta_j or x_j fixes the tangency in closed form. For x_i or Omega t_i the samples of the
@@ -66,7 +66,7 @@ SAME_ROOT = 1e-15
 
 
 class GrazingSolutions(list[GrazingStart], LatexAnswer):
-    """Solutions of the grazing conditions, in order of theta_m: a list that says what it leaves out.
+    """Solutions of the grazing conditions in order of theta_m: a list with notes on omitted ones.
 
     Attributes
     ----------
@@ -160,7 +160,7 @@ def solve_grazing(
 
 
 def _read_given(p: Parameters, given: dict[str, NumberLike]) -> tuple[str, NumberLike]:
-    """Return the one unknown that is given, if it can fix a tangency."""
+    """Return the one given unknown; refuse it if it cannot fix a tangency."""
     if len(given) != 1 or next(iter(given)) not in UNKNOWNS:
         raise ParameterError("given", ", ".join(given) or None, f"give exactly one of {', '.join(UNKNOWNS)}")
     name, value = next(iter(given.items()))
@@ -198,7 +198,7 @@ def _phases_of_contact(p: Parameters, mapping: str, value: Fraction) -> list[Ang
 def _on_curve(
     window: GrazingWindow, name: str, value: Any, n: int, digits: int | None, progress: Any
 ) -> GrazingSolutions:
-    """Return the starts on the grazing curve that have a value of x_i or theta_i."""
+    """Return the starts on the grazing curve with a given value of x_i or theta_i."""
     p, mapping = window.parameters, window.mapping
     curve = grazing_curve(p, mapping, n, progress=progress)
     candidates = Candidates(curve, name, value, digits or DEFAULT_DIGITS)
@@ -222,7 +222,7 @@ def _on_curve(
 
 
 def has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits: int) -> bool:
-    """Return whether a start has a value of x_i or theta_i (mod 2 pi) to the digits of its `start`."""
+    """Return whether a start has a value of x_i or theta_i (mod 2 pi), to the digits of its `start`."""
     context = mp_context(digits + 30)
     if name == "x_i":
         gap, size = number_of(Fraction(start.start["x0"]) - value, context), abs(float(value))
@@ -237,7 +237,7 @@ def has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits:
 
 
 class Point(NamedTuple):
-    """A point of the curve: the tangency's phase, the value that is asked for, its slope, and the flight's time."""
+    """A point of the curve: phase of the tangency, value of the unknown, its slope, and duration of the flight."""
 
     theta_m: float
     value: float
@@ -246,7 +246,7 @@ class Point(NamedTuple):
 
 
 class Candidates:
-    """Solutions on a grazing curve: `phases` are their theta_m, `notes` say what had to be left out."""
+    """Solutions on a grazing curve: `phases` are their theta_m, `notes` describe omitted ones."""
 
     def __init__(self, curve: GrazingCurve, name: str, value: Number, digits: int) -> None:
         self.curve, self.source, self.name, self.K = curve, curve._source, name, curve._source.K
@@ -263,7 +263,7 @@ class Candidates:
         self.phases = [read_exact("theta_m", theta) for theta, _ in self._solutions]
 
     def why_none(self) -> str:
-        """Return why there is no solution."""
+        """Return the reason why there is no solution."""
         if not self.curve.pieces:
             return "no flow from the mapping's belt grazes: " + "; ".join(
                 f"for theta_m in ({low:.6g}, {high:.6g}) the flow comes from {origin}"
@@ -277,6 +277,7 @@ class Candidates:
     # -- stretches between samples -----------------------------------------------------------------------------------
 
     def _on_piece(self, piece: CurvePiece) -> None:
+        """Find the solutions on a piece of the curve."""
         points = self._points(piece)
         values = np.array([point.value for point in points])
         ends = (piece.low, points[0]), (piece.high, points[-1])
@@ -298,12 +299,12 @@ class Candidates:
                         self._between(first, turn, target)
                         self._between(turn, last, target)
                     elif turn is not None and abs(turn.value - wanted) <= 1e-12 * max(1.0, abs(turn.value)):
-                        self._take(self._newton(turn.theta_m, turn.tau, target), first, last)
+                        self._store_if_between(self._newton(turn.theta_m, turn.tau, target), first, last)
         for (end, point), index in zip(ends, (0, -1), strict=True):
             self._note_endless(end, point, piece, index)
 
     def _points(self, piece: CurvePiece) -> list[Point]:
-        """Return the samples of a piece, and where the curve begins or ends in a tangency itself, that point too."""
+        """Return the samples of a piece, with the end point if the curve ends in a tangency itself."""
         values, slopes = (piece.x, piece.slope_x) if self.name == "x_i" else (piece.theta, piece.slope_theta)
         columns = (piece.theta_m, values, slopes, (piece.theta_m - piece.theta) / self.K.Om)
         points = [Point(*map(float, row)) for row in zip(*columns, strict=True)]
@@ -316,7 +317,7 @@ class Candidates:
         return points
 
     def _targets(self, low: float, high: float) -> list[Number]:
-        """Return the values to search for: for theta_i those that differ by whole turns."""
+        """Return the target values; for theta_i those that differ by whole turns."""
         if self.name == "x_i":
             return [self.target]
         turn = 2 * self.flights.context.pi
@@ -325,13 +326,14 @@ class Candidates:
 
     @staticmethod
     def _may_turn(first: Point, last: Point, wanted: float) -> bool:
+        """Return whether an extremum between neighbours may reach the value."""
         if not first.slope * last.slope < 0:
             return False
         reach = max(abs(first.slope), abs(last.slope)) * (last.theta_m - first.theta_m)
         return min(abs(first.value - wanted), abs(last.value - wanted)) <= reach
 
     def _extremum(self, first: Point, last: Point) -> Point | None:
-        """Return the extremum between neighbours whose slopes differ in sign; None where the curve breaks."""
+        """Return the extremum between neighbours with slopes of opposite sign; None at a break of the curve."""
         for _ in range(NEWTON_HALVINGS):
             middle = self._sampled(0.5 * (first.theta_m + last.theta_m))
             if middle is None or not first.theta_m < middle.theta_m < last.theta_m or middle.slope == 0.0:
@@ -342,6 +344,7 @@ class Candidates:
         return first
 
     def _sampled(self, theta_m: float) -> Point | None:
+        """Return the point of the curve at theta_m."""
         sample = self.curve.sample(theta_m)
         if sample.origin != OWN:
             return None
@@ -359,7 +362,9 @@ class Candidates:
             gaps = first.value - wanted, last.value - wanted
             part = gaps[0] / (gaps[0] - gaps[1]) if gaps[0] != gaps[1] else 0.5
             theta_m = first.theta_m + part * (last.theta_m - first.theta_m)
-            if self._take(self._newton(theta_m, first.tau + part * (last.tau - first.tau), target), first, last):
+            if self._store_if_between(
+                self._newton(theta_m, first.tau + part * (last.tau - first.tau), target), first, last
+            ):
                 return
             theta_m = 0.5 * (first.theta_m + last.theta_m)
             middle = self._sampled(theta_m) if first.theta_m < theta_m < last.theta_m else None
@@ -367,7 +372,7 @@ class Candidates:
                 break
             first, last = (middle, last) if (middle.value >= wanted) == (first.value >= wanted) else (first, middle)
         is_touch = self.curve.sample(theta_m).slope_theta == 1.0
-        if is_touch and self._take(self._among_touches(theta_m, target), first, last):
+        if is_touch and self._store_if_between(self._among_grazes(theta_m, target), first, last):
             return
         self._broken.add(first)
         self.notes.append(
@@ -379,17 +384,17 @@ class Candidates:
         gap = abs(end.theta_m - point.theta_m)
         reach = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
         if gap > 0 and abs(float(target) - point.value) <= reach:
-            self._take(self._newton(point.theta_m, point.tau, target), point, point, gap)
+            self._store_if_between(self._newton(point.theta_m, point.tau, target), point, point, gap)
 
     def _equation(self, theta: Number, tau: Number, now: Instant, target: Number) -> tuple[Number, Number, Number]:
-        """Return the value less the target, and its derivatives by theta_m and tau."""
+        """Return the value minus the target, and its derivatives by theta_m and tau."""
         if self.name == "x_i":
             return self.flights.contact(theta) + now.dx - target, now.x_theta, -now.v
         Om = self.flights.K.Om
         return theta - Om * tau - target, 1, -Om
 
     def _newton(self, theta_m: float, tau: float, target: Number) -> tuple[Number, Number] | None:
-        """Return theta_m and tau where the flight has the value, from a guess."""
+        """Solve for theta_m and tau at which the flight has the value, from a guess."""
         context, K = self.flights.context, self.flights.K
         theta, tau = context.mpf(theta_m), context.mpf(tau)
         settled = False
@@ -411,8 +416,8 @@ class Candidates:
             settled = abs(theta_step) <= shrunk * (1 + abs(theta)) and abs(tau_step) <= shrunk * tau
         return None
 
-    def _among_touches(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
-        """Return the solution on a curve of flights that begin with a touch too, all after the same time."""
+    def _among_grazes(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
+        """Return the solution on a curve of flights that also begin with a graze, all of one duration."""
         flights, phase = self.flights, Fraction(theta_m)
         arrival, _ = self.source.exact(phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits)
         if arrival.kind != TOUCH:
@@ -427,8 +432,10 @@ class Candidates:
                 return theta, tau
         return None
 
-    def _take(self, solution: tuple[Number, Number] | None, first: Point, last: Point, more: float = 0.0) -> bool:
-        """Keep a solution, once, if its theta_m and tau lie between those of two points, up to rounding and `more`."""
+    def _store_if_between(
+        self, solution: tuple[Number, Number] | None, first: Point, last: Point, more: float = 0.0
+    ) -> bool:
+        """Store a root, unless known, if it lies between two points; return whether it does."""
         if solution is None:
             return False
         theta, tau = solution
@@ -450,7 +457,7 @@ class Candidates:
         return True
 
     def _note_endless(self, end: CurveEnd, point: Point, piece: CurvePiece, index: int) -> None:
-        """Note where a curve goes on for ever beyond what doubles resolve."""
+        """Add a note where a curve continues forever below the resolution of doubles."""
         if end.reason in ("end of the window", "closed"):
             return
         if end.reason.endswith(SEARCH_ENDS):

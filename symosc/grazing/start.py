@@ -1,4 +1,4 @@
-"""Where grazing orbits come from: the way back from a tangency to the switching plane.
+"""The start of a grazing orbit: the flow back from a tangency to the switching plane.
 
 The windows of Theorem 7 (`symosc.grazing.window`) are necessary for a mapping to graze, not sufficient. The flow that
 touches the belt at phase theta must also have come from the plane on which the mapping starts. Flowing back from the
@@ -62,7 +62,7 @@ MOST_PERIODS_BACK = 1e6
 
 @dataclass(frozen=True)
 class GrazingStart(LatexAnswer):
-    """Where the flow that grazes at a phase came from.
+    """The start of the flow that grazes at a phase.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class GrazingStart(LatexAnswer):
     undecided: bool = False
 
     def latex(self) -> str:
-        """Return start and tangency as LaTeX, or why there is no start (no dollar signs)."""
+        """Return start and tangency as LaTeX, or the reason why there is no start (no dollar signs)."""
         name, tangency = f"P_{{{self.mapping.removeprefix('P')}}}", latex_point("m", self.theta_m, self.x_m)
         if not self.found:
             return rf"{name}:\quad {tangency},\quad {latex_words(self.reason)}"
@@ -135,7 +135,7 @@ def grazing_start(
     digits: int | None = None,
     periods: NumberLike = SEARCH_PERIODS,
 ) -> GrazingStart:
-    """Flow back from the tangency at a phase to where the mapping starts.
+    """Follow the flow back from the tangency at a phase to the mapping's start.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def start_of(
     digits: int | None = None,
     periods: float = SEARCH_PERIODS,
 ) -> GrazingStart:
-    """Return what `grazing_start` returns, for an exact time and phase and checked arguments."""
+    """Return the result of `grazing_start` for an exact time and phase and checked arguments."""
     order = order_at(origins.p, origins.mapping, angle)
     wanted = digits or DEFAULT_DIGITS
 
@@ -218,7 +218,7 @@ def _tangency(
 
 
 def order_at(p: Parameters, mapping: str, angle: Angle) -> int:
-    """Return the order of the first G-function that does not vanish at a phase of the mapping's window: 1 or 3."""
+    """Return the order (1 or 3) of the first nonzero G-function at a phase of the mapping's window."""
     window = grazing_window(p, mapping)
     if not window.contains(angle):
         raise ParameterError("theta", str(angle), f"is outside the grazing window: {window!r}")
@@ -242,6 +242,7 @@ def _result(
     digits: int | None,
     periods: float,
 ) -> GrazingStart:
+    """Return an arrival as a GrazingStart."""
     p, boundary, context = flights.p, flights.place.boundary, flights.context
     theta_m, t_m = flights.number(angle), flights.number(time)
     x_m = flights.contact(theta_m)
@@ -289,7 +290,7 @@ def _unit(text: str) -> Fraction:
 
 
 def _no_end(arrival: Arrival, t: float, boundary: int, periods: float) -> str | None:
-    """Return why a search has met no belt."""
+    """Return the reason why a backward search met no belt."""
     never = f"the flow never met a belt before: backward from t = {t:.6g} its velocity runs away from belt {boundary}"
     return {
         NEVER: never,
@@ -359,7 +360,7 @@ class GrazingVerdict(LatexAnswer):
 def is_grazing(
     p: Parameters, mapping: str, x: NumberLike, theta: NumberLike, *, tolerance: NumberLike = G_TOLERANCE
 ) -> GrazingVerdict:
-    """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain touch the belt there?
+    """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain graze the belt there?
 
     The flow grazes if F = 0, and the first G-function that does not vanish has odd order and the sign that leads back
     into the domain. (Order 1 is the theorem as printed.) Values are computed with 50 digits; `tolerance` says what
@@ -409,7 +410,7 @@ def is_grazing(
 
 
 def _g_functions(p: Parameters, where: Place, x: Mpf, theta: Mpf, context: Context) -> Iterator[tuple[Mpf, Mpf]]:
-    """Yield G^(0) = F, G^(1), ... on the belt, each with the size of its terms; those before it count as 0."""
+    """Yield G^(0) = F, G^(1), ... on the belt, each with the size of its terms, provided the earlier ones are 0."""
     v = number_of(p.belt(where.boundary), context)
     cm, w0sq, f0 = (number_of(q / p.m, context) for q in (p.c, p.k, p.B0))
     Om = number_of(p.Omega, context)
@@ -426,6 +427,7 @@ def _g_functions(p: Parameters, where: Place, x: Mpf, theta: Mpf, context: Conte
 
 
 def _why(order: int, grazing: bool) -> str:
+    """Return the reason for a verdict, from the order of the first nonzero G-function."""
     if order == 0:
         return "F does not vanish: the flow is transversal"
     if order % 2 == 0:

@@ -1,4 +1,4 @@
-"""Grazing windows: at which phases a flow that touches a belt's speed turns back (Theorem 7).
+"""Grazing windows (Theorem 7): the phases at which a flow that meets a belt's speed turns back.
 
 At a contact x'' = 0 and x' = v_lambda. So the parameters give gamma = k v_lambda/m and the contact's place x_m(theta),
 and a window is a closed form. Its case is decided in rational numbers. Only what needs sympy loads it: sympy takes
@@ -84,7 +84,7 @@ def grazing_window(p: Parameters, mapping: str, order: Order = "full") -> Grazin
 
 @dataclass(frozen=True, repr=False)
 class GrazingWindow(Drawable, LatexAnswer):
-    """The grazing window of a map; see `grazing_window`, which makes it.
+    """The grazing window of a map, made by `grazing_window`.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def amplitude(self) -> Fraction:
-        """B0 Omega/m, what gamma is compared with."""
+        """B0 Omega/m, to which gamma is compared."""
         return self.parameters.B0 * self.parameters.Omega / self.parameters.m
 
     @property
@@ -125,13 +125,13 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def signs(self) -> tuple[int, int, int]:
-        """Signs of gamma, of the amplitude and of |gamma| - |amplitude|, which make the case."""
+        """Signs of gamma, of the amplitude and of |gamma| - |amplitude|, which determine the case."""
         numbers = self.gamma, self.amplitude, abs(self.gamma) - abs(self.amplitude)
         return tuple((number > 0) - (number < 0) for number in numbers)  # type: ignore[return-value]
 
     @cached_property
     def kind(self) -> int:
-        """What the window is: EMPTY, EVERYTHING, ALL_BUT_ONE (phase), ARC or WRAPPED_ARC of `theorem7_cases`."""
+        """The kind of window: EMPTY, EVERYTHING, ALL_BUT_ONE (phase), ARC or WRAPPED_ARC of `theorem7_cases`."""
         return window_kind(self.place.side, *self.signs, self.order == "full")
 
     @property
@@ -173,7 +173,7 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def ends(self) -> tuple[float, float]:
-        """The ends of the arc, going up from the first to the second, through 0 if wrapped."""
+        """The ends of the arc in increasing order, through 0 if wrapped."""
         if self.kind == ALL_BUT_ONE:
             point = double_double.HALF_PI[0] if self.signs[0] * self.signs[1] < 0 else double_double.THREE_HALVES_PI
             return point, point
@@ -220,7 +220,7 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @public
     def contact(self, theta: NumberLike | np.ndarray) -> Any:
-        """Return the place x_m = (A_alpha + B0 cos theta - c v_lambda)/k of a grazing contact at `theta`.
+        """Return the position x_m = (A_alpha + B0 cos theta - c v_lambda)/k of a grazing contact at `theta`.
 
         Parameters
         ----------
@@ -258,7 +258,7 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def contact_phases(self) -> Expr:
-        """The phases at which a grazing contact exists: `phases`, or for k = 0 those of them with F = 0.
+        """The phases of existing grazing contacts: `phases`, or for k = 0 those with F = 0.
 
         Without a spring F does not depend on x: B0 cos theta = c v_lambda - A_alpha leaves at most one phase.
         """
@@ -287,6 +287,7 @@ class GrazingWindow(Drawable, LatexAnswer):
         return self.place.side * sign_of(rational(self.gamma) + rational(self.amplitude) * sp.sin(exact))
 
     def _contains_array(self, theta: np.ndarray) -> np.ndarray:
+        """Return `contains` for an array of phases, in double precision."""
         if theta.dtype.kind not in "fiu":
             return np.array([self.contains(each) for each in theta.flat], dtype=bool).reshape(theta.shape)
         if not np.all(np.isfinite(theta)):
@@ -326,7 +327,7 @@ class GrazingWindow(Drawable, LatexAnswer):
 
 
 def _read_phase(theta: Any) -> ExactPhase | Expr:
-    """Return a phase as an ExactPhase, or as a sympy expression if it is none of the form a + b pi."""
+    """Return a phase as an ExactPhase, or as a sympy expression if it is not a + b pi."""
     if isinstance(theta, np.ndarray):
         theta = theta[()]  # an array of dimension 0
     if isinstance(theta, str):
@@ -360,7 +361,7 @@ class ArcsineAngle(NamedTuple):
     turns: Fraction
 
     def text(self) -> str:
-        """Return it as sympy prints it."""
+        """Return the angle as sympy prints it."""
         if not self.sign:
             return _pi_text(self.turns)
         arcsine = f"asin({self.sine})"
@@ -370,6 +371,7 @@ class ArcsineAngle(NamedTuple):
 
 
 def _pi_text(turns: Fraction) -> str:
+    """Return a multiple of pi as sympy prints it."""
     if turns == 0:
         return "0"
     top = {1: "pi", -1: "-pi"}.get(turns.numerator, f"{turns.numerator}*pi")
@@ -377,7 +379,7 @@ def _pi_text(turns: Fraction) -> str:
 
 
 def _critical_angle(window: GrazingWindow) -> ArcsineAngle | None:
-    """Return Theta_cr, None where it does not exist."""
+    """Return Theta_cr, or None where it does not exist."""
     if window.amplitude == 0 or window.signs[2] > 0:
         return None
     sine = -window.gamma / window.amplitude
@@ -393,7 +395,7 @@ def critical_text(window: GrazingWindow) -> str:
 
 
 def phases_text(window: GrazingWindow) -> str:
-    """Return the window in the notation of the paper, "empty" for the empty one."""
+    """Return the window in the paper's notation, "empty" if it is."""
     if window.kind in (EMPTY, EVERYTHING):
         return "[0, 2*pi)" if window.kind == EVERYTHING else "empty"
     above = window.place.side * window.signs[1] > 0
@@ -412,7 +414,7 @@ def phases_text(window: GrazingWindow) -> str:
 
 
 class WindowColumns(NamedTuple):
-    """Windows of many parameter sets, arrays of one shape.
+    """Windows of many parameter sets, as arrays of one shape.
 
     Attributes
     ----------
@@ -500,7 +502,7 @@ def grazing_windows(p: Parameters, mapping: str, order: Order = "full", **swept:
 
 
 def _broadcast(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return arrays of one shape."""
+    """Broadcast numbers and arrays to one shape."""
     try:
         return dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
     except (ValueError, RuntimeError):  # RuntimeError: more dimensions than numpy broadcasts

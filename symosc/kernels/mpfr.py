@@ -1,4 +1,4 @@
-"""Numbers of any fixed precision by MPFR (gmpy2), with the names that the entire functions ask of an mpmath context.
+"""Numbers of any fixed precision by MPFR (gmpy2), with the methods of an mpmath context that the kernels need.
 
 gmpy2 rounds to the precision of its current context, which each thread has for itself. Here a precision is current only
 between `enter` and `leave`, and what was current before comes back. A context belongs to one precision and is shared by
@@ -46,24 +46,24 @@ class MpfrContext:
         self.leave(before)
 
     def enter(self) -> Any:
-        """Make this precision the current one of this thread; return what was."""
+        """Make this precision current in this thread; return the previous context."""
         before = gmpy2.get_context()
         gmpy2.set_context(self._context)
         return before
 
     @staticmethod
     def leave(before: Any) -> None:
-        """Make current what was before `enter`."""
+        """Restore the context that was current before `enter`."""
         gmpy2.set_context(before)
 
     @staticmethod
     def own(number: Any) -> Any:
-        """Return the number itself: they know their precision."""
+        """Return the number itself: an mpfr carries its own precision."""
         return number
 
     @staticmethod
     def rounded(numbers: Any, context: MpfrContext) -> tuple[Any, ...]:
-        """Return numbers rounded to the precision of a context, which is the current one."""
+        """Return numbers rounded to the precision of the current context."""
         return tuple([+number for number in numbers])
 
     convert = staticmethod(mpfr)
@@ -77,6 +77,7 @@ class MpfrContext:
 
 @lru_cache(maxsize=4096)
 def _power_of_two(exponent: int) -> Any:
+    """Return 2^exponent as an mpfr."""
     return mpfr(2) ** exponent
 
 

@@ -22,7 +22,7 @@ from symosc.model import Parameters
 
 @contextmanager
 def interrupts_held_back() -> Iterator[None]:
-    """Hold an interrupt (Ctrl-C) back until the end of a block.
+    """Delay an interrupt (Ctrl-C) until the end of a block.
 
     gmpy2, which mpmath loads too, drops every exception of some lines that it runs while it is imported.
     """
@@ -63,7 +63,7 @@ def with_bits(bits: int) -> FixedContext:
 
 
 class FixedContext(MPContext):
-    """An mpmath context of fixed precision, whose mpf and mpc can be pickled and copied, and keep all their digits."""
+    """An mpmath context of fixed precision; its mpf and mpc keep all digits when pickled and copied."""
 
     def __init__(self, digits: int) -> None:
         super().__init__()
@@ -72,32 +72,33 @@ class FixedContext(MPContext):
         self.mpc.__reduce__ = lambda number: (_complex, (digits, *map(to_pickable, number._mpc_)))
 
     def _refuse(self, value: int) -> None:
+        """Raise an error: the precision of this context is fixed."""
         raise AttributeError("the precision of this context is fixed, as others share it; change that of its .clone()")
 
     prec = property(lambda self: self._prec, _refuse)
     dps = property(lambda self: self._dps, _refuse)
 
     def enter(self) -> None:
-        """Do nothing: these numbers know their precision (`symosc.kernels.mpfr`)."""
+        """Do nothing: mpmath numbers carry their precision (compare `symosc.kernels.mpfr`)."""
 
     leave = staticmethod(lambda before: None)
 
     def own(self, number: Any) -> Any:
-        """Return an mpf of another context as one of this, with all its digits."""
+        """Return an mpf of another context as one of this context, with all its digits."""
         return self.make_mpf(number._mpf_)
 
     @staticmethod
     def rounded(numbers: Any, context: Any) -> tuple[Any, ...]:
-        """Return real numbers as those of another mpmath context, rounded to its precision."""
+        """Return real numbers rounded to the precision of another mpmath context."""
         return tuple(+context.make_mpf(number._mpf_) for number in numbers)
 
     def lu_solve(self, A: Any, b: Any) -> Any:
-        """Solve A x = b, A square, in this precision; mpmath's own raises it for a while."""
+        """Solve A x = b, A square, in this precision; mpmath's own method raises it temporarily."""
         factors, order = self.LU_decomp(self.matrix(A))
         return self.U_solve(factors, self.L_solve(factors, self.matrix(b), order))
 
     def clone(self) -> MPContext:
-        """Return a new mpmath context of the same precision, which may be changed."""
+        """Return a new mpmath context of the same, but changeable, precision."""
         context = MPContext()
         context.dps = self.dps
         return context
@@ -107,10 +108,12 @@ class FixedContext(MPContext):
 
 
 def _real(digits: int, parts: object) -> Number:
+    """Rebuild a pickled mpf of a context with `digits` digits."""
     return mp_context(digits).make_mpf(from_pickable(parts))
 
 
 def _complex(digits: int, real: object, imag: object) -> Number:
+    """Rebuild a pickled mpc of a context with `digits` digits."""
     return mp_context(digits).make_mpc((from_pickable(real), from_pickable(imag)))
 
 
@@ -172,6 +175,7 @@ class BasisMP:
         return inner.rounded(values, self.context)
 
     def _series(self, tau: Mpf) -> tuple[Mpf, ...]:
+        """Return the entire functions by their Taylor series in tau."""
         context, (cm, w0sq, Om) = self.for_series, self.constants
         one, zero, eps = context.one, context.zero, +context.eps
         before, term, pull = zero, tau, w0sq * tau
@@ -193,6 +197,7 @@ class BasisMP:
             small_before = small  # single terms may be 0 by accident
 
     def _divided_differences(self, tau: Mpf) -> tuple[Mpf, ...]:
+        """Return the entire functions by divided differences of exp."""
         context, (l1, l2, i_Om) = self.for_differences, self.roots
         over_roots, over_0_l1, over_Om_l1, over_0_l2, over_Om_l2 = self.inverses
         wave = context.expj(i_Om.imag * tau)
@@ -215,4 +220,5 @@ class BasisMP:
 
 
 def _number(value: Fraction, context: Context) -> Number:
+    """Return a parameter as a number of a context."""
     return context.mpf(value.numerator) / value.denominator

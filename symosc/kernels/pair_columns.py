@@ -19,7 +19,7 @@ CANCELLED = 2.0**-90
 
 
 class PairColumn:
-    """Numbers hi + lo in arrays that broadcast; `doubts` is True in rows that need exact arithmetic."""
+    """Numbers hi + lo in broadcasting arrays; `doubts` is True in rows that need exact arithmetic."""
 
     __slots__ = ("doubts", "hi", "lo")
 
@@ -27,6 +27,7 @@ class PairColumn:
         self.hi, self.lo, self.doubts = np.asarray(hi), lo, doubts
 
     def _with(self, other: Any) -> PairColumn:
+        """Return another operand as a column."""
         if isinstance(other, PairColumn):
             return other
         if isinstance(other, Fraction):
@@ -34,6 +35,7 @@ class PairColumn:
         return PairColumn(np.asarray(other, dtype=float))
 
     def _made(self, other: PairColumn, hi: Any, lo: Any) -> PairColumn:
+        """Return a column hi + lo that keeps the doubts of both operands."""
         return PairColumn(hi, lo, self.doubts if other.doubts is None else other.doubts)
 
     def __neg__(self) -> PairColumn:
@@ -100,17 +102,17 @@ class PairColumn:
 
 
 def as_double(value: Any) -> Any:
-    """Return a fraction, or a column, as doubles."""
+    """Convert a fraction, or a column, to doubles."""
     return value.hi if isinstance(value, PairColumn) else float(value)
 
 
 def exactly(value: Any) -> Any:
-    """Return a double, or an array of them, as a number to compute with."""
+    """Convert a double, or an array of doubles, to a fraction or a column."""
     return PairColumn(value) if isinstance(value, np.ndarray) else Fraction(value)
 
 
 def either(condition: Any, one: Any, other: Any) -> Any:
-    """Return `one` where a condition holds, else `other`: of single numbers, and of each row of columns."""
+    """Return `one` where a condition holds, else `other`, for single numbers or row by row."""
     if not isinstance(condition, np.ndarray):
         return one if condition else other
     if not isinstance(one, PairColumn) and not isinstance(other, PairColumn):
@@ -121,12 +123,12 @@ def either(condition: Any, one: Any, other: Any) -> Any:
 
 
 def larger(a: Any, b: Any) -> Any:
-    """Return the larger of two numbers, or of each row of two columns."""
+    """Return the larger of two numbers, or the row-by-row maximum of two columns."""
     return either(b > a, b, a)
 
 
 def each(function: Callable[..., float]) -> Callable[..., Any]:
-    """Return a function of single numbers as one of arrays: numpy's own has other last bits on some processors."""
+    """Apply a scalar function to each entry: numpy's own differs in the last bits on some processors."""
 
     def of_arrays(*columns: Number) -> Any:
         given = np.broadcast_arrays(*columns)

@@ -47,7 +47,7 @@ DOUBLE = ir.DoubleType()
 
 
 class Pair:
-    """A number, and a constant of compiled functions: a Fraction, float or mpf that is rounded once to hi + lo."""
+    """A pair in CPython, and a constant in compiled code: a Fraction, float or mpf rounded once to hi + lo."""
 
     __slots__ = ("hi", "lo")
     __hash__ = None  # type: ignore[assignment]
@@ -114,13 +114,14 @@ class Pair:
 
 
 def pair_of(hi: float, lo: float) -> Pair:
-    """Return the pair hi + lo of two floats, which must not overlap: what `pair` does in compiled code."""
+    """Return the pair hi + lo of two non-overlapping floats, as `pair` does in compiled code."""
     made = Pair.__new__(Pair)
     made.hi, made.lo = hi, lo
     return made
 
 
 def _parts_of(value: Any) -> tuple[float, float]:
+    """Return hi and lo of a number."""
     return (value.hi, value.lo) if type(value) is Pair else (float(value), 0.0)
 
 
@@ -128,17 +129,17 @@ def _parts_of(value: Any) -> tuple[float, float]:
 
 
 class PairType(types.Type):
-    """numba's type of such numbers; ints and floats become pairs where the two meet."""
+    """The numba type of pairs; ints and floats are converted when combined with pairs."""
 
     def __init__(self) -> None:
         super().__init__(name="Pair")
 
     def can_convert_from(self, typingctx: Any, other: Any) -> Any:
-        """Allow ints and floats where a pair is asked for."""
+        """Allow ints and floats where a pair is expected."""
         return Conversion.promote if isinstance(other, (types.Float, types.Integer)) else None
 
     def unify(self, typingctx: Any, other: Any) -> Any:
-        """Make pairs of what is a pair in one branch and an int or a float in another."""
+        """Use a pair for a variable that is a pair in one branch and an int or float in another."""
         return self if isinstance(other, (types.Float, types.Integer)) else None
 
 
@@ -148,6 +149,8 @@ typeof_impl.register(Pair)(lambda value, context: pair_type)
 
 @register_model(PairType)
 class _PairModel(models.StructModel):
+    """The memory layout of a pair: two doubles."""
+
     def __init__(self, manager: Any, declared: Any) -> None:
         super().__init__(manager, declared, [("hi", types.float64), ("lo", types.float64)])
 
@@ -157,23 +160,27 @@ make_attribute_wrapper(PairType, "lo", "lo")
 
 
 def _packed(context: Any, builder: Any, hi: Any, lo: Any) -> Any:
+    """Return LLVM code for the pair hi + lo."""
     made = cgutils.create_struct_proxy(pair_type)(context, builder)
     made.hi, made.lo = hi, lo
     return made._getvalue()
 
 
 def _parts(builder: Any, value: Any) -> tuple[Any, Any]:
+    """Return LLVM code for hi and lo of a pair."""
     return builder.extract_value(value, 0), builder.extract_value(value, 1)
 
 
 @lower_constant(PairType)
 def _constant(context: Any, builder: Any, declared: Any, value: Pair) -> Any:
+    """Return LLVM code for a constant pair."""
     return _packed(context, builder, *(context.get_constant(types.float64, part) for part in (value.hi, value.lo)))
 
 
 @lower_cast(types.Float, PairType)
 @lower_cast(types.Integer, PairType)
 def _cast(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
+    """Return LLVM code that converts an int or a float to a pair."""
     hi = context.cast(builder, value, given, types.float64)
     return _packed(context, builder, hi, context.get_constant(types.float64, 0.0))
 
@@ -182,6 +189,7 @@ def _cast(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> An
 
 
 def _fma(b: Any, x: Any, y: Any, z: Any) -> Any:
+    """Return LLVM code for the fused multiply-add x y + z."""
     declared = b.module.declare_intrinsic("llvm.fma", [DOUBLE], ir.FunctionType(DOUBLE, [DOUBLE] * 3))
     return b.call(declared, [x, y, z])
 
@@ -198,6 +206,7 @@ def _fast_sum(b: Any, x: Any, y: Any) -> tuple[Any, Any]:
 
 
 def _sum(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> tuple[Any, Any]:
+    """Return LLVM code for the sum of two pairs."""
     s, e = _two_sum(b, xh, yh)
     t, f = _two_sum(b, xl, yl)
     s, e = _fast_sum(b, s, b.fadd(e, t))
@@ -205,16 +214,19 @@ def _sum(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> tuple[Any, Any]:
 
 
 def _difference(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> tuple[Any, Any]:
+    """Return LLVM code for the difference of two pairs."""
     return _sum(b, xh, xl, b.fneg(yh), b.fneg(yl))
 
 
 def _product(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> tuple[Any, Any]:
+    """Return LLVM code for the product of two pairs."""
     p = b.fmul(xh, yh)
     e = _fma(b, xh, yh, b.fneg(p))
     return _fast_sum(b, p, b.fadd(e, b.fadd(b.fmul(xh, yl), b.fmul(xl, yh))))
 
 
 def _quotient(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> tuple[Any, Any]:
+    """Return LLVM code for the quotient of two pairs."""
     q = b.fdiv(xh, yh)
     rest = _fma(b, b.fneg(q), yh, xh)  # exact
     rest = b.fadd(rest, b.fsub(xl, b.fmul(q, yl)))
@@ -222,7 +234,7 @@ def _quotient(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> tuple[Any, Any]:
 
 
 def _comparison(sign: str) -> Callable[..., Any]:
-    """Return code that compares the high parts and, where they are equal, the low ones."""
+    """Return LLVM code that compares the high parts and, where they are equal, the low parts."""
 
     def code(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> Any:
         low = b.fcmp_ordered(sign, xl, yl)
@@ -236,7 +248,7 @@ def _comparison(sign: str) -> Callable[..., Any]:
 
 
 def _operator(name: Callable[..., Any], result: Any, code: Callable[..., Any]) -> None:
-    """Give an operator a meaning for two pairs, and for a pair and an int or float."""
+    """Define an operator for two pairs, and for a pair and an int or float."""
 
     @infer_global(name)
     class Typing(AbstractTemplate):
@@ -261,7 +273,7 @@ for _name, _sign in {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "
 
 
 def _pair(typingctx: Any, hi: Any, lo: Any) -> Any:
-    """Return the pair hi + lo of two floats, which must not overlap."""
+    """Return the pair hi + lo of two non-overlapping floats."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         return _packed(context, builder, *arguments)
@@ -270,7 +282,7 @@ def _pair(typingctx: Any, hi: Any, lo: Any) -> Any:
 
 
 def _with_pairs(declared: Any) -> Any:
-    """Return a type with pairs for the complex numbers in it."""
+    """Return a numba type with its complex numbers replaced by pairs."""
     if isinstance(declared, types.Complex):
         return pair_type
     if isinstance(declared, types.NamedTuple):
@@ -281,7 +293,7 @@ def _with_pairs(declared: Any) -> Any:
 
 
 def _from_complex(typingctx: Any, value: Any) -> Any:
-    """Return complex numbers, also those in a named tuple, as pairs: real part and imaginary part are hi and lo."""
+    """Convert complex numbers, also in a named tuple, to pairs: hi is the real, lo the imaginary part."""
     wanted = _with_pairs(value)
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
@@ -300,7 +312,7 @@ def _from_complex(typingctx: Any, value: Any) -> Any:
 
 
 def _to_complex(typingctx: Any, value: Any) -> Any:
-    """Return a pair as the complex number hi + i lo."""
+    """Convert a pair to the complex number hi + i lo."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         made = context.make_complex(builder, types.complex128)
@@ -316,7 +328,7 @@ to_complex: Any = intrinsic(_to_complex)
 
 
 def as_pair(z):
-    """Return the pair that a complex number stands for: `float` in compiled code."""
+    """Return the pair stored in a complex number; compiled code uses it for `float`."""
     return from_complex(z)
 
 
@@ -325,16 +337,20 @@ def as_pair(z):
 
 @overload(operator.neg)
 def _minus(x):
+    """Return -x."""
     return (lambda x: pair(-x.hi, -x.lo)) if x is pair_type else None
 
 
 @overload(abs)
 def _absolute(x):
+    """Return |x|."""
     return (lambda x: -x if x.hi < 0.0 or (x.hi == 0.0 and x.lo < 0.0) else x) if x is pair_type else None
 
 
 @overload(int)
 def _whole(x):
+    """Return a pair truncated to a whole number."""
+
     def whole(x):
         size = abs(x)
         high = math.floor(size.hi)
@@ -348,6 +364,7 @@ def _whole(x):
 
 @overload(operator.setitem)
 def _stored(array, index, value):
+    """Compile the storing of a pair in a complex array."""
     if isinstance(array, types.Array) and array.dtype is types.complex128 and value is pair_type:
 
         def stored(array, index, value):
@@ -359,7 +376,7 @@ def _stored(array, index, value):
 
 @overload(operator.pow)
 def _power(x, y):
-    """Power, for estimates of errors: 16 digits."""
+    """Return the power of a pair to 16 digits, sufficient for error estimates."""
     return (lambda x, y: pair(x.hi**y.hi, 0.0)) if x is pair_type and y is pair_type else None
 
 
@@ -378,7 +395,7 @@ SMALL = 0.34  # expm1 needs no reduction below this
 
 
 def _three_parts(value: Any) -> tuple[Pair, Pair, Pair]:
-    """Return three floats whose sum is an mpf of many digits, to about 2^-160 of it."""
+    """Return three floats whose sum approximates an mpf of many digits to a relative 2^-160."""
     first = float(value)
     second = float(value - first)
     return Pair(first), Pair(second), Pair(float(value - first - second))
@@ -396,7 +413,7 @@ F6, F7, F8, F9 = (1.0 / math.factorial(n) for n in range(6, 10))
 
 @register_jitable
 def root(x):
-    """Square root: error at most 3 units of the result."""
+    """Return the square root: error at most 3 units of the result."""
     if not x.hi > 0.0:
         return pair(0.0 if x.hi == 0.0 else math.nan, 0.0)
     first = math.sqrt(x.hi)
@@ -407,7 +424,7 @@ def root(x):
 
 @register_jitable
 def turned_sine(x, quarters):
-    """Sine of an angle and so many quarters of a turn: error at most 1.8e-32 up to 1e6, in units of 1.
+    """Return the sine of an angle plus quarter turns: absolute error at most 1.8e-32 for angles up to 1e6.
 
     The angle is a multiple j of pi/1024, which the table has, and a rest of at most pi/2048, for which Taylor's series
     takes five terms; only their first coefficients need two doubles.
@@ -431,19 +448,19 @@ def turned_sine(x, quarters):
 
 @register_jitable
 def sine(x):
-    """Sine, see `turned_sine`."""
+    """Return the sine, see `turned_sine`."""
     return turned_sine(x, 0)
 
 
 @register_jitable
 def cosine(x):
-    """Cosine, see `turned_sine`."""
+    """Return the cosine, see `turned_sine`."""
     return turned_sine(x, 1)
 
 
 @register_jitable
 def small_expm1(x):
-    """exp(x) - 1 for |x| up to log(2)/2: Taylor's series at x/2^9, doubled nine times."""
+    """Return exp(x) - 1 for |x| up to log(2)/2: Taylor's series at x/2^9, doubled nine times."""
     m = pair(x.hi * PART, x.lo * PART)
     q = m.hi
     tail = pair(q * (F6 + q * (F7 + q * (F8 + q * F9))), 0.0)
@@ -455,7 +472,7 @@ def small_expm1(x):
 
 @register_jitable
 def exponential(x):
-    """Exponential: error at most 3e-32 of the result from -670 to 709; 0 below, infinite above."""
+    """Return exp(x): relative error at most 3e-32 from -670 to 709; 0 below, infinite above."""
     if x.hi < LEAST_POWER:
         return pair(0.0, 0.0)
     if x.hi > LARGEST_POWER:
@@ -469,7 +486,7 @@ def exponential(x):
 
 @register_jitable
 def exponential_minus_1(x):
-    """exp(x) - 1: error at most 8e-32 of the result."""
+    """Return exp(x) - 1: relative error at most 8e-32."""
     return small_expm1(x) if abs(x.hi) < SMALL else exponential(x) - pair(1.0, 0.0)
 
 
@@ -478,6 +495,7 @@ FUNCTIONS = {"sqrt": root, "sin": sine, "cos": cosine, "exp": exponential, "expm
 
 
 def _overload(name: str, function: Any) -> None:
+    """Register `function` as numba's implementation of `name` for pairs."""
     overload(getattr(math, name))(lambda x: function if x is pair_type else None)
 
 

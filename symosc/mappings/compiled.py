@@ -1,4 +1,4 @@
-"""Residuals of maps and words over arrays at the speed of SIMD, and for a user's own compiled code."""
+"""Residuals of maps and words over arrays in SIMD loops, and for use in compiled user code."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def compiled_residual(
 
 
 class CompiledResidual:
-    """The residuals of a map, or of a word, compiled: what `compiled_residual` returns.
+    """The compiled residuals of a map or a word, made by `compiled_residual`.
 
     A map is called with four arrays x_i, theta_i, x_j, theta_j of one length n; phases are unwrapped. It returns f1 and
     f2, eq. (54), and with ``jacobian=True`` also an array (2, 4, n): the derivatives by the four.
@@ -131,7 +131,7 @@ class CompiledResidual:
 
     @cached_property
     def scalar(self) -> Any:
-        """The residual of one pair of points, compiled for a user's own compiled code."""
+        """The residual of one pair of points, callable from compiled user code."""
         if len(self._rows) > 1:
             raise ParameterError("map", self.maps, "is a word; `scalar` is of one map")
         return _scalar(self._rows[0], self._K, self.jacobian, self.exit)
@@ -168,7 +168,7 @@ class CompiledResidual:
 
 
 def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> tuple[np.ndarray, ...]:
-    """Return arrays of one shape; their entries are not checked."""
+    """Return arrays of one shape, without a check of their entries."""
     if len(columns) != len(names):
         raise ParameterError("points", f"{len(columns)} arrays", f"must be {', '.join(names)}")
     given = [unmasked(name, column) for name, column in zip(names, columns, strict=True)]
@@ -193,7 +193,7 @@ def _belt_and_sides(row: Map, K: Constants, exit: str | None) -> tuple[float, tu
 
 @lru_cache(maxsize=KINDS)
 def _loops(kind: int) -> dict[str, Any]:
-    """Return the loops compiled with the formula of this kind."""
+    """Return the loops compiled with one kind of formula."""
     outlined = {"flights", "flights_and_slopes", "sticks", "sticks_and_slopes", "load", "store", "kinds_of"}
     if kind == WIDE:
         return compile_modules((mapping,), outlined | {"flight", "flight_slopes"}, compiled())
@@ -203,6 +203,7 @@ def _loops(kind: int) -> dict[str, Any]:
 
 
 def _scalar(row: Map, K: Constants, jacobian: bool, exit: str | None) -> Any:
+    """Return the compiled residual of one pair of points."""
     import numba
 
     functions = _loops(WIDE)

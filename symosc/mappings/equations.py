@@ -1,4 +1,4 @@
-"""The mappings P1 to P8: residuals f1, f2 (eq. (54)), their derivatives, and the way to the next switching point.
+"""The mappings P1 to P8: residuals f1, f2 (eq. (54)), their derivatives, and the next switching point.
 
 A map takes a switching point (x_i, theta_i) to the next one (x_j, theta_j), theta = Omega t. Phases are *unwrapped*:
 the motion takes tau = (theta_j - theta_i)/Omega, so a return after a period and a half has theta_j = theta_i + 3 pi.
@@ -134,7 +134,7 @@ def parameter_jacobian(p: Parameters, label: str, start: Pair, end: Pair, exit: 
 
 
 class MapArithmetic(NamedTuple):
-    """What evaluates a map in one arithmetic: the functions of `symosc.kernels.mapping`, and what they need."""
+    """The functions of `symosc.kernels.mapping` and their constants in one arithmetic."""
 
     K: Constants
     of: dict[str, Any]
@@ -158,6 +158,7 @@ def stick_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
 
 
 def _residual(row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit: str | None) -> Any:
+    """Return f1, f2 of a map."""
     K = numbers.K
     if not row.sticks:
         return numbers.of["flight"](*points, *flight_arguments(row, K), K)
@@ -167,6 +168,7 @@ def _residual(row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit:
 
 
 def _jacobian(row: Map, numbers: MapArithmetic, points: Sequence[Numbers]) -> Any:
+    """Return the derivatives of f1, f2 by x_i, theta_i, x_j, theta_j."""
     K, (x_i, theta_i, _, theta_j) = numbers.K, points
     one, zero = 1 + 0 * x_i, 0 * x_i
     if row.sticks:
@@ -181,6 +183,7 @@ def _jacobian(row: Map, numbers: MapArithmetic, points: Sequence[Numbers]) -> An
 def _parameter_jacobian(
     p: Parameters, row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit: str | None
 ) -> Any:
+    """Return the derivatives of f1, f2 by the parameters."""
     K, (x_i, theta_i, x_j, theta_j) = numbers.K, points
     m, zero, domain = numbers.number(p.m), 0 * x_i, row.domain
     begin, end = f"v{row.start.boundary}", f"v{row.end.boundary}"
@@ -209,7 +212,7 @@ def _parameter_jacobian(
 
 
 def _chosen(exit: str | None, force_below: Numbers, force_above: Numbers, below: Any, above: Any) -> Any:
-    """Return `below` or `above`: the one that `exit` names, or the one that belongs to the smaller force."""
+    """Return `below` or `above`: the one named by `exit`, or the one with the smaller force."""
     if exit is not None:
         return below if exit == "below" else above
     nearer_below = abs(force_below) <= abs(force_above)
@@ -223,18 +226,20 @@ def _chosen(exit: str | None, force_below: Numbers, force_above: Numbers, below:
 
 @lru_cache(maxsize=64)
 def _floats(p: Parameters) -> MapArithmetic:
+    """Return the arithmetic of doubles for scalars."""
     return MapArithmetic(constants(p), vars(mapping), float)
 
 
 @lru_cache(maxsize=64)
 def _arrays(p: Parameters) -> MapArithmetic:
+    """Return the arithmetic of doubles for numpy arrays."""
     names = {"sin": np.sin, "cos": np.cos, "basis": entire_array.basis}
     return MapArithmetic(constants(p), bind((mapping,), names), float)
 
 
 @lru_cache(maxsize=16)
 def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmetic:
-    """Return the arithmetic of an mpmath context; `precision` is its precision, which the cache needs as a key."""
+    """Return the arithmetic of an mpmath context; `precision` is its precision, a part of the cache key."""
     from symosc.kernels.multiprecision import BasisMP
 
     number = partial(number_of, context=context)
@@ -280,6 +285,7 @@ def read_points(
 def _in_blocks(
     evaluate: Callable[[list[np.ndarray]], np.ndarray], points: list[np.ndarray], head: tuple[int, ...]
 ) -> np.ndarray:
+    """Evaluate arrays of points in blocks."""
     size = len(points[0])
     found = np.empty((*head, size))
     for begin in range(0, size, ARRAY_BLOCK):
@@ -289,6 +295,7 @@ def _in_blocks(
 
 
 def _matrix(rows: Any) -> np.ndarray:
+    """Return rows of numbers as an array."""
     return np.array(rows, dtype=object if hasattr(rows[0][0], "_mpf_") else float)  # all are of one kind
 
 
@@ -299,7 +306,7 @@ MOST_MAP_PERIODS = 1000
 
 
 class MapError(SymoscError, ValueError):
-    """A mapping that the motion does not follow from the given point.
+    """Raised if the motion from a point does not follow the mapping.
 
     Attributes
     ----------
@@ -329,7 +336,7 @@ class MapError(SymoscError, ValueError):
 
 @dataclass(frozen=True, slots=True)
 class MapPoint:
-    """The switching point that a map leads to.
+    """The switching point at the end of a map.
 
     Attributes
     ----------
@@ -410,6 +417,7 @@ def solve_map(p: Parameters, label: str, x_i: Number, theta_i: Number) -> MapPoi
 
 @lru_cache(maxsize=64)
 def _engine(p: Parameters, digits: int | None) -> Arithmetic:
+    """Return the engine's arithmetic with so many digits."""
     return many_digits(p, digits) if digits else Arithmetic(p)
 
 
@@ -441,7 +449,7 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> t
 
 
 def _checked_start(row: Map, arithmetic: Arithmetic, x: Number, theta: Number, phase: Number) -> BeltStart:
-    """Return how the motion starts; MapError unless it starts as the map does."""
+    """Return the initial state of the motion; raise MapError unless it starts as the map does."""
     K, names, boundary = arithmetic.K, arithmetic.namespace, row.start.boundary
     # After a stick one force is 0, up to the rounding of the stick's end.
     allowed = ROUNDING * names["EPS"] * (force_terms(boundary, x, K) + abs(K.f0 * theta))
@@ -455,7 +463,7 @@ def _checked_start(row: Map, arithmetic: Arithmetic, x: Number, theta: Number, p
 
 
 def _map_derivative(J: np.ndarray) -> np.ndarray | None:
-    """Return d(x_j, theta_j)/d(x_i, theta_i) = -(df/d end)^-1 df/d start; None if that does not exist."""
+    """Return d(x_j, theta_j)/d(x_i, theta_i) = -(df/d end)^-1 df/d start, or None if undefined."""
     (x_x0, x_th0, x_x1, x_th1), (v_x0, v_th0, v_x1, v_th1) = J
     determinant = x_x1 * v_th1 - x_th1 * v_x1
     if determinant == 0:

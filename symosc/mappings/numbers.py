@@ -1,4 +1,4 @@
-"""Numbers of maps and grazing: switching points and exact phases, read, compared and written as LaTeX.
+"""Switching points and exact phases of maps and grazing: read, compared and written as LaTeX.
 
 An exact phase is a Fraction, a real constant of sympy, or an `ExactPhase` a + b pi with rational a and b. The sine of
 an `ExactPhase` is rational in two cases only. If a is not 0 it is transcendental (Lindemann: exp(i a) is, and exp(i b
@@ -42,7 +42,7 @@ def is_array(value: Any) -> bool:
 
 
 def scalar(name: str, value: Any, convert: Callable[[Any], Number]) -> Number:
-    """Return a number in the arithmetic of `convert`."""
+    """Return a number converted to one arithmetic by `convert`."""
     if isinstance(unmasked(name, value), np.ndarray) and value.ndim == 0:
         value = value.item()
     if isinstance(value, bool | np.bool_ | str | bytes | complex | None) or is_array(value):
@@ -58,7 +58,7 @@ def scalar(name: str, value: Any, convert: Callable[[Any], Number]) -> Number:
 
 
 def point_columns(given: list[object]) -> list[np.ndarray]:
-    """Return the four arrays x_i, theta_i, x_j, theta_j in one shape."""
+    """Return x_i, theta_i, x_j, theta_j as four arrays of one shape."""
     allowed = "must be an array of real numbers (arrays and mpmath numbers do not mix)"
     columns = [real_array(name, value, allowed) for name, value in zip(POINT_NAMES, given, strict=True)]
     try:
@@ -69,7 +69,7 @@ def point_columns(given: list[object]) -> list[np.ndarray]:
 
 
 def real_array(name: str, value: object, allowed: str) -> np.ndarray:
-    """Return finite real numbers as an array of floats; text, booleans and complex numbers are refused."""
+    """Return finite real numbers as an array of floats; refuse text, booleans and complex numbers."""
     unmasked(name, value)
     try:
         array = np.asarray(value)
@@ -85,7 +85,7 @@ def real_array(name: str, value: object, allowed: str) -> np.ndarray:
 
 
 def text_or_booleans(value: object) -> bool:
-    """Return whether there is text or a boolean among the entries, which numpy and float() would read as numbers."""
+    """Return whether an entry is a text or a boolean, which numpy and float() would read as numbers."""
     entries = np.asarray(value, dtype=object).ravel().tolist()
     return any(isinstance(entry, bool | np.bool_ | str | bytes) for entry in entries)
 
@@ -112,27 +112,27 @@ class ExactPhase(NamedTuple):
     multiple: Fraction = Fraction(0)
 
     def symbolic(self) -> Expr:
-        """Return it as a sympy number."""
+        """Return the phase as a sympy number."""
         import sympy
 
         return symbolic(self.rest) + symbolic(self.multiple) * sympy.pi
 
     def number(self, context: Context) -> Number:
-        """Return it as an mpf of a context."""
+        """Return the phase as an mpf of a context."""
         return number_of(self.rest, context) + number_of(self.multiple, context) * context.pi
 
     def scaled(self, factor: Fraction) -> ExactPhase:
-        """Return it times a rational number."""
+        """Return the phase times a rational number."""
         return ExactPhase(self.rest * factor, self.multiple * factor)
 
 
 def has_pi(text: object) -> TypeGuard[str]:
-    """Return whether this is text with pi in it."""
+    """Return whether a value is text that contains pi."""
     return isinstance(text, str) and ("pi" in text or "π" in text)
 
 
 def read_phase_text(name: str, text: str) -> ExactPhase:
-    """Return the phase that a text such as "3*pi/2", "pi - 1/3" or "0.7" means."""
+    """Return the phase for a text such as "3*pi/2", "pi - 1/3" or "0.7"."""
     if not has_pi(text):
         return ExactPhase(read_exact(name, text))
     if len(text) > LONGEST_TEXT:
@@ -154,7 +154,7 @@ def read_phase_text(name: str, text: str) -> ExactPhase:
 
 
 def _value(node: ast.expr, known: dict[str, ExactPhase]) -> ExactPhase:
-    """Return the value of an expression that is linear in pi; raises ValueError for another one."""
+    """Return the value of an expression linear in pi; raise ValueError for any other."""
     match node:
         case ast.Name(name):
             return known[name]
@@ -173,7 +173,7 @@ def _value(node: ast.expr, known: dict[str, ExactPhase]) -> ExactPhase:
 
 
 def of_sympy(value: Expr) -> ExactPhase | None:
-    """Return a sympy number as a phase, None if it is not a + b pi with rational a and b."""
+    """Return a sympy number as a phase, or None if it is not a + b pi with rational a and b."""
     import sympy
 
     multiple = value.coeff(sympy.pi)
@@ -208,7 +208,7 @@ def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
 
 
 def read_phase(name: str, value: object) -> Angle:
-    """Return what `read_angle` returns, but a float as the binary number that it is: phases are computed, not typed."""
+    """Return the angle as `read_angle` does, but read a float as its exact binary value (computed, not typed)."""
     if isinstance(value, float | np.floating) and math.isfinite(value):
         value = Fraction(float(value))
     return read_angle(name, value)
@@ -231,7 +231,7 @@ def read_angle(name: str, value: Any) -> Angle:
 
 
 def is_symbolic(value: Any) -> bool:
-    """Return whether this is an expression of sympy and no plain number."""
+    """Return whether a value is a sympy expression and not a plain number."""
     return getattr(value, "is_Float", None) is False and not value.is_Rational
 
 
@@ -253,7 +253,7 @@ def reduced(angle: Angle) -> Angle:
 
 
 def symbolic(value: Angle) -> Expr:
-    """Return a Fraction as a sympy number, and anything else as it is."""
+    """Return a Fraction as a sympy number, and other values unchanged."""
     import sympy
 
     return sympy.Rational(value.numerator, value.denominator) if isinstance(value, Fraction) else value
@@ -278,29 +278,29 @@ def latex_number(value: Any) -> str:
 
 
 def latex_point(letter: str, theta: Any, x: Any) -> str:
-    """Return (Omega t, x) = (theta, x) with a letter as index."""
+    """Return (Omega t, x) = (theta, x) with a symbol as index."""
     return rf"(\Omega t_{letter}, x_{letter}) = ({latex_number(theta)}, {latex_number(x)})"
 
 
 def latex_words(text: str | None) -> str:
-    """Return words inside a formula, with the signs escaped that LaTeX takes for commands."""
+    """Return text for a LaTeX formula, with special characters escaped."""
     escaped = re.sub(r"([_^%&#$])", r"\\\1", text or "")
     return rf"\text{{{escaped}}}"
 
 
 def latex_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return an array with a line below its heads."""
+    """Return a LaTeX array with a line below its column heads."""
     lines = [" & ".join(heads) + r" \\ \hline", *(" & ".join(row) + r" \\" for row in rows)]
     return "\n".join([rf"\begin{{array}}{{{'l' * len(heads)}}}", *lines, r"\end{array}"])
 
 
 class LatexAnswer:
-    """An answer that notebooks show as the formula of its method `latex`."""
+    """A result that notebooks show as the formula returned by `latex`."""
 
     __slots__ = ()
 
     def latex(self) -> str:
-        """Return the answer as LaTeX (no dollar signs)."""
+        """Return the result as LaTeX (no dollar signs)."""
         raise NotImplementedError
 
     def _repr_latex_(self) -> str:

@@ -1,4 +1,4 @@
-"""Theorem 7's cases: where the flow of a map touches, what its window is by signs, and where the window ends.
+"""The cases of Theorem 7: the boundary that a map's flow can graze, and the kind and ends of its window.
 
 A flow that touches a boundary at the phase theta grazes it iff side (k v + B0 Omega sin theta) > 0. The side is 1 for
 the boundary above the domain (a contact from below) and -1 for the one below. The ends are theta_cr, the arcsine of
@@ -29,7 +29,7 @@ from symosc.kernels.double_double import (
 
 
 class Place(NamedTuple):
-    """Where the flow of a map touches a boundary.
+    """The boundary at which the flow of a map can graze.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ EQUALITY_UNDECIDED, EMPTY, EVERYTHING, ALL_BUT_ONE, ARC, WRAPPED_ARC = -1, 0, 1,
 
 
 def place(mapping: str) -> Place:
-    """Return where the flow of a map touches a boundary; only P2, P3, P5 and P6 return to the one that they left."""
+    """Return the boundary at which a map can graze; only P2, P3, P5 and P6 return to their boundary."""
     if not isinstance(mapping, str) or mapping not in PLACES:
         reason = f"it {_NO_GRAZING[mapping]}; " if isinstance(mapping, str) and mapping in _NO_GRAZING else ""
         raise ParameterError("mapping", mapping, f"{reason}grazing is defined for {', '.join(PLACES)}")
@@ -76,7 +76,7 @@ def place(mapping: str) -> Place:
 
 
 def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: int, full: bool) -> int:
-    """Return what the window is from the signs of gamma, the amplitude and |gamma| - |amplitude|.
+    """Return the kind of window from the signs of gamma, the amplitude and |gamma| - |amplitude|.
 
     At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there. G^(3) = -gamma Omega^2 has the
     sign of a graze at `side` iff the rest of the circle is in the window; then `full` includes the phase.
@@ -92,7 +92,7 @@ def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: in
 
 
 def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: int) -> str:
-    """Return the paper's case: (55.1) is the first of (55). Letters are cases that the paper lacks.
+    """Return the paper's case: (55.1) is the first of (55); letters mark cases missing in the paper.
 
     a: gamma has the wrong sign and |gamma| = |amplitude|; b, c: B0 = 0, everything and nothing. B0 < 0 is B0 > 0
     half a period later.

@@ -1,7 +1,7 @@
-"""Periodic orbits of any mapping structure: found, verified by the engine, followed in a parameter.
+"""Find periodic orbits of any word, verify them with the engine, and continue them in a parameter.
 
 closing_equations finds roots; admissibility says which of them are orbits; floquet has their multipliers; find and
 branch find orbits and follow them, the latter along a curve. May import: kernels to simulation.
 
-One more reason for a branch to end: a margin in admissibility; its mark in plot.figures.
+To add a reason for a branch to end, add its margin to admissibility and its mark to plot.figures.
 """

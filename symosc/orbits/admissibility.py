@@ -1,4 +1,4 @@
-"""Which roots of the closing equations are orbits: every inequality that they do not contain, and its margin.
+"""Admissibility: which roots of the closing equations are orbits; each inequality with its margin.
 
 The equations say that each piece ends on its belt. That it gets there first, and that the motion goes on as the next
 mapping says, are inequalities. Each one is a `Condition` with a value that is positive where it holds. The smallest
@@ -104,7 +104,7 @@ class Extremum(NamedTuple):
 
 
 class Scales(NamedTuple):
-    """Sizes of times, velocities and accelerations on an orbit."""
+    """The magnitudes of times, velocities and accelerations on an orbit."""
 
     t: float
     v: float
@@ -112,7 +112,7 @@ class Scales(NamedTuple):
 
 
 def scales(equations: ClosingEquations, points: Points) -> Scales:
-    """Return the sizes of the terms in the margins of an orbit."""
+    """Return the magnitudes of the terms in the margins of an orbit."""
     K = equations.K
     belts = [abs(float(equations.belt(piece.start).v)) for piece in equations.pieces]
     a = max(abs(float(A)) for A in (K.A1, K.A2, K.A3)) + abs(float(K.f0)) + float(K.cm) * max(belts)
@@ -146,6 +146,7 @@ MarginRow = tuple[str, Number, Number, str, int, float]
 def _flight_margins(
     equations: ClosingEquations, piece: OrbitPiece, following: OrbitPiece, start: Point, end: Point, sizes: Scales
 ) -> Iterator[MarginRow]:
+    """Return the conditions of a flight with their margins."""
     K, v_end, side = equations.K, equations.belt(piece.end).v, piece.side
     tau, flight = (end[1] - start[1]) / K.Om, equations.start_of_flight(piece, start)
     short, sign, opposite = float(min(1, abs(tau) * K.rate)), "><"[side < 0], "<>"[side < 0]
@@ -177,6 +178,7 @@ def _flight_margins(
 def _stick_margins(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, sizes: Scales
 ) -> Iterator[MarginRow]:
+    """Return the conditions of a stick with their margins."""
     K, belt, names = equations.K, equations.belt(piece.start), equations.arithmetic.namespace
     low, high, tau = piece.start, piece.start + 1, (end[1] - start[1]) / K.Om
     s0, c0 = equations.sin(start[1]), equations.cos(start[1])
@@ -198,7 +200,7 @@ def _stick_margins(
 
 
 def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
-    """Return the extrema of the velocity of a flight between two times; `at_rest`: a0 = 0 is none.
+    """Return the velocity extrema of a flight between two times; `at_rest`: a zero of a0 does not count.
 
     They are bracketed in doubles, and then located in the arithmetic of the equations.
     """
@@ -215,7 +217,7 @@ def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations
 
 
 def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: ClosingEquations) -> Extremum:
-    """Return the zero of the acceleration in a bracket, by Newton steps kept inside it."""
+    """Return the zero of the acceleration in a bracket, by Newton steps within it."""
     states, K = equations.arithmetic.namespace["state_at"], equations.K
     number = equations.exact or float
     allowed = FINEST_SAMPLES * equations.arithmetic.namespace["EPS"]
@@ -237,7 +239,7 @@ def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: C
 
 
 def grazing_distance(equations: ClosingEquations, points: Points) -> float:
-    """Return the least velocity by which a flight misses a belt that it turns before, or exceeds one that it meets.
+    """Return the least velocity difference by which a flight avoids or passes a graze.
 
     At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go past
     the belt if the motion of its domain went on. Both are 0 where the orbit grazes, seen from below and from above.
@@ -256,7 +258,7 @@ def grazing_distance(equations: ClosingEquations, points: Points) -> float:
 
 
 def failing(all_of_them: list[Condition]) -> list[Condition]:
-    """Return the conditions that do not hold, the one that explains the others first."""
+    """Return the failing conditions, the one that explains the others first."""
     return sorted((c for c in all_of_them if not c.value > 0), key=lambda condition: condition.rank)
 
 
@@ -264,7 +266,7 @@ def failing(all_of_them: list[Condition]) -> list[Condition]:
 
 
 def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
-    """Return what keeps a root (in doubles) from being an orbit, what explains the rest first; empty for an orbit."""
+    """Return why a root (in doubles) is not an orbit, the main reason first; empty for an orbit."""
     found = conditions(equations, points)
     small = any(abs(condition.value) < MARGINAL * condition.scale for condition in found)
     if not small and not ill_conditioned(equations, points):
@@ -317,7 +319,7 @@ def refined(equations: ClosingEquations, points: Points) -> tuple[ClosingEquatio
 def _vanishing(
     equations: ClosingEquations, points: Points, found: list[Condition], fine: ClosingEquations, root: Solution
 ) -> list[Condition]:
-    """Return that a piece has no length where its duration goes to 0 under Newton's method: a multiple root."""
+    """Return a failure if a duration tends to 0 under Newton's method: a multiple root."""
     was, now = (
         [end[1] - start[1] for start, end in zip(each, of.ends(each), strict=True)]
         for of, each in ((equations, points), (fine, root.points))
@@ -328,7 +330,7 @@ def _vanishing(
 
 
 def _undecided(found: list[Condition]) -> list[Condition]:
-    """Return the conditions that fail or may fail, for a root that is not found with more digits."""
+    """Return the conditions that fail or may fail, for a root not found with more digits."""
     failed = failing(found)
     if failed:
         return failed
@@ -338,7 +340,7 @@ def _undecided(found: list[Condition]) -> list[Condition]:
 
 
 def engine_agrees(equations: ClosingEquations, points: Points, digits: int | None) -> bool:
-    """Return whether the engine, started on the root, follows the word and comes back after the period."""
+    """Return whether the engine, started on the root, follows the word and returns after the period."""
     _, events, due = _engine_events(equations, points, digits)
     if len(events) < len(due):
         return False
@@ -355,7 +357,7 @@ def engine_agrees(equations: ClosingEquations, points: Points, digits: int | Non
 def _engine_events(
     equations: ClosingEquations, points: Points, digits: int | None
 ) -> tuple[int, Sequence[Event], list[tuple[int, str, Number, Number]]]:
-    """Return a switching point, the engine's events from it over a little more than a period, and those of the root.
+    """Return a switching point, the engine's events over a little more than a period, and the root's events.
 
     It is the end of a flight where the forces on both sides of the belt are farthest from 0. Those of the root are the
     boundary, the mode afterwards, x and t.
@@ -381,7 +383,7 @@ def _engine_events(
 
 
 def _contradiction(equations: ClosingEquations, points: Points) -> Condition:
-    """Return which piece the engine, started on the root, does not follow."""
+    """Return the first piece that the engine, started on the root, does not follow."""
     first, events, due = _engine_events(equations, points, None)
     K = equations.K
     for j, (boundary, target, _, t) in enumerate(due):

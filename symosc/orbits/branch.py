@@ -55,7 +55,7 @@ UNDECIDED_LENGTH = 1e-9  # length of a piece on which a margin that cannot be bo
 
 
 class BranchError(SymoscError, ValueError):
-    """A branch that cannot be begun, because its first root is not an orbit.
+    """Raised if a branch cannot be started because its first root is not an orbit.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class BranchError(SymoscError, ValueError):
 
 
 class BranchEnd(NamedTuple):
-    """Where and why a branch ends.
+    """Location and reason of a branch's end.
 
     Attributes
     ----------
@@ -172,6 +172,7 @@ class Branch(Drawable):
         return find_orbit(self.parameters(i), self.word, self.points[self._index(i)], digits, periods=self.periods)
 
     def _index(self, i: int) -> int:
+        """Return a nonnegative index for i."""
         return whole_number("i", i, -len(self.values), len(self.values) - 1)
 
     def as_dict(self) -> Record:
@@ -290,7 +291,7 @@ def continue_orbit(
 
 
 def _progress(curve: Curve, advance: Advance, before: int) -> Callable[[float, int], None]:
-    """Return a progress callback of one way, for a value and its count; `before`: points of the other way."""
+    """Return a progress callback for one direction, by value and count; `before`: points of the other one."""
     begin, reached = curve.value, 0.0
     done = 0.0 if before == 0 else begin - curve.low  # the other way is done, wherever it ended
 
@@ -306,7 +307,7 @@ def _progress(curve: Curve, advance: Advance, before: int) -> Callable[[float, i
 def _follow(
     curve: Curve, direction: float, most: int, report: Callable[[float, int], None]
 ) -> tuple[list[BranchPoint], BranchEnd]:
-    """Follow the curve one way; return its points and why they end."""
+    """Follow the curve in one direction; return its points and why they end."""
     path, length = _first_points(curve, direction), FIRST_STEP
     current = path[-1]
 
@@ -334,12 +335,12 @@ def _follow(
             del path[most:]
             return path, end(MOST, f"stopped after {most} points")
         if failed is not None:
-            return _ended(curve, path, failed, direction)
+            return _with_end(curve, path, failed, direction)
         current, length = path[-1], min(1.5 * length, LONGEST_STEP)
 
 
 def _first_points(curve: Curve, direction: float) -> list[BranchPoint]:
-    """Return the first point, and one a little further on if the first is at an end, where margins are rounding noise.
+    """Return the first point, and a slightly later one if the first is at an end (margins are rounding noise).
 
     On the way between the two nothing is proven (as before an end, see NO_GAP).
     """
@@ -356,7 +357,7 @@ def _first_points(curve: Curve, direction: float) -> list[BranchPoint]:
 def _scan(
     curve: Curve, a: BranchPoint, b: BranchPoint, around: float = np.inf
 ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-    """Return the orbits of a piece of the branch behind its point a, and the first point that is none (None: all are).
+    """Return the orbits on a branch piece after its point a, and the first point that is none (None: all are).
 
     None if the points do not lie on one smooth curve. `around` is the length of the shortest piece around it that is
     known to end in a change.
@@ -386,7 +387,7 @@ def _scan(
 
 
 def _smooth(curve: Curve, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
-    """Return whether the point in the middle is on the cubic of the other two, wherever along it."""
+    """Return whether the middle point lies on the cubic through the other two."""
     away = curve.level(curve.of(m) - curve.halfway(a, b))
     along = curve.level(m.tangent)
     away = away - (away @ along) * along
@@ -408,12 +409,12 @@ def _proven(curve: Curve, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> boo
 
 
 def _verified(curve: Curve, point: BranchPoint) -> BranchPoint:
-    """Return the point with what the engine objects to."""
+    """Return the point, with the contradictions found by the engine."""
     return replace(point, failures=tuple(failures(curve.equations(point.value), point.points)))
 
 
 def _located(curve: Curve, good: BranchPoint, bad: BranchPoint) -> tuple[list[BranchPoint], BranchPoint]:
-    """Return the last point before a change, if it is not the given one, and the first one after it, by halving."""
+    """Return the last point before a change (or the given one) and the first after it, by bisection."""
     begin = good
     while curve.distance(good, bad) > RESOLUTION:
         m = curve.middle(good, bad)
@@ -423,10 +424,10 @@ def _located(curve: Curve, good: BranchPoint, bad: BranchPoint) -> tuple[list[Br
     return ([] if good is begin else [good]), bad
 
 
-def _ended(
+def _with_end(
     curve: Curve, path: list[BranchPoint], failed: BranchPoint, direction: float
 ) -> tuple[list[BranchPoint], BranchEnd]:
-    """Return the points and why they end: what fails after the last one, and what is practically 0 there."""
+    """Return the path and its BranchEnd: the conditions that vanish or fail there, and the word beyond."""
     far = [point for point in path if curve.distance(point, failed) > FAR_BEHIND]
     before = far[-1] if far else path[0]
     pairs = zip(before.conditions, failed.conditions, strict=True)
@@ -445,7 +446,7 @@ def _ended(
 
 
 def _inside(curve: Curve, last: BranchPoint) -> BranchPoint:
-    """Return the last point that is an orbit with all digits, a few roundings before one that is in doubles."""
+    """Return the last point that is an orbit with all digits, a few roundings before the last in doubles."""
     for back in (0.0, *(RESOLUTION * 4.0**j for j in range(MOST_BACK))):
         z = curve.of(last) - back * last.tangent
         point = last if back == 0.0 else curve.accepted(curve.correct(z, last.tangent), last)
@@ -458,11 +459,13 @@ def _inside(curve: Curve, last: BranchPoint) -> BranchPoint:
 
 
 def _switchings(curve: Curve, point: BranchPoint) -> tuple[SwitchingPoint, ...]:
+    """Return the switching points of a branch point as (t, x)."""
     Omega = point.value if curve.parameter == "Omega" else float(curve.orbit.parameters.Omega)
     return tuple(SwitchingPoint(float(t), float(x)) for t, x in point.times(Omega))
 
 
 def _read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[float, float]:
+    """Return the limits of the parameter as numbers."""
     if not isinstance(parameter, str) or parameter not in PARAMETER_NAMES:
         known = f"must be one of {', '.join(PARAMETER_NAMES)}"
         raise ParameterError("parameter", parameter, known + meant(parameter, PARAMETER_NAMES))

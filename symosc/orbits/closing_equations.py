@@ -1,4 +1,4 @@
-"""The closing equations of a periodic orbit, all switching points at once.
+"""The closing equations of a periodic orbit, with all switching points as unknowns.
 
 An orbit with the word "P32" is n = 2 mappings in order of time, P2 then P3. The unknowns are its switching points
 (x_0, theta_0), ..., (x_(n-1), theta_(n-1)), phases not wrapped; the equations are f1 = f2 = 0 (eq. (54)) of each
@@ -58,7 +58,7 @@ SINGULAR = "the Jacobian became singular"
 
 
 class ConvergenceError(SymoscError, ArithmeticError):
-    """Newton's method for a periodic orbit did not converge.
+    """Raised if Newton's method for a periodic orbit does not converge.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class ConvergenceError(SymoscError, ArithmeticError):
 
 @dataclass(frozen=True)
 class OrbitPiece:
-    """One mapping of a word."""
+    """One mapping of a word, as a piece of an orbit."""
 
     label: str
     start: int
@@ -101,17 +101,17 @@ class OrbitPiece:
 
     @property
     def sticks(self) -> bool:
-        """Whether the mass stays on a belt."""
+        """Whether the mass sticks to a belt."""
         return self.mode > 3
 
     @property
     def zeros(self) -> int:
-        """How many times tau = 0 is a root of f2: 0 from belt to belt, 1 back to the same, then 2 after a stick."""
+        """The multiplicity of the root tau = 0 of f2: 0 between belts, 1 back to the same, 2 then after a stick."""
         return 0 if self.sticks or self.start != self.end else 2 if self.after_stick else 1
 
 
 def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
-    """Return the pieces of a word, which repeats for ever."""
+    """Return the pieces of a word, taken as periodic."""
     pieces = []
     for i, (row, exit) in enumerate(zip(word.maps, word.exits(), strict=True)):
         upward = exit == "above" if row.sticks else row.end.superscript == 1  # from below
@@ -159,7 +159,7 @@ class ClosingEquations:
         return [*points[1:], (x, theta + self.turn)]
 
     def residuals(self, points: Points) -> list[Number]:
-        """Return f1, f2 of every piece, in order, the known roots tau = 0 divided out of f2."""
+        """Return f1, f2 of each piece in order, with known roots tau = 0 of f2 divided out."""
         values = []
         for piece, start, end in self._ends_of_pieces(points):
             f1, f2 = self._residual(piece, start, end)
@@ -175,6 +175,7 @@ class ClosingEquations:
         return [self._jacobian(*each) for each in self._ends_of_pieces(points)]
 
     def _ends_of_pieces(self, points: Points) -> Any:
+        """Return each piece with its start and end point."""
         return zip(self.pieces, points, self.ends(points), strict=True)
 
     def force(self, domain: int, x: Number, v: Number, theta: Number) -> Number:
@@ -193,6 +194,7 @@ class ClosingEquations:
         return Launch(v, a, self.sin(start[1]), self.cos(start[1]))
 
     def _residual(self, piece: OrbitPiece, start: Point, end: Point) -> tuple[Number, Number]:
+        """Return f1, f2 of a piece, with the known roots divided out."""
         K, tau, v_end = self.K, (end[1] - start[1]) / self.K.Om, self.belt(piece.end).v
         if piece.sticks:
             domain = piece.start + (piece.side > 0)
@@ -203,6 +205,7 @@ class ClosingEquations:
         return flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
 
     def _jacobian(self, piece: OrbitPiece, start: Point, end: Point) -> Any:
+        """Return the 2x4 Jacobian of a piece."""
         K, tau = self.K, (end[1] - start[1]) / self.K.Om
         if piece.sticks:
             x_th0, x_th1, v_x1, v_th1 = stick_jacobian(self.belt(piece.start).v, self.sin(end[1]), K.w0sq, K.f0, K.Om)
@@ -240,7 +243,7 @@ class ClosingEquations:
 
 @dataclass
 class Solution:
-    """What Newton's method ended with: points (n, 2) of (x, theta), largest |residual|, steps, and why it stopped."""
+    """The result of Newton's method: points (n, 2) of (x, theta), largest |residual|, steps, and stop reason."""
 
     points: Any
     residual: Number
@@ -263,7 +266,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     for steps in range(1, MOST_NEWTON_STEPS + 1):
         matrix = equations.matrix(points)
         try:
-            step = _step(equations, matrix, -values)
+            step = _newton_step(equations, matrix, -values)
         except np.linalg.LinAlgError:
             return Solution(best[1], best[0], steps, False, SINGULAR)
         size = np.abs(step / scale).max()
@@ -276,7 +279,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
         while True:
             trial = points + damping * step
             values = np.array(equations.residuals(trial), dtype=float)
-            after = np.abs(_step(equations, matrix, values) / scale).max()
+            after = np.abs(_newton_step(equations, matrix, values) / scale).max()
             if after <= (1 - damping / 4) * size or (size < CONVERGING and damping == 1.0):
                 break
             damping /= 2
@@ -287,15 +290,15 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     return Solution(best[1], best[0], MOST_NEWTON_STEPS, False, f"not converged after {MOST_NEWTON_STEPS} steps")
 
 
-def _step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return the correction; without damping roots may be many, and the nearest one is wanted."""
+def _newton_step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return the Newton correction; without damping, the nearest of many roots is wanted."""
     if equations.K.cm == 0:
         return np.linalg.lstsq(matrix, right, rcond=SAME_ROW)[0].reshape(-1, 2)
     return np.linalg.solve(matrix, right).reshape(-1, 2)
 
 
 def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
-    """Solve the closing equations in double precision; where rounding errors stop Newton's method, with more digits.
+    """Solve the closing equations in doubles; where rounding stops Newton's method, with more digits.
 
     Near the birth of a short piece its duration has few digits in doubles, and steps that small are all noise.
     """
@@ -314,7 +317,7 @@ def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
 
 
 def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
-    """Return the part of a step after which every flight has kept 1 - SHORTEN of its duration.
+    """Return the largest part of a step that leaves every flight at least 1 - SHORTEN of its duration.
 
     A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
     """

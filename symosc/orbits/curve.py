@@ -1,4 +1,4 @@
-"""The roots of the closing equations with one parameter free: a curve, and its points.
+"""The curve of roots of the closing equations as one parameter varies.
 
 That nothing fails between two points of a branch: every margin is bounded there, not only compared at its ends.
 
@@ -77,7 +77,7 @@ LONGEST_WORD = 24  # mappings of a word that is tried
 
 @dataclass(frozen=True)
 class BranchPoint:
-    """A point of a branch: value of the parameter, switching points (x, theta), multipliers, margins."""
+    """A point of a branch: parameter value, switching points (x, theta), multipliers, margins."""
 
     value: float
     points: np.ndarray
@@ -94,7 +94,7 @@ class BranchPoint:
         return max(abs(value) for value in self.multipliers) < 1 - NEAR_ONE
 
     def times(self, Omega: float) -> np.ndarray:
-        """Return the (n, 2) array of (t, x), for the drive's frequency there."""
+        """Return the (n, 2) array of (t, x) for the drive frequency at this point."""
         return np.column_stack([self.points[:, 1] / Omega, self.points[:, 0]])
 
 
@@ -156,11 +156,11 @@ class Curve:
         return unscaled[:-1].reshape(-1, 2), value
 
     def joined(self, points: np.ndarray, value: float) -> np.ndarray:
-        """Return the scaled unknowns."""
+        """Return the scaled unknowns from points (n, 2) and parameter."""
         return np.append(np.ravel(points), value) / self.scale
 
     def of(self, point: BranchPoint) -> np.ndarray:
-        """Return the scaled unknowns of a point."""
+        """Return the scaled unknowns of a branch point."""
         return self.joined(point.points, point.value)
 
     @staticmethod
@@ -195,7 +195,7 @@ class Curve:
         return z if size < CONVERGING else None
 
     def point(self, z: np.ndarray, along: np.ndarray) -> BranchPoint:
-        """Return what is known about a point of the curve; its tangent points as `along` does."""
+        """Return the branch point at z; its tangent is oriented like `along`."""
         points, value = self.split(z)
         equations = self.equations(value)
         _, matrix = self.linearised(self.joined(points, value))
@@ -215,11 +215,11 @@ class Curve:
         )
 
     def first(self, direction: float) -> BranchPoint:
-        """Return the point that the curve was given, its tangent towards larger or smaller values."""
+        """Return the given first point, with its tangent towards larger or smaller values."""
         return self.point(self.joined(self.start, self.value), np.append(np.zeros(len(self.scale) - 1), direction))
 
     def accepted(self, z: np.ndarray | None, before: BranchPoint) -> BranchPoint | None:
-        """Return the point at z, or None if there is no such point or the curve turns too sharply towards it."""
+        """Return the point at z, or None if there is none or the curve turns too sharply towards it."""
         if z is None:
             return None
         try:
@@ -229,7 +229,7 @@ class Curve:
         return point if point.tangent @ self.level(before.tangent) > SHARPEST_TURN else None
 
     def step(self, current: BranchPoint, length: float) -> BranchPoint | None:
-        """Return the point at that length along the tangent, or the end of the range if that comes first, or None."""
+        """Return the point at this length along the tangent, or at the end of the range if nearer, or None."""
         ahead = self.of(current) + length * current.tangent
         value = self.split(ahead)[1]
         if self.low < value < self.high:
@@ -244,11 +244,11 @@ class Curve:
         return self.accepted(self.joined(solution.points, value), current) if solution.converged else None
 
     def halfway(self, a: BranchPoint, b: BranchPoint) -> np.ndarray:
-        """Return where the cubic with the points and tangents of a and b is halfway: off the curve by its bend."""
+        """Return the midpoint of the cubic with the points and tangents of a and b, near the curve."""
         return 0.5 * (self.of(a) + self.of(b)) + 0.125 * self.distance(a, b) * (a.tangent - b.tangent)
 
     def middle(self, a: BranchPoint, b: BranchPoint) -> BranchPoint | None:
-        """Return the point of the curve between two points."""
+        """Return the point of the curve midway between two points."""
         return self.accepted(self.correct(self.halfway(a, b), self.of(b) - self.of(a)), a)
 
 
@@ -270,7 +270,7 @@ def no_margin_vanishes(nodes: list[Node], margins: list[tuple[Condition, ...]]) 
 
 
 def of_function(condition: Condition) -> bool:
-    """Return whether a condition is about the whole of a piece, not about its end or duration."""
+    """Return whether a condition concerns a whole piece, not only its end or duration."""
     return " stays in " in condition.text or " during " in condition.text
 
 
@@ -285,7 +285,7 @@ def _cells(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
 
 
 def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
-    """Return whether the functions of piece i are positive for the parts u of its duration and all in between."""
+    """Return whether the functions of piece i stay positive at and between the parts u of its duration."""
     found = [functions(equations, points, i, u) for equations, points in nodes]
     for rows in zip(*found, strict=True):
         values = np.array(rows)
@@ -306,13 +306,13 @@ def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool
 
 
 def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
-    """Return first and last index of every stretch of True."""
+    """Return first and last index of each run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
     return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def functions(equations: ClosingEquations, points: Points, i: int, u: np.ndarray) -> list[np.ndarray]:
-    """Return the functions of piece i that have to be positive, at parts u of its duration."""
+    """Return the functions of piece i that must be positive, at parts u of its duration."""
     piece, start, end = equations.pieces[i], points[i], equations.ends(points)[i]
     tau = (end[1] - start[1]) / equations.K.Om
     return (_of_stick if piece.sticks else _of_flight)(equations, piece, start, end, tau, u)
@@ -321,6 +321,7 @@ def functions(equations: ClosingEquations, points: Points, i: int, u: np.ndarray
 def _of_flight(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
+    """Return the functions of a flight that must be positive, at parts u."""
     K, times = equations.K, tau * u
     v, a, s, c = equations.start_of_flight(piece, start)
     _, dv, acceleration = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis(times, K)[:5])
@@ -346,6 +347,7 @@ def _of_flight(
 def _of_stick(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
+    """Return the functions of a stick that must be positive, at parts u."""
     K, belt = equations.K, equations.belt(piece.start)
     before = -(1 - u) * tau  # time, counted from the end of the stick, where the force that ends it is 0
     half = 0.5 * K.Om * before
@@ -359,7 +361,7 @@ def _of_stick(
 
 
 def word_beyond(curve: Curve, point: BranchPoint, direction: float) -> tuple[str | None, str]:
-    """Return the word of the orbit just beyond an end; or None and what the motion does there, "" if that is not known.
+    """Return the orbit's word just beyond an end; or None and the motion there as text ("" if unknown).
 
     The motion is simulated there from the orbit at the end, and the words that it goes through are solved for. One with
     an admissible orbit is the answer: with c > 0 there is no second one (`symosc.orbits.floquet`).
@@ -383,7 +385,7 @@ def word_beyond(curve: Curve, point: BranchPoint, direction: float) -> tuple[str
 
 
 def _orbit_of(equations: ClosingEquations, run: WordRun, size: float) -> Word | None:
-    """Return the word of an admissible orbit that a simulation comes near to."""
+    """Return the word of an admissible orbit that a simulation approaches."""
     settled = settled_word(equations, run)
     words = ([settled] if settled else []) + _words_of_a_period(equations, run.passages)
     for word in dict.fromkeys(words):
@@ -397,7 +399,7 @@ def _orbit_of(equations: ClosingEquations, run: WordRun, size: float) -> Word | 
 
 
 def _words_of_a_period(equations: ClosingEquations, passages: list[Passage]) -> list[Word]:
-    """Return the words that the simulation goes through in one period, the last ones first."""
+    """Return the words of one period that occur in the simulation, the last ones first."""
     labels, found = mappings_between(passages), []
     phases = np.array([passage.theta for passage in passages])
     turn = 2 * pi * equations.periods

@@ -1,4 +1,4 @@
-"""Finding periodic orbits of any mapping structure and any number of forcing periods."""
+"""Find periodic orbits of any word and any number of forcing periods."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def find_orbit(
 
 
 def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> tuple[ClosingEquations, Solution]:
-    """Return the first admissible root, else the one that fails least, one that repeats a shorter word last."""
+    """Return the first admissible root, else the one that fails least; repetitions of shorter words last."""
     roots: list[tuple[tuple[bool, bool, float], ClosingEquations, Solution]] = []
     best: Solution | None = None
     tried = equations
@@ -151,7 +151,7 @@ def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> t
 
 
 def _same(equations: ClosingEquations, a: Solution, others: ClosingEquations, b: Solution) -> bool:
-    """Return whether two roots are the same, apart from whole turns."""
+    """Return whether two roots are equal up to whole turns."""
     if equations.periods != others.periods:
         return False
     away = np.asarray(a.points) - np.asarray(b.points)
@@ -160,7 +160,7 @@ def _same(equations: ClosingEquations, a: Solution, others: ClosingEquations, b:
 
 
 def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:
-    """Return how often the root runs through one and the same shorter orbit."""
+    """Return how many times the root repeats one shorter orbit."""
     n, labels = len(points), equations.word.labels
     points = np.asarray(points, dtype=float)
     size = np.array([max(1.0, np.abs(points[:, 0]).max()), 1.0])
@@ -225,6 +225,7 @@ def _message(
     near: float,
     repeated: int,
 ) -> str:
+    """Return the message about a root that is, or is not, an orbit."""
     if failed:
         parts, resting = [], False
         for c in failed:
@@ -248,7 +249,7 @@ def _message(
 
 
 def _instead(equations: ClosingEquations, resting: bool = False) -> str:
-    """Say how the motion at these parameters ends; `resting`: the root is a stick that may last for ever."""
+    """Describe how the motion at these parameters ends; `resting`: the root is a stick that may last forever."""
     for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
         positions = rest_positions(equations.parameters, boundary)
         if positions is not None:
@@ -264,7 +265,7 @@ def switching_points(equations: ClosingEquations, points: Points) -> list[Switch
 
 
 def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) -> Guess:
-    """Return a guess given as points, as a start or as an orbit."""
+    """Return a guess, given as points, as a start or as an orbit."""
     n, Omega = len(equations.pieces), float(equations.parameters.Omega)
     if isinstance(guess, PeriodicOrbit):
         periods, guess = periods or guess.periods, guess.points
@@ -312,7 +313,7 @@ class Passage(NamedTuple):
 
 
 class Guess(NamedTuple):
-    """Points (x, theta), after how many periods they are to close, and by how much they do not."""
+    """Points (x, theta), the number of periods after which they close, and the closing error."""
 
     points: np.ndarray
     periods: int
@@ -320,14 +321,14 @@ class Guess(NamedTuple):
 
 
 class WordRun(NamedTuple):
-    """A simulation from a start on a belt: the start and the events after it, and what the last step ended with."""
+    """A simulation from a start on a belt: the start, its events, and the last step's code."""
 
     passages: list[Passage]
     code: int
 
 
 def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> WordRun:
-    """Follow the motion from a start on a belt for at most `most` events, in double precision."""
+    """Follow the motion from a start on a belt for at most `most` events in doubles."""
     K, turns = equations.K, int(theta // (2 * pi))
     start = belt_start(boundary, x, (sin(theta), cos(theta)), equations.arithmetic)
     angle = theta - 2 * pi * turns
@@ -348,7 +349,7 @@ def mappings_between(passages: list[Passage]) -> list[str | None]:
 
 
 def settled_word(equations: ClosingEquations, run: WordRun) -> Word | None:
-    """Return the word of the periodic motion that a simulation has settled to; None if it has not settled soon.
+    """Return the word of the periodic motion to which a simulation settles, or None if it does not soon.
 
     It begins with the first mapping of the equations' word if it has that.
     """
@@ -365,14 +366,14 @@ def settled_word(equations: ClosingEquations, run: WordRun) -> Word | None:
 
 
 def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
-    """Return the word that repeats `labels`, begun with the first mapping of the equations' word if it has that."""
+    """Return the word that repeats `labels`, started with the first mapping of the equations' word if present."""
     first = equations.word.labels[0]
     begin = labels.index(first) if first in labels else 0
     return Word(labels[begin:] + labels[:begin])
 
 
 def settling_text(equations: ClosingEquations, x: float, theta: float, boundary: int) -> str:
-    """Say in words where the motion from a start on a belt settles; "" if it has not settled soon."""
+    """Describe where the motion from a start on a belt settles; "" if it has not settled soon."""
     run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
     word = settled_word(equations, run)
     if word is not None:
@@ -381,7 +382,7 @@ def settling_text(equations: ClosingEquations, x: float, theta: float, boundary:
 
 
 def resting_text(equations: ClosingEquations, run: WordRun) -> str:
-    """Say in words where a motion without any further event ends up."""
+    """Describe where a motion without further events comes to rest."""
     mode = run.passages[-1].mode
     if mode <= 3:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
@@ -392,13 +393,13 @@ def resting_text(equations: ClosingEquations, run: WordRun) -> str:
 
 
 def rest_interval_text(positions: tuple[Number, Number]) -> str:
-    """Name an interval of positions of rest."""
+    """Describe an interval of rest positions."""
     low, high = (f"{float(value):.6g}" for value in positions)
     return f"where every x from {low} to {high} is a position of rest"
 
 
 def windows(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
-    """Return every stretch of a simulation that follows the word, with how far it is from closing."""
+    """Return every part of a simulation that follows the word, with its closing error."""
     n = len(labels)
     done, found = mappings_between(passages), []
     for k in range(len(done) - n + 1):
@@ -416,14 +417,14 @@ def windows(passages: list[Passage], labels: tuple[str, ...], periods: int | Non
 
 
 def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
-    """Return the centre of the motion and the displacement from it that forces and resonance may bring (k > 0)."""
+    """Return the centre of the motion and the largest displacement by forces and resonance (k > 0)."""
     K = equations.K
     reach = (abs(K.f0) + max(abs(K.A1 - K.A3), K.cm * max(abs(K.belt1.v), abs(K.belt2.v)))) / K.w0sq
     return 0.5 * (K.A1 + K.A3) / K.w0sq, float(max(reach, K.V0 / K.Om))
 
 
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[list[Guess]]:
-    """Yield guesses from simulations that start on the word's belts, the most nearly closed first, batch by batch."""
+    """Yield guesses from simulations started on the word's belts in batches, smallest closing error first."""
     centre, size = largest_displacement(equations)
     boundaries = sorted({piece.start for piece in equations.pieces})
     most = max(LEAST_RUN_EVENTS, EVENTS_PER_PIECE * len(equations.pieces))
@@ -442,7 +443,7 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
 
 
 def evenly_spaced(equations: ClosingEquations, periods: int) -> list[Guess]:
-    """Return guesses for a word that no simulation follows: even phases, positions of the steady motion."""
+    """Return guesses for a word that no simulation follows: equidistant phases, steady-motion positions."""
     centre, size = largest_displacement(equations)
     n = len(equations.pieces)
     found = []

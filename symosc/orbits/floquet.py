@@ -51,7 +51,7 @@ ON_CIRCLE = 1e-25
 
 
 class Monodromy(NamedTuple):
-    """What one period makes of a perturbation of (x, v) just after the first switching point."""
+    """The effect of one period on a perturbation of (x, v) just after the first switching point."""
 
     matrix: tuple[tuple[Number, Number], tuple[Number, Number]]
     trace: Number
@@ -91,7 +91,7 @@ def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any
 
 
 def inside(equations: ClosingEquations, points: Points, values: tuple[Number, Number]) -> float | None:
-    """Return by how much the larger multiplier is less than 1 in size; None if it is 1 to 50 digits."""
+    """Return 1 minus the size of the larger multiplier, or None if that is 1 to 50 digits."""
     gap = float(1 - max(abs(value) for value in values))
     if abs(gap) > NEAR_ONE:
         return gap
@@ -105,7 +105,7 @@ def inside(equations: ClosingEquations, points: Points, values: tuple[Number, Nu
 
 
 def rest_positions(parameters: Parameters, boundary: int) -> tuple[Fraction, Fraction] | None:
-    """Return the lowest and the highest x at which the mass may rest on a belt for ever; None if it cannot.
+    """Return the lowest and highest x at which the mass may rest on a belt forever, or None if it cannot.
 
     The belt has to be at rest, and F^(below) >= 0 >= F^(above) has to hold at every phase.
     """

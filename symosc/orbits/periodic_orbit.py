@@ -1,4 +1,4 @@
-"""A periodic orbit: its data, its states at any time, and how far a start is from it."""
+"""A periodic orbit: its data, its states at any time, and its distance from a start."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class SwitchingPoint(NamedTuple):
 
 
 class Approach(NamedTuple):
-    """How far a start is from a periodic orbit, and how soon its motion comes near.
+    """The distance of a start from a periodic orbit, and the time until its motion is near.
 
     Attributes
     ----------
@@ -156,7 +156,7 @@ class PeriodicOrbit(Drawable):
         return ClosingEquations(self.parameters, Word(self.labels), self.periods)
 
     def phases(self) -> np.ndarray:
-        """Return the switching points as an (n, 2) array of (x, theta), phases not wrapped."""
+        """Return the switching points as an (n, 2) array of (x, theta), phases unwrapped."""
         Omega = float(self.parameters.Omega)
         return np.array([(float(x), Omega * float(t)) for t, x in self.points])
 
@@ -174,7 +174,7 @@ class PeriodicOrbit(Drawable):
 
     @public
     def approach(self, scene: Scene | SceneName, within: NumberLike = NEAR_ORBIT) -> Approach:
-        """Say how far a scene's start is from the orbit, and how soon its motion is within `within` of it.
+        """Return the distance of a scene's start from the orbit, and when its motion is within `within` of it.
 
         Raises
         ------
@@ -203,12 +203,13 @@ class PeriodicOrbit(Drawable):
         return Approach(dt, dx, float(offset[0]), float(offset[1]), periods, near)
 
     def _at(self, scene: Scene, elapsed: np.ndarray) -> np.ndarray:
-        """Return the orbit's states at times since the scene's start, shifted by forcing periods to the nearest one."""
+        """Return the orbit's states at times since the scene's start, shifted by whole periods to the nearest."""
         T, start = float(self.period) / self.periods, np.array([[float(scene.x0)], [float(scene.v0)]])
         choices = [self(float(scene.t0) + elapsed + shift * T) for shift in range(self.periods)]
         return min(choices, key=lambda states: float(np.abs(states[:, :1] - start).max()))
 
     def _nearest_switching(self, scene: Scene) -> tuple[float, float]:
+        """Return the distance (dt, dx) from the scene's start to the nearest switching point."""
         T, best = float(self.period) / self.periods, (float("nan"), float("nan"))
         for piece, (t, x) in zip(self.equations().pieces, self.points, strict=True):
             if scene.v0 == self.parameters.belt(piece.start):
@@ -243,6 +244,7 @@ class PeriodicOrbit(Drawable):
 
 
 def _state(equations: ClosingEquations, points: np.ndarray, t: float) -> tuple[float, float]:
+    """Return the state (x, v) of the orbit at time t."""
     K, turn = equations.K, float(equations.turn)
     theta = (t * K.Om - points[0, 1]) % turn + points[0, 1]
     i = int(np.searchsorted(points[:, 1], theta, side="right")) - 1
@@ -255,10 +257,13 @@ def _state(equations: ClosingEquations, points: np.ndarray, t: float) -> tuple[f
 
 
 def _size(dt: float, dx: float) -> float:
+    """Return the larger of |dt| and |dx|, inf without a time."""
     return inf if dt != dt else max(abs(dt), abs(dx))
 
 
 def _latex_complex(value: complex) -> str:
+    """Return a complex number as LaTeX."""
+
     def real(number: float) -> str:
         mantissa, _, exponent = f"{number:.6g}".partition("e")
         return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa

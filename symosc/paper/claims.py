@@ -1,4 +1,4 @@
-"""The paper's statements as data (claims.toml), the evidence that a check returns, and what of the paper is covered."""
+"""The paper's statements as data (claims.toml), the evidence of their checks, and the coverage of the paper."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class Claim(NamedTuple):
 
 
 class Unjudged(NamedTuple):
-    """A part of the paper that gets no verdict: its place, what stands there, and why no verdict is possible."""
+    """A part of the paper without a verdict: its place, its content, and why no verdict is possible."""
 
     source: str
     says: str
@@ -151,7 +151,7 @@ def _claim(name: str, part: str, table: dict[str, Any], where: str, targets: dic
 
 
 def _check(where: str, package: str, text: str) -> Callable[[], Evidence]:
-    """Return the call that a text such as "motions.together(FIG5, 1)" says; names are those of the module."""
+    """Return the call given by a text such as "motions.together(FIG5, 1)"; names are those of the module."""
     name, _, arguments = text.partition("(")
     module, _, function = name.rpartition(".")
     try:
@@ -204,7 +204,7 @@ _NUMBER = re.compile(r"(?P<joint>,? and |, | to | )[(]?(?P<number>\d+)(?:[.]\d+)
 
 
 def items_of(source: str) -> list[Item]:
-    """Return the items that a source names: sections, equations, lemmas, theorems, figures.
+    """Return the items that a source text names: sections, equations, lemmas, theorems, figures.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The paper's Figs. 1 to 10, and Theorem 7: what they show, and how it is drawn.
+"""The paper's Figs. 1 to 10, and figures of Theorem 7: their data and their drawing.
 
 Fig. 1 is a drawing; Fig. 2 is computed from a set of parameters, the arrows of Fig. 3 from the accelerations (9), and
 every curve of Fig. 4 is a motion of one oscillator. Figs. 5 to 10 have the paper's panels, order and colours, with dots
@@ -79,13 +79,13 @@ def printed_scene(name: str) -> str:
 
 @lru_cache
 def stick_view(name: str) -> View:
-    """Return what Figs. 5 and 6 show."""
+    """Return the view of Figs. 5 and 6."""
     return view_of(simulate(name, t_end=default_end(load_scene(name))), None)
 
 
 @lru_cache
 def several_periods_view(name: str) -> View:
-    """Return what Fig. 7(c), (d) show: several periods, start and end of the first one, a contact if there is one."""
+    """Return the view of Fig. 7(c), (d): several periods, start and end of the first one, any contact."""
     t0, T = start_time(name), period(name)
     view = view_of(simulate(name, t_end=t0 + SEVERAL_PERIODS * T), 1)
     contact = first_contact(view)
@@ -97,7 +97,7 @@ def several_periods_view(name: str) -> View:
 
 @lru_cache
 def grazing_view(name: str) -> View:
-    """Return what Fig. 8 shows: a red contact with belt 1, later a stick on it."""
+    """Return the view of Fig. 8: a red contact with belt 1, later a stick on it."""
     view = view_of(simulate(name, t_end=default_end(load_scene(printed_scene(name)))), 1)
     contact, stick = first_contact(view), later_stick(view)
     assert contact is not None
@@ -108,7 +108,7 @@ def grazing_view(name: str) -> View:
 
 @lru_cache
 def motion_view(name: str) -> View:
-    """Return what Figs. 9 and 10 show with the printed start."""
+    """Return the view of Figs. 9 and 10 from the printed start."""
     return view_of(simulate(name, t_end=start_time(name) + TWO_PERIODS * period(name)), None)
 
 
@@ -132,7 +132,7 @@ def crop(view: View, since: float, until: float) -> View:
 
 
 def first_contact(view: View) -> Contact | None:
-    """Return the graze, or the short stick that a start of a few digits makes of it; None if nothing is touched."""
+    """Return the graze, or the short stick that replaces it for a rounded start; None without contact."""
     return min(view.contacts, key=lambda contact: contact.since, default=None)
 
 
@@ -188,7 +188,7 @@ def motion_figure(name: str, columns: int = 2) -> Figure:
 
 
 def orbit_figure(name: str, columns: int = 2) -> Figure:
-    """Draw one period of the periodic orbit in the form of Figs. 9 and 10, with the printed start beside it."""
+    """Draw one period of the periodic orbit in the form of Figs. 9 and 10, with the printed start."""
     view, scene = orbit_view(name), load_scene(printed_scene(name))
     t, x, v = (float(value) for value in (scene.t0, scene.x0, scene.v0))
     panels: dict[str, Panel] = {letter: PANELS[letter] for letter in "abcdef"}
@@ -209,7 +209,7 @@ def _paper_form(panels: list[tuple[Panel, View]], columns: int, tall: int | None
 
 
 def _velocity_and_gap(ax: Axes, view: View) -> None:
-    """Panel (b); if the mass never reaches a belt, with a bar over the gap that remains."""
+    """Draw panel (b), with a bar over the remaining gap if the mass never reaches a belt."""
     PANELS["b"](ax, view)
     if view.trajectory.events:
         return
@@ -222,14 +222,14 @@ def _velocity_and_gap(ax: Axes, view: View) -> None:
 
 
 def _velocity_of_periods(ax: Axes, view: View, start: float, period: float) -> None:
-    """Panel (c) of Fig. 7: the velocity for several periods, with a dotted line at the beginning of each."""
+    """Draw panel (c) of Fig. 7: the velocity over several periods, each beginning with a dotted line."""
     _velocity_and_gap(ax, view)
     for time in np.arange(start, view.t[-1] + period / 2, period):
         ax.axvline(time, color="0.6", lw=0.6, ls=(0, (1, 2)), zorder=0)
 
 
 def _with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, float]) -> None:
-    """Any panel, with the printed start as a diamond."""
+    """Wrap a panel so that it shows the printed start as a diamond."""
     panel(ax, view)
     low, high = ax.get_ylim()
     margin = 0.06 * (high - low)
@@ -238,7 +238,7 @@ def _with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, float]) 
 
 
 def _phase_plane_with_start(ax: Axes, view: View, start: tuple[float, float]) -> None:
-    """Panel (c) with the printed start, and an inset inside the orbit if they cannot be told apart."""
+    """Draw panel (c) with the printed start, and an inset inside the orbit if they coincide visually."""
     _with_start(ax, view, PANELS["c"], start)
     crossing = min(view.trajectory.events, key=lambda event: abs(float(event.x) - start[0]))
     distance = abs(float(crossing.x) - start[0])
@@ -264,7 +264,7 @@ WINDOW_SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "f
 
 
 def window_parameters(mapping: str) -> Parameters:
-    """Return the parameters of a mapping's scene."""
+    """Return the parameters of the scene for a mapping's window."""
     return load_scene(WINDOW_SCENES[mapping]).parameters
 
 
@@ -275,7 +275,7 @@ def speed_of_equality(mapping: str) -> Fraction:
 
 
 def without_other_belt(mapping: str) -> Parameters:
-    """Return the scene's parameters with the other belt out of the way: the window does not depend on its speed."""
+    """Return the scene's parameters with the other belt far away: the window is independent of its speed."""
     p, far = window_parameters(mapping), 2 * speed_of_equality(mapping) + 1
     return p.replace(v2=far) if place(mapping).boundary == 1 else p.replace(v1=-far)
 

@@ -204,7 +204,7 @@ def motion_caption(name: str) -> str:
 
 
 def orbit_caption(orbit: str) -> str:
-    """Return the caption of the true periodic orbit beside the printed start."""
+    """Return the caption of the true periodic orbit with the printed start."""
     view, T = figures.orbit_view(orbit), period(orbit)
     events = view.trajectory.events
     once = [event for event in events if event.t < events[0].t + 0.999 * T]

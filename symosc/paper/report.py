@@ -74,7 +74,7 @@ FIGURES = "figures"
 
 
 def data(results: Results) -> dict[str, Any]:
-    """Return everything that a run found as plain data, the content of report.json."""
+    """Return all results of a run as plain data, the content of report.json."""
     judged, covered = results.judged, {}
     if results.unjudged is not None:  # else only a part of the claims was judged
         covered = coverage([*(each.claim for each in judged), *results.unjudged])
@@ -208,7 +208,7 @@ def uninterrupted() -> Iterator[None]:
 
 
 class Folder:
-    """A folder for a report: made and tried out before the work, filled when all is done, else taken away again."""
+    """A folder for a report: created and tested before the work, filled at the end, else removed."""
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
@@ -267,7 +267,7 @@ def _markdown(text: str) -> str:
 
 
 def _wrapped(text: str, indent: int = 4) -> str:
-    """Return a text in lines of a mail, indented."""
+    """Return text in indented lines for a mail."""
     return fill(text, 78, initial_indent=" " * indent, subsequent_indent=" " * indent)
 
 
@@ -309,7 +309,7 @@ _MARKED: list[tuple[str, _Replacement]] = [
 
 
 def typeset(text: str) -> str:
-    """Return a text as HTML, its letters, signs, indices and powers as a printer would set them."""
+    """Return a text as HTML, with symbols, signs, indices and powers set typographically."""
     for sign, replacement in _SIGNS.items():
         text = re.sub(rf"(?<![\w]){re.escape(sign)}" if sign[0] == "x" else re.escape(sign), replacement, text)
     for pattern, plain in _PLAIN:

@@ -1,4 +1,4 @@
-"""One run over everything: claims judged, pictures drawn, derivations checked, in worker processes.
+"""One run of all checks: claims judged, pictures drawn, derivations checked, in worker processes.
 
 The processes are spawned, not forked: it is the one way that works alike on every system, and numerical libraries keep
 threads that do not survive a fork.
@@ -40,7 +40,7 @@ POOLS = 3
 
 
 class Done(NamedTuple):
-    """What became of a task: its value, or the error that it ended with; and the processor time that it took."""
+    """The result of a task: its value, or its error; and the processor time."""
 
     value: Any = None
     error: str = ""
@@ -48,7 +48,7 @@ class Done(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """A picture's file, its caption, and what a phone shows in place of it, if that is another file."""
+    """A picture's file, its caption, and its replacement on phones, if that is another file."""
 
     svg: str
     caption: str
@@ -66,7 +66,7 @@ class Chapter(NamedTuple):
 
 @dataclass(frozen=True)
 class Plan:
-    """What to do: claims, pictures by their keys, chapters of the derivations, and the errata that the claims show.
+    """The tasks: claims, pictures by their keys, chapters of the derivations, and the errata that the claims show.
 
     `unjudged` is what of the paper gets no verdict; None if the claims are a part of all.
     """
@@ -81,7 +81,7 @@ class Plan:
         return len(self.claims) + len(self.pictures) + len(self.chapters)
 
     def only(self, prefix: str) -> Plan:
-        """Return the part of it whose claims' ids begin with `prefix`, with the pictures that they refer to.
+        """Return the plan of the claims with ids that begin with `prefix`, and of their pictures.
 
         Derivations are left out: one chapter may take as long as all claims together.
         """
@@ -95,7 +95,7 @@ class Plan:
 
 
 class Judged(NamedTuple):
-    """A claim and what its check found: a verdict (or ERROR), the finding (or what went wrong), and the numbers."""
+    """A claim and the result of its check: a verdict (or ERROR), the finding (or the error), and the numbers."""
 
     claim: Claim
     verdict: str
@@ -105,7 +105,7 @@ class Judged(NamedTuple):
 
     @property
     def changed(self) -> bool:
-        """Whether the verdict is not the committed one."""
+        """Whether the verdict differs from the committed one."""
         return self.verdict != self.claim.verdict
 
 
@@ -134,12 +134,12 @@ class Results:
 
     @property
     def changed(self) -> tuple[Judged, ...]:
-        """Claims whose verdict is not the committed one."""
+        """Claims with a verdict that differs from the committed one."""
         return tuple(each for each in self.judged if each.changed)
 
     @property
     def failures(self) -> dict[str, str]:
-        """Pictures and derivations that failed, and why."""
+        """Failed pictures and derivations, and why."""
         return {key: done.error for key, done in {**self.drawn, **self.chapters}.items() if done.error}
 
     @property
@@ -192,7 +192,7 @@ def _here(tasks: Tasks) -> Generator[tuple[tuple[str, str], Done], None, None]:
 
 
 def _in_processes(tasks: Tasks, workers: int) -> Generator[tuple[tuple[str, str], Done], None, None]:
-    """Yield what became of each task; those that a pool has lost go to the next one."""
+    """Yield the result of each task; those lost by a broken pool are given to the next one."""
     for _ in range(POOLS):
         pool = ProcessPool(max_workers=max(1, min(workers, len(tasks))), context=get_context("spawn"))
         futures: dict[Future[Done], tuple[str, str]] = {}
@@ -225,7 +225,7 @@ def _in_processes(tasks: Tasks, workers: int) -> Generator[tuple[tuple[str, str]
 
 
 def timed(task: Callable[[], Any]) -> Done:
-    """Call a task; its error, if it raises one, is a result too."""
+    """Call a task; return its result or its error, with the processor time."""
     begin, done = process_time(), Done()
     try:
         done = Done(task())
@@ -236,7 +236,7 @@ def timed(task: Callable[[], Any]) -> Done:
 
 
 def draw(picture: Picture) -> Drawn:
-    """Return a picture as SVG, with its caption, whose numbers are computed as well."""
+    """Return a picture as SVG, and its computed caption."""
     return Drawn(_svg(picture.build), picture.describe(), _svg(picture.narrow) if picture.narrow else "")
 
 

@@ -1,10 +1,10 @@
 """Figures: of motions in the paper's panels (`figure`), branches, windows, grazing curves, cross-checks and so on.
 
-May import: everything up to reference. matplotlib is loaded with a figure's module, and with nothing before it.
+May import: everything up to reference. matplotlib is loaded with a figure's module, not earlier.
 
-One more figure: a module of its own that returns a matplotlib Figure; its function is named in ``__init__.pyi``, and
-here for the answer whose ``.plot()`` it is (`symosc.display.drawable`). A figure loads what it needs alone: scipy's
-parts take longer to load than a figure takes to draw.
+To add a figure, write a module with a function that returns a matplotlib Figure, and name the function in
+``__init__.pyi``, and here if a result's ``.plot()`` calls it (`symosc.display.drawable`). A figure loads only what it
+needs: parts of scipy take longer to load than a figure takes to draw.
 
 Examples
 --------
@@ -41,6 +41,7 @@ DRAWN_BY = {
 
 
 def _draw(figure_name: str, answer: object, /, **options: Any) -> Any:
+    """Draw a result by the plot function of this name."""
     draw: Callable[..., Any] = __getattr__(figure_name)
     return draw(answer, **options)
 
@@ -50,6 +51,7 @@ for _kind, _name in DRAWN_BY.items():
 
 
 def _write(answer: Any, path: Any) -> Any:
+    """Write the page of a cross-check."""
     from symosc.plot.judged import write_page
 
     return write_page(answer, path)

@@ -1,4 +1,4 @@
-"""What all figures share: their style, a figure that notebooks show, axes of a user's own, and files.
+"""Common parts of all figures: style, a figure class for notebooks, axes given by the user, and files.
 
 A figure is built without pyplot, so that nothing global changes and nothing stays open.
 """
@@ -61,7 +61,7 @@ NOTEBOOK_DPI = 120.0
 
 
 class PlainNumbers(ScalarFormatter):
-    """Numbers at ticks as plain text: mathtext takes ten times as long to set them, and they look the same."""
+    """A tick formatter with plain text: mathtext takes ten times as long and looks the same."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         """Return the number at a tick; the power of ten of an axis is still mathtext."""
@@ -69,17 +69,17 @@ class PlainNumbers(ScalarFormatter):
         return text.removeprefix(r"$\mathdefault{").removesuffix("}$").replace("-", "\N{MINUS SIGN}")
 
 
-def plain_numbers(axes: Iterable[Axes]) -> None:
-    """Let axes, and those inside them, have plain numbers where they have mathtext by default."""
+def use_plain_tick_labels(axes: Iterable[Axes]) -> None:
+    """Set plain-text tick labels on axes and their inset axes, in place of mathtext."""
     for each in axes:
         for axis in (each.xaxis, each.yaxis):
             if type(axis.get_major_formatter()) is ScalarFormatter and axis.isDefault_majfmt:
                 axis.set_major_formatter(PlainNumbers())
-        plain_numbers(child for child in each.child_axes if isinstance(child, Axes))
+        use_plain_tick_labels(child for child in each.child_axes if isinstance(child, Axes))
 
 
 class PanelAxes(Axes):
-    """Axes whose ticks point inwards, so that only labels, names and marks stand out of them.
+    """Axes with ticks inside, so that only labels, names and marks extend beyond them.
 
     matplotlib lays a figure out twice, as axes of another size may have other ticks, and asks each axis for its labels
     some nine times: more than half of the time that a figure takes. Here it is asked once, and again only if its ticks
@@ -92,7 +92,7 @@ class PanelAxes(Axes):
         super().__init__(*args, **options)
 
     def get_tightbbox(self, renderer: Any = None, **options: Any) -> Bbox | None:
-        """Return the box of the axes with all that stands out of them."""
+        """Return the box of the axes with everything that extends beyond them."""
         ours = options.get("for_layout_only") and renderer and options.get("bbox_extra_artists") is None
         if not ours or not self.get_visible() or self.yaxis.get_offset_text().get_text():  # titles give way to it
             return super().get_tightbbox(renderer, **options)
@@ -107,7 +107,7 @@ class PanelAxes(Axes):
         return Bbox.union([box for box in boxes if box is not None and isfinite(box.extents).all()])
 
     def _with_labels(self, axis: Any, renderer: Any) -> Bbox:
-        """Return the box of these axes and of the labels of one axis."""
+        """Return the box of these axes with the labels of one axis."""
         inner: Any = self.bbox.extents
         ticks = (*axis.get_view_interval(), *axis.get_majorticklocs())
         if axis not in self.labels_of or self.labels_of[axis][0] != ticks:
@@ -118,11 +118,11 @@ class PanelAxes(Axes):
 
 
 class Drawing(Figure):
-    """A figure that a notebook shows by itself; everything else is as for any matplotlib Figure."""
+    """A matplotlib Figure that notebooks display."""
 
     def draw(self, renderer: Any) -> None:
-        """Draw it; what saves a figure asks for that twice, and the first time only the layout counts."""
-        plain_numbers(self.axes)
+        """Draw the figure; saving draws twice, the first time only for the layout."""
+        use_plain_tick_labels(self.axes)
         for each in self.axes:
             if isinstance(each, PanelAxes):
                 each.labels_of.clear()  # something may have changed since the figure was laid out
@@ -141,12 +141,12 @@ class Drawing(Figure):
 
 
 def style_for(ax: Axes | None) -> AbstractContextManager[None]:
-    """Return the style of new figures; axes of a user's own keep theirs."""
+    """Return the style of new figures; axes given by the user keep their style."""
     return rc_context(STYLE) if ax is None else nullcontext()
 
 
 def one_axes(ax: Any, size: tuple[float, float]) -> tuple[Figure, Axes]:
-    """Return the axes that a user gave with their figure, or new ones in a figure of their own."""
+    """Return the axes given by the user with their figure, or new axes in a new figure."""
     if ax is None:
         drawing = Drawing(figsize=size, layout="constrained")
         return drawing, drawing.subplots()
@@ -154,7 +154,7 @@ def one_axes(ax: Any, size: tuple[float, float]) -> tuple[Figure, Axes]:
 
 
 def figure_of(ax: Any) -> Figure:
-    """Return the figure that holds axes of a user's own; raises ParameterError if these are none."""
+    """Return the figure of axes given by the user; raise ParameterError for any other object."""
     if not isinstance(ax, Axes) or ax.figure is None:
         raise ParameterError("ax", type(ax).__name__, "must be axes of matplotlib, such as plt.subplots() makes")
     return ax.figure  # type: ignore[return-value]
@@ -170,7 +170,7 @@ def legend_entries(axes: Iterable[Axes]) -> Record:
 
 
 def read_panels(panels: Any, known: Sequence[str], ax: Any = None, alone: str = "a") -> str:
-    """Return the letters of panels; None is all of them, or the one that `alone` names for axes of a user's own.
+    """Return the letters of the panels; None means all, or the panel `alone` for axes given by the user.
 
     ParameterError unless they are different known letters; with `ax`, which must be axes, it must be one.
     """
@@ -214,7 +214,7 @@ def _suffix(path: str | Path) -> str:
 
 @public
 def save(drawing: Figure, path: str | Path) -> Path:
-    """Write a figure as PDF, SVG or PNG, as the suffix says, whole or not at all; ``"-"``: SVG to standard output.
+    """Write a figure as PDF, SVG or PNG, by its suffix, atomically; ``"-"``: SVG to standard output.
 
     Raises
     ------

@@ -110,7 +110,7 @@ def figure(
 
 
 def _motion(subject: Trajectory | Scene, t_end: NumberLike | None) -> Trajectory:
-    """Return what is drawn: a trajectory, or the motion of a scene up to t_end, with not too many events."""
+    """Return the motion to draw: a trajectory, or that of a scene up to t_end, with a limited number of events."""
     if isinstance(subject, Scene):
         return simulated(subject, t_end)
     if t_end is not None:
@@ -123,7 +123,7 @@ def _motion(subject: Trajectory | Scene, t_end: NumberLike | None) -> Trajectory
 
 @public
 def simulated(scene: Scene, t_end: NumberLike | None = None) -> Trajectory:
-    """Return the motion that a figure of a scene shows.
+    """Return the motion of a scene for its figure.
 
     Raises
     ------
@@ -176,7 +176,7 @@ def orbit_figure(
 
 @public
 def check_panels(panels: str | None, ax: Axes | None = None) -> None:
-    """Raise ParameterError unless these are letters of panels, and one of them for axes of a user's own.
+    """Raise ParameterError unless these are panel letters, and a single one for axes given by the user.
 
     Examples
     --------
@@ -190,7 +190,7 @@ def check_panels(panels: str | None, ax: Axes | None = None) -> None:
 
 
 def default_end(scene: Scene) -> Any:
-    """Return where a figure of a scene ends if nobody says where."""
+    """Return the default end time of a scene's figure."""
     end: Any = SPANS.get(scene.name, scene.t_end)
     if scene.structure:
         end = float(scene.t0) + PERIODS_SHOWN * 2 * pi / float(scene.parameters.Omega)
@@ -199,7 +199,7 @@ def default_end(scene: Scene) -> Any:
 
 @public
 def default_panels(scene: Scene) -> str:
-    """Return the panels of a scene's figure if nobody says which.
+    """Return the default panels of a scene's figure.
 
     Examples
     --------
@@ -256,7 +256,7 @@ def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *
 
 
 def _legend_handle(handle: Any, label: str) -> Any:
-    """Return what a legend shows: marks in their full size, however small they are among many."""
+    """Return a legend handle with marks in full size, however small they are in the plot."""
     if label not in SHAPES:
         return handle
     return Line2D([], [], linestyle="none", **mark_style(label, handle.get_markerfacecolor()))
@@ -340,6 +340,7 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
 
 
 def _branch_panel(ax: Axes, branch: Branch, letter: str) -> None:
+    """Draw one panel of a branch."""
     BRANCH_PANELS[letter](ax, branch)
     ax.set_xlabel(PARAMETER_LABELS.get(branch.parameter, f"${branch.parameter}$"))
     for end in branch.ends:
@@ -348,6 +349,7 @@ def _branch_panel(ax: Axes, branch: Branch, letter: str) -> None:
 
 
 def _positions(ax: Axes, branch: Branch) -> None:
+    """Draw the positions of the switching points over the parameter."""
     for i, label in enumerate(branch.labels):
         color, before = CURVE_COLORS[i % len(CURVE_COLORS)], branch.labels[:i].count(label)
         name = f"start of {ORDINALS[before]}{label}" if before < len(ORDINALS) else None
@@ -370,6 +372,7 @@ def _positions(ax: Axes, branch: Branch) -> None:
 
 
 def _multipliers(ax: Axes, branch: Branch) -> None:
+    """Draw the moduli of the multipliers over the parameter."""
     for part, state in _runs(stability(branch)):
         values, sizes = multiplier_curves(branch.values[part], branch.multipliers[part])
         for column in (0, 1):
@@ -388,7 +391,7 @@ BRANCH_PANELS = {"a": _positions, "b": _multipliers}
 
 
 def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return many parameter values along a stretch of a branch, and both moduli there, the larger one first.
+    """Return many parameter values along a part of a branch, and both moduli there, the larger one first.
 
     Trace and determinant of the monodromy matrix are smooth along a branch and are interpolated; the multipliers are
     not where a real pair turns complex, and follow from them.
@@ -411,13 +414,14 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
 
 
 def _mark(ax: Axes, end: BranchEnd, height: float, color: str) -> None:
+    """Draw the mark of a branch end."""
     if end.kind in END_MARKERS:
         style: Record = {"ms": 5.0, "mfc": color, "mec": "white", "mew": 0.5, "zorder": 5, "clip_on": False}
         ax.plot(end.value, height, linestyle="none", marker=END_MARKERS[end.kind], **style)
 
 
 def _next_words(ax: Axes, branch: Branch) -> None:
-    """Name the orbits on the branch and behind its ends, above the axes."""
+    """Write the words of the branch and beyond its ends above the axes."""
     from symosc.orbits.branch import MOST, NO_CONVERGENCE
 
     low, high = branch.values.min(), branch.values.max()
@@ -441,13 +445,13 @@ def stability(branch: Branch) -> np.ndarray:
 
 
 def _runs(states: np.ndarray) -> list[tuple[slice, str]]:
-    """Return the stretches of equal stability, each with the point that it shares with the next one."""
+    """Return the intervals of equal stability, each including the first point of the next."""
     cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), len(states)]
     return [(slice(a, min(b + 1, len(states))), str(states[a])) for a, b in pairwise(cuts)]
 
 
 def _branch_legend(row: Sequence[Axes], branch: Branch) -> dict[str, list[Any]]:
-    """Return handles and labels: switching points, stability, the unit circle, and what the marks of the ends mean."""
+    """Return handles and labels: switching points, stability, the unit circle, and the marks of the ends."""
     found = legend_entries(row)
     entries: Record = dict(zip(found["labels"], found["handles"], strict=True))
     unit = entries.pop("unit circle", None)

@@ -1,4 +1,4 @@
-"""Figures of what is judged: cross-checks and their steps, with a page about them; certificates, and scores of solvers.
+"""Figures and a page of cross-checks; figures of certificates and of the scores of solvers.
 
 The page is one HTML file with verdict, diagnosis, events and pictures, that needs nothing else.
 """
@@ -92,6 +92,7 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
 
 
 def _check_panel(ax: Axes, check: CrossCheck, letter: str) -> None:
+    """Draw one panel of a cross-check."""
     CHECK_PANELS[letter](ax, check)
     matched = [match.event for match in check.matched]
     for events, color, style, width, label in (
@@ -105,11 +106,13 @@ def _check_panel(ax: Axes, check: CrossCheck, letter: str) -> None:
 
 
 def _global_errors(ax: Axes, check: CrossCheck) -> None:
+    """Draw the global errors."""
     _errors(ax, check.t, check.errors, check.scales, check.limits)
     ax.set_ylabel("global error")
 
 
 def _defects(ax: Axes, check: CrossCheck) -> None:
+    """Draw the defects of the steps."""
     _errors(ax, check.t[1:], check.defects, check.scales, check.allowed)
     wrong = check.wrong_steps
     if len(wrong):
@@ -119,6 +122,7 @@ def _defects(ax: Axes, check: CrossCheck) -> None:
 
 
 def _errors(ax: Axes, t: np.ndarray, errors: np.ndarray, scales: tuple[float, float], limits: np.ndarray) -> None:
+    """Draw errors and their limits against time."""
     shown: list[np.ndarray] = []
     names, colors = ("$x$, relative", r"$\dot{x}$, relative"), (POSITION, VELOCITY)
     for column, (name, color, style) in enumerate(zip(names, colors, ("-", (0, (4, 1.6))), strict=True)):
@@ -136,6 +140,7 @@ def _errors(ax: Axes, t: np.ndarray, errors: np.ndarray, scales: tuple[float, fl
 
 
 def _velocity(ax: Axes, check: CrossCheck) -> None:
+    """Draw the velocity of the samples and the exact motion."""
     p = check.trajectory.parameters
     ax.plot(check.t, check.v, color=VELOCITY, lw=0.8)
     low, high = float(np.min(check.v)), float(np.max(check.v))
@@ -203,7 +208,7 @@ def step_figure(
 
 
 def _exact(check: CrossCheck, step: int) -> Trajectory | None:
-    """Return the exact motion from the step's first sample over the step; None where the step has no length."""
+    """Return the exact motion over the step from its first sample; None for a step of length 0."""
     begin, end = float(check.t[step]), float(check.t[step + 1])
     if not end > begin:
         return None
@@ -212,6 +217,7 @@ def _exact(check: CrossCheck, step: int) -> Trajectory | None:
 
 
 def _step_panel(ax: Axes, check: CrossCheck, step: int, motion: Trajectory | None, letter: str) -> None:
+    """Draw one panel of a step."""
     row, values, name, color = (1, check.v, "$v$", VELOCITY) if letter == "a" else (0, check.x, "$x$", POSITION)
     around = slice(max(0, step - 3), step + 2 + 3)
     shown = values[around]
@@ -249,7 +255,7 @@ MOST_LINES, PIXELS_PER_INCH = 4_000, 160.0
 
 
 def write_page(check: CrossCheck, path: str | Path) -> Path:
-    """Write the page; raises OutputError if it cannot be written."""
+    """Write the page of a cross-check; raise OutputError if it cannot be written."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     check_folder_of(path)
@@ -264,7 +270,7 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
 
 
 def page(check: CrossCheck) -> Record:
-    """Return what the page shows."""
+    """Return the HTML page of a cross-check."""
     p, events = check.trajectory.parameters, list(_events(check))
     return {
         "ok": check.ok,
@@ -284,6 +290,7 @@ def page(check: CrossCheck) -> Record:
 
 
 def _verdict(check: CrossCheck) -> str:
+    """Return the verdict as text."""
     if check.ok:
         return f"Right: every step agrees with the exact motion, to a tolerance of {check.tolerance:g}."
     wrong = f"wrong steps: {len(check.wrong_steps)} of {len(check.defects)}"
@@ -293,6 +300,7 @@ def _verdict(check: CrossCheck) -> str:
 
 
 def _facts(check: CrossCheck) -> list[tuple[str, str]]:
+    """Return the findings as names and texts."""
     limits = check.limits_there
     return [
         ("Samples", f"{len(check.t)}, from t = {check.t[0]:.10g} to {check.t[-1]:.10g}"),
@@ -305,6 +313,7 @@ def _facts(check: CrossCheck) -> list[tuple[str, str]]:
 
 
 def _diagnosis(one: Diagnosis) -> Record:
+    """Return a diagnosis as values for the page."""
     from symosc.crosschecks.causes import CAUSES
 
     error = f" ± {one.error:.2g}" if one.error else ""
@@ -320,6 +329,7 @@ def _diagnosis(one: Diagnosis) -> Record:
 
 
 def _fault(fault: Fault | None) -> Record | None:
+    """Return a wrong step as values for the page."""
     from symosc.crosschecks.causes import REASONS
 
     if fault is None:
@@ -338,7 +348,7 @@ def _fault(fault: Fault | None) -> Record | None:
 
 
 def _events(check: CrossCheck) -> Iterator[Record]:
-    """Yield the events in order of time, each with what the solution has."""
+    """Yield the events in order of time, each with its partner in the solution."""
     rows: list[tuple[float, str, str, Any]] = [
         (float(match.event.t), "right", f"{match.error:+.1e}", match.event) for match in check.matched
     ]
@@ -351,6 +361,7 @@ def _events(check: CrossCheck) -> Iterator[Record]:
 
 
 def _pictures(check: CrossCheck) -> Iterator[Record]:
+    """Yield the pictures of the page as values for it."""
     first, many = check.first_wrong, len(check.t) > MOST_LINES
     if first:
         said = f"The step from sample {first.step} (t = {first.t:.8g}) to the next one. The line is the exact motion "
@@ -374,6 +385,7 @@ CAPTIONS = (
 
 
 def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
+    """Return a figure as values for the page."""
     width, height = drawing.get_size_inches()
     if len(drawing.axes) == 1:
         drawing.axes[0].set_title("", loc="left")  # no letter for a single panel
@@ -398,7 +410,7 @@ def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
 
 @public
 def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> Figure:
-    """Draw how wide the proven enclosures of an orbit's or a motion's events are, against time.
+    """Draw the widths of the proven enclosures of an orbit's or a motion's events against time.
 
     Parameters
     ----------
@@ -486,11 +498,13 @@ def score_figure(scores: Sequence[Score]) -> Figure:
 
 
 def _mark_of(i: int) -> Record:
+    """Return the style of the i-th solver's marks."""
     mark = SOLVER_MARKS[(i + i // len(SOLVER_COLOURS)) % len(SOLVER_MARKS)]
     return {"color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)], "marker": mark, "markersize": 3.2, "markeredgewidth": 0}
 
 
 def _draw_solver(ax: Axes, score: Score, i: int, count: int) -> None:
+    """Draw the score of a solver."""
     shift = (i + 0.5) / count - 0.5
     points = [(k + 0.8 * shift, _height(case)) for k, case in enumerate(score.cases)]
     drawn = [(at, height) for at, height in points if height is not None]
@@ -498,7 +512,7 @@ def _draw_solver(ax: Axes, score: Score, i: int, count: int) -> None:
 
 
 def _height(case: CaseScore) -> float | None:
-    """Return where a case is drawn; None if nothing happens in it and nothing is reported."""
+    """Return the height at which a case is drawn; None if it has no event and none is reported."""
     if not case.given:
         return ABSENT
     if not case.right:
@@ -507,6 +521,7 @@ def _height(case: CaseScore) -> float | None:
 
 
 def _label_groups(ax: Axes, cases: Sequence[CaseScore]) -> None:
+    """Write the names of the groups of cases."""
     from symosc.reference.score import by_group
 
     begin, ticks, names = 0, [], []
@@ -522,6 +537,7 @@ def _label_groups(ax: Axes, cases: Sequence[CaseScore]) -> None:
 
 
 def _label_heights(ax: Axes) -> None:
+    """Write the labels of the vertical axis."""
     ax.set_yscale("log")
     ax.set_ylim(LEAST_UNITS / 2, TOP_OF_ALL)
     marks = [10.0**n for n in (-3, 0, 3, 6, 9)]

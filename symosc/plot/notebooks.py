@@ -1,4 +1,4 @@
-"""What notebooks show of each answer: a line, a short table, and a small picture where that takes milliseconds.
+"""Notebook pages of the results: a line, a short table, and a small picture where it takes milliseconds.
 
 It draws with nothing but `symosc.display.html`; figures are what ``.plot()`` is for. One more answer: a function that
 returns a page, registered at the end for its class.
@@ -32,7 +32,7 @@ MOST_DOTS = 60
 
 
 def trajectory_page(path: Trajectory) -> str:
-    """Return the page of a motion: its events, how it ended, and x against t."""
+    """Return the page of a motion: its events, its status, and x against t."""
     begin, end = float(path.t_start), float(path.t_end)
     line = f"t = {begin:g} … {end:g}, {counted(len(path.events), 'event')}: {path.status}"
     rows = [_row(path, i) for i in ends(len(path.events))]
@@ -44,6 +44,7 @@ def trajectory_page(path: Trajectory) -> str:
 
 
 def _row(path: Trajectory, i: int) -> list[Any]:
+    """Return an event as a row."""
     event = path.events[i]
     numbers: tuple[Any, ...] = (event.t, event.x, event.v)
     texts = [shown(float(n)) if path.digits is None else n.context.nstr(n, LONGEST_NUMBER) for n in numbers]
@@ -65,7 +66,7 @@ def events_page(events: EventTable) -> str:
 
 
 def summary_page(summary: Summary) -> str:
-    """Return the page of what became of many motions: a row each, and the words from the most frequent on."""
+    """Return the page of a summary: a row for each motion, and the words, most frequent first."""
     columns = {name: column for name, column in summary.columns().items() if name != "section"}
     some = ends(len(summary))
     rows = [[i, *(cut(str(shown(column[i]))) for column in columns.values())] for i in some]
@@ -76,7 +77,7 @@ def summary_page(summary: Summary) -> str:
 
 
 def _frequent(words: Any) -> str | None:
-    """Return the most frequent words with how often they are there."""
+    """Return the most frequent words with their counts."""
     if not len(words):
         return None
     names, counts = np.unique(words, return_counts=True)
@@ -87,7 +88,7 @@ def _frequent(words: Any) -> str | None:
 
 
 def cut(text: str) -> str:
-    """Return text that is not longer than a page has room for."""
+    """Return text, truncated to the width of a page."""
     return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 1]}…"
 
 
@@ -116,14 +117,14 @@ def orbit_page(orbit: PeriodicOrbit) -> str:
 
 
 def complex_text(value: complex) -> str:
-    """Return a complex number with six digits, a real one as such."""
+    """Return a complex number with six digits, a real one without imaginary part."""
     if value.imag == 0:
         return f"{value.real:.6g}"
     return f"{value.real:.6g} {'-' if value.imag < 0 else '+'} {abs(value.imag):.6g} i"
 
 
 def branch_page(branch: Branch) -> str:
-    """Return the page of a branch: some of its points, why it ends, and where its first switching is."""
+    """Return the page of a branch: some of its points, why it ends, and the position of its first switching."""
     rows = [_point(branch, i) for i in ends(len(branch.values))]
     x = branch.points[:, 0, 1]
     marks = [(float(branch.values[i]), float(x[i])) for i in (0, -1)]
@@ -138,6 +139,7 @@ def branch_page(branch: Branch) -> str:
 
 
 def _point(branch: Branch, i: int) -> list[Any]:
+    """Return a point of a branch as a row."""
     largest = float(np.abs(branch.multipliers[i]).max())
     return [branch.values[i], *branch.points[i, 0], f"{largest:.6g}", "yes" if branch.stable[i] else "no"]
 
@@ -158,7 +160,7 @@ def window_page(window: GrazingWindow) -> str:
 
 
 def _dial(window: GrazingWindow) -> Markup:
-    """Return the phases as a ring, 0 at the right and going round against the clock; the window's part is thick."""
+    """Return the phases as a ring, 0 at the right, counterclockwise; the window's part is thick."""
     ring = Markup('<circle cx="0" cy="0" r="{}" fill="none" stroke="currentColor" stroke-opacity="0.4"/>')
     arcs = [_arc(low, high) for low, high, *_ in window.intervals]
     names = [
@@ -175,6 +177,7 @@ def _dial(window: GrazingWindow) -> Markup:
 
 
 def _arc(low: float, high: float) -> Markup:
+    """Return an arc as an SVG path."""
     angles = np.linspace(low, high, max(2, int(40 * (high - low))))
     points = " ".join(f"{RADIUS * cos(angle):.1f},{-RADIUS * sin(angle):.1f}" for angle in angles)
     line = '<polyline points="{}" fill="none" stroke="#1f3fd6" stroke-width="{}"/>'
@@ -182,7 +185,7 @@ def _arc(low: float, high: float) -> Markup:
 
 
 def crosscheck_page(check: CrossCheck) -> str:
-    """Return the page of a comparison: its findings, and the samples with what is wrong in them."""
+    """Return the page of a cross-check: its findings, and the samples with the faults marked."""
     strange = [("missed", event) for event in check.missed] + [("invented", event) for event in check.invented]
     rows = [[what, event.kind, event.boundary or "", float(event.t)] for what, event in strange]
     lines = Markup('<pre style="margin:0;white-space:pre-wrap">{}</pre>').format(check.summary())
@@ -195,7 +198,7 @@ def crosscheck_page(check: CrossCheck) -> str:
 
 
 def certificate_page(certificate: Certificate) -> str:
-    """Return the page of a proof: what is proven, and the enclosures."""
+    """Return the page of a certificate: the proven statement, and the enclosures."""
     said = "proven" if certificate.proven else "not proven"
     line = f"{certificate.kind}, {said}: {certificate.message}"
     events = certificate.events
@@ -208,7 +211,7 @@ def certificate_page(certificate: Certificate) -> str:
 
 
 def _event(event: tuple[Any, ...]) -> list[str]:
-    """Return an event as a row; the events of a branch have no enclosures of their own."""
+    """Return an event as a row; the events of a branch have no enclosures."""
     enclosures = event[3:]
     widths = (f"{float(Decimal(high) - Decimal(low)):.0e}" for low, high in enclosures)
     return [*event[:3], *(common_digits(*each) for each in enclosures), *widths]

@@ -1,4 +1,4 @@
-"""What the panels of a figure show: the mass, the belts, the forces, and a mark for each event.
+"""The contents of a figure's panels: the mass, the belts, the forces, and a mark for each event.
 
 Every kind of event has a shape of its own and the upper force is dashed, so that nothing rests on colour alone.
 """
@@ -63,7 +63,7 @@ OUTSTANDING = 0.1
 
 @dataclass(frozen=True)
 class Mark:
-    """A mark: what it is, its time, and the belt of its event (None: not one of a belt)."""
+    """A mark: its kind, its time, and the belt of its event (None: none)."""
 
     label: str
     color: str
@@ -82,7 +82,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class View:
-    """Everything that the panels draw: the samples t, x, v of the curves, and the forces of one boundary.
+    """The data that the panels draw: samples t, x, v of the curves, and the forces at one boundary.
 
     Panel (a) shows the displacement of a point of a belt at the `contacts`, and beyond them by the fractions
     `belt_reach` of both axes; panel (b) shows at most two `magnified` ones in insets.
@@ -100,7 +100,7 @@ class View:
 
     @property
     def scale(self) -> float:
-        """How large marks and lines are, 1 if there is room."""
+        """The relative size of marks and lines, 1 if there is space."""
         return max(min(1.0, sqrt(ROOMY / max(len(self.marks), 1))), LEAST_SCALE)
 
     @property
@@ -109,7 +109,7 @@ class View:
         return NEIGHBOURS[self.boundary]
 
     def belts(self) -> list[int]:
-        """Return the belts whose speed is near enough to the velocities to be drawn."""
+        """Return the belts with a speed near the velocities drawn."""
         low, high = self.v.min(), self.v.max()
         p, allowed = self.trajectory.parameters, BELT_STRETCH * (high - low)
         near = [belt for belt in (1, 2) if low - allowed <= p.belt(belt) <= high + allowed]
@@ -117,7 +117,7 @@ class View:
 
 
 class Sampling(NamedTuple):
-    """How many points curves have: per period, at least on a segment, and at most in all."""
+    """The number of points of curves: per period, at least per segment, and at most in all."""
 
     per_period: int
     least: int
@@ -128,7 +128,7 @@ FINE = Sampling(per_period=120, least=40, most=20_000)
 
 
 def view_of(trajectory: Trajectory, boundary: int | None, sampling: Sampling = FINE) -> View:
-    """Sample a trajectory and choose the boundary whose forces are drawn, by default that of the first event."""
+    """Sample a trajectory and choose the boundary of the forces, by default that of the first event."""
     t = _sample_times(trajectory, sampling)
     x, v = trajectory(t)
     if boundary is None:
@@ -143,7 +143,7 @@ def view_of(trajectory: Trajectory, boundary: int | None, sampling: Sampling = F
 
 
 def _sample_times(trajectory: Trajectory, sampling: Sampling) -> np.ndarray:
-    """Return times that resolve every segment, denser after its start, with the events among them."""
+    """Return times that resolve every segment, denser after its start, including the events."""
     p = trajectory.parameters
     period = 2 * pi / max(float(p.Omega), sqrt(p.k / p.m))
     edges = [float(segment.t_start) for segment in trajectory.segments] + [float(trajectory.t_end)]
@@ -157,6 +157,7 @@ def _sample_times(trajectory: Trajectory, sampling: Sampling) -> np.ndarray:
 
 
 def _marks(trajectory: Trajectory) -> tuple[Mark, ...]:
+    """Return the marks of a trajectory's events."""
     start = float(trajectory.t_start)
     on_belt = trajectory.segments[0].mode.startswith("belt")
     belt = int(trajectory.segments[0].mode[-1])
@@ -169,7 +170,7 @@ def _marks(trajectory: Trajectory) -> tuple[Mark, ...]:
 
 
 def _displacement(ax: Axes, view: View) -> None:
-    """Panel (a): the mass, and the points of the belts that it sticks to or grazes (black)."""
+    """Draw panel (a): the mass, and the belt points to which it sticks or which it grazes (black)."""
     _curve(ax, view, view.t, view.x, "displacement $x$")
     low, high = ax.get_ylim()
     reaches = view.belt_reach[0] * (view.t[-1] - view.t[0]), view.belt_reach[1] * (high - low)
@@ -184,6 +185,7 @@ def _displacement(ax: Axes, view: View) -> None:
 
 
 def _velocity(ax: Axes, view: View) -> None:
+    """Draw panel (b): the velocity against time."""
     _curve(ax, view, view.t, view.v, r"velocity $\dot{x}$")
     _belt_lines(ax, view)
     _dots(ax, view, view.marks, lambda t: t, lambda t: view.trajectory(t)[1])
@@ -191,6 +193,7 @@ def _velocity(ax: Axes, view: View) -> None:
 
 
 def _phase_plane(ax: Axes, view: View) -> None:
+    """Draw panel (c): the phase plane."""
     _curve(ax, view, view.x, view.v, r"velocity $\dot{x}$")
     _belt_lines(ax, view)
     _dots(ax, view, view.marks, lambda t: view.trajectory(t)[0], lambda t: view.trajectory(t)[1])
@@ -198,6 +201,7 @@ def _phase_plane(ax: Axes, view: View) -> None:
 
 
 def _forces_in_time(ax: Axes, view: View) -> None:
+    """Draw panel (d): the forces against time."""
     _shade_sticks(ax, view)
     _forces(ax, view, view.t, lambda t: t)
     crossings = [mark.t for mark in _marks_of_forces(view) if mark.label == "crossing"]
@@ -207,11 +211,13 @@ def _forces_in_time(ax: Axes, view: View) -> None:
 
 
 def _forces_in_displacement(ax: Axes, view: View) -> None:
+    """Draw panel (e): the forces against the displacement."""
     _forces(ax, view, view.x, lambda t: view.trajectory(t)[0])
     ax.set_xlabel("displacement $x$")
 
 
 def _forces_in_velocity(ax: Axes, view: View) -> None:
+    """Draw panel (f): the forces against the velocity."""
     _forces(ax, view, view.v, lambda t: view.trajectory(t)[1])
     for belt in view.belts():
         speed = float(view.trajectory.parameters.belt(belt))
@@ -221,7 +227,7 @@ def _forces_in_velocity(ax: Axes, view: View) -> None:
 
 
 def _force_product(ax: Axes, view: View) -> None:
-    """Panel (g): the product of the forces. The mass passes the belt where it is > 0 and sticks where it is < 0."""
+    """Draw panel (g): the product of the forces, > 0 where the mass crosses the belt, < 0 where it sticks."""
     below, above = view.domains
     name = f"$F^{{({below})}}\\, F^{{({above})}}$"
 
@@ -253,16 +259,19 @@ PANELS: dict[str, Panel] = {
 
 
 def _curve(ax: Axes, view: View, across: np.ndarray, up: np.ndarray, label: str) -> None:
+    """Draw a curve."""
     ax.plot(across, up, color=MASS_COLOR, lw=1.3 * max(view.scale, 0.5), label="mass")
     ax.set_ylabel(label)
 
 
 def _time_axis(ax: Axes, view: View) -> None:
+    """Set up the time axis."""
     ax.set_xlim(view.t[0], view.t[-1])
     ax.set_xlabel("time $t$")
 
 
 def _belt_lines(ax: Axes, view: View) -> None:
+    """Draw lines at the belt speeds."""
     # Above the mass, but thinner: in a stick both are seen.
     p = view.trajectory.parameters
     low, high = ax.get_ylim()
@@ -274,6 +283,7 @@ def _belt_lines(ax: Axes, view: View) -> None:
 
 
 def _forces(ax: Axes, view: View, across: np.ndarray, place: Callable[[Any], Any]) -> None:
+    """Draw both forces of the boundary."""
     below, above = view.domains
     force = view.trajectory.force
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
@@ -286,17 +296,19 @@ def _forces(ax: Axes, view: View, across: np.ndarray, place: Callable[[Any], Any
 
 
 def _marks_of_forces(view: View) -> list[Mark]:
-    """Return the marks that the two forces of a boundary decide: those of its own belt."""
+    """Return the marks at the boundary of the forces."""
     return [mark for mark in view.marks if mark.label != "start" and mark.belt in (view.boundary, None)]
 
 
 def _shade_sticks(ax: Axes, view: View) -> None:
+    """Shade the intervals of sticks."""
     for stick in _sticks(view.trajectory):
         if stick.belt == view.boundary:
             ax.axvspan(stick.since, stick.until, color=STICK_SHADE, lw=0, zorder=-1)
 
 
 def _dots(ax: Axes, view: View, marks: Sequence[Mark], across: Callable[[Any], Any], up: Callable[[Any], Any]) -> None:
+    """Draw marks on a curve."""
     for label, color in dict.fromkeys((mark.label, mark.color) for mark in marks):
         times = np.array([mark.t for mark in marks if mark.label == label])
         ax.plot(
@@ -310,7 +322,7 @@ def _dots(ax: Axes, view: View, marks: Sequence[Mark], across: Callable[[Any], A
 
 
 def mark_style(label: str, color: str, scale: float = 1.0) -> Record:
-    """Return how a mark is drawn: its shape, colour and size."""
+    """Return shape, colour and size of a mark."""
     marker, size = SHAPES[label]
     edge, width, level = ("black", 0.8, 4) if label == "start" else ("white", 0.4, 5)
     level += color == END_COLOR
@@ -318,12 +330,13 @@ def mark_style(label: str, color: str, scale: float = 1.0) -> Record:
 
 
 def _sticks(trajectory: Trajectory) -> list[Contact]:
+    """Return the sticks of a trajectory."""
     sticks = [segment for segment in trajectory.segments if segment.mode.startswith("belt")]
     return [Contact(float(stick.t_start), float(stick.t_end), int(stick.mode[-1])) for stick in sticks]
 
 
 def _outstanding(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
-    """Return the sticks that insets magnify: those too short to be seen, where they are few or far below the others."""
+    """Return the sticks for insets: too short to be seen, and few or much shorter than the others."""
     short = [contact for contact in contacts if _is_short(contact, t)]
     if len(short) > MOST_INSETS:
         lengths = [contact.until - contact.since for contact in contacts if contact.until > contact.since]
@@ -333,7 +346,7 @@ def _outstanding(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, .
 
 
 def _is_short(contact: Contact, t: np.ndarray) -> bool:
-    """Tell whether a stick is too short to be seen, but long enough to be resolved, and ends in the picture."""
+    """Return whether a stick is too short to be seen, but resolved, and ends within the picture."""
     longest, finest = SHORT_STICK * (t[-1] - t[0]), RESOLVED * np.abs(t).max()
     return bool(finest < contact.until - contact.since < longest and contact.until < t[-1])
 
@@ -350,12 +363,13 @@ INSET_TEXT: Record = {"fontsize": 7.5, "ha": "center", "va": "center"}
 
 
 def draw_insets(ax: Axes, view: View) -> None:
-    """Magnify what a view says into insets above axes, where there must be room for them."""
+    """Draw magnified parts of a view as insets above axes, if there is space."""
     for contact, (left, width) in zip(view.magnified, INSET_BOXES.get(len(view.magnified), ()), strict=True):
         _inset(ax, view, contact, (left, INSET_BOTTOM, width, INSET_HEIGHT))
 
 
 def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, float, float]) -> None:
+    """Draw one inset of a contact."""
     since, until, belt = contact.since, contact.until, contact.belt
     speed = float(view.trajectory.parameters.belt(belt))
     length = until - since or SHORT_STICK * (view.t[-1] - view.t[0])
@@ -387,9 +401,11 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
 
 
 def _power(exponent: int) -> str:
+    """Return the beginning of a label with a power of ten, in math text."""
     return "$" if exponent == 0 else f"$10^{{{exponent}}}\\,"
 
 
 def _scientific(value: float) -> str:
+    """Return a number in scientific notation."""
     mantissa, _, exponent = f"{value:.1e}".partition("e")
     return f"${mantissa}\\cdot 10^{{{int(exponent)}}}$"

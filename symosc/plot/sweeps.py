@@ -1,4 +1,4 @@
-"""Figures of many motions: sweeps over one axis and over two, their columns, and events and summaries of ensembles.
+"""Figures of many motions: sweeps over one or two axes, and the events and summaries of ensembles.
 
 In maps every class has its own lightness, a line around it, and its name in its largest place where there is room. So a
 map can be read in greyscale.
@@ -47,7 +47,7 @@ MOST_LEVELS = 24
 
 
 def read_column(dataset: Any, name: Any) -> Any:
-    """Return a column of a result, without dimensions of length 1; ParameterError if there is none."""
+    """Return a column of a result without dimensions of length 1; raise ParameterError if there is none."""
     if not hasattr(dataset, "data_vars") or "status" not in dataset:
         raise ParameterError("dataset", type(dataset).__name__, "must be a Dataset; sweep(...) makes one")
     names = [str(each) for each in dataset.data_vars]
@@ -59,12 +59,12 @@ def read_column(dataset: Any, name: Any) -> Any:
 
 
 def axes_of(column: Any) -> list[str]:
-    """Return the dimensions of a column that were swept."""
+    """Return the swept dimensions of a column."""
     return [str(each) for each in column.dims if each not in ("period", "component")]
 
 
 def read_axes(column: Any, count: int, what: str) -> list[str]:
-    """Return the axes of a column, which must be `count`, each with a coordinate; else raise ParameterError."""
+    """Return the `count` axes of a column, each with a coordinate; raise ParameterError otherwise."""
     if "component" in column.dims:
         raise ParameterError("name", column.name, "has x and v at many times; bifurcation_figure draws it")
     axes = axes_of(column)
@@ -76,18 +76,18 @@ def read_axes(column: Any, count: int, what: str) -> list[str]:
 
 
 def label(name: str) -> str:
-    """Return how a parameter, a start value or a column is named at an axis."""
+    """Return the axis label of a parameter, a start value or a column."""
     return LABELS.get(name, name.replace("_", " "))
 
 
 def undecided(dataset: Any, column: Any) -> np.ndarray:
-    """Return where the motion could not be decided, in the shape of a column."""
+    """Return where the motion was undecided, in the shape of a column."""
     status = dataset["status"].squeeze([each for each in dataset["status"].dims if dataset.sizes[each] == 1])
     return np.asarray(status.transpose(*axes_of(column)).values == "undecidable")
 
 
 def typeset(word: str) -> str:
-    """Return a word as the paper writes it; other text as it is."""
+    """Return a word in the paper's notation; other text unchanged."""
     if not word:
         return "no event"
     return f"$P_{{{word[1:]}}}$" if word[0] == "P" and word[1:].isdigit() else word
@@ -98,7 +98,7 @@ def typeset(word: str) -> str:
 
 @public
 def swept_figure(dataset: xarray.Dataset | SweptDataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
-    """Draw the result of a sweep, in the form that fits it.
+    """Draw the result of a sweep as a curve or a map, by its number of axes.
 
     A section over one axis is a bifurcation diagram, anything else over one axis a curve; two axes make a map, and a
     basin if they are starts x0 and v0.
@@ -232,6 +232,7 @@ def curve_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
 
 
 def _span(axes: Axes, values: Any) -> None:
+    """Set the range of the horizontal axis."""
     if values.min() < values.max():
         axes.set_xlim(values.min(), values.max())
 
@@ -246,7 +247,7 @@ def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
 
 
 class Classes(NamedTuple):
-    """Cells by class: a number for each cell, and for each number what it is called and how it looks."""
+    """Cells by class: a number for each cell, and the label and style of each number."""
 
     codes: np.ndarray
     names: list[str]
@@ -371,6 +372,7 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> Classes:
 
 
 def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], classes: Classes, new: bool) -> None:
+    """Draw a map of classes."""
     palette = ListedColormap(classes.colors)
     options: Record = {"vmin": -0.5, "vmax": len(classes.names) - 0.5, "rasterized": True}
     axes.pcolormesh(*edges, classes.codes.T, cmap=palette, **options)
@@ -384,7 +386,7 @@ def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], classes: Cla
     axes.add_collection(LineCollection(borders(x, y, classes.codes), colors="black", linewidths=0.5))
     for i, name in enumerate(classes.names):
         if not classes.hatches[i]:
-            _name_place(axes, edges, classes.codes == i, name, classes.colors[i])
+            _label_class(axes, edges, classes.codes == i, name, classes.colors[i])
     handles = [
         Patch(facecolor=color, edgecolor="black", linewidth=0.5, hatch=hatch, label=typeset(name))
         for name, color, hatch in zip(classes.names, classes.colors, classes.hatches, strict=True)
@@ -396,8 +398,8 @@ def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], classes: Cla
         axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1, 1), **legend)
 
 
-def _name_place(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: Any) -> None:
-    """Write the name of a class where its cells reach farthest from its border."""
+def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: Any) -> None:
+    """Write the name of a class at its point farthest from its border."""
     from scipy.ndimage import distance_transform_edt  # takes longer to load than most figures to draw
 
     depth = distance_transform_edt(np.pad(inside, 1), sampling=[1 / length for length in inside.shape])[1:-1, 1:-1]
@@ -409,7 +411,7 @@ def _name_place(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: An
 
 
 def luminance(color: Any) -> float:
-    """Return how light a colour is, from 0 to 1, as a greyscale print shows it."""
+    """Return the lightness of a colour in greyscale, from 0 to 1."""
     red, green, blue = color[:3]
     return float(0.299 * red + 0.587 * green + 0.114 * blue)
 
@@ -427,6 +429,7 @@ def borders(x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[list[tuple[
 def _draw_shades(
     drawing: Figure, axes: Axes, edges: tuple[np.ndarray, np.ndarray], values: np.ndarray, name: str
 ) -> None:
+    """Draw a map of numbers."""
     mesh = axes.pcolormesh(*edges, np.ma.masked_invalid(values).T, cmap=SHADES, rasterized=True)
     axes.set_facecolor(UNDECIDED_COLOR)
     drawing.colorbar(mesh, ax=axes, label=name)
@@ -449,7 +452,7 @@ def _edges(values: np.ndarray) -> np.ndarray:
 
 @public
 def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
-    """Draw when which motion has which event: time across, a line of marks for each motion.
+    """Draw the events of motions: time across, one line of marks for each motion.
 
     Parameters
     ----------
@@ -496,7 +499,7 @@ def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
 
 @public
 def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None = None) -> Figure:
-    """Draw what became of many motions.
+    """Draw the summary of many motions.
 
     Parameters
     ----------
@@ -546,7 +549,7 @@ def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None
 
 
 def _bars(axes: Axes, values: np.ndarray, name: str) -> None:
-    """Draw how often each value is there, the most frequent on top; rare ones as one bar."""
+    """Draw the counts of values as bars, the most frequent on top; rare ones as one bar."""
     kinds, counts = np.unique(values, return_counts=True)
     order = np.argsort(-counts, kind="stable")
     names = [typeset(str(kinds[i])) if name == "word" else str(kinds[i]) for i in order]

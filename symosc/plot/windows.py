@@ -100,7 +100,7 @@ def window_figure(
 
 
 def _rows(windows: list[GrazingWindow], columns: list[Callable[[Axes, GrazingWindow], None]]) -> Figure:
-    """Return a figure with a row for each window, and in each row what the columns draw of it."""
+    """Return a figure with a row for each window, drawn column by column."""
     with style_for(None):
         size = 1.2 + 2.9 * len(columns), 2.5 * len(windows) + 0.2
         drawing = Drawing(figsize=size, layout="constrained")
@@ -118,6 +118,7 @@ def tex(mapping: str) -> str:
 
 
 def _circle(axes: Axes, window: GrazingWindow) -> None:
+    """Draw a window on the circle of phases."""
     around = np.linspace(0, TURN, CIRCLE_POINTS)
     axes.plot(np.cos(around), np.sin(around), color=OUTSIDE_COLOR, linewidth=1.0, zorder=1)
     for low, high, *_ in window.intervals:
@@ -160,12 +161,13 @@ def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
 
 
 def draw_dot(axes: Axes, x: float, y: float, belongs: bool, label: str | None = None) -> None:
-    """Draw a full dot for what belongs to a window, an open one for what does not."""
+    """Draw a full dot for a point inside a window, an open one for a point outside."""
     style: Record = {"color": INSIDE_COLOR, "markerfacecolor": INSIDE_COLOR if belongs else "white", "markersize": 4.5}
     axes.plot([x], [y], "o", zorder=4, clip_on=False, linestyle="none", label=label, **style)
 
 
 def _contacts(axes: Axes, window: GrazingWindow) -> None:
+    """Draw the contact positions against the phase."""
     axes.set(xlim=(0, TURN), xlabel=PHASE_LABEL, ylabel="$x_m$")
     axes.set_xticks(np.arange(5) * pi / 2, PHASE_TICKS)
     p = window.parameters
@@ -191,7 +193,7 @@ def _contacts(axes: Axes, window: GrazingWindow) -> None:
 
 
 def _places(window: GrazingWindow, theta: np.ndarray) -> np.ndarray:
-    """Return (A_alpha + B0 cos theta - c v_lambda)/k at any phase, in the window or not."""
+    """Return (A_alpha + B0 cos theta - c v_lambda)/k at any phase."""
     p = window.parameters
     return float((p.A(window.place.domain) - p.c * window.speed) / p.k) + float(p.B0 / p.k) * np.cos(theta)
 
@@ -265,7 +267,7 @@ def sweep_figure(
 
 
 def _values(low: float, high: float, equalities: list[Fraction]) -> np.ndarray:
-    """Return values to sample: even ones, and equality and 0, where the window changes its kind, and beside these."""
+    """Return sample values: equidistant ones, equality and 0 (where the window changes kind), and neighbours."""
     steps = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
     edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in steps]
     even = np.linspace(low, high, SWEEP_POINTS)
@@ -273,7 +275,7 @@ def _values(low: float, high: float, equalities: list[Fraction]) -> np.ndarray:
 
 
 def _mark_value(axes: Axes, value: float) -> None:
-    """Draw a line at the given value, if the axis reaches it; make room where it would lie on the frame."""
+    """Draw a line at the given value if it is on the axis, off the frame."""
     low, high = axes.get_xlim()
     if low <= value <= high:
         axes.axvline(value, color="black", linewidth=0.9, linestyle=":", label="given value")
@@ -283,6 +285,7 @@ def _mark_value(axes: Axes, value: float) -> None:
 
 
 def _sweep_range(p: Parameters, mapping: str, name: str, low: Any, high: Any) -> tuple[float, float]:
+    """Return the range of a parameter to draw."""
     where = place(mapping)
     names = ("Omega", "B0", "k", f"v{where.boundary}")
     if name not in names:
@@ -325,7 +328,7 @@ def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
 
 
 def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: Any) -> None:
-    """Shade the window; the arc that it lacks ends at 3 pi/2 where `above` > 0, at pi/2 elsewhere."""
+    """Shade the window; the arc outside it ends at 3 pi/2 where `above` > 0, else at pi/2."""
     if np.all(found.kind == EMPTY):
         axes.text(0.5, 0.5, "the window is empty", transform=axes.transAxes, ha="center")
     everything = np.isin(found.kind, (EVERYTHING, ALL_BUT_ONE))
@@ -341,7 +344,7 @@ def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: A
 
 
 def _window_borders(axes: Axes, values: np.ndarray, found: Any) -> None:
-    """Draw Theta_cr and pi - Theta_cr, which are not in the window, broken where they jump by a turn."""
+    """Draw Theta_cr and pi - Theta_cr, broken since not in the window, interrupted at jumps by a turn."""
     if np.all(np.isnan(found.theta_cr)):
         return
     label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
@@ -413,13 +416,14 @@ def region_figure(
 
 
 class _Margin(NamedTuple):
-    """How far points are inside a condition: > 0 inside, 0 on its border; and whether a border there is inside."""
+    """The signed margin of a condition at points (> 0: it holds, 0: border), and whether the border belongs to it."""
 
     values: np.ndarray
     closed: np.ndarray
 
 
 def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarray) -> _Margin:
+    """Return the margin of a condition at points."""
     import sympy as sp
 
     if condition in (sp.true, sp.false):
@@ -433,7 +437,7 @@ def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarr
 
 
 def _joined(one: _Margin, other: _Margin, both: bool) -> _Margin:
-    """Return the margin of both conditions, or of either: the comparison that decides has the border."""
+    """Return the margin of two conditions with `and` or `or`; the deciding one provides the border."""
     decides = one.values < other.values if both else one.values > other.values
     either = one.closed & other.closed if both else one.closed | other.closed
     closed = np.where(one.values == other.values, either, np.where(decides, one.closed, other.closed))
@@ -441,7 +445,7 @@ def _joined(one: _Margin, other: _Margin, both: bool) -> _Margin:
 
 
 def _span(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]:
-    """Return the range of an axis; the default reaches past the given value and, for a belt, past the other one."""
+    """Return the range of an axis; by default past the given value and, for a belt, past the other belt."""
     p = region.parameters
     if given is not None:
         low, high = (float(read_exact(name, end)) for end in given)
@@ -455,7 +459,7 @@ def _span(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]
 
 
 def _region_areas(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, allowed: _Margin) -> list[Any]:
-    """Shade the region, hatch what is not allowed, and return what the legend needs."""
+    """Shade the region, hatch forbidden values, and return the legend entries."""
     shown = []
     both = np.minimum(inside.values, allowed.values)
     if (both > 0).any():
@@ -472,7 +476,7 @@ def _region_areas(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, all
 
 
 def _area(axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray, style: Record) -> None:
-    """Fill where values are positive."""
+    """Fill the points with positive values."""
     finite = np.nan_to_num(values, posinf=1.0, neginf=-1.0)
     hatches = [style.get("hatch")]
     area = axes.contourf(x, y, finite, [0, np.inf], colors=[style["facecolor"]], hatches=hatches, zorder=0)
@@ -480,7 +484,7 @@ def _area(axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray, style: R
 
 
 def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, allowed: _Margin) -> list[Any]:
-    """Draw the border, full where it belongs to the region, and return what the legend needs."""
+    """Draw the border, full where it belongs to the region, and return the legend entries."""
     shown: list[Any] = []
     if not inside.values.min() <= 0 <= inside.values.max() < np.inf:
         return shown
@@ -503,7 +507,7 @@ def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, a
 
 
 def _given(axes: Axes, region: ParameterRegion, spans: list[tuple[float, float]]) -> list[Any]:
-    """Mark the values of the parameters that the region was asked for with, if they are on the axes."""
+    """Mark the given values of the parameters if they are on the axes."""
     names = region.question.names
     at = [float(getattr(region.parameters, name)) for name in names]
     if not all(low <= value <= high for value, (low, high) in zip(at, spans, strict=True)):
@@ -566,6 +570,7 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: 
 
 
 def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
+    """Draw the flights of a grazing curve against the phase."""
     for piece in curve.pieces:
         axes.plot(piece.theta_m, piece.theta_m - piece.theta, color=START_COLOR, linewidth=1.2)
         _ends(axes, piece, [end.theta_m - end.theta for end in (piece.low, piece.high)], "theta_m")
@@ -581,7 +586,7 @@ def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
 
 
 def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
-    """Draw the left half of `figure_grazing_curve` into axes of another figure."""
+    """Draw the left half of `figure_grazing_curve` into given axes."""
     for piece in curve.pieces:
         _line(axes, piece.theta, piece.x, START_COLOR, label="start")
         _line(axes, piece.theta_m, piece.x_m, CONTACT_COLOR, label="grazing point", style=(0, (4, 1.6)))
@@ -599,27 +604,28 @@ CURVE_PANELS = {"a": draw_plane, "b": _draw_flight}
 
 
 def _say_why_empty(axes: Axes, curve: GrazingCurve) -> None:
-    """Say why there is nothing to draw; a scale of nothing is not shown."""
+    """Write why there is nothing to draw, and hide the scales."""
     why = "no start on this plane grazes" if curve.windows else "the window is empty"
     axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center")
     axes.set_yticks([])
 
 
 def _reach(curve: GrazingCurve) -> tuple[float, float]:
-    """Return the first and the last phase; over a full circle they are counted from where the curve was cut."""
+    """Return the first and the last phase; over a full circle, from the cut of the curve."""
     spans = [(piece.low.theta_m, piece.high.theta_m) for piece in curve.pieces]
     spans += [(low, high) for low, high, _ in curve.gaps]
     return min(low for low, _ in spans), max(high for _, high in spans)
 
 
 def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, color: str, label: str, style: Any = "-") -> None:
-    """Draw a curve with its phase mod 2 pi, broken where that jumps."""
+    """Draw a curve against its phase mod 2 pi, interrupted at jumps."""
     turns = np.floor(theta / TURN)
     for part in np.split(np.arange(len(theta)), np.nonzero(np.diff(turns))[0] + 1):
         axes.plot(theta[part] - TURN * turns[part], x[part], color=color, linestyle=style, linewidth=1.2, label=label)
 
 
 def _ends(axes: Axes, piece: CurvePiece, heights: list[float], across: str) -> None:
+    """Draw the ends of a piece of the curve."""
     for end, height in zip((piece.low, piece.high), heights, strict=True):
         if end.reason == "closed":
             continue
@@ -638,6 +644,7 @@ def _ends(axes: Axes, piece: CurvePiece, heights: list[float], across: str) -> N
 
 
 def _quarters(axes: Axes) -> None:
+    """Set ticks at quarters of a turn."""
     low, high = axes.get_xlim()
     shown = {k: ANGLE_TICKS.get(k, rf"${k // 2 if k % 2 == 0 else f'{k}/2 '}\pi$") for k in range(-4, 13)}
     inside = [k for k in shown if low - 1e-9 <= k * pi / 2 <= high + 1e-9]
@@ -645,6 +652,7 @@ def _quarters(axes: Axes) -> None:
 
 
 def _curve_legend(axes: Axes) -> None:
+    """Draw the legend of a grazing curve."""
     entries = legend_entries([axes])
     if entries["labels"]:
         axes.legend(**entries, frameon=False, fontsize=7)

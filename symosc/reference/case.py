@@ -1,4 +1,4 @@
-"""A reference case: a scene, its events as they are known, with proof where there is one, and their condition numbers.
+"""A reference case: a scene, its known events (proven where possible), and their condition numbers.
 
 The condition number of an event, with out its time or position and in each parameter and start value, is
 
@@ -78,7 +78,7 @@ class KnownEvent(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class ReferenceCase:
-    """A motion whose events are known. Certificate, events and condition are computed when they are asked for.
+    """A motion with known events. Certificate, events and condition are computed on first access.
 
     Attributes
     ----------
@@ -144,7 +144,7 @@ class ReferenceCase:
 
     @cached_property
     def certificate(self) -> Certificate:
-        """The proof; or what says why there is none."""
+        """The proof, or the reason why there is none."""
         return certify(self.scene, digits=GIVEN_DIGITS)
 
     @property
@@ -154,7 +154,7 @@ class ReferenceCase:
 
     @property
     def status(self) -> str:
-        """Whether its events are "proven", or "computed, not proven"."""
+        """Whether the events are "proven", or "computed, not proven"."""
         return PROVEN if self.proven else COMPUTED
 
     @cached_property
@@ -176,7 +176,7 @@ class ReferenceCase:
 
     @property
     def count(self) -> int:
-        """How many events there are in all, if only the last ones are given; else how many are given."""
+        """The number of all events, if only the last ones are given; else of the given ones."""
         return len(self.events) * max(self.periods, 1)
 
     @cached_property
@@ -206,7 +206,7 @@ class ReferenceCase:
 
 
 def _enclosed(value: Any) -> tuple[str, str]:
-    """Return the two decimals with GIVEN_DIGITS digits that a number is between."""
+    """Return the two decimals with GIVEN_DIGITS digits that enclose a number."""
     digits = Decimal(str(value.context.nstr(value, COMPUTED_DIGITS)))
     low, high = (Context(GIVEN_DIGITS, rounding=way).plus(digits) for way in (ROUND_FLOOR, ROUND_CEILING))
     return f"{low:f}", f"{high:f}"
@@ -285,7 +285,7 @@ def shifted(scene: Scene, name: str, step: Fraction) -> Scene:
 
 
 def _same(events: Sequence[Event], others: Sequence[Event]) -> int:
-    """Return how many events two lists begin with that are of the same kind at the same boundary."""
+    """Return the number of leading events with equal kind and boundary in two lists."""
     for i, (event, other) in enumerate(zip(events, others, strict=False)):
         if (event.kind, event.boundary, event.target) != (other.kind, other.boundary, other.target):
             return i

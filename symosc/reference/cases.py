@@ -67,7 +67,7 @@ CASE_GROUPS = {
 
 @lru_cache(maxsize=1)
 def reference_cases() -> Sequence[ReferenceCase]:
-    """Return all reference cases: motions whose events are known for certain, and mostly proven.
+    """Return all reference cases: motions with known, mostly proven events.
 
     Nothing is computed yet; a case computes its events, certificate and condition when they are asked for.
 
@@ -395,7 +395,7 @@ def _rest(
 
 
 def _creeping() -> Iterator[ReferenceCase]:
-    """Yield flights from v = -1 to v = 0: with u = g' + r2 g = `push` at the start, g = |v|, contact only if u < 0.
+    """Yield flights from v = -1 towards v = 0: g = |v|, u = g' + r2 g = `push` at the start; contact only if u < 0.
 
     Then it is at t = log(1 + (r2 - r1) g/|u|)/(r2 - r1), and at t = g/|u| if the two roots are one.
     """
@@ -530,7 +530,7 @@ def _borders() -> Iterator[ReferenceCase]:
 
 
 def _resonance() -> Iterator[ReferenceCase]:
-    """Yield motions at Omega = omega_0, c = 0, whose turning points are at pi/2 + i pi and grow."""
+    """Yield motions at Omega = omega_0, c = 0, with growing turning points at pi/2 + i pi."""
     for number, F in enumerate(("0.1", "0.4", "0.75"), 1):
         p = wall(F, 1)
         closed = [f"t[{i}] = pi/2 + {i}*pi" for i in range(12)]

@@ -1,4 +1,4 @@
-"""Events of a solver against those of a reference: errors, missed and invented events.
+"""Compare a solver's events with those of a reference: errors, missed and invented events.
 
 The two lists are aligned as sequences. An event can be matched with one of the same kind on the same boundary that is
 at most a window of time away. Matches keep the order of both lists. Of all such alignments the one with the most and
@@ -47,20 +47,20 @@ class FoundEvents(NamedTuple):
 
 
 class OfAKind(Protocol):
-    """What an event of a reference must have to be aligned."""
+    """An event with kind and boundary, as the alignment requires."""
 
     @property
     def kind(self) -> str:
-        """What happens."""
+        """The kind of the event."""
 
     @property
     def boundary(self) -> int:
-        """At which belt."""
+        """The belt of the event."""
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """How a solver's events compare with the reference."""
+    """The comparison of a solver's events with the reference."""
 
     error_t: float | None
     error_x: float | None
@@ -72,7 +72,7 @@ class Comparison:
 
     @property
     def error(self) -> float | None:
-        """The larger one of the two errors."""
+        """The larger of the two errors."""
         return None if self.error_t is None or self.error_x is None else max(self.error_t, self.error_x)
 
     @property
@@ -82,7 +82,7 @@ class Comparison:
 
 
 def window_of(scene: Scene) -> float:
-    """Return how far apart in time an event and its counterpart may be: a small part of the forcing period."""
+    """Return the largest time between an event and its counterpart: a small part of the forcing period."""
     return WINDOW * 2 * pi / float(scene.parameters.Omega)
 
 

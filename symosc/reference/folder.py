@@ -203,7 +203,7 @@ def checksum(content: bytes) -> str:
 
 
 def _of_an_earlier_run(folder: Path) -> set[str]:
-    """Return the files that a manifest in a folder names, itself included; none if there is no such manifest."""
+    """Return the files named by a folder's manifest, itself included; none without a manifest."""
     try:
         content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
         return {MANIFEST, *content["files"]} if content["format"] == SET_FORMAT else set()
@@ -216,7 +216,7 @@ def _of_an_earlier_run(folder: Path) -> set[str]:
 
 @dataclass(frozen=True)
 class StoredCase:
-    """A case as its files have it; `count` is the number of all events, if only those of the last period are given."""
+    """A case as stored in files; `count` is the number of all events, if only the last period's are given."""
 
     name: str
     group: str
@@ -235,7 +235,7 @@ class StoredCase:
 
 
 def read_set(path: str | Path) -> tuple[int, Sequence[StoredCase]]:
-    """Return version and cases of a folder; ResultError if it is none, or a file differs from its checksum."""
+    """Return version and cases of a folder; raise ResultError for a wrong folder or checksum."""
     folder = Path(read_path(path))
     manifest = _read_manifest(folder)
     try:
@@ -292,7 +292,7 @@ def _case(folder: Path, name: str, sums: Record) -> StoredCase:
 
 
 def stored(case: ReferenceCase) -> StoredCase:
-    """Return a case as its files would have it."""
+    """Return a case in the form that its files would have."""
     p, on_belt = case.parameters, case.v0 in (case.parameters.v1, case.parameters.v2)
     return StoredCase(
         case.name, case.group, p.Omega, case.t0, case.t_end, on_belt, case.events, case.conditions, case.count

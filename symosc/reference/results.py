@@ -1,4 +1,4 @@
-"""Somebody's events, from files of any kind that `symosc check` reads: a folder with one per case, or one for all.
+"""Read a solver's events, from any kind of file that `symosc check` reads: one file per case, or one for all.
 
 `formats.txt` has the rules.
 """
@@ -42,7 +42,7 @@ EVENT_COLUMNS = {
 
 
 class GivenEvent(NamedTuple):
-    """An event that a solver has found; x is None and boundary 0 where it does not say."""
+    """An event found by a solver; x is None and boundary 0 if not given."""
 
     t: Fraction
     x: Fraction | None
@@ -52,7 +52,7 @@ class GivenEvent(NamedTuple):
 
 @dataclass
 class CaseResult:
-    """What a solver has for a case: its events in order of time, and where it says that it ended.
+    """A solver's result for a case: its events in order of time, and the end time that it states.
 
     Its seconds if given, and a note why it has nothing.
     """
@@ -113,7 +113,7 @@ def _wrong(what: str) -> ParameterError:
 
 
 def _named(names: Iterable[str]) -> dict[str, str]:
-    """Return the names of the columns of events, by what they are."""
+    """Return the column names of events by their meaning."""
     found: dict[str, str] = {}
     there = list(map(str, names))
     for what, usual in EVENT_COLUMNS.items():
@@ -136,7 +136,7 @@ def _columns(names: list[str], needs_case: bool) -> dict[str, str]:
 
 
 def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]]:
-    """Yield what a file holds: a case, a place for messages, and an event or an end of it; `name` as in `_of_file`."""
+    """Yield the entries of a file: a case, a place for messages, and an event or its end; `name` as in `_of_file`."""
     where = "" if name is None else brief(name)
     if name is not None:  # a case may be without events
         yield name, where, {"kind": FOLLOWED_TO}
@@ -174,7 +174,7 @@ def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]
 
 
 def _cell(value: Any) -> Any:
-    """Return an entry of a column of a library as Python has it; None for an empty one."""
+    """Return an entry of a library's column as a Python value; None for an empty one."""
     value = value.item() if isinstance(value, np.generic | np.ndarray) and np.size(value) == 1 else value
     value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
     if isinstance(value, str):

@@ -1,4 +1,4 @@
-"""How good somebody's events are: each case judged event by event, in units that the problem itself sets.
+"""Score a solver's events: each case judged event by event, with an error unit set by the problem.
 
 An event of the reference is found if the results have one of the same kind at the same belt within a window (a part of
 the forcing period); `symosc.reference.compare` pairs them in order, as many as possible. One that is left over beside
@@ -43,7 +43,7 @@ from symosc.reference.results import CaseResult, GivenEvent, Results
 
 
 class Wrong(NamedTuple):
-    """A fault: what it is, when, and what the reference has and what the results have ("" for nothing)."""
+    """A fault: its kind, its time, the event of the reference and that of the results ("" for none)."""
 
     fault: str
     t: float
@@ -152,14 +152,14 @@ def judge_case(case: StoredCase, result: CaseResult | None, tolerance: float) ->
 
 
 class _Judge:
-    """The events of a case, and what is said about each."""
+    """The events of a case, with the verdict on each."""
 
     def __init__(self, case: StoredCase, judged: CaseScore, tolerance: float) -> None:
         self.case, self.judged, self.tolerance = case, judged, tolerance
         self.period = 2 * pi / float(case.Omega)
 
     def judge(self, events: Sequence[GivenEvent]) -> None:
-        """Say what is right and what is wrong about all events."""
+        """Judge all events as right or wrong."""
         found = self._of_last_period(events)
         pairs = self._pairs(found)
         for i, j in pairs:
@@ -170,19 +170,19 @@ class _Judge:
         lost, extra = self._grazes(lost, extra, found)
         lost, extra = self._kinds(lost, extra, found)
         for i in lost:
-            self._fault("missed", self.case.times[i], _words(self.case.events[i]), "")
+            self._fault("missed", self.case.times[i], _event_text(self.case.events[i]), "")
         for j in extra:
-            self._fault("invented", float(found[j].t), "", _words(found[j]))
+            self._fault("invented", float(found[j].t), "", _event_text(found[j]))
 
     def judge_end(self, end: Fraction | None) -> None:
-        """Say so if the results end before the case does."""
+        """Record a fault if the results end before the case does."""
         t_end = self.case.t_end
         if end is not None and end < t_end and relative_error(end, t_end, self.case.t0) > self.tolerance:
             self.judged.stopped = float(end)
             self._fault("ends early", float(end), f"{float(t_end):.10g}", f"{float(end):.10g}")
 
     def _without_start(self, extra: list[int], found: Sequence[GivenEvent]) -> list[int]:
-        """Leave out an event at a start on a belt: it is none, but solvers list it."""
+        """Remove an event at a start on a belt: it is none, but solvers list it."""
         near = self.tolerance * self.period + ROUNDING_UNIT * UNITS_ALLOWED * abs(float(self.case.t0))
         at_start = self.case.on_belt and extra and abs(float(found[extra[0]].t - self.case.t0)) <= near
         return extra[1:] if at_start else extra
@@ -216,7 +216,7 @@ class _Judge:
         return 0 if nearest is None else self.case.events[nearest].boundary
 
     def _found(self, i: int, event: GivenEvent) -> None:
-        """Measure an event that is there."""
+        """Measure the error of a matched event."""
         known, condition, judged = self.case.events[i], self.case.conditions[i], self.judged
         t, x = known.middle
         errors = [relative_error(event.t, t, self.case.t0)]
@@ -238,11 +238,11 @@ class _Judge:
         late = [pair for pair in zip(errors, allowed, strict=False) if pair[0] > pair[1]]
         if late:
             error, limit = max(late)
-            what = f"{_words(known)}, error {error:.1e}, allowed {limit:.1e}"
-            self._fault("error", float(t), what, _words(event))
+            what = f"{_event_text(known)}, error {error:.1e}, allowed {limit:.1e}"
+            self._fault("error", float(t), what, _event_text(event))
 
     def _grazes(self, lost: list[int], extra: list[int], found: Sequence[GivenEvent]) -> tuple[list[int], list[int]]:
-        """Leave out grazes that are not listed, and the contacts that stand for one."""
+        """Remove unlisted grazes, and the contacts that replace one."""
         reach = sqrt(self.tolerance) / float(self.case.Omega)
         for i, event in enumerate(self.case.events):
             if event.kind == "graze" and i in lost:
@@ -256,7 +256,7 @@ class _Judge:
     def _kinds(
         self, lost: Sequence[int], extra: Sequence[int], found: Sequence[GivenEvent]
     ) -> tuple[list[int], list[int]]:
-        """Pair what is left, whatever its kind: a wrong one."""
+        """Pair the remaining events regardless of kind, as events of a wrong kind."""
         times = [self.case.times[i] for i in lost]
         known = [FoundEvents(t, 0.0, "", 0) for t in times]
         pairs = align(
@@ -264,7 +264,7 @@ class _Judge:
         )
         for i, j in pairs:
             wanted, event = self.case.events[lost[i]], found[extra[j]]
-            self._fault("wrong kind", times[i], _words(wanted), _words(event))
+            self._fault("wrong kind", times[i], _event_text(wanted), _event_text(event))
         left, right = {i for i, _ in pairs}, {j for _, j in pairs}
         return [each for i, each in enumerate(lost) if i not in left], [
             each for j, each in enumerate(extra) if j not in right
@@ -277,7 +277,8 @@ class _Judge:
         self.judged.wrong.append(Wrong(fault, t, wanted, found))
 
 
-def _words(event: KnownEvent | GivenEvent) -> str:
+def _event_text(event: KnownEvent | GivenEvent) -> str:
+    """Return an event as text."""
     return f"{event.kind}{f' at belt {event.boundary}' if event.boundary else ''}"
 
 
@@ -295,7 +296,7 @@ NO_RESULT = "no result"
 
 
 def case_cell(case: CaseScore) -> str:
-    """Return what a solver made of a case, in a few letters."""
+    """Return a solver's result for a case in a few letters."""
     if not case.given:
         return case.note or NO_RESULT
     counts = {"missed": case.missed, "invented": case.invented, "wrong kind": case.kinds}
@@ -310,7 +311,7 @@ def case_cell(case: CaseScore) -> str:
 
 
 def group_cell(cases: Sequence[CaseScore]) -> str:
-    """Return what a solver made of a group: how many cases are right, and the largest error in units of these."""
+    """Return a solver's result for a group: the number of right cases, and the largest error in units of these."""
     given, right = [case for case in cases if case.given], [case for case in cases if case.right]
     if not given:
         return next((case.note for case in cases if case.note), NO_RESULT)
@@ -369,7 +370,7 @@ def faults(score: Score) -> list[str]:
 
 
 def verdict(score: Score) -> str:
-    """Return what came of all cases, in a line."""
+    """Return the result of all cases in one line."""
     given = score.given
     right, wrong = sum(case.right for case in given), sum(bool(case.wrong) for case in given)
     half, absent = len(given) - right - wrong, len(score.cases) - len(given)
@@ -381,7 +382,7 @@ def verdict(score: Score) -> str:
 
 
 def legend(score: Score) -> list[str]:
-    """Return what the numbers mean."""
+    """Return the explanation of the numbers."""
     return [
         "Numbers: the largest error of time, relative to max(1, t - t0), and of position, relative to max(1, |x|), in "
         "units of max(1, condition) * 1e-16, which is what rounding the problem's numbers to doubles does. 'right': "
@@ -393,7 +394,7 @@ def legend(score: Score) -> list[str]:
 
 
 def as_text(scores: Sequence[Score]) -> str:
-    """Return everything for the terminal."""
+    """Return the whole score as text for the terminal."""
     found = [
         [f"{score.name}, faults:", *(f"  {line}" for line in lines)] for score in scores if (lines := faults(score))
     ]

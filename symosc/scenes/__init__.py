@@ -1,4 +1,4 @@
-"""Named scenes: parameters, a start and a source. The shipped ones are the TOML files beside this module."""
+"""Named scenes: parameters, a start and a source. The shipped ones are the TOML files in this folder."""
 
 from __future__ import annotations
 

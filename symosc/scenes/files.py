@@ -1,4 +1,4 @@
-"""Reads scene files: what is wrong is said with its line, its table, and what is allowed."""
+"""Read scene files; errors state the line, the table, and the allowed values."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MOST_READ = 1_000_000
 
 
 class SceneFile(NamedTuple):
-    """A scene file that was read: its text, what messages call it, its values, and the texts of rounded numbers."""
+    """A parsed scene file: its text, its name in messages, its values, and the texts of rounded numbers."""
 
     text: str
     where: str
@@ -36,7 +36,7 @@ class SceneFile(NamedTuple):
     rounded: dict[str, str]
 
     def notes(self) -> tuple[str, ...]:
-        """Return what is to be said of numbers that are not exact."""
+        """Return notes on numbers that are not exact."""
         values, notes = self.data["parameters"] | self.data["start"] | self.data, []
         for name, text in self.rounded.items():
             shown = show(values[name])
@@ -45,7 +45,7 @@ class SceneFile(NamedTuple):
         return tuple(notes)
 
     def place(self, *path: str) -> str:
-        """Return where a key stands, in words."""
+        """Return the place of a key as text."""
         line = line_of(self.text, path)
         table = f"[{path[0]}]" if len(path) > 1 else ""
         return ", ".join(filter(None, [f"line {line}" if line else "", table]))

@@ -1,4 +1,4 @@
-"""The numbers of a scene: what they are, their units, and expressions and quantities as exact numbers.
+"""The numbers of a scene: their meaning, units, and expressions and quantities read as exact numbers.
 
 An expression such as "3*pi/2" is exact if it has numbers, + - * / ^ and parentheses alone. With pi, sqrt, sin, cos or
 exp an enclosure is computed and rounded to 40 digits, which are right; a value whose digits cancel is refused. A
@@ -128,7 +128,7 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
 
 
 def _limited(value: Any) -> Any:
-    """Return a value that is not so large that what is made of it takes long; OverflowError for others."""
+    """Return a value of limited size; raise OverflowError for one that is too expensive to compute with."""
     if isinstance(value, Fraction):
         large = max(abs(value.numerator), value.denominator).bit_length() > LARGEST_BITS
     else:
@@ -181,7 +181,7 @@ LONGEST_UNIT, LONGEST_FACTOR = 50, 30
 
 
 def is_quantity(text: str) -> bool:
-    """Tell whether a text is a number with the name of something behind it."""
+    """Return whether a text is a number followed by the name of a unit."""
     return _QUANTITY.fullmatch(text) is not None
 
 

@@ -1,4 +1,4 @@
-"""How many motions are followed at once: compiled or interpreted loops, threads, and compiling ahead.
+"""Execution of many motions at once: compiled or interpreted loops, threads, and compilation in advance.
 
 Interpreted and compiled loops give the same bits: only the time depends on which of them runs. What comes out does not
 depend on the number of threads either: each chunk is computed by itself, and put where it belongs.
@@ -28,7 +28,16 @@ from symosc.engine.arithmetic import (
     pair_constants,
     pairs_are_compiled,
 )
-from symosc.engine.batch import STATE_WIDTH, Batch, EventRows, batch_of, copied, event_buffer, row_of, rows_between
+from symosc.engine.batch import (
+    STATE_WIDTH,
+    Batch,
+    EventRows,
+    batch_of,
+    contiguous_copy,
+    event_buffer,
+    row_of,
+    rows_between,
+)
 from symosc.engine.constant_table import ROW, ConstantRows, table_of
 from symosc.engine.start import Start, first_state
 from symosc.engine.summary import Tally, no_tally
@@ -52,7 +61,7 @@ MOST_WORKERS = 256
 
 @dataclass
 class InterpretBudget:
-    """How many events a program still interprets before it compiles a loop: as many as take about as long as that."""
+    """The number of events that a program interprets before it compiles a loop, equal in cost to the compilation."""
 
     events: int
 
@@ -61,7 +70,7 @@ DOUBLES, PAIRS = InterpretBudget(250_000), InterpretBudget(25_000)
 
 
 class Loops(NamedTuple):
-    """What motions are begun, followed and finished with, compiled or not; each takes constants as a table."""
+    """The functions that start, follow and finish motions, compiled or not; each takes constants as a table."""
 
     march_rows: Callable[..., None]
     follow: Callable[..., tuple[int, int]]
@@ -70,7 +79,7 @@ class Loops(NamedTuple):
 
 
 def _interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function of the engine that takes constants as a table, in CPython."""
+    """Wrap a function of the engine, run by CPython, so that it takes constants as a table."""
 
     def call(*arguments: Any) -> Any:
         return function(*(ConstantRows(each) if getattr(each, "dtype", None) == ROW else each for each in arguments))
@@ -83,7 +92,7 @@ INTERPRETED = Loops(_interpreted(flow.march_rows), FOLLOW, _interpreted(summary.
 
 
 def chosen_loops(use_numba: Any) -> Loops:
-    """Return the loops that are asked for: compiled (True), interpreted (False), or what is there (None)."""
+    """Return the loops: compiled (True), interpreted (False), or whichever is available (None)."""
     if use_numba is not None and not isinstance(use_numba, (bool, np.bool_)):
         raise ParameterError("use_numba", use_numba, "must be True, False or None")
     if use_numba is not None and not use_numba:
@@ -105,7 +114,7 @@ def chosen_loops(use_numba: Any) -> Loops:
 
 
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int]]:
-    """Return the event loop that is interpreted, in turns of TURN rows, until DOUBLES is spent."""
+    """Return an event loop interpreted in blocks of TURN rows until the budget DOUBLES is used up."""
 
     def follow(
         begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, tally: Tally, table: np.ndarray
@@ -130,16 +139,16 @@ def follow_batch(
     buffer: EventRows | None = None,
     tally: Tally | None = None,
 ) -> Iterator[EventRows]:
-    """Follow a batch to its end; yield the rows of its events, copied out of `buffer`, which is used again."""
+    """Follow a batch to its end; yield copies of its event rows from the reused `buffer`."""
     buffer, tally, begin = buffer or event_buffer(4 * len(batch.states) + 64), tally or no_tally(), 0
     while begin < len(batch.states):
         begin, filled = follow(begin, batch, most, accuracy, buffer, tally, table)
         filled = 0 if len(tally.floats) else filled
-        yield EventRows(*(copied(columns[:, :filled]) for columns in buffer))
+        yield EventRows(*(contiguous_copy(columns[:, :filled]) for columns in buffer))
 
 
 def joined(parts: Iterable[EventRows]) -> EventRows:
-    """Return rows in one piece."""
+    """Concatenate rows in contiguous memory."""
     rows = list(parts) or [event_buffer(0)]
     return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))
 
@@ -149,11 +158,11 @@ SPARE_BUFFERS: deque[EventRows] = deque(maxlen=2)
 
 
 class Stopped(Exception):
-    """The caller was interrupted: nobody needs the result of this thread any more."""
+    """Raised in a thread after the caller was interrupted: its result is no longer needed."""
 
 
 class CancelToken(Event):
-    """What a thread asks now and then: whether the caller was interrupted."""
+    """A flag that threads check regularly: whether the caller was interrupted."""
 
     def check(self) -> None:
         """Raise Stopped if the caller was interrupted."""
@@ -162,7 +171,7 @@ class CancelToken(Event):
 
 
 def read_workers(workers: Any) -> int:
-    """Return the number of threads that is asked for; None: as many as there are cores for this process."""
+    """Return the number of threads; None: the number of cores available to this process."""
     if workers is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return whole_number("workers", workers, 1)
@@ -174,7 +183,7 @@ def in_chunks(
     workers: int,
     progress: Callable[[int, int], object],
 ) -> list[Result]:
-    """Return the results of all chunks of `count` rows, in order; each thread has a buffer for events of its own.
+    """Return the results of all chunks of `count` rows in order; each thread has its own event buffer.
 
     An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`, and is raised.
     """
@@ -216,7 +225,7 @@ def in_chunks(
 
 
 class Warmed(NamedTuple):
-    """What was compiled, or only loaded because it was on disk, and the seconds that it took."""
+    """The result of `warm`: what was compiled or loaded from disk, and the seconds it took."""
 
     what: str
     was_there: bool
@@ -224,7 +233,7 @@ class Warmed(NamedTuple):
 
 
 def warm() -> list[Warmed]:
-    """Compile what `simulate_many` calls, unless that is on disk already.
+    """Compile the functions that `simulate_many` calls, unless they are on disk already.
 
     Raises
     ------

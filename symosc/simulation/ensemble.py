@@ -1,4 +1,4 @@
-"""`simulate_many`: columns of motions in, columns of events or summaries out, on all cores.
+"""`simulate_many`: many motions on all cores, from columns of problems to columns of events or summaries.
 
 Motions are followed in chunks, each in doubles first. A motion with an event that doubles do not decide, or do not know
 accurately enough, is followed again from its exact start in pairs of doubles, where numba is installed, and doubles go
@@ -25,13 +25,13 @@ from symosc.engine.arithmetic import (
     ROUNDED_FROM,
     PairLimits,
     PairLoops,
-    as_complex,
     compiled_pairs,
     interpreted_pairs,
     many_digits,
     pair_constants,
     pair_phase,
     pairs_are_compiled,
+    pairs_as_complex,
 )
 from symosc.engine.batch import Batch, EventRows, batch_of, event_buffer, row_of, rows_between, state_of
 from symosc.engine.constant_table import ConstantRows
@@ -161,7 +161,11 @@ def simulate_many(
         for name, value, usual in (("skip", skip, 0), ("sections", sections, 1)):
             if value is not usual and not (isinstance(value, int) and value == usual):
                 raise ParameterError(name, value, 'is for summaries; give record="summary", or names of its columns')
-    work = partial(events_of, task) if of_events else partial(summary_of, task, Asked(record, skip, sections, problems))
+    work = (
+        partial(events_of, task)
+        if of_events
+        else partial(summary_of, task, SummaryRequest(record, skip, sections, problems))
+    )
     threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)
     with reporting(progress or False, 0, len(problems), "simulate_many") as report:
         parts: list[Any] = in_chunks(len(problems), work, threads, report)
@@ -173,7 +177,7 @@ def simulate_many(
 
 
 class Task(NamedTuple):
-    """What all chunks share: `most` events per motion are followed, with that `accuracy`."""
+    """The settings shared by all chunks: at most `most` events per motion, followed with `accuracy`."""
 
     problems: Problems
     loops: Loops
@@ -182,7 +186,7 @@ class Task(NamedTuple):
 
 
 class Chunk:
-    """Some of many motions, followed to their ends; here they are numbered from 0.
+    """A part of many motions, followed to their ends and numbered from 0.
 
     `buffer` is used meanwhile. `keep`, if given, returns the tally of motions from their numbers and their rows at
     the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
@@ -205,8 +209,8 @@ class Chunk:
         self._needed = attainable(task.accuracy, task.problems.start_error)
         self.tally = keep(rows, self._starts) if keep else no_tally()
         self.rows, self.alone = list(self._in_doubles(self.batch, self.tally)), dict[int, Trajectory]()
-        again = self._in_pairs(self._doubtful()) if task.loops.in_threads else {}
-        for i in self._doubtful():
+        again = self._in_pairs(self._remove_undecided()) if task.loops.in_threads else {}
+        for i in self._remove_undecided():
             cancel.check()
             self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy)
         again |= {i: rows_of(i, trajectory.events) for i, trajectory in self.alone.items()}
@@ -214,24 +218,25 @@ class Chunk:
         self.status = self._statuses()
 
     def problem(self, i: int) -> Start:
-        """Return a motion's problem by its number here."""
+        """Return the problem of a motion by its number in this chunk."""
         return self.task.problems[self._first + i]
 
-    def _doubtful(self) -> list[int]:
-        """Return the motions that ended in doubt, and take back what was counted of them."""
+    def _remove_undecided(self) -> list[int]:
+        """Return the motions that ended undecided, and remove their tally."""
         members: list[int] = np.flatnonzero(np.isin(self.batch.codes, NEEDS_DIGITS)).tolist()
         if self._keep and members:
             store_tallies(self.tally, members, self._keep(self._first + np.array(members), self._starts[members]))
         return members
 
     def _in_doubles(self, batch: Batch, tally: Tally) -> Iterator[EventRows]:
+        """Follow the motions of a batch in doubles, with a tally; return their events."""
         task = self.task
         for rows in follow_batch(task.loops.follow, batch, task.most, self._needed, self.table, self._buffer, tally):
             self._cancel.check()
             yield rows
 
     def _in_pairs(self, members: list[int]) -> dict[int, EventRows]:
-        """Follow motions in pairs of doubles as far as these decide; return their events by number."""
+        """Follow motions in pairs of doubles as far as these decide; return their events by motion number."""
         found: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
         apart = self.task.problems.are_apart(numbers, self._starts[members, 1], FAR_OFF)
@@ -249,7 +254,7 @@ class Chunk:
         return found
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
-        """Follow motions of one parameter set in pairs to an event that doubles do not decide, then in doubles.
+        """Follow motions of one parameter set in pairs past an event undecided in doubles, then in doubles.
 
         Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         """
@@ -286,7 +291,7 @@ class Chunk:
         store_tallies(self.tally, members, tally)
 
     def _pair_rows(self, parameters: Parameters, members: list[int]) -> np.ndarray:
-        """Return the first states of motions of one parameter set, as complex numbers that stand for pairs."""
+        """Return the initial states of motions of one parameter set as complex numbers that represent pairs."""
         starts = self._starts[members]
         numbers = self._first + np.array(members, np.int64)
         pairs = self.task.problems.pair_rows(numbers, starts, partial(pair_phase, parameters))
@@ -295,10 +300,11 @@ class Chunk:
         unclear = (starts[:, 1] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
         for i in np.flatnonzero(unclear).tolist():
             start, arithmetic = self.problem(members[i]), many_digits(parameters, ROUNDED_FROM)
-            pairs[i] = as_complex(tuple(row_of(first_state(start, arithmetic), *last_time(start, arithmetic))))
+            pairs[i] = pairs_as_complex(tuple(row_of(first_state(start, arithmetic), *last_time(start, arithmetic))))
         return pairs
 
     def _statuses(self) -> list[str]:
+        """Return the status of each motion."""
         codes, periods = self.batch.codes, self.batch.states[:, 2]
         status: list[str] = np.where(codes == FULL, "max_events", "t_end").tolist()
         # Motions without a drive may have come to rest.
@@ -314,7 +320,7 @@ class Chunk:
 
 
 def spliced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[EventRows]:
-    """Return rows in order of motion and time, with those in `again` in place of the ones that these motions have."""
+    """Return rows in order of motion and time, with the rows of motions in `again` replaced."""
     members, pieces = np.array(sorted(again), np.int64), list(again.values())
     for part in parts:
         begins, ends = (np.searchsorted(part.ints[0], members, side) for side in ("left", "right"))
@@ -324,12 +330,12 @@ def spliced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[Eve
 
 
 def fits_pairs(start: Start) -> bool:
-    """Return whether pairs of doubles can follow a motion as many digits would."""
+    """Return whether pairs of doubles follow a motion with the same results as many digits."""
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
 def sure(table: np.ndarray) -> np.ndarray:
-    """Return a table of constants by which decisions exceed the errors of a state, whatever accuracy is asked for."""
+    """Return a table of constants with decision thresholds above the errors of a state, for any accuracy."""
     if len(table) and (table["sigmas"] == 0.0).any():
         table = table.copy()
         table["sigmas"] = float(SIGMAS)
@@ -337,20 +343,20 @@ def sure(table: np.ndarray) -> np.ndarray:
 
 
 def pair_loops(events: int) -> PairLoops:
-    """Return the loops of double-double numbers for so many events: compiled, unless so few can be interpreted."""
+    """Return the loops in pairs for so many events: compiled, unless few enough to interpret."""
     return compiled_pairs() if events > PAIRS.events or pairs_are_compiled() else interpreted_pairs()
 
 
 def events_of(task: Task, rows: slice, buffer: EventRows, cancel: CancelToken) -> tuple[list[EventRows], list[str]]:
-    """Return the events of a chunk, in order of trajectory and time, and the statuses of its trajectories."""
+    """Return the events of a chunk in order of trajectory and time, and the statuses of its trajectories."""
     chunk = Chunk(task, rows, buffer, cancel)
     for part in chunk.rows:
         part.ints[0] += rows.start
     return chunk.rows, chunk.status
 
 
-class Asked:
-    """What is asked of a summary: its columns, the time that is left out, and the sections that are kept."""
+class SummaryRequest:
+    """The request for a summary: its columns, the skipped time, and the sections to keep."""
 
     def __init__(self, record: Any, skip: Any, sections: Any, problems: Problems) -> None:
         names = [record] if isinstance(record, str) else list(record)
@@ -373,7 +379,7 @@ class Asked:
         return name in self.names
 
     def begun(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
-        """Return the tally of some motions (a slice, or numbers) at their starts: it keeps what is asked for."""
+        """Return the tally of some motions (a slice, or numbers) at their starts."""
         repeats, extremes = "multiplicity" in self, not EXTREMES.keys().isdisjoint(self.names)
         ring = 2 * LONGEST_REPEAT if repeats else LEAST_RING if "word" in self or "section" in self else 0
         ring = max(ring, self.sections) if "section" in self else ring
@@ -383,9 +389,9 @@ class Asked:
 
 
 def summary_of(
-    task: Task, asked: Asked, rows: slice, buffer: EventRows, cancel: CancelToken, longest: int = USUAL_WORD
+    task: Task, asked: SummaryRequest, rows: slice, buffer: EventRows, cancel: CancelToken, longest: int = USUAL_WORD
 ) -> Record:
-    """Return the columns of a chunk; a motion whose word is longer is followed once more."""
+    """Return the summary columns of a chunk; motions with a longer word are followed once more."""
     chunk = Chunk(task, rows, buffer, cancel, partial(asked.begun, longest))
     tally, sets, t0 = chunk.tally, chunk.batch.sets, task.problems.t0.pairs(rows).hi
     modes = chunk.batch.states[:, 0].astype(int)
@@ -416,7 +422,7 @@ def summary_of(
 
 
 def words_of(tally: Tally) -> np.ndarray:
-    """Return the last words as text; most motions have one of a few."""
+    """Return the last words as text, computed once per distinct word."""
     width = tally.labels.shape[2]
     there = np.arange(width) < tally.ints[:, kept.LAST_LENGTH, None]
     rows = np.where(there, tally.labels[:, 1], np.uint8(0)).view(f"S{width}")[:, 0]
@@ -427,7 +433,7 @@ def words_of(tally: Tally) -> np.ndarray:
 
 
 def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> int:
-    """Count a motion that was followed alone, from the pieces and events of its trajectory; return its last mode."""
+    """Count a motion that was followed singly, from its trajectory's pieces and events; return its last mode."""
     K, t0 = ConstantRows(table)[set_]._replace(Om_gain=0.0), float(trajectory.t_start)  # pieces have true times
     states = [_state(piece) for piece in trajectory._pieces]
     codes = {name: code for code, name in KIND_NAMES.items()}
@@ -449,6 +455,7 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
 
 
 def _state(piece: Any) -> State:
+    """Return the state at the start of a piece, as the tally takes it."""
     at = piece.mode - ON_BELT if piece.mode > ON_BELT else 0
     clock = piece.elapsed, 0.0, sin(piece.theta), cos(piece.theta), 0.0
     exact = Covariance(0.0, 0.0, 0.0)
@@ -456,5 +463,6 @@ def _state(piece: Any) -> State:
 
 
 def _is_at(state: State, event: Any) -> bool:
+    """Return whether a state is at an event."""
     near = 1e-9
     return abs(state.x - event.x) <= near * (1.0 + abs(event.x)) and abs(1.0 - cos(state.theta - event.theta)) <= near

@@ -1,4 +1,4 @@
-"""One motion in one arithmetic, followed event by event and recorded; and how many digits decide an open contact.
+"""One motion in one arithmetic, event by event, and the digits that decide an undecided contact.
 
 In doubles the next event is found by compiled code where this process has loaded it, else by CPython, with the same
 bits. With many digits doubles search first, and only the last step to an event takes the digits
@@ -64,14 +64,14 @@ def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
 
 
 def check_reached(start: Start, periods: int) -> None:
-    """Raise ParameterError if a motion that ended after so many periods did not get to its t_end for their number."""
+    """Raise ParameterError if a motion stopped at MOST_PERIODS before its t_end."""
     if periods >= MOST_PERIODS:
         reason = f"is more than {MOST_PERIODS:.0e} forcing periods after t0 = {show(start.t0)}, more than are followed"
         raise ParameterError("t_end", show(start.t_end), reason)
 
 
 def search_in_doubles(start: Start, K: Constants) -> Callable[[State], NextEvent]:
-    """Return what finds the next event in doubles; not for two threads at once."""
+    """Return the function that finds the next event in doubles; it is not thread-safe."""
     t_end, t_end_low = last_time(start, Arithmetic(start.parameters))
     t0 = float(start.t0)
     search_row = loaded_search()
@@ -93,7 +93,7 @@ def search_in_doubles(start: Start, K: Constants) -> Callable[[State], NextEvent
 
 
 def loaded_search() -> Any:
-    """Return `symosc.engine.batch.search_row` compiled; None where loading it takes longer than many events."""
+    """Return the compiled `symosc.engine.batch.search_row`, or None where loading it costs more than many events."""
     if not compiled.cache_info().currsize:
         return None
     functions = compiled()
@@ -139,7 +139,7 @@ class Motion:
         self._record(0.0)
 
     def missing_digits(self, digits: int) -> int:
-        """Return how many of `digits` digits the least accurate event lacks (relative to max(1, |value|))."""
+        """Return how many of `digits` digits the least accurate event lacks, relative to max(1, |value|)."""
         if self._worst == 0:
             return 0
         context = mp_context(15)
@@ -151,12 +151,13 @@ class Motion:
         return self.code in (END, REST, FAILED)
 
     def _record(self, elapsed: Number) -> None:
+        """Store the state after a step, and its time."""
         s = self._state
         a = s.Fb if s.mode <= ON_BELT else 0.0
         self.pieces.append(Piece(s.n, float(s.theta), s.mode, float(s.x), float(s.v), float(a), float(elapsed)))
 
     def step(self) -> None:
-        """Advance by one event or one stretch without events."""
+        """Advance by one event, or by one interval without events."""
         paths = self._paths
         entered = paths.enter()
         try:
@@ -188,7 +189,7 @@ class Motion:
             paths.leave(entered)
 
     def _in_digits(self, state: State) -> NextEvent:
-        """Return the next event with many digits, of which doubles do the search if they can."""
+        """Return the next event with many digits, searched in doubles where possible."""
         rough, found = self.searched.pop(0) if self.searched else (state, None)
         if found is None or rough[:3] != state[:3]:  # mode, belt and period
             rough, found = rounded(state, self.start), None
@@ -203,11 +204,12 @@ class Motion:
         return there
 
     def _elapsed(self) -> Number:
+        """Return the time since t0, in the motion's arithmetic."""
         since = self._state.t - self._first.t
         return since + ((self._state.t_low - self._first.t_low) + since * self.K.Om_gain)
 
     def take_over(self, finer: Motion) -> None:
-        """Continue in doubles from where a motion with more digits is, with the events that it knows better."""
+        """Continue in doubles from the state and more accurate events of a motion with more digits."""
         self.events[self._taken_over :] = [rounded_event(event) for event in finer.events[self._taken_over :]]
         self._taken_over = len(self.events)
         self.pieces[:] = finer.pieces
@@ -240,7 +242,7 @@ class Motion:
 
 
 def _or_none(compute: Callable[[], Any]) -> Any:
-    """Return a result in doubles; None out of their range."""
+    """Return a result in doubles, or None outside their range."""
     try:
         return compute()
     except (ArithmeticError, ValueError):
@@ -248,7 +250,7 @@ def _or_none(compute: Callable[[], Any]) -> Any:
 
 
 class FinerMotion(Motion):
-    """The same problem with FINER_DIGITS, followed only as far as doubles need it.
+    """The same problem with FINER_DIGITS, followed only as far as doubles require.
 
     A contact that is undecided here is followed with `digits_to_confirm_graze`. Undecided still, it is a graze. Decided
     only there, the trajectory ends as "undecidable": from here on double precision, backed up as it is, would guess.
@@ -261,7 +263,7 @@ class FinerMotion(Motion):
         self._finest: Motion | None = None
 
     def reach(self, count: int, searched: list[tuple[State, NextEvent]]) -> bool:
-        """Follow the motion to `count` events or to its end; False if a contact on the way is undecided."""
+        """Follow the motion to `count` events or to its end; return False at an undecided contact."""
         self.searched = searched[:]
         while len(self.events) < count and not self.ended:
             before = len(self.events)
@@ -271,7 +273,7 @@ class FinerMotion(Motion):
         return True
 
     def _is_graze(self, before: int) -> bool:
-        """Return whether the contact after `before` events is undecided with many more digits too; then take that."""
+        """Return whether the contact after `before` events stays undecided with many more digits; then use those."""
         base = 2 * (self.digits or 0) // GRAZE_TIMES  # at least twice the digits
         needed = digits_to_confirm_graze(self, self.elapsed, base)
         if needed is None:
@@ -290,7 +292,7 @@ class FinerMotion(Motion):
 
 
 def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int) -> int | None:
-    """Return the working precision at which an undecided contact after a time counts as a graze; None for too many.
+    """Return the precision at which an undecided contact at a time counts as a graze; None if too high.
 
     A motion that tends to one that grazes has gaps that shrink like exp(-rate t), and each of them is a near miss or a
     crossing. The rate is the larger one of the free motion, or, where that takes too many digits, the smaller one: only
@@ -315,7 +317,7 @@ def event_from(numbers: Any, codes: Any) -> Event:
 
 
 def cut_event(event: Event, context: Any) -> Event:
-    """Return an event with numbers of an mpmath context; the errors cover the cut."""
+    """Return an event with numbers of an mpmath context; the errors include the truncation."""
     half = float(context.eps) / 2
     errors = {name: getattr(event, f"{name}_error") + half * float(abs(getattr(event, name))) for name in ("t", "x")}
     exact: dict[str, Any] = {name: +context.convert(getattr(event, name)) for name in EXACT_COLUMNS}
@@ -323,7 +325,7 @@ def cut_event(event: Event, context: Any) -> Event:
 
 
 def rounded_event(event: Event) -> Event:
-    """Return an event with floats; the errors cover the rounding."""
+    """Return an event with floats; the errors include the rounding."""
     if isinstance(event.t, float):
         return event
     exact: dict[str, Any] = {name: float(getattr(event, name)) for name in EXACT_COLUMNS}
@@ -331,6 +333,6 @@ def rounded_event(event: Event) -> Event:
 
 
 def with_rounding(event: Event) -> Event:
-    """Return an event whose numbers were rounded to floats, with errors that cover the rounding."""
+    """Return an event rounded to floats, with errors that include the rounding."""
     t_error, x_error = rounding_error(event.t_error, event.t), rounding_error(event.x_error, event.x)
     return replace(event, t_error=t_error, x_error=x_error)

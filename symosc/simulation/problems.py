@@ -1,4 +1,4 @@
-"""Many initial value problems in columns: read exactly, checked all at once, objects where one is asked for.
+"""Many initial value problems in columns, read exactly and checked together; objects are made on demand.
 
 A float is the decimal that it prints as (`symosc.exact`). In a column it is its double, and what that lacks. What
 doubles do not decide about a start is left to `symosc.engine.start`, motion by motion.
@@ -40,7 +40,7 @@ DECIMAL_CONTEXT = Context(prec=800)
 
 
 class NumberColumn:
-    """One number for all rows, or a number for each: doubles `hi`, what these lack, `lo`, and the exact numbers.
+    """One number for all rows or one per row: double `hi`, remainder `lo`, and the exact numbers.
 
     ParameterError, which names the row, if one is no finite number.
     """
@@ -63,6 +63,7 @@ class NumberColumn:
         self.is_plain = plain or self.single  # then equal doubles are equal numbers
 
     def _of_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Read an array of doubles."""
         largest = f"must be at most {float(LARGEST):g} in size"
         for bad, reason in ((~np.isfinite(given), "must be finite"), (abs(given) > float(LARGEST), largest)):
             if bad.any():
@@ -75,6 +76,7 @@ class NumberColumn:
         return np.array(given), lo
 
     def _of_any(self, given: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Read numbers of any kind exactly."""
         known: dict[Any, tuple[float, float]] = {}
         parts = np.empty((2, len(given)))
         for row, value in enumerate(given):
@@ -95,11 +97,11 @@ class NumberColumn:
         return len(self._given)
 
     def called(self, row: int) -> str:
-        """Return what a message calls the number of a row."""
+        """Return the name of a row's number in messages."""
         return self.name if self.single else f"{self.name}[{row}]"
 
     def exact(self, row: int) -> Fraction:
-        """Return the exact number of a row."""
+        """Return the exact number in a row."""
         row = row if len(self) > 1 else 0
         if row not in self._exact:
             if len(self._exact) > 100_000:  # of a long column only a few are asked for again
@@ -108,12 +110,12 @@ class NumberColumn:
         return self._exact[row]
 
     def pairs(self, rows: Any = slice(None)) -> PairColumn:
-        """Return some rows, or the one number, as numbers to compute with."""
+        """Return some rows, or the common number, as a column of pairs."""
         return PairColumn(self.hi[rows], self.lo[rows]) if len(self) > 1 else PairColumn(self.hi, self.lo)
 
 
 def _as_given(name: str, value: Any) -> Any:
-    """Return a column of pandas or xarray, or an array without dimensions, as numpy has it; masked ones are refused."""
+    """Convert a pandas or xarray column, or a 0-d array, to numpy's form; refuse masked ones."""
     unmasked(name, value)
     if isinstance(value, np.ndarray) or (hasattr(value, "__array__") and hasattr(value, "shape")):
         array = np.asarray(value)
@@ -122,7 +124,7 @@ def _as_given(name: str, value: Any) -> Any:
 
 
 def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
-    """Return columns that have names in the order of `wanted`: of a mapping, a table, a row of one, or a record array.
+    """Return named columns (of a mapping, table or record array) in the order of `wanted`.
 
     Without names, as pandas' tables have where only positions were given, it is returned as it is.
     """
@@ -142,7 +144,7 @@ def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
 
 
 def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return what doubles lack of the shortest decimals that they print as, rounded once, and where that is sure.
+    """Return the shortest printed decimals minus the doubles, rounded once, and where that is certain.
 
     The shortest decimal has 15, 16 or 17 digits: the first of them that is within half a unit of the double. Scaled by
     a power of ten that is exact as a double, its distance from the double is exact.
@@ -168,7 +170,7 @@ def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class ParameterSets:
-    """Parameter sets from Parameters, a sequence of them, or a mapping of all names to a number or an (n,) array."""
+    """Parameter sets from Parameters, a sequence of them, or a mapping of all names to numbers or (n,) arrays."""
 
     def __init__(self, given: Any) -> None:
         self._known, self._blocks, self._lock = dict[int, Parameters](), dict[int, np.ndarray](), Lock()
@@ -187,6 +189,7 @@ class ParameterSets:
         self._known, self.count, self._is_object = dict(enumerate(sets)), len(sets), len(sets) == 1
 
     def _read_mapping(self, given: Mapping[str, Any]) -> None:
+        """Read a mapping of all names to numbers or columns."""
         for name in given:
             if name not in PARAMETER_NAMES:
                 raise ParameterError(str(name), given[name], f"is no parameter; they are {', '.join(PARAMETER_NAMES)}")
@@ -202,7 +205,7 @@ class ParameterSets:
                 self._checked(row)
 
     def _checked(self, row: int) -> Parameters:
-        """Return the parameters of a row; a message about them has its number."""
+        """Return the parameters of a row; error messages include its number."""
         try:
             return Parameters(**{name: column.exact(row) for name, column in self.columns.items()})
         except ParameterError as error:
@@ -224,7 +227,7 @@ class ParameterSets:
         return self.columns[name]
 
     def table(self, rows: slice, march_rows: Callable[..., None]) -> np.ndarray:
-        """Return the constants of some sets, a table of their own."""
+        """Return a table of the constants of some sets."""
         parts, begin = [], rows.start
         while begin < rows.stop:
             number, first = divmod(begin, SETS_AT_ONCE)
@@ -234,7 +237,7 @@ class ParameterSets:
         return np.concatenate(parts)
 
     def _block(self, number: int, march_rows: Callable[..., None]) -> np.ndarray:
-        """Return the constants of a block of SETS_AT_ONCE sets; the last two are kept."""
+        """Return the constants of a block of SETS_AT_ONCE sets, with the last two blocks cached."""
         with self._lock:
             if number not in self._blocks:
                 first = number * SETS_AT_ONCE
@@ -252,7 +255,7 @@ class ParameterSets:
 
 
 class Problems:
-    """Initial value problems in columns; an object (`Start`) is made when one is asked for.
+    """Initial value problems in columns; `Start` objects are made on demand.
 
     `parameters` as `ParameterSets` takes them; `starts` is an (n, 3) or (3,) array, or columns by name.
     """
@@ -278,7 +281,7 @@ class Problems:
         return Start(self.sets[i], t0, x0, v0, end, self.start_error)
 
     def begin(self, rows: slice, march_rows: Callable[..., None]) -> tuple[Batch, np.ndarray]:
-        """Return the motions of some rows at their starts, and the constants of their parameter sets."""
+        """Return the initial states of some rows, and the constants of their parameter sets."""
         size = rows.stop - rows.start
         table = self.sets.table(rows if len(self.sets) > 1 else slice(0, 1), march_rows)
         sets = np.arange(size) if len(self.sets) > 1 else np.zeros(size, np.int64)
@@ -290,7 +293,7 @@ class Problems:
         return batch_of(states, sets), table
 
     def _start_rows(self, rows: slice, table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the states of some rows, and where doubles do not decide them."""
+        """Return the initial states of some rows, and where doubles do not decide them."""
         size = rows.stop - rows.start
         unclear, at = np.zeros(size, dtype=bool), np.zeros(size, np.int64)
         t0, t_end, x0, v0 = (column.pairs(rows) for column in (self.t0, self.t_end, self.x0, self.v0))
@@ -311,7 +314,7 @@ class Problems:
         return states, unclear | small_force | bool(self.start_error)
 
     def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:
-        """Return which of some rows start exactly on a belt, and which beside it with the same double."""
+        """Return which rows start exactly on a belt, and which off it with the same double."""
         speed = self.sets.column(f"v{boundary}")
         v, belt = self.v0.pairs(rows), speed.pairs(rows)
         near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
@@ -325,7 +328,7 @@ class Problems:
         return near[on_belt], near[~on_belt]
 
     def are_apart(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
-        """Return where a motion has exact starts, a drive, and more than `gap` to each belt but that it starts on."""
+        """Return where a motion has an exact start, a drive, and a distance > `gap` to every belt but its own."""
         v, B0 = self.v0.pairs(rows).hi, self.sets.column("B0").pairs(rows).hi
         apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
         for boundary in (1, 2):
@@ -333,7 +336,7 @@ class Problems:
         return apart
 
     def pair_rows(self, rows: np.ndarray, states: np.ndarray, phase: Callable[[Fraction], complex]) -> np.ndarray:
-        """Return the starts of motions of one parameter set as rows of complex numbers, which stand for pairs.
+        """Return the starts of motions of one parameter set as rows of complex numbers that represent pairs.
 
         `states` are their rows in doubles, and `phase` returns the phase at a time, as such a number. Forces and
         what follows from them are left to `symosc.engine.batch.first_pairs`.
@@ -354,7 +357,7 @@ class Problems:
 
 
 def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColumn]:
-    """Return t0, x0 and v0."""
+    """Return the columns t0, x0 and v0."""
     starts = named("starts", starts, START_COLUMNS)
     if isinstance(starts, Mapping):
         columns = [starts[name] for name in START_COLUMNS]
@@ -372,7 +375,7 @@ def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColum
 
 
 def common_length(lengths: dict[str, int]) -> int:
-    """Return the number of rows that columns of these lengths have together: one number serves for all rows."""
+    """Return the common number of rows of columns of these lengths; single numbers serve all rows."""
     count = max(lengths.values(), key=lambda length: (length != 1, length))
     for name, length in lengths.items():
         if length not in (1, count):

@@ -1,4 +1,4 @@
-"""`simulate`: one motion, in double precision that knows when it is not enough, and with any number of digits.
+"""`simulate`: one motion, in doubles with automatic precision escalation or with any number of digits.
 
 In double precision each step brings an estimate of its error along. When a contact is undecided, or an event is known
 to less than `accuracy`, the same problem is followed with more digits from the exact start up to there, and takes over;
@@ -111,6 +111,7 @@ def simulate(
 
 
 def _read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any) -> Start:
+    """Return the initial value problem from a scene or keyword arguments."""
     if not isinstance(scene, Scene | Parameters):
         scene = load_scene(scene)
     if isinstance(scene, Scene):
@@ -128,7 +129,7 @@ def _read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], st
 
 
 def read_accuracy(value: Any) -> float:
-    """Return the accuracy that is asked of events in double precision, ACCURACY for None."""
+    """Return the requested accuracy of events in double precision; ACCURACY for None."""
     if value is None:
         return ACCURACY
     if isinstance(value, float) and value == inf:
@@ -143,12 +144,12 @@ def read_accuracy(value: Any) -> float:
 
 
 def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction] | None) -> float:
-    """Return the accuracy for which more digits help: none does where the start is not known as well."""
+    """Return the best accuracy that the errors of the start allow."""
     return inf if start_error and max(start_error) > accuracy else accuracy
 
 
 def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None) -> Trajectory:
-    """Follow a motion in double precision, with more digits where these do not decide; see `simulate`."""
+    """Follow a motion in doubles, with more digits where these are undecided; see `simulate`."""
     # With accuracy = inf decisions exceed their own rounding only, not the errors of the state.
     motion, finer = Motion(start, sigmas=0.0 if isinf(accuracy) else None), None
     unsure = isinf(accuracy) or start.start_error is not None
@@ -173,22 +174,22 @@ def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None
             motion.take_over(finer)
         if advance:
             advance(_part_done(motion, most), len(motion.events))
-    return _ended(motion)
+    return _finished(motion)
 
 
 def _part_done(motion: Motion, most: int) -> float:
-    """Return which part of a motion has been followed, in time or in events, whichever ends it earlier."""
+    """Return the completed part of a motion, in time or in events, whichever is larger."""
     span = float(motion.start.t_end - motion.start.t0)
     return min(1.0, max(float(motion.elapsed) / span, len(motion.events) / most))
 
 
 def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) -> Trajectory:
-    """Raise the working precision until every contact is decided and every event known to `digits` digits."""
+    """Raise the working precision until every contact is decided and every event has `digits` digits."""
     working = digits + 10 + start.spare_digits
     if settles(start):
         motion = Motion(start, working)
         motion.code = REST
-        return _ended(motion, digits)
+        return _finished(motion, digits)
     while True:
         motion, limit, undecided = Motion(start, working), MOST_WORKING * (digits + start.spare_digits), False
         while not motion.ended and len(motion.events) < most and not undecided:
@@ -210,19 +211,19 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
         working = min(limit, 3 * working if undecided else working + missing + 2)
     if not motion.ended:
         return _trajectory(motion, "max_events", f"stopped after max_events = {most} events", digits)
-    return _ended(motion, digits)
+    return _finished(motion, digits)
 
 
 def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
-    """Return the status of a motion whose last step ended with END or REST in that mode, at that speed."""
+    """Return the status of a motion whose last step ended with END or REST in this mode, at this speed."""
     if code != REST:
         return "t_end"
     settles = p.B0 == 0 and p.c > 0 and (p.k > 0 or p.A(mode) == 0) if mode <= ON_BELT else v == 0
     return "equilibrium" if settles else "t_end"
 
 
-def _ended(motion: Motion, digits: int | None = None) -> Trajectory:
-    """Return the trajectory of a motion that came to its end."""
+def _finished(motion: Motion, digits: int | None = None) -> Trajectory:
+    """Return the trajectory of a motion that reached its end."""
     state, start = motion.state, motion.start
     status = end_status(motion.code, state.mode, state.v, start.parameters)
     message = f"reached t_end = {show(start.t_end)}"
@@ -236,7 +237,7 @@ def _ended(motion: Motion, digits: int | None = None) -> Trajectory:
 
 
 def _undecidable(motion: Motion, before: int, asked: int | None = None) -> Trajectory:
-    """End a trajectory at the contact that could not be decided after `before` events."""
+    """Return a trajectory that ends at the undecided contact after `before` events."""
     del motion.events[before:]
     hint = f"ask for more digits, such as digits={2 * (asked or motion.digits or 0)}"
     message = f"the contact near t = {float(motion.time)!r} cannot be decided with {motion.digits} digits; {hint}"
@@ -244,6 +245,7 @@ def _undecidable(motion: Motion, before: int, asked: int | None = None) -> Traje
 
 
 def _trajectory(motion: Motion, status: str, message: str, digits: int | None = None) -> Trajectory:
+    """Return a motion as a Trajectory."""
     start, events, t0 = motion.start, motion.events, motion.t0
     last = motion.time if status in ("undecidable", "max_events") else motion.arithmetic.number(start.t_end)
     if digits is None:

@@ -1,4 +1,4 @@
-"""What `simulate_many` returns: events of many motions in columns, or a summary with a row per motion."""
+"""The results of `simulate_many`: events of many motions in columns, or a summary with a row per motion."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def select_rows(table: EventTable, rows: Any, status: list[str]) -> EventTable:
 
 
 def table_from(parts: Sequence[EventRows], status: list[str]) -> EventTable:
-    """Return rows of events as a table, each column in one piece."""
+    """Return rows of events as a table with contiguous columns."""
     parts, columns = parts or [event_buffer(0)], {}
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):
@@ -132,12 +132,12 @@ def rows_of(i: int, events: Sequence[Event]) -> EventRows:
 
 
 def counted(count: int, what: str) -> str:
-    """Return a number of things in words."""
+    """Return a count and a noun, singular or plural, as text."""
     return f"{count:,} {what}{'s' * (count != 1)}"
 
 
 def statuses(status: Any) -> str:
-    """Return how many motions ended in which way, in short."""
+    """Return a short text: how many motions ended with each status."""
     names, counts = np.unique(np.asarray(status, dtype=str), return_counts=True)
     return ", ".join(f"{count:,} {name}" for name, count in zip(names.tolist(), counts.tolist(), strict=True)) or "none"
 
@@ -163,7 +163,7 @@ SUMMARY_COLUMNS = {
 
 
 class Summary(Drawable):
-    """What became of many motions, one row each.
+    """The summary of many motions, one row each.
 
     Attributes
     ----------

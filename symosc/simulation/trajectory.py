@@ -42,7 +42,7 @@ MAP_LABELS = {(row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A stretch of motion in one domain or on one belt.
+    """A part of a motion in one domain or on one belt.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Segment:
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A stretch that is evaluated from one starting point: phase (n, theta), mode code, state, acceleration, time."""
+    """A part of a motion with its initial point: phase (n, theta), mode code, state, acceleration, time."""
 
     n: int
     theta: float
@@ -169,6 +169,7 @@ class Trajectory(Drawable):
         return values[0] if times.ndim == 0 else np.array(values).reshape(times.shape)
 
     def _piece(self, t: float) -> tuple[Piece, float]:
+        """Return the piece at a time, and the time since its start."""
         if not float(self.t_start) <= t <= float(self.t_end):
             raise ParameterError("t", float(t), f"must be within [{float(self.t_start)!r}, {float(self.t_end)!r}]")
         elapsed = (t - self._t0) - self._t0_low
@@ -176,7 +177,7 @@ class Trajectory(Drawable):
         return piece, max(elapsed - piece.elapsed, 0.0)
 
     def _state(self, t: float) -> tuple[float, float, float]:
-        """Return x, v and the cosine of the phase."""
+        """Return x, v and the cosine of the phase at a time."""
         piece, tau = self._piece(t)
         K = self._K
         turn = K.Om * (tau % K.period if tau > K.period else tau)
@@ -189,7 +190,7 @@ class Trajectory(Drawable):
         return piece.x + dx, piece.v + dv, c
 
     def _states(self, times: np.ndarray) -> np.ndarray:
-        """Return x and v at many times, a few at a time as arrays: what `_state` returns, but for rounding."""
+        """Return x and v at many times in array blocks, equal to `_state` up to rounding."""
         for outside in times[~((times >= float(self.t_start)) & (times <= float(self.t_end)))][:1]:
             self._piece(outside)
         K, starts, states = self._K, np.array(self._starts), np.empty((2, len(times)))
@@ -216,6 +217,7 @@ class Trajectory(Drawable):
         return [{name: self._plain(getattr(event, name)) for name in EVENT_COLUMNS} for event in self.events]
 
     def _plain(self, value: Any) -> Any:
+        """Return a number as a plain value."""
         return value if isinstance(value, (int, float, str)) else value.context.nstr(value, self.digits)
 
     def to_csv(self, path: str | Path) -> None:
@@ -270,6 +272,7 @@ class Trajectory(Drawable):
         return hash((self.parameters, self.digits, self.status, float(self.t_end), len(self.events)))
 
     def _content(self) -> tuple[Any, ...]:
+        """Return the data by which trajectories are compared."""
         about = self.parameters, self.digits, self.status, self.message
         return *about, self.events, self.segments, self._pieces
 
@@ -279,7 +282,7 @@ class Trajectory(Drawable):
 
 
 def _read_times(t: Any) -> np.ndarray:
-    """Return times as floats, in the shape that they are given in."""
+    """Return times as floats, in their given shape."""
     unmasked("t", t)
     try:
         given = np.asarray(t)

@@ -152,7 +152,7 @@ def _scene_text(scene: Scene) -> str:
 
 
 def output_path(path: Any) -> Path:
-    """Return the file that a sweep is to make; OutputError if it cannot be written, or a package for it is missing."""
+    """Return the output file of a sweep; OutputError if it cannot be written, or a package for it is missing."""
     name = read_path(path)
     target = Path(name)
     if name == STDOUT:
@@ -194,7 +194,7 @@ def _about(path: Path) -> bytes:
 
 
 def _end_of_netcdf(plan: str, checksum: str) -> bytes:
-    """Return what is behind the HDF5 part of a netCDF file."""
+    """Return the content behind the HDF5 part of a netCDF file."""
     return f"\n{PLAN_ATTRIBUTE}: {plan}\n{CHECKSUM_ATTRIBUTE}: {checksum}\n".encode()
 
 
@@ -213,7 +213,7 @@ def read_columns(path: Path) -> Columns:
 
 
 def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
-    """Write a result whole: first into `folder`, which is beside it, and from there to its place.
+    """Write a result atomically: first into `folder`, next to it, then move it to its place.
 
     OutputError if it cannot be written, SweepError if there is something else in its place.
     """
@@ -237,7 +237,7 @@ def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
 
 
 def _to_disk(path: Path) -> None:
-    """Let the system write a file, or the names in a folder, to the disk: its chunks are about to be removed."""
+    """Flush a file, or the names in a folder, to the disk, before the chunks are removed."""
     with suppress(OSError) if path.is_dir() else nullcontext():  # not every system does it for folders
         handle = os.open(path, os.O_RDONLY)
         try:
@@ -247,7 +247,7 @@ def _to_disk(path: Path) -> None:
 
 
 def _checksum_place(path: Path) -> Path:
-    """Return the file that has the checksum."""
+    """Return the file that holds the checksum."""
     return path / "zarr.json" if path.is_dir() else path
 
 

@@ -1,4 +1,4 @@
-"""What a sweep computes: a motion for each cell of a grid or row of a table, in chunks that are calls.
+"""The plan of a sweep: a motion for each cell of a grid or row of a table, computed in chunks.
 
 A plan is named by a hash of its content: two sweeps of one name give the same bits.
 """
@@ -52,7 +52,7 @@ class Coordinate(NamedTuple):
 
 
 class Grid:
-    """The cells of a sweep, in C order of its dimensions, whose lengths are `sizes`.
+    """The cells of a sweep, in C order of its dimensions, which have the lengths `sizes`.
 
     Values are doubles, each read as the decimal that it prints as: a coordinate of the result says exactly what was
     computed. What is not swept stays exact.
@@ -198,7 +198,7 @@ def _starts(starts: Any) -> dict[str, np.ndarray]:
 
 
 def _check_values(scene: Scene, grid: Grid) -> None:
-    """Let Parameters judge the extreme values: what it allows are intervals, and that belt 1 is the slower one."""
+    """Check the extreme values by Parameters: its ranges are intervals, and belt 1 must be the slower one."""
     swept = {name: each.values for name, each in grid.coordinates.items() if name in PARAMETER_NAMES}
     belts = {name: swept.pop(name) for name in ("v1", "v2") if name in swept}
     for name, values in swept.items():
@@ -223,7 +223,7 @@ class Duration:
         return f"{show(self.value)}{'T' * self.periods}"
 
     def times(self, period: Any) -> Any:
-        """Return it as a time for each period."""
+        """Return the duration as a time for each period."""
         return float(self.value) * period if self.periods else self.value
 
 
@@ -240,7 +240,7 @@ def read_duration(name: str, given: Any) -> Duration:
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
-    """A sweep as it is computed.
+    """A sweep with all settings that decide its numbers.
 
     `scene` is what is not swept, `record` are columns of summaries, `sections` the points of a section, 0 if none is
     recorded. Periods of `t_end` count from the start of each motion; `skip` is left out of it from its start on.
@@ -308,7 +308,7 @@ class SweepPlan:
 
 
 def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
-    """Make the call of a chunk, wherever it was sent; return its columns and the processor seconds that it took.
+    """Make the call of a chunk, in any process; return its columns and the processor seconds.
 
     SweepError unless the sources here have the hash `kernels`: a worker with another version of symosc.
     """
@@ -324,7 +324,7 @@ def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[s
 
 
 def cycles(words: np.ndarray) -> np.ndarray:
-    """Return words so that all that are one cycle, such as P32 and P23, are the same: its rotation largest in text.
+    """Return words with all rotations of a cycle, such as P32 and P23, made equal: the largest in text order.
 
     Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
     shows borders only where the cycle itself changes.
@@ -375,7 +375,7 @@ def read_record(record: Any) -> tuple[tuple[str, ...], int]:
 
 
 def _check_times(plan: SweepPlan) -> None:
-    """Raise ParameterError unless every motion ends after its start and after what is left out."""
+    """Raise ParameterError unless every motion ends after its start and after the skipped time."""
     grid = plan.grid.coordinates
     t0 = read_exact("t0", float(grid["t0"].values.max())) if "t0" in grid else plan.scene.t0
     if plan.skip.value < 0:

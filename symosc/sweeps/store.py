@@ -1,4 +1,4 @@
-"""Finished chunks on disk: each is a file that is written whole, so that a program may be killed at any moment.
+"""Finished chunks on disk, each written atomically, so that a sweep may be interrupted at any moment.
 
 A chunk ends with a checksum over its content, its range and its plan: what was changed since is computed anew.
 """
@@ -34,7 +34,7 @@ Columns = dict[str, np.ndarray]
 
 
 class Store:
-    """The chunks of one sweep, in a folder beside the file `output` that the sweep is to make."""
+    """The chunks of one sweep, in a folder next to its `output` file."""
 
     def __init__(self, output: Path) -> None:
         self.output = output
@@ -53,7 +53,7 @@ class Store:
         return found if isinstance(found, str) and PLAN_KEY_FORM.fullmatch(found) else ""
 
     def open(self, key: str, content: Record, resume: bool = True) -> None:
-        """Make the folder or go on in it, alone; without `resume` take away the chunks that are in it.
+        """Create or reopen the folder and lock it; without `resume` remove its chunks.
 
         SweepError if it belongs to another plan, is no folder of a sweep, or another program works in it.
         """
@@ -74,7 +74,7 @@ class Store:
         self._key = key
 
     def strange(self) -> SweepError:
-        """Return what is wrong if the chunks are another plan's."""
+        """Return a message if the chunks belong to another plan."""
         return SweepError(f"{self.folder} has the chunks of another sweep: name another output, or start anew")
 
     def _check_owner(self) -> None:
@@ -85,13 +85,13 @@ class Store:
             raise SweepError(f"{self.folder} is no folder of a sweep, or is damaged: remove it, or name another output")
 
     def _clear(self, *names: str) -> None:
-        """Take away the chunks, and files of these names."""
+        """Remove the chunks, and files with their names."""
         for path in self.folder.iterdir():
             if path.name in names or CHUNK_FORM.fullmatch(path.name):
                 path.unlink()
 
     def _clear_drafts(self) -> None:
-        """Take away what a program that was killed has left of a file that it wrote."""
+        """Remove the unfinished files of a killed program."""
         for path in self.folder.iterdir():
             if _is_draft(path.name):
                 remove(path)
@@ -115,7 +115,7 @@ class Store:
             raise in_use
 
     def close(self) -> None:
-        """Let others work in the folder."""
+        """Release the folder's lock."""
         if self._lock is not None:
             self._lock.close()
             self._lock = None
@@ -127,7 +127,7 @@ class Store:
         self.close()
 
     def write(self, begin: int, end: int, columns: Columns) -> None:
-        """Keep a chunk."""
+        """Save a chunk."""
 
         def fill(draft: Path) -> None:
             content = BytesIO()
@@ -140,13 +140,13 @@ class Store:
         return sha256(f"{self._key} {begin} {end}\n".encode() + content).digest()
 
     def ranges(self) -> list[tuple[int, int]]:
-        """Return the ranges of cells that are there."""
+        """Return the ranges of cells that are saved."""
         names = os.listdir(self.folder) if self.folder.is_dir() else []
         found = (CHUNK_FORM.fullmatch(name) for name in names)
         return sorted((int(match[1]), int(match[2])) for match in found if match)
 
     def chunks(self, names: Collection[str]) -> Iterator[tuple[int, int, Columns]]:
-        """Yield the chunks that have these columns; one that was damaged or changed is taken away."""
+        """Yield the chunks with these columns; remove damaged or changed ones."""
         for begin, end in self.ranges():
             path = self.folder / CHUNK_NAME.format(begin=begin, end=end)
             columns = self._read(path, begin, end)
@@ -170,7 +170,7 @@ class Store:
             return {name: archive[name] for name in archive.files}
 
     def remove(self, key: str) -> None:
-        """Take the chunks of a plan away, unless another program works on them; what is not ours stays."""
+        """Remove the chunks of a plan, unless another program works on them; foreign files stay."""
         with self, suppress(OSError, SweepError):
             if self.key() != key:
                 return
@@ -196,7 +196,7 @@ def _is_ours(name: str) -> bool:
 
 
 def remove(path: Path) -> None:
-    """Take away a file, or a folder with all that is in it."""
+    """Remove a file, or a folder with its contents."""
     if path.is_dir() and not path.is_symlink():
         shutil.rmtree(path)
     else:
@@ -204,7 +204,7 @@ def remove(path: Path) -> None:
 
 
 def missing(ranges: list[tuple[int, int]], count: int) -> list[tuple[int, int]]:
-    """Return what `ranges`, which may overlap, leave of the cells from 0 to `count`."""
+    """Return the ranges of the cells from 0 to `count` not covered by `ranges`, which may overlap."""
     gaps, here = [], 0
     for begin, end in sorted(ranges):
         if begin > here:

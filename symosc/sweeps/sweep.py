@@ -1,4 +1,4 @@
-"""`sweep`: motions over parameters and starts, as an xarray.Dataset; chunk by chunk, by whoever computes."""
+"""`sweep`: motions over parameters and starts as an xarray.Dataset, computed in chunks by threads or an executor."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ def planned(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: A
 
 
 def _is_finished(plan: SweepPlan, target: Path, going_on: bool) -> bool:
-    """Tell whether the output is there already, to be used."""
+    """Return whether the output exists and can be used."""
     there = output.plan_of(target, to_replace=not going_on)
     if going_on and there not in (None, plan.key):
         raise SweepError(f"{target} is the output of another sweep: name another file, or start anew")
@@ -157,13 +157,13 @@ def _is_finished(plan: SweepPlan, target: Path, going_on: bool) -> bool:
 
 
 class Here(Executor):
-    """Computes in this process, each chunk when it is submitted; its motions run on all threads."""
+    """An executor that computes in this process, on all threads, when a chunk is submitted."""
 
     def __init__(self, workers: int | None) -> None:
         self.workers = workers
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Return a future that is done."""
+        """Compute a chunk and return a finished future."""
         future: Future[Any] = Future()
         try:
             future.set_result(fn(*args, **kwargs, workers=self.workers))
@@ -173,7 +173,7 @@ class Here(Executor):
 
 
 def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
-    """Return who computes, None: this process, and how many chunks are under way at a time.
+    """Return the executor (None: this process), and the number of chunks submitted at a time.
 
     `workers` are threads of this process (default: all cores), or chunks under way in an executor.
     """
@@ -208,7 +208,7 @@ def dask_client(address: str) -> Any:
 
 
 def carried_out(plan: SweepPlan, gaps: list[Range], executor: Executor, under_way: int) -> Iterator[Done]:
-    """Compute the cells in `gaps` and yield them chunk by chunk, in the order in which they are done.
+    """Compute the cells in `gaps` and yield chunks in order of completion.
 
     SweepError if a worker fails; the chunks that were yielded stand.
     """
@@ -234,7 +234,7 @@ def carried_out(plan: SweepPlan, gaps: list[Range], executor: Executor, under_wa
 
 
 def _cut(todo: list[Range], size: int, under_way: int) -> Range:
-    """Take the next chunk from what is to do; at the end all that is left is shared by those under way."""
+    """Take the next chunk from the remaining cells; near the end they are divided among the running ones."""
     left = sum(end - begin for begin, end in todo)
     begin, end = todo.pop()
     middle = min(end, begin + max(min(size, -(-left // under_way)), 1))
@@ -247,7 +247,7 @@ def _cut(todo: list[Range], size: int, under_way: int) -> Range:
 
 @contextmanager
 def _worker_errors() -> Iterator[None]:
-    """Raise SweepError for what a worker, or a broken pool, raises; but for our own errors and a lack of memory."""
+    """Raise SweepError for errors of a worker or a broken pool, except symosc's own and a lack of memory."""
     try:
         yield
     except (SymoscError, MemoryError):
@@ -261,7 +261,7 @@ def _brief(error: BaseException) -> str:
 
 
 class SweepStatus(NamedTuple):
-    """How far a sweep is.
+    """The progress of a sweep.
 
     Attributes
     ----------
@@ -295,7 +295,7 @@ def sweep_status(
     starts: ArrayLike | Mapping[str, ArrayLike] | DataFrame | None = None,
     path: str | Path,
 ) -> SweepStatus:
-    """Tell how far the sweep with the same arguments is, without computing anything; it may be running meanwhile.
+    """Return the progress of the sweep with the same arguments, without computing anything.
 
     Raises
     ------

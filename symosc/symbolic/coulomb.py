@@ -1,4 +1,4 @@
-"""The oscillator with Coulomb friction against a wall at rest: what the literature has in closed form, derived.
+"""The oscillator with Coulomb friction against a wall at rest: the closed forms of the literature, derived.
 
     m x'' + c x' + k x = P cos(theta) - F sgn(x'),    theta = Omega t
 
@@ -41,7 +41,7 @@ HALF = sp.pi / Omega
 
 
 class HalfPeriod(NamedTuple):
-    """What symmetry says of the steady part: p_0 = x_0 + G x_f and q_0 = H x_f."""
+    """The steady part by symmetry: p_0 = x_0 + G x_f and q_0 = H x_f."""
 
     G: Expr
     H: Expr
@@ -52,7 +52,7 @@ class HalfPeriod(NamedTuple):
 
 @cache
 def transition() -> Expr:
-    """Return the matrix that takes a free motion (x, v) from the start to tau, in E0, E1, E2."""
+    """Return the matrix that maps a free motion (x, v) at the start to tau, in E0, E1, E2."""
     flow = solution.flow()
     start = {a_i: solution.acceleration(x_i, v_i, solution.theta_i)}
     states = [solution.use_relations(expr.xreplace(start)) for expr in (flow.x, flow.v)]
@@ -71,7 +71,7 @@ def free_start() -> Expr:
 
 
 def symmetry() -> Expr:
-    """Return what vanishes on the symmetric motion: (x, v) half a period later, plus (x_0, 0)."""
+    """Return the expressions that vanish on the symmetric motion: (x, v) half a period later, plus (x_0, 0)."""
     return transition() * free_start() + sp.Matrix([x_f - p_0 + x_0, -Omega * q_0])
 
 
@@ -106,7 +106,7 @@ def ratio() -> Expr:
 
 
 def half_period_matrix(rho: Expr) -> Expr:
-    """Return what half a period makes of a perturbation (x, v): a crossing multiplies its velocity by rho."""
+    """Return the matrix of half a period on a perturbation (x, v): a crossing multiplies v by rho."""
     return sp.diag(1, rho) * transition()
 
 
@@ -136,12 +136,13 @@ def _after(expr: Expr) -> Expr:
     return sp.simplify(rate.subs(solution.start_values()).subs(phi, 0))
 
 
-def border(largest: Expr) -> Expr:
-    """Return F/P at the end of the motions without stops; `largest` is the supremum of B over (0, pi)."""
+def largest_force_ratio(largest: Expr) -> Expr:
+    """Return the largest F/P for which the symmetric motion has no stops."""
     return k * Q / P / sp.sqrt(largest**2 + H**2)
 
 
 def _steady(expr: Expr) -> Expr:
+    """Substitute p_0 and q_0 of the steady part, and expand."""
     return sp.expand(expr.subs({p_0: x_0 + G * x_f, q_0: H * x_f}))
 
 
@@ -150,7 +151,7 @@ def _steady(expr: Expr) -> Expr:
 
 @cache
 def resonance_growth() -> Expr:
-    """Return by how much a cycle raises the turning points at r = 1, c = 0: twice what half a cycle does.
+    """Return the growth of the turning points per cycle at r = 1, c = 0: twice that of half a cycle.
 
     The highest point x_0 is at theta = pi/2, so that the drive pushes along with the velocity.
     """
@@ -163,7 +164,7 @@ def resonance_growth() -> Expr:
 
 @cache
 def free_decay() -> Expr:
-    """Return by how much half a free cycle (P = 0, c = 0) lowers the distance of the turning points from 0."""
+    """Return the decay of the turning points' distance from 0 per half free cycle (P = 0, c = 0)."""
     half = solution.flow(solution.REGIMES["undamped"])
     lowest = half.x.subs({v_i: 0, f0: 0, a_i: w0sq * (x_f - x_0), x_i: x_0})
     lowest = lowest.subs({w0sq: solution.omega_0**2, tau: sp.pi / solution.omega_0})
@@ -171,7 +172,7 @@ def free_decay() -> Expr:
 
 
 def one_sided_velocity() -> Expr:
-    """Return x'/Omega of the motion d + x_0, d - x_0, ... at r = 1/(2 n), c = 0: the free motion is moved by d.
+    """Return x'/Omega of the motion d + x_0, d - x_0, ... at r = 1/(2 n), c = 0: free motion shifted by d.
 
     Half a period is n periods of the free motion there, so that G = H = 0 and every d closes.
     """
@@ -182,13 +183,13 @@ def one_sided_velocity() -> Expr:
 
 
 def closed(expr: Expr, regime: solution.Regime, time: Expr = HALF) -> Expr:
-    """Put in the closed forms of E0, E1, E2 in a damping regime, at a time."""
+    """Substitute the closed forms of E0, E1, E2 in a damping regime, at a time."""
     basis = {name: form.subs(tau, time) for name, form in regime.basis().items() if name in solution.BASIS[:3]}
     return expr.subs(basis).subs(regime.parameters())
 
 
 def den_hartog_damped() -> HalfPeriod:
-    """Return G and H as Den Hartog has them for 0 < c^2 < 4 k m, in h = c/(2 m) and omega_d."""
+    """Return Den Hartog's G and H for 0 < c^2 < 4 k m, in h = c/(2 m) and omega_d."""
     decay, turn = h * HALF, omega_d * HALF
     below = sp.cosh(decay) + sp.cos(turn)
     slow = sp.sinh(decay) - h / omega_d * sp.sin(turn)
@@ -196,7 +197,7 @@ def den_hartog_damped() -> HalfPeriod:
 
 
 def den_hartog_undamped() -> dict[Expr, Expr]:
-    """Return V, U (which is H), and S (which is r^2 B, in U) as Den Hartog has them for c = 0."""
+    """Return Den Hartog's V, U (which is H), and S (which is r^2 B, in U) for c = 0."""
     waves = sp.cos(phi) - sp.cos(phi / r)
     return {
         V: 1 / (1 - r**2),

@@ -1,4 +1,4 @@
-"""Standalone source of a mapping structure's residual and Jacobian, for programs without symosc.
+"""Export of a word's residual and Jacobian as standalone source, for programs without symosc.
 
 The source is that of the library. Its scalar kernels are read as syntax trees, what the word does not need is left out,
 and the rest is printed in the language that is asked for. With fixed parameters their constants become numbers, the
@@ -128,6 +128,7 @@ def write_export(folder: str | Path, *arguments: Any, force: bool = False, **opt
 
 
 def _holds(path: Path, text: str) -> bool:
+    """Return whether a file has this text."""
     try:
         return path.read_bytes() == text.encode()
     except OSError as error:
@@ -175,7 +176,7 @@ def flat(*given):
 
 @dataclass(frozen=True)
 class _Program:
-    """What is to be printed."""
+    """The functions and constants to be printed."""
 
     word: Word
     functions: dict[str, ast.FunctionDef]  # each after those that it calls
@@ -188,7 +189,7 @@ class _Program:
     parameters: Parameters | None  # the fixed ones
 
     def returns(self) -> dict[str, int]:
-        """Return how many numbers each function returns."""
+        """Return the number of results of each function."""
         found: dict[str, int] = {}
         for name, node in self.functions.items():
             value = next(leaf.value for leaf in ast.walk(node) if isinstance(leaf, ast.Return))
@@ -202,15 +203,15 @@ class _Program:
 
     @property
     def passed(self) -> list[str]:
-        """The argument that passes the constants, unless they are fixed."""
+        """The argument with the constants, unless they are fixed."""
         return ["K"] if self.values is None else []
 
     def numbers(self) -> dict[str, float]:
-        """Return the named numbers at the top of the source."""
+        """Return the named numbers at the beginning of the source."""
         return self.settings | {f"K_{name}": value for name, value in (self.values or {}).items()}
 
     def calls(self, first: int) -> list[tuple[str, str, str]]:
-        """Return for each mapping of the word its function, and the arguments in z of it and of its Jacobian."""
+        """Return for each mapping of the word its function, and its arguments in z, also for the Jacobian."""
         found = []
         for n, label in enumerate(self.maps):
             z = {name: f"z[{2 * n + i + first}]" for i, name in enumerate(("x_i", "theta_i", "x_j", "theta_j"))}
@@ -284,15 +285,17 @@ def program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
 
 
 def _is_K(node: ast.expr) -> bool:
+    """Return whether a node is the name K."""
     return isinstance(node, ast.Name) and node.id == "K"
 
 
 def _functions(source: str) -> dict[str, ast.FunctionDef]:
+    """Return the functions of a source text by name."""
     return {node.name: node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)}
 
 
 def _add(name: str, library: dict[str, ast.FunctionDef], functions: dict[str, ast.FunctionDef]) -> None:
-    """Add a function after those that it calls."""
+    """Add a function after the functions that it calls."""
     if name in functions or name not in library:
         return
     for leaf in ast.walk(library[name]):
@@ -340,7 +343,7 @@ def {label}{MATRIX}({arguments}, K):
 
 
 class _Fold(ast.NodeTransformer):
-    """Replaces conditions by their truth, `known` by their source; constants by names (K_cm) if they are `fixed`."""
+    """A transformer that replaces known conditions by their truth and, if `fixed`, constants by names (K_cm)."""
 
     def __init__(self, known: dict[str, bool], fixed: bool) -> None:
         self.known, self.fixed = known, fixed
@@ -360,32 +363,32 @@ class _Fold(ast.NodeTransformer):
         return ast.fix_missing_locations(node)
 
     def generic_visit(self, node: ast.AST) -> ast.AST:
-        """Replace a condition that is known."""
+        """Replace a condition with known truth."""
         if isinstance(node, ast.expr) and ast.unparse(node) in self.known:
             return ast.Constant(self.known[ast.unparse(node)])
         return super().generic_visit(node)
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
-        """Write K.name as K_name, or leave it where the constants stay a tuple."""
+        """Replace K.name by K_name, unless the constants remain a tuple."""
         if not _is_K(node.value) or ast.unparse(node) in self.known:
             return self.generic_visit(node)
         return ast.Name(f"K_{node.attr}") if self.fixed else node
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
-        """Write INVERSES[n] as 1.0/n."""
+        """Replace INVERSES[n] by 1.0/n."""
         if isinstance(node.value, ast.Name) and node.value.id == "INVERSES":
             return ast.BinOp(ast.Constant(1.0), ast.Div(), node.slice)
         return self.generic_visit(node)
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
-        """Leave out the argument K where the constants are names of their own."""
+        """Omit the argument K if the constants are separate names."""
         node_ = self.generic_visit(node)
         if self.fixed and isinstance(node_, ast.Call):
             node_.args = [argument for argument in node_.args if not _is_K(argument)]
         return node_
 
     def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
-        """Leave out what is known in an `and` or `or`, or all of it if that decides."""
+        """Omit known operands of an `and` or `or`, or all of it if one decides."""
         values = [self.visit(value) for value in node.values]
         decides = isinstance(node.op, ast.Or)
         if any(isinstance(value, ast.Constant) and value.value is decides for value in values):
@@ -396,20 +399,21 @@ class _Fold(ast.NodeTransformer):
         return values[0] if len(values) == 1 else ast.BoolOp(node.op, values)
 
     def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
-        """Keep the branch that is taken, if that is known."""
+        """Keep only the branch that is taken, if known."""
         test = self.visit(node.test)
         if isinstance(test, ast.Constant):
             return self.visit(node.body if test.value else node.orelse)
         return ast.IfExp(test, self.visit(node.body), self.visit(node.orelse))
 
     def visit_If(self, node: ast.If) -> Any:
-        """Keep the block that is run, if that is known."""
+        """Keep only the block that is executed, if known."""
         test = self.visit(node.test)
         if isinstance(test, ast.Constant):
             return self._block(node.body if test.value else node.orelse)
         return ast.If(test, self._block(node.body), self._block(node.orelse))
 
     def _block(self, body: list[ast.stmt]) -> list[ast.stmt]:
+        """Return the folded statements of a block."""
         folded = map(self.visit, body)
         return [node for part in folded for node in (part if isinstance(part, list) else [part])]
 
@@ -418,7 +422,7 @@ class _Fold(ast.NodeTransformer):
 
 
 class _Language(ast.NodeTransformer):
-    """Prints functions: expressions as Python does, with what differs replaced by names of that text.
+    """A printer of functions: expressions as in Python, with the differing parts substituted.
 
     `returns` says how many numbers each function returns. C and Julia differ in the texts and methods below.
     """
@@ -433,6 +437,7 @@ class _Language(ast.NodeTransformer):
         self.returns = returns
 
     def expression(self, node: ast.expr) -> str:
+        """Return the source of an expression."""
         choice = isinstance(node, ast.IfExp)
         text = ast.unparse(self.visit(ast.parse(ast.unparse(node), mode="eval").body))
         return text[1:-1] if choice else text
@@ -459,6 +464,7 @@ class _Language(ast.NodeTransformer):
         return ast.Name(str(node.value).lower()) if isinstance(node.value, bool) else node
 
     def block(self, body: list[ast.stmt]) -> Iterator[str]:
+        """Return the lines of a block."""
         for node in body:
             match node:
                 case ast.Expr(ast.Constant()):
@@ -492,21 +498,25 @@ class _Julia(_Language):
     """Julia 1.x."""
 
     def function(self, node: ast.FunctionDef) -> str:
+        """Return the lines of a function."""
         arguments = ", ".join(argument.arg for argument in node.args.args)
         head = [*comment(ast.get_docstring(node), "# "), f"function {node.name}({arguments})"]
         return "\n".join([*head, *indented(self.block(node.body)), "end"])
 
     def loop(self, name: str, first: int, stop: int) -> str:
+        """Return the first line of a loop."""
         return f"for {name} in {first}:{stop - 1}"
 
     def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
+        """Return the assignment of several results."""
         yield f"{', '.join(map(self.expression, targets))} = {self.listed(value)}"
 
     def give_back(self, value: ast.expr) -> Iterator[str]:
+        """Return the return statement."""
         yield f"return {self.listed(value)}"
 
     def listed(self, value: ast.expr) -> str:
-        """Return an expression, or those of a tuple without parentheses."""
+        """Return an expression, or the elements of a tuple without parentheses."""
         return ", ".join(map(self.expression, value.elts if isinstance(value, ast.Tuple) else [value]))
 
 
@@ -521,7 +531,7 @@ class _C(_Language):
         self.struct, self.name, self.count = struct, "", 0
 
     def visit_Constant(self, node: ast.Constant) -> ast.expr:
-        """Write a flag as 0 or 1, and every number as a double."""
+        """Return a flag as 0 or 1, and every other number as a double."""
         return ast.Name(str(int(node.value)) if isinstance(node.value, bool) else repr(float(node.value)))  # type: ignore[arg-type]
 
     def head(self, node: ast.FunctionDef, prefix: str = "") -> str:
@@ -534,6 +544,7 @@ class _C(_Language):
         return f"{'void' if count > 1 else 'double'} {prefix}{node.name}({', '.join(arguments)})"
 
     def function(self, node: ast.FunctionDef, static: bool = True, prefix: str = "") -> str:
+        """Return the lines of a function."""
         self.name, self.count = node.name, 0
         body = list(self.block(node.body))
         if body[-1] == "return;":
@@ -553,10 +564,11 @@ class _C(_Language):
         return [2, count // 2] if re.fullmatch(rf"P\d\w*{MATRIX}", name) else [count]
 
     def loop(self, name: str, first: int, stop: int) -> str:
+        """Return the first line of a loop."""
         return f"for (int {name} = {first}; {name} < {stop}; {name}++) {{"
 
     def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
-        """Assign one by one: from the array of a call, or through copies if a value uses an earlier target."""
+        """Assign results one by one, through copies if a value uses an earlier target."""
         names = [self.expression(target) for target in targets]
         if isinstance(value, ast.Call):
             self.count += 1
@@ -576,7 +588,7 @@ class _C(_Language):
             yield from (f"{name} = {self.expression(each)};" for name, each in zip(names, values, strict=True))
 
     def give_back(self, value: ast.expr) -> Iterator[str]:
-        """Return one value, or write several to `out`."""
+        """Return one value, or write several to the array `out`."""
         if isinstance(value, ast.Tuple):
             columns = self.shape(self.name)[-1]
             for n, each in enumerate(value.elts):
@@ -614,7 +626,7 @@ def _kinds(node: ast.FunctionDef) -> dict[str, str]:
 
 
 def wrapped(text: str) -> str:
-    """Return C source with long lines folded at spaces; C does not care where."""
+    """Return C source with long lines wrapped at blanks."""
     lines = []
     for line in text.splitlines():
         indent = line[: len(line) - len(line.lstrip())]
@@ -625,7 +637,7 @@ def wrapped(text: str) -> str:
 
 
 def indented(lines: Iterable[str]) -> Iterator[str]:
-    """Yield lines one level deeper."""
+    """Yield lines indented by one level."""
     return (f"    {line}" for line in lines if line)
 
 
@@ -646,6 +658,7 @@ def comment(text: str | None, mark: str, opening: str = "", closing: str = "") -
 
 
 def _about(program: _Program, mark: str) -> list[str]:
+    """Return the comment at the top of the source."""
     labels = ", then ".join(program.word.labels)
     lines = [
         f"The mapping structure {program.word}: {labels}. Generated by symosc; do not edit.",
@@ -662,6 +675,7 @@ def _about(program: _Program, mark: str) -> list[str]:
 
 
 def _python(program: _Program, arrays: bool) -> str:
+    """Return the Python source."""
     functions = [ast.unparse(node) for node in program.functions.values()]
     used = set().union(*map(_names, program.functions.values())) | ({"sqrt"} if program.passed else set())
     imports = ["from collections import namedtuple", ""] * bool(program.passed) + ["import numpy as np"] * arrays
@@ -674,7 +688,7 @@ def _python(program: _Program, arrays: bool) -> str:
 
 
 def _python_whole(program: _Program, arrays: bool) -> list[str]:
-    """Return the functions of the whole word, on numbers, or on arrays that broadcast."""
+    """Return the functions of the whole word, for numbers or for broadcasting arrays."""
     calls, arguments = program.calls(0), ", ".join(["z", *program.passed])
     rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
     blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
@@ -695,6 +709,7 @@ def _python_whole(program: _Program, arrays: bool) -> list[str]:
 
 
 def _python_setup(program: _Program) -> str:
+    """Return the Python function that computes the constants."""
     lines = [*map(ast.unparse, program.setup()), f"return Constants({', '.join(program.fields)})"]
     head = [f"Constants = namedtuple('Constants', {program.fields!r})", "", ""]
     head += [f"def constants(*, {', '.join(PARAMETER_NAMES)}):", '    """Return what the functions below need."""']
@@ -702,6 +717,7 @@ def _python_setup(program: _Program) -> str:
 
 
 def _c(program: _Program, name: str) -> dict[str, str]:
+    """Return the C source and header."""
     c, count, fixed = _C(program.returns(), f"{name}_constants"), len(program.maps), program.values is not None
     constants = "" if fixed else f"const {name}_constants *K, "
     public = [label for label in program.functions if re.match(r"P[1-8]", label)]
@@ -735,7 +751,7 @@ def _c(program: _Program, name: str) -> dict[str, str]:
 
 
 def _c_setup(program: _Program, c: _C, signature: str) -> str:
-    """Return the function that fills the struct; parameters that nothing needs are silenced."""
+    """Return the function that fills the struct; unused parameters are silenced."""
     lines, used = [], set(program.fields)
     for node in program.setup():
         name = ast.unparse(node.targets[0])
@@ -747,6 +763,7 @@ def _c_setup(program: _Program, c: _C, signature: str) -> str:
 
 
 def _julia(program: _Program, name: str) -> str:
+    """Return the Julia source."""
     julia, passed = _Julia(program.returns()), program.passed
     exports = ["residual", "jacobian", *["constants"] * bool(passed)]
     numbers = program.numbers()
@@ -784,7 +801,7 @@ end""")
 
 
 def _module(name: str, inside: set[str]) -> str:
-    """Return the name of a Julia module; nothing inside it may be called like it."""
+    """Return the name of a Julia module, distinct from all names inside it."""
     module = name[0].upper() + name[1:]
     while module in inside or module in RESERVED["julia"]:
         module += "Map"

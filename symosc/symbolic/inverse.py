@@ -1,4 +1,4 @@
-"""Theorem 7 inverted: for which values of parameters does the window of a map have a property?
+"""Theorem 7 inverted: the parameter values for which the window of a map has a property.
 
 The sign function side (k v_lambda + B0 Omega sin theta) is linear in each of Omega, B0, k and v_lambda, and its extreme
 over theta in |B0|. So each answer is a half line or an interval whose end is known in closed form:
@@ -51,14 +51,14 @@ ASKS_PHASES, ASKS_NOTHING, ASKS_EVERYTHING = "contains", "empty", "everything"
 
 
 class Extreme(NamedTuple):
-    """A phase where the sine over an interval is smallest or largest; not attained at an open end."""
+    """A phase where the sine over an interval is extreme; not attained at an open end."""
 
     theta: Expr
     attained: bool
 
 
 class PhaseInterval(NamedTuple):
-    """An interval of phases, of any length up to a turn and with ends of any size."""
+    """An interval of phases of length up to 2 pi, with arbitrary ends."""
 
     low: Expr
     high: Expr
@@ -66,15 +66,15 @@ class PhaseInterval(NamedTuple):
     high_open: bool = False
 
     def set(self) -> Expr:
-        """Return it as a sympy Interval."""
+        """Return the interval as a sympy Interval."""
         return sp.Interval(*self)
 
     def extremes(self) -> tuple[Extreme, Extreme]:
-        """Return where the sine is smallest and where it is largest."""
+        """Return the phases of the smallest and of the largest sine."""
         return self._extreme(-1), self._extreme(1)
 
     def between(self) -> Expr:
-        """Return a phase inside, whose sine is neither the smallest nor the largest one."""
+        """Return a phase inside with neither the smallest nor the largest sine."""
         sines = [sp.sin(each.theta) for each in self.extremes()]
         for parts in (2, 3, 5):
             theta = self.low + (self.high - self.low) / parts
@@ -83,7 +83,7 @@ class PhaseInterval(NamedTuple):
         raise AssertionError("three phases cannot all be extreme")
 
     def _extreme(self, sign: int) -> Extreme:
-        """Return where sign sin(theta) is largest."""
+        """Return the phase where sign sin(theta) is largest."""
         # Tops of sign sin are at sign pi/2 + 2 pi n. The first one after the low end may be inside.
         top = sign * sp.pi / 2
         first = top + 2 * sp.pi * sp.ceiling((self.low - top) / (2 * sp.pi))
@@ -122,7 +122,7 @@ def read_phases(name: str, value: Any) -> Expr | PhaseInterval:
 
 
 class GrazingQuestion(NamedTuple):
-    """What is asked: for which values of parameters the window of a map contains phases, is empty or everything.
+    """The question for which parameter values a map's window contains phases, is empty or everything.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ class GrazingQuestion(NamedTuple):
     theta: Any = None
 
     def text(self) -> str:
-        """Return the property in words."""
+        """Return the property as text."""
         if self.asked != ASKS_PHASES:
             return f"{self.mapping} grazes at {'no' if self.asked == ASKS_NOTHING else 'every'} phase"
         if isinstance(self.theta, PhaseInterval):
@@ -175,7 +175,7 @@ def interval_text(values: Expr) -> str:
 
 
 def condition_text(condition: Expr) -> str:
-    """Return a condition in words and signs."""
+    """Return a condition as text."""
     if isinstance(condition, sp.Eq):
         return f"{condition.lhs} = {condition.rhs}"
     if isinstance(condition, sp.And):
@@ -187,7 +187,7 @@ def condition_text(condition: Expr) -> str:
 
 
 class Answer(NamedTuple):
-    """Values of the parameter that was asked for, under a condition on the others.
+    """The values of the requested parameter under a condition on the others.
 
     Attributes
     ----------
@@ -212,7 +212,7 @@ class Answer(NamedTuple):
 
 
 class Answers(tuple[Answer, ...], LatexAnswer):
-    """Answers for letters: one for each condition on the other parameters, of which exactly one holds.
+    """Answers for symbols: one for each condition on the other parameters, of which exactly one holds.
 
     Attributes
     ----------
@@ -238,7 +238,7 @@ class Answers(tuple[Answer, ...], LatexAnswer):
         return made
 
     def text(self) -> str:
-        """Return question and answers in words, a line for each condition."""
+        """Return question and answers as text, one line for each condition."""
         name = QUERY_LETTERS[self.question.names[0]]
         lines = [f"  if {condition_text(each.condition)}: {name} in {interval_text(each.values)}" for each in self]
         return "\n".join([f"{self.question.text()}:", *lines])
@@ -272,7 +272,7 @@ class ParameterValues(LatexAnswer):
         self.question, self.values = question, values
 
     def text(self) -> str:
-        """Return question and answer in words."""
+        """Return question and answer as text."""
         name = self.question.names[0]
         where = f"no {name}" if self.values.is_empty else f"{name} in {interval_text(self.values)}"
         return f"{self.question.text()} for {where}"
@@ -337,7 +337,7 @@ class ParameterRegion(Drawable, LatexAnswer):
 
     @property
     def allowed(self) -> Expr:
-        """What Parameters allows for both, as a sympy Boolean; kept as it is written, though the letters know some."""
+        """The range that Parameters allows for both, as a sympy Boolean, unsimplified."""
         found = {
             "k": sp.GreaterThan(QUERY_LETTERS["k"], 0, evaluate=False),
             "Omega": sp.StrictGreaterThan(QUERY_LETTERS["Omega"], 0, evaluate=False),
@@ -369,7 +369,7 @@ class ParameterRegion(Drawable, LatexAnswer):
         return holds(self.condition, numbers)
 
     def text(self) -> str:
-        """Return question and answer in words."""
+        """Return question and answer as text."""
         where = {sp.true: "everywhere", sp.false: "nowhere"}
         return f"{self.question.text()} {where.get(self.condition) or f'where {condition_text(self.condition)}'}"
 
@@ -406,7 +406,7 @@ def values_containing(
     theta: NumberLike | tuple[NumberLike, NumberLike] | sp.Interval | None = None,
     order: Order = "full",
 ) -> Any:
-    """Return for which values of a parameter, or of two, the window of a map contains a phase, or an interval of them.
+    """Return the values of one or two parameters for which a map's window contains a phase, or an interval.
 
     Parameters
     ----------
@@ -460,7 +460,7 @@ def values_containing(
 
 @public
 def values_empty(p: Parameters | None, mapping: str, name: str | Sequence[str]) -> Any:
-    """Return for which values of a parameter, or of two, the window of a map is empty; see `values_containing`.
+    """Return the values of one or two parameters for which a map's window is empty; see `values_containing`.
 
     Both orders agree: at equality the tangency of fourth order bends to the other side.
 
@@ -472,13 +472,16 @@ def values_empty(p: Parameters | None, mapping: str, name: str | Sequence[str]) 
     """
     question = GrazingQuestion(mapping, _read_names(mapping, name, p), ASKS_NOTHING)
     return _answer(
-        p, question, True, lambda problem: _reaching(problem, -problem.where.side, closed=True, at_zero=True)
+        p,
+        question,
+        True,
+        lambda problem: _solve_for_all_phases(problem, -problem.where.side, closed=True, at_zero=True),
     )
 
 
 @public
 def values_everything(p: Parameters | None, mapping: str, name: str | Sequence[str], order: Order = "full") -> Any:
-    """Return for which values of a parameter, or of two, every phase is in the window; see `values_containing`.
+    """Return the values of one or two parameters for which a map's window has all phases.
 
     Examples
     --------
@@ -487,11 +490,13 @@ def values_everything(p: Parameters | None, mapping: str, name: str | Sequence[s
     Interval.open(0, 1/3)
     """
     question, full = GrazingQuestion(mapping, _read_names(mapping, name, p), ASKS_EVERYTHING), order == "full"
-    return _answer(p, question, full, lambda problem: _reaching(problem, problem.where.side, full, at_zero=False))
+    return _answer(
+        p, question, full, lambda problem: _solve_for_all_phases(problem, problem.where.side, full, at_zero=False)
+    )
 
 
 def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
-    """Return the names of one parameter or two; the belt is "v" among letters, v1 or v2 among numbers."""
+    """Return the names of one parameter or two; the belt is "v" among symbols, v1 or v2 among numbers."""
     belt = f"v{place(mapping).boundary}"
     asked = tuple(given) if isinstance(given, tuple | list) else (given,)
     own = "v" if p is None else belt
@@ -506,7 +511,7 @@ def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
 
 
 class _Problem(NamedTuple):
-    """A question about one parameter: "k", "v", "B0" or "Omega", the values of all, and those Parameters allows."""
+    """A question about one parameter: its name ("k", "v", "B0" or "Omega"), all values, and the allowed ones."""
 
     where: Place
     name: str
@@ -517,7 +522,7 @@ class _Problem(NamedTuple):
 def _answer(
     p: Parameters | None, question: GrazingQuestion, full: bool, solve: Callable[[_Problem], Iterator[Answer]]
 ) -> Any:
-    """Return the region of two parameters, or the answers of `solve` cut to the allowed values of one."""
+    """Return the region of two parameters, or the answers of `solve` restricted to the allowed values of one."""
     where = place(question.mapping)
     if len(question.names) == 2:
         return _region(p, where, question, full)
@@ -534,6 +539,7 @@ def _answer(
 
 
 def _problem(p: Parameters | None, where: Place, name: str) -> _Problem:
+    """Return the question about one parameter."""
     belt, other = f"v{where.boundary}", f"v{3 - where.boundary}"
     if p is None:
         values = QUERY_LETTERS
@@ -576,7 +582,7 @@ def _containing(problem: _Problem, extreme: Extreme, full: bool) -> Iterator[Ans
 
 
 def _containing_all(problem: _Problem, phases: PhaseInterval, full: bool) -> Iterator[Answer]:
-    """Solve for numbers that every phase of an interval grazes."""
+    """Solve for numbers such that every phase of an interval grazes."""
     extremes = phases.extremes()
     found = [answer.values for each in extremes for answer in _containing(problem, each, full)]
     if not all(each.attained for each in extremes):
@@ -585,7 +591,7 @@ def _containing_all(problem: _Problem, phases: PhaseInterval, full: bool) -> Ite
 
 
 def _quartic(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield whether equality at theta is a tangency of fourth order from the map's domain, with the condition."""
+    """Yield whether equality at theta is a fourth-order tangency from the map's domain, with the condition."""
     cosine = sp.cos(theta)
     if not cosine.free_symbols:
         yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]
@@ -599,8 +605,8 @@ def _quartic(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
             yield False, condition
 
 
-def _reaching(problem: _Problem, direction: int, closed: bool, at_zero: bool) -> Iterator[Answer]:
-    """Solve direction k v >= |B0| Omega, or > unless `closed`; whether equality at 0 counts is `at_zero`."""
+def _solve_for_all_phases(problem: _Problem, direction: int, closed: bool, at_zero: bool) -> Iterator[Answer]:
+    """Solve direction k v >= |B0| Omega, or > unless `closed`; `at_zero`: whether 0 = 0 counts."""
     k, v, B0, Omega = (problem.values[each] for each in ("k", "v", "B0", "Omega"))
     if problem.name in ("Omega", "B0"):
         # |B0| Omega <= level
@@ -642,7 +648,7 @@ def _half_line(end: Expr, direction: int, closed: bool) -> Expr:
 
 
 def _signs(expr: Expr) -> Iterator[tuple[int, Expr]]:
-    """Yield the signs that an expression can have, each with its condition."""
+    """Yield the possible signs of an expression, each with its condition."""
     if not expr.free_symbols:
         yield sign_of(expr), sp.true
         return
@@ -673,7 +679,7 @@ OPEN_REGION, CLOSED_REGION = sp.StrictGreaterThan, sp.GreaterThan
 
 
 def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full: bool) -> ParameterRegion:
-    """Return the region of two parameters in which the answer to a question is yes."""
+    """Return the region of two parameters in which a question has the answer yes."""
     if p is None:
         raise ParameterError("p", p, "must be Parameters where a region of two parameters is asked for")
     belt = f"v{where.boundary}"
@@ -695,7 +701,7 @@ def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full:
 
 
 def _region_containing(level: Expr, drive: Expr, theta: Expr | PhaseInterval, full: bool) -> Expr:
-    """Return when level + drive sin > 0 at a phase, or at every one of an interval."""
+    """Return the condition for level + drive sin > 0 at a phase, or on an interval."""
     if not isinstance(theta, PhaseInterval):
         return _region_at(level, drive, Extreme(theta, True), full)
     lowest, highest = theta.extremes()
@@ -709,7 +715,7 @@ def _region_containing(level: Expr, drive: Expr, theta: Expr | PhaseInterval, fu
 
 
 def _region_at(level: Expr, drive: Expr, extreme: Extreme, full: bool) -> Expr:
-    """Return when a phase grazes; one that is not attained may be an end of the window."""
+    """Return the condition under which a phase grazes; one not attained may be an end of the window."""
     theta, attained = extreme
     left, right = level, -drive * sp.sin(theta)
     if not attained:

@@ -66,7 +66,7 @@ def convolve(expr: Expr) -> Expr:
 
 @cache
 def flight_residual() -> dict[str, Expr]:
-    """Return f1 and f2; the gains come first, so that neither loses digits when start and end are close."""
+    """Return f1 and f2, summed so that neither loses digits when start and end are close."""
     flow = solution.flow()
     return {"f1": flow.x - x_j, "f2": flow.v - v_j}
 
@@ -124,7 +124,7 @@ def flight_parameters() -> dict[str, Expr]:
 
 
 def _by_cause(expr: Expr) -> Expr:
-    """Sort by the causes x_i, v_i, a_i and f0, and keep what they share outside."""
+    """Collect an expression by x_i, v_i, a_i and f0, with common factors outside."""
     expr = sp.expand(expr)
     rest = expr.xreplace({x_i: 0, v_i: 0, a_i: 0, f0: 0})
     waves = [sp.cos(theta_i), sp.sin(theta_i)]
@@ -133,7 +133,7 @@ def _by_cause(expr: Expr) -> Expr:
 
 
 def prove() -> dict[str, Expr]:
-    """Return what has to vanish for the derivatives to be right; each value is sympy's 0 when the proof holds."""
+    """Return the expressions that vanish if the derivatives are right; each is sympy's 0 when the proof holds."""
     flow, force = solution.flow(), solution.acceleration(x_i, v_i, theta_i)
     jacobian = flight_jacobian()
     residuals = {}
@@ -152,6 +152,7 @@ def prove() -> dict[str, Expr]:
 
 
 def _operator(expr: Expr) -> Expr:
+    """Return D applied to an expression."""
     first = rate(expr)
     return sp.expand(rate(first) + cm * first + w0sq * expr)
 
@@ -165,7 +166,7 @@ def stick_residual() -> dict[str, Expr]:
 
 
 def stick_jacobian() -> dict[str, Expr]:
-    """Return the derivatives of f1 (names x_*) and f2 (v_*) by theta_i, theta_j and x_j that are not 0, 1 or -1."""
+    """Return the derivatives of f1 (names x_*) and f2 (v_*) by theta_i, theta_j, x_j other than 0, 1, -1."""
     residual = stick_residual()
     # tau = (theta_j - theta_i)/Omega
     by_tau = residual["f1"].diff(tau) / Omega

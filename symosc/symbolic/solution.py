@@ -1,4 +1,4 @@
-"""The motion in one domain, derived and proved by sympy, once for all domains and all damping regimes.
+"""The motion in one domain, derived and proved by sympy for all domains and all damping regimes at once.
 
     m x'' + c x' + k x = A + B0 cos(Omega t),    x(t_i) = x_i,  x'(t_i) = v_i,    A = A_alpha in domain alpha (eq. (5))
 
@@ -45,7 +45,7 @@ class Flow(NamedTuple):
 
 
 def in_paper_letters(expr: Expr) -> Expr:
-    """Write an expression in m, c, k, A, B0, Omega, t, x_i, v_i, t_i instead of the quantities divided by m."""
+    """Rewrite an expression in the paper's m, c, k, A, B0, Omega, t, x_i, v_i, t_i."""
     expr = expr.xreplace({a_i: acceleration(x_i, v_i, theta_i)})
     return expr.xreplace({cm: c / m, w0sq: k / m, f0: B0 / m, A_m: A / m, theta_i: Omega * t_i, theta: Omega * t})
 
@@ -54,7 +54,7 @@ def in_paper_letters(expr: Expr) -> Expr:
 
 
 def force_constant(alpha: int) -> Expr:
-    """Return A_alpha: each belt drags the mass forward in the domains below it and holds it back above (eq. (1))."""
+    """Return A_alpha: each belt pulls the mass forward in the domains below it and back in those above (eq. (1))."""
     drag1, drag2 = {1: (1, 1), 2: (-1, 1), 3: (-1, -1)}[alpha]
     return A0 + (drag1 * mu1 + drag2 * mu2) * FN
 
@@ -100,7 +100,7 @@ def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
 
 @cache
 def definitions() -> dict[Expr, Expr]:
-    """Return the five basis functions as sympy knows them: by the impulse response S and integrals over it."""
+    """Return the five basis functions by the impulse response S and its integrals, as sympy expressions."""
     S, u = sp.Function("S"), sp.Symbol("u", real=True)
     integrals = [S(u) * wave for wave in (1, sp.cos(Omega * (tau - u)), sp.sin(Omega * (tau - u)))]
     return dict(zip(BASIS, [S(tau).diff(tau), S(tau), *(sp.Integral(f, (u, 0, tau)) for f in integrals)], strict=True))
@@ -129,7 +129,7 @@ def time_derivative(expr: Expr) -> Expr:
 
 @cache
 def relations() -> tuple[Expr, Expr, Expr]:
-    """Return what vanishes in every regime: L E2 - 1 and L (R2 + i I2) - exp(i Omega tau), L = D^2 + cm D + w0sq."""
+    """Return what vanishes in every regime: L E2 - 1, L (R2 + i I2) - exp(i Omega tau), L = D^2 + cm D + w0sq."""
 
     def relation(response: Expr, force: Expr) -> Expr:
         first = time_derivative(response)
@@ -176,13 +176,13 @@ def _force_at_start() -> Expr:
 
 
 def _by_cause(expr: Expr) -> Expr:
-    """Sort an expression that is linear in x_i, v_i, a_i and f0 by these causes."""
+    """Collect an expression that is linear in x_i, v_i, a_i and f0 by these."""
     expr, waves = sp.expand(expr), [sp.cos(theta_i), sp.sin(theta_i)]
     return sp.Add(*(q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in (x_i, v_i, a_i, f0)))
 
 
 def prove(regime: Regime | None = None) -> dict[str, Expr]:
-    """Return what has to vanish for the flow to be right, by name; each value is sympy's 0 when the proof holds.
+    """Return by name the expressions that vanish if the flow is right; each is sympy's 0 when the proof holds.
 
     Without a regime only the definitions of the basis functions are used. With one, its closed forms are put in as
     functions of tau: they have to obey the definitions, and the flow eq. (5) and its start, in the paper's letters.
@@ -193,6 +193,7 @@ def prove(regime: Regime | None = None) -> dict[str, Expr]:
 
 
 def _prove_in_general() -> dict[str, Expr]:
+    """Return the expressions to vanish in every regime."""
     step, real, imaginary = relations()
     # From r(0) = 0 and r' = 0, and from z(0) = 0 and z' = i Omega z, follows r = 0 and z = 0.
     turned = {"step": (step, 0), "real": (real, -Omega * imaginary), "imaginary": (imaginary, Omega * real)}
@@ -211,6 +212,7 @@ def _prove_in_general() -> dict[str, Expr]:
 
 
 def _prove_closed_forms(regime: Regime) -> dict[str, Expr]:
+    """Return the expressions to vanish in one regime."""
     closed, parameters, at_start = regime.basis(), regime.parameters(), {tau: sp.Integer(0)}
     residuals = {f"{f}'": closed[f].diff(tau) - rate.xreplace(closed | parameters) for f, rate in rates().items()}
     residuals |= {f"{f} at t_i": closed[f].xreplace(at_start) - start for f, start in start_values().items()}
@@ -247,7 +249,7 @@ class Regime:
     letters: dict[Expr, Expr] = field(hash=False)
 
     def parameters(self) -> dict[Expr, Expr]:
-        """Return cm = -(l1 + l2) and w0sq = l1 l2 in the regime's letters."""
+        """Return cm = -(l1 + l2) and w0sq = l1 l2 in the regime's symbols."""
         return {cm: -2 * self.centre, w0sq: self.centre**2 - self.offset**2}
 
     @cache  # noqa: B019 (the table of regimes lives as long as the program)
@@ -313,7 +315,7 @@ REGIMES = {regime.name: regime for regime in _table}
 
 
 class Join(NamedTuple):
-    """A border of two regimes: `source` turns into `target` when `letter` falls to 0 on `path`."""
+    """The limit of one damping regime that is another: `source` becomes `target` as `letter` -> 0 along `path`."""
 
     source: str
     target: str

@@ -43,7 +43,7 @@ MOST_SIGN_DIGITS = 2000
 
 
 class Case(NamedTuple):
-    """One case of Theorem 7.
+    """One case of Theorem 7: a condition and its phases.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Case(NamedTuple):
 
 
 class Theorem7Cases(tuple[Case, ...], LatexAnswer):
-    """The cases of Theorem 7 for symbols: a tuple of Case that can be printed and computed with.
+    """The cases of Theorem 7 for symbols: a tuple of Case with formatted output.
 
     Examples
     --------
@@ -144,7 +144,7 @@ def theorem7(
 
 
 def window_phases(where: Place, gamma: Expr, amplitude: Expr, full: bool) -> Expr:
-    """Return the set for numbers; see `theorem7`."""
+    """Return the set of grazing phases for numbers; see `theorem7`."""
     return _phases(where, signs(gamma, amplitude), gamma, amplitude, full)
 
 
@@ -164,7 +164,7 @@ def critical_phase(gamma: Expr, amplitude: Expr) -> Expr | None:
 
 
 def _phases(where: Place, of: tuple[int, int, int], gamma: Expr, amplitude: Expr, full: bool) -> Expr:
-    """Return the set where gamma, amplitude and |gamma| - |amplitude| have these signs."""
+    """Return the set of phases for given signs of gamma, amplitude and |gamma| - |amplitude|."""
     kind = window_kind(where.side, *of, full)
     if kind in (EMPTY, EVERYTHING):
         return CIRCLE if kind == EVERYTHING else sp.S.EmptySet
@@ -180,13 +180,13 @@ def _phases(where: Place, of: tuple[int, int, int], gamma: Expr, amplitude: Expr
 
 
 def _through_zero(first: Expr, last: Expr) -> Expr:
-    """Return the arc from `last` through 0 to `first`, both excluded."""
+    """Return the open arc from `last` through 0 to `first`."""
     # Known to be disjoint, which sympy finds out slowly, and with symbols not at all.
     return sp.Union(_interval(sp.S.Zero, first, closed=True), _interval(last, 2 * sp.pi), evaluate=False)
 
 
 def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
-    """Return the interval without `high`, and without `low` unless `closed`; low < high is known."""
+    """Return the interval [low, high), without `low` unless `closed`; low < high is known."""
     # What sp.Interval returns, without its comparison of the ends by many digits.
     return sp.Basic.__new__(sp.Interval, low, high, sp.false if closed else sp.true, sp.true)
 
@@ -195,6 +195,8 @@ def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
 
 
 def _cases(where: Place, gamma: Expr, amplitude: Expr, full: bool) -> Theorem7Cases:
+    """Return the cases with gamma and amplitude substituted."""
+
     def substituted(expr: Expr) -> Expr:
         if isinstance(expr, sp.Union):
             return sp.Union(*map(substituted, expr.args), evaluate=False)
@@ -208,7 +210,7 @@ def _cases(where: Place, gamma: Expr, amplitude: Expr, full: bool) -> Theorem7Ca
 
 @cache
 def all_cases(where: Place, full: bool) -> tuple[Case, ...]:
-    """Return every case in the real symbols gamma and a = B0 Omega/m, those with a > 0 first, in the paper's order."""
+    """Return every case in the symbols gamma and a = B0 Omega/m, a > 0 first, in the paper's order."""
     g, a = GAMMA, AMPLITUDE
     found = []
     for amplitude_sign, sign in ((1, a > 0), (-1, a < 0)):
@@ -233,7 +235,7 @@ def all_cases(where: Place, full: bool) -> tuple[Case, ...]:
 
 
 def real(name: str, value: NumberLike) -> Expr:
-    """Return `value` as a sympy expression: exact for numbers, as it is for real constants and symbols.
+    """Return `value` as a sympy expression: numbers exactly, real constants and symbols unchanged.
 
     Raises
     ------
@@ -287,6 +289,7 @@ def sign_of(number: Expr) -> int:
 
 
 def _is_zero(number: Expr) -> bool:
+    """Return whether a real constant is 0, exactly."""
     number = sp.expand_trig(number)
     if number.is_algebraic:
         x = sp.Dummy("x")
@@ -300,13 +303,13 @@ LESS = {sp.StrictLessThan: "<", sp.LessThan: r"\leq"}
 
 
 class AnswerPrinter(LatexPrinter):
-    """sympy's printer with the order of terms and the chains of inequalities that a reader expects."""
+    """A sympy printer with conventional order of terms and chained inequalities."""
 
     def __init__(self) -> None:
         super().__init__({"inv_trig_style": "full"})
 
     def _as_ordered_terms(self, expr: Expr, order: Any = None) -> Sequence[Expr]:
-        """Return multiples of pi first where arcsines follow."""
+        """Return multiples of pi first if arcsines follow."""
         terms: Sequence[Expr] = super()._as_ordered_terms(expr, order)
         arcs = [term for term in terms if term.has(sp.asin, sp.acos)]
         return [term for term in terms if term not in arcs] + arcs
@@ -322,7 +325,7 @@ class AnswerPrinter(LatexPrinter):
         return r"\ \text{or}\ ".join(sorted(self._print(each) for each in expr.args))
 
     def _chained(self, conditions: list[Expr]) -> Iterable[str]:
-        """Yield conditions, two bounds of one expression as a chain a < b < c; what is compared most comes last."""
+        """Yield conditions, two bounds of one expression as a chain a < b < c; the most frequent subject last."""
         bounds = [_bound(each) for each in conditions]
         texts = []
         while conditions:

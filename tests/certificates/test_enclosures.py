@@ -377,7 +377,7 @@ def test_an_image_contains_the_images_of_points() -> None:
         states = StateSet.of([arb(rng.uniform(-1, 1), 1e-3), arb(rng.uniform(-1, 1), 1e-5)])
         x, y = states.hull()
         jacobian = [[a + 2 * bend * x, arb(b)], [c - bend * y, d - bend * x]]
-        after = states.mapped(image(*states.centre), jacobian)
+        after = states.image(image(*states.centre), jacobian)
         for _ in range(20):
             point = [value.mid() + value.rad() * rng.uniform(-1, 1) for value in (x, y)]
             there = image(*(each.mid() for each in point))
@@ -391,7 +391,7 @@ def test_a_thousand_turns_do_not_grow() -> None:
     states = StateSet.of([arb(1, 1e-6), arb(0, 1e-6)])
     for _ in range(1000):
         x, y = states.centre
-        states = states.mapped([c * x - s * y, s * x + c * y], [[arb(c), arb(-s)], [arb(s), arb(c)]])
+        states = states.image([c * x - s * y, s * x + c * y], [[arb(c), arb(-s)], [arb(s), arb(c)]])
     assert max(float(value.rad()) for value in states.hull()) < 3e-6
 
 
@@ -399,7 +399,7 @@ def test_a_contraction_to_a_line_shrinks() -> None:
     states = StateSet.of([arb(1, 1e-6), arb(0, 1e-6)])
     for _ in range(200):
         x, y = states.centre
-        states = states.mapped([x / 2 + y / 2, x / 4 + y / 4], [[arb(0.5), arb(0.5)], [arb(0.25), arb(0.25)]])
+        states = states.image([x / 2 + y / 2, x / 4 + y / 4], [[arb(0.5), arb(0.5)], [arb(0.25), arb(0.25)]])
     assert max(float(value.rad()) for value in states.hull()) < 1e-20
 
 

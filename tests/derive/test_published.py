@@ -26,7 +26,7 @@ def random_walls(count: int, seed: int, share: tuple[float, float]) -> list[tupl
     found = []
     while len(found) < count:
         Omega, c = f"{dice.uniform(0.25, 2.5):.4f}", f"{dice.choice((0, dice.uniform(0, 0.5), dice.uniform(0, 3))):.3f}"
-        border = float(Formulas(wall(1, Omega, c)).border())
+        border = float(Formulas(wall(1, Omega, c)).largest_force_ratio())
         F = f"{border * dice.uniform(*share):.4f}"
         if float(F) > 0.001:
             found.append((c, Omega, F))
@@ -69,7 +69,7 @@ def test_the_amplitude_is_that_of_P32_and_so_are_its_multipliers() -> None:
 @pytest.mark.slow
 def test_on_either_side_of_the_border_P32_is_an_orbit_or_not() -> None:
     for c, Omega, F in random_walls(3, 21, (1, 1)):
-        border = Formulas(wall(1, Omega, c)).border()
+        border = Formulas(wall(1, Omega, c)).largest_force_ratio()
         for part, is_orbit in (("0.999999", True), ("1.000001", False)):
             p = wall(Fraction(str(MP.nstr(border, 18))) * Fraction(part), Omega, c)
             assert find_orbit(p, "P32").admissible == is_orbit, (c, Omega, F, part)
@@ -77,7 +77,7 @@ def test_on_either_side_of_the_border_P32_is_an_orbit_or_not() -> None:
 
 @pytest.mark.parametrize(("Omega", "border"), [("1.5", 0.64657909), ("0.8", 0.81740639)])
 def test_borders_known_from_elsewhere(Omega: str, border: float) -> None:
-    assert float(Formulas(wall(1, Omega)).border()) == pytest.approx(border, abs=6e-9)
+    assert float(Formulas(wall(1, Omega)).largest_force_ratio()) == pytest.approx(border, abs=6e-9)
 
 
 @pytest.mark.slow

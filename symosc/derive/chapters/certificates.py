@@ -1,4 +1,4 @@
-"""Why each kind of certificate proves what it says: interval Newton, Krawczyk, Brouwer, Banach; and no event missed."""
+"""Proof of each kind of certificate: interval Newton, Krawczyk, Brouwer, Banach; and that no event is missed."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ def items(scope: Scope) -> Items:
 
 
 def _balls() -> Items:
+    """Return the section on ball arithmetic."""
     x, y = sp.Symbol("x", real=True), sp.Symbol("Y", real=True)
     f = sp.Function("f")(x)
     slope = (x - y * f).diff(x)
@@ -57,6 +58,7 @@ def _balls() -> Items:
 
 
 def _motions() -> Items:
+    """Return the section on motions."""
     return (
         r"\subsection{Motions: every event is the next one}",
         r"Between events the motion is a closed form (Table~\ref{tab:domains-regimes}), so balls enclose it for all "
@@ -95,7 +97,7 @@ def _steps() -> Items:
         r"integrations do. What happens at the event follows from certain signs of the forces "
         r"(Section~\ref{sec:switching}). Starts that are known to an error are a set; its image is enclosed by the "
         r"value at its centre and the derivatives of Section~\ref{sec:jacobians} over the whole set.",
-        _touches(),
+        _grazes(),
         r"\begin{lemma}[exact touches]\label{thm:certificates-circles} "
         r"Let $c = B_0 = 0$, $k > 0$, and let a flight start with $\dot{x}_i$ and $\ddot{x}_i$. It touches the belt "
         r"$v_\lambda$, and does not cross it, if and only if "
@@ -110,7 +112,8 @@ def _steps() -> Items:
     )
 
 
-def _touches() -> Items:
+def _grazes() -> Items:
+    """Return the section on grazes."""
     return (
         r"A graze is a double zero of the gap, which no error of the start allows. It is proven as a statement about "
         r"one start: a number $s$ of the start is left free, and with it the zero is a simple one.",
@@ -150,6 +153,7 @@ def _straightened(wave: Any) -> Items:
 
 
 def _orbits() -> Items:
+    """Return the section on orbits."""
     meaning = {TRACE: ONE + TWO, DET: ONE * TWO}
     return (
         r"\subsection{Orbits: existence, uniqueness, word, stability}",
@@ -178,6 +182,7 @@ def _orbits() -> Items:
 
 
 def _branches() -> Items:
+    """Return the section on branches."""
     return (
         r"\subsection{Branches: every value of a parameter}",
         r"Let $\delta$ be the change of a parameter from the middle of an interval, $|\delta| \le d$, and $p(\delta)$ "
@@ -202,6 +207,7 @@ def _branches() -> Items:
 
 
 def _settled_motions() -> Items:
+    """Return the section on motions that settle on an orbit."""
     return (
         r"\subsection{Motions that settle: any number of periods}",
         r"Carried from event to event, an enclosure says something of some thousand periods. One that settles on an "
@@ -227,6 +233,7 @@ def _settled_motions() -> Items:
 
 
 def _windows() -> Items:
+    """Return the section on grazing windows."""
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     velocity, derivatives = path.diff(t), [newton]

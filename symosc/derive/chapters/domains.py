@@ -189,7 +189,7 @@ class PaperForm(NamedTuple):
 
 
 def _steady(name: str) -> tuple[Any, dict[Any, Any]]:
-    """Return a particular motion, and what its letters are."""
+    """Return a particular motion with its symbols."""
     if name == "resonance":
         return A / k + B0 / (2 * m * Omega) * tau * sp.sin(PHASE), {}
     if name == "free":
@@ -242,7 +242,7 @@ def _one_exponential(v: Any, mode: Any) -> Any:
 
 
 def constants(form: PaperForm) -> list[Step]:
-    """Return what the constants of a form are, checked by what they have to do: fit the start, or the drive."""
+    """Return the constants of a form, checked to fit the start or the drive."""
     start = {tau: sp.Integer(0)}
     wanted = (form.x.subs(start) - x_i, form.x.diff(tau).subs(start) - v_i)
     fitted = sp.solve(wanted, [C1, C2], dict=True)[0]
@@ -263,6 +263,7 @@ def basis_function(symbol: Any, regime: solution.Regime, **options: Any) -> Step
 
 
 def _table(scope: Scope) -> Items:
+    """Return the table of the closed forms."""
     rows = []
     for regime in scope.regimes:
         centre = latex(regime.centre) if regime.centre != 0 else ""
@@ -295,7 +296,7 @@ def _table(scope: Scope) -> Items:
 
 
 def true_letters() -> dict[Any, Any]:
-    """Return the letters of the regimes from the coefficients and the discriminant of m z^2 + c z + k."""
+    """Return the symbols of the regimes in the coefficients and the discriminant of m z^2 + c z + k."""
     z = sp.Symbol("z")
     polynomial = sp.Poly(m * z**2 + c * z + k, z)
     a, b, _ = polynomial.all_coeffs()
@@ -336,6 +337,7 @@ def _scene_regime(regime: solution.Regime) -> Items:
 
 
 def _joins() -> Items:
+    """Return the section on the limits between the regimes."""
     rows, arrows = [], ("=", r"\mapsto")
     for join in solution.JOINS:
         source, target = (solution.REGIMES[name].parameters() for name in (join.source, join.target))

@@ -1,4 +1,4 @@
-"""Errata: each distinct error or gap of the paper once, with its severity, what is right, and what shows it."""
+"""Errata: each distinct error or gap of the paper, with its severity, the correction, and the evidence."""
 
 from __future__ import annotations
 

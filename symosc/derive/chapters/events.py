@@ -23,10 +23,11 @@ def items(scope: Scope) -> Items:
     """Return the chapter."""
     del scope  # the statements are the same for every scene
     bounds = (r"\subsection{Two bounds for later times}", _bound_for_ever(), _bound_for_a_while())
-    return _gap(), _two_zeros(), bounds, _search()
+    return _gap(), _disconjugacy(), bounds, _search()
 
 
 def _gap() -> Items:
+    """Return the section on the gap and the sign of L g."""
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     jerk = newton.diff(t).subs(path.diff(t, 2), newton)
@@ -47,7 +48,8 @@ def _gap() -> Items:
     )
 
 
-def _two_zeros() -> Items:
+def _disconjugacy() -> Items:
+    """Return the section on disconjugacy: a gap has at most two zeros between critical phases."""
     phi, q = sp.Function("phi")(tau), sp.Function("q")(tau)
     g = phi * q
     operator = g.diff(tau, 2) + cm * g.diff(tau) + w0sq * g
@@ -100,6 +102,7 @@ def _operator(regime: solution.Regime) -> Any:
 
 
 def _bound_for_ever() -> Items:
+    """Return the section on the bound valid for all later times."""
     third, fourth = named("u^{(3)}"), named("u^{(4)}")
     energy = named(r"\frac{d}{d\tau}\Bigl((u^{(4)})^2 + \frac{k}{m}(u^{(3)})^2\Bigr)")
     z = sp.Function("z")(tau)
@@ -130,6 +133,7 @@ def _bound_for_ever() -> Items:
 
 
 def _bound_for_a_while() -> Items:
+    """Return the section on the bound near undamped resonance."""
     z = sp.Function("z")(tau)
     w, w_rate = named("w"), named(r"\dot{w}")
     second = named(r"\frac{d}{d\tau}\Bigl(\dot{w}^2 + \frac{k}{m}w^2\Bigr)")
@@ -152,6 +156,7 @@ def _bound_for_a_while() -> Items:
 
 
 def _search() -> Items:
+    """Return the section on the event search."""
     s, u, left = sp.Symbol("s", positive=True), sp.Symbol("u", positive=True), named("p(s)")
     values = [named(name) for name in ("g", r"\dot{g}", r"\ddot{g}", "g^{(3)}")]
     taylor = sp.Add(*(value * s**n / sp.factorial(n) for n, value in enumerate(values)))

@@ -56,10 +56,11 @@ def items(scope: Scope) -> Items:
     """Return the chapter."""
     places = PLACES if scope.scene else {}
     windows = [_numbers(scope, mapping) for mapping in places if PLACES[mapping].boundary in scope.boundaries]
-    return _contact(), _what_it_fixes(), _theorem(), windows, _equality(), _no_spring()
+    return _contact(), _unknowns(), _theorem(), windows, _equality(), _no_spring()
 
 
 def _contact() -> Items:
+    """Return the section on contacts with F = 0."""
     rows = []
     for mapping, place in PLACES.items():
         rate, sine = "<>" if place.side > 0 else "><"
@@ -84,7 +85,8 @@ def _contact() -> Items:
     )
 
 
-def _what_it_fixes() -> Items:
+def _unknowns() -> Items:
+    """Return the section on the unknowns that a graze determines."""
     acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}_m")
     at_contact = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
     values = {GAMMA: k * v_lambda / m, AMPLITUDE: B0 * Omega / m}
@@ -123,6 +125,7 @@ def _what_it_fixes() -> Items:
 
 
 def _theorem() -> Items:
+    """Return the section on Theorem 7."""
     turned = named(r"\sin(\theta_m + \pi)")
     return (
         r"\subsection{The theorem}",
@@ -264,6 +267,7 @@ def _numbers(scope: Scope, mapping: str) -> Items:
 
 
 def _equality() -> Items:
+    """Return the section on equality, |gamma| = |a|."""
     second, third = G(2), G(3)
     contact = {v: v_lambda, x: (solution.A_m + solution.f0 * sp.cos(theta) - solution.cm * v_lambda) / solution.w0sq}
     g1, g2, g3 = (sp.expand(solution.g_function(n).subs(contact)) for n in (1, 2, 3))
@@ -321,6 +325,7 @@ def _equality_proof(true3: Any) -> Items:
 
 
 def _equality_in_figures() -> Items:
+    """Return the section on equality in the paper's figures."""
     (gamma7, a7), (gamma8, a8) = (
         [expr.subs(Scope(load_scene(name)).numbers) for expr in (k * BELTS[1] / m, B0 * Omega / m)]
         for name in ("fig7", "fig8")
@@ -334,6 +339,7 @@ def _equality_in_figures() -> Items:
 
 
 def _no_spring() -> Items:
+    """Return the section on k = 0."""
     phase = named(r"\cos\theta_m")
     plain = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: THETA_M, k: 0})
     solved = sp.solve(plain.subs(sp.cos(THETA_M), phase), phase)[0]

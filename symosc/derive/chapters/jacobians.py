@@ -25,7 +25,7 @@ def total(expr: Any, letter: Any) -> Any:
 
 
 def partial(what: str, by: str) -> Any:
-    """Return the letter of a partial derivative."""
+    """Return the symbol of a partial derivative."""
     return named(rf"\frac{{\partial {what}}}{{\partial {by}}}")
 
 
@@ -36,6 +36,7 @@ def items(scope: Scope) -> Items:
 
 
 def _flights() -> Items:
+    """Return the section on flights."""
     flow, found = solution.flow(), maps.flight_jacobian()
     ends = {maps.v_end: flow.v, maps.a_end: flow.a}
     rows = []
@@ -65,6 +66,7 @@ def _flights() -> Items:
 
 
 def _sticks() -> Items:
+    """Return the section on sticks."""
     residual, found = maps.stick_residual(), maps.stick_jacobian()
     theta_j = maps.theta_j
     where = {tau: (theta_j - theta_i) / Omega}
@@ -163,7 +165,7 @@ def saltation() -> Items:
 
 @cache
 def _orbit(scene: str, word: str) -> tuple[Any, Any]:
-    """Return the product of an orbit's multipliers, and what the theorem says about it, with 50 digits."""
+    """Return the product of an orbit's multipliers, and its value by the theorem, with 50 digits."""
     from symosc.orbits.find import find_orbit
 
     p = load_scene(scene).parameters
@@ -184,6 +186,7 @@ def _force(p: Any, alpha: int, t: Any, x: Any) -> Any:
 
 
 def _monodromy() -> Items:
+    """Return the section on the monodromy matrix."""
     product, bound = named(r"\rho_1\rho_2"), named(r"e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j")
 
     def values() -> dict[Any, Any]:

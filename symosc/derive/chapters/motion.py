@@ -28,7 +28,7 @@ def coulomb(alpha: int) -> Any:
 
 
 def acceleration(alpha: int) -> Any:
-    """Return F^(alpha)(x, v, t) in the paper's letters: eq. (9) with A_alpha of the domain."""
+    """Return F^(alpha)(x, v, t) in the paper's notation: eq. (9) with A_alpha of the domain."""
     return solution.in_paper_letters(solution.acceleration()).subs(solution.A, solution.force_constant(alpha))
 
 
@@ -47,7 +47,7 @@ def stick_force(belt: int) -> Any:
 
 
 def _belt_meaning(belt: int) -> dict[Any, Any]:
-    """Return what the letters of belt lambda stand for at one of the two belts."""
+    """Return the values of the symbols of belt lambda at one of the two belts."""
     lower, upper = (newton(alpha).subs(v, BELTS[belt]) for alpha in NEIGHBOURS[belt])
     found = {F(LOWER): lower, F(UPPER): upper, mu_lambda: MU[belt], v_lambda: BELTS[belt]}
     return found | {HELD: stick_force(belt)}
@@ -64,6 +64,7 @@ def items(scope: Scope) -> Items:
 
 
 def _balance() -> Items:
+    """Return the section on the balance of forces."""
     total, first, second = named(r"m\ddot{x}"), named("T_1"), named("T_2")
     right = A0 + B0 * WAVE - k * x - c * v + first + second
     checks = tuple(
@@ -102,6 +103,7 @@ def _balance() -> Items:
 
 
 def _domains(scope: Scope) -> Items:
+    """Return the section on the domains."""
     ode = named(r"m\ddot{x} + c\dot{x} + k x")
     A = solution.A
     free = {ode: m * solution.in_paper_letters(solution.acceleration()) + c * v + k * x}
@@ -151,6 +153,7 @@ def _domains(scope: Scope) -> Items:
 
 
 def _well_posed(scope: Scope) -> Items:
+    """Return the section on existence and uniqueness."""
     drop = tuple(step(coulomb(a) - coulomb(a + 1), ">=", 0, Sign()) for a in scope.domains[:-1])
     y, rate = named("y"), named(r"\dot{y}")
     energy = named(r"\frac{d}{dt}\Bigl(\frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2\Bigr)")
@@ -183,6 +186,7 @@ def _well_posed(scope: Scope) -> Items:
 
 
 def _held(scope: Scope) -> Items:
+    """Return the section on sticks."""
     return (
         r"\subsection{The force that a stick has to hold}",
         r"\begin{proposition}[what the belt has to hold]\label{thm:motion-held} "

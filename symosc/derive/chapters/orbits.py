@@ -53,10 +53,11 @@ def items(scope: Scope) -> Items:
         found = _orbit(scope, scope.scene.structure, rf"Scene \texttt{{{scope.scene.name}}}")
     else:
         found = (r"This scene has no mapping structure of a periodic motion.",)
-    return _uniqueness(), _what_uniqueness_needs(), found
+    return _uniqueness(), _assumptions(), found
 
 
 def _uniqueness() -> Items:
+    """Return the section on uniqueness."""
     mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
     held, size = named(r"H_\lambda"), sp.Symbol("B_0", real=True)
     ends = [(held + sign * (mu * FN - sp.Abs(size))) / k for sign in (1, -1)]
@@ -103,7 +104,8 @@ def _uniqueness() -> Items:
     )
 
 
-def _what_uniqueness_needs() -> Items:
+def _assumptions() -> Items:
+    """Return the section on the assumptions of uniqueness."""
     tenth, places = sp.Rational(1, 10), ("0", "1/2", "-3/5", "-4/5", "1")
     return (
         r"\begin{example}\label{thm:orbits-example} "
@@ -124,7 +126,7 @@ def _what_uniqueness_needs() -> Items:
 
 
 class Piece(NamedTuple):
-    """A map of an orbit: the map before it, the letters of its start, f1 and f2, and what the letters in them are."""
+    """A map of an orbit: the map before it, the symbols of its start, f1 and f2, and the values of the symbols."""
 
     row: Map
     before: Map
@@ -165,24 +167,24 @@ def pieces(scope: Scope, word: str) -> tuple[Piece, ...]:
             meaning |= {names[f]: expr.xreplace({tau: duration}) for f, expr in basis.items()}
             if not before.sticks:
                 meaning[letters[a_i]] = force(row.domain, x_i, start, theta_i).xreplace(letters)
-        f1, f2 = (_put(scope, f.xreplace(letters)) for f in (f1, f2))
-        meaning = {name: _put(scope, value) for name, value in meaning.items()}
+        f1, f2 = (_substituted(scope, f.xreplace(letters)) for f in (f1, f2))
+        meaning = {name: _substituted(scope, value) for name, value in meaning.items()}
         found.append(Piece(row, before, here, f1, f2, meaning))
     return tuple(found)
 
 
 def _letters(i: int) -> tuple[Any, Any]:
-    """Return the letters of position and phase at the switching point i + 1."""
+    """Return the symbols of position and phase at the switching point i + 1."""
     return named(f"x_{{{i + 1}}}"), named(rf"\theta_{{{i + 1}}}")
 
 
-def _put(scope: Scope, expr: Any) -> Any:
-    """Put the scene's numbers in."""
+def _substituted(scope: Scope, expr: Any) -> Any:
+    """Substitute the scene's numbers."""
     return expr.xreplace(scope.display).xreplace(scope.numbers)
 
 
 def _values(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
-    """Return the numbers of all letters at the root."""
+    """Return the numbers of all symbols at the root."""
     assert scope.parameters is not None
     values: dict[Any, Any] = {}
     for piece, point in zip(pieces(scope, word), root(scope.parameters, word), strict=True):
@@ -244,7 +246,7 @@ def _accelerations(scope: Scope, word: str) -> Table:
         belt = row.start.boundary
         cells: list[Any] = [str(j)]
         for alpha in NEIGHBOURS[belt]:
-            value = _put(scope, force(alpha, x, BELTS[belt], theta))
+            value = _substituted(scope, force(alpha, x, BELTS[belt], theta))
             if before.sticks and row.domain == alpha:
                 cells.append("0")  # the stick ends where this one vanishes: an equation above
                 continue
@@ -265,7 +267,7 @@ def _accelerations(scope: Scope, word: str) -> Table:
 
 
 def _between(scope: Scope, word: str) -> Items:
-    """Return what holds between the switching points: no flight meets a belt, each stick is held."""
+    """Return the conditions between the switching points: no flight meets a belt, each stick is held."""
     assert scope.parameters is not None
     rows, facts = [], []
     for j, piece in enumerate(pieces(scope, word)):
@@ -322,7 +324,7 @@ def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, 
     if row.sticks:
         speed = number(p.belt(belt))
         for alpha, op, best, words in ((belt, ">", min, "least"), (belt + 1, "<", max, "largest")):
-            expr = _put(scope, force(alpha, x_i, BELTS[belt], theta_i))
+            expr = _substituted(scope, force(alpha, x_i, BELTS[belt], theta_i))
             code, step = sp.lambdify((x_i, theta_i), expr, _FUNCTIONS), duration / 10**6
 
             def value(at: Any, code: Any = code) -> Any:
@@ -337,7 +339,9 @@ def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, 
             yield what, best(value(at) for at in places), f"${op} 0$", [(op, 0)]
         return
     flow, start = solution.flow(scope.regimes[0]), force(row.domain, x_i, BELTS[belt], theta_i)
-    put = [_put(scope, expr.xreplace({a_i: start, v_i: BELTS[belt]}).xreplace(scope.display)) for expr in flow[1:]]
+    put = [
+        _substituted(scope, expr.xreplace({a_i: start, v_i: BELTS[belt]}).xreplace(scope.display)) for expr in flow[1:]
+    ]
     velocity, acceleration = (sp.lambdify((tau, x_i, theta_i), expr, _FUNCTIONS) for expr in put)
     limits = [(op, scope.numbers[BELTS[b]]) for op, b in ((">", row.domain - 1), ("<", row.domain)) if b in BELTS]
     words = {1: "$< v_1$", 2: "between $v_1$ and $v_2$", 3: "$> v_2$"}[row.domain]

@@ -30,6 +30,7 @@ def items(scope: Scope) -> Items:
 
 
 def _on_belt() -> Items:
+    """Return the section on the motion on a belt."""
     position = named(r"x(\tau)")
     on_belt = named(r"F^{(\alpha)}(\tau)")
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
@@ -71,6 +72,7 @@ def _on_belt() -> Items:
 
 
 def _exits(scope: Scope) -> Items:
+    """Return the section on the exits."""
     zero = named(r"F^{(\lambda+1)}|_{F^{(\lambda)} = 0}")
     lower = Each(tuple(Sign({zero: -(newton(lo) - newton(lo + 1))}) for lo in scope.boundaries))
     return (
@@ -101,6 +103,7 @@ def _exits(scope: Scope) -> Items:
 
 
 def _which_exit(scope: Scope) -> Items:
+    """Return the section on which exit comes first."""
     rows = []
     for belt in scope.boundaries:
         for alpha in NEIGHBOURS[belt]:
@@ -131,6 +134,7 @@ def _which_exit(scope: Scope) -> Items:
 
 
 def _every_stick_ends() -> Items:
+    """Return the section on the duration of sticks."""
     turn = named(r"\Delta_T F^{(\alpha)}")
     lost = -2 * sp.pi * k * v_lambda / (m * Omega)
     per_turn = force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i

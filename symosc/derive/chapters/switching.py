@@ -27,6 +27,7 @@ def items(scope: Scope) -> Items:
 
 
 def _general() -> Items:
+    """Return the section on general discontinuous systems."""
     n, y = sp.Function("n")(t), sp.Function("y")(t)
     first, second = named(r"G^{(0,\alpha)}"), named(r"G^{(1,\alpha)}")
 
@@ -107,6 +108,7 @@ def g_functions() -> Items:
 
 
 def _local() -> Items:
+    """Return the section on Lemmas 1 to 3."""
     flow = solution.flow()
     at_start = solution.start_values() | {tau: sp.Integer(0)}
     values, derivative = [], flow.v
@@ -145,6 +147,7 @@ def _local() -> Items:
 
 
 def _theorems() -> Items:
+    """Return the section on Theorems 4 to 6."""
     speed = named(r"k v_\lambda")
     first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, v: v_lambda})
     stays = {G(1): first, F(r"\alpha"): solution.in_paper_letters(solution.acceleration()).subs(v, v_lambda)}

@@ -1,4 +1,4 @@
-"""Ground truth that uses nothing of the engine: rational contacts, a second closed form of the flow, and DOP853."""
+"""Ground truth independent of the engine: rational contacts, a second closed form of the flow, and DOP853."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ class RationalContact:
 
     @property
     def next_mode(self) -> str:
-        """Where the motion goes on, in the words of `Trajectory.mode`."""
+        """The mode after the contact, named as by `Trajectory.mode`."""
         lo, hi = NEIGHBOURS[self.boundary]
         if self.side(hi, after=True) > 0:
             return f"Omega{hi}"
@@ -121,7 +121,7 @@ class RationalContact:
 
     @property
     def goes_on(self) -> str:
-        """Where the motion goes on, as a phrase."""
+        """The continuation after the contact, as a phrase."""
         return f"goes on {'on' if self.sticks else 'in'} {self.next_mode}"
 
     @property

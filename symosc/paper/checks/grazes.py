@@ -99,7 +99,7 @@ def exact(figure: Graze, t_end: Any = None) -> Scene:
 
 
 def reaches_belt(scene: Scene, belt: int) -> Evidence:
-    """Check whether a motion below a belt touches it: by the event search, and for all later times by a bound."""
+    """Check whether a motion below a belt reaches it: by the event search, and for all later times by a bound."""
     p, path = scene.parameters, motion(scene, LATE)
     first = next((event for event in path.events if event.boundary == belt), None)
     square, speed = steady_square(p), f"v{subscripted(belt)}"
@@ -165,7 +165,7 @@ def contacts_text(path: Trajectory) -> str:
 
 
 def tangential(figure: Graze) -> Evidence:
-    """Check that the motion touches the belt at the red point and leaves: from the printed start and the exact one."""
+    """Check that the motion grazes the belt at the red point: from the printed start and the exact one."""
     printed, scene, p = motion(figure.printed), exact(figure), figure.parameters
     path = motion(scene)
     numbers = {"contacts as printed until the first slip": contacts_text(printed)}
@@ -196,7 +196,7 @@ def tangential(figure: Graze) -> Evidence:
 
 
 def touches_once(figure: Graze) -> Evidence:
-    """Check that a motion in the domain below touches belt 1 once and never again."""
+    """Check that a motion in the domain below grazes belt 1 once and never meets it again."""
 
     def once(scene: Scene) -> bool:
         return [event.kind for event in motion(scene, LATE).events] == ["graze"]
@@ -448,7 +448,7 @@ def start_grazes(figure: Graze) -> Evidence:
 
 
 def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bool:
-    """Tell whether the flow from the start that belongs to t_m grazes, with 40 digits and in another closed form."""
+    """Return whether the flow from the start for t_m grazes, with 40 digits and in another closed form."""
     scene, at = figure.scene, place(figure.mapping)
     p = scene.parameters
     found = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0)
@@ -527,7 +527,7 @@ class FreeValue:
 
 
 def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray:
-    """Return x0 and v0 at t0 of the flows that touch the mapping's belt at the times t_m."""
+    """Return x0 and v0 at t0 of the flows that graze the mapping's belt at the times t_m."""
     p, at = scene.parameters, place(mapping)
     v = float(p.belt(at.boundary))
     A, B0, Omega, c, k = (float(value) for value in (p.A(at.domain), p.B0, p.Omega, p.c, p.k))
@@ -562,11 +562,12 @@ def nearest_graze(scene: Scene, mapping: str, half_unit: float) -> NearestGraze:
 def search(
     scene: Scene, mapping: str, half_unit: float, names: Sequence[str] = (*PARAMETER_NAMES, *START)
 ) -> list[FreeValue]:
-    """Leave each parameter and each number of the start free in turn, and return all values that graze."""
+    """Vary each parameter and each number of the start in turn, and return all values that graze."""
     return [value for name in names for value in _values(scene, mapping, name, half_unit)]
 
 
 def _values(scene: Scene, mapping: str, name: str, half_unit: float) -> list[FreeValue]:
+    """Return the values of a number of the scene that graze."""
     if name in START:
         printed = float(getattr(scene, name))
         # Times come back after a period.
@@ -584,14 +585,14 @@ def _values(scene: Scene, mapping: str, name: str, half_unit: float) -> list[Fre
         gap, t_m, inside = _gap(scene, mapping, {name: root})
         if not inside or abs(gap) > half_unit:
             continue
-        moved = sum(abs(_slope(scene, mapping, name, root, key, 1e-6)) for key in ("x0", "v0") if key != name)
-        slope = abs(_slope(scene, mapping, name, root, name, 1e-6 * max(1.0, abs(root))))
+        moved = sum(abs(_gap_slope(scene, mapping, name, root, key, 1e-6)) for key in ("x0", "v0") if key != name)
+        slope = abs(_gap_slope(scene, mapping, name, root, name, 1e-6 * max(1.0, abs(root))))
         found.append(FreeValue(name, root, half_unit * (moved / slope + (name in START)), t_m))
     return found
 
 
-def _slope(scene: Scene, mapping: str, name: str, root: float, key: str, step: float) -> float:
-    """Return the derivative of the gap by a number `key`, where the number `name` is `root`."""
+def _gap_slope(scene: Scene, mapping: str, name: str, root: float, key: str, step: float) -> float:
+    """Return d(gap)/d(`key`) by central differences, with the free number `name` set to `root`."""
     ends = []
     for sign in (1, -1):
         change = {name: root}
@@ -601,7 +602,7 @@ def _slope(scene: Scene, mapping: str, name: str, root: float, key: str, step: f
 
 
 def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, float, bool]:
-    """Return how far the flow gets beyond the belt (negative: not at all), when, and if it starts in its domain."""
+    """Return how far the flow goes past the belt (negative: short of it), when, and if it starts in its domain."""
     at = place(mapping)
     start = tuple(change.get(name, float(getattr(scene, name))) for name in START)
     exact = {name: Fraction(value) for name, value in change.items() if name not in START}

@@ -52,7 +52,7 @@ def friction_interval(p: Parameters, boundary: int) -> tuple[Fraction, Fraction]
 
 
 def added_force(p: Parameters, alpha: int) -> Fraction:
-    """Eq. (5): what stands beside A0 on the right."""
+    """Eq. (5): the friction term added to A0 on the right."""
     return {1: p.mu1 + p.mu2, 2: -(p.mu1 - p.mu2), 3: -(p.mu1 + p.mu2)}[alpha] * p.FN
 
 
@@ -392,7 +392,7 @@ def basic_mappings() -> Evidence:
 
 
 def trajectories_in_domains() -> Evidence:
-    """Fig. 4: between its ends a trajectory is in one domain or on one belt; that is what a mapping is."""
+    """Fig. 4: between its ends a trajectory is in one domain or on one belt, which defines a mapping."""
     numbers = {}
     for label, planes in PLANES.items():
         start, end = ({NEIGHBOURS[belt][side > 0]} if side else set() for belt, side in planes)
@@ -511,7 +511,7 @@ def four_grazes() -> Evidence:
 
 
 def position_bound(p: Parameters) -> float:
-    """Return what |x| comes down to in the long run, from the L1 norm of the impulse response; c, k > 0.
+    """Return the long-term bound of |x| from the L1 norm of the impulse response; c, k > 0.
 
     Friction and drive together stay below a force M; then lim sup |x| <= (M/k) coth(pi zeta/(2 sqrt(1 - zeta^2))), or
     M/k without oscillation.
@@ -524,7 +524,7 @@ def position_bound(p: Parameters) -> float:
 
 
 def bounded_motions() -> Evidence:
-    """Section 5: three bounded motions in the three unbounded domains; and what becomes of that without a damper."""
+    """Section 5: three bounded motions in the three unbounded domains; and the case without a damper."""
     within, numbers = 0, {}
     for name in STATES:
         scene = load_scene(name)

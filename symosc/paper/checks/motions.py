@@ -1,4 +1,4 @@
-"""Motions in many digits, with a second opinion on them, and their sticks: Figs. 5 and 6, Section 6 on all."""
+"""Motions in many digits with an independent recomputation, and their sticks: Figs. 5 and 6, Section 6 on all."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ _recorders: list[list[Any]] = []
 
 @contextmanager
 def recording() -> Iterator[list[Any]]:
-    """Collect the motions and orbits that checks use meanwhile, for the second opinion."""
+    """Collect the motions and orbits that checks use inside the block, for the recomputation."""
     _recorders.append([])
     try:
         yield _recorders[-1]
@@ -133,7 +133,7 @@ def recording() -> Iterator[list[Any]]:
 
 
 def recorded(found: Any) -> Any:
-    """Return a motion or orbit, and add it to what is being recorded."""
+    """Return a motion or orbit, and add it to the current recording."""
     for each in _recorders:
         each.append(found)
     return found
@@ -224,7 +224,7 @@ def is_zero(force: Any) -> bool:
 
 
 def certificate_of(what: Scene | PeriodicOrbit) -> dict[str, str]:
-    """Return what a certificate of a motion or an orbit says, for the numbers of an evidence.
+    """Return the statement of a motion's or an orbit's certificate, for the numbers of an evidence.
 
     Without python-flint it says that nothing is proven here; the verdict does not rest on it.
     """
@@ -243,7 +243,7 @@ SAMPLES = 101
 
 
 class Stretch(NamedTuple):
-    """A motion in one domain (1 to 3) or on one belt (-1, -2), from a state to the next contact."""
+    """A part of a motion in one domain (1 to 3) or on one belt (-1, -2), from a state to the next contact."""
 
     where: int
     start: tuple[float, ...]
@@ -252,7 +252,7 @@ class Stretch(NamedTuple):
 
 @dataclass(frozen=True)
 class Opinion:
-    """What came out: stretches, the largest relative difference, and stretches or switches that are not so."""
+    """The result of a recomputation: its parts, the largest relative difference, and the contradictions."""
 
     stretches: int = 0
     difference: float = 0.0
@@ -261,12 +261,12 @@ class Opinion:
 
     @property
     def agrees(self) -> bool:
-        """Whether the motion is confirmed."""
+        """Whether the recomputation confirms the motion."""
         return self.difference <= AGREEMENT and not self.outside and not self.otherwise
 
 
 def stretches_of(what: Trajectory | PeriodicOrbit) -> list[Stretch]:
-    """Return the stretches of a motion, or of one period of an orbit, the last one back to the first point."""
+    """Return the parts of a motion, or of one period of an orbit, the last one back to the first point."""
     p = what.parameters
     if isinstance(what, Trajectory):
         modes = [segment.mode for segment in what.segments]
@@ -291,7 +291,7 @@ def stretches_of(what: Trajectory | PeriodicOrbit) -> list[Stretch]:
 
 
 def fly_again(p: Parameters, stretches: list[Stretch]) -> Opinion:
-    """Compute stretches again, and decide anew what follows each of them but the last."""
+    """Recompute parts of a motion, and decide again which mode follows each but the last."""
     differences, outside = [0.0], 0
     for stretch in stretches:
         (t0, x0, v0), (t1, x1, v1) = stretch.start, stretch.end
@@ -318,7 +318,7 @@ def _force(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
 
 
 def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
-    """Tell whether Theorems 4 and 5 let a motion go on so from a contact; where a force is 0 they allow both."""
+    """Return whether Theorems 4 and 5 allow this continuation from a contact; where a force is 0, both do."""
     belt = 1 if abs(end[2] - float(p.v1)) < abs(end[2] - float(p.v2)) else 2
     lo, hi = NEIGHBOURS[belt]
     below, above = float(_force(p, lo, *end)), float(_force(p, hi, *end))
@@ -328,7 +328,7 @@ def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
 
 
 def judge(check: Callable[[], Any]) -> Evidence:
-    """Return the evidence of a check, with a second opinion on every motion and orbit that it uses.
+    """Return the evidence of a check, with a recomputation of every motion and orbit that it uses.
 
     Without it a claim about a motion would be judged by the simulator alone.
     """
@@ -365,7 +365,7 @@ def first_stick(scene: Scene, belt: int) -> tuple[Stick, SceneContact] | None:
 
 
 def no_stick(scene: Scene, belt: int) -> Evidence:
-    """Return the evidence that a scene has no stick on a belt that ends."""
+    """Return the evidence against a claim about a stick: no stick on this belt ends before t_end."""
     numbers = {"events": len(motion(scene).events), "followed until t": text(scene.t_end)}
     return Evidence(verdict(False), f"There is no stick on belt {belt} that ends.", numbers)
 
@@ -554,6 +554,7 @@ def stick_appears(scene: Scene, belt: int) -> Evidence:
 
 
 def _figure(scene: Scene) -> str:
+    """Return the figure of a scene as text, such as "Fig. 5"."""
     return f"Fig. {scene.name.removeprefix('fig')}"
 
 

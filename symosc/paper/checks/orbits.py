@@ -65,7 +65,7 @@ def _orbit_of(scene: Scene) -> PeriodicOrbit | None:
 
 
 def no_orbit(scene: Scene) -> Evidence:
-    """Return the evidence that a structure has no orbit: what the motion does instead."""
+    """Return the evidence that a word has no orbit, with the motion that occurs instead."""
     numbers = {"mappings from the printed start": " ".join(motion(scene).word[-8:]) or "none"}
     return Evidence(verdict(False), f"There is no periodic motion {subscripted(str(scene.structure))}.", numbers)
 
@@ -384,7 +384,7 @@ def _free_numbers(found: list[Nearest]) -> dict[str, str]:
 
 
 def _end_of_stick(scene: Scene) -> dict[str, str]:
-    """Say what the force in domain 2 is at a start on belt 2, where the stick is to end: with c v2 and without."""
+    """Return the force in domain 2 at a start on belt 2 where the stick is to end, with c v2 and without."""
     p = scene.parameters
     if scene.v0 != p.v2:
         return {}
@@ -398,7 +398,7 @@ def _end_of_stick(scene: Scene) -> dict[str, str]:
 
 
 def _one_digit(scene: Scene, start: list[Nearest]) -> str:
-    """Point out a start whose x0 or t0 alone differs from the orbit's in one digit."""
+    """Describe a start with only x0 or t0 different from the orbit's, in one digit."""
     remarks = ""
     for each in start:
         printed, orbit = f"{float(getattr(scene, each.name)):.4f}", f"{each.value:.4f}"
@@ -429,7 +429,7 @@ OUT_OF_SIGHT = 1e9
 
 @dataclass(frozen=True)
 class Nearest:
-    """How near a motion comes to being periodic from the printed start when one number is left free.
+    """The smallest distance of a motion from the printed start to a periodic one when one number varies.
 
     Attributes
     ----------
@@ -465,7 +465,7 @@ class Nearest:
 
 
 def search_start(scene: Scene) -> list[Nearest]:
-    """Leave each number of the start free in turn; the parameters stay as they are printed."""
+    """Vary each number of the start in turn, with the parameters as printed."""
     orbit = find_orbit(scene.parameters, str(scene.structure))
     t0, x0, gaps = float(scene.t0), float(scene.x0), _gaps(orbit, scene)
     dt, off_x = min(gaps, key=lambda gap: abs(gap[1]))
@@ -479,11 +479,12 @@ def search_start(scene: Scene) -> list[Nearest]:
 
 
 def search_parameters(scene: Scene, names: tuple[str, ...] = PARAMETER_NAMES) -> list[Nearest]:
-    """Leave each of the parameters free in turn; return one result for each, the nearest first."""
+    """Vary each of the parameters in turn; return one result for each, the nearest first."""
     return sorted((_search_parameter(scene, name) for name in names), key=lambda each: each.distance)
 
 
 def _search_parameter(scene: Scene, name: str) -> Nearest:
+    """Return the value of one parameter for which the motion is nearest to a periodic orbit."""
     value, (low, high) = float(getattr(scene.parameters, name)), range_of(scene.parameters, name)
     closer = np.geomspace(LEAST, 1.0, CLOSER_VALUES)
     near = [value - (value - low) * closer, value + (high - value) * closer]

@@ -102,7 +102,7 @@ def root(square: Any) -> Any:
 
 
 def is_inside(cases: list[tuple[int, list[Arc]]], where: Any) -> bool:
-    """Tell whether an angle (as `turn` gives it) is in an arc of the cases."""
+    """Return whether an angle (as `turn` gives it) is in an arc of the cases."""
     arcs = [arc for _, arcs in cases for arc in arcs]
     return any(arc.low < where < arc.high or (arc.closed and where == arc.low) for arc in arcs)
 
@@ -211,7 +211,7 @@ def window(mapping: str, *scenes: str) -> Evidence:
 
 
 def _same_ends(mapping: str) -> list[bool]:
-    """Tell for each pair with a printed case whether `grazing_window`, order "paper", has the printed arcs."""
+    """Return for each pair with a printed case whether `grazing_window`, order "paper", has the printed arcs."""
     found = []
     for amplitude in DRIVES:
         for gamma in (ratio * amplitude for ratio in RATIOS):
@@ -357,7 +357,7 @@ def grazing_inequality() -> Evidence:
 
 
 def gamma_is_fixed() -> Evidence:
-    """gamma_j = (c/m) x'' + (k/m) x' tells the cases apart: what it is at a graze, where x'' = 0."""
+    """gamma_j = (c/m) x'' + (k/m) x' distinguishes the cases: its value at a graze, where x'' = 0."""
     grazes = [(contact, contact.force(domain)) for domain, contact in _zero_force_contacts() if contact.grazes(domain)]
     other = sum(gamma_of(c.p, force, c.speed) != c.p.k * c.speed / c.p.m for c, force in grazes)
     total = len(grazes)

@@ -321,7 +321,7 @@ def _passes_as_printed(contact: Contact) -> bool:
 
 
 def _grazes_as_printed(contact: Contact) -> list[bool]:
-    """Tell it for the domain below, and for the one above."""
+    """Return whether a contact grazes as printed, for the domain below and for the one above."""
     lo, hi = NEIGHBOURS[contact.boundary]
     return [grazing_condition(a == lo, contact.force(a), slope_of_field(contact, a)) for a in (lo, hi)]
 
@@ -345,7 +345,7 @@ THEOREMS = {
 
 
 def theorem(which: int, boundary: int) -> Evidence:
-    """Theorems 4 to 6, eqs. (26), (27), (34), (35), (38) to (43): is the printed "iff" what the exact flow does?"""
+    """Theorems 4 to 6, eqs. (26), (27), (34), (35), (38) to (43): does the exact flow obey the printed "iff"?"""
     printed, true, what, is_degenerate, degenerate = THEOREMS[which]
     cases, simulated = exact_contacts(boundary), _simulated(boundary)
     regular = sum(not is_degenerate(contact) for contact in cases)
@@ -376,7 +376,7 @@ def theorem(which: int, boundary: int) -> Evidence:
 
 @cache
 def _simulated(boundary: int) -> tuple[bool, ...]:
-    """Tell for each contact at phase 0 whether `simulate`, started there, does what the exact flow does."""
+    """Return for each contact at phase 0 whether `simulate`, started there, agrees with the exact flow."""
     found = []
     for contact in exact_contacts(boundary):
         if contact.s == 0 and contact.c == 1:

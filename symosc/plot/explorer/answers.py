@@ -1,4 +1,4 @@
-"""What the page shows for a link: the motion of `symosc.simulate`, as plain values for the plots, texts and table.
+"""The data that the page shows for a link: a motion of `symosc.simulate`, as values for plots, texts and table.
 
 The state of the page is a text for each number. A text is read exactly, as in scene files: 0.8 and 4/5 are the same
 number. One more number: a field in GROUPS. One more curve: a column in `_curves`, and a glyph in `server`.
@@ -41,7 +41,7 @@ CHANGED, SOURCE = ", changed", "symosc explore"
 
 
 class Field(NamedTuple):
-    """A number of the page: how it is called, and what its slider covers until a number beyond that is typed."""
+    """A number on the page: its name, and the range of its slider until a number outside is typed."""
 
     name: str
     symbol: str
@@ -53,6 +53,7 @@ class Field(NamedTuple):
 
 
 def _field(name: str, symbol: str, low: float, high: float, step: float) -> Field:
+    """Return the field of a number."""
     unit = unit_of(name)
     return Field(name, symbol, QUANTITIES[name][0], "" if unit == "1" else unit, low, high, step)
 
@@ -86,12 +87,12 @@ OTHER_KEYS = ("scene", "start_error")
 
 @cache
 def shipped_scenes() -> dict[str, Scene]:
-    """Return the shipped scenes by name; they are read once."""
+    """Return the shipped scenes by name, cached."""
     return {name: load_scene(name) for name in scene_names()}
 
 
 def state_of(scene: Scene) -> dict[str, str]:
-    """Return the page's texts for a scene."""
+    """Return the texts of the page's fields for a scene."""
     state = {"scene": scene.name, **scene.parameters.as_dict()}
     state |= {name: show(getattr(scene, name)) for name in STARTS}
     state["periods"] = _periods_text(scene.t0, scene.t_end, scene.parameters.Omega)
@@ -101,7 +102,7 @@ def state_of(scene: Scene) -> dict[str, str]:
 
 
 def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
-    """Return the texts of a link, and what is wrong with the link.
+    """Return the texts of a link, and its errors.
 
     Numbers that it lacks are those of the shipped scene that it names, else of `default`.
     """
@@ -123,7 +124,7 @@ def link_of(state: dict[str, str]) -> str:
 
 
 def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
-    """Return the scene of these texts, and for each text that is wrong what is allowed; then there is no scene."""
+    """Return the scene of these texts, or None with the allowed values for each wrong text."""
     numbers, errors = _read_numbers(state)
     parameters = _parameters(numbers, errors)
     if errors:
@@ -134,13 +135,13 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
     try:
         start_error = state.get("start_error") or None
         known = read_start_error(start_error.split(",")) if start_error else None
-        return _named(Scene(name, parameters, **start, t_end=t_end, start_error=known)), {}
+        return _with_origin(Scene(name, parameters, **start, t_end=t_end, start_error=known)), {}
     except ParameterError as error:
         return None, {error.name: error.allowed}
 
 
 def _read_numbers(state: dict[str, str]) -> tuple[dict[str, Fraction], dict[str, str]]:
-    """Return the numbers, and what is wrong with texts that are none; a sound number stands in for each of these."""
+    """Return the numbers, and the errors of invalid texts, each of which a valid number replaces."""
     numbers, errors = {}, {}
     stand_in = state_of(shipped_scenes()["fig5"])
     for name in FIELDS:
@@ -155,7 +156,7 @@ def _read_numbers(state: dict[str, str]) -> tuple[dict[str, Fraction], dict[str,
 
 
 def _parameters(numbers: dict[str, Fraction], errors: dict[str, str]) -> Parameters:
-    """Return the parameters; adds what is out of range to `errors`, all of it at once."""
+    """Return the parameters; add all values out of range to `errors`."""
     sound = shipped_scenes()["fig5"].parameters
     tried = {name: numbers[name] for name in PARAMETER_NAMES}
     while True:
@@ -168,8 +169,8 @@ def _parameters(numbers: dict[str, Fraction], errors: dict[str, str]) -> Paramet
                 tried["v2"] = sound.v2
 
 
-def _named(scene: Scene) -> Scene:
-    """Return a scene with the source of the shipped one of its name, or with a name that says it is another."""
+def _with_origin(scene: Scene) -> Scene:
+    """Return a scene with the source of the shipped one of its name, or a name that marks it as changed."""
     base = scene.name.removesuffix(CHANGED)
     shipped = shipped_scenes().get(base)
     if shipped is None:
@@ -180,11 +181,12 @@ def _named(scene: Scene) -> Scene:
 
 
 def _periods_text(t0: Fraction, t_end: Fraction, Omega: Fraction) -> str:
+    """Return the duration in periods of the drive, as text."""
     return f"{float((t_end - t0) * Omega) / tau:.{PERIODS_DIGITS}g}"
 
 
 def _end(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
-    """Return the shortest decimal that is so many periods after t0, as far as their digits are shown."""
+    """Return the shortest decimal that is so many periods after t0, to the precision of the given digits."""
     wanted = f"{float(periods):.{PERIODS_DIGITS}g}"
     exact = t0 + Fraction(wanted) * Fraction(tau) / Omega
     for decimals in range(PERIODS_DIGITS + 4 + len(str(int(Omega)))):
@@ -218,7 +220,7 @@ MARKERS = {"o": "circle", "s": "square", "^": "triangle", "*": "star"}
 
 
 def answer(link: str, default: Scene) -> Record:
-    """Return what the page shows for a link: always "link", "errors" and "notes", the rest if there are no errors.
+    """Return the data of the page for a link: always "link", "errors" and "notes", the rest if there are no errors.
 
     Errors say what is allowed, by the name of the field; "" for what belongs to none.
     """
@@ -238,6 +240,7 @@ def answer(link: str, default: Scene) -> Record:
 
 
 def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
+    """Return notes on the scene and its motion."""
     notes = []
     if scene.start_error is not None and any(scene.start_error):
         known = ", ".join(f"±{float(each):.3g}" for each in scene.start_error)
@@ -250,6 +253,7 @@ def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
 
 
 def _shown(scene: Scene, trajectory: Trajectory) -> Record:
+    """Return the values for plots, texts and table."""
     view = view_of(trajectory, None, SAMPLING)
     F1, begin = np.asarray(trajectory.force(1, view.t)), trajectory.t_start
     # F^(1) - F^(domain) is the same in every state.
@@ -286,22 +290,25 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
 
 
 def _rounded(values: Any, span: float) -> list[float]:
-    """Return values with as many decimals as a plot of that span can show."""
+    """Return values with as many decimals as a plot of that range resolves."""
     decimals = DRAWN_DIGITS - floor(log10(span)) if span > 0 else DRAWN_DIGITS
     rounded: list[float] = np.round(np.asarray(values, dtype=float), max(min(decimals, 300), -300)).tolist()
     return rounded
 
 
 def _span(values: np.ndarray) -> float:
+    """Return the width of the range of values, or their size if they are equal."""
     return float(np.ptp(values)) or float(np.abs(values).max())
 
 
 def _curves(view: View, forces: dict[int, np.ndarray]) -> Record:
+    """Return the columns of the plotted curves."""
     columns = {"t": view.t, "x": view.x, "v": view.v, **{f"F{domain}": values for domain, values in forces.items()}}
     return {name: _rounded(values, _span(values)) for name, values in columns.items()}
 
 
 def _marks(view: View) -> Record:
+    """Return the plotted marks of the events."""
     times = np.array([mark.t for mark in view.marks])
     x, v = view.trajectory(times)
     shapes = [SHAPES[mark.label] for mark in view.marks]
@@ -318,7 +325,7 @@ def _marks(view: View) -> Record:
 
 
 def _ranges(view: View, forces: dict[int, np.ndarray]) -> dict[str, tuple[float, float]]:
-    """Return what each axis shows: the curve, the belts that are near, and for forces the zero."""
+    """Return the range of each axis: the curve, the belts nearby, and zero for forces."""
     p, near = view.trajectory.parameters, view.belts()
     shown = {
         "x": [view.x.min(), view.x.max()],
@@ -330,12 +337,13 @@ def _ranges(view: View, forces: dict[int, np.ndarray]) -> dict[str, tuple[float,
 
 
 def _with_margin(low: float, high: float) -> tuple[float, float]:
+    """Return a range with a margin at both ends."""
     room = AXIS_MARGIN * (high - low) or AXIS_MARGIN * max(abs(low), 1.0)
     return float(low - room), float(high + room)
 
 
 def _belts(view: View, v_range: tuple[float, float]) -> Record:
-    """Return the speeds of both belts, whether they are drawn, and their names beside the plots.
+    """Return the speeds of both belts, whether they are drawn, and their labels.
 
     The name of a belt that is too far away to be drawn is at the edge, with an arrow.
     """
@@ -355,6 +363,7 @@ def _belts(view: View, v_range: tuple[float, float]) -> Record:
 
 
 def _window(window: GrazingWindow) -> Record:
+    """Return a grazing window as plain values."""
     arcs = [
         f"{'[' if first else '('}{low:.4f}, {high:.4f}{']' if last else ')'}"
         for low, high, first, last in window.intervals
@@ -387,6 +396,7 @@ def _arcs(scene: Scene) -> Record:
 
 
 def _from_below(window: GrazingWindow) -> bool:
+    """Return whether a window belongs to contacts from below."""
     return window.place.domain == NEIGHBOURS[window.place.boundary][0]
 
 
@@ -410,9 +420,11 @@ def _contacts(view: View) -> Record:
 
 
 def _row(event: Event) -> list[str]:
+    """Return an event as a row of the table."""
     numbers = [f"{value:.8g}" for value in (event.t, event.x, event.v, event.theta)]
     return [event.kind, *numbers, str(event.boundary), _mode(event.source), _mode(event.target)]
 
 
 def _mode(name: str) -> str:
+    """Return the name of a mode as shown."""
     return f"Ω{'₁₂₃'[int(name[-1]) - 1]}" if name.startswith("Omega") else f"belt {name[-1]}"

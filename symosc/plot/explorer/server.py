@@ -1,4 +1,4 @@
-"""The server of the page, and its plots. It listens on this machine only, and answers its own page and direct links.
+"""The web server of the page and its plots; it listens on this machine only, and answers its own page and links.
 
 The plots are models of bokeh and empty: the browser fills their sources, ranges and belts by name.
 """
@@ -65,7 +65,7 @@ POLICY = "default-src 'self' 'unsafe-inline'; img-src 'self' data: blob:"
 
 
 class ExplorerServer(ThreadingHTTPServer):
-    """The server of the page, which shows `scene` if its link says nothing; port 0 is any free one."""
+    """The server of the page; `scene` is shown for a link without data, port 0 is any free one."""
 
     daemon_threads = True
 
@@ -83,17 +83,19 @@ class ExplorerServer(ThreadingHTTPServer):
         return f"http://{HOST}:{self.server_address[1]}/"
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Say nothing if a browser hangs up."""
+        """Ignore connections closed by the browser."""
 
 
 class _Handler(BaseHTTPRequestHandler):
+    """The request handler of the page."""
+
     server: ExplorerServer
     protocol_version = "HTTP/1.1"
     timeout = IDLE_SECONDS
     disable_nagle_algorithm = True  # else the kernel holds the text back until the headers are acknowledged
 
     def do_GET(self) -> None:
-        """Hand out the page, an answer, a scene file, or what the page is made of."""
+        """Send the page, an answer, a scene file, or a static file."""
         url = urlsplit(self.path)
         replies = {
             "/": partial(self._page, url.query),
@@ -111,9 +113,10 @@ class _Handler(BaseHTTPRequestHandler):
         self._reply(partial(self._read_file, url.query) if url.path == "/scene" else None)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Say nothing of requests."""
+        """Do not log requests."""
 
     def _reply(self, reply: Any) -> None:
+        """Send the result of `reply`, or an error."""
         if not self._is_for_us():
             self.send_error(HTTPStatus.FORBIDDEN)
         elif reply is None:
@@ -122,7 +125,7 @@ class _Handler(BaseHTTPRequestHandler):
             reply()
 
     def _is_for_us(self) -> bool:
-        """Return whether a request asks for this machine, and comes from our page, from a link, or from no browser."""
+        """Return whether a request is for this machine, and from our page, a link, or no browser."""
         host = self.headers.get("Host", "").lower()
         if host.partition(":")[0] not in HOST_NAMES:
             return False  # a page of another site may point a name of its own here
@@ -132,6 +135,7 @@ class _Handler(BaseHTTPRequestHandler):
         return site in (None, "same-origin", "none") or mode == "navigate"
 
     def _send(self, text: str, kind: str, keep: str = "no-store", **headers: str) -> None:
+        """Send a text with its headers."""
         content = text.encode()
         self.send_response(HTTPStatus.OK)
         about = {"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(content)), "Cache-Control": keep}
@@ -142,19 +146,24 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def _json(self, content: Record) -> None:
+        """Send content as JSON."""
         self._send(json.dumps(content), "application/json")
 
     def _page(self, query: str) -> None:
+        """Send the page of a link."""
         self._send(page(read_link(query, self.server.scene)[0]), "text/html")
 
     def _static(self, name: str) -> None:
+        """Send a static file."""
         self._send(_text(name), TYPES[Path(name).suffix])
 
     def _answer(self, query: str) -> None:
+        """Send the answer for a link."""
         with self.server.busy:
             self._json(answer(query, self.server.scene))
 
     def _file(self, query: str) -> None:
+        """Send the scene file of a link."""
         scene, errors = scene_of(read_link(query, self.server.scene)[0])
         if scene is None:
             said = "; ".join(f"{name} {said}" for name, said in errors.items())
@@ -163,6 +172,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._send(as_toml(scene) + "\n", TYPES[".toml"], Content_Disposition='attachment; filename="scene.toml"')
 
     def _read_file(self, name: str) -> None:
+        """Send the texts and notes of an uploaded scene file, or its error."""
         length = self.headers.get("Content-Length", "")
         if not (length.isascii() and length.isdecimal()):
             self.send_error(HTTPStatus.BAD_REQUEST, explain="Content-Length is no number")
@@ -187,7 +197,7 @@ class _Handler(BaseHTTPRequestHandler):
 
 
 def page(state: dict[str, str]) -> str:
-    """Return the page with these texts in its fields."""
+    """Return the page's HTML with these texts in its fields."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -201,16 +211,18 @@ def page(state: dict[str, str]) -> str:
 
 @cache
 def _plots() -> tuple[str, Any]:
-    """Return the script that makes the plots, and the place of each; both are the same for all pages."""
+    """Return the script that creates the plots, and the HTML element of each; the same for all pages."""
     return components(pictures())
 
 
 def _text(name: str) -> str:
+    """Return the text of a file of the page."""
     return (files("symosc.plot.explorer") / "page" / name).read_text(encoding="utf-8")
 
 
 @cache
 def _bokeh_script() -> str:
+    """Return the script of the bokeh library."""
     return (settings.bokehjs_path() / "js" / "bokeh.min.js").read_text(encoding="utf-8")
 
 
@@ -249,7 +261,7 @@ def pictures() -> dict[str, Any]:
 
 
 def _plot(x_label: str, y_label: str, x_range: Range1d, y_range: Range1d, height: int, **options: Any) -> Any:
-    """Return an empty plot. Nothing is dragged until a tool is chosen, so that a finger scrolls the page."""
+    """Return an empty plot, without a drag tool at first, so that a finger scrolls the page."""
     tools = [PanTool(), BoxZoomTool(), WheelZoomTool(), ResetTool(), SaveTool()]
     plot = figure(
         x_range=x_range,
@@ -279,6 +291,7 @@ def _plot(x_label: str, y_label: str, x_range: Range1d, y_range: Range1d, height
 
 
 def _marks(plot: Any, sources: dict[str, ColumnDataSource], x: str, y: str) -> None:
+    """Draw the marks of events."""
     style: Record = {"marker": "marker", "size": "size", "fill_color": "color", "line_width": 1}
     marks = plot.scatter(x, y, source=sources["marks"], line_color="black", level="overlay", **style)
     place = [("t", "@t{0.000000}"), ("x", "@x{0.000000}"), ("v", "@v{0.000000}")]
@@ -300,7 +313,7 @@ def _belts(plot: Any) -> None:
 
 
 def _shade(plot: Any, sources: dict[str, ColumnDataSource]) -> None:
-    """Shade the sticks, those on belt 2 darker."""
+    """Shade the sticks, darker on belt 2."""
     plot.vstrip(
         x0="since",
         x1="until",
@@ -312,6 +325,7 @@ def _shade(plot: Any, sources: dict[str, ColumnDataSource]) -> None:
 
 
 def _plane(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> Any:
+    """Return the plot of the phase plane."""
     plot = _plot("position x [m]", "velocity v [m/s]", ranges["x"], ranges["v"], TALL, name="plane")
     plot.line("x", "v", source=sources["curves"], line_color=MASS_COLOR, line_width=1.8)
     _belts(plot)
@@ -320,6 +334,7 @@ def _plane(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> 
 
 
 def _in_time(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], name: str, label: str) -> Any:
+    """Return the plot of one quantity against time."""
     plot = _plot("time t [s]", label, ranges["t"], ranges[name], LOW, name=f"{name}-of-t")
     _shade(plot, sources)
     plot.line("t", name, source=sources["curves"], line_color=MASS_COLOR, line_width=1.8)
@@ -331,6 +346,7 @@ def _in_time(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], n
 
 
 def _forces(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> Any:
+    """Return the plot of the forces."""
     plot = _plot("time t [s]", "force per mass F [m/s²]", ranges["t"], ranges["F"], LOW + 40, name="F-of-t")
     _shade(plot, sources)
     plot.add_layout(Span(dimension="width", location=0, line_color="#5b616e", line_width=1))
@@ -341,7 +357,7 @@ def _forces(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) ->
 
 
 def _dial(sources: dict[str, ColumnDataSource]) -> Any:
-    """Return the phases on a circle: a ring for each belt, with the windows as arcs, and the events inside of it."""
+    """Return the phases on a circle: a ring for each belt with windows as arcs and events inside."""
     reach = 1.45
     plot = figure(
         x_range=Range1d(start=-reach, end=reach),
