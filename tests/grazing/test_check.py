@@ -233,7 +233,7 @@ def test_dop853_is_as_accurate_as_assumed() -> None:
             values = basis(context.convert(tau), ways.fine.K)[:5]
             for phase, found in zip(theta[::20], ways.integrated(theta, tau)[::20], strict=True):
                 exact = context.convert(float(phase))
-                gap = ways._gap(values, context.sin(exact), context.cos(exact), ways.v_fine, ways.fine.K)
+                gap = ways._velocity_gap(values, context.sin(exact), context.cos(exact), ways.v_fine, ways.fine.K)
                 worst = max(worst, abs(float(gap / ways.size / context.convert(tau) ** 2) - float(found)))
     assert worst < DOP853_ERROR / 20
 
