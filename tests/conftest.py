@@ -33,7 +33,6 @@ NEED = {
 }
 NEED_CASES = {
     "flint": (
-        "cli/test_score.py::test_a_table_of_a_group",
         "plot/test_judged.py::test_each_case_is_where_it_belongs",
         "simulation/test_results_compare.py::test_what_a_public_function_returns_is_public_documented_and_comparable"
         "[certify]",

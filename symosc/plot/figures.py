@@ -273,9 +273,6 @@ END_MARKERS = {
     "birth of a slip": ">",
     "vanishing of a slip": "<",
     "vanishing of a flight": "P",
-    "fold": "s",
-    "period doubling": "D",
-    "Neimark-Sacker": "X",
 }
 ORDINALS = ("", "2nd ", "3rd ")
 # Stability -> line style; the styles differ without colours.
