@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
+from textwrap import fill
 
 from symosc import plot
 from symosc.aliases import Record
@@ -65,15 +66,17 @@ def write(readme: str | Path, result: Record) -> list[Path]:
         *cases.write(folder / "scores.md", result["scores"], command),
         write_text(folder / "README.md", overview(result)),
     ]
-    brief = f"{figures(result)}[All solvers, all cases, pictures]({RESULTS_FOLDER}/README.md).\n"
+    about = speed.about(result["speed"])
+    brief = f"{about}\n\n{speed.brief(result['speed'])}\n\n{said(result)}\n"
+    brief += f"[All calls, solvers, cases, and pictures]({RESULTS_FOLDER}/README.md).\n"
     return [write_text(readme, replaced(text, "results", brief, readme)), *files]
 
 
-def figures(result: Record) -> str:
-    """Return symosc's speed and error, and the ratio to the best of the others, for the README and the page."""
+def said(result: Record) -> str:
+    """Return how symosc compares with the best of the others and with its own bound, for the README and the page."""
     measured = result["work_precision"]
     text = f"{_heyoka(measured)}{looser(measured)}{cases.our_verdict(result['scores'])}"
-    return f"{speed.section(result['speed'])}\n{speed.wrapped(text)}\n"
+    return fill(" ".join(text.split()), 120, break_long_words=False, break_on_hyphens=False)
 
 
 def overview(result: Record) -> str:
@@ -86,7 +89,12 @@ Written by one run of `{_command(result)}`.
 
 ## Speed and error
 
-{figures(result)}
+{speed.about(result["speed"])}
+
+{speed.table(result["speed"], "github")}
+
+{said(result)}
+
 ## Work and precision
 
 Every solver follows the same scenes ({sentence(measured["machine"])}). Time is per event, calls repeated, the first one

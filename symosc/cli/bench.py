@@ -86,9 +86,7 @@ def bench(
     if readme is None and hard_cases:
         write(cases.table(result["hard"]))
     elif readme is None:
-        tables = {"speed": speed.table, "digits": speed.digits_table, "ensembles": speed.ensembles_table}
-        tables |= {"sweeping": speed.sweeping_table, "work_precision": work.table}
-        write("\n\n".join(table(result[name]) for name, table in tables.items()))
+        write(f"{speed.table(result['speed'])}\n\n{work.table(result['work_precision'])}")
     for path in written:
         write(wrote(path))
     return code
@@ -100,10 +98,7 @@ def _speed(quick: bool) -> Record:
     if find_spec("numba") is None:
         raise MissingExtraError("symosc bench", "bench")
     return {
-        "speed": speed.run(quick=quick),
-        "digits": speed.measure_digits(quick=quick),
-        "ensembles": speed.measure_ensembles(quick=quick),
-        "sweeping": speed.measure_sweeping(quick=quick),
+        "speed": speed.run(quick=quick, progress=partial(_bar, "calls")),
         "work_precision": work.run(quick=quick, progress=partial(_bar, "solvers")),
     }
 

@@ -30,17 +30,16 @@ from symosc.reference.compare import FoundEvents
 from symosc.reference.score import CaseScore, Score
 
 MARKED = "# Title\n\n<!-- results: begin -->\nold\n<!-- results: end -->\n\nend\n"
+ROWS: list[dict[str, Any]] = [
+    {"what": "fig5", "per": "event", "s": 2.05e-7, "over_floor": 5.3, "over_first": 1.0, "over_c": 1.0},
+    {"what": "fig9", "per": "event", "s": 1.8e-7, "over_floor": 4.8, "over_first": 0.9057, "over_c": 0.9057},
+]
 SPEED: dict[str, Any] = {
     "machine": {"processor": "P", "cores": "2", "date": "today", "python": "3"},
     "floor_ns": 27.7,
-    "rows": [
-        {"scene": "fig5", "events": 200000, "evaluations_per_event": 9.1, "ns_per_event": 253.0, "first_call_s": None}
-        | {"python_us_per_event": 17.0, "max_error": 1.4e-15, "max_error_estimate": 1.2e-15}
-    ],
-    "cold_start": {"simulate_fig5_s": 0.24, "import_numpy_s": 0.14},
-    "formulas": {"residuals": 1000, "numpy_s": 1.0, "numpy_speedup_over_lambdify": 4.2}
-    | {"numpy_speedup_over_lambdify, cse": 1.1, "newton_P4645_ms": 2.9, "orbit_P4645_without_guess_ms": 12.0}
-    | {"exact_window_ms": 0.11, "float_window_ns": 125.0},
+    "c_ns": 146.8,
+    "errors": [{"scene": "fig5", "events": 16, "error": 1.4e-15, "estimate": 2.2e-15}],
+    "groups": [{"title": "One long motion, events counted", "rows": ROWS}],
 }
 
 
@@ -274,24 +273,44 @@ def test_what_a_looser_accuracy_saves_is_said() -> None:
 
 
 def test_the_speed_tables_have_the_numbers() -> None:
-    text = speed.section(SPEED)
-    assert "| fig5    | 9.1               | 253 " in text
-    assert "200,000 events" in text
-    assert "4.2 (1.1) times as fast" in text
-    assert ["fig5", "200000", "9.1", "253"] in [line.split()[:4] for line in speed.table(SPEED).splitlines()]
+    for form in ("simple", "github"):
+        lines = [line.replace("|", " ").split() for line in speed.table(SPEED, form).splitlines()]
+        assert ["fig9", "180", "ns", "per", "event", "0.906", "0.906"] in lines
+        assert ["fig5", "16", "1.4e-15", "2.2e-15"] in lines
+    assert "One long motion, events counted: fig5 | 205 ns per event |" in speed.brief(SPEED)
+    assert "c = 147 ns" in speed.about(SPEED)
 
 
 @pytest.mark.slow
 @pytest.mark.compiled("doubles")
-def test_a_sweep_is_measured_beside_the_bare_call(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Small tasks of every group run; times are positive, and ratios are those of the times beside them."""
+    small = [
+        speed.Group("long", [*speed._long_motions(500)][:3]),
+        speed.Group("many", [*speed._ensemble(5)]),
+        speed.Group("one", [*speed._single_motions(50)]),
+        speed.Group("sticks", [*speed._shrinking_sticks(1, 2)]),
+        speed.Group("formulas", [*speed._residuals(50)]),
+        speed.Group("orbits", [*speed._orbits_and_windows(50)]),
+        speed.Group("processes", [speed.Call("once", "call", lambda: None, once=True)]),
+    ]
+    monkeypatch.setattr(speed, "groups", lambda quick: iter(small))
+    result = speed.run(quick=True)
+    assert [[row["what"] for row in group["rows"]] for group in result["groups"]] == [
+        [call.what for call in group.calls] for group in small
+    ]
+    rows = [row for group in result["groups"] for row in group["rows"]]
+    assert all(row["s"] > 0 for row in rows[:-1])
+    assert rows[0]["over_c"] == rows[0]["over_first"] == 1
+    assert result["c_ns"] == pytest.approx(result["floor_ns"] * rows[0]["over_floor"])
+    assert all(row["error"] < 1e-13 for row in result["errors"])
+
+
+def test_sweeps_and_workers_are_measured_on_what_they_say(tmp_path: Path) -> None:
     pytest.importorskip("xarray")
-    monkeypatch.setattr(speed, "PERIODS", 2)
-    found = speed.measure_sweeping(quick=True)
-    assert (found["motions"], found["periods"]) == (4_000, 2)
-    assert found["motions_per_s"] > 0
-    assert f"{100 * found['overhead']:+.1f} % over the bare call" in speed.sweeping_table(found)
-    monkeypatch.setattr(speed, "find_spec", lambda name: None)
-    assert speed.sweeping_table(speed.measure_sweeping()) == "sweeps: they need the extra sweep"
+    bare, written = speed._sweep(6, str(tmp_path))
+    assert len(bare.action()) == written.action().sizes["x0"] == 6
+    assert [len(call.action()) for call in speed._workers(3)] == [3, 3]
 
 
 # -- the error map -----------------------------------------------------------------------------------------------------
@@ -366,9 +385,12 @@ def test_only_what_is_between_the_marks_is_replaced(tmp_path: Path) -> None:
 def assert_same_figures(readme: str, page: str) -> None:
     """All that stands between the README's marks, but the link at its end, is on the page of results."""
     block = readme.partition("<!-- results: begin -->\n")[2].partition("<!-- results: end -->")[0]
-    figures = block.partition("[All solvers")[0]
-    assert "| units per event" in figures
-    assert figures in page
+    figures = block.partition("[All calls")[0]
+    about, table, text = figures.strip().split("\n\n")
+    assert about in page
+    assert text in page
+    for what, time in cells(table)[1:]:
+        assert [what.partition(": ")[2], time] in [row[:2] for row in cells(page)]
 
 
 def cells(table: str) -> list[list[str]]:

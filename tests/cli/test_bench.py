@@ -30,9 +30,6 @@ def good(*arguments: str) -> str:
 #: Where what takes long is, and what its result is called.
 MEASURED = {
     "speed": (speed, "run"),
-    "digits": (speed, "measure_digits"),
-    "ensembles": (speed, "measure_ensembles"),
-    "sweeping": (speed, "measure_sweeping"),
     "work_precision": (work, "run"),
     "hard": (cases, "run"),
     "error_map": (error_map, "run"),
@@ -61,9 +58,8 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     for name, (module, function) in MEASURED.items():
         monkeypatch.setattr(module, function, measured(name))
-        table = function.replace("measure_", "") + "_table" if function != "run" else "table"
-        if hasattr(module, table):
-            monkeypatch.setattr(module, table, lambda result, **options: f"table of {result['name']} {options}")
+        if hasattr(module, "table"):
+            monkeypatch.setattr(module, "table", lambda result, **options: f"table of {result['name']} {options}")
     monkeypatch.setattr(cases, "hard_ones", lambda quick: f"hard ones, {quick}")
     for module in (work, error_map):
         monkeypatch.setattr(module, "figure", drawn)
@@ -72,14 +68,13 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 @pytest.mark.usefixtures("calls")
 def test_tables() -> None:
-    shown = ("speed", "digits", "ensembles", "sweeping", "work_precision")
-    assert good("--quick") == "\n\n".join(f"table of {name} {{}}" for name in shown) + "\n"
+    assert good("--quick") == "table of speed {}\n\ntable of work_precision {}\n"
     assert good("--hard") == "table of hard {}\n"
 
 
 def test_json_of_all_that_was_measured(calls: list[str]) -> None:
     data = json.loads(good("--json"))
-    assert calls == ["speed", "digits", "ensembles", "sweeping", "work_precision"]
+    assert calls == ["speed", "work_precision"]
     assert list(data) == ["quick", *calls]
     assert (data["speed"]["name"], data["speed"]["quick"]) == ("speed", False)
     assert (data["work_precision"]["steps"], data["work_precision"]["empty"]) == ([1, 2], None)
@@ -105,14 +100,14 @@ def test_the_picture(options: list[str], drawn: str, calls: list[str], tmp_path:
 
 
 def test_results_run_everything(calls: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for part in ("figures", "overview"):
-        monkeypatch.setattr(results, part, lambda result: f"{sorted(result)}\n")
+    for module, part in ((results, "said"), (results, "overview"), (speed, "brief"), (speed, "about")):
+        monkeypatch.setattr(module, part, lambda result: f"{sorted(result)}\n")
     monkeypatch.setattr(results, "sentence", lambda about: "a machine")
     monkeypatch.setattr(cases, "write", lambda path, result, command: [])
     readme = tmp_path / "README.md"
     readme.write_text(MARKS)
     lines = good("--quick", "--results", str(readme)).splitlines()
-    assert sorted(calls) == ["digits", "ensembles", "error_map", "scores", "speed", "sweeping", "work_precision"]
+    assert sorted(calls) == ["error_map", "scores", "speed", "work_precision"]
     assert str(sorted([*calls, "quick"])) in readme.read_text()
     assert lines[0] == f"wrote {readme}"
     assert {Path(line.removeprefix("wrote ")) for line in lines[1:]} == set(
