@@ -15,7 +15,7 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS, event_codes, event_numbers
-from symosc.engine.flow import constant_force
+from symosc.engine.flow import clock_time, constant_force
 from symosc.engine.next_event import advance, advance_near, time_with_errors
 from symosc.engine.state import (
     END,
@@ -60,6 +60,11 @@ class EventRows(NamedTuple):
 
     floats: np.ndarray  # (columns, rows)
     ints: np.ndarray
+
+
+#: Columns of the pieces of a motion: the state where it begins, and the time since the double next to t0.
+PIECE_COLUMNS = ("n", "theta", "mode", "x", "v", "a", "elapsed")
+NO_PIECES = np.empty((len(PIECE_COLUMNS), 0))
 
 
 class PairLimits(NamedTuple):
@@ -148,8 +153,8 @@ def keep_state(states, i, state):
 # --- doubles ---
 
 
-def follow_all(begin, batch, most, accuracy, out, tally, table):
-    """Follow trajectories from number `begin` on until all have ended or the event buffer is full.
+def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
+    """Follow trajectories from number `begin` on until all have ended or a buffer is full.
 
     Parameters
     ----------
@@ -158,15 +163,16 @@ def follow_all(begin, batch, most, accuracy, out, tally, table):
     most : events after which a trajectory is FULL.
     accuracy : a trajectory ends as INEXACT at the first event known to less, relative to max(1, |value|, |t0| for t).
     out : EventRows
+    pieces : (PIECE_COLUMNS, m) buffer of the pieces that steps lead to; none are recorded where m is 0.
     tally : Tally, updated; events are recorded where it is for no motion, else only counted.
     table : constants of the parameter sets, as `symosc.engine.constant_table` makes them.
 
     Returns
     -------
-    (next, rows)
-        The trajectory to go on with, and the number of events.
+    (next, rows, parts)
+        The trajectory to go on with, and the number of events and of pieces.
     """
-    rows = 0
+    rows, parts, recorded = 0, 0, pieces.shape[1] > 0
     states, sets, counts, codes = batch
     tallied = tally.floats.shape[0] > 0
     for i in range(begin, states.shape[0]):
@@ -177,7 +183,7 @@ def follow_all(begin, batch, most, accuracy, out, tally, table):
             if counts[i] >= most:
                 code = FULL
                 break
-            if rows >= out.floats.shape[1]:
+            if rows >= out.floats.shape[1] or (recorded and parts >= pieces.shape[1]):
                 break
             found = advance(before, t_end, t_end_low, K)
             step, _, decided, t_error, state = found
@@ -195,14 +201,17 @@ def follow_all(begin, batch, most, accuracy, out, tally, table):
                 code = step
             if tallied and code not in NEEDS_DIGITS and code != REST:
                 tally_step(i, before, found, t0, tally, K)
+            if recorded and code == RUNNING:
+                write_piece(pieces, parts, state, clock_time(state.t - t0, state.t_low, 0.0, K))
+                parts += 1
             before = state
         if tallied:
             finish_tally(i, before, code, (t_end - before.t) + (t_end_low - before.t_low), t0, tally, K)
         keep_state(states, i, before)
         codes[i] = code
         if code == RUNNING:
-            return i, rows
-    return states.shape[0], rows
+            return i, rows, parts
+    return states.shape[0], rows, parts
 
 
 def is_inexact(t, t_error, x, x_error, t0, accuracy):
@@ -258,6 +267,13 @@ def write_event(out, row, i, before, found, clock, K):
     out.ints[0, row] = i
     for n in range(len(codes)):
         out.ints[n + 1, row] = codes[n]
+
+
+def write_piece(pieces, row, state, elapsed):
+    """Write the piece that begins with a state into a column."""
+    pieces[0, row], pieces[1, row], pieces[2, row] = state.n, state.theta, state.mode
+    pieces[3, row], pieces[4, row] = state.x, state.v
+    pieces[5, row], pieces[6, row] = (state.Fb if state.mode <= ON_BELT else 0.0), elapsed
 
 
 # --- double-double numbers, where doubles cannot decide ---

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
+from typing import Any
 
 from symosc.aliases import Number
 from symosc.engine.state import CROSS, GRAZE, SLIP, STICK
@@ -79,3 +80,10 @@ CODE_COLUMNS = tuple(each.name for each in fields(Event) if each.type in ("int",
 CODE_NAMES: dict[str, dict[int, str]] = {each.name: each.metadata["names"] for each in fields(Event) if each.metadata}
 #: Type of each field in a table of doubles.
 COLUMN_TYPES = {each.name: {"int": int, "str": str}.get(str(each.type), float) for each in fields(Event)}
+
+
+def events_from(rows: Any) -> list[Event]:
+    """Return the events of an `EventRows` buffer."""
+    columns = dict(zip((*FLOAT_COLUMNS, *CODE_COLUMNS), (*rows.floats.tolist(), *rows.ints[1:].tolist()), strict=True))
+    columns |= {name: [names[code] for code in columns[name]] for name, names in CODE_NAMES.items()}
+    return list(map(Event, *(columns[name] for name in EVENT_COLUMNS)))

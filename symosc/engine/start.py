@@ -32,6 +32,8 @@ Phase: TypeAlias = tuple[Number, Number]
 SPARE_DIGITS = 40
 # A force on a belt at the start that is smaller than this part of its terms is decided with more digits.
 CLEAR_FORCE = 1e-9
+# A motion is searched period by period: more than this many would take hours.
+MOST_PERIODS = 10**8
 SIN, COS = each(sin), each(cos)
 
 
@@ -182,6 +184,12 @@ def _decided(start: Start, boundary: int) -> BeltStart:
     rounding = ROUNDING * arithmetic.namespace["EPS"] * force_terms(boundary, x, arithmetic.K)
     phase = sine_and_cosine(arithmetic.phase(start.t0)[1], arithmetic)
     return belt_start(boundary, x, phase, arithmetic, rounding + reach_of_error(start, arithmetic))
+
+
+def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
+    """Return t_end in two parts, or a time MOST_PERIODS after t0 if that is earlier."""
+    periods = Fraction(MOST_PERIODS * 44, 7) / start.parameters.Omega  # 44/7 is a little more than 2 pi
+    return arithmetic.time(min(start.t_end, start.t0 + periods))
 
 
 def is_steady(start: Start) -> bool:

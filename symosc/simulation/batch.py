@@ -29,6 +29,7 @@ from symosc.engine.arithmetic import (
     pairs_are_compiled,
 )
 from symosc.engine.batch import (
+    NO_PIECES,
     STATE_WIDTH,
     Batch,
     EventRows,
@@ -39,12 +40,11 @@ from symosc.engine.batch import (
     rows_between,
 )
 from symosc.engine.constant_table import ROW, ConstantRows, table_of
-from symosc.engine.start import Start, first_state
+from symosc.engine.start import Start, first_state, last_time
 from symosc.engine.summary import Tally, no_tally
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.exact import whole_number
 from symosc.scenes import load_scene
-from symosc.simulation.motion import last_time
 
 Result = TypeVar("Result")
 
@@ -73,7 +73,7 @@ class Loops(NamedTuple):
     """The functions that start, follow and finish motions, compiled or not; each takes constants as a table."""
 
     march_rows: Callable[..., None]
-    follow: Callable[..., tuple[int, int]]
+    follow: Callable[..., tuple[int, int, int]]
     settle: Callable[..., None]
     in_threads: bool  # whether several threads are faster than one
 
@@ -113,25 +113,22 @@ def chosen_loops(use_numba: Any) -> Loops:
     return Loops(march_rows, follow if is_compiled(follow) else _interpreted_first(follow), settle, True)
 
 
-def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int]]:
+def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
     """Return an event loop interpreted in blocks of TURN rows until the budget DOUBLES is used up."""
 
-    def follow(
-        begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, tally: Tally, table: np.ndarray
-    ) -> tuple[int, int]:
+    def follow(begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, *others: Any) -> Any:
         if DOUBLES.events <= 0 or is_compiled(compiled_one):
-            found: tuple[int, int] = compiled_one(begin, batch, most, accuracy, out, tally, table)
-            return found
+            return compiled_one(begin, batch, most, accuracy, out, *others)
         one = Batch(*(column[: begin + 1] for column in batch))
-        begin, filled = FOLLOW(begin, one, most, accuracy, rows_between(out, 0, TURN), tally, table)
+        begin, filled, parts = FOLLOW(begin, one, most, accuracy, rows_between(out, 0, TURN), *others)
         DOUBLES.events -= max(filled, 1)
-        return begin, filled
+        return begin, filled, parts
 
     return follow
 
 
 def follow_batch(
-    follow: Callable[..., tuple[int, int]],
+    follow: Callable[..., tuple[int, int, int]],
     batch: Batch,
     most: int,
     accuracy: float,
@@ -142,7 +139,7 @@ def follow_batch(
     """Follow a batch to its end; yield copies of its event rows from the reused `buffer`."""
     buffer, tally, begin = buffer or event_buffer(4 * len(batch.states) + 64), tally or no_tally(), 0
     while begin < len(batch.states):
-        begin, filled = follow(begin, batch, most, accuracy, buffer, tally, table)
+        begin, filled, _ = follow(begin, batch, most, accuracy, buffer, NO_PIECES, tally, table)
         filled = 0 if len(tally.floats) else filled
         yield EventRows(*(contiguous_copy(columns[:, :filled]) for columns in buffer))
 
@@ -248,7 +245,7 @@ def warm() -> list[Warmed]:
 
     def doubles() -> None:
         loops.march_rows(table, np.zeros((1, 2, 7)))
-        loops.follow(0, batch_of(states), 1, 1.0, event_buffer(0), no_tally(), table)
+        loops.follow(0, batch_of(states), 1, 1.0, event_buffer(0), NO_PIECES, no_tally(), table)
         loops.settle(no_tally(), nothing, table, np.zeros((0, 0, 2)), nothing)
 
     def alone() -> None:

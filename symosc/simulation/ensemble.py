@@ -37,7 +37,7 @@ from symosc.engine.batch import Batch, EventRows, batch_of, event_buffer, row_of
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.events import KIND_NAMES
 from symosc.engine.flow import SIGMAS
-from symosc.engine.start import Start, first_state, settles
+from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, settles
 from symosc.engine.state import (
     END,
     FULL,
@@ -76,7 +76,7 @@ from symosc.simulation.batch import (
     joined,
     read_workers,
 )
-from symosc.simulation.motion import MOST_PERIODS, check_reached, last_time
+from symosc.simulation.motion import check_reached
 from symosc.simulation.problems import NumberColumn, Problems
 from symosc.simulation.simulate import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
 from symosc.simulation.tables import SUMMARY_COLUMNS, EventTable, Summary, rows_of, table_from
@@ -435,7 +435,7 @@ def words_of(tally: Tally) -> np.ndarray:
 def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> int:
     """Count a motion that was followed singly, from its trajectory's pieces and events; return its last mode."""
     K, t0 = ConstantRows(table)[set_]._replace(Om_gain=0.0), float(trajectory.t_start)  # pieces have true times
-    states = [_state(piece) for piece in trajectory._pieces]
+    states = [_state(*piece) for piece in trajectory._pieces.T.tolist()]
     codes = {name: code for code, name in KIND_NAMES.items()}
     events, number, last = trajectory.events, 0, states[0]
     for before, after in pairwise(states):
@@ -454,12 +454,11 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
     return last.mode
 
 
-def _state(piece: Any) -> State:
+def _state(n: float, theta: float, mode: float, x: float, v: float, a: float, elapsed: float) -> State:
     """Return the state at the start of a piece, as the tally takes it."""
-    at = piece.mode - ON_BELT if piece.mode > ON_BELT else 0
-    clock = piece.elapsed, 0.0, sin(piece.theta), cos(piece.theta), 0.0
+    at = int(mode) - ON_BELT if mode > ON_BELT else 0
     exact = Covariance(0.0, 0.0, 0.0)
-    return State(piece.mode, at, piece.n, piece.theta, piece.x, piece.v, piece.a, piece.a, exact, *clock)
+    return State(int(mode), at, int(n), theta, x, v, a, a, exact, elapsed, 0.0, sin(theta), cos(theta), 0.0)
 
 
 def _is_at(state: State, event: Any) -> bool:

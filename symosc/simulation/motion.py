@@ -1,8 +1,8 @@
-"""One motion in one arithmetic, event by event, and the digits that decide an undecided contact.
+"""One motion: in doubles as a batch of one, with many digits event by event, and the digits that decide a contact.
 
-In doubles the next event is found by compiled code where this process has loaded it, else by CPython, with the same
-bits. With many digits doubles search first, and only the last step to an event takes the digits
-(`symosc.engine.next_event`).
+In doubles `MotionInDoubles` calls the loop of `simulate_many`, compiled where this process has loaded it or the motion
+is long, else run by CPython, with the same bits. With many digits (`Motion`) doubles search first, and only the last
+step to an event takes the digits (`symosc.engine.next_event`).
 """
 
 from __future__ import annotations
@@ -20,7 +20,18 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, compiled, is_compiled, many_digits, mp_context
-from symosc.engine.batch import rounding_error, row_of
+from symosc.engine.batch import (
+    PIECE_COLUMNS,
+    EventRows,
+    batch_of,
+    event_buffer,
+    is_inexact,
+    rounding_error,
+    row_of,
+    rows_between,
+    state_of,
+    write_piece,
+)
 from symosc.engine.constant_table import table_of
 from symosc.engine.events import (
     CODE_COLUMNS,
@@ -31,18 +42,18 @@ from symosc.engine.events import (
     Event,
     event_codes,
 )
-from symosc.engine.flow import Constants, constants
-from symosc.engine.next_event import advance
-from symosc.engine.start import Start, first_state, is_steady, rounded
-from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, Covariance, NextEvent, State
+from symosc.engine.flow import Constants, clock_time, constants
+from symosc.engine.next_event import advance, time_with_errors
+from symosc.engine.start import MOST_PERIODS, Start, first_state, is_steady, last_time, rounded
+from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, RUNNING, NextEvent, State
+from symosc.engine.summary import no_tally
 from symosc.errors import ParameterError
 from symosc.exact import show
-from symosc.simulation.trajectory import Piece
+from symosc.simulation.batch import FOLLOW, TURN, chosen_loops, joined
+from symosc.simulation.tables import rows_of
 
-# A motion is searched period by period: more than this many would take hours.
-MOST_PERIODS = 10**8
-# What doubles found is kept for so many steps.
-MOST_SEARCHED = 256
+# Events of the first block of a motion and of the largest one.
+FIRST_BLOCK, LARGEST_BLOCK = 64, 1 << 15
 # Error estimates are standard errors; digits that are promised must hold.
 SAFETY = 100
 # The working precision where doubles do not decide, or are not accurate enough.
@@ -57,12 +68,6 @@ NAMES = [CODE_NAMES.get(name) for name in CODE_COLUMNS]
 ARE_EXACT = [name in EXACT_COLUMNS for name in FLOAT_COLUMNS]
 
 
-def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
-    """Return t_end in two parts, or a time MOST_PERIODS after t0 if that is earlier."""
-    periods = Fraction(MOST_PERIODS * 44, 7) / start.parameters.Omega  # 44/7 is a little more than 2 pi
-    return arithmetic.time(min(start.t_end, start.t0 + periods))
-
-
 def check_reached(start: Start, periods: int) -> None:
     """Raise ParameterError if a motion stopped at MOST_PERIODS before its t_end."""
     if periods >= MOST_PERIODS:
@@ -70,72 +75,133 @@ def check_reached(start: Start, periods: int) -> None:
         raise ParameterError("t_end", show(start.t_end), reason)
 
 
-def search_in_doubles(start: Start, K: Constants) -> Callable[[State], NextEvent]:
+def loaded_loop() -> dict[str, Any] | None:
+    """Return the compiled functions of the engine if this process has called its loop, else None."""
+    if not compiled.cache_info().currsize:
+        return None
+    functions = compiled()
+    return functions if functions["follow_all"].overloads else None
+
+
+def single_loop(count: int) -> Callable[..., tuple[int, int, int]]:
+    """Return the loop that follows one motion after its first `count` events: compiled if that is loaded or pays."""
+    functions = loaded_loop()
+    if functions:
+        loop: Callable[..., tuple[int, int, int]] = functions["follow_all"]
+        return loop
+    return FOLLOW if count < TURN else chosen_loops(None).follow
+
+
+def search_in_doubles(start: Start) -> Callable[[State], NextEvent]:
     """Return the function that finds the next event in doubles; it is not thread-safe."""
-    t_end, t_end_low = last_time(start, Arithmetic(start.parameters))
-    t0 = float(start.t0)
-    search_row = loaded_search()
-    if search_row is None:
-        low = t_end_low - (t_end - t0) * K.Om_gain
-        return partial(advance, t_end=t_end, t_end_low=low, K=K)
-    table = table_of([K])
+    arithmetic = Arithmetic(start.parameters)
+    t_end, t_end_low = last_time(start, arithmetic)
+    t0, K = float(start.t0), arithmetic.K
+    functions = loaded_loop()
+    if functions is None or not is_compiled(functions["search_row"]):
+        return partial(advance, t_end=t_end, t_end_low=t_end_low - (t_end - t0) * K.Om_gain, K=K)
+    table, search_row = table_of([K]), functions["search_row"]
 
     def search(state: State) -> NextEvent:
         row = np.array([row_of(state, t_end, t_end_low)])
         row[0, 15] = t0
         code, boundary, decided, t_error = search_row(row, table)
-        mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, _, _, _, s, c, theta_low = row[0].tolist()
-        S = Covariance(S11, S12, S22)
-        there = State(int(mode), int(at), int(n), theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
-        return NextEvent(code, boundary, decided, t_error, there)
+        return NextEvent(code, boundary, decided, t_error, state_of(row, 0))
 
     return search
 
 
-def loaded_search() -> Any:
-    """Return the compiled `symosc.engine.batch.search_row`, or None where loading it costs more than many events."""
-    if not compiled.cache_info().currsize:
-        return None
-    functions = compiled()
-    in_use, function = functions["follow_all"].overloads, functions["search_row"]
-    return function if in_use and is_compiled(function) else None
+class MotionInDoubles:
+    """A motion in doubles: a batch of one, its events and pieces in columns.
+
+    `code` is RUNNING, or what the motion ended with (`symosc.engine.batch.follow_all`). With `bare` decisions exceed
+    their own rounding only, not the errors of the state.
+    """
+
+    def __init__(self, start: Start, bare: bool = False) -> None:
+        arithmetic = Arithmetic(start.parameters)
+        self.start, self.K = start, arithmetic.K._replace(sigmas=0.0) if bare else arithmetic.K
+        first, self._end = first_state(start, arithmetic), last_time(start, arithmetic)
+        self.first_at, self._table = first.at, table_of([self.K])
+        self._batch = batch_of(np.array([row_of(first, *self._end)]))
+        pieces = np.empty((len(PIECE_COLUMNS), 1))
+        write_piece(pieces, 0, first, float(start.t0 - Fraction(first.t)))
+        self._events, self._pieces = list[EventRows](), [pieces]
+
+    @property
+    def code(self) -> int:
+        """What the motion ended with, or RUNNING."""
+        return int(self._batch.codes[0])
+
+    @code.setter
+    def code(self, code: int) -> None:
+        self._batch.codes[0] = code
+
+    @property
+    def count(self) -> int:
+        """The number of events so far."""
+        return int(self._batch.counts[0])
+
+    @property
+    def state(self) -> State:
+        """The current state."""
+        return state_of(self._batch.states, 0)
+
+    @property
+    def elapsed(self) -> float:
+        """Time since t0."""
+        state = self.state
+        return clock_time(state.t - float(self.start.t0), state.t_low, 0.0, self.K)
+
+    def events(self) -> EventRows:
+        """Return the events so far."""
+        return joined(self._events)
+
+    def pieces(self) -> np.ndarray:
+        """Return the pieces so far, in columns."""
+        return np.concatenate(self._pieces, axis=1)
+
+    def follow(self, most: int, accuracy: float) -> None:
+        """Go on until the motion ends, needs more digits, or a block of events is full."""
+        size = min(LARGEST_BLOCK, max(FIRST_BLOCK, 8 * self.count))
+        out, pieces = event_buffer(size), np.empty((len(PIECE_COLUMNS), size))
+        loop = single_loop(self.count)
+        _, rows, parts = loop(0, self._batch, most, accuracy, out, pieces, no_tally(), self._table)
+        self._events.append(rows_between(out, 0, rows))
+        self._pieces.append(pieces[:, :parts])
+
+    def take_over(self, finer: Motion) -> None:
+        """Go on from the state and the more accurate events and pieces of a motion with more digits."""
+        self._events, self._pieces = [rows_of(0, finer.events)], [finer.columns()]
+        self._batch.states[0] = row_of(finer.rounded_state(), *self._end)
+        self._batch.states[0, 15] = float(self.start.t0)
+        self._batch.counts[0], self.code = len(finer.events), finer.code if finer.ended else RUNNING
 
 
 class Motion:
-    """The states and events of one initial value problem so far, in doubles or with many digits.
+    """The states and events of one initial value problem so far, with many digits.
 
     `code` is what the last step ended with, and `decided` whether the numbers at hand decide that; `first_at` is the
-    belt on which the start is, or 0. `searched` are states in doubles with what was found from there: since digits took
-    over, or, with digits, what doubles found ahead.
+    belt on which the start is, or 0. `rough` is what doubles found from the state before the last step, or None.
     """
 
-    rounds = False  # whether events are recorded in doubles, whatever the digits
+    rounds = False  # whether events are recorded in doubles
 
-    def __init__(self, start: Start, digits: Arithmetic | int | None = None, sigmas: float | None = None) -> None:
-        p = start.parameters
-        own: Arithmetic = many_digits(p, digits) if isinstance(digits, int) else digits or Arithmetic(p)
-        self.start, self.arithmetic = start, own
-        self.digits = own.digits if isinstance(own, MpArithmetic) else None
-        self._paths = paths = self.arithmetic
-        state = first_state(start, self.arithmetic)
-        self.t0, self.first_at = state.t, state.at
-        self.K = paths.inner_K
-        if (
-            self.digits and start.start_error
-        ):  # rounding is far below the error of the start, which is no standard error
-            self.K = self.K._replace(sigmas=paths.inward(self.arithmetic.number(Fraction(1))))
-        self._state, self._end = paths.inward(state), paths.inward(last_time(start, self.arithmetic))
+    def __init__(self, start: Start, digits: MpArithmetic | int) -> None:
+        own = many_digits(start.parameters, digits) if isinstance(digits, int) else digits
+        self.start, self.arithmetic, self.digits = start, own, own.digits
+        state = first_state(start, own)
+        self.t0, self.first_at, self.K = state.t, state.at, own.inner_K
+        if start.start_error:  # rounding is far below it, and it is no standard error
+            self.K = self.K._replace(sigmas=own.inward(own.number(Fraction(1))))
+        self._state, self._end = own.inward(state), own.inward(last_time(start, own))
         self._search: Callable[[State], NextEvent] | None = None
-        if not self.digits:
-            self.K = self.K if sigmas is None else self.K._replace(sigmas=sigmas)
-            self._search = search_in_doubles(start, self.K)
-        elif paths.advance_near and not start.start_error:
-            self._search = _or_none(lambda: search_in_doubles(start, Arithmetic(start.parameters).K))
-        self._first, self._worst, self._taken_over = self._state, 0.0, 0
-        self.events: list[Event] = []
-        self.pieces: list[Piece] = []
+        if own.advance_near and not start.start_error:
+            self._search = _or_none(partial(search_in_doubles, start))
+        self._first, self._worst = self._state, 0.0
+        self.events, self._columns = list[Event](), list[tuple[Any, ...]]()
         self.code, self.decided = 0, True
-        self.searched: list[tuple[State, NextEvent]] = []
+        self.rough: NextEvent | None = None
         self._record(0.0)
 
     def missing_digits(self, digits: int) -> int:
@@ -143,7 +209,7 @@ class Motion:
         if self._worst == 0:
             return 0
         context = mp_context(15)
-        return int(context.ceil(context.log10(SAFETY * context.convert(self._paths.outward(self._worst))))) + digits
+        return int(context.ceil(context.log10(SAFETY * context.convert(self.arithmetic.outward(self._worst))))) + digits
 
     @property
     def ended(self) -> bool:
@@ -151,94 +217,85 @@ class Motion:
         return self.code in (END, REST, FAILED)
 
     def _record(self, elapsed: Number) -> None:
-        """Store the state after a step, and its time."""
-        s = self._state
+        """Store the piece that begins after a step, `elapsed` after the exact t0."""
+        s, low = self._state, float(self.start.t0 - Fraction(float(self.start.t0)))
         a = s.Fb if s.mode <= ON_BELT else 0.0
-        self.pieces.append(Piece(s.n, float(s.theta), s.mode, float(s.x), float(s.v), float(a), float(elapsed)))
+        self._columns.append((s.n, *map(float, (s.theta, s.mode, s.x, s.v, a)), float(elapsed) + low))
+
+    def columns(self) -> np.ndarray:
+        """Return the pieces so far, in columns."""
+        return np.array(self._columns, dtype=float).T
 
     def step(self) -> None:
         """Advance by one event, or by one interval without events."""
-        paths = self._paths
-        entered = paths.enter()
+        own = self.arithmetic
+        entered = own.enter()
         try:
             before = self._state
-            if self._search and not self.digits:
-                found = self._search(before)
-                if len(self.searched) < MOST_SEARCHED:
-                    self.searched.append((before, found))
-            else:
-                found = self._in_digits(before)
+            found = self._next(before)
             self.code, self.decided, self._state = found.code, found.decided, found.state
             if found.code in (END, REST):
                 return
             self._record(self._elapsed())
             if found.code <= GRAZE:
                 s = found.state
-                clock = paths.time_with_errors(s.t, s.t_low, self._first.t, s.x, s.v, found.t_error, s.S.S11, self.K)
-                numbers = paths.event_numbers(before, found, clock, self.K)
+                clock = own.time_with_errors(s.t, s.t_low, self._first.t, s.x, s.v, found.t_error, s.S.S11, self.K)
+                numbers = own.event_numbers(before, found, clock, self.K)
                 if self.rounds:
                     event = event_from(map(float, numbers), event_codes(before, found))
                     self.events.append(with_rounding(event))
                     return
-                if self.digits:
-                    self._worst = max(self._worst, clock[1] / max(1, abs(clock[0])), clock[2] / max(1, abs(s.x)))
-                    exact = iter(paths.outward(tuple(compress(numbers, ARE_EXACT))))
-                    numbers = [next(exact) if each else float(n) for n, each in zip(numbers, ARE_EXACT, strict=True)]
+                self._worst = max(self._worst, clock[1] / max(1, abs(clock[0])), clock[2] / max(1, abs(s.x)))
+                exact = iter(own.outward(tuple(compress(numbers, ARE_EXACT))))
+                numbers = [next(exact) if each else float(n) for n, each in zip(numbers, ARE_EXACT, strict=True)]
                 self.events.append(event_from(numbers, event_codes(before, found)))
         finally:
-            paths.leave(entered)
+            own.leave(entered)
 
-    def _in_digits(self, state: State) -> NextEvent:
+    def _next(self, state: State) -> NextEvent:
         """Return the next event with many digits, searched in doubles where possible."""
-        rough, found = self.searched.pop(0) if self.searched else (state, None)
-        if found is None or rough[:3] != state[:3]:  # mode, belt and period
-            rough, found = rounded(state, self.start), None
-            if self._search is not None:
-                found = _or_none(partial(self._search, rough))
-        if found is None:
+        self.rough = None
+        if self._search is not None:
+            rough = rounded(state, self.start)
+            self.rough = _or_none(partial(self._search, rough))
+        if self.rough is None:
             self._search = None
-            return self._paths.advance(state, *self._end, self.K)
-        there: NextEvent = self._paths.advance_near(state, rough, found, *self._end, self.K)
-        if there.code != found.code:  # doubles went elsewhere
-            self.searched.clear()
-        return there
+            found: NextEvent = self.arithmetic.advance(state, *self._end, self.K)
+        else:
+            found = self.arithmetic.advance_near(state, rough, self.rough, *self._end, self.K)
+        return found
 
     def _elapsed(self) -> Number:
         """Return the time since t0, in the motion's arithmetic."""
         since = self._state.t - self._first.t
         return since + ((self._state.t_low - self._first.t_low) + since * self.K.Om_gain)
 
-    def take_over(self, finer: Motion) -> None:
-        """Continue in doubles from the state and more accurate events of a motion with more digits."""
-        self.events[self._taken_over :] = [rounded_event(event) for event in finer.events[self._taken_over :]]
-        self._taken_over = len(self.events)
-        self.pieces[:] = finer.pieces
-        self.code, self.decided = finer.code, True
-        self.searched.clear()
-        entered = finer._paths.enter()
+    def rounded_state(self) -> State:
+        """Return the current state in doubles."""
+        entered = self.arithmetic.enter()
         try:
-            self._state = rounded(finer._state, self.start)
+            return rounded(self._state, self.start)
         finally:
-            finer._paths.leave(entered)
+            self.arithmetic.leave(entered)
 
     @property
     def state(self) -> State:
         """The current state."""
-        return self._paths.outward(self._state)
+        return self.arithmetic.outward(self._state)
 
     @property
     def elapsed(self) -> Number:
         """Time since t0."""
-        entered = self._paths.enter()
+        entered = self.arithmetic.enter()
         try:
-            return self._paths.outward(self._elapsed())
+            return self.arithmetic.outward(self._elapsed())
         finally:
-            self._paths.leave(entered)
+            self.arithmetic.leave(entered)
 
     @property
     def time(self) -> Number:
         """The time of the current state."""
-        return self._paths.outward(self._state.t)
+        return self.arithmetic.outward(self._state.t)
 
 
 def _or_none(compute: Callable[[], Any]) -> Any:
@@ -262,15 +319,29 @@ class FinerMotion(Motion):
         super().__init__(start, FINER_DIGITS + start.spare_digits)
         self._finest: Motion | None = None
 
-    def reach(self, count: int, searched: list[tuple[State, NextEvent]]) -> bool:
-        """Follow the motion to `count` events or to its end; return False at an undecided contact."""
-        self.searched = searched[:]
-        while len(self.events) < count and not self.ended:
+    def reach(self, count: int, accuracy: float, most: int) -> bool:
+        """Follow the motion to `count` events or to its end; return False at an undecided contact.
+
+        It goes on, to `most` events, while doubles are in doubt about the event found or know it less accurately than
+        `accuracy`.
+        """
+        while not self.ended and (
+            len(self.events) < count or (len(self.events) < most and self._rough_is_inexact(accuracy))
+        ):
             before = len(self.events)
             self.step()
             if self.code == FAILED or not (self.decided or self.start.start_error or self._is_graze(before)):
                 return False
         return True
+
+    def _rough_is_inexact(self, accuracy: float) -> bool:
+        """Return whether doubles do not decide the last event found, or know it less accurately than `accuracy`."""
+        if self.rough is None or self.rough.code > GRAZE or not self.rough.decided:
+            return self.rough is not None and not self.rough.decided
+        s, t0 = self.rough.state, float(self.start.t0)
+        K = Arithmetic(self.start.parameters).K
+        t, t_error, x_error = time_with_errors(s.t, s.t_low, t0, s.x, s.v, self.rough.t_error, s.S.S11, K)
+        return is_inexact(t, t_error, s.x, x_error, t0, accuracy)
 
     def _is_graze(self, before: int) -> bool:
         """Return whether the contact after `before` events stays undecided with many more digits; then use those."""

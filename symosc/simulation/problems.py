@@ -17,14 +17,13 @@ import numpy as np
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import STATE_WIDTH, Batch, batch_of, row_of
 from symosc.engine.constant_table import constant_table, table_of
-from symosc.engine.start import Start, first_state, start_rows
+from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, start_rows
 from symosc.errors import ParameterError
 from symosc.exact import LARGEST, SMALLEST, read_exact, show, unmasked
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
 from symosc.kernels.pair_columns import PairColumn
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import START_NAMES
-from symosc.simulation.motion import MOST_PERIODS, last_time
 
 START_COLUMNS = START_NAMES[:3]
 # Constants of so many sets are computed at once, some 10 MB: for fewer, what numpy takes per operation counts.

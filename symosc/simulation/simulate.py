@@ -17,20 +17,21 @@ from symosc.arguments import public
 from symosc.display.progress import Advance, late_bar
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.start import Start, settles
-from symosc.engine.state import FAILED, ON_BELT, REST
+from symosc.engine.state import FAILED, FULL, INEXACT, NEEDS_DIGITS, ON_BELT, REST, RUNNING, State
 from symosc.errors import ParameterError
 from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read_start_error, show, whole_number
-from symosc.model import MODE_NAMES, Parameters
+from symosc.model import Parameters
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.motion import (
     FinerMotion,
     Motion,
+    MotionInDoubles,
     check_reached,
     cut_event,
     digits_to_confirm_graze,
     rounded_event,
 )
-from symosc.simulation.trajectory import MAP_LABELS, Segment, Trajectory
+from symosc.simulation.trajectory import Trajectory
 
 ACCURACY = 1e-13
 MOST_EVENTS = 1_000_000
@@ -150,37 +151,29 @@ def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction]
 
 def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None) -> Trajectory:
     """Follow a motion in doubles, with more digits where these are undecided; see `simulate`."""
-    # With accuracy = inf decisions exceed their own rounding only, not the errors of the state.
-    motion, finer = Motion(start, sigmas=0.0 if isinf(accuracy) else None), None
-    unsure = isinf(accuracy) or start.start_error is not None
-    accuracy, t0 = attainable(accuracy, start.start_error), float(start.t0)
+    bare, needed = isinf(accuracy), attainable(accuracy, start.start_error)
+    motion, finer = MotionInDoubles(start, bare), None
     if settles(start):
         motion.code = REST
-    while not motion.ended:
-        before = len(motion.events)
-        if before >= most:
-            reason = f"stopped after max_events = {most} events, at t = {motion.time!r}"
-            return _trajectory(motion, "max_events", reason)
-        motion.step()
-        needs_digits = not motion.decided or motion.code == FAILED
-        if not needs_digits and len(motion.events) > before:
-            event = motion.events[-1]
-            needs_digits = event.t_error > accuracy * max(1.0, abs(event.t), abs(t0))
-            needs_digits = needs_digits or event.x_error > accuracy * max(1.0, abs(event.x))
-        if needs_digits:
+    while motion.code == RUNNING:
+        motion.follow(most, needed)
+        if motion.code in NEEDS_DIGITS:
+            before = motion.count - (motion.code == INEXACT)
             finer = finer or FinerMotion(start)
-            if not finer.reach(before + 1, [] if unsure else motion.searched):
+            if not finer.reach(before + 1, inf if bare or start.start_error else needed, most):
                 return _undecidable(finer, before)
             motion.take_over(finer)
         if advance:
-            advance(_part_done(motion, most), len(motion.events))
-    return _finished(motion)
+            advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
+    if motion.code == FULL:
+        reason = f"stopped after max_events = {most} events, at t = {motion.state.t!r}"
+        return _in_columns(motion, "max_events", reason, motion.state.t)
+    return _in_columns(motion, *_ended(start, motion.code, motion.state), float(start.t_end))
 
 
-def _part_done(motion: Motion, most: int) -> float:
+def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:
     """Return the completed part of a motion, in time or in events, whichever is larger."""
-    span = float(motion.start.t_end - motion.start.t0)
-    return min(1.0, max(float(motion.elapsed) / span, len(motion.events) / most))
+    return min(1.0, max(float(elapsed) / float(start.t_end - start.t0), count / most))
 
 
 def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) -> Trajectory:
@@ -188,15 +181,14 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
     working = digits + 10 + start.spare_digits
     if settles(start):
         motion = Motion(start, working)
-        motion.code = REST
-        return _finished(motion, digits)
+        return _in_digits(motion, *_ended(start, REST, motion.state), digits)
     while True:
         motion, limit, undecided = Motion(start, working), MOST_WORKING * (digits + start.spare_digits), False
         while not motion.ended and len(motion.events) < most and not undecided:
             before = len(motion.events)
             motion.step()
             if advance:
-                advance(_part_done(motion, most), len(motion.events))
+                advance(_part_done(start, motion.elapsed, len(motion.events), most), len(motion.events))
             if not motion.decided and motion.code != FAILED and not start.start_error:
                 needed = digits_to_confirm_graze(motion, motion.elapsed, digits)
                 undecided = needed is None or working < needed
@@ -210,8 +202,8 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
             return _undecidable(motion, before, digits)
         working = min(limit, 3 * working if undecided else working + missing + 2)
     if not motion.ended:
-        return _trajectory(motion, "max_events", f"stopped after max_events = {most} events", digits)
-    return _finished(motion, digits)
+        return _in_digits(motion, "max_events", f"stopped after max_events = {most} events", digits)
+    return _in_digits(motion, *_ended(start, motion.code, motion.state), digits)
 
 
 def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
@@ -222,43 +214,42 @@ def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
     return "equilibrium" if settles else "t_end"
 
 
-def _finished(motion: Motion, digits: int | None = None) -> Trajectory:
-    """Return the trajectory of a motion that reached its end."""
-    state, start = motion.state, motion.start
-    status = end_status(motion.code, state.mode, state.v, start.parameters)
-    message = f"reached t_end = {show(start.t_end)}"
-    if motion.code != REST:
+def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
+    """Return status and message of a motion that reached its end."""
+    if code != REST:
         check_reached(start, state.n)
+    status, message = end_status(code, state.mode, state.v, start.parameters), f"reached t_end = {show(start.t_end)}"
     if status == "equilibrium":
         on_belt = state.mode > ON_BELT
         where = f"at rest on belt {state.mode - ON_BELT}" if on_belt else f"settling to rest in Omega{state.mode}"
-        message = f"from t = {float(motion.time)!r} {where}, no event will come any more"
-    return _trajectory(motion, status, message, digits)
+        message = f"from t = {float(state.t)!r} {where}, no event will come any more"
+    return status, message
 
 
 def _undecidable(motion: Motion, before: int, asked: int | None = None) -> Trajectory:
     """Return a trajectory that ends at the undecided contact after `before` events."""
     del motion.events[before:]
-    hint = f"ask for more digits, such as digits={2 * (asked or motion.digits or 0)}"
+    hint = f"ask for more digits, such as digits={2 * (asked or motion.digits)}"
     message = f"the contact near t = {float(motion.time)!r} cannot be decided with {motion.digits} digits; {hint}"
-    return _trajectory(motion, "undecidable", message, asked)
+    return _in_digits(motion, "undecidable", message, asked)
 
 
-def _trajectory(motion: Motion, status: str, message: str, digits: int | None = None) -> Trajectory:
-    """Return a motion as a Trajectory."""
-    start, events, t0 = motion.start, motion.events, motion.t0
+def _in_columns(motion: MotionInDoubles, status: str, message: str, last: float) -> Trajectory:
+    """Return a motion in doubles as a Trajectory that ends at a time."""
+    start = motion.start
+    span = float(start.t0), last
+    return Trajectory(start.parameters, motion.events(), motion.pieces(), status, message, span, motion.first_at)
+
+
+def _in_digits(motion: Motion, status: str, message: str, digits: int | None) -> Trajectory:
+    """Return a motion with many digits as a Trajectory with fewer; None for doubles."""
+    start, t0 = motion.start, motion.t0
     last = motion.time if status in ("undecidable", "max_events") else motion.arithmetic.number(start.t_end)
     if digits is None:
-        events, t0, last = [rounded_event(event) for event in events], float(start.t0), float(last)
+        span, events = (float(start.t0), float(last)), list(map(rounded_event, motion.events))
     else:
         context = mp_context(digits)
-        events = [cut_event(event, context) for event in events]
-        t0, last = context.convert(t0), context.convert(last)
-    segments = []
-    plane, since, mode = motion.first_at, t0, MODE_NAMES[motion.pieces[0].mode]
-    for event in events:
-        segments.append(Segment(since, event.t, mode, MAP_LABELS.get((plane, mode, event.boundary))))
-        plane, since, mode = event.boundary, event.t, event.target
-    segments.append(Segment(since, last, mode, None))
-    t0_low = 0.0 if digits else float(start.t0 - Fraction(t0))
-    return Trajectory(start.parameters, events, segments, motion.pieces, status, message, digits, t0_low)
+        span = context.convert(t0), context.convert(last)
+        events = [cut_event(each, context) for each in motion.events]
+    about = (start.parameters, events, motion.columns(), status, message, span, motion.first_at)
+    return Trajectory(*about, digits)

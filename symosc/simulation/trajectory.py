@@ -8,6 +8,7 @@ import json
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import cos, sin
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,8 @@ from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.events import COLUMN_TYPES, EVENT_COLUMNS, EXACT_COLUMNS, Event
+from symosc.engine.batch import EventRows
+from symosc.engine.events import COLUMN_TYPES, EVENT_COLUMNS, EXACT_COLUMNS, Event, events_from
 from symosc.engine.flow import Constants
 from symosc.engine.state import ON_BELT
 from symosc.errors import ParameterError
@@ -31,11 +33,13 @@ from symosc.kernels.entire import basis_at
 from symosc.model import MODE_NAMES, Parameters
 from symosc.words import MAPS
 
-__all__ = ["MAP_LABELS", "Event", "Piece", "Segment", "Trajectory"]
+__all__ = ["MAP_LABELS", "Event", "Segment", "Trajectory"]
 
 # So many times are evaluated as arrays, and how many at once.
 MANY_TIMES = 1 << 10
 TIMES_TOGETHER = 1 << 16
+# More events are shown as a line.
+MOST_SHOWN = 20
 #: Map label by (start plane, mode, end plane); planes are the belts, a stick stays on one.
 MAP_LABELS = {(row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()}
 
@@ -66,17 +70,13 @@ class Segment:
     label: str | None
 
 
-@dataclass(frozen=True, slots=True)
-class Piece:
-    """A part of a motion with its initial point: phase (n, theta), mode code, state, acceleration, time."""
+class Events(tuple[Event, ...]):
+    """The events of a trajectory in order of time; a tuple with a short text."""
 
-    n: int
-    theta: float
-    mode: int
-    x: float
-    v: float
-    a: float
-    elapsed: float
+    def __repr__(self) -> str:
+        if len(self) <= MOST_SHOWN:
+            return super().__repr__()
+        return f"<{len(self)} events, t = {float(self[0].t):g} … {float(self[-1].t):g}: to_pandas() has all of them>"
 
 
 class Trajectory(Drawable):
@@ -88,6 +88,7 @@ class Trajectory(Drawable):
     ----------
     parameters : Parameters
     events : tuple of Event
+        They are made when somebody looks; the trajectory keeps columns.
     segments : tuple of Segment
     status : str
         "t_end" (reached), "max_events", "equilibrium" (at rest, or settling with no event left) or "undecidable" (a
@@ -116,20 +117,39 @@ class Trajectory(Drawable):
     def __init__(
         self,
         parameters: Parameters,
-        events: Sequence[Event],
-        segments: Sequence[Segment],
-        pieces: Sequence[Piece],
+        events: Sequence[Event] | EventRows,
+        pieces: np.ndarray,
         status: str,
         message: str,
+        span: tuple[Any, Any],
+        first_at: int,
         digits: int | None = None,
-        t0_low: float = 0.0,
     ) -> None:
         self.parameters, self.status, self.message, self.digits = parameters, status, message, digits
-        self.events, self.segments = tuple(events), tuple(segments)
-        self.t_start, self.t_end = segments[0].t_start, segments[-1].t_end
-        self._pieces, self._t0, self._t0_low = tuple(pieces), float(self.t_start), t0_low
-        self._starts = [piece.elapsed for piece in pieces]
+        self.t_start, self.t_end = span
+        self._rows, self._pieces, self._first_at, self._t0 = events, pieces, first_at, float(self.t_start)
         self._K: Constants = Arithmetic(parameters).K  # they are kept
+
+    @cached_property
+    def events(self) -> Events:
+        """The events in order of time."""
+        return Events(events_from(self._rows) if isinstance(self._rows, EventRows) else self._rows)
+
+    @cached_property
+    def segments(self) -> tuple[Segment, ...]:
+        """The segments in order of time."""
+        found = []
+        plane, since, mode = self._first_at, self.t_start, MODE_NAMES[int(self._pieces[2, 0])]
+        for event in self.events:
+            found.append(Segment(since, event.t, mode, MAP_LABELS.get((plane, mode, event.boundary))))
+            plane, since, mode = event.boundary, event.t, event.target
+        return (*found, Segment(since, self.t_end, mode, None))
+
+    @cached_property
+    def _starts(self) -> list[float]:
+        """Times of the pieces since t0."""
+        starts: list[float] = self._pieces[-1].tolist()
+        return starts
 
     @property
     def word(self) -> list[str]:
@@ -155,7 +175,7 @@ class Trajectory(Drawable):
     def mode(self, t: ArrayLike) -> Any:
         """Return the mode ("Omega1" … "belt2") at a time, or an array of them; at an event the one after it."""
         times = _read_times(t)
-        names = [MODE_NAMES[self._piece(time)[0].mode] for time in times.ravel()]
+        names = [MODE_NAMES[int(self._piece(time)[0][2])] for time in times.ravel()]
         return names[0] if times.ndim == 0 else np.array(names).reshape(times.shape)
 
     @public
@@ -168,38 +188,36 @@ class Trajectory(Drawable):
         ]
         return values[0] if times.ndim == 0 else np.array(values).reshape(times.shape)
 
-    def _piece(self, t: float) -> tuple[Piece, float]:
-        """Return the piece at a time, and the time since its start."""
+    def _piece(self, t: float) -> tuple[list[float], float]:
+        """Return the piece at a time (PIECE_COLUMNS), and the time since its start."""
         if not float(self.t_start) <= t <= float(self.t_end):
             raise ParameterError("t", float(t), f"must be within [{float(self.t_start)!r}, {float(self.t_end)!r}]")
-        elapsed = (t - self._t0) - self._t0_low
-        piece = self._pieces[max(bisect_right(self._starts, elapsed) - 1, 0)]
-        return piece, max(elapsed - piece.elapsed, 0.0)
+        piece = self._pieces[:, max(bisect_right(self._starts, t - self._t0) - 1, 0)].tolist()
+        return piece, max((t - self._t0) - piece[-1], 0.0)
 
     def _state(self, t: float) -> tuple[float, float, float]:
         """Return x, v and the cosine of the phase at a time."""
-        piece, tau = self._piece(t)
+        (_, theta, mode, x, v, a, _), tau = self._piece(t)
         K = self._K
         turn = K.Om * (tau % K.period if tau > K.period else tau)
-        s_Om, c_Om, s0, c0 = sin(turn), cos(turn), sin(piece.theta), cos(piece.theta)
+        s_Om, c_Om, s0, c0 = sin(turn), cos(turn), sin(theta), cos(theta)
         c = c0 * c_Om - s0 * s_Om
-        if piece.mode > ON_BELT:
-            return piece.x + piece.v * tau, piece.v, c
+        if mode > ON_BELT:
+            return x + v * tau, v, c
         E0, E1, E2, R2, I2, _, _ = basis_at(tau, s_Om, c_Om, K)
-        dx, dv, _ = motion(piece.v, piece.a, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-        return piece.x + dx, piece.v + dv, c
+        dx, dv, _ = motion(v, a, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+        return x + dx, v + dv, c
 
     def _states(self, times: np.ndarray) -> np.ndarray:
         """Return x and v at many times in array blocks, equal to `_state` up to rounding."""
         for outside in times[~((times >= float(self.t_start)) & (times <= float(self.t_end)))][:1]:
             self._piece(outside)
-        K, starts, states = self._K, np.array(self._starts), np.empty((2, len(times)))
-        columns = np.array([(p.theta, p.mode, p.x, p.v, p.a, p.elapsed) for p in self._pieces], dtype=float)
+        K, states = self._K, np.empty((2, len(times)))
         for begin in range(0, len(times), TIMES_TOGETHER):
             part = slice(begin, begin + TIMES_TOGETHER)
-            elapsed = (times[part] - self._t0) - self._t0_low
-            piece = np.maximum(np.searchsorted(starts, elapsed, "right") - 1, 0)
-            theta, mode, x, v, a, since = columns[piece].T
+            elapsed = times[part] - self._t0
+            piece = np.maximum(np.searchsorted(self._pieces[-1], elapsed, "right") - 1, 0)
+            _, theta, mode, x, v, a, since = self._pieces[:, piece]
             tau = np.maximum(elapsed - since, 0.0)
             turn, s0, c0 = K.Om * np.where(tau > K.period, tau % K.period, tau), np.sin(theta), np.cos(theta)
             E0, E1, E2, R2, I2, _, _ = entire_array.basis_at(tau, np.sin(turn), np.cos(turn), K)
@@ -269,12 +287,12 @@ class Trajectory(Drawable):
         return self._content() == other._content()
 
     def __hash__(self) -> int:
-        return hash((self.parameters, self.digits, self.status, float(self.t_end), len(self.events)))
+        return hash((self.parameters, self.digits, self.status, float(self.t_end), self._pieces.shape[1]))
 
     def _content(self) -> tuple[Any, ...]:
         """Return the data by which trajectories are compared."""
         about = self.parameters, self.digits, self.status, self.message
-        return *about, self.events, self.segments, self._pieces
+        return *about, self.events, self.segments, self._pieces.tolist()
 
     def __repr__(self) -> str:
         span = f"t = {float(self.t_start):g} … {float(self.t_end):g}"
