@@ -165,4 +165,4 @@ def report() -> Path:
 @pytest.fixture
 def interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let CPython follow single motions, whose functions a test replaces, whatever this process has compiled."""
-    monkeypatch.setattr("symosc.simulation.motion.loaded_search", lambda: None)
+    monkeypatch.setattr("symosc.simulation.motion.loaded_loop", lambda: None)

@@ -12,7 +12,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from itertools import compress
-from math import ceil, log
+from math import ceil, isinf, log
 from operator import itemgetter
 from typing import Any
 
@@ -83,13 +83,16 @@ def loaded_loop() -> dict[str, Any] | None:
     return functions if functions["follow_all"].overloads else None
 
 
-def single_loop(count: int) -> Callable[..., tuple[int, int, int]]:
-    """Return the loop that follows one motion after its first `count` events: compiled if that is loaded or pays."""
+def single_loop(count: int) -> tuple[Callable[..., tuple[int, int, int]], int]:
+    """Return the loop that follows one motion after its first `count` events, and how many it finds at most.
+
+    It is compiled if that is loaded or pays.
+    """
     functions = loaded_loop()
     if functions:
-        loop: Callable[..., tuple[int, int, int]] = functions["follow_all"]
-        return loop
-    return FOLLOW if count < TURN else chosen_loops(None).follow
+        return functions["follow_all"], LARGEST_BLOCK
+    loop = FOLLOW if count < TURN else chosen_loops(None).follow
+    return loop, TURN if loaded_loop() is None else LARGEST_BLOCK
 
 
 def search_in_doubles(start: Start) -> Callable[[State], NextEvent]:
@@ -163,9 +166,9 @@ class MotionInDoubles:
 
     def follow(self, most: int, accuracy: float) -> None:
         """Go on until the motion ends, needs more digits, or a block of events is full."""
-        size = min(LARGEST_BLOCK, max(FIRST_BLOCK, 8 * self.count))
+        loop, largest = single_loop(self.count)
+        size = min(largest, max(FIRST_BLOCK, 8 * self.count))
         out, pieces = event_buffer(size), np.empty((len(PIECE_COLUMNS), size))
-        loop = single_loop(self.count)
         _, rows, parts = loop(0, self._batch, most, accuracy, out, pieces, no_tally(), self._table)
         self._events.append(rows_between(out, 0, rows))
         self._pieces.append(pieces[:, :parts])
@@ -182,7 +185,7 @@ class Motion:
     """The states and events of one initial value problem so far, with many digits.
 
     `code` is what the last step ended with, and `decided` whether the numbers at hand decide that; `first_at` is the
-    belt on which the start is, or 0. `rough` is what doubles found from the state before the last step, or None.
+    belt on which the start is, or 0.
     """
 
     rounds = False  # whether events are recorded in doubles
@@ -201,7 +204,7 @@ class Motion:
         self._first, self._worst = self._state, 0.0
         self.events, self._columns = list[Event](), list[tuple[Any, ...]]()
         self.code, self.decided = 0, True
-        self.rough: NextEvent | None = None
+        self.ahead: tuple[State, NextEvent] | None = None
         self._record(0.0)
 
     def missing_digits(self, digits: int) -> int:
@@ -252,17 +255,25 @@ class Motion:
         finally:
             own.leave(entered)
 
+    def search(self) -> None:
+        """Search the next event in doubles, if they reach; `ahead` is the rounded state and what is found."""
+        if self._search is None or self.ahead is not None:
+            return
+        rough = self.rounded_state()
+        found = _or_none(partial(self._search, rough))
+        if found is None:
+            self._search = None
+        else:
+            self.ahead = rough, found
+
     def _next(self, state: State) -> NextEvent:
         """Return the next event with many digits, searched in doubles where possible."""
-        self.rough = None
-        if self._search is not None:
-            rough = rounded(state, self.start)
-            self.rough = _or_none(partial(self._search, rough))
-        if self.rough is None:
-            self._search = None
+        self.search()
+        if self.ahead is None:
             found: NextEvent = self.arithmetic.advance(state, *self._end, self.K)
         else:
-            found = self.arithmetic.advance_near(state, rough, self.rough, *self._end, self.K)
+            found = self.arithmetic.advance_near(state, *self.ahead, *self._end, self.K)
+            self.ahead = None
         return found
 
     def _elapsed(self) -> Number:
@@ -322,26 +333,27 @@ class FinerMotion(Motion):
     def reach(self, count: int, accuracy: float, most: int) -> bool:
         """Follow the motion to `count` events or to its end; return False at an undecided contact.
 
-        It goes on, to `most` events, while doubles are in doubt about the event found or know it less accurately than
+        It goes on, to `most` events, while doubles do not decide what comes next or find it with a larger error than
         `accuracy`.
         """
-        while not self.ended and (
-            len(self.events) < count or (len(self.events) < most and self._rough_is_inexact(accuracy))
-        ):
+        while not self.ended and (len(self.events) < count or (len(self.events) < most and self._in_doubt(accuracy))):
             before = len(self.events)
             self.step()
             if self.code == FAILED or not (self.decided or self.start.start_error or self._is_graze(before)):
                 return False
         return True
 
-    def _rough_is_inexact(self, accuracy: float) -> bool:
-        """Return whether doubles do not decide the last event found, or know it less accurately than `accuracy`."""
-        if self.rough is None or self.rough.code > GRAZE or not self.rough.decided:
-            return self.rough is not None and not self.rough.decided
-        s, t0 = self.rough.state, float(self.start.t0)
-        K = Arithmetic(self.start.parameters).K
-        t, t_error, x_error = time_with_errors(s.t, s.t_low, t0, s.x, s.v, self.rough.t_error, s.S.S11, K)
-        return is_inexact(t, t_error, s.x, x_error, t0, accuracy)
+    def _in_doubt(self, accuracy: float) -> bool:
+        """Return whether doubles, from here, do not decide the next event or know it less accurately."""
+        self.search()
+        if isinf(accuracy) or self.ahead is None:
+            return False
+        code, _, decided, t_error, s = self.ahead[1]
+        if code > GRAZE or not decided:
+            return not decided
+        t0, K = float(self.start.t0), Arithmetic(self.start.parameters).K
+        t, t_error, x_error = time_with_errors(s.t, s.t_low, t0, s.x, s.v, t_error, s.S.S11, K)
+        return bool(is_inexact(t, t_error, s.x, x_error, t0, accuracy))
 
     def _is_graze(self, before: int) -> bool:
         """Return whether the contact after `before` events stays undecided with many more digits; then use those."""
@@ -357,7 +369,7 @@ class FinerMotion(Motion):
             finest.step()
             if not finest.decided and len(finest.events) >= before:
                 if len(self.events) > before and len(finest.events) > before:
-                    self.events[-1] = finest.events[-1]
+                    self.events[-1] = rounded_event(finest.events[-1])
                 return finest.code != FAILED
         return False
 

@@ -38,8 +38,6 @@ __all__ = ["MAP_LABELS", "Event", "Segment", "Trajectory"]
 # So many times are evaluated as arrays, and how many at once.
 MANY_TIMES = 1 << 10
 TIMES_TOGETHER = 1 << 16
-# More events are shown as a line.
-MOST_SHOWN = 20
 #: Map label by (start plane, mode, end plane); planes are the belts, a stick stays on one.
 MAP_LABELS = {(row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()}
 
@@ -68,15 +66,6 @@ class Segment:
     t_end: Any
     mode: str
     label: str | None
-
-
-class Events(tuple[Event, ...]):
-    """The events of a trajectory in order of time; a tuple with a short text."""
-
-    def __repr__(self) -> str:
-        if len(self) <= MOST_SHOWN:
-            return super().__repr__()
-        return f"<{len(self)} events, t = {float(self[0].t):g} … {float(self[-1].t):g}: to_pandas() has all of them>"
 
 
 class Trajectory(Drawable):
@@ -131,9 +120,9 @@ class Trajectory(Drawable):
         self._K: Constants = Arithmetic(parameters).K  # they are kept
 
     @cached_property
-    def events(self) -> Events:
+    def events(self) -> tuple[Event, ...]:
         """The events in order of time."""
-        return Events(events_from(self._rows) if isinstance(self._rows, EventRows) else self._rows)
+        return tuple(events_from(self._rows) if isinstance(self._rows, EventRows) else self._rows)
 
     @cached_property
     def segments(self) -> tuple[Segment, ...]:

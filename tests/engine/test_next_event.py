@@ -20,10 +20,14 @@ from symosc.engine import first_exit as exits
 from symosc.engine import next_event
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.flow import Constants, state_at
-from symosc.engine.next_event import advance, carried_error, passing_time
-from symosc.engine.start import Start, first_state, rounded
+from symosc.engine.next_event import advance, carried_error, passing_time, time_with_errors
+from symosc.engine.start import Start, first_state, last_time, rounded
 from symosc.engine.state import (
     CROSS,
+    END,
+    FAILED,
+    GRAZE,
+    REST,
     SLIP,
     STICK,
     Covariance,
@@ -32,7 +36,6 @@ from symosc.engine.state import (
     State,
 )
 from symosc.kernels.entire import EPS
-from symosc.simulation import motion
 from symosc.simulation.motion import Motion
 
 pytestmark = pytest.mark.usefixtures("interpreted")
@@ -187,7 +190,7 @@ def pairs_of_steps(start: Start, most: int = 25) -> Iterator[tuple[Motion, Any, 
     """Yield what goes into a step with many digits, and take the step."""
     arithmetic, doubles = MpArithmetic(start.parameters, DIGITS), Arithmetic(start.parameters)
     path = Motion(start, arithmetic)
-    end = motion.last_time(start, doubles)
+    end = last_time(start, doubles)
     for _ in range(most):
         rough = rounded(path.state, start)
         yield path, path._state, path._end, rough, doubles.advance(rough, *end, doubles.K)
@@ -211,12 +214,12 @@ def assert_alike(near: NextEvent, full: NextEvent) -> None:
 
 def compared(path: Motion, state: Any, end: Any, rough: State, found: NextEvent) -> NextEvent:
     """Check a step against one that searches with many digits, and return it."""
-    before = path._paths.enter()
+    before = path.arithmetic.enter()
     try:
-        near: NextEvent = path._paths.advance_near(state, rough, found, *end, path.K)
-        assert_alike(near, path._paths.advance(state, *end, path.K))
+        near: NextEvent = path.arithmetic.advance_near(state, rough, found, *end, path.K)
+        assert_alike(near, path.arithmetic.advance(state, *end, path.K))
     finally:
-        path._paths.leave(before)
+        path.arithmetic.leave(before)
     return near
 
 
@@ -269,13 +272,18 @@ def drawn(rng: random.Random) -> tuple[Parameters, Fraction, Fraction, Fraction]
 
 def steps(start: Start, most: int) -> list[tuple[Any, ...]]:
     """Return what each step of the engine ends with, without asking for more digits."""
-    path, found = Motion(start), []
-    while not path.ended and len(found) < most:
-        path.step()
-        s = path.state
-        last = path.events[-1] if path.events else None
-        errors = (last.t_error, last.x_error) if last else (0.0, 0.0)
-        found.append((path.code, path.decided, s.mode, s.at, s.n, s.theta, s.x, s.v, s.Fb, s.Fa, *s.S, s.t, *errors))
+    own, found = Arithmetic(start.parameters), list[tuple[Any, ...]]()
+    K, state, t0 = own.K, first_state(start, own), float(start.t0)
+    t_end, low = last_time(start, own)
+    low, errors = low - (t_end - t0) * K.Om_gain, (0.0, 0.0)
+    while len(found) < most:
+        code, _, decided, t_error, s = advance(state, t_end, low, K)
+        if code <= GRAZE:
+            _, *errors = time_with_errors(s.t, s.t_low, t0, s.x, s.v, t_error, s.S.S11, K)
+        found.append((code, decided, s.mode, s.at, s.n, s.theta, s.x, s.v, s.Fb, s.Fa, *s.S, s.t, *errors))
+        if code in (END, REST, FAILED):
+            break
+        state = s
     return found
 
 

@@ -17,9 +17,8 @@ from touches import ordinary, tenths
 from symosc import Parameters, load_scene, simulate
 from symosc.engine import first_exit, flow, start
 from symosc.engine.start import Start
-from symosc.engine.state import MOVED
 from symosc.simulation import motion
-from symosc.simulation.motion import FinerMotion, Motion, digits_to_confirm_graze
+from symosc.simulation.motion import FinerMotion, Motion, MotionInDoubles, digits_to_confirm_graze
 
 pytestmark = pytest.mark.usefixtures("interpreted")
 
@@ -69,11 +68,11 @@ def test_digits_are_raised_until_events_are_known_to_them() -> None:
 def test_a_finer_motion_is_followed_only_as_far_as_it_is_needed() -> None:
     scene = load_scene("fig8")
     one = FinerMotion(Start(scene.parameters, scene.t0, scene.x0, scene.v0, Fraction(30)))
-    assert one.reach(3, [])
+    assert one.reach(3, math.inf, 100)
     assert len(one.events) == 3
-    assert one.reach(2, [])
+    assert one.reach(2, math.inf, 100)
     assert len(one.events) == 3
-    assert one.reach(10**6, [])
+    assert one.reach(10**6, math.inf, 100)
     assert one.ended
 
 
@@ -81,7 +80,7 @@ def test_how_many_digits_a_graze_takes() -> None:
     """Gaps shrink like exp(-rate t): e^-(h t) without oscillation of the roots, else by the fast root, or the slow."""
 
     def followed(**changes: Any) -> Motion:
-        return Motion(Start(BASE.replace(m=1, **changes), Fraction(0), Fraction(0), Fraction(0), Fraction(1)))
+        return Motion(Start(BASE.replace(m=1, **changes), Fraction(0), Fraction(0), Fraction(0), Fraction(1)), 20)
 
     under, over, ten = followed(c=2, k=5), followed(c=5, k=4), math.log(10)  # roots -1 +- 2i; -1, -4
     spare = motion.GRAZE_SPARE
@@ -96,7 +95,7 @@ def test_how_many_digits_a_graze_takes() -> None:
     scene = ordinary(random.Random("steady"), "P5")
     elapsed = 1000 * float(scene.p.m / scene.p.c)
     for push, few in ((Fraction(0), True), (Fraction(1, 10**30), False)):
-        one = Motion(Start(scene.p, Fraction(0), scene.x0 + push, scene.v0, scene.t_end))
+        one = Motion(Start(scene.p, Fraction(0), scene.x0 + push, scene.v0, scene.t_end), 40)
         assert (digits_to_confirm_graze(one, elapsed, 40) == 3 * 40) is few
 
 
@@ -178,14 +177,16 @@ def test_a_settled_motion_takes_no_work(monkeypatch: pytest.MonkeyPatch) -> None
 def test_a_motion_moves_on_where_nothing_happens() -> None:
     """A search is no longer than its chunk: the state in between is that of the flow, and the phase goes along."""
     p = Parameters(m=1, c=0, k=400, A0=0, B0=400, Omega="0.1", v1="-20.06", v2="20.06", mu1=1, mu2=1, FN=1)
-    one = Motion(Start(p, Fraction(0), Fraction(2), Fraction(0), Fraction(60)))
-    one.step()
-    assert one.code == MOVED
-    assert one.state.t == pytest.approx(one.K.chunk)
-    assert one.state.theta == pytest.approx(0.1 * one.K.chunk)
+    one = MotionInDoubles(Start(p, Fraction(0), Fraction(2), Fraction(0), Fraction(60)))
+    one.follow(1, math.inf)
+    _, theta, _, x, v, _, t = one.pieces()[:, 1].tolist()
+    assert t == pytest.approx(one.K.chunk)
+    assert theta == pytest.approx(0.1 * one.K.chunk)
     whole = simulate(p, t0=0, x0=2, v0=0, t_end=60)
     assert whole.events[0].t > one.K.chunk
-    assert (one.state.x, one.state.v) == pytest.approx(tuple(whole(one.state.t)), abs=1e-11)
+    before = whole(t - 1e-9)  # from the piece before
+    assert (x, v) == pytest.approx((before[0] + 1e-9 * before[1], before[1]), abs=1e-5)
+    assert x == pytest.approx(before[0] + 1e-9 * before[1], abs=1e-11)
 
 
 def test_a_graze_is_decided_by_what_is_behind_the_digits() -> None:

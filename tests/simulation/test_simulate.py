@@ -158,12 +158,13 @@ def test_many_digits_end_after_fewer_events(monkeypatch: pytest.MonkeyPatch) -> 
 @pytest.mark.parametrize("digits", [None, 30])
 def test_progress_tells_the_part_of_the_time_and_changes_nothing(digits: int | None) -> None:
     told: list[tuple[float, float]] = []
-    watched = simulate("fig9", t_end=12, digits=digits, progress=lambda part, all: told.append((part, all)))
-    assert watched.events == simulate("fig9", t_end=12, digits=digits).events
+    t_end = 12 if digits else 2000  # in doubles progress is told block by block
+    watched = simulate("fig9", t_end=t_end, digits=digits, progress=lambda part, all: told.append((part, all)))
+    assert watched.events == simulate("fig9", t_end=t_end, digits=digits).events
     parts = [part for part, all in told if all == 1.0]
-    assert len(parts) == len(told) > 10
+    assert len(parts) == len(told) > 2
     assert parts == sorted(parts)
     assert (parts[0] < 0.2, parts[-1]) == (True, 1.0)
     told.clear()
     simulate("fig9", t_end=1e6, max_events=4, digits=digits, progress=lambda part, all: told.append((part, all)))
-    assert [part for part, _ in told] == [0.25, 0.5, 0.75, 1.0]
+    assert [part for part, _ in told] == ([0.25, 0.5, 0.75, 1.0] if digits else [1.0])
