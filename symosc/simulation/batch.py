@@ -54,7 +54,7 @@ CAPACITY = (1 << 18) + 72
 # Events after which the interpreted loop asks whether to go on.
 TURN = 2048
 # A chunk has enough motions to hide what it costs to begin one, and so few that all threads are busy to the end.
-MOST_IN_CHUNK = 1024
+LEAST_IN_CHUNK, MOST_IN_CHUNK = 16, 1024
 CHUNKS_PER_WORKER = 6
 MOST_WORKERS = 256
 
@@ -184,7 +184,7 @@ def in_chunks(
 
     An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`, and is raised.
     """
-    size = max(1, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))
+    size = max(LEAST_IN_CHUNK, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))
     # No motions are a chunk too: it has the columns, each without an entry.
     chunks = [slice(begin, min(begin + size, count)) for begin in range(0, max(count, 1), size)]
     cancel, own, used, done = CancelToken(), local(), list[EventRows](), 0

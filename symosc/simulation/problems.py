@@ -28,6 +28,8 @@ from symosc.scenes import START_NAMES
 START_COLUMNS = START_NAMES[:3]
 # Constants of so many sets are computed at once, some 10 MB: for fewer, what numpy takes per operation counts.
 SETS_AT_ONCE = 16384
+# So few motions are begun one by one: operations on columns cost more.
+BEGUN_ALONE = 8
 TWO_PI_COLUMN = PairColumn(*TWO_PI_PAIR)
 # Phases of pairs are right to the last bit of a double up to so large an angle, and unless they are so near 0.
 LARGEST_ANGLE, SMALLEST_PHASE = 2.0**40, 2.0**-45
@@ -284,7 +286,10 @@ class Problems:
         size = rows.stop - rows.start
         table = self.sets.table(rows if len(self.sets) > 1 else slice(0, 1), march_rows)
         sets = np.arange(size) if len(self.sets) > 1 else np.zeros(size, np.int64)
-        states, unclear = self._start_rows(rows, table)
+        if len(self) <= BEGUN_ALONE:
+            states, unclear = np.empty((size, STATE_WIDTH)), np.ones(size, dtype=bool)
+        else:
+            states, unclear = self._start_rows(rows, table)
         for i in np.flatnonzero(unclear).tolist():
             problem = self[rows.start + i]
             arithmetic = Arithmetic(problem.parameters)
