@@ -264,7 +264,11 @@ def _reduced(angle: Fraction, digits: int) -> tuple[int, Any]:
 @lru_cache(maxsize=1)
 def compiled() -> dict[str, Any]:
     """Return the source for doubles compiled by numba; raise MissingExtraError if numba is not installed."""
-    return compile_modules((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED.split())
+    try:
+        from symosc.kernels.borrowed import borrowed
+    except ImportError:
+        raise MissingExtraError("compiling", "fast") from None
+    return compile_modules((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED.split(), {"borrowed": borrowed})
 
 
 # --- any number of digits ---

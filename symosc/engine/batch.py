@@ -33,7 +33,7 @@ from symosc.engine.state import (
     NextEvent,
     State,
 )
-from symosc.engine.summary import finish_tally, tally_step
+from symosc.engine.summary import Tally, finish_tally, tally_step
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
 
@@ -130,6 +130,22 @@ def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
     return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t, *state[11:]]
 
 
+def borrowed(array):
+    """Return an array; compiled code gets it without reference counts (`symosc.kernels.borrowed`)."""
+    return array
+
+
+def borrowed_rows(out):
+    """Return a buffer of events, borrowed."""
+    return EventRows(borrowed(out.floats), borrowed(out.ints))
+
+
+def borrowed_tally(tally):
+    """Return tallies, borrowed."""
+    asked, floats, ints, sections, words, labels = tally
+    return Tally(asked, borrowed(floats), borrowed(ints), borrowed(sections), borrowed(words), borrowed(labels))
+
+
 def state_of(states, i):
     """Return the state in row i."""
     # float() and int(): under CPython numpy's own scalars would be slower.
@@ -173,7 +189,9 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
         The trajectory to go on with, and the number of events and of pieces.
     """
     rows, parts, recorded = 0, 0, pieces.shape[1] > 0
-    states, sets, counts, codes = batch
+    states, sets = borrowed(batch.states), borrowed(batch.sets)
+    counts, codes = borrowed(batch.counts), borrowed(batch.codes)
+    out, pieces, tally, table = borrowed_rows(out), borrowed(pieces), borrowed_tally(tally), borrowed(table)
     tallied = tally.floats.shape[0] > 0
     for i in range(begin, states.shape[0]):
         before, K = state_of(states, i), table[sets[i]]
