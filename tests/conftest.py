@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -57,6 +58,8 @@ collect_ignore = [path for name in MISSING for path in NEED[name]]
 
 def pytest_configure(config: pytest.Config) -> None:
     """Make the folder that the workers share; give each of them tests that stand together, which share the most."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell's background job; tests send interrupts
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     if getattr(config.option, "dist", "no") == "load":  # what pytest-xdist takes if nothing is said
         config.option.dist = "worksteal"
     if not hasattr(config, "workerinput"):  # the first process
