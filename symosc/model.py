@@ -108,6 +108,13 @@ class Parameters:
         if self.v1 >= self.v2:
             raise ParameterError("v1", show(self.v1), f"must be less than v2 = {show(self.v2)}")
 
+    def __hash__(self) -> int:
+        # Many tables are kept by parameters, and to hash eleven fractions takes as long as an event.
+        kept: int | None = self.__dict__.get("_hash")
+        if kept is None:
+            kept = self.__dict__["_hash"] = hash(tuple(getattr(self, name) for name in PARAMETER_NAMES))
+        return kept
+
     @public
     def replace(self, **changes: NumberLike) -> Parameters:
         """Return a copy with some parameters changed, for example ``p.replace(c="0.3")``."""
