@@ -129,6 +129,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     """Let a test that needs compiled loops begin when they are there."""
     if loops := _loops(item):
         compiling.wait(loops)
+        compiling.load()
 
 
 def _leave_out(items: list[pytest.Item], marker: str, unless: str, mark: str) -> None:

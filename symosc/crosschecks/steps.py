@@ -35,7 +35,7 @@ from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion, stick_acceleration
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
-from symosc.simulation.batch import InterpretBudget, chosen_loops, follow_batch, joined
+from symosc.simulation.batch import InterpretBudget, chosen_loops, follow_batch, joined, loaded_loop
 
 # Fewer steps than this are followed before compiled code is loaded, until so many are done: to load it takes a second.
 COMPILE_FROM = 4000
@@ -297,7 +297,7 @@ def _flight_is_clear(
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
     """Follow every row event by event; return the final modes, states [x, v] and events, from time 0."""
     batch = batch_of(rows.copy())
-    few = len(rows) < COMPILE_FROM and FEW_STEPS.events > 0
+    few = len(rows) < COMPILE_FROM and FEW_STEPS.events > 0 and loaded_loop() is None
     follow = chosen_loops(False if few else None).follow
     numbers, table = joined(follow_batch(follow, batch, MOST_STEP_EVENTS, inf, table_of([K])))
     FEW_STEPS.events -= len(rows) * few

@@ -113,6 +113,14 @@ def chosen_loops(use_numba: Any) -> Loops:
     return Loops(march_rows, follow if is_compiled(follow) else _interpreted_first(follow), settle, True)
 
 
+def loaded_loop() -> dict[str, Any] | None:
+    """Return the compiled functions of the engine if this process has called its loop, else None."""
+    if not compiled.cache_info().currsize:
+        return None
+    functions = compiled()
+    return functions if functions["follow_all"].overloads else None
+
+
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
     """Return an event loop interpreted in blocks of TURN rows until the budget DOUBLES is used up."""
 

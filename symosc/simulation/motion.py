@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Number
-from symosc.engine.arithmetic import Arithmetic, MpArithmetic, compiled, is_compiled, many_digits, mp_context
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, is_compiled, many_digits, mp_context
 from symosc.engine.batch import (
     PIECE_COLUMNS,
     EventRows,
@@ -49,7 +49,7 @@ from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, RUNNING, Next
 from symosc.engine.summary import no_tally
 from symosc.errors import ParameterError
 from symosc.exact import show
-from symosc.simulation.batch import FOLLOW, TURN, chosen_loops, joined
+from symosc.simulation.batch import FOLLOW, TURN, chosen_loops, joined, loaded_loop
 from symosc.simulation.tables import rows_of
 
 # Events of the first block of a motion and of the largest one.
@@ -73,14 +73,6 @@ def check_reached(start: Start, periods: int) -> None:
     if periods >= MOST_PERIODS:
         reason = f"is more than {MOST_PERIODS:.0e} forcing periods after t0 = {show(start.t0)}, more than are followed"
         raise ParameterError("t_end", show(start.t_end), reason)
-
-
-def loaded_loop() -> dict[str, Any] | None:
-    """Return the compiled functions of the engine if this process has called its loop, else None."""
-    if not compiled.cache_info().currsize:
-        return None
-    functions = compiled()
-    return functions if functions["follow_all"].overloads else None
 
 
 def single_loop(count: int) -> tuple[Callable[..., tuple[int, int, int]], int]:

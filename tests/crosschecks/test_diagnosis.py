@@ -25,6 +25,7 @@ from symosc.model import PARAMETER_NAMES
 
 
 SEED = 1
+pytestmark = pytest.mark.compiled("doubles")  # a diagnosis follows thousands of steps
 
 
 @pytest.mark.full(16)

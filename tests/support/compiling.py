@@ -11,6 +11,7 @@ import os
 import subprocess
 import sys
 import time
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -67,3 +68,10 @@ def wait(loops: str) -> None:
     _wait_until[:] = _wait_until or [time.monotonic() + LONGEST_WAIT]
     while not is_there(loops) and not ended().exists() and time.monotonic() < _wait_until[0]:
         time.sleep(0.2)
+
+
+@cache
+def load() -> None:
+    """Load the loop for doubles: single motions and checks of solutions use it from then on."""
+    if find_spec("numba") is not None:
+        exec(LOOPS["doubles"])
