@@ -157,7 +157,7 @@ def test_integrators_in_their_traps(solver: Solver) -> None:
 
 
 @COMPILED
-@pytest.mark.full(8)
+@pytest.mark.full(4)
 @pytest.mark.parametrize("name", ["fig5", "fig6", "fig9", "fig10"])
 @pytest.mark.parametrize("solver", FAST, ids=lambda solver: solver.name)
 def test_the_events_of_an_easy_scene(solver: Solver, name: str) -> None:

@@ -173,7 +173,7 @@ def test_wrong_solutions_are_found(count: int, samples: int) -> None:
 
 
 @pytest.mark.parametrize(
-    "count", [pytest.param(10, marks=pytest.mark.slow), pytest.param(100, marks=pytest.mark.campaign)]
+    "count", [pytest.param(4, marks=pytest.mark.slow), pytest.param(100, marks=pytest.mark.campaign)]
 )
 def test_wrong_positions_are_found(count: int) -> None:
     """Without velocities: the positions alone are more than 20 last places off somewhere."""

@@ -36,5 +36,7 @@ class Scratch:
         assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
         return done.stdout
 
-    def pytest(self, *tests: str) -> str:
-        return self.run("pytest", "-q", "-m", "not slow and not campaign", "-p", "no:cacheprovider", *tests)
+    def pytest(self, *tests: str, only: str = "") -> str:
+        """Run the quick tests of some files, those whose name fits `only`."""
+        options = ("-q", "-m", "not slow and not campaign", "-p", "no:cacheprovider", "-k", only)
+        return self.run("pytest", *options, *tests)
