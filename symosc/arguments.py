@@ -32,6 +32,7 @@ class Kind(NamedTuple):
     of_type: Callable[[type], bool]
     of_value: Callable[[Any], bool] | None = None
     source: str = ""
+    converted: str = ""  # the name of the function of CONVERTERS that makes of it what the function works with
 
     def takes(self, value: object) -> bool:
         """Return whether a value is of this kind."""
@@ -107,6 +108,8 @@ def _class(name: str, source: str = "") -> Kind:
     return Kind(f"{'an' if name[0] in 'AEIO' else 'a'} {name}", _inherits(name), source=source)
 
 
+#: Functions that convert an argument, by name; the modules that have them put them here.
+CONVERTERS: dict[str, Callable[[Any], Any]] = {}
 NUMBER = Kind("a number (or its text, such as '4/5')", lambda kind: issubclass(kind, str) or _is_real(kind))
 #: What the names in annotations mean; a text is another annotation.
 KINDS: dict[str, Kind | str] = {
@@ -133,6 +136,12 @@ KINDS: dict[str, Kind | str] = {
         "a file, arrays, a table, a function, or what a solver returns", _may_be_solution, _is_shallow
     ),
     "Parameters": Kind("Parameters", _inherits("Parameters"), source="a scene has them as scene.parameters"),
+    "ParametersLike": "Parameters | ParametersSource",
+    "ParametersSource": Kind(
+        "a Scene, or the name or file of one",
+        lambda kind: issubclass(kind, str) or hasattr(kind, "__fspath__") or _inherits("Scene")(kind),
+        converted="parameters",
+    ),
     "Axes": Kind("axes of matplotlib, such as plt.subplots() makes", _inherits("Axes")),
     "Figure": Kind("a figure, such as plot.figure(...) returns", _inherits("Figure")),
     "Executor": Kind(
@@ -256,13 +265,15 @@ class Rule:
     def __init__(self, name: str, kinds: list[Kind]) -> None:
         self.name, self.kinds, self.known = name, kinds, set[type]()
 
-    def check(self, value: object) -> None:
-        """Raise ParameterError unless a value is allowed."""
+    def check(self, value: object) -> Any:
+        """Return a value as the function takes it; raise ParameterError unless it is allowed."""
         for kind in self.kinds:
             if kind.takes(value):
+                if kind.converted:
+                    return CONVERTERS[kind.converted](value)
                 if kind.of_value is None:
                     self.known.add(type(value))
-                return
+                return value
         source = f"; {self.kinds[0].source}" if len(self.kinds) == 1 and self.kinds[0].source else ""
         raise ParameterError(self.name, value, f"must be {_text(self.kinds)}{source}")
 
@@ -311,9 +322,11 @@ def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
         if read is None:
             read = _rules(function)  # type: ignore[arg-type]
         in_order, more, by_name, others = read
-        for rule, value in zip(in_order, given):  # noqa: B905  too many or too few: Python says so below
+        values: Any = given
+        for i, (rule, value) in enumerate(zip(in_order, given)):  # noqa: B905  too many or too few: Python says so below
             if rule is not None and type(value) not in rule.known:
-                rule.check(value)
+                taken = rule.check(value)
+                values = values if taken is value else (*values[:i], taken, *values[i + 1 :])
         if more is not None:
             for value in given[len(in_order) :]:
                 more.check(value)
@@ -321,9 +334,9 @@ def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
             rule = by_name.get(name)
             if rule is not None:
                 if type(value) not in rule.known:
-                    rule.check(value)
+                    named[name] = rule.check(value)
             elif others is not None:
                 Rule(name, others).check(value)
-        return function(*given, **named)
+        return function(*values, **named)
 
     return checked

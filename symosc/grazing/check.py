@@ -37,7 +37,7 @@ from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
 from symosc.mappings.numbers import number_of, symbolic
-from symosc.model import Parameters
+from symosc.scenes import ParametersLike
 
 CHECK_PHASES, MOST_CHECK_PHASES = 10_000, 1_000_000
 DECADES = range(3, 15)
@@ -147,7 +147,7 @@ class GrazingReport:
 
 @public
 def check_grazing(
-    p: Parameters, mapping: str, n: int = CHECK_PHASES, seed: int = 0, *, progress: Progress = False
+    p: ParametersLike, mapping: str, n: int = CHECK_PHASES, seed: int = 0, *, progress: Progress = False
 ) -> GrazingReport:
     """Compare the grazing window of a mapping with three independent numerical decisions.
 

@@ -35,6 +35,7 @@ from symosc.kernels.entire import basis
 from symosc.mappings.numbers import LatexAnswer, latex_number, latex_point, latex_table, latex_words
 from symosc.mappings.theorem7_cases import ARC, EMPTY, EVERYTHING
 from symosc.model import Parameters
+from symosc.scenes import ParametersLike
 
 CURVE_POINTS = 400
 LEAST_CURVE_POINTS, MOST_CURVE_POINTS = 8, 20_000
@@ -184,7 +185,9 @@ class GrazingCurve(Drawable, LatexAnswer):
 
 
 @public
-def grazing_curve(p: Parameters, mapping: str, n: int = CURVE_POINTS, *, progress: Progress = False) -> GrazingCurve:
+def grazing_curve(
+    p: ParametersLike, mapping: str, n: int = CURVE_POINTS, *, progress: Progress = False
+) -> GrazingCurve:
     """Return the curve of the starts from which a mapping grazes, with its ends located.
 
     Parameters

@@ -48,6 +48,7 @@ from symosc.mappings.numbers import (
 )
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
+from symosc.scenes import ParametersLike
 
 UNKNOWNS = ("x_i", "theta_i", "x_j", "theta_j", "theta_m")
 # Part of a value's size within which a solution must have it, in units of the last digit that was asked for.
@@ -98,7 +99,7 @@ class GrazingSolutions(list[GrazingStart], LatexAnswer):
 
 @public
 def solve_grazing(
-    p: Parameters,
+    p: ParametersLike,
     mapping: str,
     *,
     n: int = CURVE_POINTS,

@@ -54,6 +54,7 @@ from symosc.mappings.numbers import (
 )
 from symosc.mappings.theorem7_cases import Place, place
 from symosc.model import Parameters
+from symosc.scenes import ParametersLike
 
 DEFAULT_DIGITS = 40
 MOST_START_DIGITS = 2000
@@ -126,7 +127,7 @@ class GrazingStart(LatexAnswer):
 
 @public
 def grazing_start(
-    p: Parameters,
+    p: ParametersLike,
     mapping: str,
     theta: NumberLike | None = None,
     *,
@@ -358,7 +359,7 @@ class GrazingVerdict(LatexAnswer):
 
 @public
 def is_grazing(
-    p: Parameters, mapping: str, x: NumberLike, theta: NumberLike, *, tolerance: NumberLike = G_TOLERANCE
+    p: ParametersLike, mapping: str, x: NumberLike, theta: NumberLike, *, tolerance: NumberLike = G_TOLERANCE
 ) -> GrazingVerdict:
     """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain graze the belt there?
 

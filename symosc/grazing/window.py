@@ -49,6 +49,7 @@ from symosc.mappings.theorem7_cases import (
     window_kind,
 )
 from symosc.model import Parameters
+from symosc.scenes import ParametersLike
 
 # Sines in double precision decide where they are further than this from the border; sin is right to 1e-15.
 SINE_MARGIN = 1e-12
@@ -56,7 +57,7 @@ WINDOW_DIGITS = 30
 
 
 @public
-def grazing_window(p: Parameters, mapping: str, order: Order = "full") -> GrazingWindow:
+def grazing_window(p: ParametersLike, mapping: str, order: Order = "full") -> GrazingWindow:
     """Return the phases at which the flow of a map grazes its boundary (Theorem 7).
 
     Parameters
@@ -449,7 +450,7 @@ class WindowColumns(NamedTuple):
 
 
 @public
-def grazing_windows(p: Parameters, mapping: str, order: Order = "full", **swept: ArrayLike) -> WindowColumns:
+def grazing_windows(p: ParametersLike, mapping: str, order: Order = "full", **swept: ArrayLike) -> WindowColumns:
     """Return the windows for arrays of parameters, in double precision; see `grazing_window`.
 
     Every end is within one unit in the last place, and every case is exact: array entries are used as exact binary

@@ -18,6 +18,7 @@ from symosc.kernels.mapping import BACKWARD, CLOSED_FORM, KINDS, WIDE
 from symosc.mappings.equations import EXITS, UNWRAPPED, flight_arguments, stick_arguments
 from symosc.mappings.numbers import POINT_NAMES
 from symosc.model import Parameters
+from symosc.scenes import ParametersLike
 from symosc.words import MAPS, Map, WordLike, read_word
 
 FORMULAS = ("by_closed_form", "by_division", "by_division_and_series", "by_series")
@@ -25,7 +26,7 @@ FORMULAS = ("by_closed_form", "by_division", "by_division_and_series", "by_serie
 
 @public
 def compiled_residual(
-    p: Parameters, label: WordLike, *, jacobian: bool = False, exit: str | None = None
+    p: ParametersLike, label: WordLike, *, jacobian: bool = False, exit: str | None = None
 ) -> CompiledResidual:
     """Return a compiled function for the residuals of a map, or of a word, over arrays.
 

@@ -36,6 +36,7 @@ from symosc.errors import ParameterError, SymoscError
 from symosc.kernels import entire_array, mapping
 from symosc.mappings.numbers import POINT_NAMES, is_array, is_mp, number_of, point_columns, scalar
 from symosc.model import MODE_NAMES, NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.scenes import ParametersLike
 from symosc.words import MAPS, Map
 
 EXITS = ("below", "above")
@@ -49,7 +50,7 @@ ARRAY_BLOCK = 16384
 
 
 @public
-def residual(p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None) -> tuple[Numbers, Numbers]:
+def residual(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | None = None) -> tuple[Numbers, Numbers]:
     """Return (f1, f2) of a mapping between two switching points; both vanish when the map leads from one to the other.
 
     Parameters
@@ -87,7 +88,7 @@ def residual(p: Parameters, label: str, start: Pair, end: Pair, exit: str | None
 
 
 @public
-def jacobian(p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None) -> np.ndarray:
+def jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | None = None) -> np.ndarray:
     """Return the derivatives of f1, f2 with respect to (x_i, theta_i, x_j, theta_j).
 
     Parameters and errors are those of `residual`.
@@ -112,7 +113,7 @@ def jacobian(p: Parameters, label: str, start: Pair, end: Pair, exit: str | None
 
 
 @public
-def parameter_jacobian(p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None) -> np.ndarray:
+def parameter_jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | None = None) -> np.ndarray:
     """Return the derivatives of f1, f2 with respect to the parameters, at fixed x_i, theta_i, x_j and theta_j.
 
     The columns are those of `symosc.model.PARAMETER_NAMES`: m, c, k, A0, B0, Omega, v1, v2, mu1, mu2, FN. Arrays
@@ -367,7 +368,7 @@ class MapPoint:
 
 
 @public
-def solve_map(p: Parameters, label: str, x_i: Number, theta_i: Number) -> MapPoint:
+def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> MapPoint:
     """Follow a mapping from a switching point to the next one, by the event search that simulations use.
 
     Parameters

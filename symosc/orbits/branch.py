@@ -34,6 +34,7 @@ from symosc.orbits.closing_equations import solve
 from symosc.orbits.curve import BranchPoint, Curve, no_margin_vanishes, word_beyond
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
+from symosc.scenes import ParametersLike
 from symosc.words import WordLike, read_word
 
 RANGE, NO_CONVERGENCE, MOST = "end of the range", "no convergence", "max_points"
@@ -228,7 +229,7 @@ class Branch(Drawable):
 
 @public
 def continue_orbit(
-    parameters: Parameters,
+    parameters: ParametersLike,
     word: WordLike,
     parameter: str,
     range: tuple[NumberLike, NumberLike],

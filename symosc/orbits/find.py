@@ -19,11 +19,12 @@ from symosc.engine.state import CROSS, END, FAILED, REST, SLIP, STICK, Covarianc
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, unmasked, whole_number
 from symosc.mappings.numbers import text_or_booleans
-from symosc.model import MODE_NAMES, Parameters
+from symosc.model import MODE_NAMES
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, Condition, failures, grazing_distance
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Solution, polish, solve
 from symosc.orbits.floquet import inside, monodromy, multipliers, rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
+from symosc.scenes import ParametersLike
 from symosc.simulation.problems import named
 from symosc.simulation.trajectory import MAP_LABELS
 from symosc.words import Word, WordError, WordLike, read_word
@@ -50,7 +51,7 @@ BATCH = 8
 
 @public
 def find_orbit(
-    parameters: Parameters,
+    parameters: ParametersLike,
     word: WordLike,
     guess: PeriodicOrbit | ArrayLike | Mapping[str, ArrayLike] | DataFrame | None = None,
     digits: int | None = None,

@@ -27,6 +27,7 @@ from symosc.kernels.double_double import HALF_PI, THREE_HALVES_PI
 from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC, place
 from symosc.model import Parameters
 from symosc.plot.drawing import Drawing, figure_of, legend_entries, one_axes, read_panels, style_for
+from symosc.scenes import ParametersLike
 
 if TYPE_CHECKING:
     from symosc.symbolic.inverse import ParameterRegion
@@ -203,7 +204,7 @@ def _places(window: GrazingWindow, theta: np.ndarray) -> np.ndarray:
 
 @public
 def sweep_figure(
-    p: Parameters,
+    p: ParametersLike,
     mapping: str,
     name: str,
     low: NumberLike | None = None,

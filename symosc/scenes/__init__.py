@@ -11,16 +11,19 @@ from functools import cache
 from math import inf
 from os.path import isfile
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from symosc.aliases import NumberLike, SceneName
-from symosc.arguments import public
+from symosc.arguments import CONVERTERS, public
 from symosc.errors import ParameterError, SceneError, meant
 from symosc.exact import read_exact, read_start_error, show
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes.files import MOST_CHARACTERS, read_scene_file
 from symosc.scenes.quantities import ALLOWED, QUANTITIES, unit_of
 from symosc.words import WordError, read_word
+
+#: Parameters; or a Scene, or the name or file of one, of which a public function takes the parameters.
+ParametersLike: TypeAlias = Any
 
 SCENES_FOLDER = Path(__file__).parent
 START_NAMES = ("t0", "x0", "v0", "t_end")
@@ -104,6 +107,19 @@ class Scene:
             t0, x0, v0 = (0 * e if name in given else e for name, e in zip(START_NAMES[:3], errors, strict=True))
             errors = t0, x0, v0
         return replace(self, **(dict[str, Any](given) | {"start_error": errors}))
+
+
+def parameters_of(what: Scene | SceneName) -> Parameters:
+    """Return the parameters of a Scene, or of the scene with a name or in a file."""
+    return (what if isinstance(what, Scene) else load_scene(what)).parameters
+
+
+CONVERTERS["parameters"] = parameters_of
+
+
+def from_rest(p: Parameters, t_end: NumberLike) -> Scene:
+    """Return the motion of parameters from rest at x = 0 and t = 0."""
+    return Scene("parameters", p, Fraction(0), Fraction(0), Fraction(0), read_exact("t_end", t_end))
 
 
 def scene_names() -> list[str]:

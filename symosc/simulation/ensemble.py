@@ -65,6 +65,7 @@ from symosc.engine.summary import (
 from symosc.errors import ParameterError
 from symosc.exact import read_start_error, whole_number
 from symosc.model import MODE_NAMES, Parameters
+from symosc.scenes import ParametersLike
 from symosc.simulation.batch import (
     MOST_WORKERS,
     PAIRS,
@@ -102,7 +103,7 @@ MODE_TEXTS = np.array(["", *(MODE_NAMES[code] for code in sorted(MODE_NAMES))])
 
 @public
 def simulate_many(
-    parameters: Parameters | Sequence[Parameters] | Mapping[str, ArrayLike],
+    parameters: ParametersLike | Sequence[Parameters] | Mapping[str, ArrayLike],
     starts: ArrayLike | Mapping[str, ArrayLike] | DataFrame,
     t_end: NumberLike | ArrayLike,
     *,

@@ -32,6 +32,7 @@ from symosc.exact import read_exact
 from symosc.mappings.numbers import LatexAnswer, latex_table
 from symosc.mappings.theorem7_cases import Place, place
 from symosc.model import Parameters
+from symosc.scenes import ParametersLike
 from symosc.symbolic.theorem7 import latex, rational, real, sign_of
 
 #: The letters of questions without numbers. v_lambda is the belt of the map, v_1 and v_2 stand in its range only.
@@ -400,7 +401,7 @@ def holds(condition: Expr, numbers: dict[Expr, Expr]) -> bool:
 
 @public
 def values_containing(
-    p: Parameters | None,
+    p: ParametersLike | None,
     mapping: str,
     name: str | Sequence[str],
     theta: NumberLike | tuple[NumberLike, NumberLike] | sp.Interval | None = None,
@@ -459,7 +460,7 @@ def values_containing(
 
 
 @public
-def values_empty(p: Parameters | None, mapping: str, name: str | Sequence[str]) -> Any:
+def values_empty(p: ParametersLike | None, mapping: str, name: str | Sequence[str]) -> Any:
     """Return the values of one or two parameters for which a map's window is empty; see `values_containing`.
 
     Both orders agree: at equality the tangency of fourth order bends to the other side.
@@ -480,7 +481,7 @@ def values_empty(p: Parameters | None, mapping: str, name: str | Sequence[str]) 
 
 
 @public
-def values_everything(p: Parameters | None, mapping: str, name: str | Sequence[str], order: Order = "full") -> Any:
+def values_everything(p: ParametersLike | None, mapping: str, name: str | Sequence[str], order: Order = "full") -> Any:
     """Return the values of one or two parameters for which a map's window has all phases.
 
     Examples
