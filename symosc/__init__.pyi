@@ -7,6 +7,7 @@ from .crosschecks.compare import CrossCheck as CrossCheck
 from .crosschecks.compare import crosscheck as crosscheck
 from .crosschecks.events import FoundEvent as FoundEvent
 from .crosschecks.events import Match as Match
+from .display.drawable import Listing as Listing
 from .engine.events import Event as Event
 from .errors import (
     MissingExtraError as MissingExtraError,

@@ -17,11 +17,12 @@ from symosc.certificates.certificate import Certificate, proven_rows
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.exact import read_digits, read_start_error
 from symosc.grazing.window import GrazingWindow
+from symosc.model import Parameters
 from symosc.orbits.branch import Branch
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
-from symosc.scenes import Scene, load_scene
+from symosc.scenes import Scene, from_rest, load_scene
 
 #: A motion of a scene with a structure that lasts longer, in radians of the drive, may settle on the orbit.
 SETTLES_AFTER = 6000
@@ -31,7 +32,7 @@ MOST_PROVEN_DIGITS = 500
 
 @public
 def certify(
-    what: Scene | SceneName | PeriodicOrbit | Branch | GrazingWindow,
+    what: Scene | Parameters | SceneName | PeriodicOrbit | Branch | GrazingWindow,
     *,
     t_end: NumberLike | None = None,
     start_error: StartError | None = None,
@@ -47,8 +48,8 @@ def certify(
 
     Parameters
     ----------
-    what : Scene, str, Path, PeriodicOrbit, Branch or GrazingWindow
-        A scene, the name of one, or the path of a TOML file. Or what `symosc.find_orbit`, `symosc.continue_orbit` or
+    what : Scene, str, Path, Parameters, PeriodicOrbit, Branch or GrazingWindow
+        A scene, the name of one, or the path of a TOML file; Parameters, from rest until `t_end`. Or what `symosc.find_orbit`, `symosc.continue_orbit` or
         `symosc.grazing_window` returns.
     t_end : number, optional
         End in place of the scene's.
@@ -84,6 +85,10 @@ def certify(
     """
     if isinstance(what, str | Path):
         what = load_scene(what)
+    if isinstance(what, Parameters):
+        if t_end is None:
+            raise ParameterError("t_end", None, "is needed with parameters")
+        what = from_rest(what, t_end)
     for name, value in (("t_end", t_end), ("start_error", start_error), ("digits", digits)):
         if value is not None and isinstance(what, PeriodicOrbit | Branch | GrazingWindow):
             raise ParameterError(name, value, f"is for a scene only, not for a {type(what).__name__}")

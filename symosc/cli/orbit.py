@@ -35,7 +35,11 @@ if TYPE_CHECKING:
 
 @click.command()
 @scene_argument
-@click.option("--structure", metavar="WORD", help="Mapping structure, such as P32. Default: the scene's.")
+@click.option(
+    "--structure",
+    metavar="WORD",
+    help="Mapping structure, such as P32. Default: the scene's, or that of the settled motion.",
+)
 @set_option
 @click.option(
     "--periods", type=WholeNumber(), metavar="N", help="Close after N forcing periods. Default: what simulations do."
@@ -62,7 +66,7 @@ def orbit(
     output: str | None,
     as_json: bool,
 ) -> int:
-    """Find the periodic orbit with a mapping structure, and say whether it is stable.
+    """Find a periodic orbit, and say whether it is stable: that of a mapping structure, or of the settled motion.
 
     Prints the switching points, the multipliers, and how far the scene's start is from the orbit. With --continue the
     orbit is followed both ways until it ends or leaves the range. Each end is located, and printed with its reason and
@@ -79,9 +83,7 @@ def orbit(
 
     piped = goes_to_stdout(output, "--output", as_json)
     problem = scene_with(scene, settings, {})
-    structure = problem.structure if structure is None else structure
-    if structure is None:
-        raise click.UsageError(f"the scene {problem.name} has no structure of its own; give --structure")
+    structure = problem.structure if structure is None else structure  # None: that of the settled motion
     check_picture(output)
     try:
         found = find_orbit(problem.parameters, structure, digits=digits, periods=periods)

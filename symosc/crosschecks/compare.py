@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import NumberLike, Progress, Record, SolutionLike
+from symosc.aliases import NumberLike, Progress, Record, SceneName, SolutionLike
 from symosc.arguments import public
 from symosc.crosschecks.causes import Fault, explain
 from symosc.crosschecks.events import (
@@ -66,7 +66,7 @@ ADDED_UP = "every step is right, but their errors add up, or the start is anothe
 
 @public
 def crosscheck(
-    scene: Scene | Parameters | str,
+    scene: Scene | Parameters | SceneName,
     t: SolutionLike,
     x: ArrayLike | Callable[..., Any] | None = None,
     v: ArrayLike | None = None,
@@ -128,9 +128,7 @@ def crosscheck(
     >>> crosscheck("fig5", simulate("fig5")).ok
     True
     """
-    scene = load_scene(scene) if isinstance(scene, str) else scene
-    if not isinstance(scene, (Scene, Parameters)):
-        raise ParameterError("scene", scene, "give a Scene, the name of a scene, or Parameters")
+    scene = scene if isinstance(scene, (Scene, Parameters)) else load_scene(scene)
     allowed = _positive("tolerance", tolerance)
     limit = None if global_tolerance is None else _positive("global_tolerance", global_tolerance)
     judge = Judge(scene, allowed, limit, own_start, partial)

@@ -33,7 +33,7 @@ MOST_LISTED = 20
 EVENT_LISTS = ("matched", "missed", "invented", "unresolved")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class CrossCheck(Drawable, Reportable):
     """The comparison of samples with the exact motion.
 
@@ -157,6 +157,9 @@ class CrossCheck(Drawable, Reportable):
         return _same(self, other)
 
     __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return f"<CrossCheck {self.summary().splitlines()[0]}>"
 
     def summary(self) -> str:
         """Return the findings as lines of text."""

@@ -9,9 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 Show = Callable[..., Any]
+Item = TypeVar("Item")
+# Entries of a listing that are shown of more than so many.
+SHOWN, MOST_SHOWN = 3, 10
 #: The registered functions by what they do, then by the qualified name of the answers' class.
 _registered: dict[str, dict[str, Show]] = {"draw": {}, "page": {}, "write": {}}
 #: Called before the first drawing, report or page; they load what registers.
@@ -85,6 +88,23 @@ class Drawable:
     def __dir__(self) -> list[str]:
         """Return the names that a user is meant to use, for completion."""
         return sorted(name for name in super().__dir__() if not name.startswith("_"))
+
+
+class Listing(tuple[Item, ...]):
+    """A tuple of many entries whose text shows the first ones and their number.
+
+    Examples
+    --------
+    >>> from symosc import simulate
+    >>> events = simulate("fig9", t_end=900).events
+    >>> len(events) > 1000, len(repr(events)) < 1000
+    (True, True)
+    """
+
+    def __repr__(self) -> str:
+        if len(self) <= MOST_SHOWN:
+            return super().__repr__()
+        return f"({', '.join(map(repr, self[:SHOWN]))}, ... {len(self):,} in all)"
 
 
 class Reportable:

@@ -138,7 +138,7 @@ class CurvePiece:
     __hash__ = None  # type: ignore[assignment]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class GrazingCurve(Drawable, LatexAnswer):
     """The grazing curve of a mapping.
 
@@ -166,7 +166,10 @@ class GrazingCurve(Drawable, LatexAnswer):
     pieces: tuple[CurvePiece, ...]
     gaps: tuple[tuple[float, float, str], ...]
     windows: tuple[tuple[float, float], ...]
-    _source: Tracer = field(repr=False, compare=False)
+    _source: Tracer = field(compare=False)
+
+    def __repr__(self) -> str:
+        return f"<GrazingCurve of {self.mapping}: pieces {len(self.pieces)}, gaps {len(self.gaps)}>"
 
     def latex(self) -> str:
         """Return the ends of the pieces as a LaTeX table: (Omega t_i, x_i), Omega t_m and the reason."""

@@ -27,4 +27,4 @@ def _without_owner(typing_context: Any, array: Any) -> Any:
 @numba.njit(forceinline=True)
 def borrowed(array):
     """Return an array without an owner."""
-    return _without_owner(array)
+    return _without_owner(array)  # type: ignore[call-arg]

@@ -19,12 +19,13 @@ from symosc.engine.state import CROSS, END, FAILED, REST, SLIP, STICK, Covarianc
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, unmasked, whole_number
 from symosc.mappings.numbers import text_or_booleans
-from symosc.model import MODE_NAMES
+from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, Condition, failures, grazing_distance
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Solution, polish, solve
 from symosc.orbits.floquet import inside, monodromy, multipliers, rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike
+from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.trajectory import MAP_LABELS
 from symosc.words import Word, WordError, WordLike, read_word
@@ -44,6 +45,8 @@ SAME_ORBIT = 1e-7
 EVENTS_PER_PIECE, LEAST_RUN_EVENTS = 8, 60
 MOST_GUESS_PERIODS = 1_000_000
 SETTLING_EVENTS, SETTLED = 400, 1e-6
+#: Forcing periods after which the motion from rest is looked at.
+SETTLING_PERIODS = (50, 1_000, 20_000)
 # Starts on each belt: fractions of a forcing period, and positions in units of the largest displacement expected.
 START_PHASES, START_POSITIONS = 8, (0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15)
 BATCH = 8
@@ -52,20 +55,21 @@ BATCH = 8
 @public
 def find_orbit(
     parameters: ParametersLike,
-    word: WordLike,
+    word: WordLike | None = None,
     guess: PeriodicOrbit | ArrayLike | Mapping[str, ArrayLike] | DataFrame | None = None,
     digits: int | None = None,
     *,
     periods: int | None = None,
 ) -> PeriodicOrbit:
-    """Find the periodic orbit with a given mapping structure.
+    """Find the periodic orbit to which the motion settles, or that with a given mapping structure.
 
     Parameters
     ----------
-    parameters : Parameters
+    parameters : Parameters, or a Scene, its name or its file
         With k > 0: without a spring nothing fixes the position of an orbit.
-    word : str or sequence of str
-        The mapping structure, read right to left: "P32" is P2 first, then P3.
+    word : str or sequence of str, optional
+        The mapping structure, read right to left: "P32" is P2 first, then P3. None: that of the motion from rest, once
+        it has settled.
     guess : optional
         None: from simulations. Or n pairs (t, x), one for each switching in order of time. Or one pair (t, x) on the
         belt on which the word begins; the guess is simulated from there. Or a PeriodicOrbit of the same word.
@@ -87,7 +91,8 @@ def find_orbit(
     ParameterError
         If the guess has a wrong shape, its times do not increase, or k = 0.
     ConvergenceError
-        If no root was found; it carries the best points.
+        If no root was found; it carries the best points. Without a word: if the motion does not settle to an orbit that
+        meets a belt.
 
     Notes
     -----
@@ -105,6 +110,8 @@ def find_orbit(
     >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
     (True, '1.570796', ['0.181670', '0.992371'])
     """
+    if word is None:
+        return _settled(parameters, digits)
     found = read_word(word)
     if len(found.labels) > MOST_MAPPINGS:
         reason = f"has {len(found.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
@@ -120,6 +127,25 @@ def find_orbit(
     else:
         batches = iter([[_read_guess(guess, equations, periods)]])
     return orbit_at(*_best_root(equations, batches), digits)
+
+
+def _settled(parameters: Parameters, digits: int | None) -> PeriodicOrbit:
+    """Return the orbit to which the motion from rest settles."""
+    if parameters.c == 0:
+        raise ParameterError("word", None, "is needed without a damper: for c = 0 a motion need not settle")
+    word = ""
+    for periods in SETTLING_PERIODS:
+        end = 2 * pi * periods / float(parameters.Omega)
+        summary = simulate_many(parameters, (0, 0, 0), end, record=("word", "multiplicity"))
+        word = str(summary.word[0]) if summary.multiplicity[0] else ""
+        if word:
+            found = find_orbit(parameters, word, digits=digits)
+            if found.admissible:
+                return found
+    reason = f"the motion from rest does not settle within {SETTLING_PERIODS[-1]:,} forcing periods"
+    if summary.multiplicity[0]:
+        reason = "the motion from rest settles without meeting a belt"
+    raise ConvergenceError(word, (), 1, inf, reason)
 
 
 def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> tuple[ClosingEquations, Solution]:

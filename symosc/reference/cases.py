@@ -20,6 +20,7 @@ from math import pi
 from typing import Any
 
 from symosc.aliases import Number, NumberLike
+from symosc.display.drawable import Listing
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show
@@ -78,7 +79,7 @@ def reference_cases() -> Sequence[ReferenceCase]:
     >>> cases[0].name, cases[-1].group
     ('paper-fig5', 'long run')
     """
-    return (*_paper(), *_hard(), *grazes(), *rests(), *coulomb(), *continuum(), *_long_runs())
+    return Listing([*_paper(), *_hard(), *grazes(), *rests(), *coulomb(), *continuum(), *_long_runs()])
 
 
 def reference_case(name: str) -> ReferenceCase:

@@ -62,7 +62,8 @@ def simulate(
     scene : Scene, str or Parameters
         A scene or the name of one (t0, x0, v0 and t_end then replace the scene's own), or parameters.
     t0, x0, v0, t_end : number
-        Start and end, read exactly like parameters; in the parameters' units.
+        Start and end, read exactly like parameters; in the parameters' units. With parameters t0, x0 and v0 are 0
+        unless they are given.
     max_events : int, optional
         Stop after that many events (default 1,000,000; with `digits` 20,000, some minutes).
     digits : int, optional
@@ -119,10 +120,9 @@ def _read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], st
         scene = scene.started({name: value for name, value in given.items() if value is not None})
         error = scene.start_error if start_error is None else read_start_error(start_error)
         return Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, error)
-    for name, value in given.items():
-        if value is None:
-            raise ParameterError(name, value, "is needed with parameters")
-    numbers = {name: read_exact(name, value) for name, value in given.items()}
+    if given["t_end"] is None:
+        raise ParameterError("t_end", None, "is needed with parameters")
+    numbers = {name: read_exact(name, 0 if value is None else value) for name, value in given.items()}
     start = Start(scene, **numbers, start_error=read_start_error(start_error))
     if start.t_end <= start.t0:
         raise ParameterError("t_end", show(start.t_end), f"must be later than t0 = {show(start.t0)}")

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.arguments import public
-from symosc.display.drawable import Drawable
+from symosc.display.drawable import Drawable, Listing
 from symosc.display.frames import imported
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import EventRows
@@ -120,19 +120,19 @@ class Trajectory(Drawable):
         self._K: Constants = Arithmetic(parameters).K  # they are kept
 
     @cached_property
-    def events(self) -> tuple[Event, ...]:
+    def events(self) -> Listing[Event]:
         """The events in order of time."""
-        return tuple(events_from(self._rows) if isinstance(self._rows, EventRows) else self._rows)
+        return Listing(events_from(self._rows) if isinstance(self._rows, EventRows) else self._rows)
 
     @cached_property
-    def segments(self) -> tuple[Segment, ...]:
+    def segments(self) -> Listing[Segment]:
         """The segments in order of time."""
         found = []
         plane, since, mode = self._first_at, self.t_start, MODE_NAMES[int(self._pieces[2, 0])]
         for event in self.events:
             found.append(Segment(since, event.t, mode, MAP_LABELS.get((plane, mode, event.boundary))))
             plane, since, mode = event.boundary, event.t, event.target
-        return (*found, Segment(since, self.t_end, mode, None))
+        return Listing([*found, Segment(since, self.t_end, mode, None)])
 
     @cached_property
     def _starts(self) -> list[float]:

@@ -17,8 +17,9 @@ from symosc.aliases import DataFrame, NumberLike, Progress, SceneName
 from symosc.arguments import public
 from symosc.display.progress import reporting
 from symosc.errors import MissingExtraError, ParameterError, SweepError, SymoscError
-from symosc.exact import whole_number
-from symosc.scenes import Scene, load_scene
+from symosc.exact import LARGEST, whole_number
+from symosc.model import Parameters
+from symosc.scenes import Scene, from_rest, load_scene
 from symosc.sweeps import output
 from symosc.sweeps.output import dataset_of, need_xarray
 from symosc.sweeps.plan import SWEPT_STARTS, SweepPlan, compute, kernels_hash, read_grid, read_plan, start_rows
@@ -43,7 +44,7 @@ Done = tuple[int, int, Columns]
 
 @public
 def sweep(
-    scene: Scene | SceneName,
+    scene: Scene | Parameters | SceneName,
     over: Mapping[str, ArrayLike] | Sequence[Mapping[str, NumberLike]] | DataFrame,
     *,
     record: str | Sequence[str] = ("word",),
@@ -62,7 +63,7 @@ def sweep(
 
     Parameters
     ----------
-    scene : Scene, or its name or path
+    scene : Scene, or its name or path; or Parameters, from rest unless `over` or `starts` say otherwise
     over : mapping, DataFrame or sequence of mappings
         One to three axes: parameters, t0, x0 or v0 with their values, numbers or text ``"LO:HI:N"``; or a table, a row
         for each set. Values are taken as doubles, each read as the decimal that it prints as.
@@ -140,7 +141,12 @@ def _fill(columns: Columns, count: int, begin: int, end: int, chunk: Columns) ->
 
 def planned(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: Any) -> tuple[SweepPlan, dict[str, Any]]:
     """Return the plan of a call, and what of the call is not in it."""
-    problem = scene if isinstance(scene, Scene) else load_scene(scene)
+    if isinstance(scene, Parameters):
+        if t_end is None:
+            raise ParameterError("t_end", None, "is needed with parameters")
+        problem = from_rest(scene, LARGEST)  # `t_end` may be in forcing periods, and later than other starts
+    else:
+        problem = scene if isinstance(scene, Scene) else load_scene(scene)
     starts = start_rows(starts)
     if starts is not None and np.ndim(np.asarray(starts, dtype=object)) == 1 and len(starts) == 3:
         problem, starts = problem.started(dict(zip(SWEPT_STARTS, starts, strict=True))), None
@@ -286,7 +292,7 @@ class SweepStatus(NamedTuple):
 
 @public
 def sweep_status(
-    scene: Scene | SceneName,
+    scene: Scene | Parameters | SceneName,
     over: Mapping[str, ArrayLike] | Sequence[Mapping[str, NumberLike]] | DataFrame,
     *,
     record: str | Sequence[str] = ("word",),
