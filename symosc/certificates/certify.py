@@ -49,8 +49,8 @@ def certify(
     Parameters
     ----------
     what : Scene, str, Path, Parameters, PeriodicOrbit, Branch or GrazingWindow
-        A scene, the name of one, or the path of a TOML file; Parameters, from rest until `t_end`. Or what `symosc.find_orbit`, `symosc.continue_orbit` or
-        `symosc.grazing_window` returns.
+        A scene, the name of one, or the path of a TOML file; Parameters, from rest until `t_end`. Or what
+        `symosc.find_orbit`, `symosc.continue_orbit` or `symosc.grazing_window` returns.
     t_end : number, optional
         End in place of the scene's.
     start_error : number or three numbers, optional

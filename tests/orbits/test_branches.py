@@ -467,7 +467,7 @@ def test_the_reason_of_an_end_is_0_there():
 
 def test_arguments_in_the_wrong_place_are_named():
     with pytest.raises(ParameterError, match="must be Parameters"):
-        continue_orbit("fig9", "P32", "Omega", (3, 5))  # type: ignore[arg-type]
+        continue_orbit(5, "P32", "Omega", (3, 5))  # type: ignore[arg-type]
     with pytest.raises(ParameterError, match="pair"):
         continue_orbit(FIG9, "P32", "Omega", "35")  # type: ignore[arg-type]
     with pytest.raises(ParameterError, match="max_points"):

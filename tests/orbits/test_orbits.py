@@ -155,7 +155,7 @@ def test_other_bad_input():
     with pytest.raises(ParameterError, match="digits"):
         find_orbit(FIG9, "P32", digits=2.5)
     with pytest.raises(ParameterError, match="parameters"):
-        find_orbit(load_scene("fig9"), "P32")
+        find_orbit(5, "P32")
 
 
 def test_no_convergence_carries_the_best_points():
