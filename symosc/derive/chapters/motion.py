@@ -59,19 +59,14 @@ def at_both(scope: Scope) -> Each:
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    return _balance(), _domains(scope), _well_posed(scope), _held(scope)
-
-
-def _balance() -> Items:
-    """Return the section on the balance of forces."""
+    """Yield the chapter."""
     total, first, second = named(r"m\ddot{x}"), named("T_1"), named("T_2")
     right = A0 + B0 * WAVE - k * x - c * v + first + second
     checks = tuple(
         Exact({total: m * newton(alpha), first: one * mu1 * FN, second: two * mu2 * FN})
         for alpha, (one, two) in enumerate(((1, 1), (-1, 1), (-1, -1)), 1)
     )
-    return (
+    yield (
         r"\subsection{The balance of forces}",
         r"A mass $m > 0$ at the position $x(t)$ is held by a spring of stiffness $k \ge 0$ and a damper with the "
         r"coefficient $c \ge 0$, and driven by the force $A_0 + B_0\cos\Omega t$ with the frequency $\Omega > 0$. Two "
@@ -100,10 +95,6 @@ def _balance() -> Items:
             0.75,
         ),
     )
-
-
-def _domains(scope: Scope) -> Items:
-    """Return the section on the domains."""
     ode = named(r"m\ddot{x} + c\dot{x} + k x")
     A = solution.A
     free = {ode: m * solution.in_paper_letters(solution.acceleration()) + c * v + k * x}
@@ -116,7 +107,7 @@ def _domains(scope: Scope) -> Items:
         rows.append((rf"$\Omega_{alpha}$", velocities, *frictions, constant))
 
     gap = 2 * mu_lambda * FN / m
-    return (
+    yield (
         r"\subsection{Domains and boundaries}",
         r"The velocities of the belts cut the phase plane into the open domains $\Omega_1 = \{\dot{x} < v_1\}$, "
         r"$\Omega_2 = \{v_1 < \dot{x} < v_2\}$ and $\Omega_3 = \{\dot{x} > v_2\}$, with the boundaries "
@@ -150,17 +141,13 @@ def _domains(scope: Scope) -> Items:
         r"unless both vanish and $\mu_\lambda F_N = 0$; then the belt has no friction and there is no boundary. The "
         r"paper's assumption $\mu_1 \ge \mu_2$ is not needed.\end{proof}",
     )
-
-
-def _well_posed(scope: Scope) -> Items:
-    """Return the section on existence and uniqueness."""
     drop = tuple(step(coulomb(a) - coulomb(a + 1), ">=", 0, Sign()) for a in scope.domains[:-1])
     y, rate = named("y"), named(r"\dot{y}")
     energy = named(r"\frac{d}{dt}\Bigl(\frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2\Bigr)")
     accelerated = named(r"\ddot{y}")
     difference = named(r"(T - \tilde{T})")
     meaning = {energy: m * rate * accelerated + k * y * rate, accelerated: (difference - c * rate - k * y) / m}
-    return (
+    yield (
         r"\subsection{Friction is monotone}",
         r"\begin{lemma}[monotone friction]\label{thm:motion-monotone} "
         r"Let $T$ and $\tilde{T}$ be possible values of $T_1 + T_2$ at the velocities $w$ and $\tilde{w}$. Then "
@@ -182,12 +169,6 @@ def _well_posed(scope: Scope) -> Items:
         r"alike the energy on the left stays 0, so $\dot{y} = 0$ for all later times, and $y = 0$.\end{proof}",
         r"Backward in time motions are not unique: all that come to stick at one point of a belt are one motion "
         r"afterwards. The energy inequality returns in Chapter~\ref{sec:orbits}.",
-    )
-
-
-def _held(scope: Scope) -> Items:
-    """Return the section on sticks."""
-    return (
         r"\subsection{The force that a stick has to hold}",
         r"\begin{proposition}[what the belt has to hold]\label{thm:motion-held} "
         r"Let $F_{s\lambda}$ be the sum of all forces on the mass but the friction of belt $\lambda$ while "

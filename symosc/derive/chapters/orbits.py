@@ -43,26 +43,12 @@ TITLE = "Periodic motions"
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    if scope.scene is None:
-        found: Items = (
-            _orbit(Scope(load_scene("fig9")), "P32", "The paper's Fig.~9"),
-            _orbit(Scope(load_scene("fig10")), "P4645", "The paper's Fig.~10"),
-        )
-    elif scope.scene.structure:
-        found = _orbit(scope, scope.scene.structure, rf"Scene \texttt{{{scope.scene.name}}}")
-    else:
-        found = (r"This scene has no mapping structure of a periodic motion.",)
-    return _uniqueness(), _assumptions(), found
-
-
-def _uniqueness() -> Items:
-    """Return the section on uniqueness."""
+    """Yield the chapter."""
     mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
     held, size = named(r"H_\lambda"), sp.Symbol("B_0", real=True)
     ends = [(held + sign * (mu * FN - sp.Abs(size))) / k for sign in (1, -1)]
     length = named(r"\ell")
-    return (
+    yield (
         r"\subsection{Existence, uniqueness, stability}",
         r"\begin{theorem}[one attractor, or an interval of rests]\label{thm:orbits-unique} "
         r"Let $c > 0$ and $k > 0$.\begin{enumerate}"
@@ -102,12 +88,8 @@ def _uniqueness() -> Items:
         r"is a rest, and its energy relative to that rest falls to 0. Moving a rest inside the interval changes "
         r"nothing else: the multiplier is 1.\end{proof}",
     )
-
-
-def _assumptions() -> Items:
-    """Return the section on the assumptions of uniqueness."""
     tenth, places = sp.Rational(1, 10), ("0", "1/2", "-3/5", "-4/5", "1")
-    return (
+    yield (
         r"\begin{example}\label{thm:orbits-example} "
         r"Let $m = c = k = 1$, $A_0 = 0$, $B_0 = \frac{1}{10}$, $\Omega = 1$, $v_1 = 0$, $v_2 = 10$, $\mu_1 = 1$, "
         r"$\mu_2 = \frac{1}{10}$, $F_N = 1$. Then $H_1 = \frac{1}{10}$, and the mass may rest at every $x$ from "
@@ -120,6 +102,13 @@ def _assumptions() -> Items:
         r"the oscillator with one belt at rest \cite{csernak2007}; for its symmetric motions see also "
         r"\cite{denhartog1931,hongliu2000,luogegg2006,shaw1986}.\end{remark}",
     )
+    if scope.scene is None:
+        yield _orbit(Scope(load_scene("fig9")), "P32", "The paper's Fig.~9")
+        yield _orbit(Scope(load_scene("fig10")), "P4645", "The paper's Fig.~10")
+    elif scope.scene.structure:
+        yield _orbit(scope, scope.scene.structure, rf"Scene \texttt{{{scope.scene.name}}}")
+    else:
+        yield r"This scene has no mapping structure of a periodic motion."
 
 
 # --- one orbit: its equations at the root, and what happens between the switching points ---

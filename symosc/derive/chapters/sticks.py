@@ -25,18 +25,13 @@ def force_on_belt(angle: Any) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    return _on_belt(), _exits(scope), _which_exit(scope), _every_stick_ends()
-
-
-def _on_belt() -> Items:
-    """Return the section on the motion on a belt."""
+    """Yield the chapter."""
     position = named(r"x(\tau)")
     on_belt = named(r"F^{(\alpha)}(\tau)")
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
     rate = named(r"m\dot{F}^{(\alpha)}")
     moving = solution.in_paper_letters(solution.acceleration(x_i + v_lambda * (t - solution.t_i), v_lambda, theta))
-    return (
+    yield (
         r"\subsection{The mass on a belt}",
         r"\begin{definition}[stick]\label{thm:sticks-stick} "
         r"A \emph{stick} on belt $\lambda$ is an interval of time during which $\dot{x} = v_\lambda$, so that "
@@ -69,13 +64,9 @@ def _on_belt() -> Items:
         r"both accelerations are strictly monotone (or constant, for $B_0 = 0$ and $k v_\lambda = 0$), so the end of a "
         r"stick is found without a search: on each such piece each of them has at most one zero, or never changes.",
     )
-
-
-def _exits(scope: Scope) -> Items:
-    """Return the section on the exits."""
     zero = named(r"F^{(\lambda+1)}|_{F^{(\lambda)} = 0}")
     lower = Each(tuple(Sign({zero: -(newton(lo) - newton(lo + 1))}) for lo in scope.boundaries))
-    return (
+    yield (
         r"\subsection{Both ends}",
         r"\begin{theorem}[both exits of a stick]\label{thm:sticks-exits} "
         r"A stick on belt $\lambda$ ends at the first time at which $F^{(\lambda)}$ falls below 0, and then the mass "
@@ -100,10 +91,6 @@ def _exits(scope: Scope) -> Items:
         r"Lemma~\ref{thm:switching-side} it goes below $v_\lambda$. The other end is the mirror image. "
         r"\eqref{eq:sticks-other} is Lemma~\ref{thm:motion-jump}.\end{proof}",
     )
-
-
-def _which_exit(scope: Scope) -> Items:
-    """Return the section on which exit comes first."""
     rows = []
     for belt in scope.boundaries:
         for alpha in NEIGHBOURS[belt]:
@@ -112,7 +99,7 @@ def _which_exit(scope: Scope) -> Items:
             force = equation(m * F(alpha), right, {F(alpha): newton(alpha).subs(at)})
             way, paper = ("falls", "not in the paper") if alpha == belt else ("rises", f"the paper's ({51 + belt})")
             rows.append((str(belt), rf"$F^{{({alpha})}}$ {way}", rf"$\Omega_{alpha}$", paper, force))
-    return (
+    yield (
         Table(
             "tab:sticks-exits",
             r"What vanishes at the end of a stick, and into which domain the mass goes. The paper's (52) and (53) have "
@@ -131,15 +118,11 @@ def _which_exit(scope: Scope) -> Items:
             0.85,
         ),
     )
-
-
-def _every_stick_ends() -> Items:
-    """Return the section on the duration of sticks."""
     turn = named(r"\Delta_T F^{(\alpha)}")
     lost = -2 * sp.pi * k * v_lambda / (m * Omega)
     per_turn = force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
     change = {turn: sp.simplify(per_turn.xreplace({solution.w0sq: k / m, solution.cm: solution.c / m}))}
-    return (
+    yield (
         r"\begin{corollary}\label{thm:sticks-ends} "
         r"For $k v_\lambda \ne 0$ every stick ends: over each period $2\pi/\Omega$ both accelerations change by "
         r"$-2\pi k v_\lambda/(m\Omega)$. For $k v_\lambda = 0$ a stick ends within one period, or "

@@ -16,18 +16,7 @@ TITLE = "What happens at a boundary"
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    del scope  # the statements are the same for every scene
-    return (
-        _general(),
-        g_functions(),
-        _local(),
-        _theorems(),
-    )
-
-
-def _general() -> Items:
-    """Return the section on general discontinuous systems."""
+    """Yield the chapter."""
     n, y = sp.Function("n")(t), sp.Function("y")(t)
     first, second = named(r"G^{(0,\alpha)}"), named(r"G^{(1,\alpha)}")
 
@@ -39,7 +28,7 @@ def _general() -> Items:
     parts = {("", r"\ddot"): n * y.diff(t, 2), ("D", r"\dot"): n.diff(t) * y.diff(t), ("D^2", ""): n.diff(t, 2) * y}
     parts |= {("", r"\dot"): n * y.diff(t), ("D", ""): n.diff(t) * y}
     letters = {product(*key): value for key, value in parts.items()}
-    return (
+    yield (
         r"\subsection{G-functions}",
         r"Luo's theory of flow switchability \cite{luo2008,luo2009} compares the flow $\mathbf{x}^{(\alpha)}(t)$ of a "
         r"domain with the flow $\mathbf{x}^{(0)}(t)$ in its boundary, along the boundary's normal $\mathbf{n}$; a dot "
@@ -73,42 +62,7 @@ def _general() -> Items:
         r"$d^{\,j+1}(\mathbf{n}^T\mathbf{x}^{(\alpha)})/dt^{\,j+1}$, and here "
         r"$\mathbf{n}^T\mathbf{x}^{(\alpha)} = \dot{x}$ with $\ddot{x} = F^{(\alpha)}$.\end{proof}",
     )
-
-
-def _reduced(order: int) -> Any:
-    """Return a check: a derivative of n.(x - x0) is that of n.x if x0 moves in a flat boundary with the normal n."""
-    n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
-    first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
-    gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
-    right = n1 * first.diff(t, order) + n2 * second.diff(t, order)
-    return equation(gap.diff(t, order), right, Exact(independent=False))
-
-
-def g_functions() -> Items:
-    """Return the lemma on the first G-functions."""
-    path = sp.Function("x")(t)
-    newton = (solution.A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
-    lower, rows = [v, F(r"\alpha")], []
-    for n in (1, 2, 3):
-        true = newton.diff(t, n).doit().subs([(path.diff(t, j + 1), lower[j]) for j in range(n, -1, -1)])
-        wave = solution.forcing(n).xreplace({solution.f0: B0 / m})
-        right = solution.next_derivative(lower[n], lower[n - 1], wave)
-        right = right.xreplace({solution.cm: c / m, solution.w0sq: k / m})
-        rows.append(equation(G(n), right, true.subs(Omega * t, theta), label=f"switching-g{n}"))
-        lower.append(G(n))
-    return (
-        r"\begin{lemma}[the first G-functions]\label{thm:switching-g} "
-        r"Along the flow of $\Omega_\alpha$, with $\theta = \Omega t$,",
-        rows,
-        r"\end{lemma}",
-        r"\begin{proof} Differentiate \eqref{eq:motion-acceleration} along the motion. The first one is the paper's "
-        r"(47) and (48): $\nabla F^{(\alpha)}\cdot(\dot{x}, F^{(\alpha)})^T + \partial "
-        r"F^{(\alpha)}/\partial t$.\end{proof}",
-    )
-
-
-def _local() -> Items:
-    """Return the section on Lemmas 1 to 3."""
+    yield g_functions()
     flow = solution.flow()
     at_start = solution.start_values() | {tau: sp.Integer(0)}
     values, derivative = [], flow.v
@@ -122,7 +76,7 @@ def _local() -> Items:
     )
     here = {solution.x: x_i, v: v_i, theta: theta_i, solution.A_m: solution._force_at_start()}
     meaning = {gap: true} | {g: solution.g_function(n).xreplace(here) for n, g in enumerate(orders)}
-    return (
+    yield (
         r"\subsection{The first G-function that does not vanish}",
         r"\begin{lemma}[which side before, which side after]\label{thm:switching-side} "
         r"Let the flow of $\Omega_\alpha$ have $\dot{x} = v_\lambda$ at $\tau = 0$, and let $G^{(n,\alpha)}$ be the "
@@ -144,15 +98,11 @@ def _local() -> Items:
             0.8,
         ),
     )
-
-
-def _theorems() -> Items:
-    """Return the section on Theorems 4 to 6."""
     speed = named(r"k v_\lambda")
     first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, v: v_lambda})
     stays = {G(1): first, F(r"\alpha"): solution.in_paper_letters(solution.acceleration()).subs(v, v_lambda)}
     stays = {name: value.subs(Omega * t, theta) for name, value in stays.items()} | {speed: k * v_lambda}
-    return (
+    yield (
         r"\subsection{The paper's Lemmas 1 to 3 and Theorems 4 to 6}",
         r"\begin{theorem}[stick, passage, graze]\label{thm:switching-cases} "
         r"Let a motion have $\dot{x} = v_\lambda$ at the time $t_m$, at the position $x_m$, and let $F^{(\lambda)}$ "
@@ -190,4 +140,36 @@ def _theorems() -> Items:
             label="switching-decides",
         ),
         r"where the term with $F^{(\alpha)}$ vanishes at a graze.",
+    )
+
+
+def _reduced(order: int) -> Any:
+    """Return a check: a derivative of n.(x - x0) is that of n.x if x0 moves in a flat boundary with the normal n."""
+    n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
+    first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
+    gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
+    right = n1 * first.diff(t, order) + n2 * second.diff(t, order)
+    return equation(gap.diff(t, order), right, Exact(independent=False))
+
+
+def g_functions() -> Items:
+    """Return the lemma on the first G-functions."""
+    path = sp.Function("x")(t)
+    newton = (solution.A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
+    lower, rows = [v, F(r"\alpha")], []
+    for n in (1, 2, 3):
+        true = newton.diff(t, n).doit().subs([(path.diff(t, j + 1), lower[j]) for j in range(n, -1, -1)])
+        wave = solution.forcing(n).xreplace({solution.f0: B0 / m})
+        right = solution.next_derivative(lower[n], lower[n - 1], wave)
+        right = right.xreplace({solution.cm: c / m, solution.w0sq: k / m})
+        rows.append(equation(G(n), right, true.subs(Omega * t, theta), label=f"switching-g{n}"))
+        lower.append(G(n))
+    return (
+        r"\begin{lemma}[the first G-functions]\label{thm:switching-g} "
+        r"Along the flow of $\Omega_\alpha$, with $\theta = \Omega t$,",
+        rows,
+        r"\end{lemma}",
+        r"\begin{proof} Differentiate \eqref{eq:motion-acceleration} along the motion. The first one is the paper's "
+        r"(47) and (48): $\nabla F^{(\alpha)}\cdot(\dot{x}, F^{(\alpha)})^T + \partial "
+        r"F^{(\alpha)}/\partial t$.\end{proof}",
     )
