@@ -112,7 +112,7 @@ def figure() -> Figure:
     left.set(xlabel="r = Ω/ω₀", ylabel="F/P", title="No stops below the curve", xlim=(0.3, 2), ylim=(0, 1))
     for F, line, marker in (("0.2", "-", "o"), ("0.5", "--", "s")):
         ratios = [r for r in np.linspace(0.45, 2, FINE) if _slides(r, F)]
-        heights = [float(Formulas(wall(F, _short(r), "0.1")).amplitude()) for r in ratios]
+        heights = [float(Formulas(wall(F, _short(r), "0.1")).amplitude) for r in ratios]
         right.plot(ratios, heights, line, color="0", lw=1.2, label=f"formula, F/P = {F}")
         some = [r for r in (*RATIOS, 1.0) if _slides(r, F)]
         orbits = [slide_orbit(wall(F, _short(r), "0.1")) for r in some]

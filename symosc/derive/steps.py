@@ -118,24 +118,13 @@ _MARKUP = re.compile(
 )
 
 
-class Heading(NamedTuple):
-    """The title of a subsection."""
+class Markup(NamedTuple):
+    """The title of a subsection, or the begin (with title and label) or end of an environment of `KINDS`."""
 
-    text: str
-
-
-class Begin(NamedTuple):
-    """The begin of an environment of `KINDS`, with its title and its label."""
-
-    kind: str
+    command: str
+    name: str
     title: str = ""
     label: str = ""
-
-
-class End(NamedTuple):
-    """The end of an environment."""
-
-    kind: str
 
 
 class Prose(NamedTuple):
@@ -145,15 +134,9 @@ class Prose(NamedTuple):
     facts: tuple[Step, ...] = ()
 
 
-class Facts(NamedTuple):
-    """Checks of the statements in the preceding paragraph."""
-
-    facts: tuple[Step, ...]
-
-
-def facts(*steps: Step) -> Facts:
+def facts(*steps: Step) -> Prose:
     """Return the checks of the statements in the preceding paragraph."""
-    return Facts(steps)
+    return Prose("", steps)
 
 
 class Table(NamedTuple):
@@ -179,33 +162,26 @@ class Illustration(NamedTuple):
 def flat(parts: Items) -> list[Any]:
     """Return the parts of a chapter one by one, with texts taken apart into headings, environments and paragraphs."""
     found: list[Any] = []
-    for part in _unrolled(parts):
+    for part in parts:
         if isinstance(part, str):
             found += _text_parts(part)
-        elif isinstance(part, Facts):
+        elif isinstance(part, Prose):
             last = max(i for i, item in enumerate(found) if isinstance(item, Prose))
             found[last] = Prose(found[last].text, part.facts)
+        elif type(part) in (tuple, list) or isinstance(part, Iterator):
+            inner = flat(part)
+            found += inner
         else:
             found.append(part)
     return found
-
-
-def _unrolled(parts: Items) -> Iterator[Any]:
-    for part in parts:
-        if type(part) in (tuple, list) or isinstance(part, Iterator):
-            yield from _unrolled(part)
-        else:
-            yield part
 
 
 def _text_parts(text: str) -> Iterator[Any]:
     place = 0
     for found in _MARKUP.finditer(text):
         yield from (Prose(part) for part in [text[place : found.start()].strip()] if part)
-        if found[1]:
-            yield Begin(found[2], found[3] or "", found[4] or "")
-        else:
-            yield End(found[6]) if found[5] else Heading(found[8])
+        begin, kind, title, label, end, ended, subsection, heading = (group or "" for group in found.groups())
+        yield Markup(begin or end or subsection, kind or ended or heading, title, label)
         place = found.end()
     yield from (Prose(part) for part in [text[place:].strip()] if part)
 

@@ -142,19 +142,19 @@ def items(scope: Scope) -> Items:
         basis_function(R2, regimes["resonance"], label="domains-resonance-R2"),
         basis_function(I2, regimes["resonance"], label="domains-resonance-I2"),
     )
-    rows, arrows = [], ("=", r"\mapsto")
+    borders, arrows = [], ("=", r"\mapsto")
     for join in solution.JOINS:
         source, target = (solution.REGIMES[name].parameters() for name in (join.source, join.target))
-        cells = []
-        for name, letter in ((named("c/m"), cm), (named("k/m"), w0sq)):
-            limit = sp.limit(source[letter].xreplace(join.path), join.letter, 0)
-            cells.append(equation(name, target[letter], limit))
+        limits = [
+            equation(name, target[letter], sp.limit(source[letter].xreplace(join.path), join.letter, 0))
+            for name, letter in ((named("c/m"), cm), (named("k/m"), w0sq))
+        ]
         # An arrow where the old value of a letter is in the new one.
         path = ", ".join(
             rf"${latex(name)} {arrows[name in value.free_symbols]} {latex(value)}$" for name, value in join.path.items()
         )
         words = [REGIME_WORDS[name][0] for name in (join.source, join.target)]
-        rows.append((*words, rf"${latex(join.letter)} \to 0$", path, *cells))
+        borders.append((*words, rf"${latex(join.letter)} \to 0$", path, *limits))
     yield (
         r"\subsection{The regimes are limits of each other}",
         r"\begin{theorem}[one motion, no cases]\label{thm:domains-entire} "
@@ -168,7 +168,7 @@ def items(scope: Scope) -> Items:
             "tab:domains-joins",
             r"The borders of the regimes: how each is approached, and to what $c/m$ and $k/m$ tend there.",
             ("from", "to", "with", "where", r"$c/m \to$", r"$k/m \to$"),
-            tuple(rows),
+            tuple(borders),
             tuple(_sampled(join) for join in solution.JOINS),
         ),
     )

@@ -60,17 +60,14 @@ def items(scope: Scope) -> Items:
     residual, found = maps.stick_residual(), maps.stick_jacobian()
     theta_j = maps.theta_j
     where = {tau: (theta_j - theta_i) / Omega}
-    rows = (
-        ("f_1", r"\theta_i", "f1", theta_i, "x_th0"),
-        ("f_1", r"\theta_{i+1}", "f1", theta_j, "x_th1"),
-        ("f_2", "x_{i+1}", "f2", maps.x_j, "v_x1"),
-        ("f_2", r"\theta_{i+1}", "f2", theta_j, "v_th1"),
-    )
+    entries = (
+        ("1", r"\theta_i", theta_i, "x_th0"), ("1", r"\theta_{i+1}", theta_j, "x_th1"),
+        ("2", "x_{i+1}", maps.x_j, "v_x1"), ("2", r"\theta_{i+1}", theta_j, "v_th1"),
+    )  # fmt: skip
     steps = []
-    for name, by, key, letter, entry in rows:
-        symbol = partial(name, by)
-        true = residual[key].subs(where).diff(letter)
-        steps.append(equation(symbol, found[entry], true, label=f"jacobians-stick-{entry}"))
+    for n, by, letter, key in entries:
+        true = residual[f"f{n}"].subs(where).diff(letter)
+        steps.append(equation(partial(f"f_{n}", by), found[key], true, label=f"jacobians-stick-{key}"))
     yield (
         r"\begin{proposition}[sticks]\label{thm:jacobians-stick} "
         r"For a stick (Theorem~\ref{thm:maps-stick}) with $\dot{x}_i = v_\lambda$",

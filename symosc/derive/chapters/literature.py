@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import sympy as sp
@@ -10,7 +10,7 @@ import sympy as sp
 from symosc.derive.latex import named
 from symosc.derive.published import MP, Value, number, table
 from symosc.derive.scope import Scope
-from symosc.derive.steps import Check, Close, Exact, Items, Relation, StepError, StepEvidence, Table, decimal, equation
+from symosc.derive.steps import Close, Exact, Items, StepError, Table, decimal, equation
 from symosc.symbolic import coulomb, solution
 from symosc.symbolic.coulomb import F, G, H, P, Q, S, U, V, d, p_0, phi, q_0, r, x_0, x_f
 from symosc.symbolic.solution import BASIS, E0, E1, E2, FN, Omega, c, cm, k, m, omega_0, tau, w0sq
@@ -289,18 +289,11 @@ def items(scope: Scope) -> Items:
 # --- pieces ---
 
 
-@dataclass(frozen=True)
-class Ran(Check):
-    """A printed decimal is the package's value to its last digit, and that value is near the formula's."""
-
-    value: Value
-
-    def __call__(self, statement: Relation) -> StepEvidence:
-        Close(lambda: number(self.value.package), self.value.decimals)(statement)
-        off = abs(self.value.difference)
-        if not off <= self.value.tolerance:
-            raise StepError(str(statement), f"formula and package differ by {MP.nstr(off, 3)}")
-        return StepEvidence("numeric", MP.nstr(off, 2), 1)
+def _agreed(value: Value) -> Any:
+    """Return the package's value; StepError unless it is near the formula's."""
+    if not abs(value.difference) <= value.tolerance:
+        raise StepError(value.name, f"formula and package differ by {MP.nstr(value.difference, 3)}")
+    return number(value.package)
 
 
 def _numbers(key: str, caption: str) -> Table:
@@ -310,7 +303,8 @@ def _numbers(key: str, caption: str) -> Table:
     rows = []
     for value in values:
         formula = decimal("z", number(value.formula), value.decimals)
-        ran = decimal("z", number(value.package), value.decimals, Ran(value))
+        agreed = Close(partial(_agreed, value), value.decimals)
+        ran = decimal("z", number(value.package), value.decimals, agreed)
         rows.append((f"${value.name}$", value.case, formula, ran, *([value.note] if noted else [])))
     heads = ("", "", "formula", "run", *([""] if noted else []))
     return Table(f"tab:literature-{key}", caption, heads, tuple(rows), columns="llrr" + "l" * noted)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache, partial
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -17,12 +16,8 @@ from symosc.derive.steps import (
     CONTEXT,
     STEP_DIGITS,
     AtRoot,
-    Check,
     Items,
-    Relation,
     Sign,
-    StepError,
-    StepEvidence,
     Table,
     decimal,
     equation,
@@ -264,7 +259,8 @@ def _between(scope: Scope, word: str) -> Items:
             rows.append((f"$P_{piece.row.label[1]}$ from {j + 1}", name, decimal("z", value, 8), words))
             shown = sp.Float(CONTEXT.nstr(value, STEP_DIGITS), STEP_DIGITS)
             facts += [step(shown, op, bound, AtRoot(dict)) for op, bound in limits]
-    facts.append(equation(int(word[1:]), int(word[1:]), Followed(scope.parameters, word)))
+    digits, p = named("P"), scope.parameters
+    facts.append(equation(digits, int(word[1:]), AtRoot(lambda: {digits: _followed(p, word)})))
     return (
         rf"Between the switching points nothing happens: Table~\ref{{tab:orbits-between-{word}}} has all extreme "
         r"values of the velocity inside the flights, and the least favourable accelerations during the sticks. The "
@@ -280,24 +276,14 @@ def _between(scope: Scope, word: str) -> Items:
     )
 
 
-@dataclass(frozen=True)
-class Followed(Check):
-    """The motion from the orbit's first point has, for one period, exactly the mappings of the word."""
-
-    parameters: Parameters
-    word: str
-
-    def __call__(self, statement: Relation) -> StepEvidence:
-        orbit = find_orbit(self.parameters, self.word, digits=STEP_DIGITS)
-        (t, x), belt = orbit.points[0], read_word(self.word).maps[0].start.boundary
-        end = CONTEXT.mpf(t) + CONTEXT.mpf("1.001") * CONTEXT.mpf(orbit.period)
-        start = {"t0": CONTEXT.nstr(t, 42), "x0": CONTEXT.nstr(x, 42), "v0": getattr(self.parameters, f"v{belt}")}
-        known = ("1e-40", "1e-40", 0)
-        motion = simulate(self.parameters, **start, t_end=CONTEXT.nstr(end, 20), digits=30, start_error=known)
-        found = "P" + "".join(label[1] for label in reversed(motion.word[: len(self.word) - 1]))
-        if statement.left != statement.right or found != f"P{statement.left}":
-            raise StepError(str(statement), f"the motion is {found}")
-        return StepEvidence("numeric", f"{len(motion.events)} events", 1)
+def _followed(p: Parameters, word: str) -> Any:
+    """Return the digits of the mappings of the motion from the orbit's first point, for one period."""
+    orbit = find_orbit(p, word, digits=STEP_DIGITS)
+    (t, x), belt = orbit.points[0], read_word(word).maps[0].start.boundary
+    end = CONTEXT.mpf(t) + CONTEXT.mpf("1.001") * CONTEXT.mpf(orbit.period)
+    start = {"t0": CONTEXT.nstr(t, 42), "x0": CONTEXT.nstr(x, 42), "v0": getattr(p, f"v{belt}")}
+    motion = simulate(p, **start, t_end=CONTEXT.nstr(end, 20), digits=30, start_error=("1e-40", "1e-40", 0))
+    return sp.Integer("".join(label[1] for label in reversed(motion.word[: len(word) - 1])))
 
 
 _FUNCTIONS = [{name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt", "mpf")}, "mpmath"]
