@@ -111,24 +111,24 @@ def check(key: str, title: str, items: list[Any], progress: Callable[[int, int],
                 raise StepError(f"{key}, step {done}: {error.statement}", error.reason) from None
             if progress:
                 progress(done, total)
-        kind, label = _numbered(item)
+        kind, name, label = _numbered(item)
         if kind:
             counts[kind] += 1
             place = f"{number}.{counts[kind]}" if number else f"{counts[kind]}"
-            parts.append(Part(item, tuple(evidence), place, label or f"{kind}:{key}-{counts[kind]}"))
+            parts.append(Part(item, tuple(evidence), place, label or f"{kind}:{key}-{name or counts[kind]}"))
         else:
             parts.append(Part(item, tuple(evidence)))
     return Checked(key, title, number, parts)
 
 
-def _numbered(item: Any) -> tuple[str, str]:
-    """Return in which count an item has its number, and its label; LaTeX counts in the same way."""
+def _numbered(item: Any) -> tuple[str, str, str]:
+    """Return in which count an item has its number, its name in the chapter, and its label."""
     if isinstance(item, Step):
-        return "eq", item.label and f"eq:{item.label}"
+        return "eq", item.label, ""
     if isinstance(item, Markup):
-        return "thm" if item.command == "begin" and item.name != "proof" else "", item.label
+        return "thm" if item.command == "begin" and item.name != "proof" else "", "", item.label
     kind = "tab" if isinstance(item, Table) else "fig" if isinstance(item, Illustration) else ""
-    return kind, item.label if kind else ""
+    return kind, "", item.label if kind else ""
 
 
 def check_chapter(key: str, scope: Scope, progress: Callable[[int, int], None] | None = None) -> Checked:

@@ -83,7 +83,7 @@ def as_latex(
 
     def end(each: Part) -> str:
         tag = rf"\tag{{{tags[each.item.label]}}} " if each.item.label in tags else ""
-        return rf"{tag}\label{{{first}{fragment.key}-{each.label.removeprefix('eq:')}}}"
+        return rf"{tag}\label{{{first}{each.label.removeprefix('eq:')}}}"
 
     for part in fragment.displays():
         if isinstance(part, list):
@@ -113,7 +113,7 @@ def _taken(items: Items, label: str) -> list[Step]:
 
 def _constant(alpha: int) -> Step:
     """Return the fragment of A_alpha."""
-    return equation(named(f"A_{alpha}"), solution.force_constant(alpha), motion.coulomb(alpha), label=f"A{alpha}")
+    return equation(named(f"A_{alpha}"), solution.force_constant(alpha), motion.coulomb(alpha), f"A{alpha}")
 
 
 def _acceleration() -> list[Step]:
@@ -121,7 +121,7 @@ def _acceleration() -> list[Step]:
     general = F(r"\alpha")
     checks = [Exact({general: motion.newton(a), A: solution.force_constant(a)}) for a in (1, 2, 3)]
     right = (A + B0 * sp.cos(Omega * t) - k * x - c * v) / m
-    return [equation(general, right, Each(tuple(checks)), label="F"), *map(_constant, (1, 2, 3))]
+    return [equation(general, right, Each(tuple(checks)), "F"), *map(_constant, (1, 2, 3))]
 
 
 def _friction(scope: FragmentScope) -> Items:
@@ -157,7 +157,7 @@ def _stick(scope: FragmentScope) -> Items:
     def force(belt: int, alpha: int) -> Step:
         at = {v: BELTS[belt], Omega * t: theta}
         right = sp.expand(m * motion.acceleration(alpha).subs(at))
-        return equation(m * F(alpha), right, {F(alpha): motion.newton(alpha).subs(at)}, label=f"belt{belt}-F{alpha}")
+        return equation(m * F(alpha), right, {F(alpha): motion.newton(alpha).subs(at)}, f"belt{belt}-F{alpha}")
 
     return (
         r"While the mass moves with belt $\lambda$, $\dot{x} = v_\lambda$ and $\ddot{x} = 0$. The stick lasts as long "
@@ -168,7 +168,7 @@ def _stick(scope: FragmentScope) -> Items:
         "and on belt 2",
         [force(2, 2), force(2, 3)],
         r"with the phase $\theta = \Omega t$. All of them change at the rate",
-        equation(rate, -(k * v_lambda + B0 * Omega * sp.sin(theta)), true, label="rate"),
+        equation(rate, -(k * v_lambda + B0 * Omega * sp.sin(theta)), true, "rate"),
     )
 
 
@@ -214,7 +214,7 @@ def _theorem(name: str) -> Items:
     first = solution.in_paper_letters(solution.g_function(1)).subs(at)
     general = solution.in_paper_letters(solution.acceleration()).subs(at)
     right = -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m
-    rate = equation(G(1), right, {G(1): first, F(r"\alpha"): general}, label="G1")
+    rate = equation(G(1), right, {G(1): first, F(r"\alpha"): general}, "G1")
     return (
         r"At the boundary $\dot{x} = v_\lambda$ between $\Omega_\lambda$ below and $\Omega_{\lambda+1}$ above it, "
         rf"{AT_BOUNDARY[name]}.",
@@ -232,7 +232,7 @@ def _theorem7(scope: FragmentScope) -> Items:
     place = (A + B0 * sp.cos(grazing.THETA_M) - c * v_lambda) / k
     contact = (
         r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$ in $\Omega_\alpha$, the contact is at",
-        equation(named("x_m"), place, sp.solve(force, x)[0].subs(theta, grazing.THETA_M), label="xm"),
+        equation(named("x_m"), place, sp.solve(force, x)[0].subs(theta, grazing.THETA_M), "xm"),
     )
     windows = list(_windows_in_numbers(scope))
     return (
@@ -240,8 +240,8 @@ def _theorem7(scope: FragmentScope) -> Items:
         r"phase $\theta_m = \Omega t_m$ modulo $2\pi$: $P_2$ has $(\alpha, \lambda) = (1, 1)$, $P_3$ $(2, 1)$, $P_5$ "
         r"$(2, 2)$ and $P_6$ $(3, 2)$, with $\sigma = 1$ where the boundary is above the domain, and $\sigma = -1$ "
         r"where it is below. With",
-        equation(grazing.GAMMA, k * v_lambda / m, fixed, label="gamma"),
-        equation(letter, B0 * Omega / m, B0 * Omega / m, label="a"),
+        equation(grazing.GAMMA, k * v_lambda / m, fixed, "gamma"),
+        equation(letter, B0 * Omega / m, B0 * Omega / m, "a"),
         r"and $\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$, the flow grazes the boundary to first order iff $\theta_m$ "
         r"is in the set below, for $a \ge 0$; for $a < 0$ the sets are those of $-a$, moved by $\pi$.",
         Table(table.label, "The phases at which a contact grazes.", table.heads, table.rows),
@@ -273,13 +273,13 @@ def _motion(scope: FragmentScope) -> Items:
     name, condition = domains.REGIME_WORDS[regime.name]
     letters = {letter: domains.true_letters()[letter] for letter in regime.letters}
     labels = {letter: f"letter-{letter.name.replace('_', '')}" for letter in letters}
-    steps = [equation(each, regime.letters[each], true, label=labels[each]) for each, true in letters.items()]
+    steps = [equation(each, regime.letters[each], true, labels[each]) for each, true in letters.items()]
     if scope.form == "paper":
         form = domains.paper_form(regime)
         return (
             rf"In the regime {name} ({condition}) the motion is",
-            equation(POSITION, form.x, form.check, label="x"),
-            equation(VELOCITY, form.v, form.x.diff(tau), label="v"),
+            equation(POSITION, form.x, form.check, "x"),
+            equation(VELOCITY, form.v, form.x.diff(tau), "v"),
             "with",
             [each for each in steps if each.statement.left in form.x.free_symbols],
             domains.constants(form),
@@ -288,18 +288,15 @@ def _motion(scope: FragmentScope) -> Items:
     force = solution._force_at_start() + solution.f0 * sp.cos(theta_i + Omega * tau)
     by_v = {VELOCITY: solution.time_derivative(flow.x)}
     newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - solution.a_i, solution.a_i)[0]
-    others = [
-        replace(each, label=each.label.removeprefix("domains-"))
-        for each in flat(domains.solved_functions(domains.generic_basis()))
-        if isinstance(each, Step) and each.statement.left != E2
-    ]
+    solved = flat(domains.solved_functions(domains.generic_basis()))
+    others = [each for each in solved if isinstance(each, Step) and each.statement.left != E2]
     resonance = regime.name == "resonance"
     return (
         "The motion is",
-        equation(POSITION, flow.x, Solves(force, x_i, v_i, general=True), label="x"),
-        equation(VELOCITY, flow.v, Exact(by_v, solution.use_relations, independent=False), label="v"),
+        equation(POSITION, flow.x, Solves(force, x_i, v_i, general=True), "x"),
+        equation(VELOCITY, flow.v, Exact(by_v, solution.use_relations, independent=False), "v"),
         "with the acceleration at the start",
-        equation(start, solution.acceleration(x_i, v_i, theta_i), newton, label="start"),
+        equation(start, solution.acceleration(x_i, v_i, theta_i), newton, "start"),
         rf"{BASIS_TEXT}. In the regime {name} ({condition})",
         steps,
         [domains.basis_function(f, regime, label=f.name) for f in (BASIS if resonance else (E0, E1, E2))],
@@ -328,10 +325,10 @@ def _flight_map(scope: FragmentScope, label: str) -> Items:
         rf"$\dot{{x}} = {latex(end)}$; $\theta = \Omega t$ modulo $2\pi$ is the phase, and "
         r"$\Sigma^{1}_{(\lambda)}$ and $\Sigma^{2}_{(\lambda)}$ are the points of motions below and above "
         r"$\dot{x} = v_\lambda$. With the duration",
-        equation(tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, label="tau"),
+        equation(tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, "tau"),
         r"it solves $f_1 = f_2 = 0$ with",
-        equation(f1, POSITION - maps.x_j, {f1: residual["f1"], POSITION: flow.x}, label="f1"),
-        equation(f2, VELOCITY - maps.v_j, {f2: residual["f2"], VELOCITY: flow.v}, label="f2"),
+        equation(f1, POSITION - maps.x_j, {f1: residual["f1"], POSITION: flow.x}, "f1"),
+        equation(f2, VELOCITY - maps.v_j, {f2: residual["f2"], VELOCITY: flow.v}, "f2"),
         r"where $\tau$ is the first positive time at which the motion meets the speed of a belt.",
         _motion(scope),
         rf"In the domain $\Omega_{row.domain}$ ({WHERE[row.domain]}) the motion obeys "
@@ -350,14 +347,14 @@ def _stick_map(label: str) -> Items:
         force = m * motion.acceleration(alpha)
         exits += [
             rf"and with $f_2 = f_2^{{({alpha})}}$ if the mass slips into $\Omega_{alpha}$, where this {way} 0:",
-            equation(f2, sp.expand(force.subs(at)), m * motion.newton(alpha).subs(at), label=f"f2-{alpha}"),
+            equation(f2, sp.expand(force.subs(at)), m * motion.newton(alpha).subs(at), f"f2-{alpha}"),
         ]
     return (
         rf"The mapping $P_{label[1]}\colon {plane} \to {plane}$, the points with $\dot{{x}} = v_{belt}$ of motions on "
         rf"the belt, is a stick on belt {belt} from $(x_i, \theta_i)$ to "
         r"$(x_{i+1}, \theta_{i+1})$, with the phase $\theta = \Omega t$ modulo $2\pi$ and "
         r"$\tau = (\theta_{i+1} - \theta_i)/\Omega$. It solves $f_1 = f_2 = 0$ with",
-        equation(f1, ride, x_i + sp.integrate(speed, (tau, 0, tau)) - maps.x_j, label="f1"),
+        equation(f1, ride, x_i + sp.integrate(speed, (tau, 0, tau)) - maps.x_j, "f1"),
         exits,
         r"The first of the two ends counts.",
     )

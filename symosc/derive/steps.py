@@ -78,15 +78,15 @@ class Check:
 
 @dataclass(frozen=True)
 class Step:
-    """One displayed line: its statement, its check, LaTeX text behind it, and the name for references ("maps-f1").
+    """One displayed line: its statement, its check, its name for references in the chapter, and LaTeX text behind it.
 
     `decimals` prints numbers as decimals where they end, also outside scenes.
     """
 
     statement: Relation
     check: Check
-    note: str = ""
     label: str = ""
+    note: str = ""
     decimals: bool = False
 
     def verify(self) -> StepEvidence:
@@ -94,17 +94,17 @@ class Step:
         return self.check(self.statement)
 
 
-def step(left: Expr, op: str, right: Expr, check: Any = None, **options: Any) -> Step:
+def step(left: Expr, op: str, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
     """Return a step; the check may be the value of `left`, or a dictionary of the values of the symbols."""
     if not isinstance(check, Check):
         meaning = {} if check is None else check if isinstance(check, dict) else {left: check}
         check = Exact(meaning)
-    return Step(Relation(sp.sympify(left), op, sp.sympify(right)), check, **options)
+    return Step(Relation(sp.sympify(left), op, sp.sympify(right)), check, label, **options)
 
 
-def equation(left: Expr, right: Expr, check: Any = None, **options: Any) -> Step:
+def equation(left: Expr, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
     """Return the step left = right."""
-    return step(left, "=", right, check, **options)
+    return step(left, "=", right, check, label, **options)
 
 
 # --- the parts of a chapter ---

@@ -56,5 +56,3 @@ def test_a_chapter_is_added_as_contributing_says(tmp_path: Path) -> None:
     assert [(step["step"], step["kind"]) for step in log["steps"]] == [("13.1", "exact"), ("13.2", "sign")]
     assert r"\bibitem{newton1687}" in (tmp_path / "derivations" / "derivations.tex").read_text(encoding="utf-8")
     assert "certificates, energy, or all" in " ".join(scratch.run("symosc", "derive", "--help").split())
-    tests = "energy or symbol_is_in or labels"
-    scratch.run("pytest", "-q", "-p", "no:cacheprovider", "-n0", "tests/derive/test_chapters.py", "-k", tests)

@@ -123,9 +123,9 @@ def items(scope: Scope) -> Items:
         r"Both multipliers lie inside the unit circle if and only if $|D| < 1$ and $|T| < 1 + D$, with trace $T$ and "
         r"determinant $D$ of the monodromy matrix.\end{proposition}",
         r"\begin{proof} With $T = \rho_1 + \rho_2$ and $D = \rho_1\rho_2$",
-        equation(1 - TRACE + DET, (1 - ONE) * (1 - TWO), meaning, label="certificates-minus"),
+        equation(1 - TRACE + DET, (1 - ONE) * (1 - TWO), meaning, "minus"),
         "and",
-        equation(1 + TRACE + DET, (1 + ONE) * (1 + TWO), meaning, label="certificates-plus"),
+        equation(1 + TRACE + DET, (1 + ONE) * (1 + TWO), meaning, "plus"),
         r"A complex pair has $D = |\rho|^2$, and then both products are positive; so $D < 1$ decides. For real "
         r"multipliers both products are positive if and only if both multipliers lie in $(-1, 1)$, or both are beyond "
         r"the same end of it, or beyond different ends; $|D| < 1$ excludes the last two.\end{proof}",
@@ -186,11 +186,9 @@ def items(scope: Scope) -> Items:
         r"\subsection{Windows: every phase}",
         r"\begin{lemma}[a contact without force]\label{thm:certificates-window} "
         r"Let a flight meet a belt with $F = 0$, so that $g = \dot{g} = 0$ for its gap. Then",
-        equation(
-            SECOND, -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m, sp.simplify(at[1]), label="certificates-second"
-        ),
+        equation(SECOND, -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m, sp.simplify(at[1]), "second"),
         r"Where this is 0 and $\cos\theta = 0$, also $g''' = 0$ and",
-        equation(FOURTH, -k * Omega**2 * v_lambda / m, sp.simplify(touch), label="certificates-fourth"),
+        equation(FOURTH, -k * Omega**2 * v_lambda / m, sp.simplify(touch), "fourth"),
         r"\end{lemma}",
         r"\begin{proof} Differentiate the equation of motion and put $\dot{x} = v_\lambda$, $\ddot{x} = 0$. The third "
         r"derivative is $-(c/m)\ddot{g} - (B_0\Omega^2/m)\cos\theta$.\end{proof}",
@@ -214,7 +212,4 @@ def _straightened(wave: Any) -> Items:
     true = (operator, C, C.diff(U), q.diff(U), q.diff(U, 2), (S / C).diff(U))
     meaning = dict(zip(letters, true, strict=True))
     check = Exact(meaning, lambda rest: sp.simplify(sp.expand(rest)), independent=False)
-    return (
-        equation(LG, sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check),
-        equation(SLOPE, 1 / _C**2, check),
-    )
+    return (equation(LG, sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check), equation(SLOPE, 1 / _C**2, check))

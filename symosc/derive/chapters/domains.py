@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -48,12 +47,12 @@ def items(scope: Scope) -> Items:
     for symbol, rate in solution.rates().items():
         name = named(rf"\dot{{{symbol.name[0]}}}_{symbol.name[1]}")
         check = Exact(generic | {name: generic[symbol].diff(tau)}, modes)
-        rates.append(equation(name, rate, check, label=f"domains-rate-{symbol.name}"))
+        rates.append(equation(name, rate, check, f"rate-{symbol.name}"))
     laws = []
     values = {"step": sp.Integer(1), "cosine": sp.cos(Omega * tau), "sine": sp.sin(Omega * tau)}
     for (name, value), relation in zip(values.items(), solution.relations(), strict=True):
         left = sp.collect(sp.expand(relation + value), [R2, I2])
-        laws.append(equation(value, left, Exact(generic, modes), label=f"domains-{name}"))
+        laws.append(equation(value, left, Exact(generic, modes), f"{name}"))
     yield (
         r"\subsection{Five functions that hold every motion}",
         r"\begin{definition}[basis functions]\label{thm:domains-basis} "
@@ -82,11 +81,11 @@ def items(scope: Scope) -> Items:
         r"\begin{theorem}[the motion in a domain]\label{thm:domains-flow} "
         r"A motion that starts in $\Omega_\alpha$, or goes into it, at $t_i$ with the phase $\theta_i = \Omega t_i$, "
         r"the position $x_i$ and the velocity $\dot{x}_i$ is, as long as it stays in $\Omega_\alpha$,",
-        equation(position, flow.x, Solves(force, x_i, v_i, general=True), label="domains-x"),
-        equation(velocity, flow.v, Exact(by_v, solution.use_relations, independent=False), label="domains-v"),
-        equation(acceleration, flow.a, Exact(by_a, solution.use_relations, independent=False), label="domains-a"),
+        equation(position, flow.x, Solves(force, x_i, v_i, general=True), "x"),
+        equation(velocity, flow.v, Exact(by_v, solution.use_relations, independent=False), "v"),
+        equation(acceleration, flow.a, Exact(by_a, solution.use_relations, independent=False), "a"),
         r"where the acceleration at the start is",
-        equation(start, solution.acceleration(x_i, v_i, theta_i), newton, label="domains-start"),
+        equation(start, solution.acceleration(x_i, v_i, theta_i), newton, "start"),
         r"This holds in every regime of damping and at resonance.\end{theorem}",
         r"\begin{proof} $L x = (A_\alpha + B_0\cos\theta)/m$ by \eqref{eq:motion-domain}. Variation of constants gives "
         r"$x$ as a combination of $E_0$, $E_1$, $E_2$, $R_2$ and $I_2$. Then $A_\alpha$ is eliminated in favour of "
@@ -102,9 +101,9 @@ def items(scope: Scope) -> Items:
         r"$\omega_d = \sqrt{k/m - h^2}$, is"
         if name == "underdamped"
         else rf"The form with constants of integration, in the regime \emph{{{first}}} ({second}), is",
-        equation(named(r"x(\tau)"), form.x, form.check, label="domains-paper"),
+        equation(named(r"x(\tau)"), form.x, form.check, "paper"),
         "with",
-        [replace(each, label=f"domains-{each.label}") for each in constants(form)],
+        constants(form),
         r"It is the same function as \eqref{eq:domains-x}, since both solve the same problem. It needs a case for "
         r"every regime, and loses digits near the borders of the regimes and for short times, where "
         r"\eqref{eq:domains-x} loses none if the basis functions are computed as divided differences "
@@ -125,7 +124,7 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{The regimes of damping}",
         r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With the letters",
-        [equation(each, values[each], true_letters()[each], label=f"domains-{each.name}") for each in letters],
+        [equation(each, values[each], true_letters()[each], f"{each.name}") for each in letters],
         r"Table~\ref{tab:domains-regimes} gives $E_1$ and $E_0$; the other functions follow by "
         r"Corollary~\ref{thm:domains-solved}.",
         Table(
@@ -136,11 +135,11 @@ def items(scope: Scope) -> Items:
             tuple(rows),
         ),
         r"Three functions are left over, where the corollary divides by 0. Without a spring,",
-        basis_function(E2, regimes["no spring"], note="for $c > 0$,", label="domains-no-spring-E2"),
-        basis_function(E2, regimes["free"], note="for $c = 0$.", label="domains-free-E2"),
+        basis_function(E2, regimes["no spring"], note="for $c > 0$,", label="no-spring-E2"),
+        basis_function(E2, regimes["free"], note="for $c = 0$.", label="free-E2"),
         r"At undamped resonance",
-        basis_function(R2, regimes["resonance"], label="domains-resonance-R2"),
-        basis_function(I2, regimes["resonance"], label="domains-resonance-I2"),
+        basis_function(R2, regimes["resonance"], label="resonance-R2"),
+        basis_function(I2, regimes["resonance"], label="resonance-I2"),
     )
     borders, arrows = [], ("=", r"\mapsto")
     for join in solution.JOINS:
@@ -182,13 +181,13 @@ def solved_functions(generic: dict[Any, Any]) -> Items:
     return (
         r"\begin{corollary}\label{thm:domains-solved} "
         r"$E_0$ and $E_1$ give the other three: for $k > 0$",
-        equation(E2, (1 - E0 - cm * E1) / w0sq, Exact(generic, modes), label="domains-E2"),
+        equation(E2, (1 - E0 - cm * E1) / w0sq, Exact(generic, modes), "E2"),
         "and with",
-        equation(KAPPA, NORMS[KAPPA], NORMS, label="domains-kappa"),
-        equation(DELTA, KAPPA**2 + (cm * Omega) ** 2, NORMS, label="domains-Delta"),
+        equation(KAPPA, NORMS[KAPPA], NORMS, "kappa"),
+        equation(DELTA, KAPPA**2 + (cm * Omega) ** 2, NORMS, "Delta"),
         r"wherever $\Delta > 0$, that is everywhere but at undamped resonance,",
-        equation(R2, (KAPPA * still + cm * Omega * swing) / DELTA, Exact(meaning, modes), label="domains-R2"),
-        equation(I2, (KAPPA * swing - cm * Omega * still) / DELTA, Exact(meaning, modes), label="domains-I2"),
+        equation(R2, (KAPPA * still + cm * Omega * swing) / DELTA, Exact(meaning, modes), "R2"),
+        equation(I2, (KAPPA * swing - cm * Omega * still) / DELTA, Exact(meaning, modes), "I2"),
         r"\end{corollary}",
         r"\begin{proof} \eqref{eq:domains-step} is solved for $E_2$; \eqref{eq:domains-cosine} and "
         r"\eqref{eq:domains-sine} are two linear equations for $R_2$ and $I_2$ with the determinant "
@@ -301,7 +300,7 @@ def constants(form: PaperForm) -> list[Step]:
     for letter, value in form.constants.items():
         start_fits = {name: fitted[name] for name in (letter, C1) if letter in fitted}
         meaning = start_fits or {name: form.check.meaning[name] for name in (letter, c, k)}
-        steps.append(equation(letter, value, meaning, label=letter.name.replace("_", "")))
+        steps.append(equation(letter, value, meaning, letter.name.replace("_", "")))
     return steps
 
 
@@ -350,7 +349,7 @@ def _scene_regime(regime: solution.Regime) -> Items:
     return (
         r"\subsection{The basis functions of this scene}",
         rf"The regime is \emph{{{name}}} ({condition}). There",
-        [basis_function(symbol, regime, label=f"domains-scene-{symbol.name}") for symbol in BASIS],
+        [basis_function(symbol, regime, label=f"scene-{symbol.name}") for symbol in BASIS],
     )
 
 

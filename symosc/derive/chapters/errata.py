@@ -69,7 +69,7 @@ def _flows() -> Items:
         r"By its definition after (16), $D_{\mathbf{x}^{(0)}}$ differentiates along the boundary's flow, which has "
         r"$\dot{\mathbf{x}}^{(0)} = (v_\lambda, 0)^T$. The result that (47) gives is along the flow of the domain, "
         r"$\dot{\mathbf{x}}^{(\alpha)} = (v_\lambda, F^{(\alpha)})^T$. They differ by",
-        equation(difference, -c * F(r"\alpha") / m, meaning, label="errata-flows"),
+        equation(difference, -c * F(r"\alpha") / m, meaning, "flows"),
         r"which vanishes at a graze, so that nothing that the paper derives from it changes.",
     )
 
@@ -89,9 +89,9 @@ def _exits() -> Items:
         return (
             rf"({51 + belt}) lets a stick on belt {belt} end by $F^{{({other})}} = 0$ only. {words} at the time below "
             rf"by $F^{{({alpha})}} = 0$, into $\Omega_{alpha}$,",
-            decimal("t", time, 20, label=f"errata-{scene}-slip"),
+            decimal("t", time, 20, label=f"{scene}-slip"),
             r"where the acceleration of the paper's condition is still",
-            equation(F(other), held, true, label=f"errata-{scene}-held", decimals=True),
+            equation(F(other), held, true, f"{scene}-held", decimals=True),
         )
 
     return (
@@ -137,16 +137,16 @@ def _figure7() -> Items:
         r"\subsection{Fig.~7: one number is misprinted}",
         r"With the printed parameters the steady velocity in $\Omega_1$ does not reach $v_1 = 5$, whatever $A_0$ is: "
         r"by \eqref{eq:events-V0} its amplitude has",
-        equation(square, 20, amplitude, label="errata-V0"),
+        equation(square, 20, amplitude, "V0"),
         step(square, "<", 25, Sign({square: amplitude})),
         r"so a graze can only be in the transient. The flow that touches $v_1$ at $t = \pi$, traced back to the "
         r"printed $t_0 = 2.5$, starts with the printed $A_0 = 5$ at",
-        _start(x0, v0, "errata-fig7-x0"),
+        _start(x0, v0, "fig7-x0"),
         r"The printed start is $(-3.1049, 1.3369)$: with a misprint in $x_0$, which would be $-5.6049$, all other "
         r"numbers are right, and the contact is at $x_m = -3.0855$.",
         facts(_prints("-5.6049", x0), _prints("1.3369", v0), equation(place, sp.Rational("-3.0855"))),
         r"With $A_0 = 10$ in place of 5 the start is",
-        _start(x10, v10, "errata-fig7-x0-10"),
+        _start(x10, v10, "fig7-x0-10"),
         r"which is the printed one to all of its digits, with the contact at $x_m = -0.5855$. Either number explains "
         r"the figure; the numbers alone do not tell which one is misprinted.",
         facts(equation(other, sp.Rational("-0.5855"))),
@@ -160,7 +160,7 @@ def _figure8() -> Items:
         r"\subsection{Fig.~8: no error, but four decimals do not graze}",
         r"The starts at $t_0 = 2.5$ from which the flow grazes form a curve, with one point for each time $t_m$ of the "
         r"contact. The point for $t_m = 3.14158$,",
-        _start(x0, v0, "errata-fig8-x0"),
+        _start(x0, v0, "fig8-x0"),
         r"rounds to the printed start $(5.8980, 2.2580)$, so the print is right. From the rounded numbers the velocity "
         r"goes beyond $v_1$, and the mass sticks for some milliseconds instead of grazing.",
         facts(_prints("5.898", x0), _prints("2.258", v0), short),

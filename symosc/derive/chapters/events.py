@@ -31,7 +31,7 @@ def items(scope: Scope) -> Items:
         r"\begin{lemma}[the gap]\label{thm:events-gap} "
         r"Let $g = \dot{x} - v_\lambda$ be the gap between the velocity and a belt's speed. In \emph{every} domain, "
         r"with $L$ as in Definition~\ref{thm:domains-basis} and $\gamma = k v_\lambda/m$, $a = B_0\Omega/m$,",
-        equation(LG, -(GAMMA + LETTER_A * sp.sin(theta)), meaning, label="events-gap"),
+        equation(LG, -(GAMMA + LETTER_A * sp.sin(theta)), meaning, "gap"),
         r"\end{lemma}",
         r"\begin{proof} Differentiate \eqref{eq:motion-domain}: $A_\alpha$ goes, and friction with it. Subtract "
         r"$k v_\lambda/m$.\end{proof}",
@@ -62,7 +62,7 @@ def items(scope: Scope) -> Items:
             LG,
             letter * curve + (2 * rate + cm * letter) * slope,
             Exact({LG: true} | names, independent=False),
-            label="events-factor",
+            "factor",
         ),
         r"which is P\'olya's factorisation \cite{polya1922} "
         r"$L g = \varphi^{-1} e^{-c\tau/m} \frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
@@ -95,17 +95,12 @@ def items(scope: Scope) -> Items:
         r"\begin{theorem}[a bound for ever]\label{thm:events-steady} "
         r"Away from undamped resonance ($\Delta > 0$) let $V(t)$ be the steady velocity, which has the frequency "
         r"$\Omega$ and the amplitude $V_0$ with",
-        equation(
-            steady,
-            LETTER_A**2 / DELTA,
-            {steady: square, LETTER_A: B0 * Omega / m, DELTA: NORMS[DELTA]},
-            label="events-V0",
-        ),
+        equation(steady, LETTER_A**2 / DELTA, {steady: square, LETTER_A: B0 * Omega / m, DELTA: NORMS[DELTA]}, "V0"),
         r"and let $u = \dot{x} - V$ be the transient. Then at all later times of the flight "
         r"$|g^{(4)}| \le C_4 = V_0\Omega^4 + \sqrt{(u^{(4)})^2 + (k/m)(u^{(3)})^2}$, with the derivatives of $u$ taken "
         r"now.\end{theorem}",
         r"\begin{proof} $L u = 0$, so $L u^{(3)} = 0$, and",
-        equation(energy, -2 * cm * fourth**2, rate, label="events-energy"),
+        equation(energy, -2 * cm * fourth**2, rate, "energy"),
         r"which is never positive:",
         step(energy, "<=", 0, Sign({energy: rate})),
         r"so $|u^{(4)}|$ never exceeds the root of the present value, and $|V^{(4)}| \le V_0\Omega^4$.\end{proof}",
@@ -123,9 +118,9 @@ def items(scope: Scope) -> Items:
         r"the next $1/\Omega$ of time, with $w = g^{(3)} = G^{(2,\alpha)}$ and $\dot{w} = G^{(3,\alpha)}$ taken "
         r"now.\end{theorem}",
         r"\begin{proof} The third derivative of \eqref{eq:events-gap} is",
-        equation(named("L w"), drive, source.subs(Omega * t, theta), label="events-Lw"),
+        equation(named("L w"), drive, source.subs(Omega * t, theta), "Lw"),
         r"so that",
-        equation(second, 2 * w_rate * (drive - cm * w_rate), pushed, label="events-pushed"),
+        equation(second, 2 * w_rate * (drive - cm * w_rate), pushed, "pushed"),
         r"which is at most $2|a|\Omega^3\,|\dot{w}|$, and the root of $\dot{w}^2 + (k/m)w^2$ grows at most at the rate "
         r"$|a|\Omega^3$: in $1/\Omega$ by no more than $|a|\Omega^2 = |B_0|\Omega^3/m$.\end{proof}",
     )
@@ -138,9 +133,9 @@ def items(scope: Scope) -> Items:
         r"\subsection{The search, and that it ends}",
         r"\begin{lemma}[a polynomial below the gap]\label{thm:events-below} "
         r"Let $g > 0$ now (for $g < 0$ take $-g$), and",
-        equation(left, taylor - C4 * s**4 / 24, taylor - remainder, label="events-p"),
+        equation(left, taylor - C4 * s**4 / 24, taylor - remainder, "p"),
         r"Then $g(\tau + s) \ge p(s)$ for all later times for which $C_4$ is a bound, and",
-        step(upper, "<=", C4 * s**4 / 12, Sign({upper: 2 * remainder}), label="events-excess"),
+        step(upper, "<=", C4 * s**4 / 12, Sign({upper: 2 * remainder}), "excess"),
         r"\end{lemma}",
         r"\begin{proof} Taylor's theorem with the remainder $\int_0^s (s - u)^3 g^{(4)}(\tau + u)\,du/6$, which is at "
         r"most $C_4 s^4/24$ in size.\end{proof}",

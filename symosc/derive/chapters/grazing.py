@@ -86,24 +86,16 @@ def items(scope: Scope) -> Items:
         r"\begin{lemma}[what a contact fixes]\label{thm:grazing-contact} "
         r"At such a contact the paper's $\gamma = (c/m)\ddot{x} + (k/m)\dot{x}$ is fixed by the parameters, and with "
         r"the amplitude $a$,",
-        equation(GAMMA, k * v_lambda / m, at_contact, label="grazing-gamma"),
-        equation(AMPLITUDE, B0 * Omega / m, B0 * Omega / m, label="grazing-a"),
+        equation(GAMMA, k * v_lambda / m, at_contact, "gamma"),
+        equation(AMPLITUDE, B0 * Omega / m, B0 * Omega / m, "a"),
         r"the first G-function depends on the phase alone:",
-        equation(
-            G(1),
-            -(GAMMA + AMPLITUDE * sp.sin(THETA_M)),
-            values | {G(1): first.subs(x, solved)},
-            label="grazing-G1",
-        ),
+        equation(G(1), -(GAMMA + AMPLITUDE * sp.sin(THETA_M)), values | {G(1): first.subs(x, solved)}, "G1"),
         r"For $k > 0$ the phase gives the position,",
-        equation(named("x_m"), (A + B0 * sp.cos(THETA_M) - c * v_lambda) / k, solved, label="grazing-xm"),
+        equation(named("x_m"), (A + B0 * sp.cos(THETA_M) - c * v_lambda) / k, solved, "xm"),
         r"and if $|\gamma| \le |a| \ne 0$, $G^{(1,\alpha)}$ vanishes at the phases "
         r"$\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$ and $\pi - \Theta^{\mathrm{cr}}$, where",
         equation(
-            sp.sin(CRITICAL),
-            -GAMMA / AMPLITUDE,
-            values | {CRITICAL: sp.asin(-k * v_lambda / (B0 * Omega))},
-            label="grazing-critical",
+            sp.sin(CRITICAL), -GAMMA / AMPLITUDE, values | {CRITICAL: sp.asin(-k * v_lambda / (B0 * Omega))}, "critical"
         ),
         r"\end{lemma}",
         r"\begin{proof} $\ddot{x} = F^{(\alpha)} = 0$ and $\dot{x} = v_\lambda$ at $t_m$. Put both into "
@@ -132,7 +124,7 @@ def items(scope: Scope) -> Items:
         r"$\pi - \Theta^{\mathrm{cr}} = \pi + |\Theta^{\mathrm{cr}}|$, which is how the paper writes the ends. Where "
         r"the paper writes a closed end $2\pi]$, it is the phase 0. For $a = 0$ the condition is $\sigma\gamma > 0$, "
         r"at every phase or at none. For $a < 0$, $a\sin\theta_m = (-a)\sin(\theta_m + \pi)$, by",
-        equation(turned, -sp.sin(THETA_M), sp.sin(THETA_M + sp.pi), label="grazing-turned"),
+        equation(turned, -sp.sin(THETA_M), sp.sin(THETA_M + sp.pi), "turned"),
         r"\end{proof}",
         r"That the flow comes from $\Omega_\alpha$ is no further condition: by Lemma~\ref{thm:switching-side} the "
         r"first G-function that does not vanish fixes the side before the contact too, and for odd order it is the "
@@ -161,12 +153,12 @@ def items(scope: Scope) -> Items:
         r"\begin{theorem}[the case of equality]\label{thm:grazing-equality} "
         r"Let $F^{(\alpha)} = G^{(1,\alpha)} = 0$ at a contact, with $a \ne 0$; this needs $|\gamma| \le |a|$.",
         r"The next G-functions are",
-        equation(second, -AMPLITUDE * Omega * sp.cos(THETA_M), {second: true2} | amplitude, label="grazing-G2"),
+        equation(second, -AMPLITUDE * Omega * sp.cos(THETA_M), {second: true2} | amplitude, "G2"),
         equation(
             third,
             AMPLITUDE * Omega**2 * sp.sin(THETA_M) - c * second / m,
             {third: true3, second: true2} | amplitude,
-            label="grazing-G3",
+            "G3",
         ),
         r"\begin{enumerate}"
         r"\item[(i)] If $|\gamma| < |a|$, then $G^{(2,\alpha)} \ne 0$: the flow of $\Omega_\alpha$ crosses the "
@@ -193,7 +185,7 @@ def items(scope: Scope) -> Items:
         facts(*(equation(third, -GAMMA * Omega**2, each) for each in (value, other))),
         r"In the other rows with $|\gamma| = a$ no phase grazes at all, for example in the row $\gamma = -a$ of $P_2$ "
         r"and $P_5$, which the paper lacks, where",
-        equation(square, -AMPLITUDE * half**2, -AMPLITUDE + AMPLITUDE * sp.sin(THETA_M), label="grazing-square"),
+        equation(square, -AMPLITUDE * half**2, -AMPLITUDE + AMPLITUDE * sp.sin(THETA_M), "square"),
         r"is never positive.\end{proof}",
     )
     (gamma7, a7), (gamma8, a8) = (
@@ -216,7 +208,7 @@ def items(scope: Scope) -> Items:
         r"\begin{corollary}[no spring]\label{thm:grazing-no-spring} "
         r"Let $k = 0$ and $B_0 \ne 0$. Then $\gamma = 0$, and $F^{(\alpha)} = 0$ fixes the phase instead of the "
         r"position, which is free:",
-        equation(phase, (c * v_lambda - A) / B0, solved, label="grazing-no-spring"),
+        equation(phase, (c * v_lambda - A) / B0, solved, "no-spring"),
         r"If the right side is below 1 in size, there is one such phase with $\sin\theta_m > 0$ and one with "
         r"$\sin\theta_m < 0$; for $B_0 > 0$ the first is the graze of $P_2$ and $P_5$, the second that of $P_3$ and "
         r"$P_6$, for $B_0 < 0$ the other way round. If it is $\pm 1$, then "

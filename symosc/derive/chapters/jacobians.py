@@ -44,7 +44,7 @@ def items(scope: Scope) -> Items:
         }
         for (letter, by), (derivative, key) in true.items():
             check = Exact({letter: derivative} | ends, solution.use_relations, independent=False)
-            rows.append(equation(letter, found[key], check, label=f"jacobians-f{which}-{by}"))
+            rows.append(equation(letter, found[key], check, f"f{which}-{by}"))
     yield (
         r"\subsection{Derivatives of the governing equations}",
         r"\begin{proposition}[flights]\label{thm:jacobians-flight} "
@@ -67,7 +67,7 @@ def items(scope: Scope) -> Items:
     steps = []
     for n, by, letter, key in entries:
         true = residual[f"f{n}"].subs(where).diff(letter)
-        steps.append(equation(partial(f"f_{n}", by), found[key], true, label=f"jacobians-stick-{key}"))
+        steps.append(equation(partial(f"f_{n}", by), found[key], true, f"stick-{key}"))
     yield (
         r"\begin{proposition}[sticks]\label{thm:jacobians-stick} "
         r"For a stick (Theorem~\ref{thm:maps-stick}) with $\dot{x}_i = v_\lambda$",
@@ -101,7 +101,7 @@ def items(scope: Scope) -> Items:
         r"\end{enumerate}\end{theorem}",
         r"\begin{proof} The product is the chain rule. In a flight a small change $(y, \dot{y})$ obeys the unforced "
         r"equation, and",
-        equation(energy, -solution.c * rate**2, meaning, label="jacobians-energy"),
+        equation(energy, -solution.c * rate**2, meaning, "energy"),
         r"so $\Phi$ does not increase the energy norm $\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2$, and neither does $S$ "
         r"by \eqref{eq:jacobians-bound}: no eigenvalue exceeds 1 (for $k = 0$ take the limit $k \to 0$ of the matrix). "
         r"If $c > 0$ and $k > 0$, the energy can stay the same during a flight only if $\dot{y} = 0$ all the time, and "
@@ -110,7 +110,7 @@ def items(scope: Scope) -> Items:
         r"\eqref{eq:jacobians-det} and Theorem~\ref{thm:jacobians-saltation}.\end{proof}",
         r"For the orbit $P_{32}$ of the paper's Fig.~9, whose multipliers are computed from "
         r"Proposition~\ref{thm:jacobians-flight}, both sides of (iii) agree to 40 digits:",
-        equation(product, bound, AtRoot(values, CONTEXT.mpf(10) ** -40), label="jacobians-product"),
+        equation(product, bound, AtRoot(values, CONTEXT.mpf(10) ** -40), "product"),
     )
 
 
@@ -127,7 +127,7 @@ def perturbations() -> Items:
     for n, (place, (expr, letter, entry)) in enumerate(entries.items(), 1):
         name = named(rf"\Phi_{{{place}}}")
         check = Exact({name: total(expr, letter)}, solution.use_relations, independent=False)
-        rows.append(equation(name, entry, check, label=f"jacobians-phi-{n}"))
+        rows.append(equation(name, entry, check, f"phi-{n}"))
     determinant = named(r"\det\Phi(\tau)")
     matrix = {determinant: (1 - w0sq * E2) * E0 + w0sq * E1**2}
     return (
@@ -141,7 +141,7 @@ def perturbations() -> Items:
             determinant,
             sp.exp(-cm * tau),
             Exact(matrix | generic_basis(), lambda expr: sp.simplify(modes(expr))),
-            label="jacobians-det",
+            "det",
         ),
         r"\end{lemma}",
         r"\begin{proof} The difference of two motions of a domain obeys the unforced equation. The determinant solves "
@@ -169,14 +169,14 @@ def saltation() -> Items:
         r"not 0, a small change $(\delta x, \delta\dot{x}^{-})$ is multiplied by the matrix "
         r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, and",
         facts(*entries),
-        step(ratio, ">", 0, Sign(upward), label="jacobians-ratio"),
-        step(ratio, "<=", 1, Sign(upward), label="jacobians-bound"),
+        step(ratio, ">", 0, Sign(upward), "ratio"),
+        step(ratio, "<=", 1, Sign(upward), "bound"),
         r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end it is the "
         r"identity.\end{theorem}",
         r"\begin{proof} To first order the changed motion crosses later by",
-        equation(shift, -delta / BEFORE, delay, label="jacobians-delay"),
+        equation(shift, -delta / BEFORE, delay, "delay"),
         r"and during this time one motion has $F^{+}$ and the other still $F^{-}$, so that afterwards",
-        equation(result, AFTER * delta / BEFORE, true, label="jacobians-after"),
+        equation(result, AFTER * delta / BEFORE, true, "after"),
         r"while $\delta x$ changes by terms of second order only. This is the general formula "
         r"$S = I + (\mathbf{f}^{+} - \mathbf{f}^{-})\,\mathbf{n}^T/(\mathbf{n}^T\mathbf{f}^{-})$ with "
         r"$\mathbf{f}^{\pm} = (v_\lambda, F^{\pm})^T$ \cite{leine2004,dibernardo2008}. A crossing upward has "

@@ -75,12 +75,7 @@ def items(scope: Scope) -> Items:
         equation(T, E0 + 1 - w0sq * E2, traces),
         equation(D, E0 - w0sq * (E0 * E2 - E1**2), traces),
         "so that $Q$ decides on the amplitude, which exists for $Q > |H| x_f$:",
-        equation(
-            x_0,
-            coulomb.amplitude(),
-            {Q: sp.sqrt(root**2 + H**2 * x_f**2), x_0: -G * x_f + root},
-            label="literature-amplitude",
-        ),
+        equation(x_0, coulomb.amplitude(), {Q: sp.sqrt(root**2 + H**2 * x_f**2), x_0: -G * x_f + root}, "amplitude"),
     )
     regimes, solved, forms = solution.REGIMES, coulomb.half_period(), coulomb.den_hartog_undamped()
     damped = [coulomb.closed(part, regimes["underdamped"]) for part in solved]

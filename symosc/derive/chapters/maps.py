@@ -65,11 +65,11 @@ def items(scope: Scope) -> Items:
         r"A flight through $\Omega_\alpha$ from $(x_i, \theta_i)$ on $\dot{x} = v_\lambda$ to "
         r"$(x_{i+1}, \theta_{i+1})$ on $\dot{x} = v_{\lambda'}$ takes the time $\tau$ and satisfies $f_1 = f_2 = 0$ "
         r"with",
-        equation(tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, label="maps-tau"),
-        equation(F1, first, Solves(driven, x_i, v_lambda, shift=maps.x_j, general=True), label="maps-f1"),
-        equation(F2, second, Exact(by_rate, solution.use_relations, independent=False), label="maps-f2"),
+        equation(tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, "tau"),
+        equation(F1, first, Solves(driven, x_i, v_lambda, shift=maps.x_j, general=True), "f1"),
+        equation(F2, second, Exact(by_rate, solution.use_relations, independent=False), "f2"),
         r"where the basis functions are taken at $\tau$, and",
-        equation(a_i, solution.acceleration(x_i, v_lambda, theta_i), newton, label="maps-start"),
+        equation(a_i, solution.acceleration(x_i, v_lambda, theta_i), newton, "start"),
         r"with $(\alpha, \lambda, \lambda')$ from Table~\ref{tab:maps-maps}. Conversely, a solution is a flight if the "
         r"motion goes into $\Omega_\alpha$ at $\tau = 0$ and $\tau$ is the first positive time at which it meets a "
         r"boundary.\end{theorem}",
@@ -87,8 +87,8 @@ def items(scope: Scope) -> Items:
         r"\begin{theorem}[sticks, the paper's (52) and (53) with both exits]\label{thm:maps-stick} "
         r"A stick on belt $\lambda$ that slips into $\Omega_\alpha$, $\alpha = \lambda$ or $\lambda + 1$, satisfies "
         r"$f_1 = f_2 = 0$ with",
-        equation(F1, ride, x_i + sp.integrate(v_lambda, (tau, 0, tau)) - maps.x_j, label="maps-stick-f1"),
-        equation(F2, end, newton, label="maps-stick-f2"),
+        equation(F1, ride, x_i + sp.integrate(v_lambda, (tau, 0, tau)) - maps.x_j, "stick-f1"),
+        equation(F2, end, newton, "stick-f2"),
         r"where $\tau = (\theta_{i+1} - \theta_i)/\Omega$. Conversely, a solution is a stick if "
         r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ from $\theta_i$ to $\theta_{i+1}$, and the force that vanishes "
         r"changes its sign there.\end{theorem}",

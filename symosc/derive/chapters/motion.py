@@ -73,7 +73,7 @@ def items(scope: Scope) -> Items:
         r"belts are pressed against it with the normal force $F_N \ge 0$ each; belt $\lambda$ runs with the constant "
         r"speed $v_\lambda$, $\lambda = 1, 2$, and $v_1 < v_2$. With the friction $T_\lambda$ that belt $\lambda$ "
         r"exerts on the mass, Newton's law is",
-        equation(total, right, Each(checks), label="motion-newton"),
+        equation(total, right, Each(checks), "newton"),
         r"\begin{definition}[Coulomb friction]\label{thm:motion-coulomb} "
         r"Let $\operatorname{Sgn}(s) = \{1\}$ for $s > 0$, $\{-1\}$ for $s < 0$, and $[-1, 1]$ for $s = 0$. With the "
         r"friction coefficients $\mu_\lambda \ge 0$ the friction of belt $\lambda$ is a force "
@@ -115,13 +115,13 @@ def items(scope: Scope) -> Items:
         r"Boundary $\lambda$ lies between $\Omega_\lambda$ below and $\Omega_{\lambda+1}$ above. In a domain "
         r"$\Omega_\alpha$ both frictions are constant, and add to the constant part of the drive: "
         r"$A_\alpha = A_0 + T_1 + T_2$ (Table~\ref{tab:motion-constants}). So the motion obeys",
-        equation(ode, A + B0 * WAVE, free, note=r"in $\Omega_\alpha$,", label="motion-domain"),
+        equation(ode, A + B0 * WAVE, free, note=r"in $\Omega_\alpha$,", label="domain"),
         r"or $\ddot{x} = F^{(\alpha)}(x, \dot{x}, t)$ with the acceleration",
         equation(
             general,
             (A + B0 * WAVE - k * x - c * v) / m,
             Each(tuple(Exact({general: newton(a), A: solution.force_constant(a)}) for a in scope.domains)),
-            label="motion-acceleration",
+            "acceleration",
         ),
         Table(
             "tab:motion-constants",
@@ -131,7 +131,7 @@ def items(scope: Scope) -> Items:
         ),
         r"\begin{lemma}[no boundary repels]\label{thm:motion-jump} "
         r"Where $\dot{x} = v_\lambda$, the accelerations below and above the boundary differ by",
-        equation(F(LOWER) - F(UPPER), gap, at_both(scope), label="motion-jump"),
+        equation(F(LOWER) - F(UPPER), gap, at_both(scope), "jump"),
         r"which is not negative,",
         step(gap, ">=", 0, Sign()),
         r"so that the flow never leaves a boundary to both sides at once.\end{lemma}",
@@ -164,7 +164,7 @@ def items(scope: Scope) -> Items:
         r"bounded velocities and upper semicontinuous in the state, and it grows at most linearly, so motions exist "
         r"for all later times \cite[Chapter 2]{filippov1988}. Let $y$ be the difference of two of them, and $T$, "
         r"$\tilde{T}$ their frictions. Then",
-        equation(energy, difference * rate - c * rate**2, meaning, label="motion-energy"),
+        equation(energy, difference * rate - c * rate**2, meaning, "energy"),
         r"almost everywhere, and by Lemma~\ref{thm:motion-monotone} this is at most $-c\dot{y}^2 \le 0$. If both start "
         r"alike the energy on the left stays 0, so $\dot{y} = 0$ for all later times, and $y = 0$.\end{proof}",
         r"Backward in time motions are not unique: all that come to stick at one point of a belt are one motion "
@@ -178,16 +178,16 @@ def items(scope: Scope) -> Items:
                 named(rf"F_{{s{belt}}}"),
                 sp.expand(m * (acceleration(belt) + acceleration(belt + 1)) / 2).subs(v, BELTS[belt]),
                 stick_force(belt),
-                label=f"motion-held-{belt}",
+                f"held-{belt}",
             )
             for belt in scope.boundaries
         ),
         r"On the two sides of the boundary the belt adds its friction forward and backward,",
-        equation(m * F(LOWER), HELD + mu_lambda * FN, at_both(scope), label="motion-held-sides"),
+        equation(m * F(LOWER), HELD + mu_lambda * FN, at_both(scope), "held-sides"),
         equation(m * F(UPPER), HELD - mu_lambda * FN, at_both(scope)),
         r"so that the mass can stay on the belt, $|F_{s\lambda}| \le \mu_\lambda F_N$, iff "
         r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$; and the product of the paper's section 6 is",
-        equation(m**2 * F(LOWER) * F(UPPER), HELD**2 - mu_lambda**2 * FN**2, at_both(scope), label="motion-product"),
+        equation(m**2 * F(LOWER) * F(UPPER), HELD**2 - mu_lambda**2 * FN**2, at_both(scope), "product"),
         r"\end{proposition}",
         r"\begin{proof} On the belt $\ddot{x} = 0$, so \eqref{eq:motion-newton} demands $T_\lambda = -F_{s\lambda}$, "
         r"which Definition~\ref{thm:motion-coulomb} allows iff $|F_{s\lambda}| \le \mu_\lambda F_N$. Below the "

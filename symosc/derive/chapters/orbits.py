@@ -55,7 +55,7 @@ def items(scope: Scope) -> Items:
         r"has the multiplier 1."
         r"\end{enumerate}",
         r"The interval of (iii) has the length",
-        equation(length, 2 * (mu * FN - sp.Abs(size)) / k, ends[0] - ends[1], label="orbits-length"),
+        equation(length, 2 * (mu * FN - sp.Abs(size)) / k, ends[0] - ends[1], "length"),
         r"\end{theorem}",
         r"\begin{proof} Let $y$ be the difference of two motions and $W = \frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2$. By "
         r"\eqref{eq:motion-energy} and Lemma~\ref{thm:motion-monotone}, $\dot{W} \le -c\,\dot{y}^2 \le 0$.",

@@ -39,21 +39,18 @@ def items(scope: Scope) -> Items:
         r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ all the time.\end{definition}",
         r"\begin{lemma}[what changes on a belt]\label{thm:sticks-rate} "
         r"On belt $\lambda$, at $\tau$ after the phase $\theta_i$ and the position $x_i$,",
-        equation(position, x_i + v_lambda * tau, x_i + sp.integrate(v_lambda, (tau, 0, tau)), label="sticks-x"),
+        equation(position, x_i + v_lambda * tau, x_i + sp.integrate(v_lambda, (tau, 0, tau)), "x"),
         r"and the accelerations on both sides, $\alpha = \lambda$ and $\lambda + 1$, are",
         equation(
             on_belt,
             solution.stick_acceleration(a_i, wave).subs(v, v_lambda),
             force_on_belt(theta_i + Omega * tau),
-            label="sticks-force",
+            "force",
         ),
         r"with $\ddot{x}_i = F^{(\alpha)}(x_i, v_\lambda, t_i)$, each its own. They change at one rate, which depends "
         r"on the phase $\theta = \Omega t$ alone:",
         equation(
-            rate,
-            -(k * v_lambda + B0 * Omega * sp.sin(theta)),
-            (m * moving.diff(t)).subs(Omega * t, theta),
-            label="sticks-rate",
+            rate, -(k * v_lambda + B0 * Omega * sp.sin(theta)), (m * moving.diff(t)).subs(Omega * t, theta), "rate"
         ),
         r"\end{lemma}",
         r"\begin{proof} Put $x = x_i + v_\lambda\tau$ and $\dot{x} = v_\lambda$ into \eqref{eq:motion-acceleration}, "
@@ -76,7 +73,7 @@ def items(scope: Scope) -> Items:
             F(UPPER),
             -2 * mu_lambda * FN / m,
             Each(tuple(Exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}) for lo in scope.boundaries)),
-            label="sticks-other",
+            "other",
         ),
         "which holds the mass on its upper side:",
         step(zero, "<=", 0, lower),

@@ -39,13 +39,13 @@ def items(scope: Scope) -> Items:
             first,
             product("D", "") + product("", r"\dot"),
             Exact({first: (n * y).diff(t)} | letters, independent=False),
-            label="switching-G0",
+            "G0",
         ),
         equation(
             second,
             product("D^2", "") + 2 * product("D", r"\dot") + product("", r"\ddot"),
             Exact({second: (n * y).diff(t, 2)} | letters, independent=False),
-            label="switching-G1",
+            "G1",
         ),
         r"and so on: $G^{(j,\alpha)}$ is the derivative of the order $j + 1$ of "
         r"$\mathbf{n}^T(\mathbf{x}^{(\alpha)} - \mathbf{x}^{(0)})$.\end{definition}",
@@ -85,7 +85,7 @@ def items(scope: Scope) -> Items:
         r"crosses, and for odd $n$ it touches and returns to the side that it came from.\end{lemma}",
         r"\begin{proof} By Taylor's theorem, here from the closed form \eqref{eq:domains-v} and up to terms of the "
         r"order $\tau^5$,",
-        equation(gap, taylor, meaning, label="switching-taylor"),
+        equation(gap, taylor, meaning, "taylor"),
         r"and the first term that does not vanish, $G^{(n,\alpha)}\tau^{n+1}/(n+1)!$, is larger than all that follow "
         r"for small $|\tau|$; $\tau^{n+1}$ is positive before the contact iff $n$ is odd.\end{proof}",
         r"If all G-functions vanish, the flow of $\Omega_\alpha$ stays in the boundary for ever. By "
@@ -133,12 +133,7 @@ def items(scope: Scope) -> Items:
         r"with $n = 1$ alone, leaves out the tangencies of higher order; this is where Theorem 7 loses its case of "
         r"equality (Theorem~\ref{thm:grazing-equality}).\end{remark}",
         r"What (iii) asks for is at the boundary $\dot{x} = v_\lambda$, on either side of either belt,",
-        equation(
-            G(1),
-            -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m,
-            stays,
-            label="switching-decides",
-        ),
+        equation(G(1), -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m, stays, "decides"),
         r"where the term with $F^{(\alpha)}$ vanishes at a graze.",
     )
 
@@ -162,7 +157,7 @@ def g_functions() -> Items:
         wave = solution.forcing(n).xreplace({solution.f0: B0 / m})
         right = solution.next_derivative(lower[n], lower[n - 1], wave)
         right = right.xreplace({solution.cm: c / m, solution.w0sq: k / m})
-        rows.append(equation(G(n), right, true.subs(Omega * t, theta), label=f"switching-g{n}"))
+        rows.append(equation(G(n), right, true.subs(Omega * t, theta), f"g{n}"))
         lower.append(G(n))
     return (
         r"\begin{lemma}[the first G-functions]\label{thm:switching-g} "
