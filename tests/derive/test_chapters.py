@@ -8,20 +8,14 @@ import re
 import shutil
 import subprocess
 from collections.abc import Iterator
-from io import BytesIO
-from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 import sympy as sp
-from browsing import chromium
 from chapters import chapter, unchecked, unchecked_items
 from click.testing import CliRunner
 from latex_reader import Reader
-from matplotlib import get_data_path
-from matplotlib.image import imread
 from matplotlib.text import Text
 from samples import few
 from step_mutants import mutations
@@ -32,10 +26,8 @@ from symosc.cli.app import main
 from symosc.cli.derive import derive
 from symosc.derive import document, latex, pdf
 from symosc.derive.chapters import CHAPTERS
-from symosc.derive.document import STYLE
 from symosc.derive.errata import read_errata
 from symosc.derive.figures import figure
-from symosc.derive.mathml import font_style, formula
 from symosc.derive.notation import NOTATION
 from symosc.derive.scope import Scope
 from symosc.derive.steps import Illustration, Step, StepError, StepEvidence, Table, equation, points, steps_of
@@ -258,27 +250,6 @@ def test_the_page_needs_no_other_file() -> None:
     ids = re.findall(r' id="([^"]*)"', html)
     assert len(ids) == len(set(ids))
     assert html.count("<figure") == 3
-
-
-@pytest.mark.campaign
-def test_formulas_are_read_where_no_font_for_them_is_installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One dot over the letter of a velocity, two over that of an acceleration, at the size of text."""
-    for name in ("DejaVuSans.ttf", "DejaVuSerif.ttf"):
-        shutil.copy(Path(get_data_path()) / "fonts" / "ttf" / name, tmp_path)
-    config = f"<fontconfig><dir>{tmp_path}</dir><cachedir>{tmp_path}</cachedir></fontconfig>"
-    (tmp_path / "fonts.conf").write_text(f'<?xml version="1.0"?><!DOCTYPE fontconfig SYSTEM "fonts.dtd">{config}')
-    monkeypatch.setenv("FONTCONFIG_FILE", str(tmp_path / "fonts.conf"))
-
-    def dots(page: Any, latex: str) -> int:
-        page.set_content(f"<style>{STYLE}{font_style()}</style><p>{formula(latex)}</p>")
-        page.evaluate("document.fonts.ready")
-        dark = imread(BytesIO(page.locator("math").screenshot()))[..., 0] < 0.5
-        above = takewhile(np.any, dark[dark.any(axis=1).argmax() :])  # the letter begins after an empty row
-        return max(int(np.diff(row, prepend=False, append=False).sum()) // 2 for row in above)
-
-    with chromium() as browser:
-        page = browser.new_page()
-        assert [dots(page, latex) for latex in (r"\dot{x}", r"\ddot{x}")] == [1, 2]
 
 
 # --- the command ---

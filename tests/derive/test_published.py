@@ -145,14 +145,6 @@ def test_the_continuum(n: int, F: str) -> None:
     assert published.one_sided_end(F, n) == pytest.approx(float(end), abs=1e-7)
 
 
-def test_turning_points_of_the_continuum_at_one_half() -> None:
-    for middle in (Fraction(-1, 5), Fraction(1, 10)):
-        path = simulate(wall("0.1", "0.5"), t0=0, x0=middle + Fraction(4, 3), v0=0, t_end=60, digits=30)
-        points = [MP.mpf(event.x) - MP.mpf(middle.numerator) / middle.denominator for event in path.events]
-        assert len(points) >= 4
-        assert all(abs(abs(x) - MP.mpf(4) / 3) < 1e-26 for x in points)
-
-
 def test_one_stop_per_cycle_beside_the_continuum() -> None:
     """It gets shorter for ever, and the motion tends to the end of the continuum."""
     events = published.one_sided_path("0.1", 1, Fraction(3, 10), Fraction(150)).events

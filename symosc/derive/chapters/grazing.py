@@ -82,6 +82,7 @@ def items(scope: Scope) -> Items:
     force = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta})
     solved = sp.solve(force, x)[0].subs(theta, THETA_M)
     first = solution.in_paper_letters(solution.g_function(1).subs(v, v_lambda)).subs(Omega * t, THETA_M)
+    critical = {CRITICAL: sp.asin(-k * v_lambda / (B0 * Omega))}
     yield (
         r"\begin{lemma}[what a contact fixes]\label{thm:grazing-contact} "
         r"At such a contact the paper's $\gamma = (c/m)\ddot{x} + (k/m)\dot{x}$ is fixed by the parameters, and with "
@@ -94,9 +95,7 @@ def items(scope: Scope) -> Items:
         equation(named("x_m"), (A + B0 * sp.cos(THETA_M) - c * v_lambda) / k, solved, "xm"),
         r"and if $|\gamma| \le |a| \ne 0$, $G^{(1,\alpha)}$ vanishes at the phases "
         r"$\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$ and $\pi - \Theta^{\mathrm{cr}}$, where",
-        equation(
-            sp.sin(CRITICAL), -GAMMA / AMPLITUDE, values | {CRITICAL: sp.asin(-k * v_lambda / (B0 * Omega))}, "critical"
-        ),
+        equation(sp.sin(CRITICAL), -GAMMA / AMPLITUDE, values | critical, "critical"),
         r"\end{lemma}",
         r"\begin{proof} $\ddot{x} = F^{(\alpha)} = 0$ and $\dot{x} = v_\lambda$ at $t_m$. Put both into "
         r"\eqref{eq:switching-g1} and \eqref{eq:motion-acceleration}. So of the paper's ``four unknowns'' with three "
@@ -148,18 +147,14 @@ def items(scope: Scope) -> Items:
     wave = {solution.f0: B0 / m, solution.w0sq: k / m, solution.cm: c / m, theta: THETA_M}
     amplitude = {AMPLITUDE: B0 * Omega / m}
     true2, true3 = (expr.subs(on_end).xreplace(wave) for expr in (g2, g3))
+    true = {third: true3, second: true2} | amplitude
     yield (
         r"\subsection{The ends of a window, and the case of equality}",
         r"\begin{theorem}[the case of equality]\label{thm:grazing-equality} "
         r"Let $F^{(\alpha)} = G^{(1,\alpha)} = 0$ at a contact, with $a \ne 0$; this needs $|\gamma| \le |a|$.",
         r"The next G-functions are",
         equation(second, -AMPLITUDE * Omega * sp.cos(THETA_M), {second: true2} | amplitude, "G2"),
-        equation(
-            third,
-            AMPLITUDE * Omega**2 * sp.sin(THETA_M) - c * second / m,
-            {third: true3, second: true2} | amplitude,
-            "G3",
-        ),
+        equation(third, AMPLITUDE * Omega**2 * sp.sin(THETA_M) - c * second / m, true, "G3"),
         r"\begin{enumerate}"
         r"\item[(i)] If $|\gamma| < |a|$, then $G^{(2,\alpha)} \ne 0$: the flow of $\Omega_\alpha$ crosses the "
         r"boundary and does not graze. The windows are open at these ends in full order too."

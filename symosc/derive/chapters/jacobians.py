@@ -130,6 +130,7 @@ def perturbations() -> Items:
         rows.append(equation(name, entry, check, f"phi-{n}"))
     determinant = named(r"\det\Phi(\tau)")
     matrix = {determinant: (1 - w0sq * E2) * E0 + w0sq * E1**2}
+    area = Exact(matrix | generic_basis(), lambda expr: sp.simplify(modes(expr)))
     return (
         r"\subsection{Perturbations of a motion}",
         r"\begin{lemma}[perturbations in a domain]\label{thm:jacobians-phi} "
@@ -137,12 +138,7 @@ def perturbations() -> Items:
         r"with the entries",
         *rows,
         r"whatever the motion is, and areas shrink with the factor",
-        equation(
-            determinant,
-            sp.exp(-cm * tau),
-            Exact(matrix | generic_basis(), lambda expr: sp.simplify(modes(expr))),
-            "det",
-        ),
+        equation(determinant, sp.exp(-cm * tau), area, "det"),
         r"\end{lemma}",
         r"\begin{proof} The difference of two motions of a domain obeys the unforced equation. The determinant solves "
         r"$\dot{w} = -(c/m)\,w$, $w(0) = 1$ (Liouville).\end{proof}",

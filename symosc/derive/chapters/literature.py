@@ -84,6 +84,8 @@ def items(scope: Scope) -> Items:
     def tidy(expr: Any) -> Any:
         return sp.simplify(sp.expand(sp.numer(sp.together(expr.rewrite(sp.exp)))))
 
+    highest = {x_0: coulomb.amplitude().subs(G, 0), Q: P * sp.Abs(V) / k, H: U}
+
     yield (
         r"For $0 < c^2 < 4 k m$ this is Den Hartog's form, with $h = c/(2m)$ and $\omega_d^2 = k/m - h^2$:",
         [
@@ -94,11 +96,7 @@ def items(scope: Scope) -> Items:
         equation(G, 0, undamped[0]),
         equation(H, forms[U], undamped[1], note=r"$= U = \frac{1}{r}\tan\frac{\pi}{2 r}$"),
         equation(V, forms[V], {V: k / (k - m * Omega**2), Omega: r * sp.sqrt(k / m)}),
-        equation(
-            x_0**2,
-            V**2 * P**2 / k**2 - U**2 * x_f**2,
-            {x_0: coulomb.amplitude().subs(G, 0), Q: P * sp.Abs(V) / k, H: U},
-        ),
+        equation(x_0**2, V**2 * P**2 / k**2 - U**2 * x_f**2, highest),
         _numbers("amplitude", r"The highest point by \eqref{eq:literature-amplitude}, and on the orbit $P_{32}$."),
     )
     push = (k - m * Omega**2) * p_0 + c * Omega * q_0

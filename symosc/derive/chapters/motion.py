@@ -107,6 +107,7 @@ def items(scope: Scope) -> Items:
         rows.append((rf"$\Omega_{alpha}$", velocities, *frictions, constant))
 
     gap = 2 * mu_lambda * FN / m
+    laws = tuple(Exact({general: newton(a), A: solution.force_constant(a)}) for a in scope.domains)
     yield (
         r"\subsection{Domains and boundaries}",
         r"The velocities of the belts cut the phase plane into the open domains $\Omega_1 = \{\dot{x} < v_1\}$, "
@@ -117,12 +118,7 @@ def items(scope: Scope) -> Items:
         r"$A_\alpha = A_0 + T_1 + T_2$ (Table~\ref{tab:motion-constants}). So the motion obeys",
         equation(ode, A + B0 * WAVE, free, note=r"in $\Omega_\alpha$,", label="domain"),
         r"or $\ddot{x} = F^{(\alpha)}(x, \dot{x}, t)$ with the acceleration",
-        equation(
-            general,
-            (A + B0 * WAVE - k * x - c * v) / m,
-            Each(tuple(Exact({general: newton(a), A: solution.force_constant(a)}) for a in scope.domains)),
-            "acceleration",
-        ),
+        equation(general, (A + B0 * WAVE - k * x - c * v) / m, Each(laws), "acceleration"),
         Table(
             "tab:motion-constants",
             r"The domains, the frictions in them, and $A_\alpha$.",
@@ -147,6 +143,10 @@ def items(scope: Scope) -> Items:
     accelerated = named(r"\ddot{y}")
     difference = named(r"(T - \tilde{T})")
     meaning = {energy: m * rate * accelerated + k * y * rate, accelerated: (difference - c * rate - k * y) / m}
+    held = []
+    for belt in scope.boundaries:
+        mean = sp.expand(m * (acceleration(belt) + acceleration(belt + 1)) / 2).subs(v, BELTS[belt])
+        held.append(equation(named(rf"F_{{s{belt}}}"), mean, stick_force(belt), f"held-{belt}"))
     yield (
         r"\subsection{Friction is monotone}",
         r"\begin{lemma}[monotone friction]\label{thm:motion-monotone} "
@@ -173,15 +173,7 @@ def items(scope: Scope) -> Items:
         r"\begin{proposition}[what the belt has to hold]\label{thm:motion-held} "
         r"Let $F_{s\lambda}$ be the sum of all forces on the mass but the friction of belt $\lambda$ while "
         r"$\dot{x} = v_\lambda$; for belt 1 it is the paper's (2),",
-        *(
-            equation(
-                named(rf"F_{{s{belt}}}"),
-                sp.expand(m * (acceleration(belt) + acceleration(belt + 1)) / 2).subs(v, BELTS[belt]),
-                stick_force(belt),
-                f"held-{belt}",
-            )
-            for belt in scope.boundaries
-        ),
+        held,
         r"On the two sides of the boundary the belt adds its friction forward and backward,",
         equation(m * F(LOWER), HELD + mu_lambda * FN, at_both(scope), "held-sides"),
         equation(m * F(UPPER), HELD - mu_lambda * FN, at_both(scope)),

@@ -31,6 +31,8 @@ def items(scope: Scope) -> Items:
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
     rate = named(r"m\dot{F}^{(\alpha)}")
     moving = solution.in_paper_letters(solution.acceleration(x_i + v_lambda * (t - solution.t_i), v_lambda, theta))
+    held = solution.stick_acceleration(a_i, wave).subs(v, v_lambda)
+    change = (m * moving.diff(t)).subs(Omega * t, theta)
     yield (
         r"\subsection{The mass on a belt}",
         r"\begin{definition}[stick]\label{thm:sticks-stick} "
@@ -41,17 +43,10 @@ def items(scope: Scope) -> Items:
         r"On belt $\lambda$, at $\tau$ after the phase $\theta_i$ and the position $x_i$,",
         equation(position, x_i + v_lambda * tau, x_i + sp.integrate(v_lambda, (tau, 0, tau)), "x"),
         r"and the accelerations on both sides, $\alpha = \lambda$ and $\lambda + 1$, are",
-        equation(
-            on_belt,
-            solution.stick_acceleration(a_i, wave).subs(v, v_lambda),
-            force_on_belt(theta_i + Omega * tau),
-            "force",
-        ),
+        equation(on_belt, held, force_on_belt(theta_i + Omega * tau), "force"),
         r"with $\ddot{x}_i = F^{(\alpha)}(x_i, v_\lambda, t_i)$, each its own. They change at one rate, which depends "
         r"on the phase $\theta = \Omega t$ alone:",
-        equation(
-            rate, -(k * v_lambda + B0 * Omega * sp.sin(theta)), (m * moving.diff(t)).subs(Omega * t, theta), "rate"
-        ),
+        equation(rate, -(k * v_lambda + B0 * Omega * sp.sin(theta)), change, "rate"),
         r"\end{lemma}",
         r"\begin{proof} Put $x = x_i + v_\lambda\tau$ and $\dot{x} = v_\lambda$ into \eqref{eq:motion-acceleration}, "
         r"and differentiate.\end{proof}",
@@ -63,18 +58,14 @@ def items(scope: Scope) -> Items:
     )
     zero = named(r"F^{(\lambda+1)}|_{F^{(\lambda)} = 0}")
     lower = Each(tuple(Sign({zero: -(newton(lo) - newton(lo + 1))}) for lo in scope.boundaries))
+    jumps = (Exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}) for lo in scope.boundaries)
     yield (
         r"\subsection{Both ends}",
         r"\begin{theorem}[both exits of a stick]\label{thm:sticks-exits} "
         r"A stick on belt $\lambda$ ends at the first time at which $F^{(\lambda)}$ falls below 0, and then the mass "
         r"goes into $\Omega_\lambda$; or at which $F^{(\lambda+1)}$ rises above 0, and then it goes into "
         r"$\Omega_{\lambda+1}$. Both cannot happen at once if the belt has friction: where $F^{(\lambda)} = 0$,",
-        equation(
-            F(UPPER),
-            -2 * mu_lambda * FN / m,
-            Each(tuple(Exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}) for lo in scope.boundaries)),
-            "other",
-        ),
+        equation(F(UPPER), -2 * mu_lambda * FN / m, Each(tuple(jumps)), "other"),
         "which holds the mass on its upper side:",
         step(zero, "<=", 0, lower),
         r"\end{theorem}",

@@ -28,6 +28,7 @@ def items(scope: Scope) -> Items:
     parts = {("", r"\ddot"): n * y.diff(t, 2), ("D", r"\dot"): n.diff(t) * y.diff(t), ("D^2", ""): n.diff(t, 2) * y}
     parts |= {("", r"\dot"): n * y.diff(t), ("D", ""): n.diff(t) * y}
     letters = {product(*key): value for key, value in parts.items()}
+    check = Exact({first: (n * y).diff(t), second: (n * y).diff(t, 2)} | letters, independent=False)
     yield (
         r"\subsection{G-functions}",
         r"Luo's theory of flow switchability \cite{luo2008,luo2009} compares the flow $\mathbf{x}^{(\alpha)}(t)$ of a "
@@ -35,18 +36,8 @@ def items(scope: Scope) -> Items:
         r"is the derivative along each flow, and $D$ the derivative of $\mathbf{n}$ along $\mathbf{x}^{(0)}$.",
         r"\begin{definition}[Luo's G-functions]\label{thm:switching-G} "
         r"The G-functions of the orders 0 and 1 are (the paper's (15) and (16))",
-        equation(
-            first,
-            product("D", "") + product("", r"\dot"),
-            Exact({first: (n * y).diff(t)} | letters, independent=False),
-            "G0",
-        ),
-        equation(
-            second,
-            product("D^2", "") + 2 * product("D", r"\dot") + product("", r"\ddot"),
-            Exact({second: (n * y).diff(t, 2)} | letters, independent=False),
-            "G1",
-        ),
+        equation(first, product("D", "") + product("", r"\dot"), check, "G0"),
+        equation(second, product("D^2", "") + 2 * product("D", r"\dot") + product("", r"\ddot"), check, "G1"),
         r"and so on: $G^{(j,\alpha)}$ is the derivative of the order $j + 1$ of "
         r"$\mathbf{n}^T(\mathbf{x}^{(\alpha)} - \mathbf{x}^{(0)})$.\end{definition}",
         r"\begin{lemma}[reduction]\label{thm:switching-reduction} "
