@@ -229,29 +229,6 @@ def test_the_contact_and_the_windows_of_theorem_7(mapping: str) -> None:
         assert shown == pytest.approx([end for low, high, *_ in window.intervals for end in (low, high)])
 
 
-@pytest.mark.quick(1)
-@pytest.mark.full(2)
-@pytest.mark.parametrize(
-    ("numbers", "regime"),
-    [
-        ({"k": "0"}, "no spring"),
-        ({"c": "0"}, "undamped"),
-        ({"c": "0", "k": "0"}, "free"),
-        ({"c": "0", "k": "4", "m": "1", "Omega": "2"}, "resonance"),
-        ({"c": "4", "k": "4", "m": "1"}, "critical"),
-        ({}, "underdamped"),
-    ],
-)
-@pytest.mark.usefixtures("unchecked")
-def test_a_few_numbers_decide_the_regime(numbers: dict[str, str], regime: str) -> None:
-    """And no formula divides by 0 with them."""
-    scope = fragment_scope(numbers)
-    assert scope.regime.name == regime
-    text = as_latex(check_fragment("P3", scope), scope)
-    assert ("The number is" in text) == (len(numbers) == 1)
-    assert ("The numbers are" in text) == (len(numbers) > 1)
-
-
 # --- the command ---
 
 
