@@ -169,8 +169,7 @@ def flat(parts: Items) -> list[Any]:
             last = max(i for i, item in enumerate(found) if isinstance(item, Prose))
             found[last] = Prose(found[last].text, part.facts)
         elif type(part) in (tuple, list) or isinstance(part, Iterator):
-            inner = flat(part)
-            found += inner
+            found += flat(part)
         else:
             found.append(part)
     return found
@@ -261,8 +260,7 @@ class Solves(Check):
         for residual in residuals:
             if not self.general:
                 _refute(statement, residual)
-            rest = tidy(resolve(residual, self.meaning))
-            _vanish(statement, rest, "does not solve its equation: {} is left over")
+            _vanish(statement, tidy(resolve(residual, self.meaning)), "does not solve its equation: {} remains")
         return StepEvidence("exact", "0")
 
 
@@ -285,12 +283,8 @@ class Sign(Check):
     def __call__(self, statement: Relation) -> StepEvidence:
         difference = resolve(statement.left, self.meaning) - resolve(statement.right, self.meaning)
         difference = sp.factor(sp.simplify(difference))
-        holds = {
-            ">": difference.is_positive,
-            "<": difference.is_negative,
-            ">=": difference.is_nonnegative,
-            "<=": difference.is_nonpositive,
-        }[statement.op]
+        sign = {">": "positive", "<": "negative", ">=": "nonnegative", "<=": "nonpositive"}[statement.op]
+        holds = getattr(difference, f"is_{sign}")
         if not holds:
             raise StepError(str(statement), f"the sign of {difference} is {'wrong' if holds is False else 'undecided'}")
         return StepEvidence("sign", str(difference) if difference.is_Rational else "by the signs of its letters")

@@ -47,7 +47,7 @@ def items(scope: Scope) -> Items:
     inner = (phi**2 * sp.exp(cm * tau) * q.diff(tau)).diff(tau) * sp.exp(-cm * tau) / phi
     names = {letter: phi, rate: phi.diff(tau), slope: q.diff(tau), curve: q.diff(tau, 2)}
     unforced = tuple(equation(_operator(regime), 0, Exact(tidy=modes)) for regime in solution.REGIMES.values())
-    product = Exact({LG: true} | names, independent=False)
+    factored = Exact({LG: true} | names, independent=False)
     yield (
         r"\subsection{At most two zeros between critical phases}",
         r"\begin{theorem}[disconjugacy, after P\'olya]\label{thm:events-two} "
@@ -59,7 +59,7 @@ def items(scope: Scope) -> Items:
         r"$0 < \tau < \pi/\omega_d$, or for all $\tau > 0$.",
         facts(*unforced),
         r"With $q = g/\varphi$",
-        equation(LG, letter * curve + (2 * rate + cm * letter) * slope, product, "factor"),
+        equation(LG, letter * curve + (2 * rate + cm * letter) * slope, factored, "factor"),
         r"which is P\'olya's factorisation \cite{polya1922} "
         r"$L g = \varphi^{-1} e^{-c\tau/m} \frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
         facts(equation(true, inner, Exact(independent=False))),

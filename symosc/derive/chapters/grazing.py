@@ -35,21 +35,14 @@ GAMMA, AMPLITUDE = named(r"\gamma"), sp.Symbol("a", real=True)
 g, a = sp.symbols("gamma a", real=True)
 p, q = sp.symbols("p q", positive=True)
 
-
-#: The signs of gamma and |gamma| - a, values that have them, and the case in words (a > 0).
 #: Every case of the signs of gamma, a and |gamma| - a: values that have them, and the case in words.
 CASES = (
-    (p, p + q, r"$0 < \gamma < a$"),
-    (p, p, r"$0 < \gamma = a$"),
-    (p + q, p, r"$0 < a < \gamma$"),
+    (p, p + q, r"$0 < \gamma < a$"), (p, p, r"$0 < \gamma = a$"), (p + q, p, r"$0 < a < \gamma$"),
     (sp.S.Zero, p, r"$\gamma = 0$"),
-    (-p, p + q, r"$-a < \gamma < 0$"),
-    (-p, p, r"$\gamma = -a$"),
-    (-p - q, p, r"$\gamma < -a$"),
-    (p, sp.S.Zero, r"$a = 0 < \gamma$"),
-    (-p, sp.S.Zero, r"$\gamma < 0 = a$"),
+    (-p, p + q, r"$-a < \gamma < 0$"), (-p, p, r"$\gamma = -a$"), (-p - q, p, r"$\gamma < -a$"),
+    (p, sp.S.Zero, r"$a = 0 < \gamma$"), (-p, sp.S.Zero, r"$\gamma < 0 = a$"),
     (sp.S.Zero, sp.S.Zero, r"$a = \gamma = 0$"),
-)
+)  # fmt: skip
 
 
 def items(scope: Scope) -> Items:
@@ -269,15 +262,13 @@ class Window(Check):
     names: tuple[tuple[Any, Any], ...] = ()
 
     def __call__(self, statement: Relation) -> StepEvidence:
-        parts = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
-        through_0 = any(isinstance(part, sp.Interval) and part.args[0] == 0 and not part.args[2] for part in parts)
-        for part in parts:
-            for end in part.args[:2] if isinstance(part, sp.Interval) else ():
-                if end in (0, 2 * sp.pi) and through_0:
-                    continue
-                zero = sp.simplify(sp.expand_trig(sp.sin(self._angle(end))) * self.amplitude + self.gamma)
-                if zero != 0:
-                    raise StepError(str(statement), f"{end} is no zero of gamma + a sin theta, which is {zero} there")
+        sets = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
+        parts = [part for part in sets if isinstance(part, sp.Interval)]
+        through_0 = any(part.args[0] == 0 and not part.args[2] for part in parts)
+        for end in (end for part in parts for end in part.args[:2]):
+            zero = sp.simplify(sp.expand_trig(sp.sin(self._angle(end))) * self.amplitude + self.gamma)
+            if zero != 0 and not (through_0 and end in (0, 2 * sp.pi)):
+                raise StepError(str(statement), f"{end} is no zero of gamma + a sin theta, which is {zero} there")
         for sine, phase in ((1, sp.pi / 2), (-1, 3 * sp.pi / 2), (0, sp.Integer(0)), (0, sp.pi)):
             value = self.side * (self.gamma + self.amplitude * sine)
             inside = sp.simplify(value).is_positive
@@ -288,13 +279,9 @@ class Window(Check):
         return StepEvidence("exact", "0")
 
     def _angle(self, end: Any) -> Any:
-        for name, value in self.names:
-            end = end.subs(name, value)
-        return end.subs({g: self.gamma, a: self.amplitude})
+        return end.subs(self.names).subs({g: self.gamma, a: self.amplitude})
 
     def _contains(self, part: Any, phase: Any) -> bool:
-        if part == sp.S.EmptySet:
-            return False
         # Ends cannot cross a multiple of pi/2 while the signs stay: one set of numbers stands for all.
         low, high = (self._angle(end).subs({p: sp.Rational(3, 7), q: sp.Rational(2, 5)}) for end in part.args[:2])
         left_open, right_open = part.args[2:]
