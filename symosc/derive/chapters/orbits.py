@@ -180,7 +180,9 @@ def _values(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
 
 
 def _orbit(scope: Scope, word: str, figure: str) -> Items:
-    found = pieces(scope, word)
+    """Yield the section of an orbit: its equations, its switching points, and what happens between them."""
+    assert scope.parameters is not None
+    p, found, points = scope.parameters, pieces(scope, word), root(scope.parameters, word)
     equations: list[Any] = []
     for i, (row, before, _, f1, f2, meaning) in enumerate(found, 1):
         after = i % len(found) + 1
@@ -197,36 +199,26 @@ def _orbit(scope: Scope, word: str, figure: str) -> Items:
         equations += [equation(0, f, check, decimals=True) for f in (f1, f2)]
     inner = r" \circ ".join(f"P_{digit}" for digit in word[1:])
     numbers = ", ".join(f"${name} = {value}$" for name, value in scope.table())
-    return (
+    yield (
         rf"\subsection{{{figure}: $P_{{{word[1:]}}} = {inner}$}}",
         rf"The numbers are {numbers}. The last map ends where the first one starts, one period of the drive later, so "
         rf"there are {2 * len(found)} equations for the {2 * len(found)} unknowns $x_j$, $\theta_j$. A basis function "
         r"of the flight from point $j$ is taken at its duration $\tau_j$.",
         equations,
-        _solution(scope, word),
-        _accelerations(scope, word),
-        _between(scope, word),
     )
-
-
-def _solution(scope: Scope, word: str) -> Table:
-    assert scope.parameters is not None
-    rows = []
-    for j, ((x, theta), piece) in enumerate(zip(root(scope.parameters, word), pieces(scope, word), strict=True), 1):
+    rows: list[Any] = []
+    for j, ((x, theta), piece) in enumerate(zip(points, found, strict=True), 1):
         place, phase = decimal("x", x, 20), decimal("theta", theta, 20)
         rows.append((str(j), phase, place, str(piece.row.start.boundary), f"$P_{piece.row.label[1]}$"))
-    return Table(
+    yield Table(
         f"tab:orbits-{word}",
         rf"The switching points of $P_{{{word[1:]}}}$, to 20 decimals (half a unit of the last one).",
         ("$j$", r"$\theta_j$", "$x_j$", "belt", "next"),
         tuple(rows),
     )
-
-
-def _accelerations(scope: Scope, word: str) -> Table:
-    """Return the accelerations at each switching point: which case of the theorem on boundaries applies."""
-    values, rows, facts = _values(scope, word, {}), [], []
-    for j, (row, before, (x, theta), *_) in enumerate(pieces(scope, word), 1):
+    # The accelerations at each switching point say which case of the theorem on boundaries applies.
+    values, rows, signs = _values(scope, word, {}), [], list[Any]()
+    for j, (row, before, (x, theta), *_) in enumerate(found, 1):
         belt = row.start.boundary
         cells: list[Any] = [str(j)]
         for alpha in NEIGHBOURS[belt]:
@@ -238,30 +230,26 @@ def _accelerations(scope: Scope, word: str) -> Table:
             # On a belt, and on the other side at the end of a stick, both hold the mass; else both push it one way.
             held = row.sticks or before.sticks
             upward = alpha == belt if held else row.domain != belt
-            facts.append(step(value, ">" if upward else "<", 0, AtRoot(lambda: values)))
+            signs.append(step(value, ">" if upward else "<", 0, AtRoot(lambda: values)))
         rows.append((*cells, f"$P_{row.label[1]}$"))
-    return Table(
+    yield Table(
         f"tab:orbits-forces-{word}",
         rf"The accelerations on both sides at the switching points of $P_{{{word[1:]}}}$. By their signs the next "
         r"mapping is the one that the word demands (Theorem~\ref{thm:switching-cases}).",
         ("$j$", "below", "above", "next"),
         tuple(rows),
-        tuple(facts),
+        tuple(signs),
     )
-
-
-def _between(scope: Scope, word: str) -> Items:
-    """Return the conditions between the switching points: no flight meets a belt, each stick is held."""
-    assert scope.parameters is not None
-    rows, facts = [], []
-    for j, piece in enumerate(pieces(scope, word)):
+    # Between the switching points no flight meets a belt, and each stick is held.
+    rows, limited = [], list[Any]()
+    for j, piece in enumerate(found):
         for name, value, words, limits in _extremes(scope, word, j):
             rows.append((f"$P_{piece.row.label[1]}$ from {j + 1}", name, decimal("z", value, 8), words))
             shown = sp.Float(CONTEXT.nstr(value, STEP_DIGITS), STEP_DIGITS)
-            facts += [step(shown, op, bound, AtRoot(dict)) for op, bound in limits]
-    digits, p = named("P"), scope.parameters
-    facts.append(equation(digits, int(word[1:]), AtRoot(lambda: {digits: _followed(p, word)})))
-    return (
+            limited += [step(shown, op, bound, AtRoot(dict)) for op, bound in limits]
+    digits = named("P")
+    limited.append(equation(digits, int(word[1:]), AtRoot(lambda: {digits: _followed(p, word)})))
+    yield (
         rf"Between the switching points nothing happens: Table~\ref{{tab:orbits-between-{word}}} has all extreme "
         r"values of the velocity inside the flights, and the least favourable accelerations during the sticks. The "
         r"motion that starts at point 1 was also followed with 30 digits for one period, by the search of "
@@ -271,7 +259,7 @@ def _between(scope: Scope, word: str) -> Items:
             rf"Between the switching points of $P_{{{word[1:]}}}$.",
             ("piece", "what", "value", "has to be"),
             tuple(rows),
-            tuple(facts),
+            tuple(limited),
         ),
     )
 
