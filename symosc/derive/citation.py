@@ -36,12 +36,10 @@ _ACCENTS = {r"{\'o}": "ó", r"{\'a}": "á", r"{\'e}": "é"}
 
 def bibtex() -> str:
     """Return BibTeX entries of symosc and of the paper."""
-    return f"{_entry('misc', 'symosc', SYMOSC)}\n\n{_entry('article', 'chen2016', PAPER)}"
-
-
-def _entry(kind: str, key: str, fields: dict[str, str]) -> str:
-    lines = [f"  {name:<7} = {{{value}}}," for name, value in fields.items()]
-    return "\n".join([f"@{kind}{{{key},", *lines, "}"])
+    found = []
+    for head, fields in (("@misc{symosc,", SYMOSC), ("@article{chen2016,", PAPER)):
+        found.append("\n".join([head, *(f"  {name:<7} = {{{value}}}," for name, value in fields.items()), "}"]))
+    return "\n\n".join(found)
 
 
 def paper_reference(title: str = "{}", space: str = " ", dash: str = "\N{EN DASH}") -> str:
@@ -82,18 +80,20 @@ def cited(text: str) -> list[str]:
     return sorted({key.strip() for _, group in CITATION.findall(text) for key in group.split(",")}, key=place)
 
 
+#: What stands behind the title of each kind of entry.
+PLACES = {
+    "article": "{journal} {volume} ({year}), {pages}",
+    "book": "{publisher}, {address}, {year}",
+    "misc": "{note}, {year}",
+}
+
+
 def reference_line(key: str) -> str:
     """Return an entry as a line of LaTeX."""
-    reference = entries()[key]
-    get = reference.fields.get
-    if reference.kind == "article":
-        place = f"{get('journal')} {get('volume')} ({get('year')}), {get('pages')}"
-    elif reference.kind == "book":
-        place = f"{get('publisher')}, {get('address')}, {get('year')}"
-    else:
-        place = f"{get('note')}, {get('year')}"
-    doi = f", doi:{get('doi')}" if get("doi") else ""
-    return rf"{_authors(reference.fields['author'])}, \emph{{{get('title')}}}, {place}{doi}."
+    kind, _, fields = entries()[key]
+    doi = f", doi:{fields['doi']}" if "doi" in fields else ""
+    place = PLACES[kind].format_map(fields)
+    return rf"{_authors(fields['author'])}, \emph{{{fields['title']}}}, {place}{doi}."
 
 
 def _authors(text: str) -> str:

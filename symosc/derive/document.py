@@ -12,17 +12,15 @@ from typing import Any, NamedTuple
 
 from symosc.derive import front
 from symosc.derive.chapters import CHAPTERS
-from symosc.derive.citation import CITATION, cited, plain_line, references_bib
+from symosc.derive.citation import CITATION, cited, plain_line, reference_list, references_bib
 from symosc.derive.figures import figure, svg
 from symosc.derive.latex import LINE_WIDTH, latex, lines, width
 from symosc.derive.mathml import font_style, formula, words
 from symosc.derive.notation import HEADS, NOTATION
 from symosc.derive.scope import Scope
 from symosc.derive.steps import (
-    Begin,
-    End,
-    Heading,
     Illustration,
+    Markup,
     Prose,
     Relation,
     Step,
@@ -37,8 +35,6 @@ from symosc.files import write_text
 from symosc.scenes import Scene
 
 ToHtml = Callable[[str], str]
-#: What documents can be written as: one LaTeX file a chapter with a main file, or one HTML page.
-FORMATS = ("latex", "html")
 #: Folders beside the main document: its chapters, and its figures.
 CHAPTER_FOLDER, PICTURES = "chapters", "figures"
 MAIN, BIBTEX, PAGE = "derivations.tex", "references.bib", "derivations.html"
@@ -48,7 +44,7 @@ MARKS = {"exact": "e", "sign": "s", "numeric": "n"}
 
 
 class Part(NamedTuple):
-    """An item of a chapter with the evidence of its steps; displayed steps have a number and a label."""
+    """An item of a chapter with the evidence of its steps; formulas, statements and tables have number and label."""
 
     item: Any
     evidence: tuple[StepEvidence, ...]
@@ -69,16 +65,11 @@ class Checked(NamedTuple):
     number: int
     parts: list[Part]
 
-    @property
-    def items(self) -> list[Any]:
-        """The items alone."""
-        return [part.item for part in self.parts]
-
     def steps(self) -> list[tuple[Step, StepEvidence]]:
         """Return every step with its evidence, those behind sentences and tables included."""
         return [pair for part in self.parts for pair in zip(steps_of(part.item), part.evidence, strict=True)]
 
-    def grouped(self) -> Iterator[Part | list[Part]]:
+    def displays(self) -> Iterator[Part | list[Part]]:
         """Yield the parts, and in place of steps that follow each other the list of them, which is one display."""
         for displayed, parts in groupby(self.parts, lambda part: isinstance(part.item, Step)):
             if displayed:
@@ -90,10 +81,10 @@ class Checked(NamedTuple):
         """Return the statement (LaTeX) and evidence of each step; steps that are not displayed have no number."""
         rows = []
         for part in self.parts:
+            number = part.number if isinstance(part.item, Step) else ""
             for step, evidence in zip(steps_of(part.item), part.evidence, strict=True):
                 left, op, right = step.statement
-                statement = f"{latex(left)} {op} {latex(right)}"
-                rows.append({"step": part.number, "statement": statement, **evidence._asdict()})
+                rows.append({"step": number, "statement": f"{latex(left)} {op} {latex(right)}", **evidence._asdict()})
         return rows
 
 
@@ -106,10 +97,10 @@ def chapter_items(key: str, scope: Scope) -> tuple[str, list[Any]]:
 
 
 def check(key: str, title: str, items: list[Any], progress: Callable[[int, int], None] | None = None) -> Checked:
-    """Check the steps of a chapter or fragment."""
-    count, done = sum(len(steps_of(item)) for item in items), 0
-    number, parts = chapter_number(key), list[Part]()
-    displayed = 0
+    """Check the steps of a chapter or fragment, and number its parts."""
+    total, done = sum(len(steps_of(item)) for item in items), 0
+    number, parts = _chapter_number(key), list[Part]()
+    counts = dict.fromkeys(("eq", "thm", "tab", "fig"), 0)
     for item in items:
         evidence = []
         for step in steps_of(item):
@@ -119,13 +110,25 @@ def check(key: str, title: str, items: list[Any], progress: Callable[[int, int],
             except StepError as error:
                 raise StepError(f"{key}, step {done}: {error.statement}", error.reason) from None
             if progress:
-                progress(done, count)
-        name = ("", "")
-        if isinstance(item, Step):
-            displayed += 1
-            name = (f"{number}.{displayed}" if number else str(displayed)), equation_label(item, key, displayed)
-        parts.append(Part(item, tuple(evidence), *name))
+                progress(done, total)
+        kind, name, label = _numbered(item)
+        if kind:
+            counts[kind] += 1
+            place = f"{number}.{counts[kind]}" if number else f"{counts[kind]}"
+            parts.append(Part(item, tuple(evidence), place, label or f"{kind}:{key}-{name or counts[kind]}"))
+        else:
+            parts.append(Part(item, tuple(evidence)))
     return Checked(key, title, number, parts)
+
+
+def _numbered(item: Any) -> tuple[str, str, str]:
+    """Return in which count an item has its number, its name in the chapter, and its label."""
+    if isinstance(item, Step):
+        return "eq", item.label, ""
+    if isinstance(item, Markup):
+        return "thm" if item.command == "begin" and item.name != "proof" else "", "", item.label
+    kind = "tab" if isinstance(item, Table) else "fig" if isinstance(item, Illustration) else ""
+    return kind, "", item.label if kind else ""
 
 
 def check_chapter(key: str, scope: Scope, progress: Callable[[int, int], None] | None = None) -> Checked:
@@ -144,7 +147,7 @@ def build(
     return scope, chapters
 
 
-# --- numbers and references: LaTeX counts for itself, by the same rules; HTML takes the numbers from here ---
+# --- numbers and references: LaTeX counts for itself, HTML takes the numbers from here ---
 
 #: A reference with its word, so that both are replaced where the target is in another document.
 _REFERENCE = re.compile(
@@ -153,42 +156,18 @@ _REFERENCE = re.compile(
 )
 
 
-def chapter_number(key: str) -> int:
+def _chapter_number(key: str) -> int:
     """Return the number of a chapter in the whole document, 0 if it is not in it."""
     return list(CHAPTERS).index(key) + 1 if key in CHAPTERS else 0
 
 
-def equation_label(step: Step, key: str, count: int) -> str:
-    """Return the label of a displayed step that is the `count`-th of its chapter."""
-    return f"eq:{step.label or f'{key}-{count}'}"
-
-
-def label_numbers(chapters: Iterable[tuple[str, list[Any]]]) -> dict[str, str]:
-    """Return the number of every label in some chapters (key, items), such as "eq:motion-newton" -> "1.2"."""
-    found: dict[str, str] = {}
-    for key, items in chapters:
-        number = chapter_number(key)
-        found[f"sec:{key}"] = str(number)
-        counts = {"eq": 0, "thm": 0, "tab": 0, "fig": 0}
-        for item in items:
-            if isinstance(item, Step):
-                kind, label = "eq", equation_label(item, key, counts["eq"] + 1)
-            elif isinstance(item, Begin) and item.kind != "proof":
-                kind, label = "thm", item.label or f"thm:{key}-{counts['thm'] + 1}"
-            elif isinstance(item, Table | Illustration):
-                kind, label = "tab" if isinstance(item, Table) else "fig", item.label
-            else:
-                continue
-            counts[kind] += 1
-            if label in found:
-                raise ValueError(f"label {label} is used twice")
-            found[label] = f"{number}.{counts[kind]}"
+def numbers_of(chapters: Iterable[Checked]) -> dict[str, str]:
+    """Return the number of every label in some chapters, such as "eq:motion-newton" -> "1.2"."""
+    found = {}
+    for chapter in chapters:
+        found[f"sec:{chapter.key}"] = str(chapter.number)
+        found |= {part.label: part.number for part in chapter.parts if part.label}
     return found
-
-
-def numbers_of(chapters: list[Checked]) -> dict[str, str]:
-    """Return the numbers of every label in checked chapters."""
-    return label_numbers((chapter.key, chapter.items) for chapter in chapters)
 
 
 def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str] | None = None) -> str:
@@ -200,12 +179,11 @@ def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str]
     def replace(found: re.Match[str]) -> str:
         word, command, label = found.groups()
         if label not in numbers:
-            return f"Chapter~{chapter_number(label.partition(':')[2].partition('-')[0])}"
+            return f"Chapter~{_chapter_number(label.partition(':')[2].partition('-')[0])}"
         if link is None:
             return found[0]
-        return (f"{word}~" if word else "") + link(
-            label, f"({numbers[label]})" if command == "eqref" else numbers[label]
-        )
+        shown = f"({numbers[label]})" if command == "eqref" else numbers[label]
+        return (f"{word}~" if word else "") + link(label, shown)
 
     return _REFERENCE.sub(replace, text)
 
@@ -218,7 +196,7 @@ def shown(statement: Relation, scope: Scope) -> Relation:
     return Relation(scope.shown(statement.left), statement.op, scope.shown(statement.right))
 
 
-def rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
+def _rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
     """Return for each step of a display the rows of LaTeX that it takes, `left &= right` first."""
     decimals = scope.decimal or any(each.item.decimals for each in display)
     statements = [shown(each.item.statement, scope) for each in display]
@@ -226,24 +204,19 @@ def rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
     found = []
     for each, statement in zip(display, statements, strict=True):
         printed, note = lines(statement, decimals, left), each.item.note
-        if note:
-            if width(printed[-1]) + 0.7 * _letters(note) < LINE_WIDTH - 4:
-                printed[-1] += rf" \quad\text{{{note}}}"
-            else:
-                printed.append(rf"&\quad \text{{{note}}}")
+        letters = len(re.sub(r"\\[a-zA-Z]+|\\.|[{}$^_ ]", "", note)) + 2 * note.count(" ")
+        if note and width(printed[-1]) + 0.7 * letters < LINE_WIDTH - 4:
+            printed[-1] += rf" \quad\text{{{note}}}"
+        elif note:
+            printed.append(rf"&\quad \text{{{note}}}")
         found.append((printed, each))
     return found
-
-
-def _letters(text: str) -> int:
-    """Estimate the number of characters that a short LaTeX text prints."""
-    return len(re.sub(r"\\[a-zA-Z]+|\\.|[{}$^_ ]", "", text)) + 2 * text.count(" ")
 
 
 def align(display: list[Part], scope: Scope, end: Callable[[Part], str]) -> str:
     """Return a display as LaTeX; `end` is what stands at the end of a step, such as its label."""
     body = []
-    for printed, each in rows(display, scope):
+    for printed, each in _rows(display, scope):
         body += [rf"{line} \notag" for line in printed[:-1]]
         body.append(f"{printed[-1]} {end(each)}")
     return "\\begin{align}\n" + " \\\\\n".join(body) + "\n\\end{align}"
@@ -259,7 +232,7 @@ def cell(value: Any, scope: Scope) -> str:
 def as_latex(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = None) -> str:
     """Return a chapter as LaTeX, to be read in by the main document."""
     out = [HEADER + rf"\section{{{chapter.title}}}" + rf"\label{{sec:{chapter.key}}}"]
-    for part in chapter.grouped():
+    for part in chapter.displays():
         piece = _piece(part, scope)
         goes_on = piece.startswith((r"\begin{align}", r"\end{")) and not out[-1].endswith(r"\end{align}")
         if goes_on or out[-1].splitlines()[-1].startswith(r"\begin{proof}"):
@@ -273,45 +246,42 @@ def _piece(part: Part | list[Part], scope: Scope) -> str:
     if isinstance(part, list):
         return align(part, scope, lambda each: rf"\markit{{{each.marks}}}\label{{{each.label}}}")
     item, mark = part.item, rf"\checkedby{{{part.marks}}}" if part.evidence else ""
-    if isinstance(item, Heading):
-        return rf"\subsection{{{item.text}}}"
     if isinstance(item, Prose):
         return item.text + mark
-    if isinstance(item, Begin):
-        title = f"[{item.title}]" if item.title else ""
-        return rf"\begin{{{item.kind}}}{title}" + (rf"\label{{{item.label}}}" if item.label else "")
-    if isinstance(item, End):
-        return rf"\end{{{item.kind}}}"
+    if isinstance(item, Markup):
+        title, label = f"[{item.title}]" * bool(item.title), rf"\label{{{item.label}}}" * bool(item.label)
+        return rf"\{item.command}{{{item.name}}}{title}{label}"
     caption = rf"\caption{{{item.caption}{mark}}}\label{{{item.label}}}"
     if isinstance(item, Illustration):
         drawing = rf"\drawing{{{item.width:g}}}{{{PICTURES}/{item.key}.pdf}}"
         return "\n".join([r"\begin{figure}[htp]\centering", drawing, caption, r"\end{figure}"])
     cells = [" & ".join(cell(value, scope) for value in row) for row in item.rows]
-    return "\n".join(
-        [
-            r"\begin{table}[htp]\centering\small",
-            caption,
-            rf"\begin{{tabular}}{{@{{}}{item.columns or 'l' * len(item.heads)}@{{}}}}",
-            r"\hline\rule{0pt}{12pt}%",
-            " & ".join(item.heads) + r" \\[2pt] \hline\rule{0pt}{14pt}%",
-            *(line + (r" \\[9pt]" if r"\frac" in line else r" \\[3pt]") for line in cells),
-            r"\hline",
-            r"\end{tabular}",
-            r"\end{table}",
-        ]
-    )
+    heads = rf"""\begin{{table}}[htp]\centering\small
+{caption}
+\begin{{tabular}}{{@{{}}{item.columns or "l" * len(item.heads)}@{{}}}}
+\hline\rule{{0pt}}{{12pt}}%
+{" & ".join(item.heads)} \\[2pt] \hline\rule{{0pt}}{{14pt}}%"""
+    body = [line + (r" \\[9pt]" if r"\frac" in line else r" \\[3pt]") for line in cells]
+    return "\n".join([heads, *body, r"\hline", r"\end{tabular}", r"\end{table}"])
 
 
 def main_document(chapters: list[Checked], scope: Scope) -> str:
-    """Return the document that reads the chapters in."""
-    notation = resolved(front.notation_latex(), numbers_of(chapters)) if len(chapters) > 1 else ""
-    inputs = [(chapter.number, f"{CHAPTER_FOLDER}/{chapter.key}") for chapter in chapters]
-    return HEADER + front.document(inputs, scope, notation, texts(chapters))
+    """Return the document that reads the chapters in; they keep the numbers that they have in the whole book."""
+    head, notation = front.title_page(), ""
+    out = [HEADER + front.PREAMBLE + head, *([front.scene_numbers(scope)] if scope.scene else [])]
+    if len(chapters) > 1:
+        rows = "\n".join(" & ".join(row) + r" \\" for row in NOTATION)
+        notation = resolved(front.NOTATION_TABLE.replace("ROWS", rows), numbers_of(chapters))
+        out += [r"{\setlength{\parskip}{0pt}\tableofcontents}", notation]
+    for chapter in chapters:
+        out.append(rf"\newchapter{{{chapter.number - 1}}}" + f"\n\\input{{{CHAPTER_FOLDER}/{chapter.key}}}")
+    references = reference_list(cited(head + notation + _texts(chapters)))
+    return "\n\n".join([*out, rf"\newchapter{{{chapters[-1].number}}}", references, r"\end{document}"]) + "\n"
 
 
-def texts(chapters: list[Checked]) -> str:
+def _texts(chapters: list[Checked]) -> str:
     """Return all texts of chapters, in which citations are searched."""
-    return "".join(str(item) for chapter in chapters for item in chapter.items)
+    return "".join(str(part.item) for chapter in chapters for part in chapter.parts)
 
 
 # --- HTML, with formulas as MathML ---
@@ -351,55 +321,42 @@ def as_page(chapters: list[Checked], scope: Scope) -> str:
     if len(chapters) > 1:
         out.append(f'<h2 id="notation">Notation</h2>\n{_cells(HEADS, NOTATION, html)}')
     for each in chapters:
-        heading = f'<h2 id="sec-{each.number}">{each.number}. {html(each.title)}</h2>'
-        out += [heading, as_html(each, scope, numbers, 3)]
-    references = cited("".join(opening) + texts(chapters))
+        out.append(f'<h2 id="sec-{each.number}">{each.number}. {html(each.title)}</h2>')
+        out.append(as_html(each, scope, numbers, 3))
+    references = cited("".join(opening) + _texts(chapters))
     items = "".join(f'<li id="ref-{key}">{words(plain_line(key))}</li>' for key in references)
-    out += [f"<h2>References</h2><ul>{items}</ul>", "</body></html>"]
-    return "\n".join(out) + "\n"
+    return "\n".join([*out, f"<h2>References</h2><ul>{items}</ul>", "</body></html>"]) + "\n"
 
 
 def as_html(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = None, level: int = 2) -> str:
     """Return a chapter without its title; `level` is that of its headings. Formula 4.2 has the anchor step-4.2."""
     html = _converter(numbers_of([chapter]) if numbers is None else numbers)
-    counts = dict.fromkeys(("thm", "tab", "fig"), 0)
-    out = []
+    return "\n".join(_html_piece(part, scope, html, level) for part in chapter.displays())
 
-    def next_number(kind: str) -> str:
-        counts[kind] += 1
-        return f"{chapter.number}.{counts[kind]}"
 
-    for part in chapter.grouped():
-        if isinstance(part, list):
-            out.append(_display_html(part, scope, html))
-            continue
-        item, mark = part.item, f' <sup class="checked">{part.marks}</sup>' if part.evidence else ""
-        if isinstance(item, Heading):
-            out.append(f"<h{level}>{html(item.text)}</h{level}>")
-        elif isinstance(item, Prose):
-            out.append(_paragraph(f"{html(item.text)}{mark}"))
-        elif isinstance(item, Begin):
-            title = f" ({html(item.title)})" if item.title else ""
-            if item.kind == "proof":
-                out.append(f'<div class="proof"><em>Proof{title}.</em>')
-                continue
-            name = next_number("thm")
-            opening = f"<strong>{item.kind.title()} {name}{title}.</strong>"
-            out.append(f'<div class="statement" id="thm-{name}">{opening}')
-        elif isinstance(item, End):
-            out.append("</div>")
-        elif isinstance(item, Table):
-            name = next_number("tab")
-            caption = f'<p id="tab-{name}"><strong>Table {name}.</strong> {html(item.caption)}{mark}</p>'
-            body = [[cell(value, scope) for value in row] for row in item.rows]
-            out.append(f"{caption}\n{_cells(item.heads, body, html)}")
-        elif isinstance(item, Illustration):
-            name = next_number("fig")
-            source = b64encode(svg(item.key).encode()).decode()
-            image = f'<img src="data:image/svg+xml;base64,{source}" alt="Figure {name}">'
-            caption = f"<figcaption><strong>Figure {name}.</strong> {html(item.caption)}</figcaption>"
-            out.append(f'<figure id="fig-{name}"><div class="wide">{image}</div>{caption}</figure>')
-    return "\n".join(out)
+def _html_piece(part: Part | list[Part], scope: Scope, html: ToHtml, level: int) -> str:
+    if isinstance(part, list):
+        return _display_html(part, scope, html)
+    item, number = part.item, part.number
+    mark = f' <sup class="checked">{part.marks}</sup>' if part.evidence else ""
+    if isinstance(item, Prose):
+        return _paragraph(f"{html(item.text)}{mark}")
+    if isinstance(item, Markup):
+        title = f" ({html(item.title)})" if item.title else ""
+        if item.command == "subsection":
+            return f"<h{level}>{html(item.name)}</h{level}>"
+        if item.command == "end":
+            return "</div>"
+        if item.name == "proof":
+            return f'<div class="proof"><em>Proof{title}.</em>'
+        return f'<div class="statement" id="thm-{number}"><strong>{item.name.title()} {number}{title}.</strong>'
+    if isinstance(item, Table):
+        caption = f'<p id="tab-{number}"><strong>Table {number}.</strong> {html(item.caption)}{mark}</p>'
+        return f"{caption}\n{_cells(item.heads, [[cell(value, scope) for value in row] for row in item.rows], html)}"
+    source = b64encode(svg(item.key).encode()).decode()
+    image = f'<img src="data:image/svg+xml;base64,{source}" alt="Figure {number}">'
+    caption = f"<figcaption><strong>Figure {number}.</strong> {html(item.caption)}</figcaption>"
+    return f'<figure id="fig-{number}"><div class="wide">{image}</div>{caption}</figure>'
 
 
 def _converter(numbers: dict[str, str]) -> ToHtml:
@@ -418,7 +375,7 @@ def _converter(numbers: dict[str, str]) -> ToHtml:
 
 def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
     body = []
-    for printed_rows, each in rows(display, scope):
+    for printed_rows, each in _rows(display, scope):
         note = each.item.note
         for line in printed_rows:
             if note:
@@ -451,15 +408,15 @@ def write_document(chapters: list[Checked], scope: Scope, folder: Path, form: st
     """Write the chapters into a folder (made if needed) and return the paths, the main file first."""
     from symosc import plot
 
-    _make(folder)
     if form == "html":
-        return [write_text(folder / PAGE, as_page(chapters, scope))]
-    numbers, target = numbers_of(chapters), _make(folder / CHAPTER_FOLDER)
+        return [write_text(_made(folder) / PAGE, as_page(chapters, scope))]
+    numbers, target = numbers_of(chapters), _made(folder / CHAPTER_FOLDER)
     paths = [write_text(folder / MAIN, main_document(chapters, scope))]
     paths += [write_text(target / f"{each.key}.tex", as_latex(each, scope, numbers)) for each in chapters]
     paths.append(write_text(folder / BIBTEX, references_bib()))
-    keys = [item.key for chapter in chapters for item in chapter.items if isinstance(item, Illustration)]
-    return paths + [plot.save(figure(key), _make(folder / PICTURES) / f"{key}.pdf") for key in keys]
+    items = [part.item for chapter in chapters for part in chapter.parts]
+    keys = [item.key for item in items if isinstance(item, Illustration)]
+    return paths + [plot.save(figure(key), _made(folder / PICTURES) / f"{key}.pdf") for key in keys]
 
 
 def printed(chapters: list[Checked], scope: Scope, form: str) -> str:
@@ -469,7 +426,8 @@ def printed(chapters: list[Checked], scope: Scope, form: str) -> str:
     return "\n".join(as_latex(chapter, scope, numbers_of(chapters)) for chapter in chapters)
 
 
-def _make(folder: Path) -> Path:
+def _made(folder: Path) -> Path:
+    """Make a folder if needed."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -45,11 +45,10 @@ class Erratum:
 
 def read_errata(path: Path = ERRATA_FILE) -> tuple[Erratum, ...]:
     """Read the errata, with texts in LaTeX, in the order of the paper; RecordsError for a file that is not complete."""
-    found = []
+    found, needed = [], {"severity", *TEXTS}
     for number, (name, row) in enumerate(read_toml(path).items(), 1):
         where = f"{path.name}, {name}"
         kebab(path.name, name)
-        needed = {"severity", *TEXTS}
         if not isinstance(row, dict) or not needed <= set(row) <= needed | {"shown"}:
             raise RecordsError(where, f"must have {', '.join(('severity', *TEXTS))}, and may have shown")
         for key, value in row.items():
@@ -109,8 +108,8 @@ _LETTERS = {
 _SIGNS = {"le": "≤", "ge": "≥", "ne": "≠", "to": "→", "times": "×", "pm": "±"}
 _FUNCTIONS = ("sin", "cos", "arcsin")
 _ACCENTS = {r"\dot{x}": "ẋ", r"\ddot{x}": "ẍ", "F_N": "FN", r"\mathbb{R}": "R", r"_\pm": "±"}
-_RAISED = dict(zip("0123456789+-()niα", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁽⁾ⁿⁱᵅ", strict=True))
-_LOWERED = dict(zip("0123456789+-ijmns", "₀₁₂₃₄₅₆₇₈₉₊₋ᵢⱼₘₙₛ", strict=True))
+_RAISED = str.maketrans("0123456789+-()niα", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁽⁾ⁿⁱᵅ")
+_LOWERED = str.maketrans("0123456789+-ijmns", "₀₁₂₃₄₅₆₇₈₉₊₋ᵢⱼₘₙₛ")
 _TOKEN = re.compile(r"\\([a-zA-Z]+)( (?=[a-zA-Z]))?|(\\[, ])|([_^])|(.)", re.DOTALL)
 _GROUP = re.compile(r"\{((?:[^{}]|\{[^{}]*\})*)\}|(\\[a-zA-Z]+|.)")
 
@@ -145,10 +144,10 @@ def _formula(text: str) -> str:
             out += _SIGNS[command] + (found[2] or "")
         elif command and command not in _LETTERS:
             raise ValueError(f"{text!r}: \\{command} is unknown")
-        else:  # a space behind a letter ends its command only
-            out += (
-                _LETTERS[command] if command else {"-": "−", r"\,": " ", r"\ ": " ", "~": " "}.get(found[0], found[0])
-            )
+        elif command:  # a space behind a letter ends its command only
+            out += _LETTERS[command]
+        else:
+            out += {"-": "−", r"\,": " ", r"\ ": " ", "~": " "}.get(found[0], found[0])
     return out
 
 
@@ -158,7 +157,7 @@ def _script(place: str, script: str) -> str:
     if script == r"\mathrm{cr}":
         return "cr"
     letters = script.replace(r"\alpha", "α").replace(" ", "")
-    if set(letters) <= set(table):
-        return "".join(table[letter] for letter in letters)
+    if all(ord(letter) in table for letter in letters):
+        return letters.translate(table)
     inside = _formula(script)
     return f"{place}{inside}" if len(inside) == 1 else f"{place}({inside})"

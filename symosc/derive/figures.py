@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from io import StringIO
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symosc.scenes import load_scene
+from symosc.simulation.simulate import simulate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,11 +41,6 @@ def friction(axes: Axes) -> None:
 
 def stick_exits(axes: Axes) -> None:
     """Draw the accelerations on both sides of belt 2 during the stick of the paper's Fig. 6."""
-    import numpy as np
-
-    from symosc.scenes import load_scene
-    from symosc.simulation.simulate import simulate
-
     scene = load_scene("fig6")
     until = next(event.t for event in simulate(scene).events if event.kind == "slip")
     p = {name: float(value) for name, value in vars(scene.parameters).items() if not name.startswith("_")}
@@ -58,8 +59,6 @@ def stick_exits(axes: Axes) -> None:
 
 def windows(axes: Axes) -> None:
     """Draw where sin theta lies above and below its critical value: Theorem 7's windows for one gamma of each kind."""
-    import numpy as np
-
     theta = np.linspace(0, 2 * np.pi, 721)
     sine, critical = np.sin(theta), np.arcsin(-0.5)
     axes.plot(theta, sine, color=DARK, label=r"$\sin\theta$")
@@ -76,8 +75,6 @@ def windows(axes: Axes) -> None:
 
 def quartic(axes: Axes) -> None:
     """Draw the gap near a contact: a graze, an inflection, and the tangency of fourth order."""
-    import numpy as np
-
     tau = np.linspace(-1, 1, 201)
     axes.plot(tau, -(tau**2), color=DARK, label=r"$n = 1$: graze")
     axes.plot(tau, -(tau**3), color=GREY, linestyle="--", label=r"$n = 2$: the flow passes")
@@ -115,8 +112,6 @@ def figure(key: str) -> Figure:
 
 def svg(key: str) -> str:
     """Return a figure as SVG."""
-    from io import StringIO
-
     from matplotlib import rc_context
 
     from symosc.plot.figures import STYLE

@@ -6,7 +6,7 @@ Each step is checked before it is printed, as in the chapters, whose sections th
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -17,20 +17,7 @@ from symosc.derive.chapters import domains, grazing, jacobians, motion, sticks, 
 from symosc.derive.document import Checked, Part, align, cell, check
 from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, F, FragmentScope, G, v_lambda
-from symosc.derive.steps import (
-    Each,
-    Exact,
-    Items,
-    Prose,
-    Sign,
-    Solves,
-    Step,
-    StepError,
-    Table,
-    equation,
-    flat,
-    step,
-)
+from symosc.derive.steps import Each, Exact, Items, Prose, Sign, Solves, Step, StepError, Table, equation, flat, step
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.mappings.theorem7_cases import PLACES
@@ -86,46 +73,33 @@ def as_latex(
         raise ParameterError("prefix", prefix, "may have letters, digits and . : _ - only")
     tags = FRAGMENTS[fragment.key].tags if paper_tags else {}
     first = f"{prefix}:" if prefix else ""
+    command = [f"symosc derive {fragment.key}", *(f"--set {name}={show(value)}" for name, value in scope.values)]
+    command += [f"--form {scope.form}"] if scope.form != "entire" else []
+    command += [f"--digits {scope.digits}"] if scope.digits is not None else []
+    out = [
+        f"% {fragment.title.replace('$', '')}: {' '.join(command)} (symosc {symosc.__version__}).\n"
+        "% Needs \\usepackage{amsmath}. Every formula was checked by machine before it was printed.\n"
+    ]
 
     def end(each: Part) -> str:
         tag = rf"\tag{{{tags[each.item.label]}}} " if each.item.label in tags else ""
-        return rf"{tag}\label{{{first}{fragment.key}-{each.label.removeprefix('eq:')}}}"
+        return rf"{tag}\label{{{first}{each.label.removeprefix('eq:')}}}"
 
-    out = [_header(fragment, scope)]
-    for part in fragment.grouped():
-        out.append(align(part, scope, end) if isinstance(part, list) else _piece(part, scope, tags))
+    for part in fragment.displays():
+        if isinstance(part, list):
+            out.append(align(part, scope, end))
+        else:
+            out.append(part.item.text if isinstance(part.item, Prose) else _table(part.item, scope, tags))
     body = "\n".join(out).replace(r"\varnothing", r"\emptyset") + "\n"
     return f"{ALONE}{body}\\end{{document}}\n" if alone else body
 
 
-def _header(fragment: Checked, scope: FragmentScope) -> str:
-    """Return the comment at the top of a fragment."""
-    command = [f"symosc derive {fragment.key}", *(f"--set {name}={show(value)}" for name, value in scope.values)]
-    command += [f"--form {scope.form}"] if scope.form != "entire" else []
-    command += [f"--digits {scope.digits}"] if scope.digits is not None else []
-    return (
-        f"% {fragment.title.replace('$', '')}: {' '.join(command)} (symosc {symosc.__version__}).\n"
-        "% Needs \\usepackage{amsmath}. Every formula was checked by machine before it was printed.\n"
-    )
-
-
-def _piece(part: Part, scope: FragmentScope, tags: dict[str, str]) -> str:
-    """Return a part of a fragment as LaTeX."""
-    if isinstance(part.item, Prose):
-        return part.item.text
-    table: Table = part.item
+def _table(table: Table, scope: FragmentScope, tags: dict[str, str]) -> str:
     lines = [" & ".join(cell(value, scope) for value in row) for row in table.rows]
     heads = [head + (f", {tags[f'column{i}']}" if f"column{i}" in tags else "") for i, head in enumerate(table.heads)]
-    return "\n".join(
-        [
-            r"\begin{center}",
-            rf"\begin{{tabular}}{{{'l' * len(heads)}}}",
-            " & ".join(heads) + r" \\ \hline",
-            *(line + (r" \\[8pt]" if r"\frac" in line else r" \\") for line in lines),
-            r"\end{tabular}",
-            r"\end{center}",
-        ]
-    )
+    begin = "\\begin{center}\n" + rf"\begin{{tabular}}{{{'l' * len(heads)}}}"
+    body = [line + (r" \\[8pt]" if r"\frac" in line else r" \\") for line in lines]
+    return "\n".join([begin, " & ".join(heads) + r" \\ \hline", *body, "\\end{tabular}\n\\end{center}"])
 
 
 # --- the fragments ---
@@ -139,7 +113,7 @@ def _taken(items: Items, label: str) -> list[Step]:
 
 def _constant(alpha: int) -> Step:
     """Return the fragment of A_alpha."""
-    return equation(named(f"A_{alpha}"), solution.force_constant(alpha), motion.coulomb(alpha), label=f"A{alpha}")
+    return equation(named(f"A_{alpha}"), solution.force_constant(alpha), motion.coulomb(alpha), f"A{alpha}")
 
 
 def _acceleration() -> list[Step]:
@@ -147,7 +121,7 @@ def _acceleration() -> list[Step]:
     general = F(r"\alpha")
     checks = [Exact({general: motion.newton(a), A: solution.force_constant(a)}) for a in (1, 2, 3)]
     right = (A + B0 * sp.cos(Omega * t) - k * x - c * v) / m
-    return [equation(general, right, Each(tuple(checks)), label="F"), *map(_constant, (1, 2, 3))]
+    return [equation(general, right, Each(tuple(checks)), "F"), *map(_constant, (1, 2, 3))]
 
 
 def _friction(scope: FragmentScope) -> Items:
@@ -183,7 +157,7 @@ def _stick(scope: FragmentScope) -> Items:
     def force(belt: int, alpha: int) -> Step:
         at = {v: BELTS[belt], Omega * t: theta}
         right = sp.expand(m * motion.acceleration(alpha).subs(at))
-        return equation(m * F(alpha), right, {F(alpha): motion.newton(alpha).subs(at)}, label=f"belt{belt}-F{alpha}")
+        return equation(m * F(alpha), right, {F(alpha): motion.newton(alpha).subs(at)}, f"belt{belt}-F{alpha}")
 
     return (
         r"While the mass moves with belt $\lambda$, $\dot{x} = v_\lambda$ and $\ddot{x} = 0$. The stick lasts as long "
@@ -194,7 +168,7 @@ def _stick(scope: FragmentScope) -> Items:
         "and on belt 2",
         [force(2, 2), force(2, 3)],
         r"with the phase $\theta = \Omega t$. All of them change at the rate",
-        equation(rate, -(k * v_lambda + B0 * Omega * sp.sin(theta)), true, label="rate"),
+        equation(rate, -(k * v_lambda + B0 * Omega * sp.sin(theta)), true, "rate"),
     )
 
 
@@ -222,41 +196,31 @@ def _saltation(scope: FragmentScope) -> Items:
     )
 
 
-def _cases(condition: str) -> Items:
-    """Return the beginning of a fragment about a condition at a boundary."""
-    return (
-        r"At the boundary $\dot{x} = v_\lambda$ between $\Omega_\lambda$ below and $\Omega_{\lambda+1}$ above it, "
-        rf"{condition}.",
-        r"Here the acceleration in $\Omega_\alpha$ is",
-        _acceleration(),
-    )
+#: What Theorems 4 to 6 say about a motion at a boundary.
+AT_BOUNDARY = {
+    "theorem4": r"the motion sticks to belt $\lambda$ if $F^{(\lambda)} > 0$ and $F^{(\lambda+1)} < 0$",
+    "theorem5": r"the motion passes if $F^{(\lambda)} F^{(\lambda+1)} > 0$: upward, into $\Omega_{\lambda+1}$, if both "
+    r"are positive, downward, into $\Omega_\lambda$, if both are negative",
+    "theorem6": r"a flow that comes in $\Omega_\lambda$ grazes if $F^{(\lambda)} = 0$ and $G^{(1,\lambda)} < 0$, one "
+    r"that comes in $\Omega_{\lambda+1}$ if $F^{(\lambda+1)} = 0$ and $G^{(1,\lambda+1)} > 0$; where "
+    r"$G^{(1,\alpha)} = 0$ too, the first derivative of $F^{(\alpha)}$ along the flow that does not vanish decides, "
+    r"and grazes iff its order is odd",
+}
 
 
-def _theorem4(scope: FragmentScope) -> Items:
-    return _cases(r"the motion sticks to belt $\lambda$ if $F^{(\lambda)} > 0$ and $F^{(\lambda+1)} < 0$")
-
-
-def _theorem5(scope: FragmentScope) -> Items:
-    return _cases(
-        r"the motion passes if $F^{(\lambda)} F^{(\lambda+1)} > 0$: upward, into $\Omega_{\lambda+1}$, if both are "
-        r"positive, downward, into $\Omega_\lambda$, if both are negative"
-    )
-
-
-def _theorem6(scope: FragmentScope) -> Items:
+def _theorem(name: str) -> Items:
+    """Return the fragment of Theorem 4, 5 or 6."""
     at = {Omega * t: theta, v: v_lambda}
     first = solution.in_paper_letters(solution.g_function(1)).subs(at)
     general = solution.in_paper_letters(solution.acceleration()).subs(at)
     right = -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m
+    rate = equation(G(1), right, {G(1): first, F(r"\alpha"): general}, "G1")
     return (
-        _cases(
-            r"a flow that comes in $\Omega_\lambda$ grazes if $F^{(\lambda)} = 0$ and $G^{(1,\lambda)} < 0$, one that "
-            r"comes in $\Omega_{\lambda+1}$ if $F^{(\lambda+1)} = 0$ and $G^{(1,\lambda+1)} > 0$; where "
-            r"$G^{(1,\alpha)} = 0$ too, the first derivative of $F^{(\alpha)}$ along the flow that does not vanish "
-            r"decides, and grazes iff its order is odd"
-        ),
-        r"With the phase $\theta = \Omega t$",
-        equation(G(1), right, {G(1): first, F(r"\alpha"): general}, label="G1"),
+        r"At the boundary $\dot{x} = v_\lambda$ between $\Omega_\lambda$ below and $\Omega_{\lambda+1}$ above it, "
+        rf"{AT_BOUNDARY[name]}.",
+        r"Here the acceleration in $\Omega_\alpha$ is",
+        _acceleration(),
+        (r"With the phase $\theta = \Omega t$", rate) if name == "theorem6" else (),
     )
 
 
@@ -268,16 +232,16 @@ def _theorem7(scope: FragmentScope) -> Items:
     place = (A + B0 * sp.cos(grazing.THETA_M) - c * v_lambda) / k
     contact = (
         r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$ in $\Omega_\alpha$, the contact is at",
-        equation(named("x_m"), place, sp.solve(force, x)[0].subs(theta, grazing.THETA_M), label="xm"),
+        equation(named("x_m"), place, sp.solve(force, x)[0].subs(theta, grazing.THETA_M), "xm"),
     )
-    windows = _windows_in_numbers(scope)
+    windows = list(_windows_in_numbers(scope))
     return (
         r"Let the flow of $\Omega_\alpha$ have $\dot{x} = v_\lambda$ and $\ddot{x} = 0$ at the time $t_m$, with the "
         r"phase $\theta_m = \Omega t_m$ modulo $2\pi$: $P_2$ has $(\alpha, \lambda) = (1, 1)$, $P_3$ $(2, 1)$, $P_5$ "
         r"$(2, 2)$ and $P_6$ $(3, 2)$, with $\sigma = 1$ where the boundary is above the domain, and $\sigma = -1$ "
         r"where it is below. With",
-        equation(grazing.GAMMA, k * v_lambda / m, fixed, label="gamma"),
-        equation(letter, B0 * Omega / m, B0 * Omega / m, label="a"),
+        equation(grazing.GAMMA, k * v_lambda / m, fixed, "gamma"),
+        equation(letter, B0 * Omega / m, B0 * Omega / m, "a"),
         r"and $\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$, the flow grazes the boundary to first order iff $\theta_m$ "
         r"is in the set below, for $a \ge 0$; for $a < 0$ the sets are those of $-a$, moved by $\pi$.",
         Table(table.label, "The phases at which a contact grazes.", table.heads, table.rows),
@@ -288,18 +252,16 @@ def _theorem7(scope: FragmentScope) -> Items:
     )
 
 
-def _windows_in_numbers(scope: FragmentScope) -> list[Step]:
-    given, found = {name for name, _ in scope.values}, []
+def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
+    """Yield the window of each mapping for which the scope has all numbers."""
+    given = {name for name, _ in scope.values}
     for mapping, place in PLACES.items():
-        if not {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= given:
-            continue
-        gamma = (k * BELTS[place.boundary] / m).xreplace(scope.letters)
-        amplitude = (B0 * Omega / m).xreplace(scope.letters)
-        phases = theorem7.window_phases(place, gamma, amplitude, False)
-        window = grazing.Window(place.side, gamma, amplitude)
-        note = rf"for $P_{mapping[1]}$"
-        found.append(step(grazing.THETA_M, "in", phases, window, note=note, label=f"window-{mapping}"))
-    return found
+        if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= given:
+            gamma = (k * BELTS[place.boundary] / m).xreplace(scope.letters)
+            amplitude = (B0 * Omega / m).xreplace(scope.letters)
+            phases = theorem7.window_phases(place, gamma, amplitude, False)
+            window = grazing.Window(place.side, gamma, amplitude)
+            yield step(grazing.THETA_M, "in", phases, window, note=rf"for $P_{mapping[1]}$", label=f"window-{mapping}")
 
 
 # --- the motion in a domain, and the mappings ---
@@ -310,16 +272,14 @@ def _motion(scope: FragmentScope) -> Items:
     regime, start = scope.regime, named(r"\ddot{x}_i")
     name, condition = domains.REGIME_WORDS[regime.name]
     letters = {letter: domains.true_letters()[letter] for letter in regime.letters}
-    steps = [
-        equation(letter, regime.letters[letter], true, label=f"letter-{letter.name.replace('_', '')}")
-        for letter, true in letters.items()
-    ]
+    labels = {letter: f"letter-{letter.name.replace('_', '')}" for letter in letters}
+    steps = [equation(each, regime.letters[each], true, labels[each]) for each, true in letters.items()]
     if scope.form == "paper":
         form = domains.paper_form(regime)
         return (
             rf"In the regime {name} ({condition}) the motion is",
-            equation(POSITION, form.x, form.check, label="x"),
-            equation(VELOCITY, form.v, form.x.diff(tau), label="v"),
+            equation(POSITION, form.x, form.check, "x"),
+            equation(VELOCITY, form.v, form.x.diff(tau), "v"),
             "with",
             [each for each in steps if each.statement.left in form.x.free_symbols],
             domains.constants(form),
@@ -328,18 +288,15 @@ def _motion(scope: FragmentScope) -> Items:
     force = solution._force_at_start() + solution.f0 * sp.cos(theta_i + Omega * tau)
     by_v = {VELOCITY: solution.time_derivative(flow.x)}
     newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - solution.a_i, solution.a_i)[0]
-    others = [
-        replace(each, label=each.label.removeprefix("domains-"))
-        for each in flat(domains.solved_functions(domains.generic_basis()))
-        if isinstance(each, Step) and each.statement.left != E2
-    ]
+    solved = flat(domains.solved_functions(domains.generic_basis()))
+    others = [each for each in solved if isinstance(each, Step) and each.statement.left != E2]
     resonance = regime.name == "resonance"
     return (
         "The motion is",
-        equation(POSITION, flow.x, Solves(force, x_i, v_i, general=True), label="x"),
-        equation(VELOCITY, flow.v, Exact(by_v, solution.use_relations, independent=False), label="v"),
+        equation(POSITION, flow.x, Solves(force, x_i, v_i, general=True), "x"),
+        equation(VELOCITY, flow.v, Exact(by_v, solution.use_relations, independent=False), "v"),
         "with the acceleration at the start",
-        equation(start, solution.acceleration(x_i, v_i, theta_i), newton, label="start"),
+        equation(start, solution.acceleration(x_i, v_i, theta_i), newton, "start"),
         rf"{BASIS_TEXT}. In the regime {name} ({condition})",
         steps,
         [domains.basis_function(f, regime, label=f.name) for f in (BASIS if resonance else (E0, E1, E2))],
@@ -368,10 +325,10 @@ def _flight_map(scope: FragmentScope, label: str) -> Items:
         rf"$\dot{{x}} = {latex(end)}$; $\theta = \Omega t$ modulo $2\pi$ is the phase, and "
         r"$\Sigma^{1}_{(\lambda)}$ and $\Sigma^{2}_{(\lambda)}$ are the points of motions below and above "
         r"$\dot{x} = v_\lambda$. With the duration",
-        equation(tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, label="tau"),
+        equation(tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, "tau"),
         r"it solves $f_1 = f_2 = 0$ with",
-        equation(f1, POSITION - maps.x_j, {f1: residual["f1"], POSITION: flow.x}, label="f1"),
-        equation(f2, VELOCITY - maps.v_j, {f2: residual["f2"], VELOCITY: flow.v}, label="f2"),
+        equation(f1, POSITION - maps.x_j, {f1: residual["f1"], POSITION: flow.x}, "f1"),
+        equation(f2, VELOCITY - maps.v_j, {f2: residual["f2"], VELOCITY: flow.v}, "f2"),
         r"where $\tau$ is the first positive time at which the motion meets the speed of a belt.",
         _motion(scope),
         rf"In the domain $\Omega_{row.domain}$ ({WHERE[row.domain]}) the motion obeys "
@@ -383,30 +340,21 @@ def _flight_map(scope: FragmentScope, label: str) -> Items:
 def _stick_map(label: str) -> Items:
     belt = MAPS[label].start.boundary
     speed, plane, f1 = BELTS[belt], rf"\Sigma^{{0}}_{{({belt})}}", named("f_1")
-    at = {v: speed, x: maps.x_j, Omega * t: maps.theta_j}
+    at, ride = {v: speed, x: maps.x_j, Omega * t: maps.theta_j}, maps.stick_residual()["f1"].xreplace({v_i: speed})
     exits = []
     for alpha in NEIGHBOURS[belt]:
         f2, way = named(f"f_2^{{({alpha})}}"), "falls below" if alpha == belt else "rises above"
+        force = m * motion.acceleration(alpha)
         exits += [
             rf"and with $f_2 = f_2^{{({alpha})}}$ if the mass slips into $\Omega_{alpha}$, where this {way} 0:",
-            equation(
-                f2,
-                sp.expand(m * motion.acceleration(alpha).subs(at)),
-                m * motion.newton(alpha).subs(at),
-                label=f"f2-{alpha}",
-            ),
+            equation(f2, sp.expand(force.subs(at)), m * motion.newton(alpha).subs(at), f"f2-{alpha}"),
         ]
     return (
         rf"The mapping $P_{label[1]}\colon {plane} \to {plane}$, the points with $\dot{{x}} = v_{belt}$ of motions on "
         rf"the belt, is a stick on belt {belt} from $(x_i, \theta_i)$ to "
         r"$(x_{i+1}, \theta_{i+1})$, with the phase $\theta = \Omega t$ modulo $2\pi$ and "
         r"$\tau = (\theta_{i+1} - \theta_i)/\Omega$. It solves $f_1 = f_2 = 0$ with",
-        equation(
-            f1,
-            maps.stick_residual()["f1"].xreplace({v_i: speed}),
-            x_i + sp.integrate(speed, (tau, 0, tau)) - maps.x_j,
-            label="f1",
-        ),
+        equation(f1, ride, x_i + sp.integrate(speed, (tau, 0, tau)) - maps.x_j, "f1"),
         exits,
         r"The first of the two ends counts.",
     )
@@ -417,9 +365,9 @@ FRAGMENTS: dict[str, Fragment] = {
     "flow": Fragment("The motion in a domain", _flow, {}),
     "stick": Fragment("Sticks and their two ends", _stick, {"belt1-F2": "52", "belt2-F3": "53"}),
     "gfunctions": Fragment("The G-functions", _g_functions, {"G1": "47"}),
-    "theorem4": Fragment("Theorem 4", _theorem4, {"F": "9"}),
-    "theorem5": Fragment("Theorem 5", _theorem5, {"F": "9"}),
-    "theorem6": Fragment("Theorem 6", _theorem6, {"F": "9", "G1": "47"}),
+    "theorem4": Fragment("Theorem 4", lambda scope: _theorem("theorem4"), {"F": "9"}),
+    "theorem5": Fragment("Theorem 5", lambda scope: _theorem("theorem5"), {"F": "9"}),
+    "theorem6": Fragment("Theorem 6", lambda scope: _theorem("theorem6"), {"F": "9", "G1": "47"}),
     "theorem7": Fragment("Theorem 7", _theorem7, {"column1": "(55), (57)", "column2": "(56), (58)"}),
     "saltation": Fragment("Saltation and perturbations", _saltation, {}),
     **{label: _map(label) for label in MAPS},

@@ -1,12 +1,10 @@
-"""The main document: preamble, title page, notation, contents, the chapters and the references."""
+"""What stands before the chapters: preamble, title, abstract, and how to cite."""
 
 from __future__ import annotations
 
 import symosc
-from symosc.derive.citation import SYMOSC, cited, paper_reference, reference_list
-from symosc.derive.notation import NOTATION
+from symosc.derive.citation import SYMOSC, paper_reference
 from symosc.derive.scope import Scope
-from symosc.derive.steps import KINDS
 
 TITLE = "The double-belt friction oscillator: theory, proofs and errata"
 ABSTRACT = (
@@ -25,7 +23,9 @@ LEGEND = (
     r"Where the text says \emph{the paper}, it is \cite{chen2016}, and equation numbers with \emph{the paper's} are "
     r"its numbers."
 )
-#: Only packages that LaTeX's smallest installations have.
+#: Only packages that LaTeX's smallest installations have. \markit before the end of a row sets the letter that stands
+#: behind its number. Tables and figures stay in their chapter: those that still wait stand above the title of the next
+#: one, and none of that one does.
 PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 \IfFileExists{lmodern.sty}{\usepackage[T1]{fontenc}\usepackage{lmodern}}{}
 \usepackage{amsmath,amssymb,amsthm}
@@ -45,10 +45,7 @@ PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 \setcounter{topnumber}{4}
 \renewcommand{\floatpagefraction}{0.8}
 \setcounter{tocdepth}{1}
-"""
-#: Marks: \markit before the end of a row sets the letter that stands behind its number. Tables and figures stay in
-#: their chapter: those that still wait stand above the title of the next one, and none of that one does.
-MACROS = r"""\makeatletter
+\makeatletter
 \newcommand{\ifwaiting}[1]{%
   \begingroup\let\@elt\relax\edef\waiting{\@deferlist}\expandafter\endgroup\ifx\waiting\@empty\else#1\fi}
 \newcommand{\newchapter}[1]{\par\ifwaiting{\newpage\ifwaiting{\clearpage}}\suppressfloats[t]\setcounter{section}{#1}}
@@ -60,17 +57,19 @@ MACROS = r"""\makeatletter
 \newcommand{\checkedby}[1]{\textsuperscript{\normalfont\textsc{\,#1}}}
 \newcommand{\drawing}[2]{\IfFileExists{#2}{\includegraphics[width=#1\linewidth]{#2}}%
   {\fbox{\texttt{symosc derive all -{}-pdf} draws this figure}}}
+\theoremstyle{definition}\newtheorem{definition}{Definition}[section]
+\theoremstyle{plain}\newtheorem{lemma}[definition]{Lemma}
+\theoremstyle{plain}\newtheorem{proposition}[definition]{Proposition}
+\theoremstyle{plain}\newtheorem{theorem}[definition]{Theorem}
+\theoremstyle{plain}\newtheorem{corollary}[definition]{Corollary}
+\theoremstyle{definition}\newtheorem{remark}[definition]{Remark}
+\theoremstyle{definition}\newtheorem{example}[definition]{Example}
 """
-
-
-def theorems() -> str:
-    """Return the definitions of the numbered environments."""
-    lines = []
-    for kind in KINDS[:-1]:
-        style = "plain" if kind in ("theorem", "lemma", "proposition", "corollary") else "definition"
-        count = f"{{{kind.title()}}}[section]" if kind == "definition" else f"[definition]{{{kind.title()}}}"
-        lines.append(rf"\theoremstyle{{{style}}}\newtheorem{{{kind}}}{count}")
-    return "\n".join(lines) + "\n"
+NOTATION_TABLE = r"""\section*{Notation}\label{sec:notation}
+{\small\noindent\begin{tabular}{@{}p{42mm}p{80mm}l@{}}
+\hline
+ROWS
+\hline\end{tabular}}"""
 
 
 def how_to_cite() -> str:
@@ -85,21 +84,17 @@ def how_to_cite() -> str:
 
 def title_page() -> str:
     """Return the title with author, version and how to cite."""
-    author = SYMOSC["author"].strip("{}")
-    return "\n".join(
-        [
-            rf"\title{{{TITLE.replace(': ', ':' + chr(92) * 2 + ' ')}}}",
-            rf"\author{{{author}}}",
-            rf"\date{{Version {symosc.__version__}, {SYMOSC['year']}}}",
-            rf"\hypersetup{{pdftitle={{{TITLE}}},pdfauthor={{{author}}}}}",
-            r"\begin{document}",
-            r"\maketitle",
-            rf"\begin{{abstract}}\noindent {ABSTRACT}\end{{abstract}}",
-            LEGEND,
-            "",
-            how_to_cite(),
-        ]
-    )
+    author, title = SYMOSC["author"].strip("{}"), TITLE.replace(": ", r":\\ ")
+    return rf"""\title{{{title}}}
+\author{{{author}}}
+\date{{Version {symosc.__version__}, {SYMOSC["year"]}}}
+\hypersetup{{pdftitle={{{TITLE}}},pdfauthor={{{author}}}}}
+\begin{{document}}
+\maketitle
+\begin{{abstract}}\noindent {ABSTRACT}\end{{abstract}}
+{LEGEND}
+
+{how_to_cite()}"""
 
 
 def scene_numbers(scope: Scope) -> str:
@@ -108,24 +103,3 @@ def scene_numbers(scope: Scope) -> str:
         return ""
     numbers = ", ".join(f"${name} = {value}$" for name, value in scope.table())
     return rf"Scene \texttt{{{scope.scene.name}}}, its numbers put in exactly: {numbers}."
-
-
-def notation_latex() -> str:
-    """Return the table of notation as LaTeX."""
-    lines = [" & ".join(row) + r" \\" for row in NOTATION]
-    head = r"\section*{Notation}\label{sec:notation}", r"{\small\noindent\begin{tabular}{@{}p{42mm}p{80mm}l@{}}"
-    return "\n".join([*head, r"\hline", *lines, r"\hline\end{tabular}}"])
-
-
-def document(inputs: list[tuple[int, str]], scope: Scope, notation: str, texts: str) -> str:
-    """Return the document that reads in some files, each a chapter with its number; `texts` is what cites references.
-
-    The chapters keep the numbers that they have in the whole book.
-    """
-    head = title_page()
-    out = [PREAMBLE + MACROS + theorems() + head, *([scene_numbers(scope)] if scope.scene else [])]
-    if notation:
-        out += [r"{\setlength{\parskip}{0pt}\tableofcontents}", notation]
-    out += [rf"\newchapter{{{number - 1}}}" + f"\n\\input{{{path}}}" for number, path in inputs]
-    references = reference_list(cited(head + notation + texts))
-    return "\n\n".join([*out, rf"\newchapter{{{inputs[-1][0]}}}", references, r"\end{document}"]) + "\n"

@@ -192,9 +192,6 @@ class PaperPrinter(LatexPrinter):
     def _print_asin(self, expr: Expr, exp: Any = None) -> str:
         return rf"\arcsin{_parentheses(self._print(expr.args[0]))}"
 
-    def _print_sign(self, expr: Expr, exp: Any = None) -> str:
-        return rf"\operatorname{{sgn}}({self._print(expr.args[0])})"
-
     def _print_Interval(self, expr: Expr) -> str:
         low, high, left_open, right_open = expr.args
         opening, closing = ("(" if left_open else "["), (")" if right_open else "]")

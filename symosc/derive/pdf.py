@@ -10,9 +10,6 @@ from pathlib import Path
 
 from symosc.errors import SymoscError
 
-#: Overfull boxes up to this many points are below what the eye sees.
-OVERFULL = 5.0
-
 
 def has_latex() -> bool:
     """Return whether pdflatex is installed."""
@@ -22,26 +19,23 @@ def has_latex() -> bool:
 def make_pdf(main: Path) -> Path:
     """Compile a document, which may read files in neighbouring folders, and return the PDF's path.
 
-    SymoscError for an error, a warning, or a box that is overfull by more than `OVERFULL` points.
+    SymoscError for an error, a warning, or a box that is overfull by more than 5 points, which is what the eye sees.
     """
     with tempfile.TemporaryDirectory() as scratch:
         work = Path(scratch)
         shutil.copy(main, work)
-        for beside in main.parent.iterdir():
-            if beside.is_dir() and beside.name in ("chapters", "figures"):
-                shutil.copytree(beside, work / beside.name)
+        for name in ("chapters", "figures"):
+            if (main.parent / name).is_dir():
+                shutil.copytree(main.parent / name, work / name)
         command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", main.name]
         for _ in range(3):  # until references and the table of contents are right
             result = subprocess.run(command, cwd=work, capture_output=True, check=False, stdin=subprocess.DEVNULL)
             log = (work / main.name).with_suffix(".log").read_text(encoding="latin-1")
             if result.returncode:
                 break
-        complaints = complaints_of(log)
-        if result.returncode and not complaints:
-            complaints = ("it failed; see its log",)
+        complaints = complaints_of(log) or (("it failed",) if result.returncode else ())
         if complaints:
-            more = f" and {len(complaints) - 1} more" if complaints[1:] else ""
-            raise SymoscError(f"LaTeX: {complaints[0]}{more}")
+            raise SymoscError(f"LaTeX: {complaints[0]}" + f" and {len(complaints) - 1} more" * bool(complaints[1:]))
         return Path(shutil.copy((work / main.name).with_suffix(".pdf"), main.parent))
 
 
@@ -50,6 +44,6 @@ def complaints_of(log: str) -> tuple[str, ...]:
     found = []
     for line in log.splitlines():
         box = re.match(r"Overfull \\[hv]box \(([\d.]+)pt", line)
-        if line.startswith("!") or "Warning" in line or (box and float(box[1]) > OVERFULL):
+        if line.startswith("!") or "Warning" in line or (box and float(box[1]) > 5):
             found.append(line.strip())
     return tuple(found)

@@ -2,13 +2,12 @@
 
 The parameters are A0 = 0, B0 = P, v1 = 0, mu1 FN = F, mu2 = 0 and a v2 that no velocity reaches: an oscillator that
 rubs on a wall. The formulas are those of `symosc.symbolic.coulomb`, evaluated with 50 digits; the package's values come
-from `find_orbit` and `simulate`. Nothing here is quoted but the formulas' sources. The chapter `literature`, the page
-docs/literature.md and the tests use the same tables.
+from `find_orbit` and `simulate`. The chapter `literature`, the page docs/literature.md and the tests use these tables.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
@@ -33,16 +32,9 @@ from symosc.symbolic.coulomb import G, H, Q, phi, x_0, x_f
 from symosc.symbolic.solution import BASIS, tau
 from symosc.symbolic.theorem7 import rational
 
+#: mpmath with 60 digits, and its conversion of numbers of any kind.
 MP = CONTEXT.clone()
-
-
-def number(value: Any) -> Any:
-    """Return a number of any kind as one of 60 digits."""
-    return MP.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else MP.mpf(value)
-
-
-GRID = 4001
-
+number: Callable[[Any], Any] = MP.convert
 
 # --- the formulas as numbers ---
 
@@ -62,29 +54,23 @@ class Formulas:
         exact = {s.m: p.m, s.c: p.c, s.k: p.k, s.Omega: p.Omega, s.cm: p.c / p.m, s.w0sq: p.k / p.m}
         exact |= {coulomb.P: abs(p.B0), x_f: p.mu1 * p.FN / p.k}
         rationals = {letter: rational(value) for letter, value in exact.items()}
-        regimes = solution.REGIMES.values()
-        self.regime = next(each for each in regimes if each.condition.subs(rationals) == sp.true)
+        self.regime = next(r for r in solution.REGIMES.values() if r.condition.subs(rationals) == sp.true)
         self.numbers = {letter: number(value) for letter, value in exact.items()}
         self.numbers |= {letter: self.value(meaning) for letter, meaning in self.regime.letters.items()}
-        self.half = self.basis(MP.pi / self.numbers[solution.Omega])
+        self.half = self._basis(MP.pi / self.numbers[solution.Omega])
         self.numbers[Q] = self.value(sp.sqrt(coulomb.response_squared()))
         steady = [self.value(part, self.half) for part in coulomb.half_period()]
         self.numbers |= dict(zip((G, H), steady, strict=True))
-        self.numbers[x_0] = self.value(coulomb.amplitude())
+        self.amplitude = self.numbers[x_0] = self.value(coulomb.amplitude())
 
     def value(self, expr: Any, more: dict[Any, Any] | None = None) -> Any:
         """Return an expression in the symbols as a number."""
         known = self.numbers | (more or {})
         letters = sorted(sp.sympify(expr).free_symbols, key=str)
-        return as_function(expr, tuple(letters))(*(known[letter] for letter in letters))
+        return _as_function(expr, tuple(letters))(*(known[letter] for letter in letters))
 
-    def basis(self, time: Any) -> dict[Any, Any]:
-        """Return E0, E1, E2 at a time."""
+    def _basis(self, time: Any) -> dict[Any, Any]:
         return {name: self.value(self.regime.basis()[name], {tau: time}) for name in BASIS[:3]}
-
-    def amplitude(self) -> Any:
-        """Return x_0."""
-        return self.numbers[x_0]
 
     def trace_and_determinant(self) -> tuple[Any, Any]:
         """Return trace and determinant of one period's matrix, the square of the half period's."""
@@ -95,7 +81,7 @@ class Formulas:
     def slide_bound(self, angle: Any) -> Any:
         """Return B at an angle after the highest point."""
         angle = MP.mpf(angle)
-        return self.value(coulomb.slide_function(), self.basis(angle / self.numbers[solution.Omega]) | {phi: angle})
+        return self.value(coulomb.slide_function(), self._basis(angle / self.numbers[solution.Omega]) | {phi: angle})
 
     def largest_slide_bound(self) -> tuple[Any, Any]:
         """Return the supremum of B over (0, pi) and the angle where it is, 0 for the limit at the turning point.
@@ -107,7 +93,7 @@ class Formulas:
             return MP.diff(self.slide_bound, angle)
 
         limit = self.value(coulomb.slide_limit())
-        angles = np.linspace(0, pi, GRID)[1:-1]
+        angles = np.linspace(0, pi, 4001)[1:-1]
         bound, letters = _slide_bounds(self.regime)
         values = bound(angles, *(float(self.numbers[letter]) for letter in letters))
         top = int(np.argmax(values))
@@ -124,7 +110,7 @@ class Formulas:
 
 
 @cache
-def as_function(expr: Any, letters: tuple[Any, ...]) -> Callable[..., Any]:
+def _as_function(expr: Any, letters: tuple[Any, ...]) -> Callable[..., Any]:
     """Return an expression as a function of its symbols, in mpmath numbers of 60 digits."""
     functions = {name: getattr(MP, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt")}
     return sp.lambdify(letters, expr, modules=functions)
@@ -147,9 +133,9 @@ def slide_orbit(parameters: Parameters, digits: int | None = None) -> PeriodicOr
     return find_orbit(parameters, "P32", digits=digits)
 
 
-def turning_points(parameters: Parameters, x0: Any, v0: Any, t_end: Any, digits: int | None = None) -> list[Any]:
-    """Return the x at which the velocity changes its sign, and where the mass stops, in order of time."""
-    path = simulate(parameters, t0=0, x0=x0, v0=v0, t_end=t_end, digits=digits)
+def _turning_points(parameters: Parameters, x0: Any, t_end: int, digits: int | None = None) -> list[Any]:
+    """Return the x at which a motion from rest turns or stops, in order of time."""
+    path = simulate(parameters, t0=0, x0=x0, v0=5 if parameters.B0 else 0, t_end=t_end, digits=digits)
     return [event.x for event in path.events if event.kind in ("cross", "stick")]
 
 
@@ -159,37 +145,38 @@ def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
     The start is the one whose turning points are at theta = pi/2 + n pi: x = (P/2 - F)/k at t = 0, with any velocity
     that is large enough.
     """
-    start = Fraction(P) / 2 - Fraction(F)
-    highest = turning_points(wall(F, 1, P=P), start, 5, 40, digits)[::2]
+    highest = _turning_points(wall(F, 1, P=P), Fraction(P) / 2 - Fraction(F), 40, digits)[::2]
     return [after - before for before, after in pairwise(highest)]
 
 
-@cache
 def one_sided_orbit(F: Any, n: int, middle: Fraction) -> PeriodicOrbit:
     """Return the orbit without stops at Omega = 1/(2 n), c = 0 whose turning points lie around a middle.
 
     In double precision: its neighbours are orbits too, so that equations of more digits are singular there.
     """
-    x_0 = 1 / (1 - Fraction(1, 4 * n * n))  # |V| P/k: the friction does not enter
-    guess = [(0, float(middle + x_0)), (2 * pi * n, float(middle - x_0))]
+    guess = [(0, float(middle + _free_amplitude(n))), (2 * pi * n, float(middle - _free_amplitude(n)))]
     return find_orbit(wall(F, Fraction(1, 2 * n)), "P32", guess=guess)
 
 
-def one_sided_end(F: Any, n: int, width: float = 1e-9) -> float:
-    """Bisect for the largest middle whose motion neither stops nor turns more than twice per cycle."""
-    low, high = Fraction(0), Fraction(1)
-    while high - low > width:
-        middle = (low + high) / 2
-        kinds = [event.kind for event in one_sided_path(F, n, middle, Fraction(9, 4)).events]
-        low, high = (middle, high) if kinds == ["cross"] * 4 else (low, middle)
-    return float(low + high) / 2
+def _free_amplitude(n: int) -> Fraction:
+    """Return |V| P/k at Omega = 1/(2 n): the friction does not enter."""
+    return 1 / (1 - Fraction(1, 4 * n * n))
 
 
 def one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajectory:
     """Return the motion from the highest point that the orbit around a middle would have."""
-    highest = middle + 1 / (1 - Fraction(1, 4 * n * n))
     t_end = cycles * Fraction(4 * pi * n)
-    return simulate(wall(F, Fraction(1, 2 * n)), t0=0, x0=highest, v0=0, t_end=t_end, accuracy=1e-6)
+    return simulate(wall(F, Fraction(1, 2 * n)), t0=0, x0=middle + _free_amplitude(n), v0=0, t_end=t_end, accuracy=1e-6)
+
+
+def one_sided_end(F: Any, n: int) -> float:
+    """Bisect for the largest middle whose motion neither stops nor turns more than twice per cycle."""
+    low, high = Fraction(0), Fraction(1)
+    while high - low > 1e-9:
+        middle = (low + high) / 2
+        kinds = [event.kind for event in one_sided_path(F, n, middle, Fraction(9, 4)).events]
+        low, high = (middle, high) if kinds == ["cross"] * 4 else (low, middle)
+    return float(low + high) / 2
 
 
 # --- the number of stops per cycle, by running ---
@@ -253,16 +240,8 @@ def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
 # --- the same borders by equations ---
 
 
-class StopBorder(NamedTuple):
-    """A border of two numbers of stops by equations: F/P, which event makes it, and in which slide of half a cycle."""
-
-    ratio: Any
-    kind: str
-    slide: int
-
-
-def solve_border(Omega: Any, border: Border) -> StopBorder:
-    """Solve for the F/P near a border (c = 0) at which a stop, or a slide, is born.
+def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
+    """Solve for the F/P near a border (c = 0) at which a stop, or a slide, is born; return it and which of the two.
 
     With P = k = 1 half a cycle is n slides down. Each starts where a stop ends, x = cos(theta) + F, and ends at rest,
     the last one at minus the first one's start: 2 n equations for n phases and n durations. The border is where
@@ -277,7 +256,11 @@ def solve_border(Omega: Any, border: Border) -> StopBorder:
     slides, candidates = _slides_near_border(p, count // 2)
     _, kind, j, at = min(candidates)
     n = len(slides)
-    x, v, a = _slide(p)
+    # A slide that starts at rest and without acceleration.
+    known = {solution.v_i: 0, solution.a_i: 0, solution.omega_0: 1, solution.f0: 1, solution.Omega: rational(p.Omega)}
+    flow = [expr.xreplace(known) for expr in solution.flow(solution.REGIMES["undamped"])]
+    x = _as_function(flow[0], (solution.x_i, solution.theta_i, tau))
+    v, a = (_as_function(expr, (solution.theta_i, tau)) for expr in flow[1:])
 
     def equations(*z: Any) -> list[Any]:
         F, phases, times = z[0], z[1 : n + 1], z[n + 1 : 2 * n + 1]
@@ -290,23 +273,13 @@ def solve_border(Omega: Any, border: Border) -> StopBorder:
         return [*found, v(phases[j], z[-1]), a(phases[j], z[-1])]
 
     guess = [few, *(phase for phase, _ in slides), *(time for _, time in slides)]
-    return StopBorder(MP.findroot(equations, guess + [at] * (kind == "graze"))[0], kind, j + 1)
-
-
-def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
-    """Return x, v, x'' of a slide that starts at rest and without acceleration, of phase and time since then."""
-    flow = solution.flow(solution.REGIMES["undamped"])
-    at = {solution.v_i: 0, solution.a_i: 0, solution.omega_0: 1, solution.f0: 1, solution.Omega: rational(p.Omega)}
-    x, v, a = (expr.xreplace(at) for expr in flow)
-    start, phase = solution.x_i, solution.theta_i
-    return as_function(x, (start, phase, tau)), as_function(v, (phase, tau)), as_function(a, (phase, tau))
+    return MP.findroot(equations, guess + [at] * (kind == "graze"))[0], kind
 
 
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:
     """Return (phase, duration) of each slide down in half a settled cycle, and nearby grazes and births."""
-    turn = 2 * pi / float(p.Omega)
     path = from_rest(p, 22)
-    late = [event for event in path.events if event.t > 20 * turn]
+    late = [event for event in path.events if event.t > 40 * pi / float(p.Omega)]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
     first = next(
         i for i in range(1, len(pairs)) if pairs[i - 1][0].target == "Omega2" and pairs[i][0].target == "Omega1"
@@ -331,11 +304,9 @@ AMPLITUDES = (
 DAMPED = [(rf"$c = {c}$, $F = {F}$, $\Omega = {Omega}$", wall(F, Omega, c)) for c, F, Omega in AMPLITUDES]
 #: (c, Omega), and two values of F/P between which the motions without stops end.
 BORDERS = (
-    ("0", "1.5", "0.646", "0.647"),
-    ("0", "0.8", "0.817", "0.818"),
-    ("0", "0.3", "0.086", "0.087"),
+    ("0", "1.5", "0.646", "0.647"), ("0", "0.8", "0.817", "0.818"), ("0", "0.3", "0.086", "0.087"),
     ("0.2", "1.5", "0.598", "0.599"),
-)
+)  # fmt: skip
 #: Omega, and two values of F/P between which the number of stops per cycle changes.
 COUNTS = (
     ("0.1", "0.120", "0.121"), ("0.1", "0.373", "0.374"), ("0.1", "0.505", "0.506"), ("0.1", "0.804", "0.805"),
@@ -345,8 +316,6 @@ COUNTS = (
 CONTINUA = ((1, "0.1", ("-0.2", "0", "0.1")), (2, "0.02", ("0", "0.04")))
 #: A mass that may rest on belt 1, with damping.
 RESTING = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1, mu2="1/10", FN=1)
-
-CLOSED, BORDER = 1e-12, 1e-7
 
 
 class Value(NamedTuple):
@@ -361,7 +330,7 @@ class Value(NamedTuple):
     formula: Any
     package: Any
     decimals: int = 12
-    tolerance: float = CLOSED
+    tolerance: float = 1e-12
     note: str = ""
 
     @property
@@ -371,72 +340,59 @@ class Value(NamedTuple):
         return (formula - number(self.package)) / (abs(formula) or 1)
 
 
-def amplitudes() -> list[Value]:
-    """Return Den Hartog's amplitudes and those of P32."""
-    found = []
+def _amplitudes() -> Iterator[Value]:
     for case, p in DAMPED:
-        highest = max(point.x for point in slide_orbit(p, 30).points)
-        found.append(Value("x_0", case, Formulas(p).amplitude(), highest))
-    return found
+        yield Value("x_0", case, Formulas(p).amplitude, max(point.x for point in slide_orbit(p, 30).points))
 
 
-def multipliers() -> list[Value]:
-    """Return sum and product of the multipliers of P32; products that are too small for a table are left out."""
-    found = []
+def _multipliers() -> Iterator[Value]:
+    """Yield sum and product of the multipliers of P32; products that are too small for a table are left out."""
     for case, p in DAMPED:
         one, other = slide_orbit(p, 30).multipliers
         total, product = Formulas(p).trace_and_determinant()
-        found.append(Value(r"\rho_1 + \rho_2", case, total, (one + other).real))
-        found.append(Value(r"\rho_1 \rho_2", case, product, (one * other).real))
-    return [value for value in found if abs(value.formula) > 1e-4]
+        yield Value(r"\rho_1 + \rho_2", case, total, (one + other).real)
+        if abs(product) > 1e-4:
+            yield Value(r"\rho_1 \rho_2", case, product, (one * other).real)
 
 
-def borders() -> list[Value]:
-    """Return where the motions without stops end."""
-    found = []
+def _borders() -> Iterator[Value]:
+    """Yield where the motions without stops end."""
     for c, Omega, low, high in BORDERS:
         border = find_border(Fraction(low), Fraction(high), Omega, c)
-        found.append(
-            _border(rf"$c = {c}$, $\Omega = {Omega}$", Formulas(wall(1, Omega, c)).largest_force_ratio(), border)
-        )
-    return found
+        yield _border(rf"$c = {c}$, $\Omega = {Omega}$", Formulas(wall(1, Omega, c)).largest_force_ratio(), border)
 
 
-def counts() -> list[Value]:
-    """Return where other numbers of stops change."""
-    found = []
+def _counts() -> Iterator[Value]:
+    """Yield where other numbers of stops change."""
     for Omega, low, high in COUNTS:
         border = find_border(Fraction(low), Fraction(high), Omega)
-        found.append(_border(rf"$\Omega = {Omega}$", solve_border(Omega, border).ratio, border))
-    return found
+        yield _border(rf"$\Omega = {Omega}$", solve_border(Omega, border)[0], border)
 
 
-def growth() -> list[Value]:
-    """Return how much a cycle at resonance raises the highest point."""
-    found = []
+def _border(case: str, formula: Any, border: Border) -> Value:
+    note = f"{border.below} stops below, {border.above} above"
+    return Value("F/P", case, formula, border.middle, 7, 1e-7, note)
+
+
+def _growth() -> Iterator[Value]:
     for F, P in (("0.5", "1"), ("0.3", "0.5")):
-        formula = MP.pi * MP.mpf(P) - 4 * MP.mpf(F)
-        rises = resonance_growth(F, P)
-        worst = max(rises, key=lambda rise: abs(MP.mpf(rise) - formula))
-        found.append(Value(r"\Delta x", rf"$P = {P}$, $F = {F}$", formula, worst, note=f"{len(rises)} cycles"))
-    return found
+        formula, rises = MP.pi * MP.mpf(P) - 4 * MP.mpf(F), resonance_growth(F, P)
+        _, worst = max((abs(MP.mpf(rise) - formula), rise) for rise in rises)
+        yield Value(r"\Delta x", rf"$P = {P}$, $F = {F}$", formula, worst, note=f"{len(rises)} cycles")
 
 
-def decay() -> list[Value]:
-    """Return the turning points of a free motion that starts at rest, the last one where it stays."""
-    F, start = Fraction(1, 10), Fraction(19, 20)
-    found, formula = [], start
-    for i, x in enumerate(turning_points(wall(F, 1, P=0), start, 0, 40), 1):
+def _decay() -> Iterator[Value]:
+    """Yield the turning points of a free motion that starts at rest, the last one where it stays."""
+    F, formula = Fraction(1, 10), Fraction(19, 20)
+    for i, x in enumerate(_turning_points(wall(F, 1, P=0), formula, 40), 1):
         formula = -formula + (2 * F if formula > 0 else -2 * F)
-        found.append(Value(f"x_{i}", "$F = 0.1$", formula, x))
-    return found
+        yield Value(f"x_{i}", "$F = 0.1$", formula, x)
 
 
-def continuum() -> list[Value]:
-    """Return turning points and second multipliers of members of the continua."""
-    found = []
+def _continuum() -> Iterator[Value]:
+    """Yield turning points and second multipliers of members of the continua."""
     for n, F, middles in CONTINUA:
-        half, x_f, case = 1 / (1 - Fraction(1, 4 * n * n)), Fraction(F), rf"$\Omega = 1/{2 * n}$, $F = {F}$"
+        half, x_f, case = _free_amplitude(n), Fraction(F), rf"$\Omega = 1/{2 * n}$, $F = {F}$"
         end = half / (4 * n * n) - x_f
         for middle in map(Fraction, middles):
             orbit = one_sided_orbit(F, n, middle)
@@ -444,45 +400,32 @@ def continuum() -> list[Value]:
             member = rf"{case}, $\bar{{x}} = {show(middle)}$"
             highest, lowest = (point.x for point in orbit.points)
             product = (end**2 - middle**2) / ((end + 2 * x_f) ** 2 - middle**2)
-            found.append(Value(r"x_{\max}", member, middle + half, highest))
-            found.append(Value(r"x_{\min}", member, middle - half, lowest))
-            found.append(Value(r"\rho_2", member, product, orbit.multipliers[1].real))
-        found.append(Value("d_*", case, end, one_sided_end(F, n), 7, BORDER))
-    return found
+            yield Value(r"x_{\max}", member, middle + half, highest)
+            yield Value(r"x_{\min}", member, middle - half, lowest)
+            yield Value(r"\rho_2", member, product, orbit.multipliers[1].real)
+        yield Value("d_*", case, end, one_sided_end(F, n), 7, 1e-7)
 
 
-@cache
-def settles_at(start: Fraction, t_end: int = 60) -> float:
-    """Return the x at which the mass of `RESTING` is at the end."""
-    return float(simulate(RESTING, t0=0, x0=start, v0=0, t_end=t_end)(t_end)[0])
-
-
-def rests() -> list[Value]:
-    """Return the ends of the interval of rests, and where motions from inside of it are after 60 units of time."""
-    ends = rest_positions(RESTING, 1)
+def _rests() -> Iterator[Value]:
+    """Yield the ends of the interval of rests, and where motions from inside of it are after 60 units of time."""
+    p, ends = RESTING, rest_positions(RESTING, 1)
     assert ends is not None
-    p = RESTING
-    low, high = (p.A(2) + abs(p.B0)) / p.k, (p.A(1) - abs(p.B0)) / p.k
-    found = [Value("x_-", "", low, ends[0]), Value("x_+", "", high, ends[1])]
-    return found + [Value("x(60)", f"from ${show(x)}$", x, settles_at(x)) for x in map(Fraction, ("-3/5", "0", "1/2"))]
-
-
-def _border(case: str, formula: Any, border: Border) -> Value:
-    """Return a border as a Value."""
-    note = f"{border.below} stops below, {border.above} above"
-    return Value("F/P", case, formula, border.middle, 7, BORDER, note)
+    yield Value("x_-", "", (p.A(2) + abs(p.B0)) / p.k, ends[0])
+    yield Value("x_+", "", (p.A(1) - abs(p.B0)) / p.k, ends[1])
+    for x in map(Fraction, ("-3/5", "0", "1/2")):
+        yield Value("x(60)", f"from ${show(x)}$", x, float(simulate(p, t0=0, x0=x, v0=0, t_end=60)(60)[0]))
 
 
 #: What is compared: title, the sources' keys, and what computes it.
-TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], list[Value]]]] = {
-    "amplitude": ("Amplitude of the motion without stops", ("denhartog1930", "denhartog1931"), amplitudes),
-    "stability": ("Its multipliers", ("shaw1986",), multipliers),
-    "border": ("Where motions without stops end", ("denhartog1930", "hongliu2000"), borders),
-    "resonance": ("Growth per cycle at resonance", ("denhartog1930",), growth),
-    "decay": ("Turning points of a free motion", ("denhartog1930",), decay),
-    "stops": ("Where the number of stops per cycle changes", ("hongliu2000",), counts),
-    "continuum": (r"Motions around a middle $\bar{x}$", ("csernak2007",), continuum),
-    "rests": ("Rest positions on a belt at rest", (), rests),
+TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], Iterator[Value]]]] = {
+    "amplitude": ("Amplitude of the motion without stops", ("denhartog1930", "denhartog1931"), _amplitudes),
+    "stability": ("Its multipliers", ("shaw1986",), _multipliers),
+    "border": ("Where motions without stops end", ("denhartog1930", "hongliu2000"), _borders),
+    "resonance": ("Growth per cycle at resonance", ("denhartog1930",), _growth),
+    "decay": ("Turning points of a free motion", ("denhartog1930",), _decay),
+    "stops": ("Where the number of stops per cycle changes", ("hongliu2000",), _counts),
+    "continuum": (r"Motions around a middle $\bar{x}$", ("csernak2007",), _continuum),
+    "rests": ("Rest positions on a belt at rest", (), _rests),
 }
 
 

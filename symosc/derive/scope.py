@@ -13,6 +13,7 @@ from symosc.errors import ParameterError
 from symosc.exact import read_exact, show
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.scenes import Scene
+from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
 from symosc.symbolic.theorem7 import rational
 from symosc.words import MAPS, read_word
@@ -60,19 +61,15 @@ class Scope:
     @property
     def decimal(self) -> bool:
         """Whether numbers are printed as decimals where they end."""
-        return self.scene is not None
+        return bool(self.table())
 
     @cached_property
     def maps(self) -> tuple[str, ...]:
         """The mappings that occur: those of the scene's structure, or of its simulated motion."""
         if self.scene is None:
             return tuple(MAPS)
-        if self.scene.structure:
-            used = set(read_word(self.scene.structure).labels)
-        else:
-            from symosc.simulation.simulate import simulate
-
-            used = set(simulate(self.scene, max_events=200).word)
+        structure = self.scene.structure
+        used = read_word(structure).labels if structure else simulate(self.scene, max_events=200).word
         return tuple(label for label in MAPS if label in used)
 
     @cached_property
@@ -134,11 +131,6 @@ class FragmentScope(Scope):
     instances: dict[Expr, Expr] = field(default_factory=dict, hash=False, compare=False)
 
     @property
-    def decimal(self) -> bool:
-        """Whether numbers are printed as decimals where they end."""
-        return bool(self.values)
-
-    @property
     def letters(self) -> dict[Expr, Expr]:
         """The numbers by their symbols."""
         return {LETTERS[name]: rational(value) for name, value in self.values}
@@ -181,10 +173,8 @@ def fragment_scope(
         raise ParameterError("digits", digits, "must be a whole number from 1 to 50")
     # Any allowed parameters check the given ones; so does a speed of the other belt if only one is given.
     base = scene.parameters if scene else Parameters(**dict.fromkeys(PARAMETER_NAMES, 1) | {"v1": -1, "v2": 1})
-    other: dict[str, Any] = {}
-    for given, missing, apart in (("v1", "v2", 1), ("v2", "v1", -1)):
-        if scene is None and given in settings and missing not in settings:
-            other[missing] = read_exact(given, settings[given]) + apart
+    given = {name: read_exact(name, settings[name]) for name in ("v1", "v2") if name in settings and not scene}
+    other = {"v2": given["v1"] + 1} if "v1" in given else {"v1": given["v2"] - 1} if given else {}
     checked = base.replace(**{**other, **settings})
     names = [name for name in PARAMETER_NAMES if scene or name in settings]
     return FragmentScope(None, tuple((name, getattr(checked, name)) for name in names), form, digits)

@@ -78,15 +78,15 @@ class Check:
 
 @dataclass(frozen=True)
 class Step:
-    """One displayed line: its statement, its check, LaTeX text behind it, and the name for references ("maps-f1").
+    """One displayed line: its statement, its check, its name for references in the chapter, and LaTeX text behind it.
 
     `decimals` prints numbers as decimals where they end, also outside scenes.
     """
 
     statement: Relation
     check: Check
-    note: str = ""
     label: str = ""
+    note: str = ""
     decimals: bool = False
 
     def verify(self) -> StepEvidence:
@@ -94,17 +94,17 @@ class Step:
         return self.check(self.statement)
 
 
-def step(left: Expr, op: str, right: Expr, check: Any = None, **options: Any) -> Step:
+def step(left: Expr, op: str, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
     """Return a step; the check may be the value of `left`, or a dictionary of the values of the symbols."""
     if not isinstance(check, Check):
         meaning = {} if check is None else check if isinstance(check, dict) else {left: check}
         check = Exact(meaning)
-    return Step(Relation(sp.sympify(left), op, sp.sympify(right)), check, **options)
+    return Step(Relation(sp.sympify(left), op, sp.sympify(right)), check, label, **options)
 
 
-def equation(left: Expr, right: Expr, check: Any = None, **options: Any) -> Step:
+def equation(left: Expr, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
     """Return the step left = right."""
-    return step(left, "=", right, check, **options)
+    return step(left, "=", right, check, label, **options)
 
 
 # --- the parts of a chapter ---
@@ -118,24 +118,13 @@ _MARKUP = re.compile(
 )
 
 
-class Heading(NamedTuple):
-    """The title of a subsection."""
+class Markup(NamedTuple):
+    """The title of a subsection, or the begin (with title and label) or end of an environment of `KINDS`."""
 
-    text: str
-
-
-class Begin(NamedTuple):
-    """The begin of an environment of `KINDS`, with its title and its label."""
-
-    kind: str
+    command: str
+    name: str
     title: str = ""
     label: str = ""
-
-
-class End(NamedTuple):
-    """The end of an environment."""
-
-    kind: str
 
 
 class Prose(NamedTuple):
@@ -145,15 +134,9 @@ class Prose(NamedTuple):
     facts: tuple[Step, ...] = ()
 
 
-class Facts(NamedTuple):
-    """Checks of the statements in the preceding paragraph."""
-
-    facts: tuple[Step, ...]
-
-
-def facts(*steps: Step) -> Facts:
+def facts(*steps: Step) -> Prose:
     """Return the checks of the statements in the preceding paragraph."""
-    return Facts(steps)
+    return Prose("", steps)
 
 
 class Table(NamedTuple):
@@ -179,33 +162,25 @@ class Illustration(NamedTuple):
 def flat(parts: Items) -> list[Any]:
     """Return the parts of a chapter one by one, with texts taken apart into headings, environments and paragraphs."""
     found: list[Any] = []
-    for part in _unrolled(parts):
+    for part in parts:
         if isinstance(part, str):
             found += _text_parts(part)
-        elif isinstance(part, Facts):
+        elif isinstance(part, Prose):
             last = max(i for i, item in enumerate(found) if isinstance(item, Prose))
             found[last] = Prose(found[last].text, part.facts)
+        elif type(part) in (tuple, list) or isinstance(part, Iterator):
+            found += flat(part)
         else:
             found.append(part)
     return found
-
-
-def _unrolled(parts: Items) -> Iterator[Any]:
-    for part in parts:
-        if type(part) in (tuple, list) or isinstance(part, Iterator):
-            yield from _unrolled(part)
-        else:
-            yield part
 
 
 def _text_parts(text: str) -> Iterator[Any]:
     place = 0
     for found in _MARKUP.finditer(text):
         yield from (Prose(part) for part in [text[place : found.start()].strip()] if part)
-        if found[1]:
-            yield Begin(found[2], found[3] or "", found[4] or "")
-        else:
-            yield End(found[6]) if found[5] else Heading(found[8])
+        begin, kind, title, label, end, ended, subsection, heading = (group or "" for group in found.groups())
+        yield Markup(begin or end or subsection, kind or ended or heading, title, label)
         place = found.end()
     yield from (Prose(part) for part in [text[place:].strip()] if part)
 
@@ -285,8 +260,7 @@ class Solves(Check):
         for residual in residuals:
             if not self.general:
                 _refute(statement, residual)
-            rest = tidy(resolve(residual, self.meaning))
-            _vanish(statement, rest, "does not solve its equation: {} is left over")
+            _vanish(statement, tidy(resolve(residual, self.meaning)), "does not solve its equation: {} remains")
         return StepEvidence("exact", "0")
 
 
@@ -309,12 +283,8 @@ class Sign(Check):
     def __call__(self, statement: Relation) -> StepEvidence:
         difference = resolve(statement.left, self.meaning) - resolve(statement.right, self.meaning)
         difference = sp.factor(sp.simplify(difference))
-        holds = {
-            ">": difference.is_positive,
-            "<": difference.is_negative,
-            ">=": difference.is_nonnegative,
-            "<=": difference.is_nonpositive,
-        }[statement.op]
+        sign = {">": "positive", "<": "negative", ">=": "nonnegative", "<=": "nonpositive"}[statement.op]
+        holds = getattr(difference, f"is_{sign}")
         if not holds:
             raise StepError(str(statement), f"the sign of {difference} is {'wrong' if holds is False else 'undecided'}")
         return StepEvidence("sign", str(difference) if difference.is_Rational else "by the signs of its letters")

@@ -126,10 +126,8 @@ def test_each_erratum_is_short() -> None:
         (('"typo"', '"slip"'), "severity = 'slip': must be one of wrong, gap, typo"),
         (('proof = "c"', ""), "must have severity, where, printed, holds, proof"),
         (('proof = "c"', 'proof = "c"\nseen = "d"'), "must have severity, where, printed, holds, proof"),
-        (('proof = "c"', 'proof = " "'), "must be text"),
         (('proof = "c"', "proof = 3"), "proof = 3: must be text"),
         (("[one]", '["One!"]'), "must be kebab case"),
-        (("[one]", "one = 3\n[two]"), "must have severity"),
         (("[one]", "[one"), "cannot be read"),
     ],
 )
@@ -147,12 +145,9 @@ def test_wrong_errata_are_refused(tmp_path: Path, change: tuple[str, str], compl
 @pytest.mark.parametrize(
     ("latex", "plain"),
     [
-        (r"At $F^{(1)} = 0$ it sticks.", "At F⁽¹⁾ = 0 it sticks."),
         (r"$\dot{x} - v_\lambda = F^{(\alpha)} \tau + \ldots$", "ẋ − v_λ = F⁽ᵅ⁾ τ + …"),
         (r"$B_0\Omega/\sqrt{(k - m\Omega^2)^2 + c^2\Omega^2} = \sqrt{20}$", "B₀Ω/√((k − mΩ²)² + c²Ω²) = √20"),
-        (r"$-(B_0\Omega/m) \sin\Omega t_m$", "−(B₀Ω/m) sin Ωtₘ"),
         (r"$\partial\Omega_{ij}$ in $\mathbb{R}^{n-1}$", "∂Ωᵢⱼ in Rⁿ⁻¹"),
-        (r"$v_\lambda^-$ for $\delta \to 0$", "v_λ⁻ for δ → 0"),
         (r"$F_{s1} = -\mu_1 F_N$, $\Theta^{\mathrm{cr}}$, $e^{-2\pi}$", "Fₛ₁ = −μ₁ FN, Θcr, e^(−2π)"),
         (r"$F^{(1)} \times F^{(2)} > 0$", "F⁽¹⁾ × F⁽²⁾ > 0"),
         ("$P_{4645}$, Fig.~10, (55)--(58)", "P₄₆₄₅, Fig. 10, (55)–(58)"),

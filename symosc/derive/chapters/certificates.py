@@ -20,17 +20,11 @@ SECOND, FOURTH, SINE = named(r"\ddot{g}"), named(r"g^{(4)}"), named(r"\sin\theta
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    del scope  # the statements are the same for every scene
-    return _balls(), _motions(), _orbits(), _branches(), _settled_motions(), _windows()
-
-
-def _balls() -> Items:
-    """Return the section on ball arithmetic."""
+    """Yield the chapter."""
     x, y = sp.Symbol("x", real=True), sp.Symbol("Y", real=True)
     f = sp.Function("f")(x)
     slope = (x - y * f).diff(x)
-    return (
+    yield (
         r"\subsection{What a ball proves}",
         r"A \emph{ball} is an interval of real numbers. Arithmetic with balls returns balls that contain every result "
         r"for numbers in the operands, rounding included; arb \cite{johansson2017} does so for exponentials, sines and "
@@ -54,12 +48,6 @@ def _balls() -> Items:
         r"mean of the derivative along the segment. The map $u \mapsto (1 - M(u))^{-1}(P(c) - c)$ takes $E$ into "
         r"itself, so it has a fixed point by Brouwer's theorem, and that is a fixed point of $P$. Two of them would "
         r"differ by a vector $d$ with $(1 - M) d = 0$ for some $M \in D$.\end{proof}",
-    )
-
-
-def _motions() -> Items:
-    """Return the section on motions."""
-    return (
         r"\subsection{Motions: every event is the next one}",
         r"Between events the motion is a closed form (Table~\ref{tab:domains-regimes}), so balls enclose it for all "
         r"times in a ball. Two ways show that nothing happens before an event. One uses the gap of "
@@ -76,12 +64,6 @@ def _motions() -> Items:
         r"So $g > 0$ at both ends of a piece means $g > 0$ on it if $H$ is concave, or convex with tangents at the "
         r"ends that meet above 0; else the piece is cut. Opposite signs mean one zero, which interval Newton encloses. "
         r"On a belt both forces are monotone between critical phases (Section~\ref{sec:sticks}).",
-        _steps(),
-    )
-
-
-def _steps() -> Items:
-    return (
         r"\begin{lemma}[steps without critical phases]\label{thm:certificates-steps} "
         r"Let $g$ be twice differentiable for times from $a$ to $b$, with $g(a) > 0$, or $a$ a start on the belt. Then "
         r"$g > 0$ up to $b$ if for all these times $g > 0$; or $g' > 0$; or, at a start with $g = g' = 0$, $g'' > 0$; "
@@ -97,24 +79,6 @@ def _steps() -> Items:
         r"integrations do. What happens at the event follows from certain signs of the forces "
         r"(Section~\ref{sec:switching}). Starts that are known to an error are a set; its image is enclosed by the "
         r"value at its centre and the derivatives of Section~\ref{sec:jacobians} over the whole set.",
-        _grazes(),
-        r"\begin{lemma}[exact touches]\label{thm:certificates-circles} "
-        r"Let $c = B_0 = 0$, $k > 0$, and let a flight start with $\dot{x}_i$ and $\ddot{x}_i$. It touches the belt "
-        r"$v_\lambda$, and does not cross it, if and only if "
-        r"$\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2 = v_\lambda^2 > 0$.\end{lemma}",
-        r"\begin{proof} In the flight $m \ddot{x} = A_\alpha - k x$, so the derivatives of $\dot{x}^2$ and of "
-        r"$\frac{m}{k} \ddot{x}^2$ are $2 \dot{x} \ddot{x}$ and $-2 \ddot{x} \dot{x}$, and the sum stays what it is. "
-        r"So the velocity has the amplitude $(\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2)^{1/2}$, and $\ddot{x} = 0$ "
-        r"exactly where it is reached.\end{proof}",
-        r"This is the one graze of an exact start that is decided, in rational numbers: $\dot{x}_i$ and $\ddot{x}_i$ "
-        r"are rational at an exact start, where a stick ends ($\dot{x}_i = v_\lambda$, $\ddot{x}_i = 0$), and at such "
-        r"a touch.",
-    )
-
-
-def _grazes() -> Items:
-    """Return the section on grazes."""
-    return (
         r"A graze is a double zero of the gap, which no error of the start allows. It is proven as a statement about "
         r"one start: a number $s$ of the start is left free, and with it the zero is a simple one.",
         r"\begin{proposition}[one start touches]\label{thm:certificates-touch} "
@@ -133,29 +97,20 @@ def _grazes() -> Items:
         r"The prover uses (i), the checker (ii). That there is no event before the interval is proven for all $s$ as "
         r"above. The start that touches is between $a$ and $b$, two fractions within the error of the start; nothing "
         r"is claimed about the given digits themselves.",
+        r"\begin{lemma}[exact touches]\label{thm:certificates-circles} "
+        r"Let $c = B_0 = 0$, $k > 0$, and let a flight start with $\dot{x}_i$ and $\ddot{x}_i$. It touches the belt "
+        r"$v_\lambda$, and does not cross it, if and only if "
+        r"$\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2 = v_\lambda^2 > 0$.\end{lemma}",
+        r"\begin{proof} In the flight $m \ddot{x} = A_\alpha - k x$, so the derivatives of $\dot{x}^2$ and of "
+        r"$\frac{m}{k} \ddot{x}^2$ are $2 \dot{x} \ddot{x}$ and $-2 \ddot{x} \dot{x}$, and the sum stays what it is. "
+        r"So the velocity has the amplitude $(\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2)^{1/2}$, and $\ddot{x} = 0$ "
+        r"exactly where it is reached.\end{proof}",
+        r"This is the one graze of an exact start that is decided, in rational numbers: $\dot{x}_i$ and $\ddot{x}_i$ "
+        r"are rational at an exact start, where a stick ends ($\dot{x}_i = v_\lambda$, $\ddot{x}_i = 0$), and at such "
+        r"a touch.",
     )
-
-
-def _straightened(wave: Any) -> Items:
-    """Yield the facts of the proof for C = cos or cosh."""
-    C, q = wave(W * U), sp.Function("q")(U)
-    kappa, S = C.diff(U, 2) / C, {sp.cos: sp.sin, sp.cosh: sp.sinh}[wave](W * U) / W
-    g = sp.exp(-RATE * U) * C * q
-    operator = g.diff(U, 2) + 2 * RATE * g.diff(U) + (RATE**2 - kappa) * g
-    letters = LG, _C, _C1, Q1, Q2, SLOPE = [named(each) for each in ("L g", "C", "C'", "q'", "q''", "s'")]
-    true = (operator, C, C.diff(U), q.diff(U), q.diff(U, 2), (S / C).diff(U))
-    meaning = dict(zip(letters, true, strict=True))
-    check = Exact(meaning, lambda rest: sp.simplify(sp.expand(rest)), independent=False)
-    return (
-        equation(LG, sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check),
-        equation(SLOPE, 1 / _C**2, check),
-    )
-
-
-def _orbits() -> Items:
-    """Return the section on orbits."""
     meaning = {TRACE: ONE + TWO, DET: ONE * TWO}
-    return (
+    yield (
         r"\subsection{Orbits: existence, uniqueness, word, stability}",
         r"The unknowns are all switching points, the equations those of \eqref{eq:maps-f1} piece by piece, the last "
         r"piece ending where the first begins, $N$ periods later. Theorem~\ref{thm:certificates-krawczyk} proves one "
@@ -168,9 +123,9 @@ def _orbits() -> Items:
         r"Both multipliers lie inside the unit circle if and only if $|D| < 1$ and $|T| < 1 + D$, with trace $T$ and "
         r"determinant $D$ of the monodromy matrix.\end{proposition}",
         r"\begin{proof} With $T = \rho_1 + \rho_2$ and $D = \rho_1\rho_2$",
-        equation(1 - TRACE + DET, (1 - ONE) * (1 - TWO), meaning, label="certificates-minus"),
+        equation(1 - TRACE + DET, (1 - ONE) * (1 - TWO), meaning, "minus"),
         "and",
-        equation(1 + TRACE + DET, (1 + ONE) * (1 + TWO), meaning, label="certificates-plus"),
+        equation(1 + TRACE + DET, (1 + ONE) * (1 + TWO), meaning, "plus"),
         r"A complex pair has $D = |\rho|^2$, and then both products are positive; so $D < 1$ decides. For real "
         r"multipliers both products are positive if and only if both multipliers lie in $(-1, 1)$, or both are beyond "
         r"the same end of it, or beyond different ends; $|D| < 1$ excludes the last two.\end{proof}",
@@ -178,12 +133,6 @@ def _orbits() -> Items:
         r"any number of bits. So a member of a continuum, as without damping at $\Omega = \omega_0/(2n)$ "
         r"\cite{csernak2007}, is never proven to be the only one. With damping every orbit is the only one "
         r"(Section~\ref{sec:orbits}).",
-    )
-
-
-def _branches() -> Items:
-    """Return the section on branches."""
-    return (
         r"\subsection{Branches: every value of a parameter}",
         r"Let $\delta$ be the change of a parameter from the middle of an interval, $|\delta| \le d$, and $p(\delta)$ "
         r"a polynomial near the curve of roots. Taylor's theorem encloses $f(p(\delta), \delta)$ by its first "
@@ -203,12 +152,6 @@ def _branches() -> Items:
         r"\begin{proof} Each side of each inequality is continuous in the root, or is the least value of a continuous "
         r"function over a piece, and the root is continuous in the parameter. Use the intermediate value "
         r"theorem.\end{proof}",
-    )
-
-
-def _settled_motions() -> Items:
-    """Return the section on motions that settle on an orbit."""
-    return (
         r"\subsection{Motions that settle: any number of periods}",
         r"Carried from event to event, an enclosure says something of some thousand periods. One that settles on an "
         r"orbit is enclosed for ever. Let $P$ be the map from an arrival at a belt, with its time and position, to the "
@@ -230,10 +173,6 @@ def _settled_motions() -> Items:
         r"enclosed by Theorem~\ref{thm:certificates-krawczyk}, and $2 q^n$ is added. The checker follows $B$ once "
         r"round with exponentials of matrices, and judges $q$ anew.",
     )
-
-
-def _windows() -> Items:
-    """Return the section on grazing windows."""
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     velocity, derivatives = path.diff(t), [newton]
@@ -243,15 +182,13 @@ def _windows() -> Items:
     place = sp.solve(newton.subs(velocity, v_lambda), path)[0]
     at = [each.subs(velocity, v_lambda).subs(path, place).subs(Omega * t, theta) for each in derivatives]
     touch = at[3].subs(sp.cos(theta), 0).subs(sp.sin(theta), -k * v_lambda / (B0 * Omega))
-    return (
+    yield (
         r"\subsection{Windows: every phase}",
         r"\begin{lemma}[a contact without force]\label{thm:certificates-window} "
         r"Let a flight meet a belt with $F = 0$, so that $g = \dot{g} = 0$ for its gap. Then",
-        equation(
-            SECOND, -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m, sp.simplify(at[1]), label="certificates-second"
-        ),
+        equation(SECOND, -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m, sp.simplify(at[1]), "second"),
         r"Where this is 0 and $\cos\theta = 0$, also $g''' = 0$ and",
-        equation(FOURTH, -k * Omega**2 * v_lambda / m, sp.simplify(touch), label="certificates-fourth"),
+        equation(FOURTH, -k * Omega**2 * v_lambda / m, sp.simplify(touch), "fourth"),
         r"\end{lemma}",
         r"\begin{proof} Differentiate the equation of motion and put $\dot{x} = v_\lambda$, $\ddot{x} = 0$. The third "
         r"derivative is $-(c/m)\ddot{g} - (B_0\Omega^2/m)\cos\theta$.\end{proof}",
@@ -263,3 +200,16 @@ def _windows() -> Items:
         r"instead covers the circle outside the ends with intervals of certain sign, and shows that the derivative has "
         r"one sign at the ends.",
     )
+
+
+def _straightened(wave: Any) -> Items:
+    """Yield the facts of the proof for C = cos or cosh."""
+    C, q = wave(W * U), sp.Function("q")(U)
+    kappa, S = C.diff(U, 2) / C, {sp.cos: sp.sin, sp.cosh: sp.sinh}[wave](W * U) / W
+    g = sp.exp(-RATE * U) * C * q
+    operator = g.diff(U, 2) + 2 * RATE * g.diff(U) + (RATE**2 - kappa) * g
+    letters = LG, _C, _C1, Q1, Q2, SLOPE = [named(each) for each in ("L g", "C", "C'", "q'", "q''", "s'")]
+    true = (operator, C, C.diff(U), q.diff(U), q.diff(U, 2), (S / C).diff(U))
+    meaning = dict(zip(letters, true, strict=True))
+    check = Exact(meaning, lambda rest: sp.simplify(sp.expand(rest)), independent=False)
+    return (equation(LG, sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check), equation(SLOPE, 1 / _C**2, check))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -42,24 +41,19 @@ REGIME_WORDS = {
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    regimes = (_table(scope), _joins()) if scope.scene is None else _scene_regime(scope.regimes[0])
-    return _functions(), _flow(), _paper_form(scope), regimes
-
-
-def _functions() -> Items:
+    """Yield the chapter."""
     generic = generic_basis()
     rates = []
     for symbol, rate in solution.rates().items():
         name = named(rf"\dot{{{symbol.name[0]}}}_{symbol.name[1]}")
         check = Exact(generic | {name: generic[symbol].diff(tau)}, modes)
-        rates.append(equation(name, rate, check, label=f"domains-rate-{symbol.name}"))
+        rates.append(equation(name, rate, check, f"rate-{symbol.name}"))
     laws = []
     values = {"step": sp.Integer(1), "cosine": sp.cos(Omega * tau), "sine": sp.sin(Omega * tau)}
     for (name, value), relation in zip(values.items(), solution.relations(), strict=True):
         left = sp.collect(sp.expand(relation + value), [R2, I2])
-        laws.append(equation(value, left, Exact(generic, modes), label=f"domains-{name}"))
-    return (
+        laws.append(equation(value, left, Exact(generic, modes), f"{name}"))
+    yield (
         r"\subsection{Five functions that hold every motion}",
         r"\begin{definition}[basis functions]\label{thm:domains-basis} "
         r"With $\tau = t - t_i$ the time since the start at $t_i$, let $L = d^2/d\tau^2 + (c/m)\, d/d\tau + k/m$. Let "
@@ -76,6 +70,107 @@ def _functions() -> Items:
         r"rates, and are equal at $\tau = 0$.\end{proof}",
         solved_functions(generic),
     )
+    flow = solution.flow()
+    force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
+    position, velocity, acceleration = named(r"x(\tau)"), named(r"\dot{x}(\tau)"), named(r"\ddot{x}(\tau)")
+    start = named(r"\ddot{x}_i")
+    newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - a_i, a_i)[0]
+    by_v, by_a = ({name: solution.time_derivative(expr)} for name, expr in ((velocity, flow.x), (acceleration, flow.v)))
+    yield (
+        r"\subsection{The motion}",
+        r"\begin{theorem}[the motion in a domain]\label{thm:domains-flow} "
+        r"A motion that starts in $\Omega_\alpha$, or goes into it, at $t_i$ with the phase $\theta_i = \Omega t_i$, "
+        r"the position $x_i$ and the velocity $\dot{x}_i$ is, as long as it stays in $\Omega_\alpha$,",
+        equation(position, flow.x, Solves(force, x_i, v_i, general=True), "x"),
+        equation(velocity, flow.v, Exact(by_v, solution.use_relations, independent=False), "v"),
+        equation(acceleration, flow.a, Exact(by_a, solution.use_relations, independent=False), "a"),
+        r"where the acceleration at the start is",
+        equation(start, solution.acceleration(x_i, v_i, theta_i), newton, "start"),
+        r"This holds in every regime of damping and at resonance.\end{theorem}",
+        r"\begin{proof} $L x = (A_\alpha + B_0\cos\theta)/m$ by \eqref{eq:motion-domain}. Variation of constants gives "
+        r"$x$ as a combination of $E_0$, $E_1$, $E_2$, $R_2$ and $I_2$. Then $A_\alpha$ is eliminated in favour of "
+        r"$\ddot{x}_i$, so that friction enters only there, and the derivatives are shortened by "
+        r"Lemma~\ref{thm:domains-relations}. That \eqref{eq:domains-x} solves the equation with the right start was "
+        r"checked with the relations alone.\end{proof}",
+    )
+    name = "underdamped" if scope.scene is None else scope.regimes[0].name
+    form, (first, second) = paper_form(solution.REGIMES[name]), REGIME_WORDS[name]
+    yield (
+        r"\subsection{The same motion as papers print it}",
+        r"The form with constants of integration, for $c^2 < 4km$ away from undamped resonance, with $h = c/(2m)$ and "
+        r"$\omega_d = \sqrt{k/m - h^2}$, is"
+        if name == "underdamped"
+        else rf"The form with constants of integration, in the regime \emph{{{first}}} ({second}), is",
+        equation(named(r"x(\tau)"), form.x, form.check, "paper"),
+        "with",
+        constants(form),
+        r"It is the same function as \eqref{eq:domains-x}, since both solve the same problem. It needs a case for "
+        r"every regime, and loses digits near the borders of the regimes and for short times, where "
+        r"\eqref{eq:domains-x} loses none if the basis functions are computed as divided differences "
+        r"\cite{mccurdy1984}.",
+    )
+    if scope.scene:
+        yield _scene_regime(scope.regimes[0])
+        return
+    rows = []
+    for regime in scope.regimes:
+        centre = latex(regime.centre) if regime.centre != 0 else ""
+        roots = rf"${centre} \pm {latex(regime.offset)}$" if regime.offset != 0 else f"${centre or 0}$, double"
+        cells = basis_function(E1, regime), basis_function(E0, regime)
+        rows.append((*REGIME_WORDS[regime.name], roots, *cells))
+    values = {name: value for regime in scope.regimes for name, value in regime.letters.items()}
+    letters = solution.h, omega_d, eta, omega_0
+    regimes = solution.REGIMES
+    yield (
+        r"\subsection{The regimes of damping}",
+        r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With the letters",
+        [equation(each, values[each], true_letters()[each], f"{each.name}") for each in letters],
+        r"Table~\ref{tab:domains-regimes} gives $E_1$ and $E_0$; the other functions follow by "
+        r"Corollary~\ref{thm:domains-solved}.",
+        Table(
+            "tab:domains-regimes",
+            r"The regimes of damping: the roots of $m z^2 + c z + k$, and the two functions that the others follow "
+            r"from.",
+            ("regime", "condition", "roots", "$E_1$", "$E_0$"),
+            tuple(rows),
+        ),
+        r"Three functions are left over, where the corollary divides by 0. Without a spring,",
+        basis_function(E2, regimes["no spring"], note="for $c > 0$,", label="no-spring-E2"),
+        basis_function(E2, regimes["free"], note="for $c = 0$.", label="free-E2"),
+        r"At undamped resonance",
+        basis_function(R2, regimes["resonance"], label="resonance-R2"),
+        basis_function(I2, regimes["resonance"], label="resonance-I2"),
+    )
+    borders, arrows = [], ("=", r"\mapsto")
+    for join in solution.JOINS:
+        source, target = (solution.REGIMES[name].parameters() for name in (join.source, join.target))
+        limits = [
+            equation(name, target[letter], sp.limit(source[letter].xreplace(join.path), join.letter, 0))
+            for name, letter in ((named("c/m"), cm), (named("k/m"), w0sq))
+        ]
+        # An arrow where the old value of a letter is in the new one.
+        path = ", ".join(
+            rf"${latex(name)} {arrows[name in value.free_symbols]} {latex(value)}$" for name, value in join.path.items()
+        )
+        words = [REGIME_WORDS[name][0] for name in (join.source, join.target)]
+        borders.append((*words, rf"${latex(join.letter)} \to 0$", path, *limits))
+    yield (
+        r"\subsection{The regimes are limits of each other}",
+        r"\begin{theorem}[one motion, no cases]\label{thm:domains-entire} "
+        r"For each $\tau$ the basis functions are entire functions of $c/m$, $k/m$ and $\Omega$. So at each border of "
+        r"two regimes the functions of one turn into those of the other.\end{theorem}",
+        r"\begin{proof} $E_1$ solves a linear equation whose coefficients are polynomials of $c/m$ and $k/m$, with a "
+        r"fixed start; such a solution is an entire function of the coefficients, and so are $E_0$ and the integrals "
+        r"$E_2$ and $R_2 + i I_2$, the last one also of $\Omega$. Table~\ref{tab:domains-joins} goes over the borders: "
+        r"along each path $c/m$ and $k/m$ of one regime tend to those of the other.\end{proof}",
+        Table(
+            "tab:domains-joins",
+            r"The borders of the regimes: how each is approached, and to what $c/m$ and $k/m$ tend there.",
+            ("from", "to", "with", "where", r"$c/m \to$", r"$k/m \to$"),
+            tuple(borders),
+            tuple(_sampled(join) for join in solution.JOINS),
+        ),
+    )
 
 
 def solved_functions(generic: dict[Any, Any]) -> Items:
@@ -86,13 +181,13 @@ def solved_functions(generic: dict[Any, Any]) -> Items:
     return (
         r"\begin{corollary}\label{thm:domains-solved} "
         r"$E_0$ and $E_1$ give the other three: for $k > 0$",
-        equation(E2, (1 - E0 - cm * E1) / w0sq, Exact(generic, modes), label="domains-E2"),
+        equation(E2, (1 - E0 - cm * E1) / w0sq, Exact(generic, modes), "E2"),
         "and with",
-        equation(KAPPA, NORMS[KAPPA], NORMS, label="domains-kappa"),
-        equation(DELTA, KAPPA**2 + (cm * Omega) ** 2, NORMS, label="domains-Delta"),
+        equation(KAPPA, NORMS[KAPPA], NORMS, "kappa"),
+        equation(DELTA, KAPPA**2 + (cm * Omega) ** 2, NORMS, "Delta"),
         r"wherever $\Delta > 0$, that is everywhere but at undamped resonance,",
-        equation(R2, (KAPPA * still + cm * Omega * swing) / DELTA, Exact(meaning, modes), label="domains-R2"),
-        equation(I2, (KAPPA * swing - cm * Omega * still) / DELTA, Exact(meaning, modes), label="domains-I2"),
+        equation(R2, (KAPPA * still + cm * Omega * swing) / DELTA, Exact(meaning, modes), "R2"),
+        equation(I2, (KAPPA * swing - cm * Omega * still) / DELTA, Exact(meaning, modes), "I2"),
         r"\end{corollary}",
         r"\begin{proof} \eqref{eq:domains-step} is solved for $E_2$; \eqref{eq:domains-cosine} and "
         r"\eqref{eq:domains-sine} are two linear equations for $R_2$ and $I_2$ with the determinant "
@@ -114,51 +209,6 @@ def generic_basis() -> dict[Any, Any]:
         (wave - conjugate) / (2 * sp.I),
     )
     return dict(zip(BASIS, closed, strict=True)) | {cm: 2 * mean, w0sq: mean**2 - half**2}
-
-
-def _flow() -> Items:
-    flow = solution.flow()
-    force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
-    position, velocity, acceleration = named(r"x(\tau)"), named(r"\dot{x}(\tau)"), named(r"\ddot{x}(\tau)")
-    start = named(r"\ddot{x}_i")
-    newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - a_i, a_i)[0]
-    by_v, by_a = ({name: solution.time_derivative(expr)} for name, expr in ((velocity, flow.x), (acceleration, flow.v)))
-    return (
-        r"\subsection{The motion}",
-        r"\begin{theorem}[the motion in a domain]\label{thm:domains-flow} "
-        r"A motion that starts in $\Omega_\alpha$, or goes into it, at $t_i$ with the phase $\theta_i = \Omega t_i$, "
-        r"the position $x_i$ and the velocity $\dot{x}_i$ is, as long as it stays in $\Omega_\alpha$,",
-        equation(position, flow.x, Solves(force, x_i, v_i, general=True), label="domains-x"),
-        equation(velocity, flow.v, Exact(by_v, solution.use_relations, independent=False), label="domains-v"),
-        equation(acceleration, flow.a, Exact(by_a, solution.use_relations, independent=False), label="domains-a"),
-        r"where the acceleration at the start is",
-        equation(start, solution.acceleration(x_i, v_i, theta_i), newton, label="domains-start"),
-        r"This holds in every regime of damping and at resonance.\end{theorem}",
-        r"\begin{proof} $L x = (A_\alpha + B_0\cos\theta)/m$ by \eqref{eq:motion-domain}. Variation of constants gives "
-        r"$x$ as a combination of $E_0$, $E_1$, $E_2$, $R_2$ and $I_2$. Then $A_\alpha$ is eliminated in favour of "
-        r"$\ddot{x}_i$, so that friction enters only there, and the derivatives are shortened by "
-        r"Lemma~\ref{thm:domains-relations}. That \eqref{eq:domains-x} solves the equation with the right start was "
-        r"checked with the relations alone.\end{proof}",
-    )
-
-
-def _paper_form(scope: Scope) -> Items:
-    name = "underdamped" if scope.scene is None else scope.regimes[0].name
-    form, (first, second) = paper_form(solution.REGIMES[name]), REGIME_WORDS[name]
-    return (
-        r"\subsection{The same motion as papers print it}",
-        r"The form with constants of integration, for $c^2 < 4km$ away from undamped resonance, with $h = c/(2m)$ and "
-        r"$\omega_d = \sqrt{k/m - h^2}$, is"
-        if name == "underdamped"
-        else rf"The form with constants of integration, in the regime \emph{{{first}}} ({second}), is",
-        equation(named(r"x(\tau)"), form.x, form.check, label="domains-paper"),
-        "with",
-        [replace(each, label=f"domains-{each.label}") for each in constants(form)],
-        r"It is the same function as \eqref{eq:domains-x}, since both solve the same problem. It needs a case for "
-        r"every regime, and loses digits near the borders of the regimes and for short times, where "
-        r"\eqref{eq:domains-x} loses none if the basis functions are computed as divided differences "
-        r"\cite{mccurdy1984}.",
-    )
 
 
 # --- the motion as papers print it: e^{-ct/2m} (C_1 cos omega_d t + C_2 sin omega_d t) and a steady part ---
@@ -250,7 +300,7 @@ def constants(form: PaperForm) -> list[Step]:
     for letter, value in form.constants.items():
         start_fits = {name: fitted[name] for name in (letter, C1) if letter in fitted}
         meaning = start_fits or {name: form.check.meaning[name] for name in (letter, c, k)}
-        steps.append(equation(letter, value, meaning, label=letter.name.replace("_", "")))
+        steps.append(equation(letter, value, meaning, letter.name.replace("_", "")))
     return steps
 
 
@@ -260,39 +310,6 @@ def basis_function(symbol: Any, regime: solution.Regime, **options: Any) -> Step
     parameters = regime.parameters()
     solves = Solves(force, start, rate.xreplace(parameters), *parameters.values())
     return equation(symbol, tidy(regime.basis()[symbol]), solves, **options)
-
-
-def _table(scope: Scope) -> Items:
-    """Return the table of the closed forms."""
-    rows = []
-    for regime in scope.regimes:
-        centre = latex(regime.centre) if regime.centre != 0 else ""
-        roots = rf"${centre} \pm {latex(regime.offset)}$" if regime.offset != 0 else f"${centre or 0}$, double"
-        cells = basis_function(E1, regime), basis_function(E0, regime)
-        rows.append((*REGIME_WORDS[regime.name], roots, *cells))
-    values = {name: value for regime in scope.regimes for name, value in regime.letters.items()}
-    letters = solution.h, omega_d, eta, omega_0
-    regimes = solution.REGIMES
-    return (
-        r"\subsection{The regimes of damping}",
-        r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With the letters",
-        [equation(each, values[each], true_letters()[each], label=f"domains-{each.name}") for each in letters],
-        r"Table~\ref{tab:domains-regimes} gives $E_1$ and $E_0$; the other functions follow by "
-        r"Corollary~\ref{thm:domains-solved}.",
-        Table(
-            "tab:domains-regimes",
-            r"The regimes of damping: the roots of $m z^2 + c z + k$, and the two functions that the others follow "
-            r"from.",
-            ("regime", "condition", "roots", "$E_1$", "$E_0$"),
-            tuple(rows),
-        ),
-        r"Three functions are left over, where the corollary divides by 0. Without a spring,",
-        basis_function(E2, regimes["no spring"], note="for $c > 0$,", label="domains-no-spring-E2"),
-        basis_function(E2, regimes["free"], note="for $c = 0$.", label="domains-free-E2"),
-        r"At undamped resonance",
-        basis_function(R2, regimes["resonance"], label="domains-resonance-R2"),
-        basis_function(I2, regimes["resonance"], label="domains-resonance-I2"),
-    )
 
 
 def true_letters() -> dict[Any, Any]:
@@ -332,41 +349,7 @@ def _scene_regime(regime: solution.Regime) -> Items:
     return (
         r"\subsection{The basis functions of this scene}",
         rf"The regime is \emph{{{name}}} ({condition}). There",
-        [basis_function(symbol, regime, label=f"domains-scene-{symbol.name}") for symbol in BASIS],
-    )
-
-
-def _joins() -> Items:
-    """Return the section on the limits between the regimes."""
-    rows, arrows = [], ("=", r"\mapsto")
-    for join in solution.JOINS:
-        source, target = (solution.REGIMES[name].parameters() for name in (join.source, join.target))
-        cells = []
-        for name, letter in ((named("c/m"), cm), (named("k/m"), w0sq)):
-            limit = sp.limit(source[letter].xreplace(join.path), join.letter, 0)
-            cells.append(equation(name, target[letter], limit))
-        # An arrow where the old value of a letter is in the new one.
-        path = ", ".join(
-            rf"${latex(name)} {arrows[name in value.free_symbols]} {latex(value)}$" for name, value in join.path.items()
-        )
-        words = [REGIME_WORDS[name][0] for name in (join.source, join.target)]
-        rows.append((*words, rf"${latex(join.letter)} \to 0$", path, *cells))
-    return (
-        r"\subsection{The regimes are limits of each other}",
-        r"\begin{theorem}[one motion, no cases]\label{thm:domains-entire} "
-        r"For each $\tau$ the basis functions are entire functions of $c/m$, $k/m$ and $\Omega$. So at each border of "
-        r"two regimes the functions of one turn into those of the other.\end{theorem}",
-        r"\begin{proof} $E_1$ solves a linear equation whose coefficients are polynomials of $c/m$ and $k/m$, with a "
-        r"fixed start; such a solution is an entire function of the coefficients, and so are $E_0$ and the integrals "
-        r"$E_2$ and $R_2 + i I_2$, the last one also of $\Omega$. Table~\ref{tab:domains-joins} goes over the borders: "
-        r"along each path $c/m$ and $k/m$ of one regime tend to those of the other.\end{proof}",
-        Table(
-            "tab:domains-joins",
-            r"The borders of the regimes: how each is approached, and to what $c/m$ and $k/m$ tend there.",
-            ("from", "to", "with", "where", r"$c/m \to$", r"$k/m \to$"),
-            tuple(rows),
-            tuple(_sampled(join) for join in solution.JOINS),
-        ),
+        [basis_function(symbol, regime, label=f"scene-{symbol.name}") for symbol in BASIS],
     )
 
 

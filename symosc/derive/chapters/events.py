@@ -20,25 +20,18 @@ C4 = sp.Symbol("C_4", nonnegative=True)
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    del scope  # the statements are the same for every scene
-    bounds = (r"\subsection{Two bounds for later times}", _bound_for_ever(), _bound_for_a_while())
-    return _gap(), _disconjugacy(), bounds, _search()
-
-
-def _gap() -> Items:
-    """Return the section on the gap and the sign of L g."""
+    """Yield the chapter."""
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     jerk = newton.diff(t).subs(path.diff(t, 2), newton)
     true = (jerk + c / m * newton + k / m * (path.diff(t) - v_lambda)).subs(Omega * t, theta)
     meaning = {LG: true, GAMMA: k * v_lambda / m, LETTER_A: B0 * Omega / m}
-    return (
+    yield (
         r"\subsection{An equation for the gap}",
         r"\begin{lemma}[the gap]\label{thm:events-gap} "
         r"Let $g = \dot{x} - v_\lambda$ be the gap between the velocity and a belt's speed. In \emph{every} domain, "
         r"with $L$ as in Definition~\ref{thm:domains-basis} and $\gamma = k v_\lambda/m$, $a = B_0\Omega/m$,",
-        equation(LG, -(GAMMA + LETTER_A * sp.sin(theta)), meaning, label="events-gap"),
+        equation(LG, -(GAMMA + LETTER_A * sp.sin(theta)), meaning, "gap"),
         r"\end{lemma}",
         r"\begin{proof} Differentiate \eqref{eq:motion-domain}: $A_\alpha$ goes, and friction with it. Subtract "
         r"$k v_\lambda/m$.\end{proof}",
@@ -46,10 +39,6 @@ def _gap() -> Items:
         r"\eqref{eq:sticks-rate}. It changes its sign only at the phases $\Theta^{\mathrm{cr}}$ and "
         r"$\pi - \Theta^{\mathrm{cr}}$, which are known in closed form.",
     )
-
-
-def _disconjugacy() -> Items:
-    """Return the section on disconjugacy: a gap has at most two zeros between critical phases."""
     phi, q = sp.Function("phi")(tau), sp.Function("q")(tau)
     g = phi * q
     operator = g.diff(tau, 2) + cm * g.diff(tau) + w0sq * g
@@ -58,7 +47,8 @@ def _disconjugacy() -> Items:
     inner = (phi**2 * sp.exp(cm * tau) * q.diff(tau)).diff(tau) * sp.exp(-cm * tau) / phi
     names = {letter: phi, rate: phi.diff(tau), slope: q.diff(tau), curve: q.diff(tau, 2)}
     unforced = tuple(equation(_operator(regime), 0, Exact(tidy=modes)) for regime in solution.REGIMES.values())
-    return (
+    factored = Exact({LG: true} | names, independent=False)
+    yield (
         r"\subsection{At most two zeros between critical phases}",
         r"\begin{theorem}[disconjugacy, after P\'olya]\label{thm:events-two} "
         r"On an interval of time on which $\gamma + a\sin\theta$ does not change its sign, and which is shorter than "
@@ -69,12 +59,7 @@ def _disconjugacy() -> Items:
         r"$0 < \tau < \pi/\omega_d$, or for all $\tau > 0$.",
         facts(*unforced),
         r"With $q = g/\varphi$",
-        equation(
-            LG,
-            letter * curve + (2 * rate + cm * letter) * slope,
-            Exact({LG: true} | names, independent=False),
-            label="events-factor",
-        ),
+        equation(LG, letter * curve + (2 * rate + cm * letter) * slope, factored, "factor"),
         r"which is P\'olya's factorisation \cite{polya1922} "
         r"$L g = \varphi^{-1} e^{-c\tau/m} \frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
         facts(equation(true, inner, Exact(independent=False))),
@@ -93,16 +78,7 @@ def _disconjugacy() -> Items:
         r"So every flight has a first contact or none, its contacts do not accumulate, and a search that goes piece by "
         r"piece ends. The bounds below need no pieces, and are what the program uses from step to step.",
     )
-
-
-def _operator(regime: solution.Regime) -> Any:
-    """Return L E_1 in a regime, with the closed form put in."""
-    parameters, phi = regime.parameters(), regime.basis()[solution.E1]
-    return phi.diff(tau, 2) + parameters[cm] * phi.diff(tau) + parameters[w0sq] * phi
-
-
-def _bound_for_ever() -> Items:
-    """Return the section on the bound valid for all later times."""
+    yield r"\subsection{Two bounds for later times}"
     third, fourth = named("u^{(3)}"), named("u^{(4)}")
     energy = named(r"\frac{d}{d\tau}\Bigl((u^{(4)})^2 + \frac{k}{m}(u^{(3)})^2\Bigr)")
     z = sp.Function("z")(tau)
@@ -111,29 +87,20 @@ def _bound_for_ever() -> Items:
     steady = named("V_0^2")
     response = sp.I * Omega * B0 / m / (w0sq - Omega**2 + sp.I * Omega * cm)
     square = sp.simplify(response * sp.conjugate(response))
-    return (
+    yield (
         r"\begin{theorem}[a bound for ever]\label{thm:events-steady} "
         r"Away from undamped resonance ($\Delta > 0$) let $V(t)$ be the steady velocity, which has the frequency "
         r"$\Omega$ and the amplitude $V_0$ with",
-        equation(
-            steady,
-            LETTER_A**2 / DELTA,
-            {steady: square, LETTER_A: B0 * Omega / m, DELTA: NORMS[DELTA]},
-            label="events-V0",
-        ),
+        equation(steady, LETTER_A**2 / DELTA, {steady: square, LETTER_A: B0 * Omega / m, DELTA: NORMS[DELTA]}, "V0"),
         r"and let $u = \dot{x} - V$ be the transient. Then at all later times of the flight "
         r"$|g^{(4)}| \le C_4 = V_0\Omega^4 + \sqrt{(u^{(4)})^2 + (k/m)(u^{(3)})^2}$, with the derivatives of $u$ taken "
         r"now.\end{theorem}",
         r"\begin{proof} $L u = 0$, so $L u^{(3)} = 0$, and",
-        equation(energy, -2 * cm * fourth**2, rate, label="events-energy"),
+        equation(energy, -2 * cm * fourth**2, rate, "energy"),
         r"which is never positive:",
         step(energy, "<=", 0, Sign({energy: rate})),
         r"so $|u^{(4)}|$ never exceeds the root of the present value, and $|V^{(4)}| \le V_0\Omega^4$.\end{proof}",
     )
-
-
-def _bound_for_a_while() -> Items:
-    """Return the section on the bound near undamped resonance."""
     z = sp.Function("z")(tau)
     w, w_rate = named("w"), named(r"\dot{w}")
     second = named(r"\frac{d}{d\tau}\Bigl(\dot{w}^2 + \frac{k}{m}w^2\Bigr)")
@@ -141,34 +108,30 @@ def _bound_for_a_while() -> Items:
     pushed = (z.diff(tau) ** 2 + w0sq * z**2).diff(tau)
     pushed = pushed.subs(z.diff(tau, 2), drive - cm * z.diff(tau) - w0sq * z).subs(z.diff(tau), w_rate).subs(z, w)
     source = -(LETTER_A * sp.sin(Omega * t)).diff(t, 3)
-    return (
+    yield (
         r"\begin{theorem}[a bound for a while]\label{thm:events-while} "
         r"In every regime, resonance included, $|g^{(4)}| \le C_4 = \sqrt{\dot{w}^2 + (k/m) w^2} + |a|\,\Omega^2$ for "
         r"the next $1/\Omega$ of time, with $w = g^{(3)} = G^{(2,\alpha)}$ and $\dot{w} = G^{(3,\alpha)}$ taken "
         r"now.\end{theorem}",
         r"\begin{proof} The third derivative of \eqref{eq:events-gap} is",
-        equation(named("L w"), drive, source.subs(Omega * t, theta), label="events-Lw"),
+        equation(named("L w"), drive, source.subs(Omega * t, theta), "Lw"),
         r"so that",
-        equation(second, 2 * w_rate * (drive - cm * w_rate), pushed, label="events-pushed"),
+        equation(second, 2 * w_rate * (drive - cm * w_rate), pushed, "pushed"),
         r"which is at most $2|a|\Omega^3\,|\dot{w}|$, and the root of $\dot{w}^2 + (k/m)w^2$ grows at most at the rate "
         r"$|a|\Omega^3$: in $1/\Omega$ by no more than $|a|\Omega^2 = |B_0|\Omega^3/m$.\end{proof}",
     )
-
-
-def _search() -> Items:
-    """Return the section on the event search."""
     s, u, left = sp.Symbol("s", positive=True), sp.Symbol("u", positive=True), named("p(s)")
     values = [named(name) for name in ("g", r"\dot{g}", r"\ddot{g}", "g^{(3)}")]
     taylor = sp.Add(*(value * s**n / sp.factorial(n) for n, value in enumerate(values)))
     remainder = sp.integrate((s - u) ** 3 / 6 * C4, (u, 0, s))
     upper = named(r"g(\tau + s) - p(s)")
-    return (
+    yield (
         r"\subsection{The search, and that it ends}",
         r"\begin{lemma}[a polynomial below the gap]\label{thm:events-below} "
         r"Let $g > 0$ now (for $g < 0$ take $-g$), and",
-        equation(left, taylor - C4 * s**4 / 24, taylor - remainder, label="events-p"),
+        equation(left, taylor - C4 * s**4 / 24, taylor - remainder, "p"),
         r"Then $g(\tau + s) \ge p(s)$ for all later times for which $C_4$ is a bound, and",
-        step(upper, "<=", C4 * s**4 / 12, Sign({upper: 2 * remainder}), label="events-excess"),
+        step(upper, "<=", C4 * s**4 / 12, Sign({upper: 2 * remainder}), "excess"),
         r"\end{lemma}",
         r"\begin{proof} Taylor's theorem with the remainder $\int_0^s (s - u)^3 g^{(4)}(\tau + u)\,du/6$, which is at "
         r"most $C_4 s^4/24$ in size.\end{proof}",
@@ -192,3 +155,9 @@ def _search() -> Items:
         r"last digit only, and decisions leave margins for that, which are named in \texttt{symosc.engine}; that they "
         r"are wide enough in double precision was measured, not proven.",
     )
+
+
+def _operator(regime: solution.Regime) -> Any:
+    """Return L E_1 in a regime, with the closed form put in."""
+    parameters, phi = regime.parameters(), regime.basis()[solution.E1]
+    return phi.diff(tau, 2) + parameters[cm] * phi.diff(tau) + parameters[w0sq] * phi

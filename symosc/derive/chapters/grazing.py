@@ -35,39 +35,25 @@ GAMMA, AMPLITUDE = named(r"\gamma"), sp.Symbol("a", real=True)
 g, a = sp.symbols("gamma a", real=True)
 p, q = sp.symbols("p q", positive=True)
 
-
-#: The signs of gamma and |gamma| - a, values that have them, and the case in words (a > 0).
 #: Every case of the signs of gamma, a and |gamma| - a: values that have them, and the case in words.
 CASES = (
-    (p, p + q, r"$0 < \gamma < a$"),
-    (p, p, r"$0 < \gamma = a$"),
-    (p + q, p, r"$0 < a < \gamma$"),
+    (p, p + q, r"$0 < \gamma < a$"), (p, p, r"$0 < \gamma = a$"), (p + q, p, r"$0 < a < \gamma$"),
     (sp.S.Zero, p, r"$\gamma = 0$"),
-    (-p, p + q, r"$-a < \gamma < 0$"),
-    (-p, p, r"$\gamma = -a$"),
-    (-p - q, p, r"$\gamma < -a$"),
-    (p, sp.S.Zero, r"$a = 0 < \gamma$"),
-    (-p, sp.S.Zero, r"$\gamma < 0 = a$"),
+    (-p, p + q, r"$-a < \gamma < 0$"), (-p, p, r"$\gamma = -a$"), (-p - q, p, r"$\gamma < -a$"),
+    (p, sp.S.Zero, r"$a = 0 < \gamma$"), (-p, sp.S.Zero, r"$\gamma < 0 = a$"),
     (sp.S.Zero, sp.S.Zero, r"$a = \gamma = 0$"),
-)
+)  # fmt: skip
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    places = PLACES if scope.scene else {}
-    windows = [_numbers(scope, mapping) for mapping in places if PLACES[mapping].boundary in scope.boundaries]
-    return _contact(), _unknowns(), _theorem(), windows, _equality(), _no_spring()
-
-
-def _contact() -> Items:
-    """Return the section on contacts with F = 0."""
+    """Yield the chapter."""
     rows = []
     for mapping, place in PLACES.items():
         rate, sine = "<>" if place.side > 0 else "><"
         condition = rf"$G^{{(1,{place.domain})}} {rate} 0$", rf"$a \sin\theta_m {sine} -\gamma$"
         where = place.domain, place.boundary, f"${place.side}$"
         rows.append((f"$P_{mapping[1]}$", *where, *condition, f"({place.equation})"))
-    return (
+    yield (
         r"\subsection{What a contact fixes}",
         r"\begin{definition}[graze]\label{thm:grazing-graze} "
         r"Let the flow of $\Omega_\alpha$ come to the boundary $\dot{x} = v_\lambda$ at the time $t_m$, at the "
@@ -83,51 +69,34 @@ def _contact() -> Items:
             tuple(rows),
         ),
     )
-
-
-def _unknowns() -> Items:
-    """Return the section on the unknowns that a graze determines."""
     acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}_m")
     at_contact = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
     values = {GAMMA: k * v_lambda / m, AMPLITUDE: B0 * Omega / m}
     force = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta})
     solved = sp.solve(force, x)[0].subs(theta, THETA_M)
     first = solution.in_paper_letters(solution.g_function(1).subs(v, v_lambda)).subs(Omega * t, THETA_M)
-    return (
+    critical = {CRITICAL: sp.asin(-k * v_lambda / (B0 * Omega))}
+    yield (
         r"\begin{lemma}[what a contact fixes]\label{thm:grazing-contact} "
         r"At such a contact the paper's $\gamma = (c/m)\ddot{x} + (k/m)\dot{x}$ is fixed by the parameters, and with "
         r"the amplitude $a$,",
-        equation(GAMMA, k * v_lambda / m, at_contact, label="grazing-gamma"),
-        equation(AMPLITUDE, B0 * Omega / m, B0 * Omega / m, label="grazing-a"),
+        equation(GAMMA, k * v_lambda / m, at_contact, "gamma"),
+        equation(AMPLITUDE, B0 * Omega / m, B0 * Omega / m, "a"),
         r"the first G-function depends on the phase alone:",
-        equation(
-            G(1),
-            -(GAMMA + AMPLITUDE * sp.sin(THETA_M)),
-            values | {G(1): first.subs(x, solved)},
-            label="grazing-G1",
-        ),
+        equation(G(1), -(GAMMA + AMPLITUDE * sp.sin(THETA_M)), values | {G(1): first.subs(x, solved)}, "G1"),
         r"For $k > 0$ the phase gives the position,",
-        equation(named("x_m"), (A + B0 * sp.cos(THETA_M) - c * v_lambda) / k, solved, label="grazing-xm"),
+        equation(named("x_m"), (A + B0 * sp.cos(THETA_M) - c * v_lambda) / k, solved, "xm"),
         r"and if $|\gamma| \le |a| \ne 0$, $G^{(1,\alpha)}$ vanishes at the phases "
         r"$\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$ and $\pi - \Theta^{\mathrm{cr}}$, where",
-        equation(
-            sp.sin(CRITICAL),
-            -GAMMA / AMPLITUDE,
-            values | {CRITICAL: sp.asin(-k * v_lambda / (B0 * Omega))},
-            label="grazing-critical",
-        ),
+        equation(sp.sin(CRITICAL), -GAMMA / AMPLITUDE, values | critical, "critical"),
         r"\end{lemma}",
         r"\begin{proof} $\ddot{x} = F^{(\alpha)} = 0$ and $\dot{x} = v_\lambda$ at $t_m$. Put both into "
         r"\eqref{eq:switching-g1} and \eqref{eq:motion-acceleration}. So of the paper's ``four unknowns'' with three "
         r"equations only the phase is free, and $\gamma$ does not vary along the family of contacts: the case of the "
         r"theorem is decided by the parameters.\end{proof}",
     )
-
-
-def _theorem() -> Items:
-    """Return the section on Theorem 7."""
     turned = named(r"\sin(\theta_m + \pi)")
-    return (
+    yield (
         r"\subsection{The theorem}",
         r"\begin{theorem}[the paper's Theorem 7, (55) to (58), completed]\label{thm:grazing-theorem7} "
         r"Let $m, \Omega > 0$ and $c, k \ge 0$, let $P_j$ be one of $P_2$, $P_3$, $P_5$, $P_6$ with "
@@ -147,7 +116,7 @@ def _theorem() -> Items:
         r"$\pi - \Theta^{\mathrm{cr}} = \pi + |\Theta^{\mathrm{cr}}|$, which is how the paper writes the ends. Where "
         r"the paper writes a closed end $2\pi]$, it is the phase 0. For $a = 0$ the condition is $\sigma\gamma > 0$, "
         r"at every phase or at none. For $a < 0$, $a\sin\theta_m = (-a)\sin(\theta_m + \pi)$, by",
-        equation(turned, -sp.sin(THETA_M), sp.sin(THETA_M + sp.pi), label="grazing-turned"),
+        equation(turned, -sp.sin(THETA_M), sp.sin(THETA_M + sp.pi), "turned"),
         r"\end{proof}",
         r"That the flow comes from $\Omega_\alpha$ is no further condition: by Lemma~\ref{thm:switching-side} the "
         r"first G-function that does not vanish fixes the side before the contact too, and for odd order it is the "
@@ -160,6 +129,82 @@ def _theorem() -> Items:
             r"and $P_5$ graze (grey), where it is below $P_3$ and $P_6$ do (hatched).",
             0.95,
         ),
+    )
+    if scope.scene:
+        yield [_numbers(scope, mapping) for mapping in PLACES if PLACES[mapping].boundary in scope.boundaries]
+    second, third = G(2), G(3)
+    contact = {v: v_lambda, x: (solution.A_m + solution.f0 * sp.cos(theta) - solution.cm * v_lambda) / solution.w0sq}
+    g1, g2, g3 = (sp.expand(solution.g_function(n).subs(contact)) for n in (1, 2, 3))
+    on_end = {v_lambda: -solution.f0 * Omega * sp.sin(theta) / solution.w0sq}
+    assert sp.simplify(g1.subs(on_end)) == 0
+    wave = {solution.f0: B0 / m, solution.w0sq: k / m, solution.cm: c / m, theta: THETA_M}
+    amplitude = {AMPLITUDE: B0 * Omega / m}
+    true2, true3 = (expr.subs(on_end).xreplace(wave) for expr in (g2, g3))
+    true = {third: true3, second: true2} | amplitude
+    yield (
+        r"\subsection{The ends of a window, and the case of equality}",
+        r"\begin{theorem}[the case of equality]\label{thm:grazing-equality} "
+        r"Let $F^{(\alpha)} = G^{(1,\alpha)} = 0$ at a contact, with $a \ne 0$; this needs $|\gamma| \le |a|$.",
+        r"The next G-functions are",
+        equation(second, -AMPLITUDE * Omega * sp.cos(THETA_M), {second: true2} | amplitude, "G2"),
+        equation(third, AMPLITUDE * Omega**2 * sp.sin(THETA_M) - c * second / m, true, "G3"),
+        r"\begin{enumerate}"
+        r"\item[(i)] If $|\gamma| < |a|$, then $G^{(2,\alpha)} \ne 0$: the flow of $\Omega_\alpha$ crosses the "
+        r"boundary and does not graze. The windows are open at these ends in full order too."
+        r"\item[(ii)] If $|\gamma| = |a|$, then $G^{(2,\alpha)} = 0$ and $G^{(3,\alpha)} = -\gamma\Omega^2 \ne 0$: the "
+        r"flow touches to fourth order, and grazes iff $\sigma\gamma > 0$."
+        r"\end{enumerate}So in the rows $0 < \gamma = a$ for $P_2$ and $P_5$ and $\gamma = -a$ for $P_3$ and $P_6$ of "
+        r"Table~\ref{tab:grazing-windows} the phase that is taken out, $3\pi/2$ or $\pi/2$, grazes as well, and to "
+        r"full order these windows are the whole circle; all other rows stay as they are.\end{theorem}",
+    )
+    third = G(3)
+    square = named(r"\gamma + a\sin\theta_m|_{\gamma = -a}")
+    half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)
+    value = {third: true3.subs(THETA_M, 3 * sp.pi / 2), GAMMA: B0 * Omega / m}
+    other = {third: true3.subs(THETA_M, sp.pi / 2), GAMMA: -B0 * Omega / m}
+    yield (
+        r"\begin{proof} \eqref{eq:grazing-G2} and \eqref{eq:grazing-G3} are \eqref{eq:switching-g2} and "
+        r"\eqref{eq:switching-g3} with $F^{(\alpha)} = G^{(1,\alpha)} = 0$. (i) There "
+        r"$|\sin\theta_m| = |\gamma/a| < 1$, so $\cos\theta_m \ne 0$, and Lemma~\ref{thm:switching-side} applies with "
+        r"$n = 2$.",
+        r"(ii) There $\sin\theta_m = -\gamma/a = \pm 1$ and $\cos\theta_m = 0$, so "
+        r"$G^{(3,\alpha)} = a\Omega^2\sin\theta_m = -\gamma\Omega^2$, and the lemma applies with $n = 3$: the flow "
+        r"stays in $\Omega_\alpha$ iff $\sigma G^{(3,\alpha)} < 0$.",
+        facts(*(equation(third, -GAMMA * Omega**2, each) for each in (value, other))),
+        r"In the other rows with $|\gamma| = a$ no phase grazes at all, for example in the row $\gamma = -a$ of $P_2$ "
+        r"and $P_5$, which the paper lacks, where",
+        equation(square, -AMPLITUDE * half**2, -AMPLITUDE + AMPLITUDE * sp.sin(THETA_M), "square"),
+        r"is never positive.\end{proof}",
+    )
+    (gamma7, a7), (gamma8, a8) = (
+        [expr.subs(Scope(load_scene(name)).numbers) for expr in (k * BELTS[1] / m, B0 * Omega / m)]
+        for name in ("fig7", "fig8")
+    )
+    yield (
+        r"The paper's Figs.~7 and 8 are both cases of equality: $\gamma = a = 10$ for $P_2$ in Fig.~7, and "
+        r"$\gamma = -16$, $a = 16$ for $P_3$ in Fig.~8. The graze at $t_m = \pi$ is not at the excluded phase in "
+        r"either of them.",
+        facts(equation(gamma7, a7), equation(gamma8, -a8)),
+    )
+    phase = named(r"\cos\theta_m")
+    plain = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: THETA_M, k: 0})
+    solved = sp.solve(plain.subs(sp.cos(THETA_M), phase), phase)[0]
+    second = solution.in_paper_letters(solution.g_function(2)).subs({v: v_lambda, Omega * t: THETA_M, k: 0})
+    curve = sp.expand(second.subs(A, sp.solve(plain, A)[0])).subs(sp.sin(THETA_M), 0)
+    yield (
+        r"\subsection{No spring}",
+        r"\begin{corollary}[no spring]\label{thm:grazing-no-spring} "
+        r"Let $k = 0$ and $B_0 \ne 0$. Then $\gamma = 0$, and $F^{(\alpha)} = 0$ fixes the phase instead of the "
+        r"position, which is free:",
+        equation(phase, (c * v_lambda - A) / B0, solved, "no-spring"),
+        r"If the right side is below 1 in size, there is one such phase with $\sin\theta_m > 0$ and one with "
+        r"$\sin\theta_m < 0$; for $B_0 > 0$ the first is the graze of $P_2$ and $P_5$, the second that of $P_3$ and "
+        r"$P_6$, for $B_0 < 0$ the other way round. If it is $\pm 1$, then "
+        r"$G^{(1,\alpha)} = 0 \ne G^{(2,\alpha)} = -a\Omega\cos\theta_m$, and nothing grazes; beyond that no contact "
+        r"has $F^{(\alpha)} = 0$.\end{corollary}",
+        facts(equation(curve, -B0 * Omega**2 * sp.cos(THETA_M) / m)),
+        r"\begin{proof} This is Theorem~\ref{thm:grazing-theorem7} in the row $\gamma = 0$, and "
+        r"Theorem~\ref{thm:grazing-equality} (i).\end{proof}",
     )
 
 
@@ -217,15 +262,13 @@ class Window(Check):
     names: tuple[tuple[Any, Any], ...] = ()
 
     def __call__(self, statement: Relation) -> StepEvidence:
-        parts = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
-        through_0 = any(isinstance(part, sp.Interval) and part.args[0] == 0 and not part.args[2] for part in parts)
-        for part in parts:
-            for end in part.args[:2] if isinstance(part, sp.Interval) else ():
-                if end in (0, 2 * sp.pi) and through_0:
-                    continue
-                zero = sp.simplify(sp.expand_trig(sp.sin(self._angle(end))) * self.amplitude + self.gamma)
-                if zero != 0:
-                    raise StepError(str(statement), f"{end} is no zero of gamma + a sin theta, which is {zero} there")
+        sets = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
+        parts = [part for part in sets if isinstance(part, sp.Interval)]
+        through_0 = any(part.args[0] == 0 and not part.args[2] for part in parts)
+        for end in (end for part in parts for end in part.args[:2]):
+            zero = sp.simplify(sp.expand_trig(sp.sin(self._angle(end))) * self.amplitude + self.gamma)
+            if zero != 0 and not (through_0 and end in (0, 2 * sp.pi)):
+                raise StepError(str(statement), f"{end} is no zero of gamma + a sin theta, which is {zero} there")
         for sine, phase in ((1, sp.pi / 2), (-1, 3 * sp.pi / 2), (0, sp.Integer(0)), (0, sp.pi)):
             value = self.side * (self.gamma + self.amplitude * sine)
             inside = sp.simplify(value).is_positive
@@ -236,13 +279,9 @@ class Window(Check):
         return StepEvidence("exact", "0")
 
     def _angle(self, end: Any) -> Any:
-        for name, value in self.names:
-            end = end.subs(name, value)
-        return end.subs({g: self.gamma, a: self.amplitude})
+        return end.subs(self.names).subs({g: self.gamma, a: self.amplitude})
 
     def _contains(self, part: Any, phase: Any) -> bool:
-        if part == sp.S.EmptySet:
-            return False
         # Ends cannot cross a multiple of pi/2 while the signs stay: one set of numbers stands for all.
         low, high = (self._angle(end).subs({p: sp.Rational(3, 7), q: sp.Rational(2, 5)}) for end in part.args[:2])
         left_open, right_open = part.args[2:]
@@ -263,100 +302,4 @@ def _numbers(scope: Scope, mapping: str) -> Items:
         equation(AMPLITUDE, amplitude, amplitude),
         r"and the flow grazes to first order at the phases",
         step(THETA_M, "in", phases, Window(place.side, gamma, amplitude)),
-    )
-
-
-def _equality() -> Items:
-    """Return the section on equality, |gamma| = |a|."""
-    second, third = G(2), G(3)
-    contact = {v: v_lambda, x: (solution.A_m + solution.f0 * sp.cos(theta) - solution.cm * v_lambda) / solution.w0sq}
-    g1, g2, g3 = (sp.expand(solution.g_function(n).subs(contact)) for n in (1, 2, 3))
-    on_end = {v_lambda: -solution.f0 * Omega * sp.sin(theta) / solution.w0sq}
-    assert sp.simplify(g1.subs(on_end)) == 0
-    wave = {solution.f0: B0 / m, solution.w0sq: k / m, solution.cm: c / m, theta: THETA_M}
-    amplitude = {AMPLITUDE: B0 * Omega / m}
-    true2, true3 = (expr.subs(on_end).xreplace(wave) for expr in (g2, g3))
-    return (
-        r"\subsection{The ends of a window, and the case of equality}",
-        r"\begin{theorem}[the case of equality]\label{thm:grazing-equality} "
-        r"Let $F^{(\alpha)} = G^{(1,\alpha)} = 0$ at a contact, with $a \ne 0$; this needs $|\gamma| \le |a|$.",
-        r"The next G-functions are",
-        equation(second, -AMPLITUDE * Omega * sp.cos(THETA_M), {second: true2} | amplitude, label="grazing-G2"),
-        equation(
-            third,
-            AMPLITUDE * Omega**2 * sp.sin(THETA_M) - c * second / m,
-            {third: true3, second: true2} | amplitude,
-            label="grazing-G3",
-        ),
-        r"\begin{enumerate}"
-        r"\item[(i)] If $|\gamma| < |a|$, then $G^{(2,\alpha)} \ne 0$: the flow of $\Omega_\alpha$ crosses the "
-        r"boundary and does not graze. The windows are open at these ends in full order too."
-        r"\item[(ii)] If $|\gamma| = |a|$, then $G^{(2,\alpha)} = 0$ and $G^{(3,\alpha)} = -\gamma\Omega^2 \ne 0$: the "
-        r"flow touches to fourth order, and grazes iff $\sigma\gamma > 0$."
-        r"\end{enumerate}So in the rows $0 < \gamma = a$ for $P_2$ and $P_5$ and $\gamma = -a$ for $P_3$ and $P_6$ of "
-        r"Table~\ref{tab:grazing-windows} the phase that is taken out, $3\pi/2$ or $\pi/2$, grazes as well, and to "
-        r"full order these windows are the whole circle; all other rows stay as they are.\end{theorem}",
-        _equality_proof(true3),
-        _equality_in_figures(),
-    )
-
-
-def _equality_proof(true3: Any) -> Items:
-    """Return the proof; `true3` is the third G-function at an end of a window."""
-    third = G(3)
-    square = named(r"\gamma + a\sin\theta_m|_{\gamma = -a}")
-    half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)
-    value = {third: true3.subs(THETA_M, 3 * sp.pi / 2), GAMMA: B0 * Omega / m}
-    other = {third: true3.subs(THETA_M, sp.pi / 2), GAMMA: -B0 * Omega / m}
-    return (
-        r"\begin{proof} \eqref{eq:grazing-G2} and \eqref{eq:grazing-G3} are \eqref{eq:switching-g2} and "
-        r"\eqref{eq:switching-g3} with $F^{(\alpha)} = G^{(1,\alpha)} = 0$. (i) There "
-        r"$|\sin\theta_m| = |\gamma/a| < 1$, so $\cos\theta_m \ne 0$, and Lemma~\ref{thm:switching-side} applies with "
-        r"$n = 2$.",
-        r"(ii) There $\sin\theta_m = -\gamma/a = \pm 1$ and $\cos\theta_m = 0$, so "
-        r"$G^{(3,\alpha)} = a\Omega^2\sin\theta_m = -\gamma\Omega^2$, and the lemma applies with $n = 3$: the flow "
-        r"stays in $\Omega_\alpha$ iff $\sigma G^{(3,\alpha)} < 0$.",
-        facts(*(equation(third, -GAMMA * Omega**2, each) for each in (value, other))),
-        r"In the other rows with $|\gamma| = a$ no phase grazes at all, for example in the row $\gamma = -a$ of $P_2$ "
-        r"and $P_5$, which the paper lacks, where",
-        equation(square, -AMPLITUDE * half**2, -AMPLITUDE + AMPLITUDE * sp.sin(THETA_M), label="grazing-square"),
-        r"is never positive.\end{proof}",
-    )
-
-
-def _equality_in_figures() -> Items:
-    """Return the section on equality in the paper's figures."""
-    (gamma7, a7), (gamma8, a8) = (
-        [expr.subs(Scope(load_scene(name)).numbers) for expr in (k * BELTS[1] / m, B0 * Omega / m)]
-        for name in ("fig7", "fig8")
-    )
-    return (
-        r"The paper's Figs.~7 and 8 are both cases of equality: $\gamma = a = 10$ for $P_2$ in Fig.~7, and "
-        r"$\gamma = -16$, $a = 16$ for $P_3$ in Fig.~8. The graze at $t_m = \pi$ is not at the excluded phase in "
-        r"either of them.",
-        facts(equation(gamma7, a7), equation(gamma8, -a8)),
-    )
-
-
-def _no_spring() -> Items:
-    """Return the section on k = 0."""
-    phase = named(r"\cos\theta_m")
-    plain = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: THETA_M, k: 0})
-    solved = sp.solve(plain.subs(sp.cos(THETA_M), phase), phase)[0]
-    second = solution.in_paper_letters(solution.g_function(2)).subs({v: v_lambda, Omega * t: THETA_M, k: 0})
-    curve = sp.expand(second.subs(A, sp.solve(plain, A)[0])).subs(sp.sin(THETA_M), 0)
-    return (
-        r"\subsection{No spring}",
-        r"\begin{corollary}[no spring]\label{thm:grazing-no-spring} "
-        r"Let $k = 0$ and $B_0 \ne 0$. Then $\gamma = 0$, and $F^{(\alpha)} = 0$ fixes the phase instead of the "
-        r"position, which is free:",
-        equation(phase, (c * v_lambda - A) / B0, solved, label="grazing-no-spring"),
-        r"If the right side is below 1 in size, there is one such phase with $\sin\theta_m > 0$ and one with "
-        r"$\sin\theta_m < 0$; for $B_0 > 0$ the first is the graze of $P_2$ and $P_5$, the second that of $P_3$ and "
-        r"$P_6$, for $B_0 < 0$ the other way round. If it is $\pm 1$, then "
-        r"$G^{(1,\alpha)} = 0 \ne G^{(2,\alpha)} = -a\Omega\cos\theta_m$, and nothing grazes; beyond that no contact "
-        r"has $F^{(\alpha)} = 0$.\end{corollary}",
-        facts(equation(curve, -B0 * Omega**2 * sp.cos(THETA_M) / m)),
-        r"\begin{proof} This is Theorem~\ref{thm:grazing-theorem7} in the row $\gamma = 0$, and "
-        r"Theorem~\ref{thm:grazing-equality} (i).\end{proof}",
     )

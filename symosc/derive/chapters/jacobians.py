@@ -30,13 +30,7 @@ def partial(what: str, by: str) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    del scope  # the statements are the same for every scene
-    return _flights(), _sticks(), perturbations(), saltation(), _monodromy()
-
-
-def _flights() -> Items:
-    """Return the section on flights."""
+    """Yield the chapter."""
     flow, found = solution.flow(), maps.flight_jacobian()
     ends = {maps.v_end: flow.v, maps.a_end: flow.a}
     rows = []
@@ -50,8 +44,8 @@ def _flights() -> Items:
         }
         for (letter, by), (derivative, key) in true.items():
             check = Exact({letter: derivative} | ends, solution.use_relations, independent=False)
-            rows.append(equation(letter, found[key], check, label=f"jacobians-f{which}-{by}"))
-    return (
+            rows.append(equation(letter, found[key], check, f"f{which}-{by}"))
+    yield (
         r"\subsection{Derivatives of the governing equations}",
         r"\begin{proposition}[flights]\label{thm:jacobians-flight} "
         r"For a flight (Theorem~\ref{thm:maps-flight}) with $\dot{x}_i = v_\lambda$, and with the velocity "
@@ -63,30 +57,60 @@ def _flights() -> Items:
         r"flow changes nothing at the end: $\dot{x}_i\,\partial/\partial x_i + "
         r"\ddot{x}_i\,\partial/\partial\dot{x}_i + \Omega\,\partial/\partial\theta_i$ gives 0.\end{proof}",
     )
-
-
-def _sticks() -> Items:
-    """Return the section on sticks."""
     residual, found = maps.stick_residual(), maps.stick_jacobian()
     theta_j = maps.theta_j
     where = {tau: (theta_j - theta_i) / Omega}
-    rows = (
-        ("f_1", r"\theta_i", "f1", theta_i, "x_th0"),
-        ("f_1", r"\theta_{i+1}", "f1", theta_j, "x_th1"),
-        ("f_2", "x_{i+1}", "f2", maps.x_j, "v_x1"),
-        ("f_2", r"\theta_{i+1}", "f2", theta_j, "v_th1"),
-    )
+    entries = (
+        ("1", r"\theta_i", theta_i, "x_th0"), ("1", r"\theta_{i+1}", theta_j, "x_th1"),
+        ("2", "x_{i+1}", maps.x_j, "v_x1"), ("2", r"\theta_{i+1}", theta_j, "v_th1"),
+    )  # fmt: skip
     steps = []
-    for name, by, key, letter, entry in rows:
-        symbol = partial(name, by)
-        true = residual[key].subs(where).diff(letter)
-        steps.append(equation(symbol, found[entry], true, label=f"jacobians-stick-{entry}"))
-    return (
+    for n, by, letter, key in entries:
+        true = residual[f"f{n}"].subs(where).diff(letter)
+        steps.append(equation(partial(f"f_{n}", by), found[key], true, f"stick-{key}"))
+    yield (
         r"\begin{proposition}[sticks]\label{thm:jacobians-stick} "
         r"For a stick (Theorem~\ref{thm:maps-stick}) with $\dot{x}_i = v_\lambda$",
         *steps,
         r"while $\partial f_1/\partial x_i = 1$, $\partial f_1/\partial x_{i+1} = -1$, and $f_2$ does not depend on "
         r"$(x_i, \theta_i)$.\end{proposition}",
+    )
+    yield perturbations(), saltation()
+    product, bound = named(r"\rho_1\rho_2"), named(r"e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j")
+
+    def values() -> dict[Any, Any]:
+        found, predicted = _orbit("fig9-orbit", "P32")
+        return {product: _float(found), bound: _float(predicted)}
+
+    energy, rate = named(r"\frac{d}{d\tau}\bigl(\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2\bigr)"), named(r"\dot{y}")
+    bend, place = named(r"\ddot{y}"), named("y")
+    meaning = {energy: m * rate * bend + solution.k * place * rate, bend: -(solution.c * rate + solution.k * place) / m}
+    yield (
+        r"\subsection{The monodromy matrix}",
+        r"\begin{theorem}[monodromy and multipliers]\label{thm:jacobians-monodromy} "
+        r"Let a periodic motion that grazes nowhere and has the period $\mathcal{T}$ consist of flights and sticks "
+        r"with the durations $\tau_1, \ldots, \tau_n$. A small change of its state at the start is after $\mathcal{T}$ "
+        r"multiplied by the \emph{monodromy matrix} $M = S_n\Psi_n \cdots S_2\Psi_2 S_1\Psi_1$, where "
+        r"$\Psi_j = \Phi(\tau_j)$ for a flight, $\Psi_j = I$ for a stick, and $S_j$ is the saltation matrix at the end "
+        r"of the piece $j$. Its eigenvalues $\rho_1$ and $\rho_2$ are the \emph{multipliers}.",
+        r"\begin{enumerate}"
+        r"\item[(i)] $|\rho_1|, |\rho_2| \le 1$. For $c > 0$ and $k > 0$ both are below 1 in size if there is at least "
+        r"one flight."
+        r"\item[(ii)] A motion with a stick has a multiplier 0, and the other one is the trace of $M$."
+        r"\item[(iii)] A motion without sticks has $\rho_1\rho_2 = e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j > 0$."
+        r"\end{enumerate}\end{theorem}",
+        r"\begin{proof} The product is the chain rule. In a flight a small change $(y, \dot{y})$ obeys the unforced "
+        r"equation, and",
+        equation(energy, -solution.c * rate**2, meaning, "energy"),
+        r"so $\Phi$ does not increase the energy norm $\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2$, and neither does $S$ "
+        r"by \eqref{eq:jacobians-bound}: no eigenvalue exceeds 1 (for $k = 0$ take the limit $k \to 0$ of the matrix). "
+        r"If $c > 0$ and $k > 0$, the energy can stay the same during a flight only if $\dot{y} = 0$ all the time, and "
+        r"then $k y = 0$; so no eigenvalue has the size 1. (ii) One factor $\operatorname{diag}(1, 0)$ makes "
+        r"$\det M = 0$. (iii) The determinant of a product is the product of the determinants, "
+        r"\eqref{eq:jacobians-det} and Theorem~\ref{thm:jacobians-saltation}.\end{proof}",
+        r"For the orbit $P_{32}$ of the paper's Fig.~9, whose multipliers are computed from "
+        r"Proposition~\ref{thm:jacobians-flight}, both sides of (iii) agree to 40 digits:",
+        equation(product, bound, AtRoot(values, CONTEXT.mpf(10) ** -40), "product"),
     )
 
 
@@ -103,9 +127,10 @@ def perturbations() -> Items:
     for n, (place, (expr, letter, entry)) in enumerate(entries.items(), 1):
         name = named(rf"\Phi_{{{place}}}")
         check = Exact({name: total(expr, letter)}, solution.use_relations, independent=False)
-        rows.append(equation(name, entry, check, label=f"jacobians-phi-{n}"))
+        rows.append(equation(name, entry, check, f"phi-{n}"))
     determinant = named(r"\det\Phi(\tau)")
     matrix = {determinant: (1 - w0sq * E2) * E0 + w0sq * E1**2}
+    area = Exact(matrix | generic_basis(), lambda expr: sp.simplify(modes(expr)))
     return (
         r"\subsection{Perturbations of a motion}",
         r"\begin{lemma}[perturbations in a domain]\label{thm:jacobians-phi} "
@@ -113,12 +138,7 @@ def perturbations() -> Items:
         r"with the entries",
         *rows,
         r"whatever the motion is, and areas shrink with the factor",
-        equation(
-            determinant,
-            sp.exp(-cm * tau),
-            Exact(matrix | generic_basis(), lambda expr: sp.simplify(modes(expr))),
-            label="jacobians-det",
-        ),
+        equation(determinant, sp.exp(-cm * tau), area, "det"),
         r"\end{lemma}",
         r"\begin{proof} The difference of two motions of a domain obeys the unforced equation. The determinant solves "
         r"$\dot{w} = -(c/m)\,w$, $w(0) = 1$ (Liouville).\end{proof}",
@@ -145,14 +165,14 @@ def saltation() -> Items:
         r"not 0, a small change $(\delta x, \delta\dot{x}^{-})$ is multiplied by the matrix "
         r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, and",
         facts(*entries),
-        step(ratio, ">", 0, Sign(upward), label="jacobians-ratio"),
-        step(ratio, "<=", 1, Sign(upward), label="jacobians-bound"),
+        step(ratio, ">", 0, Sign(upward), "ratio"),
+        step(ratio, "<=", 1, Sign(upward), "bound"),
         r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end it is the "
         r"identity.\end{theorem}",
         r"\begin{proof} To first order the changed motion crosses later by",
-        equation(shift, -delta / BEFORE, delay, label="jacobians-delay"),
+        equation(shift, -delta / BEFORE, delay, "delay"),
         r"and during this time one motion has $F^{+}$ and the other still $F^{-}$, so that afterwards",
-        equation(result, AFTER * delta / BEFORE, true, label="jacobians-after"),
+        equation(result, AFTER * delta / BEFORE, true, "after"),
         r"while $\delta x$ changes by terms of second order only. This is the general formula "
         r"$S = I + (\mathbf{f}^{+} - \mathbf{f}^{-})\,\mathbf{n}^T/(\mathbf{n}^T\mathbf{f}^{-})$ with "
         r"$\mathbf{f}^{\pm} = (v_\lambda, F^{\pm})^T$ \cite{leine2004,dibernardo2008}. A crossing upward has "
@@ -183,46 +203,6 @@ def _force(p: Any, alpha: int, t: Any, x: Any) -> Any:
     """Return m F^(alpha) on belt 1, from the parameters alone."""
     constant = p.A0 + {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1}[alpha] * p.FN - p.c * p.v1
     return number(constant) + number(p.B0) * CONTEXT.cos(number(p.Omega) * t) - number(p.k) * x
-
-
-def _monodromy() -> Items:
-    """Return the section on the monodromy matrix."""
-    product, bound = named(r"\rho_1\rho_2"), named(r"e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j")
-
-    def values() -> dict[Any, Any]:
-        found, predicted = _orbit("fig9-orbit", "P32")
-        return {product: _float(found), bound: _float(predicted)}
-
-    energy, rate = named(r"\frac{d}{d\tau}\bigl(\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2\bigr)"), named(r"\dot{y}")
-    bend, place = named(r"\ddot{y}"), named("y")
-    meaning = {energy: m * rate * bend + solution.k * place * rate, bend: -(solution.c * rate + solution.k * place) / m}
-    return (
-        r"\subsection{The monodromy matrix}",
-        r"\begin{theorem}[monodromy and multipliers]\label{thm:jacobians-monodromy} "
-        r"Let a periodic motion that grazes nowhere and has the period $\mathcal{T}$ consist of flights and sticks "
-        r"with the durations $\tau_1, \ldots, \tau_n$. A small change of its state at the start is after $\mathcal{T}$ "
-        r"multiplied by the \emph{monodromy matrix} $M = S_n\Psi_n \cdots S_2\Psi_2 S_1\Psi_1$, where "
-        r"$\Psi_j = \Phi(\tau_j)$ for a flight, $\Psi_j = I$ for a stick, and $S_j$ is the saltation matrix at the end "
-        r"of the piece $j$. Its eigenvalues $\rho_1$ and $\rho_2$ are the \emph{multipliers}.",
-        r"\begin{enumerate}"
-        r"\item[(i)] $|\rho_1|, |\rho_2| \le 1$. For $c > 0$ and $k > 0$ both are below 1 in size if there is at least "
-        r"one flight."
-        r"\item[(ii)] A motion with a stick has a multiplier 0, and the other one is the trace of $M$."
-        r"\item[(iii)] A motion without sticks has $\rho_1\rho_2 = e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j > 0$."
-        r"\end{enumerate}\end{theorem}",
-        r"\begin{proof} The product is the chain rule. In a flight a small change $(y, \dot{y})$ obeys the unforced "
-        r"equation, and",
-        equation(energy, -solution.c * rate**2, meaning, label="jacobians-energy"),
-        r"so $\Phi$ does not increase the energy norm $\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2$, and neither does $S$ "
-        r"by \eqref{eq:jacobians-bound}: no eigenvalue exceeds 1 (for $k = 0$ take the limit $k \to 0$ of the matrix). "
-        r"If $c > 0$ and $k > 0$, the energy can stay the same during a flight only if $\dot{y} = 0$ all the time, and "
-        r"then $k y = 0$; so no eigenvalue has the size 1. (ii) One factor $\operatorname{diag}(1, 0)$ makes "
-        r"$\det M = 0$. (iii) The determinant of a product is the product of the determinants, "
-        r"\eqref{eq:jacobians-det} and Theorem~\ref{thm:jacobians-saltation}.\end{proof}",
-        r"For the orbit $P_{32}$ of the paper's Fig.~9, whose multipliers are computed from "
-        r"Proposition~\ref{thm:jacobians-flight}, both sides of (iii) agree to 40 digits:",
-        equation(product, bound, AtRoot(values, CONTEXT.mpf(10) ** -40), label="jacobians-product"),
-    )
 
 
 def _float(number: Any) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import sympy as sp
@@ -10,7 +10,7 @@ import sympy as sp
 from symosc.derive.latex import named
 from symosc.derive.published import MP, Value, number, table
 from symosc.derive.scope import Scope
-from symosc.derive.steps import Check, Close, Exact, Items, Relation, StepError, StepEvidence, Table, decimal, equation
+from symosc.derive.steps import Close, Exact, Items, StepError, Table, decimal, equation
 from symosc.symbolic import coulomb, solution
 from symosc.symbolic.coulomb import F, G, H, P, Q, S, U, V, d, p_0, phi, q_0, r, x_0, x_f
 from symosc.symbolic.solution import BASIS, E0, E1, E2, FN, Omega, c, cm, k, m, omega_0, tau, w0sq
@@ -31,28 +31,19 @@ UNDAMPED = {cm: 0, c: 0, G: 0, Omega: r * sp.sqrt(w0sq)}
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    return (
+    """Yield the chapter."""
+    u_0, w_0 = named("u_0"), named(r"\dot{u}_0")
+    x, v = _free_motion(u_0, w_0)
+    x_u, v_u = coulomb.transition() * sp.Matrix([u_0, w_0])
+    stiffness, damping = k - m * Omega**2, c * Omega
+    push = sp.sqrt((stiffness * p_0 + damping * q_0) ** 2 + (stiffness * q_0 - damping * p_0) ** 2)
+    yield (
         r"With $A_0 = 0$, $B_0 = P$, $v_1 = 0$, $\mu_1 F_N = F$, $\mu_2 = 0$ and a belt 2 that is faster than the mass "
         r"ever gets, the model is the oscillator $m \ddot{x} + c \dot{x} + k x = P \cos\Omega t - F \operatorname{sgn} "
         r"\dot{x}$ on which much has been published. In this chapter $x_f = F/k$ and $r = \Omega\sqrt{m/k}$; its other "
         r"letters hold in this chapter only. Each number in its tables stands there twice: computed from a formula or "
         r"from equations with 50 digits, and found by this package, which does not know the formula (\emph{run}). "
         r"Where nothing else is said, $m = k = P = F_N = 1$ and $c = 0$.",
-        *(_symmetric_motion(), _stability(), _border(), _growth_and_decay(), _stops(), _continuum(), _rests()),
-    )
-
-
-# --- the motion without stops ---
-
-
-def _symmetric_motion() -> Items:
-    u_0, w_0 = named("u_0"), named(r"\dot{u}_0")
-    x, v = _free_motion(u_0, w_0)
-    x_u, v_u = coulomb.transition() * sp.Matrix([u_0, w_0])
-    stiffness, damping = k - m * Omega**2, c * Omega
-    push = sp.sqrt((stiffness * p_0 + damping * q_0) ** 2 + (stiffness * q_0 - damping * p_0) ** 2)
-    return (
         r"\subsection{The symmetric motion without stops}",
         r"Den Hartog \cite{denhartog1930,denhartog1931} found this motion. Let $x(t + \pi/\Omega) = -x(t)$, let $x_0$ "
         r"be its highest point and $\varphi$ the angle $\Omega t$ since then. For $0 < \varphi < \pi$ the mass moves "
@@ -66,18 +57,12 @@ def _symmetric_motion() -> Items:
         r"c\Omega q_0$ at $\varphi = 0$ and $(k - m\Omega^2) q_0 - c\Omega p_0$ a quarter of a period later. So",
         equation(P**2, (stiffness**2 + damping**2) * (p_0**2 + q_0**2), {P: push}),
         r"Call $Q = \sqrt{p_0^2 + q_0^2}$: the amplitude that the mass would have without friction.",
-        _conditions(),
-        _closed_forms(),
-        _numbers("amplitude", r"The highest point by \eqref{eq:literature-amplitude}, and on the orbit $P_{32}$."),
     )
-
-
-def _conditions() -> Items:
     solved, matrix, steady = coulomb.half_period(), coulomb.transition(), _steady_part()
     meaning = {p_0: x_0 + G * x_f, q_0: H * x_f, G: solved.G, H: solved.H}
     traces = {T: matrix.trace(), D: matrix.det()}
     below, root = 1 + T + D, named("y", positive=True)
-    return (
+    yield (
         r"Half a period later position and velocity are those of the start, negated:",
         [equation(0, row, meaning) for row in coulomb.symmetry()],
         "These equations are linear in $p_0$ and $q_0$. They are solved by",
@@ -90,16 +75,8 @@ def _conditions() -> Items:
         equation(T, E0 + 1 - w0sq * E2, traces),
         equation(D, E0 - w0sq * (E0 * E2 - E1**2), traces),
         "so that $Q$ decides on the amplitude, which exists for $Q > |H| x_f$:",
-        equation(
-            x_0,
-            coulomb.amplitude(),
-            {Q: sp.sqrt(root**2 + H**2 * x_f**2), x_0: -G * x_f + root},
-            label="literature-amplitude",
-        ),
+        equation(x_0, coulomb.amplitude(), {Q: sp.sqrt(root**2 + H**2 * x_f**2), x_0: -G * x_f + root}, "amplitude"),
     )
-
-
-def _closed_forms() -> Items:
     regimes, solved, forms = solution.REGIMES, coulomb.half_period(), coulomb.den_hartog_undamped()
     damped = [coulomb.closed(part, regimes["underdamped"]) for part in solved]
     undamped = [coulomb.closed(part, regimes["undamped"]).subs(omega_0, Omega / r) for part in solved]
@@ -107,7 +84,9 @@ def _closed_forms() -> Items:
     def tidy(expr: Any) -> Any:
         return sp.simplify(sp.expand(sp.numer(sp.together(expr.rewrite(sp.exp)))))
 
-    return (
+    highest = {x_0: coulomb.amplitude().subs(G, 0), Q: P * sp.Abs(V) / k, H: U}
+
+    yield (
         r"For $0 < c^2 < 4 k m$ this is Den Hartog's form, with $h = c/(2m)$ and $\omega_d^2 = k/m - h^2$:",
         [
             equation(letter, shown, Exact({letter: derived}, tidy))
@@ -117,18 +96,9 @@ def _closed_forms() -> Items:
         equation(G, 0, undamped[0]),
         equation(H, forms[U], undamped[1], note=r"$= U = \frac{1}{r}\tan\frac{\pi}{2 r}$"),
         equation(V, forms[V], {V: k / (k - m * Omega**2), Omega: r * sp.sqrt(k / m)}),
-        equation(
-            x_0**2,
-            V**2 * P**2 / k**2 - U**2 * x_f**2,
-            {x_0: coulomb.amplitude().subs(G, 0), Q: P * sp.Abs(V) / k, H: U},
-        ),
+        equation(x_0**2, V**2 * P**2 / k**2 - U**2 * x_f**2, highest),
+        _numbers("amplitude", r"The highest point by \eqref{eq:literature-amplitude}, and on the orbit $P_{32}$."),
     )
-
-
-# --- stability ---
-
-
-def _stability() -> Items:
     push = (k - m * Omega**2) * p_0 + c * Omega * q_0
     before, after = ((push - k * x_0 + side * k * x_f).subs({c: m * cm, k: m * w0sq}) / m for side in (-1, 1))
     delta, dt, later = named(r"\delta"), named(r"\mathrm{d}t"), named(r"\delta_+")
@@ -138,7 +108,7 @@ def _stability() -> Items:
     squares = dict(zip(LAMBDA, (((T_h + sign * root) / 2) ** 2 for sign in (1, -1)), strict=True))
     squares |= {root: sp.sqrt(T_h**2 - 4 * D_h)}
     turn = {T_h: (1 + RHO) * sp.cos(sp.pi / r), D_h: RHO}
-    return (
+    yield (
         r"\subsection{Its multipliers}",
         r"At the highest point friction changes its sign, and with it the acceleration jumps from $\ddot{x}_-$ to "
         r"$\ddot{x}_+$; see Shaw \cite{shaw1986}, and Theorem~\ref{thm:jacobians-saltation}. A motion beside the "
@@ -165,12 +135,6 @@ def _stability() -> Items:
         r"for odd $n$ there $U$ is infinite and the motion does not exist; for even $n$ one multiplier is 1.",
         _numbers("stability", "The multipliers by these formulas, and from the monodromy matrix of $P_{32}$."),
     )
-
-
-# --- where it ends ---
-
-
-def _border() -> Items:
     steady = {p_0: x_0 + G * x_f, q_0: H * x_f}
     _, rate = _free_motion(x_0 - p_0 - x_f, -Omega * q_0)
     speed = sp.expand((rate / Omega - p_0 * sp.sin(phi) + q_0 * sp.cos(phi)).subs(steady))
@@ -180,7 +144,7 @@ def _border() -> Items:
     at_border = {P: sp.sqrt(stiffness * (LARGEST**2 + H**2)) * x_f, F: k * x_f}
     free = solution.REGIMES["undamped"]
     closed = coulomb.closed(coulomb.slide_function(), free, phi / Omega).subs(omega_0, Omega / r)
-    return (
+    yield (
         r"\subsection{Where the motions without stops end}",
         r"For this border see \cite{denhartog1930,hongliu2000}. The mass has to move down at all angles "
         r"$0 < \varphi < \pi$, and its velocity there is linear in $p_0$ and $x_f$: $\dot{x} < 0$ if and only if "
@@ -199,14 +163,8 @@ def _border() -> Items:
             r"motion changes, bisected in the forced amplitude.",
         ),
     )
-
-
-# --- growth, decay ---
-
-
-def _growth_and_decay() -> Items:
     growth, loss = named(r"\Delta x"), named("L")
-    return (
+    yield (
         r"\subsection{Resonance and free decay}",
         r"At $r = 1$, $c = 0$ let the highest point $x_0 > x_f$ be at $\Omega t = \pi/2$, so that the drive has the "
         r"sign of the velocity. The flow of the regime \emph{resonance} then has its next turning point half a period "
@@ -223,14 +181,6 @@ def _growth_and_decay() -> Items:
         r"first turning point with $|x| \le x_f$:",
         equation(loss, 2 * F / k, {loss: coulomb.free_decay(), x_f: F / k}),
         _numbers("decay", r"Turning points from $x = 0.95$; at the last one the package says \emph{equilibrium}."),
-    )
-
-
-# --- stops ---
-
-
-def _stops() -> Items:
-    return (
         r"\subsection{Stops per cycle}",
         r"Hong and Liu \cite{hongliu2000} sort the settled motions for $c = 0$ by their number of stops per cycle: 0, "
         r"1, 2, 4, 6, $\ldots$, 14. Half a cycle with $n$ stops is $n$ slides down. Each starts where a stop ends, "
@@ -257,12 +207,6 @@ def _stops() -> Items:
         r"At $r = 1/(2n)$ one stop per cycle is what is seen: it gets shorter from cycle to cycle, and its length "
         r"tends to 0.",
     )
-
-
-# --- continua ---
-
-
-def _continuum() -> Items:
     n = sp.Symbol("n", integer=True, positive=True)
     closed = {name: coulomb.closed(name, solution.REGIMES["undamped"]) for name in BASIS[:3]}
     at = {r: 1 / (2 * n), omega_0: 2 * n * Omega, w0sq: (2 * n * Omega) ** 2}
@@ -272,7 +216,7 @@ def _continuum() -> Items:
     exact = {rate: Omega * coulomb.one_sided_velocity(), E1: wave * Omega**2 / omega_0**2, tau: phi / Omega}
     exact |= {w0sq: omega_0**2, omega_0: 2 * n * Omega}
     ratios = [(r**2 * x_0 + side * d - x_f) / (r**2 * x_0 + side * d + x_f) for side in (1, -1)]
-    return (
+    yield (
         r"\subsection{Continua of motions without stops}",
         r"See \cite{csernak2007}. At $r = 1/(2n)$, $c = 0$ half a period is $n$ periods of the free motion, which "
         r"comes back:",
@@ -296,16 +240,10 @@ def _continuum() -> Items:
             r"Their middle $\bar{x}$ is $d$. The end $d_*$ is bisected in $d$, by whether the motion stops.",
         ),
     )
-
-
-# --- rests ---
-
-
-def _rests() -> Items:
     low, high, B0, A = named("x_-"), named("x_+"), solution.B0, solution.A0
     mu, other = solution.mu1, solution.mu2
     ends = {low: (A - (mu - other) * FN + sp.Abs(B0)) / k, high: (A + (mu + other) * FN - sp.Abs(B0)) / k}
-    return (
+    yield (
         r"\subsection{Rest positions on a belt at rest}",
         r"For $c > 0$ a periodic motion is the only one, except on a belt at rest (Theorem~\ref{thm:orbits-unique}). "
         r"Let $v_1 = 0$. The mass stays at $x$ for ever if $F^{(1)} \ge 0 \ge F^{(2)}$ at all phases, "
@@ -320,21 +258,35 @@ def _rests() -> Items:
     )
 
 
+# --- the motion without stops ---
+
+
+# --- stability ---
+
+
+# --- where it ends ---
+
+
+# --- growth, decay ---
+
+
+# --- stops ---
+
+
+# --- continua ---
+
+
+# --- rests ---
+
+
 # --- pieces ---
 
 
-@dataclass(frozen=True)
-class Ran(Check):
-    """A printed decimal is the package's value to its last digit, and that value is near the formula's."""
-
-    value: Value
-
-    def __call__(self, statement: Relation) -> StepEvidence:
-        Close(lambda: number(self.value.package), self.value.decimals)(statement)
-        off = abs(self.value.difference)
-        if not off <= self.value.tolerance:
-            raise StepError(str(statement), f"formula and package differ by {MP.nstr(off, 3)}")
-        return StepEvidence("numeric", MP.nstr(off, 2), 1)
+def _agreed(value: Value) -> Any:
+    """Return the package's value; StepError unless it is near the formula's."""
+    if not abs(value.difference) <= value.tolerance:
+        raise StepError(value.name, f"formula and package differ by {MP.nstr(value.difference, 3)}")
+    return number(value.package)
 
 
 def _numbers(key: str, caption: str) -> Table:
@@ -344,7 +296,8 @@ def _numbers(key: str, caption: str) -> Table:
     rows = []
     for value in values:
         formula = decimal("z", number(value.formula), value.decimals)
-        ran = decimal("z", number(value.package), value.decimals, Ran(value))
+        agreed = Close(partial(_agreed, value), value.decimals)
+        ran = decimal("z", number(value.package), value.decimals, agreed)
         rows.append((f"${value.name}$", value.case, formula, ran, *([value.note] if noted else [])))
     heads = ("", "", "formula", "run", *([""] if noted else []))
     return Table(f"tab:literature-{key}", caption, heads, tuple(rows), columns="llrr" + "l" * noted)

@@ -26,11 +26,7 @@ def force(alpha: int, x: Any, v: Any, theta: Any) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    return _planes(scope), _flights(), _sticks(), _with_numbers(scope) if scope.scene else ()
-
-
-def _planes(scope: Scope) -> Items:
+    """Yield the chapter."""
     rows: list[Any] = []
     for label in scope.maps:
         row = MAPS[label]
@@ -40,7 +36,7 @@ def _planes(scope: Scope) -> Items:
         if row.sticks:
             motion, domain = f"stick on belt {belt}", " or ".join(map(str, NEIGHBOURS[belt]))
         rows.append((f"$P_{label[1]}$", *planes, motion, domain, belt, other))
-    return (
+    yield (
         r"\begin{definition}[switching planes and mappings, the paper's (49) to (51)]\label{thm:maps-planes} "
         r"On the boundary $\dot{x} = v_\lambda$ there are three \emph{switching planes}, sets of points $(x, \theta)$ "
         r"with the phase $\theta = \Omega t$ modulo $2\pi$: $\Sigma^0_{(\lambda)}$ for a mass that rides on the belt, "
@@ -58,25 +54,22 @@ def _planes(scope: Scope) -> Items:
         r"distinguishes the planes by limits $v_\lambda^{\pm} = \lim_{\delta\to 0}(v_\lambda \pm \delta)$, which all "
         r"equal $v_\lambda$; what distinguishes them is the side, which is meant here.",
     )
-
-
-def _flights() -> Items:
     letters = {v_i: v_lambda, maps.v_j: V_END}
     first, second = (expr.xreplace(letters) for expr in maps.flight_residual().values())
     driven = solution._force_at_start().xreplace({v_i: v_lambda}) + f0 * sp.cos(theta_i + Omega * tau)
     newton = sp.solve(solution.acceleration(x_i, v_lambda, theta_i) - a_i, a_i)[0]
     by_rate = {F2: solution.time_derivative(first) - V_END}
-    return (
+    yield (
         r"\subsection{The governing equations}",
         r"\begin{theorem}[flights, the paper's (54)]\label{thm:maps-flight} "
         r"A flight through $\Omega_\alpha$ from $(x_i, \theta_i)$ on $\dot{x} = v_\lambda$ to "
         r"$(x_{i+1}, \theta_{i+1})$ on $\dot{x} = v_{\lambda'}$ takes the time $\tau$ and satisfies $f_1 = f_2 = 0$ "
         r"with",
-        equation(tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, label="maps-tau"),
-        equation(F1, first, Solves(driven, x_i, v_lambda, shift=maps.x_j, general=True), label="maps-f1"),
-        equation(F2, second, Exact(by_rate, solution.use_relations, independent=False), label="maps-f2"),
+        equation(tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, "tau"),
+        equation(F1, first, Solves(driven, x_i, v_lambda, shift=maps.x_j, general=True), "f1"),
+        equation(F2, second, Exact(by_rate, solution.use_relations, independent=False), "f2"),
         r"where the basis functions are taken at $\tau$, and",
-        equation(a_i, solution.acceleration(x_i, v_lambda, theta_i), newton, label="maps-start"),
+        equation(a_i, solution.acceleration(x_i, v_lambda, theta_i), newton, "start"),
         r"with $(\alpha, \lambda, \lambda')$ from Table~\ref{tab:maps-maps}. Conversely, a solution is a flight if the "
         r"motion goes into $\Omega_\alpha$ at $\tau = 0$ and $\tau$ is the first positive time at which it meets a "
         r"boundary.\end{theorem}",
@@ -87,23 +80,22 @@ def _flights() -> Items:
         r"That $\tau$ is the first time has to be checked for the other belt too: the equations of $P_3$ do not "
         r"contain $v_2$. Chapter~\ref{sec:events} explains how.",
     )
-
-
-def _sticks() -> Items:
     residual = maps.stick_residual()
     ride, end = (residual[key].xreplace({v_i: v_lambda}) for key in ("f1", "f2"))
     newton = sp.solve(solution.acceleration(maps.x_j, v_lambda, maps.theta_j) - a_i, a_i)[0]
-    return (
+    yield (
         r"\begin{theorem}[sticks, the paper's (52) and (53) with both exits]\label{thm:maps-stick} "
         r"A stick on belt $\lambda$ that slips into $\Omega_\alpha$, $\alpha = \lambda$ or $\lambda + 1$, satisfies "
         r"$f_1 = f_2 = 0$ with",
-        equation(F1, ride, x_i + sp.integrate(v_lambda, (tau, 0, tau)) - maps.x_j, label="maps-stick-f1"),
-        equation(F2, end, newton, label="maps-stick-f2"),
+        equation(F1, ride, x_i + sp.integrate(v_lambda, (tau, 0, tau)) - maps.x_j, "stick-f1"),
+        equation(F2, end, newton, "stick-f2"),
         r"where $\tau = (\theta_{i+1} - \theta_i)/\Omega$. Conversely, a solution is a stick if "
         r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ from $\theta_i$ to $\theta_{i+1}$, and the force that vanishes "
         r"changes its sign there.\end{theorem}",
         r"\begin{proof} This is \eqref{eq:sticks-x} and Theorem~\ref{thm:sticks-exits}.\end{proof}",
     )
+    if scope.scene:
+        yield _with_numbers(scope)
 
 
 def _with_numbers(scope: Scope) -> Items:

@@ -59,26 +59,21 @@ def at_both(scope: Scope) -> Each:
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    return _balance(), _domains(scope), _well_posed(scope), _held(scope)
-
-
-def _balance() -> Items:
-    """Return the section on the balance of forces."""
+    """Yield the chapter."""
     total, first, second = named(r"m\ddot{x}"), named("T_1"), named("T_2")
     right = A0 + B0 * WAVE - k * x - c * v + first + second
     checks = tuple(
         Exact({total: m * newton(alpha), first: one * mu1 * FN, second: two * mu2 * FN})
         for alpha, (one, two) in enumerate(((1, 1), (-1, 1), (-1, -1)), 1)
     )
-    return (
+    yield (
         r"\subsection{The balance of forces}",
         r"A mass $m > 0$ at the position $x(t)$ is held by a spring of stiffness $k \ge 0$ and a damper with the "
         r"coefficient $c \ge 0$, and driven by the force $A_0 + B_0\cos\Omega t$ with the frequency $\Omega > 0$. Two "
         r"belts are pressed against it with the normal force $F_N \ge 0$ each; belt $\lambda$ runs with the constant "
         r"speed $v_\lambda$, $\lambda = 1, 2$, and $v_1 < v_2$. With the friction $T_\lambda$ that belt $\lambda$ "
         r"exerts on the mass, Newton's law is",
-        equation(total, right, Each(checks), label="motion-newton"),
+        equation(total, right, Each(checks), "newton"),
         r"\begin{definition}[Coulomb friction]\label{thm:motion-coulomb} "
         r"Let $\operatorname{Sgn}(s) = \{1\}$ for $s > 0$, $\{-1\}$ for $s < 0$, and $[-1, 1]$ for $s = 0$. With the "
         r"friction coefficients $\mu_\lambda \ge 0$ the friction of belt $\lambda$ is a force "
@@ -100,10 +95,6 @@ def _balance() -> Items:
             0.75,
         ),
     )
-
-
-def _domains(scope: Scope) -> Items:
-    """Return the section on the domains."""
     ode = named(r"m\ddot{x} + c\dot{x} + k x")
     A = solution.A
     free = {ode: m * solution.in_paper_letters(solution.acceleration()) + c * v + k * x}
@@ -116,7 +107,8 @@ def _domains(scope: Scope) -> Items:
         rows.append((rf"$\Omega_{alpha}$", velocities, *frictions, constant))
 
     gap = 2 * mu_lambda * FN / m
-    return (
+    laws = tuple(Exact({general: newton(a), A: solution.force_constant(a)}) for a in scope.domains)
+    yield (
         r"\subsection{Domains and boundaries}",
         r"The velocities of the belts cut the phase plane into the open domains $\Omega_1 = \{\dot{x} < v_1\}$, "
         r"$\Omega_2 = \{v_1 < \dot{x} < v_2\}$ and $\Omega_3 = \{\dot{x} > v_2\}$, with the boundaries "
@@ -124,14 +116,9 @@ def _domains(scope: Scope) -> Items:
         r"Boundary $\lambda$ lies between $\Omega_\lambda$ below and $\Omega_{\lambda+1}$ above. In a domain "
         r"$\Omega_\alpha$ both frictions are constant, and add to the constant part of the drive: "
         r"$A_\alpha = A_0 + T_1 + T_2$ (Table~\ref{tab:motion-constants}). So the motion obeys",
-        equation(ode, A + B0 * WAVE, free, note=r"in $\Omega_\alpha$,", label="motion-domain"),
+        equation(ode, A + B0 * WAVE, free, note=r"in $\Omega_\alpha$,", label="domain"),
         r"or $\ddot{x} = F^{(\alpha)}(x, \dot{x}, t)$ with the acceleration",
-        equation(
-            general,
-            (A + B0 * WAVE - k * x - c * v) / m,
-            Each(tuple(Exact({general: newton(a), A: solution.force_constant(a)}) for a in scope.domains)),
-            label="motion-acceleration",
-        ),
+        equation(general, (A + B0 * WAVE - k * x - c * v) / m, Each(laws), "acceleration"),
         Table(
             "tab:motion-constants",
             r"The domains, the frictions in them, and $A_\alpha$.",
@@ -140,7 +127,7 @@ def _domains(scope: Scope) -> Items:
         ),
         r"\begin{lemma}[no boundary repels]\label{thm:motion-jump} "
         r"Where $\dot{x} = v_\lambda$, the accelerations below and above the boundary differ by",
-        equation(F(LOWER) - F(UPPER), gap, at_both(scope), label="motion-jump"),
+        equation(F(LOWER) - F(UPPER), gap, at_both(scope), "jump"),
         r"which is not negative,",
         step(gap, ">=", 0, Sign()),
         r"so that the flow never leaves a boundary to both sides at once.\end{lemma}",
@@ -150,17 +137,17 @@ def _domains(scope: Scope) -> Items:
         r"unless both vanish and $\mu_\lambda F_N = 0$; then the belt has no friction and there is no boundary. The "
         r"paper's assumption $\mu_1 \ge \mu_2$ is not needed.\end{proof}",
     )
-
-
-def _well_posed(scope: Scope) -> Items:
-    """Return the section on existence and uniqueness."""
     drop = tuple(step(coulomb(a) - coulomb(a + 1), ">=", 0, Sign()) for a in scope.domains[:-1])
     y, rate = named("y"), named(r"\dot{y}")
     energy = named(r"\frac{d}{dt}\Bigl(\frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2\Bigr)")
     accelerated = named(r"\ddot{y}")
     difference = named(r"(T - \tilde{T})")
     meaning = {energy: m * rate * accelerated + k * y * rate, accelerated: (difference - c * rate - k * y) / m}
-    return (
+    held = []
+    for belt in scope.boundaries:
+        mean = sp.expand(m * (acceleration(belt) + acceleration(belt + 1)) / 2).subs(v, BELTS[belt])
+        held.append(equation(named(rf"F_{{s{belt}}}"), mean, stick_force(belt), f"held-{belt}"))
+    yield (
         r"\subsection{Friction is monotone}",
         r"\begin{lemma}[monotone friction]\label{thm:motion-monotone} "
         r"Let $T$ and $\tilde{T}$ be possible values of $T_1 + T_2$ at the velocities $w$ and $\tilde{w}$. Then "
@@ -177,36 +164,22 @@ def _well_posed(scope: Scope) -> Items:
         r"bounded velocities and upper semicontinuous in the state, and it grows at most linearly, so motions exist "
         r"for all later times \cite[Chapter 2]{filippov1988}. Let $y$ be the difference of two of them, and $T$, "
         r"$\tilde{T}$ their frictions. Then",
-        equation(energy, difference * rate - c * rate**2, meaning, label="motion-energy"),
+        equation(energy, difference * rate - c * rate**2, meaning, "energy"),
         r"almost everywhere, and by Lemma~\ref{thm:motion-monotone} this is at most $-c\dot{y}^2 \le 0$. If both start "
         r"alike the energy on the left stays 0, so $\dot{y} = 0$ for all later times, and $y = 0$.\end{proof}",
         r"Backward in time motions are not unique: all that come to stick at one point of a belt are one motion "
         r"afterwards. The energy inequality returns in Chapter~\ref{sec:orbits}.",
-    )
-
-
-def _held(scope: Scope) -> Items:
-    """Return the section on sticks."""
-    return (
         r"\subsection{The force that a stick has to hold}",
         r"\begin{proposition}[what the belt has to hold]\label{thm:motion-held} "
         r"Let $F_{s\lambda}$ be the sum of all forces on the mass but the friction of belt $\lambda$ while "
         r"$\dot{x} = v_\lambda$; for belt 1 it is the paper's (2),",
-        *(
-            equation(
-                named(rf"F_{{s{belt}}}"),
-                sp.expand(m * (acceleration(belt) + acceleration(belt + 1)) / 2).subs(v, BELTS[belt]),
-                stick_force(belt),
-                label=f"motion-held-{belt}",
-            )
-            for belt in scope.boundaries
-        ),
+        held,
         r"On the two sides of the boundary the belt adds its friction forward and backward,",
-        equation(m * F(LOWER), HELD + mu_lambda * FN, at_both(scope), label="motion-held-sides"),
+        equation(m * F(LOWER), HELD + mu_lambda * FN, at_both(scope), "held-sides"),
         equation(m * F(UPPER), HELD - mu_lambda * FN, at_both(scope)),
         r"so that the mass can stay on the belt, $|F_{s\lambda}| \le \mu_\lambda F_N$, iff "
         r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$; and the product of the paper's section 6 is",
-        equation(m**2 * F(LOWER) * F(UPPER), HELD**2 - mu_lambda**2 * FN**2, at_both(scope), label="motion-product"),
+        equation(m**2 * F(LOWER) * F(UPPER), HELD**2 - mu_lambda**2 * FN**2, at_both(scope), "product"),
         r"\end{proposition}",
         r"\begin{proof} On the belt $\ddot{x} = 0$, so \eqref{eq:motion-newton} demands $T_\lambda = -F_{s\lambda}$, "
         r"which Definition~\ref{thm:motion-coulomb} allows iff $|F_{s\lambda}| \le \mu_\lambda F_N$. Below the "

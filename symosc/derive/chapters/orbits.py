@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache, partial
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -17,12 +16,8 @@ from symosc.derive.steps import (
     CONTEXT,
     STEP_DIGITS,
     AtRoot,
-    Check,
     Items,
-    Relation,
     Sign,
-    StepError,
-    StepEvidence,
     Table,
     decimal,
     equation,
@@ -43,26 +38,12 @@ TITLE = "Periodic motions"
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    if scope.scene is None:
-        found: Items = (
-            _orbit(Scope(load_scene("fig9")), "P32", "The paper's Fig.~9"),
-            _orbit(Scope(load_scene("fig10")), "P4645", "The paper's Fig.~10"),
-        )
-    elif scope.scene.structure:
-        found = _orbit(scope, scope.scene.structure, rf"Scene \texttt{{{scope.scene.name}}}")
-    else:
-        found = (r"This scene has no mapping structure of a periodic motion.",)
-    return _uniqueness(), _assumptions(), found
-
-
-def _uniqueness() -> Items:
-    """Return the section on uniqueness."""
+    """Yield the chapter."""
     mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
     held, size = named(r"H_\lambda"), sp.Symbol("B_0", real=True)
     ends = [(held + sign * (mu * FN - sp.Abs(size))) / k for sign in (1, -1)]
     length = named(r"\ell")
-    return (
+    yield (
         r"\subsection{Existence, uniqueness, stability}",
         r"\begin{theorem}[one attractor, or an interval of rests]\label{thm:orbits-unique} "
         r"Let $c > 0$ and $k > 0$.\begin{enumerate}"
@@ -74,7 +55,7 @@ def _uniqueness() -> Items:
         r"has the multiplier 1."
         r"\end{enumerate}",
         r"The interval of (iii) has the length",
-        equation(length, 2 * (mu * FN - sp.Abs(size)) / k, ends[0] - ends[1], label="orbits-length"),
+        equation(length, 2 * (mu * FN - sp.Abs(size)) / k, ends[0] - ends[1], "length"),
         r"\end{theorem}",
         r"\begin{proof} Let $y$ be the difference of two motions and $W = \frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2$. By "
         r"\eqref{eq:motion-energy} and Lemma~\ref{thm:motion-monotone}, $\dot{W} \le -c\,\dot{y}^2 \le 0$.",
@@ -102,12 +83,8 @@ def _uniqueness() -> Items:
         r"is a rest, and its energy relative to that rest falls to 0. Moving a rest inside the interval changes "
         r"nothing else: the multiplier is 1.\end{proof}",
     )
-
-
-def _assumptions() -> Items:
-    """Return the section on the assumptions of uniqueness."""
     tenth, places = sp.Rational(1, 10), ("0", "1/2", "-3/5", "-4/5", "1")
-    return (
+    yield (
         r"\begin{example}\label{thm:orbits-example} "
         r"Let $m = c = k = 1$, $A_0 = 0$, $B_0 = \frac{1}{10}$, $\Omega = 1$, $v_1 = 0$, $v_2 = 10$, $\mu_1 = 1$, "
         r"$\mu_2 = \frac{1}{10}$, $F_N = 1$. Then $H_1 = \frac{1}{10}$, and the mass may rest at every $x$ from "
@@ -120,6 +97,13 @@ def _assumptions() -> Items:
         r"the oscillator with one belt at rest \cite{csernak2007}; for its symmetric motions see also "
         r"\cite{denhartog1931,hongliu2000,luogegg2006,shaw1986}.\end{remark}",
     )
+    if scope.scene is None:
+        yield _orbit(Scope(load_scene("fig9")), "P32", "The paper's Fig.~9")
+        yield _orbit(Scope(load_scene("fig10")), "P4645", "The paper's Fig.~10")
+    elif scope.scene.structure:
+        yield _orbit(scope, scope.scene.structure, rf"Scene \texttt{{{scope.scene.name}}}")
+    else:
+        yield r"This scene has no mapping structure of a periodic motion."
 
 
 # --- one orbit: its equations at the root, and what happens between the switching points ---
@@ -196,7 +180,9 @@ def _values(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
 
 
 def _orbit(scope: Scope, word: str, figure: str) -> Items:
-    found = pieces(scope, word)
+    """Yield the section of an orbit: its equations, its switching points, and what happens between them."""
+    assert scope.parameters is not None
+    p, found, points = scope.parameters, pieces(scope, word), root(scope.parameters, word)
     equations: list[Any] = []
     for i, (row, before, _, f1, f2, meaning) in enumerate(found, 1):
         after = i % len(found) + 1
@@ -213,36 +199,26 @@ def _orbit(scope: Scope, word: str, figure: str) -> Items:
         equations += [equation(0, f, check, decimals=True) for f in (f1, f2)]
     inner = r" \circ ".join(f"P_{digit}" for digit in word[1:])
     numbers = ", ".join(f"${name} = {value}$" for name, value in scope.table())
-    return (
+    yield (
         rf"\subsection{{{figure}: $P_{{{word[1:]}}} = {inner}$}}",
         rf"The numbers are {numbers}. The last map ends where the first one starts, one period of the drive later, so "
         rf"there are {2 * len(found)} equations for the {2 * len(found)} unknowns $x_j$, $\theta_j$. A basis function "
         r"of the flight from point $j$ is taken at its duration $\tau_j$.",
         equations,
-        _solution(scope, word),
-        _accelerations(scope, word),
-        _between(scope, word),
     )
-
-
-def _solution(scope: Scope, word: str) -> Table:
-    assert scope.parameters is not None
-    rows = []
-    for j, ((x, theta), piece) in enumerate(zip(root(scope.parameters, word), pieces(scope, word), strict=True), 1):
+    rows: list[Any] = []
+    for j, ((x, theta), piece) in enumerate(zip(points, found, strict=True), 1):
         place, phase = decimal("x", x, 20), decimal("theta", theta, 20)
         rows.append((str(j), phase, place, str(piece.row.start.boundary), f"$P_{piece.row.label[1]}$"))
-    return Table(
+    yield Table(
         f"tab:orbits-{word}",
         rf"The switching points of $P_{{{word[1:]}}}$, to 20 decimals (half a unit of the last one).",
         ("$j$", r"$\theta_j$", "$x_j$", "belt", "next"),
         tuple(rows),
     )
-
-
-def _accelerations(scope: Scope, word: str) -> Table:
-    """Return the accelerations at each switching point: which case of the theorem on boundaries applies."""
-    values, rows, facts = _values(scope, word, {}), [], []
-    for j, (row, before, (x, theta), *_) in enumerate(pieces(scope, word), 1):
+    # The accelerations at each switching point say which case of the theorem on boundaries applies.
+    values, rows, signs = _values(scope, word, {}), [], list[Any]()
+    for j, (row, before, (x, theta), *_) in enumerate(found, 1):
         belt = row.start.boundary
         cells: list[Any] = [str(j)]
         for alpha in NEIGHBOURS[belt]:
@@ -254,29 +230,26 @@ def _accelerations(scope: Scope, word: str) -> Table:
             # On a belt, and on the other side at the end of a stick, both hold the mass; else both push it one way.
             held = row.sticks or before.sticks
             upward = alpha == belt if held else row.domain != belt
-            facts.append(step(value, ">" if upward else "<", 0, AtRoot(lambda: values)))
+            signs.append(step(value, ">" if upward else "<", 0, AtRoot(lambda: values)))
         rows.append((*cells, f"$P_{row.label[1]}$"))
-    return Table(
+    yield Table(
         f"tab:orbits-forces-{word}",
         rf"The accelerations on both sides at the switching points of $P_{{{word[1:]}}}$. By their signs the next "
         r"mapping is the one that the word demands (Theorem~\ref{thm:switching-cases}).",
         ("$j$", "below", "above", "next"),
         tuple(rows),
-        tuple(facts),
+        tuple(signs),
     )
-
-
-def _between(scope: Scope, word: str) -> Items:
-    """Return the conditions between the switching points: no flight meets a belt, each stick is held."""
-    assert scope.parameters is not None
-    rows, facts = [], []
-    for j, piece in enumerate(pieces(scope, word)):
+    # Between the switching points no flight meets a belt, and each stick is held.
+    rows, limited = [], list[Any]()
+    for j, piece in enumerate(found):
         for name, value, words, limits in _extremes(scope, word, j):
             rows.append((f"$P_{piece.row.label[1]}$ from {j + 1}", name, decimal("z", value, 8), words))
             shown = sp.Float(CONTEXT.nstr(value, STEP_DIGITS), STEP_DIGITS)
-            facts += [step(shown, op, bound, AtRoot(dict)) for op, bound in limits]
-    facts.append(equation(int(word[1:]), int(word[1:]), Followed(scope.parameters, word)))
-    return (
+            limited += [step(shown, op, bound, AtRoot(dict)) for op, bound in limits]
+    digits = named("P")
+    limited.append(equation(digits, int(word[1:]), AtRoot(lambda: {digits: _followed(p, word)})))
+    yield (
         rf"Between the switching points nothing happens: Table~\ref{{tab:orbits-between-{word}}} has all extreme "
         r"values of the velocity inside the flights, and the least favourable accelerations during the sticks. The "
         r"motion that starts at point 1 was also followed with 30 digits for one period, by the search of "
@@ -286,29 +259,19 @@ def _between(scope: Scope, word: str) -> Items:
             rf"Between the switching points of $P_{{{word[1:]}}}$.",
             ("piece", "what", "value", "has to be"),
             tuple(rows),
-            tuple(facts),
+            tuple(limited),
         ),
     )
 
 
-@dataclass(frozen=True)
-class Followed(Check):
-    """The motion from the orbit's first point has, for one period, exactly the mappings of the word."""
-
-    parameters: Parameters
-    word: str
-
-    def __call__(self, statement: Relation) -> StepEvidence:
-        orbit = find_orbit(self.parameters, self.word, digits=STEP_DIGITS)
-        (t, x), belt = orbit.points[0], read_word(self.word).maps[0].start.boundary
-        end = CONTEXT.mpf(t) + CONTEXT.mpf("1.001") * CONTEXT.mpf(orbit.period)
-        start = {"t0": CONTEXT.nstr(t, 42), "x0": CONTEXT.nstr(x, 42), "v0": getattr(self.parameters, f"v{belt}")}
-        known = ("1e-40", "1e-40", 0)
-        motion = simulate(self.parameters, **start, t_end=CONTEXT.nstr(end, 20), digits=30, start_error=known)
-        found = "P" + "".join(label[1] for label in reversed(motion.word[: len(self.word) - 1]))
-        if statement.left != statement.right or found != f"P{statement.left}":
-            raise StepError(str(statement), f"the motion is {found}")
-        return StepEvidence("numeric", f"{len(motion.events)} events", 1)
+def _followed(p: Parameters, word: str) -> Any:
+    """Return the digits of the mappings of the motion from the orbit's first point, for one period."""
+    orbit = find_orbit(p, word, digits=STEP_DIGITS)
+    (t, x), belt = orbit.points[0], read_word(word).maps[0].start.boundary
+    end = CONTEXT.mpf(t) + CONTEXT.mpf("1.001") * CONTEXT.mpf(orbit.period)
+    start = {"t0": CONTEXT.nstr(t, 42), "x0": CONTEXT.nstr(x, 42), "v0": getattr(p, f"v{belt}")}
+    motion = simulate(p, **start, t_end=CONTEXT.nstr(end, 20), digits=30, start_error=("1e-40", "1e-40", 0))
+    return sp.Integer("".join(label[1] for label in reversed(motion.word[: len(word) - 1])))
 
 
 _FUNCTIONS = [{name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt", "mpf")}, "mpmath"]

@@ -25,18 +25,15 @@ def force_on_belt(angle: Any) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    return _on_belt(), _exits(scope), _which_exit(scope), _every_stick_ends()
-
-
-def _on_belt() -> Items:
-    """Return the section on the motion on a belt."""
+    """Yield the chapter."""
     position = named(r"x(\tau)")
     on_belt = named(r"F^{(\alpha)}(\tau)")
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
     rate = named(r"m\dot{F}^{(\alpha)}")
     moving = solution.in_paper_letters(solution.acceleration(x_i + v_lambda * (t - solution.t_i), v_lambda, theta))
-    return (
+    held = solution.stick_acceleration(a_i, wave).subs(v, v_lambda)
+    change = (m * moving.diff(t)).subs(Omega * t, theta)
+    yield (
         r"\subsection{The mass on a belt}",
         r"\begin{definition}[stick]\label{thm:sticks-stick} "
         r"A \emph{stick} on belt $\lambda$ is an interval of time during which $\dot{x} = v_\lambda$, so that "
@@ -44,22 +41,12 @@ def _on_belt() -> Items:
         r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ all the time.\end{definition}",
         r"\begin{lemma}[what changes on a belt]\label{thm:sticks-rate} "
         r"On belt $\lambda$, at $\tau$ after the phase $\theta_i$ and the position $x_i$,",
-        equation(position, x_i + v_lambda * tau, x_i + sp.integrate(v_lambda, (tau, 0, tau)), label="sticks-x"),
+        equation(position, x_i + v_lambda * tau, x_i + sp.integrate(v_lambda, (tau, 0, tau)), "x"),
         r"and the accelerations on both sides, $\alpha = \lambda$ and $\lambda + 1$, are",
-        equation(
-            on_belt,
-            solution.stick_acceleration(a_i, wave).subs(v, v_lambda),
-            force_on_belt(theta_i + Omega * tau),
-            label="sticks-force",
-        ),
+        equation(on_belt, held, force_on_belt(theta_i + Omega * tau), "force"),
         r"with $\ddot{x}_i = F^{(\alpha)}(x_i, v_\lambda, t_i)$, each its own. They change at one rate, which depends "
         r"on the phase $\theta = \Omega t$ alone:",
-        equation(
-            rate,
-            -(k * v_lambda + B0 * Omega * sp.sin(theta)),
-            (m * moving.diff(t)).subs(Omega * t, theta),
-            label="sticks-rate",
-        ),
+        equation(rate, -(k * v_lambda + B0 * Omega * sp.sin(theta)), change, "rate"),
         r"\end{lemma}",
         r"\begin{proof} Put $x = x_i + v_\lambda\tau$ and $\dot{x} = v_\lambda$ into \eqref{eq:motion-acceleration}, "
         r"and differentiate.\end{proof}",
@@ -69,24 +56,16 @@ def _on_belt() -> Items:
         r"both accelerations are strictly monotone (or constant, for $B_0 = 0$ and $k v_\lambda = 0$), so the end of a "
         r"stick is found without a search: on each such piece each of them has at most one zero, or never changes.",
     )
-
-
-def _exits(scope: Scope) -> Items:
-    """Return the section on the exits."""
     zero = named(r"F^{(\lambda+1)}|_{F^{(\lambda)} = 0}")
     lower = Each(tuple(Sign({zero: -(newton(lo) - newton(lo + 1))}) for lo in scope.boundaries))
-    return (
+    jumps = (Exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}) for lo in scope.boundaries)
+    yield (
         r"\subsection{Both ends}",
         r"\begin{theorem}[both exits of a stick]\label{thm:sticks-exits} "
         r"A stick on belt $\lambda$ ends at the first time at which $F^{(\lambda)}$ falls below 0, and then the mass "
         r"goes into $\Omega_\lambda$; or at which $F^{(\lambda+1)}$ rises above 0, and then it goes into "
         r"$\Omega_{\lambda+1}$. Both cannot happen at once if the belt has friction: where $F^{(\lambda)} = 0$,",
-        equation(
-            F(UPPER),
-            -2 * mu_lambda * FN / m,
-            Each(tuple(Exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}) for lo in scope.boundaries)),
-            label="sticks-other",
-        ),
+        equation(F(UPPER), -2 * mu_lambda * FN / m, Each(tuple(jumps)), "other"),
         "which holds the mass on its upper side:",
         step(zero, "<=", 0, lower),
         r"\end{theorem}",
@@ -100,10 +79,6 @@ def _exits(scope: Scope) -> Items:
         r"Lemma~\ref{thm:switching-side} it goes below $v_\lambda$. The other end is the mirror image. "
         r"\eqref{eq:sticks-other} is Lemma~\ref{thm:motion-jump}.\end{proof}",
     )
-
-
-def _which_exit(scope: Scope) -> Items:
-    """Return the section on which exit comes first."""
     rows = []
     for belt in scope.boundaries:
         for alpha in NEIGHBOURS[belt]:
@@ -112,7 +87,7 @@ def _which_exit(scope: Scope) -> Items:
             force = equation(m * F(alpha), right, {F(alpha): newton(alpha).subs(at)})
             way, paper = ("falls", "not in the paper") if alpha == belt else ("rises", f"the paper's ({51 + belt})")
             rows.append((str(belt), rf"$F^{{({alpha})}}$ {way}", rf"$\Omega_{alpha}$", paper, force))
-    return (
+    yield (
         Table(
             "tab:sticks-exits",
             r"What vanishes at the end of a stick, and into which domain the mass goes. The paper's (52) and (53) have "
@@ -131,15 +106,11 @@ def _which_exit(scope: Scope) -> Items:
             0.85,
         ),
     )
-
-
-def _every_stick_ends() -> Items:
-    """Return the section on the duration of sticks."""
     turn = named(r"\Delta_T F^{(\alpha)}")
     lost = -2 * sp.pi * k * v_lambda / (m * Omega)
     per_turn = force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
     change = {turn: sp.simplify(per_turn.xreplace({solution.w0sq: k / m, solution.cm: solution.c / m}))}
-    return (
+    yield (
         r"\begin{corollary}\label{thm:sticks-ends} "
         r"For $k v_\lambda \ne 0$ every stick ends: over each period $2\pi/\Omega$ both accelerations change by "
         r"$-2\pi k v_\lambda/(m\Omega)$. For $k v_\lambda = 0$ a stick ends within one period, or "

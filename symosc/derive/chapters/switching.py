@@ -16,18 +16,7 @@ TITLE = "What happens at a boundary"
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
-    del scope  # the statements are the same for every scene
-    return (
-        _general(),
-        g_functions(),
-        _local(),
-        _theorems(),
-    )
-
-
-def _general() -> Items:
-    """Return the section on general discontinuous systems."""
+    """Yield the chapter."""
     n, y = sp.Function("n")(t), sp.Function("y")(t)
     first, second = named(r"G^{(0,\alpha)}"), named(r"G^{(1,\alpha)}")
 
@@ -39,25 +28,16 @@ def _general() -> Items:
     parts = {("", r"\ddot"): n * y.diff(t, 2), ("D", r"\dot"): n.diff(t) * y.diff(t), ("D^2", ""): n.diff(t, 2) * y}
     parts |= {("", r"\dot"): n * y.diff(t), ("D", ""): n.diff(t) * y}
     letters = {product(*key): value for key, value in parts.items()}
-    return (
+    check = Exact({first: (n * y).diff(t), second: (n * y).diff(t, 2)} | letters, independent=False)
+    yield (
         r"\subsection{G-functions}",
         r"Luo's theory of flow switchability \cite{luo2008,luo2009} compares the flow $\mathbf{x}^{(\alpha)}(t)$ of a "
         r"domain with the flow $\mathbf{x}^{(0)}(t)$ in its boundary, along the boundary's normal $\mathbf{n}$; a dot "
         r"is the derivative along each flow, and $D$ the derivative of $\mathbf{n}$ along $\mathbf{x}^{(0)}$.",
         r"\begin{definition}[Luo's G-functions]\label{thm:switching-G} "
         r"The G-functions of the orders 0 and 1 are (the paper's (15) and (16))",
-        equation(
-            first,
-            product("D", "") + product("", r"\dot"),
-            Exact({first: (n * y).diff(t)} | letters, independent=False),
-            label="switching-G0",
-        ),
-        equation(
-            second,
-            product("D^2", "") + 2 * product("D", r"\dot") + product("", r"\ddot"),
-            Exact({second: (n * y).diff(t, 2)} | letters, independent=False),
-            label="switching-G1",
-        ),
+        equation(first, product("D", "") + product("", r"\dot"), check, "G0"),
+        equation(second, product("D^2", "") + 2 * product("D", r"\dot") + product("", r"\ddot"), check, "G1"),
         r"and so on: $G^{(j,\alpha)}$ is the derivative of the order $j + 1$ of "
         r"$\mathbf{n}^T(\mathbf{x}^{(\alpha)} - \mathbf{x}^{(0)})$.\end{definition}",
         r"\begin{lemma}[reduction]\label{thm:switching-reduction} "
@@ -73,42 +53,7 @@ def _general() -> Items:
         r"$d^{\,j+1}(\mathbf{n}^T\mathbf{x}^{(\alpha)})/dt^{\,j+1}$, and here "
         r"$\mathbf{n}^T\mathbf{x}^{(\alpha)} = \dot{x}$ with $\ddot{x} = F^{(\alpha)}$.\end{proof}",
     )
-
-
-def _reduced(order: int) -> Any:
-    """Return a check: a derivative of n.(x - x0) is that of n.x if x0 moves in a flat boundary with the normal n."""
-    n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
-    first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
-    gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
-    right = n1 * first.diff(t, order) + n2 * second.diff(t, order)
-    return equation(gap.diff(t, order), right, Exact(independent=False))
-
-
-def g_functions() -> Items:
-    """Return the lemma on the first G-functions."""
-    path = sp.Function("x")(t)
-    newton = (solution.A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
-    lower, rows = [v, F(r"\alpha")], []
-    for n in (1, 2, 3):
-        true = newton.diff(t, n).doit().subs([(path.diff(t, j + 1), lower[j]) for j in range(n, -1, -1)])
-        wave = solution.forcing(n).xreplace({solution.f0: B0 / m})
-        right = solution.next_derivative(lower[n], lower[n - 1], wave)
-        right = right.xreplace({solution.cm: c / m, solution.w0sq: k / m})
-        rows.append(equation(G(n), right, true.subs(Omega * t, theta), label=f"switching-g{n}"))
-        lower.append(G(n))
-    return (
-        r"\begin{lemma}[the first G-functions]\label{thm:switching-g} "
-        r"Along the flow of $\Omega_\alpha$, with $\theta = \Omega t$,",
-        rows,
-        r"\end{lemma}",
-        r"\begin{proof} Differentiate \eqref{eq:motion-acceleration} along the motion. The first one is the paper's "
-        r"(47) and (48): $\nabla F^{(\alpha)}\cdot(\dot{x}, F^{(\alpha)})^T + \partial "
-        r"F^{(\alpha)}/\partial t$.\end{proof}",
-    )
-
-
-def _local() -> Items:
-    """Return the section on Lemmas 1 to 3."""
+    yield g_functions()
     flow = solution.flow()
     at_start = solution.start_values() | {tau: sp.Integer(0)}
     values, derivative = [], flow.v
@@ -122,7 +67,7 @@ def _local() -> Items:
     )
     here = {solution.x: x_i, v: v_i, theta: theta_i, solution.A_m: solution._force_at_start()}
     meaning = {gap: true} | {g: solution.g_function(n).xreplace(here) for n, g in enumerate(orders)}
-    return (
+    yield (
         r"\subsection{The first G-function that does not vanish}",
         r"\begin{lemma}[which side before, which side after]\label{thm:switching-side} "
         r"Let the flow of $\Omega_\alpha$ have $\dot{x} = v_\lambda$ at $\tau = 0$, and let $G^{(n,\alpha)}$ be the "
@@ -131,7 +76,7 @@ def _local() -> Items:
         r"crosses, and for odd $n$ it touches and returns to the side that it came from.\end{lemma}",
         r"\begin{proof} By Taylor's theorem, here from the closed form \eqref{eq:domains-v} and up to terms of the "
         r"order $\tau^5$,",
-        equation(gap, taylor, meaning, label="switching-taylor"),
+        equation(gap, taylor, meaning, "taylor"),
         r"and the first term that does not vanish, $G^{(n,\alpha)}\tau^{n+1}/(n+1)!$, is larger than all that follow "
         r"for small $|\tau|$; $\tau^{n+1}$ is positive before the contact iff $n$ is odd.\end{proof}",
         r"If all G-functions vanish, the flow of $\Omega_\alpha$ stays in the boundary for ever. By "
@@ -144,15 +89,11 @@ def _local() -> Items:
             0.8,
         ),
     )
-
-
-def _theorems() -> Items:
-    """Return the section on Theorems 4 to 6."""
     speed = named(r"k v_\lambda")
     first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, v: v_lambda})
     stays = {G(1): first, F(r"\alpha"): solution.in_paper_letters(solution.acceleration()).subs(v, v_lambda)}
     stays = {name: value.subs(Omega * t, theta) for name, value in stays.items()} | {speed: k * v_lambda}
-    return (
+    yield (
         r"\subsection{The paper's Lemmas 1 to 3 and Theorems 4 to 6}",
         r"\begin{theorem}[stick, passage, graze]\label{thm:switching-cases} "
         r"Let a motion have $\dot{x} = v_\lambda$ at the time $t_m$, at the position $x_m$, and let $F^{(\lambda)}$ "
@@ -183,11 +124,38 @@ def _theorems() -> Items:
         r"with $n = 1$ alone, leaves out the tangencies of higher order; this is where Theorem 7 loses its case of "
         r"equality (Theorem~\ref{thm:grazing-equality}).\end{remark}",
         r"What (iii) asks for is at the boundary $\dot{x} = v_\lambda$, on either side of either belt,",
-        equation(
-            G(1),
-            -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m,
-            stays,
-            label="switching-decides",
-        ),
+        equation(G(1), -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m, stays, "decides"),
         r"where the term with $F^{(\alpha)}$ vanishes at a graze.",
+    )
+
+
+def _reduced(order: int) -> Any:
+    """Return a check: a derivative of n.(x - x0) is that of n.x if x0 moves in a flat boundary with the normal n."""
+    n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
+    first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
+    gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
+    right = n1 * first.diff(t, order) + n2 * second.diff(t, order)
+    return equation(gap.diff(t, order), right, Exact(independent=False))
+
+
+def g_functions() -> Items:
+    """Return the lemma on the first G-functions."""
+    path = sp.Function("x")(t)
+    newton = (solution.A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
+    lower, rows = [v, F(r"\alpha")], []
+    for n in (1, 2, 3):
+        true = newton.diff(t, n).doit().subs([(path.diff(t, j + 1), lower[j]) for j in range(n, -1, -1)])
+        wave = solution.forcing(n).xreplace({solution.f0: B0 / m})
+        right = solution.next_derivative(lower[n], lower[n - 1], wave)
+        right = right.xreplace({solution.cm: c / m, solution.w0sq: k / m})
+        rows.append(equation(G(n), right, true.subs(Omega * t, theta), f"g{n}"))
+        lower.append(G(n))
+    return (
+        r"\begin{lemma}[the first G-functions]\label{thm:switching-g} "
+        r"Along the flow of $\Omega_\alpha$, with $\theta = \Omega t$,",
+        rows,
+        r"\end{lemma}",
+        r"\begin{proof} Differentiate \eqref{eq:motion-acceleration} along the motion. The first one is the paper's "
+        r"(47) and (48): $\nabla F^{(\alpha)}\cdot(\dot{x}, F^{(\alpha)})^T + \partial "
+        r"F^{(\alpha)}/\partial t$.\end{proof}",
     )
