@@ -2,8 +2,8 @@
 
 Call sequence, from a scene to its events:
 
-    simulate            simulation.simulate     reads the problem, follows it, raises the precision where needed
-      Motion.step       simulation.motion       one event after the other, recorded
+    simulate            simulation.simulate     reads the problem, and asks for more digits where they are needed
+      follow_all        engine.batch            the loop, which simulate_many calls too: events and pieces in columns
         advance         engine.next_event       the next event: its kind, the state after it, their errors
           first_exit    engine.first_exit       where a flight meets a belt (in the bounds: gap_bound)
           belt_exit     engine.first_exit       where a stick ends
