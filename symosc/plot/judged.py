@@ -16,7 +16,6 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from symosc.aliases import Record
@@ -26,7 +25,16 @@ from symosc.crosschecks.report import CrossCheck
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.files import check_folder_of, write_text
-from symosc.plot.drawing import STYLE, Drawing, figure_of, legend_entries, one_axes, read_panels, style_for
+from symosc.plot.drawing import (
+    STYLE,
+    Drawing,
+    add_legend,
+    legend_entries,
+    one_axes,
+    panel_axes,
+    read_panels,
+    style_for,
+)
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
@@ -52,15 +60,6 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
     panels, ax : optional
         As for `symosc.plot.figure`. The panels are a global errors, b defects, c velocity. Default: all, with `ax` a.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If that is no CrossCheck, or there is no such panel.
-
     Examples
     --------
     >>> import numpy as np
@@ -70,39 +69,23 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
     >>> [axes.get_ylabel() for axes in plot.crosscheck_figure(crosscheck("fig5", t, x, v), "ab").axes]
     ['global error', 'defect of the step']
     """
-    panels = read_panels(panels, tuple(CHECK_PANELS), ax)
-    if ax is not None:
-        drawing = figure_of(ax)
-        _check_panel(ax, check, panels)
-        ax.set_xlabel("$t$")
-        ax.legend(**legend_entries([ax]))
-        return drawing
+    panels = read_panels(panels, CHECK_PANELS, ax)
+    lines: list[tuple[str, Any, str, str, float]] = [
+        ("event, matched", [match.event for match in check.matched], RIGHT, "-", 0.7),
+        ("event, missed", check.missed, WRONG, "--", 1.1),
+        ("event, invented", check.invented, INVENTED, ":", 1.1),
+    ]
     with style_for(ax):
-        layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
-        drawing = Drawing(figsize=(7.0, 0.8 + 1.6 * len(panels)), layout=layout)
-        axes = drawing.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-        for each, letter, shown in zip(axes, panels, "abc", strict=False):
-            _check_panel(each, check, letter)
-            each.set_title(f"({shown})", loc="left", x=-0.07, pad=4)
-            each.tick_params(labelfontfamily="STIXGeneral")
-        axes[-1].set_xlabel("$t$")
-        style: Record = {"frameon": False, "handlelength": 1.8, "columnspacing": 1.4}
-        drawing.legend(**legend_entries(axes), loc="outside lower center", ncols=5, **style)
+        drawing, row = panel_axes(ax, panels, (7.0, 0.8 + 1.6 * len(panels)), stacked=True, letter_at=-0.07)
+        for axes, letter in zip(row, panels, strict=True):
+            CHECK_PANELS[letter](axes, check)
+            for label, events, color, style, width in lines:
+                for event in events:
+                    axes.axvline(float(event.t), color=color, ls=style, lw=width, zorder=0, label=label)
+            axes.set_xlim(check.t[0], check.t[-1])
+        row[-1].set_xlabel("$t$")
+        add_legend(drawing, ax, legend_entries(row), 5, handlelength=1.8, columnspacing=1.4)
     return drawing
-
-
-def _check_panel(ax: Axes, check: CrossCheck, letter: str) -> None:
-    """Draw one panel of a cross-check."""
-    CHECK_PANELS[letter](ax, check)
-    matched = [match.event for match in check.matched]
-    for events, color, style, width, label in (
-        (matched, RIGHT, "-", 0.7, "event, matched"),
-        (check.missed, WRONG, "--", 1.1, "event, missed"),
-        (check.invented, INVENTED, ":", 1.1, "event, invented"),
-    ):
-        for event in events:
-            ax.axvline(float(event.t), color=color, ls=style, lw=width, zorder=0, label=label)
-    ax.set_xlim(check.t[0], check.t[-1])
 
 
 def _global_errors(ax: Axes, check: CrossCheck) -> None:
@@ -167,15 +150,6 @@ def step_figure(
     panels, ax : optional
         As for `symosc.plot.figure`. The panels are a velocity, b position. Default: both, with `ax` a.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If that is no CrossCheck, or there is no such step or panel.
-
     Examples
     --------
     >>> import numpy as np
@@ -187,33 +161,20 @@ def step_figure(
     >>> [axes.get_ylabel() for axes in drawing.axes]
     ['$v$', '$x$']
     """
-    panels = read_panels(panels, ("a", "b"), ax)
+    panels = read_panels(panels, "ab", ax)
     if step is None:
         step = check.first_wrong.step if check.first_wrong else 0
     step = whole_number("step", step, 0, len(check.t) - 2)
-    motion = _exact(check, step)
-    if ax is not None:
-        drawing = figure_of(ax)
-        _step_panel(ax, check, step, motion, panels)
-        ax.legend()
-        return drawing
-    with style_for(ax):
-        drawing = Drawing(figsize=(4.6, 1.0 + 1.9 * len(panels)), layout="constrained")
-        axes = drawing.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-        for each, letter in zip(axes, panels, strict=True):
-            _step_panel(each, check, step, motion, letter)
-        axes[-1].set_xlabel("$t$")
-        drawing.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
-    return drawing
-
-
-def _exact(check: CrossCheck, step: int) -> Trajectory | None:
-    """Return the exact motion over the step from its first sample; None for a step of length 0."""
     begin, end = float(check.t[step]), float(check.t[step + 1])
-    if not end > begin:
-        return None
-    x0, v0 = float(check.x[step]), float(check.v[step])
-    return simulate(check.trajectory.parameters, t0=begin, x0=x0, v0=v0, t_end=end)
+    start: Record = {"t0": begin, "x0": float(check.x[step]), "v0": float(check.v[step])}
+    motion = simulate(check.trajectory.parameters, **start, t_end=end) if end > begin else None
+    with style_for(ax):
+        drawing, row = panel_axes(ax, panels, (4.6, 1.0 + 1.9 * len(panels)), stacked=True)
+        for axes, letter in zip(row, panels, strict=True):
+            _step_panel(axes, check, step, motion, letter)
+        row[-1].set_xlabel("$t$")
+        add_legend(drawing, ax, legend_entries(row[:1]), 2)
+    return drawing
 
 
 def _step_panel(ax: Axes, check: CrossCheck, step: int, motion: Trajectory | None, letter: str) -> None:
@@ -416,17 +377,6 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
     ----------
     certificate : Certificate
         Of a trajectory or an orbit; what is proven of a branch or a window are no events.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into; their figure is returned.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If that is no Certificate, or has no enclosures of events, or `ax` are no axes.
 
     Examples
     --------

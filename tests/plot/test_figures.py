@@ -35,7 +35,6 @@ from symosc import (
 )
 from symosc.display.drawable import Drawable
 from symosc.plot import drawing
-from symosc.plot.drawing import PanelAxes
 from symosc.plot.panels import SHAPES, view_of
 
 # -- answers, and axes of a user's own --------------------------------------------------------------------------------
@@ -380,46 +379,6 @@ def test_sticks_are_shaded_and_jumps_of_force_joined(boundary: int) -> None:
         assert ends == pytest.approx(expected.reshape(-1, 4), abs=1e-9)
         joined += len(crossings)
     assert joined
-
-
-# -- the layout -------------------------------------------------------------------------------------------------------
-
-
-#: Figures with insets, with six panels, in one column, with long numbers, and with many marks.
-FIGURES: dict[str, dict[str, Any]] = {
-    "fig8": {"columns": 1, "panels": "abcd"},
-    "fig5": {},
-    "fig9": {"panels": "abcdefg"},
-    "fig10": {"panels": "ag", "t_end": 60},
-}
-
-
-def places(drawing: Any) -> np.ndarray:
-    """Return where all axes are once a figure is laid out."""
-    drawing.draw_without_rendering()
-    return np.array([axes.get_position().extents for axes in drawing.axes])
-
-
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("name", FIGURES)
-def test_axes_are_where_matplotlib_puts_them(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    ours = places(plot.figure(name, **FIGURES[name]))
-    monkeypatch.setattr(PanelAxes, "get_tightbbox", Axes.get_tightbbox)
-    np.testing.assert_allclose(ours, places(plot.figure(name, **FIGURES[name])), atol=1e-9)
-
-
-@pytest.mark.slow
-def test_what_changes_between_two_drawings_is_measured_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    def changed() -> np.ndarray:
-        drawing = plot.figure(simulate("fig5", t_end=3), panels="ab")
-        places(drawing)
-        drawing.axes[1].set_ylabel("two\nlines\nand a third")
-        drawing.axes[0].tick_params(labelsize=30)
-        return places(drawing)
-
-    ours = changed()
-    monkeypatch.setattr(PanelAxes, "get_tightbbox", Axes.get_tightbbox)
-    np.testing.assert_allclose(ours, changed(), atol=1e-9)
 
 
 # -- bad input --------------------------------------------------------------------------------------------------------
