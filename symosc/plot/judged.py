@@ -27,7 +27,6 @@ from symosc.exact import whole_number
 from symosc.files import check_folder_of, write_text
 from symosc.plot.drawing import (
     STYLE,
-    Drawing,
     add_legend,
     legend_entries,
     one_axes,
@@ -220,32 +219,28 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     check_folder_of(path)
-    environment = Environment(
-        loader=PackageLoader("symosc.plot", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    loader = PackageLoader("symosc.plot", "templates")
+    trim: Record = {"trim_blocks": True, "lstrip_blocks": True}
+    environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, **trim)
     return write_text(path, environment.get_template("crosscheck.html.j2").render(page(check)))
 
 
 def page(check: CrossCheck) -> Record:
-    """Return the HTML page of a cross-check."""
-    p, events = check.trajectory.parameters, list(_events(check))
+    """Return what the page of a cross-check shows."""
+    events = list(_events(check))
     return {
         "ok": check.ok,
         "verdict": _verdict(check),
         "facts": _facts(check),
         "diagnosis": [_diagnosis(one) for one in check.diagnosis],
-        "first": _fault(check.first_wrong),
+        "first": _fault(check.first_wrong) if check.first_wrong else None,
         "pictures": list(_pictures(check)),
         "events": events[:MOST_ROWS],
         "more_events": max(0, len(events) - MOST_ROWS),
         "wrong": [_fault(fault) for fault in check.faults[:MOST_ROWS]],
         "wrong_count": len(check.wrong_steps),
         "shown": ROWS_SHOWN,
-        "parameters": p.as_dict(),
+        "parameters": check.trajectory.parameters.as_dict(),
         "notes": check.notes,
     }
 
@@ -289,12 +284,10 @@ def _diagnosis(one: Diagnosis) -> Record:
     }
 
 
-def _fault(fault: Fault | None) -> Record | None:
+def _fault(fault: Fault) -> Record:
     """Return a wrong step as values for the page."""
     from symosc.crosschecks.causes import REASONS
 
-    if fault is None:
-        return None
     return {
         "step": fault.step,
         "t": f"{fault.t:.10g}",
@@ -421,8 +414,8 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        A column per case, in groups. In the lower part the largest error in units of the problem's rounding; above,
-        the cases with events missed, invented or of a wrong kind, or too large an error, and those without results.
+        A column per case, in groups: below, the largest error in units of the problem's rounding; above, the cases with
+        wrong events or too large an error, and those without results.
 
     Examples
     --------
@@ -436,13 +429,16 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     if not len(scores):
         raise ParameterError("scores", scores, "must be one or more")
     with rc_context(STYLE):
-        drawing = Drawing(figsize=(10.0, 4.2), layout="constrained")
-        ax = drawing.subplots()
-        for i, score in enumerate(scores):
-            _draw_solver(ax, score, i, len(scores))
+        drawing, ax = one_axes(None, (10.0, 4.2))
+        for i, each in enumerate(scores):
+            shift = 0.8 * ((i + 0.5) / len(scores) - 0.5)
+            heights = [(k + shift, _height(case)) for k, case in enumerate(each.cases)]
+            drawn = [(at, height) for at, height in heights if height is not None]
+            if drawn:
+                ax.plot(*zip(*drawn, strict=True), linestyle="none", **_mark_of(i))
         _label_groups(ax, scores[0].cases)
         _label_heights(ax)
-        names = [Line2D([], [], linestyle="none", label=score.name, **_mark_of(i)) for i, score in enumerate(scores)]
+        names = [Line2D([], [], linestyle="none", label=each.name, **_mark_of(i)) for i, each in enumerate(scores)]
         drawing.legend(handles=names, loc="outside upper right", ncols=min(4, len(names)), frameon=False)
     return drawing
 
@@ -451,14 +447,6 @@ def _mark_of(i: int) -> Record:
     """Return the style of the i-th solver's marks."""
     mark = SOLVER_MARKS[(i + i // len(SOLVER_COLOURS)) % len(SOLVER_MARKS)]
     return {"color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)], "marker": mark, "markersize": 3.2, "markeredgewidth": 0}
-
-
-def _draw_solver(ax: Axes, score: Score, i: int, count: int) -> None:
-    """Draw the score of a solver."""
-    shift = (i + 0.5) / count - 0.5
-    points = [(k + 0.8 * shift, _height(case)) for k, case in enumerate(score.cases)]
-    drawn = [(at, height) for at, height in points if height is not None]
-    ax.plot(*zip(*drawn, strict=True), linestyle="none", **_mark_of(i)) if drawn else None
 
 
 def _height(case: CaseScore) -> float | None:

@@ -15,8 +15,7 @@ from symosc import MissingExtraError
 TABLES = ["trajectory", "trajectory in digits", "trajectory without events", "branch", "events", "summary"]
 
 
-@pytest.mark.parametrize("kind", TABLES)
-@pytest.mark.parametrize("package", ["pandas", "xarray"])
+@pytest.mark.parametrize(("kind", "package"), [*zip(TABLES, ["pandas", "xarray"] * 3, strict=True)])
 def test_a_missing_package_is_named(kind: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(MissingExtraError, match=rf"a table of {package} needs .*symosc\[sweep\]"):
