@@ -15,7 +15,6 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.ticker import ScalarFormatter
 
 from symosc.arguments import public
 from symosc.errors import OutputError, ParameterError
@@ -30,8 +29,7 @@ STYLE: dict[Any, Any] = {
     "axes.labelsize": 9.0,
     "axes.titlesize": 9.0,
     "axes.linewidth": 0.6,
-    "axes.formatter.use_mathtext": True,
-    "axes.unicode_minus": False,
+    "axes.formatter.use_mathtext": False,  # mathtext takes ten times as long at ticks
     "xtick.labelsize": 8.0,
     "ytick.labelsize": 8.0,
     "xtick.direction": "in",
@@ -55,30 +53,11 @@ PARAMETER_LABELS = {"A0": "$A_0$", "B0": "$B_0$", "Omega": r"$\Omega$", "FN": "$
 NOTEBOOK_DPI = 120.0
 
 
-class PlainNumbers(ScalarFormatter):
-    """A tick formatter with plain text: mathtext takes ten times as long and looks the same."""
-
-    def __call__(self, x: float, pos: int | None = None) -> str:
-        """Return the number at a tick; the power of ten of an axis is still mathtext."""
-        text = super().__call__(x, pos)
-        return text.removeprefix(r"$\mathdefault{").removesuffix("}$").replace("-", "\N{MINUS SIGN}")
-
-
-def use_plain_tick_labels(axes: Iterable[Axes]) -> None:
-    """Set plain-text tick labels on axes and their inset axes, in place of mathtext."""
-    for each in axes:
-        for axis in (each.xaxis, each.yaxis):
-            if type(axis.get_major_formatter()) is ScalarFormatter and axis.isDefault_majfmt:
-                axis.set_major_formatter(PlainNumbers())
-        use_plain_tick_labels(child for child in each.child_axes if isinstance(child, Axes))
-
-
 class Drawing(Figure):
     """A matplotlib Figure that notebooks display."""
 
     def draw(self, renderer: Any) -> None:
         """Draw the figure; saving draws twice, the first time only for the layout."""
-        use_plain_tick_labels(self.axes)
         layout = self.get_layout_engine()
         if isinstance(layout, ConstrainedLayoutEngine) and self.canvas.is_saving():
             layout.execute(self)

@@ -38,7 +38,6 @@ from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from symosc.crosschecks.causes import Diagnosis, Fault
     from symosc.reference.score import CaseScore, Score
 
 POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d7191c", "#e08214"
@@ -227,21 +226,20 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
 
 def page(check: CrossCheck) -> Record:
     """Return what the page of a cross-check shows."""
+    from symosc.crosschecks.causes import CAUSES, REASONS
+
     events = list(_events(check))
     return {
-        "ok": check.ok,
+        "check": check,
         "verdict": _verdict(check),
         "facts": _facts(check),
-        "diagnosis": [_diagnosis(one) for one in check.diagnosis],
-        "first": _fault(check.first_wrong) if check.first_wrong else None,
+        "causes": CAUSES,
+        "reasons": REASONS,
         "pictures": list(_pictures(check)),
         "events": events[:MOST_ROWS],
         "more_events": max(0, len(events) - MOST_ROWS),
-        "wrong": [_fault(fault) for fault in check.faults[:MOST_ROWS]],
-        "wrong_count": len(check.wrong_steps),
+        "wrong": list(check.faults[:MOST_ROWS]),
         "shown": ROWS_SHOWN,
-        "parameters": check.trajectory.parameters.as_dict(),
-        "notes": check.notes,
     }
 
 
@@ -266,39 +264,6 @@ def _facts(check: CrossCheck) -> list[tuple[str, str]]:
                    f"{len(check.unresolved)} not decided"),
         ("Digits", ", ".join(f"{name} to {text}" for name, text in check.rounded.items()) or "those of doubles"),
     ]  # fmt: skip
-
-
-def _diagnosis(one: Diagnosis) -> Record:
-    """Return a diagnosis as values for the page."""
-    from symosc.crosschecks.causes import CAUSES
-
-    error = f" ± {one.error:.2g}" if one.error else ""
-    estimate = "" if one.value is None else f"{one.value:.10g}{error}"
-    return {
-        "title": CAUSES[one.cause],
-        "words": one.words,
-        "evidence": one.evidence,
-        "estimate": estimate,
-        "share": f"{max(0.0, min(one.share, 1.0)):.0%}" if one.share else "",
-        "others": [f"{other.words} ({other.evidence})" for other in one.alternatives],
-    }
-
-
-def _fault(fault: Fault) -> Record:
-    """Return a wrong step as values for the page."""
-    from symosc.crosschecks.causes import REASONS
-
-    return {
-        "step": fault.step,
-        "t": f"{fault.t:.10g}",
-        "t_next": f"{fault.t_next:.10g}",
-        "x": f"{fault.defect_x:.1e}",
-        "v": f"{fault.defect_v:.1e}",
-        "expected": fault.expected,
-        "found": fault.found or "passing",
-        "reason": REASONS[fault.reason].capitalize(),
-        "words": fault.words,
-    }
 
 
 def _events(check: CrossCheck) -> Iterator[Record]:

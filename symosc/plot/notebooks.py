@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from decimal import Decimal
-from math import cos, pi, sin
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from symosc.aliases import Record
 from symosc.certificates.certificate import Certificate, common_complex, common_digits
 from symosc.crosschecks.report import CrossCheck
 from symosc.display.drawable import register
-from symosc.display.html import MOST_POINTS, PICTURE_HEIGHT, curve, ends, facts, page, picture, shown, table
+from symosc.display.html import MOST_POINTS, curve, ends, facts, page, shown, table
 from symosc.grazing.window import GrazingWindow
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
@@ -92,10 +91,6 @@ def cut(text: str) -> str:
     return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 1]}…"
 
 
-# The radius of the ring of phases, and the width of a window's part of it.
-RADIUS, RING = 42.0, 10.0
-
-
 def orbit_page(orbit: PeriodicOrbit) -> str:
     """Return the page of a periodic orbit: its switching points, its multipliers, and its loop in the phase plane."""
     rows = [[label, shown(float(t)), shown(float(x))] for label, (t, x) in zip(orbit.labels, orbit.points, strict=True)]
@@ -143,7 +138,7 @@ def branch_page(branch: Branch) -> str:
 
 
 def window_page(window: GrazingWindow) -> str:
-    """Return the page of a grazing window: its intervals, its case, and the phases as a dial."""
+    """Return the page of a grazing window: its intervals and its case."""
     place = window.place
     rows = [
         ["[" if low_closed else "(", low, high, "]" if high_closed else ")"]
@@ -153,32 +148,7 @@ def window_page(window: GrazingWindow) -> str:
     line = f"{window.mapping}: domain {place.domain} at belt {place.boundary}, Ω t mod 2π"
     line += "" if rows else ": empty, no phase grazes"
     intervals = _table(("", "from", "to", ""), rows)
-    return page("GrazingWindow", line, intervals, _dial(window), facts(values))
-
-
-def _dial(window: GrazingWindow) -> Markup:
-    """Return the phases as a ring, 0 at the right, counterclockwise; the window's part is thick."""
-    ring = Markup('<circle cx="0" cy="0" r="{}" fill="none" stroke="currentColor" stroke-opacity="0.4"/>')
-    arcs = [_arc(low, high) for low, high, *_ in window.intervals]
-    names = [
-        Markup(
-            '<text x="{:.1f}" y="{:.1f}" font-size="10" fill="currentColor" text-anchor="middle" '
-            'dominant-baseline="central">{}</text>'
-        ).format(56 * cos(angle), -56 * sin(angle), name)
-        for angle, name in ((0, "0"), (pi / 2, "π/2"), (pi, "π"), (3 * pi / 2, "3π/2"))
-    ]
-    inside = Markup("").join([ring.format(RADIUS), *arcs, *names])
-    said = " and ".join(f"{low:.4g} to {high:.4g}" for low, high, *_ in window.intervals) or "none"
-    moved = Markup('<g transform="translate({} {})">{}</g>').format(PICTURE_HEIGHT / 2, PICTURE_HEIGHT / 2, inside)
-    return picture(f"phases that graze: {said}", moved, PICTURE_HEIGHT, PICTURE_HEIGHT)
-
-
-def _arc(low: float, high: float) -> Markup:
-    """Return an arc as an SVG path."""
-    angles = np.linspace(low, high, max(2, int(40 * (high - low))))
-    points = " ".join(f"{RADIUS * cos(angle):.1f},{-RADIUS * sin(angle):.1f}" for angle in angles)
-    line = '<polyline points="{}" fill="none" stroke="#1f3fd6" stroke-width="{}"/>'
-    return Markup(line).format(points, RING)
+    return page("GrazingWindow", line, intervals, facts(values))
 
 
 def crosscheck_page(check: CrossCheck) -> str:

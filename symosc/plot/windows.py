@@ -71,10 +71,8 @@ def window_figure(
     windows : GrazingWindow or sequence of them
     plane : callable, optional
         Draws the grazing curve of a window on the switching plane, into axes of a third column.
-    panels : str, optional
-        Letters of the panels: a circle, b contacts. Default: both, with `ax` a.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw one panel of one window into; their figure is returned.
+    panels, ax : optional
+        As for `symosc.plot.figure`. The panels are a circle, b contacts. Default: both, with `ax` a.
 
     Examples
     --------
@@ -227,39 +225,33 @@ def sweep_figure(
     """
     low, high = _sweep_range(p, mapping, name, low, high)
     equalities = [q for q in _equalities(p, mapping, name) if low < q < high]
-    values = _values(low, high, equalities)
+    # Equality and 0, where the window changes its kind, with their neighbours.
+    near = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
+    edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in near]
+    values = np.union1d(np.linspace(low, high, SWEEP_POINTS), [edge for edge in edges if low <= edge <= high])
     found = grazing_windows(p, mapping, order, **{name: values})
     with style_for(ax):
         drawing, axes = one_axes(ax, (4.6, 3.4))
         _window_areas(axes, values, found, place(mapping).side * (values if name == "B0" else float(p.B0)))
-        _window_borders(axes, values, found)
+        label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
+        for curve in (found.theta_cr % TURN, pi - found.theta_cr):
+            if not np.isnan(curve).all():
+                broken = np.where(np.abs(np.diff(curve, prepend=curve[0])) > 3, np.nan, curve)  # at jumps by a turn
+                axes.plot(values, broken, color=CRITICAL_COLOR, linewidth=1.0, linestyle=DASHES, label=label)
+                label = None
         for q in equalities:
             for theta, belongs in critical_phases(grazing_window(p.replace(**{name: q}), mapping, order)):
                 draw_dot(axes, float(q), theta, belongs, "belongs to it" if belongs else "does not belong to it")
         axes.set(xlabel=f"${NAMES[name]}$", ylabel=PHASE_LABEL, xlim=(low, high), ylim=(0, TURN))
-        _mark_value(axes, float(getattr(p, name)))
+        value, width = float(getattr(p, name)), high - low
+        if low <= value <= high:  # a line, off the frame
+            axes.axvline(value, color="black", linewidth=0.9, linestyle=":", label="given value")
+            near_low, near_high = value - low < 0.02 * width, high - value < 0.02 * width
+            axes.set_xlim(low - 0.04 * width * near_low, high + 0.04 * width * near_high)
         axes.set_yticks(np.arange(5) * pi / 2, PHASE_TICKS)
         axes.set_title(f"grazing window of ${tex(mapping)}$, {order} order")
         add_legend(drawing, ax, legend_entries([axes]), 3)
     return drawing
-
-
-def _values(low: float, high: float, equalities: list[Fraction]) -> np.ndarray:
-    """Return sample values: equidistant ones, equality and 0 (where the window changes kind), and neighbours."""
-    steps = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
-    edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in steps]
-    even = np.linspace(low, high, SWEEP_POINTS)
-    return np.unique(np.concatenate([even, [edge for edge in edges if low <= edge <= high]]))
-
-
-def _mark_value(axes: Axes, value: float) -> None:
-    """Draw a line at the given value if it is on the axis, off the frame."""
-    low, high = axes.get_xlim()
-    if low <= value <= high:
-        axes.axvline(value, color="black", linewidth=0.9, linestyle=":", label="given value")
-        width = high - low
-        near_low, near_high = value - low < 0.02 * width, high - value < 0.02 * width
-        axes.set_xlim(low - 0.04 * width * near_low, high + 0.04 * width * near_high)
 
 
 def _sweep_range(p: Parameters, mapping: str, name: str, low: Any, high: Any) -> tuple[float, float]:
@@ -295,13 +287,13 @@ def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
     """Return the values of a parameter at which |k v_lambda| = |B0| Omega."""
     speed = p.belt(place(mapping).boundary)
     level, size = abs(p.k * speed), abs(p.B0 * p.Omega)
-    if name == "Omega":
-        return [level / abs(p.B0)] if p.B0 and level else []
-    if name == "B0":
-        return [sign * level / p.Omega for sign in (1, -1)] if level else []
-    if name == "k":
-        return [size / abs(speed)] if speed and size else []
-    return [sign * size / p.k for sign in (1, -1)] if p.k and size else []
+    product, factor = {
+        "Omega": (level, abs(p.B0)),
+        "B0": (level, p.Omega),
+        "k": (size, abs(speed)),
+    }.get(name, (size, p.k))
+    signs = (1,) if name in ("Omega", "k") else (1, -1)
+    return [sign * product / factor for sign in signs] if product and factor else []
 
 
 def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: Any) -> None:
@@ -318,17 +310,6 @@ def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: A
         if where.any():
             axes.fill_between(values, lower, upper, where=where, color=SHADE_COLOR, linewidth=0.4, label=label)
             label = "_"  # no second entry in the legend
-
-
-def _window_borders(axes: Axes, values: np.ndarray, found: Any) -> None:
-    """Draw Theta_cr and pi - Theta_cr, broken since not in the window, interrupted at jumps by a turn."""
-    if np.all(np.isnan(found.theta_cr)):
-        return
-    label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
-    for curve in (found.theta_cr % TURN, pi - found.theta_cr):
-        broken = np.where(np.abs(np.diff(curve, prepend=curve[0])) > 3, np.nan, curve)
-        axes.plot(values, broken, color=CRITICAL_COLOR, linewidth=1.0, linestyle=DASHES, label=label)
-        label = None
 
 
 # -- regions of two parameters -----------------------------------------------------------------------------------------
