@@ -35,7 +35,7 @@ from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from symosc.orbits.branch import Branch, BranchEnd
+    from symosc.orbits.branch import Branch
     from symosc.orbits.periodic_orbit import PeriodicOrbit
 
 #: Where figures of the shipped scenes end that run on for longer: what the paper's text speaks of fills the panels.
@@ -289,8 +289,7 @@ def _positions(ax: Axes, branch: Branch) -> None:
         for part, state in _runs(stability(branch)):
             style: Record = {"color": color, "ls": STABILITY_STYLES[state], "lw": 1.2, "label": name}
             ax.plot(branch.values[part], branch.points[part, i, 1], **style)
-        for end in branch.ends:
-            _mark(ax, end, end.points[i].x, color)
+        _mark_ends(ax, branch, [[end.points[i].x] for end in branch.ends], color)
         last = int(np.argmax(branch.values))
         place = branch.values[last], branch.points[last, i, 1]
         ax.annotate(f"$P_{label[1:]}$", place, (4, 0), textcoords="offset points", va="center", fontsize=8)
@@ -305,9 +304,7 @@ def _multipliers(ax: Axes, branch: Branch) -> None:
         for column in (0, 1):
             ax.plot(values, sizes[:, column], color="black", ls=STABILITY_STYLES[state], lw=1.2)
     sizes = np.abs(branch.multipliers)
-    for end, row in zip(branch.ends, (0, -1), strict=True):
-        for size in sizes[row]:
-            _mark(ax, end, size, "black")
+    _mark_ends(ax, branch, [sizes[0], sizes[-1]], "black")
     ax.axhline(1, color="0.4", lw=0.8, ls=UNIT, zorder=0, label="unit circle")
     top = max(float(sizes.max()), 1.0)
     ax.set_ylim(-0.04 * top, 1.12 * top)
@@ -339,11 +336,12 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
     return values, np.sort(np.abs(np.column_stack([trace + root, trace - root])) / 2)[:, ::-1]
 
 
-def _mark(ax: Axes, end: BranchEnd, height: float, color: str) -> None:
-    """Draw the mark of a branch end."""
-    if end.kind in END_MARKERS:
-        style: Record = {"ms": 5.0, "mfc": color, "mec": "white", "mew": 0.5, "zorder": 5, "clip_on": False}
-        ax.plot(end.value, height, linestyle="none", marker=END_MARKERS[end.kind], **style)
+def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> None:
+    """Draw marks for the kinds of the branch's two ends at these heights."""
+    style: Record = {"ms": 5.0, "mfc": color, "mec": "white", "mew": 0.5, "zorder": 5, "clip_on": False}
+    for end, places in zip(branch.ends, heights, strict=True):
+        for height in places if end.kind in END_MARKERS else ():
+            ax.plot(end.value, height, linestyle="none", marker=END_MARKERS[end.kind], **style)
 
 
 def _next_words(ax: Axes, branch: Branch) -> None:

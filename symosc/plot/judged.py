@@ -67,7 +67,7 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
     >>> [axes.get_ylabel() for axes in plot.crosscheck_figure(crosscheck("fig5", t, x, v), "ab").axes]
     ['global error', 'defect of the step']
     """
-    panels = read_panels(panels, CHECK_PANELS, ax)
+    panels = read_panels(panels, "abc", ax)
     lines: list[tuple[str, Any, str, str, float]] = [
         ("event, matched", [match.event for match in check.matched], RIGHT, "-", 0.7),
         ("event, missed", check.missed, WRONG, "--", 1.1),
@@ -76,7 +76,7 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
     with style_for(ax):
         drawing, row = panel_axes(ax, panels, (7.0, 0.8 + 1.6 * len(panels)), stacked=True, letter_at=-0.07)
         for axes, letter in zip(row, panels, strict=True):
-            CHECK_PANELS[letter](axes, check)
+            _check_panel(axes, check, letter)
             for label, events, color, style, width in lines:
                 for event in events:
                     axes.axvline(float(event.t), color=color, ls=style, lw=width, zorder=0, label=label)
@@ -84,22 +84,6 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
         row[-1].set_xlabel("$t$")
         add_legend(drawing, ax, legend_entries(row), 5, handlelength=1.8, columnspacing=1.4)
     return drawing
-
-
-def _global_errors(ax: Axes, check: CrossCheck) -> None:
-    """Draw the global errors."""
-    _errors(ax, check.t, check.errors, check.scales, check.limits)
-    ax.set_ylabel("global error")
-
-
-def _defects(ax: Axes, check: CrossCheck) -> None:
-    """Draw the defects of the steps."""
-    _errors(ax, check.t[1:], check.defects, check.scales, check.allowed)
-    wrong = check.wrong_steps
-    if len(wrong):
-        worst = np.max(np.abs(check.defects[wrong]) / check.scales, axis=1)
-        ax.plot(check.t[wrong + 1], worst, "x", color=WRONG, ms=5, label="wrong step")
-    ax.set_ylabel("defect of the step")
 
 
 def _errors(ax: Axes, t: np.ndarray, errors: np.ndarray, scales: tuple[float, float], limits: np.ndarray) -> None:
@@ -120,18 +104,23 @@ def _errors(ax: Axes, t: np.ndarray, errors: np.ndarray, scales: tuple[float, fl
     ax.set_yscale("log")
 
 
-def _velocity(ax: Axes, check: CrossCheck) -> None:
-    """Draw the velocity of the samples and the exact motion."""
-    p = check.trajectory.parameters
-    ax.plot(check.t, check.v, color=VELOCITY, lw=0.8)
-    low, high = float(np.min(check.v)), float(np.max(check.v))
-    for speed in (float(p.v1), float(p.v2)):
-        if low - (high - low) <= speed <= high + (high - low):
-            ax.axhline(speed, color="black", lw=0.8, label="belt")
-    ax.set_ylabel(r"$\dot{x}$")
-
-
-CHECK_PANELS = {"a": _global_errors, "b": _defects, "c": _velocity}
+def _check_panel(ax: Axes, check: CrossCheck, letter: str) -> None:
+    """Draw the global errors (a), the defects of the steps (b) or the velocity of the samples (c)."""
+    ax.set_ylabel({"a": "global error", "b": "defect of the step", "c": r"$\dot{x}$"}[letter])
+    if letter == "a":
+        _errors(ax, check.t, check.errors, check.scales, check.limits)
+    elif letter == "b":
+        _errors(ax, check.t[1:], check.defects, check.scales, check.allowed)
+        wrong = check.wrong_steps
+        if len(wrong):
+            worst = np.max(np.abs(check.defects[wrong]) / check.scales, axis=1)
+            ax.plot(check.t[wrong + 1], worst, "x", color=WRONG, ms=5, label="wrong step")
+    else:
+        ax.plot(check.t, check.v, color=VELOCITY, lw=0.8)
+        low, high = float(np.min(check.v)), float(np.max(check.v))
+        for speed in (float(check.trajectory.parameters.belt(belt)) for belt in (1, 2)):
+            if low - (high - low) <= speed <= high + (high - low):
+                ax.axhline(speed, color="black", lw=0.8, label="belt")
 
 
 @public
@@ -402,7 +391,15 @@ def score_figure(scores: Sequence[Score]) -> Figure:
             if drawn:
                 ax.plot(*zip(*drawn, strict=True), linestyle="none", **_mark_of(i))
         _label_groups(ax, scores[0].cases)
-        _label_heights(ax)
+        powers = (-3, 0, 3, 6, 9)
+        labels = [*(f"$10^{{{n}}}$" for n in powers), "wrong", "no result"]
+        ax.set(
+            yscale="log", ylim=(LEAST_UNITS / 2, TOP_OF_ALL), ylabel="largest error, in units of condition · 10$^{-16}$"
+        )
+        ax.set_yticks([*(10.0**n for n in powers), FAULTY, ABSENT], labels)
+        ax.minorticks_off()
+        ax.axhline(1, color="0.5", linewidth=0.6, linestyle="--", zorder=0)
+        ax.axhline(MOST_UNITS * 10, color="0.3", linewidth=0.6)
         names = [Line2D([], [], linestyle="none", label=each.name, **_mark_of(i)) for i, each in enumerate(scores)]
         drawing.legend(handles=names, loc="outside upper right", ncols=min(4, len(names)), frameon=False)
     return drawing
@@ -437,15 +434,3 @@ def _label_groups(ax: Axes, cases: Sequence[CaseScore]) -> None:
     ax.set_xticks(ticks, names, rotation=40, ha="right", rotation_mode="anchor")
     ax.tick_params(axis="x", length=0)
     ax.set_xlim(-0.5, begin - 0.5)
-
-
-def _label_heights(ax: Axes) -> None:
-    """Write the labels of the vertical axis."""
-    ax.set_yscale("log")
-    ax.set_ylim(LEAST_UNITS / 2, TOP_OF_ALL)
-    marks = [10.0**n for n in (-3, 0, 3, 6, 9)]
-    ax.set_yticks([*marks, FAULTY, ABSENT], [*(f"$10^{{{n}}}$" for n in (-3, 0, 3, 6, 9)), "wrong", "no result"])
-    ax.minorticks_off()
-    ax.axhline(1, color="0.5", linewidth=0.6, linestyle="--", zorder=0)
-    ax.axhline(MOST_UNITS * 10, color="0.3", linewidth=0.6)
-    ax.set_ylabel("largest error, in units of condition · 10$^{-16}$")

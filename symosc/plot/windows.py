@@ -404,24 +404,17 @@ def _region_areas(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, all
     """Shade the region, hatch forbidden values, and return the legend entries."""
     shown = []
     both = np.minimum(inside.values, allowed.values)
-    if (both > 0).any():
-        _area(axes, x, y, both, INSIDE)
-        shown.append(Patch(label="inside", **INSIDE))
-    else:
+    if not (both > 0).any():
         box = {"facecolor": "white", "linewidth": 0}
         axes.text(0.5, 0.5, "nowhere here", transform=axes.transAxes, ha="center", bbox=box)
-    if (allowed.values < 0).any():
-        _area(axes, x, y, -allowed.values, FORBIDDEN)
-        shown.append(Patch(label="not allowed", **FORBIDDEN))
+    for label, values, style in (("inside", both, INSIDE), ("not allowed", -allowed.values, FORBIDDEN)):
+        if (values > 0).any():
+            finite, hatch = np.nan_to_num(values, posinf=1.0, neginf=-1.0), style.get("hatch")
+            filled: Record = {"colors": [style["facecolor"]], "hatches": [hatch], "zorder": 0}
+            area = axes.contourf(x, y, finite, [0, np.inf], **filled)
+            area.set(edgecolor=style["edgecolor"] if hatch else style["facecolor"], linewidth=0)
+            shown.append(Patch(label=label, **style))
     return shown
-
-
-def _area(axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray, style: Record) -> None:
-    """Fill the points with positive values."""
-    finite = np.nan_to_num(values, posinf=1.0, neginf=-1.0)
-    hatches = [style.get("hatch")]
-    area = axes.contourf(x, y, finite, [0, np.inf], colors=[style["facecolor"]], hatches=hatches, zorder=0)
-    area.set(edgecolor=style["edgecolor"] if "hatch" in style else style["facecolor"], linewidth=0)
 
 
 def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, allowed: _Margin) -> list[Any]:

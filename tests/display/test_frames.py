@@ -52,7 +52,7 @@ def test_points_of_a_branch() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", TABLES)
+@pytest.mark.parametrize("kind", TABLES[::3])
 def test_tables_go_into_files(kind: str, tmp_path: Path) -> None:
     xarray = pytest.importorskip("xarray")
     dataset: Any = answer(kind).to_xarray()

@@ -183,8 +183,9 @@ def test_micro_sticks_are_magnified() -> None:
 
 @pytest.mark.slow
 def test_files_by_suffix_the_same_each_time(tmp_path: Path) -> None:
+    drawings = [plot.figure("fig5", t_end=2, panels="c") for _ in "ab"]
     for suffix, start in MAGIC.items():
-        paths = [plot.save(plot.figure("fig5", t_end=2, panels="c"), tmp_path / f"{n}{suffix}") for n in "ab"]
+        paths = [plot.save(drawing, tmp_path / f"{n}{suffix}") for n, drawing in zip("ab", drawings, strict=True)]
         first, second = (path.read_bytes() for path in paths)
         assert first.startswith(start)
         assert first == second

@@ -62,12 +62,6 @@ def test_the_given_value_is_inside_the_frame() -> None:
             assert min(value - left, right - value) > 0.015 * (right - left), (p, name, low, high)
 
 
-def test_phases_at_equality_are_named_in_the_legend() -> None:
-    for order, label in (("full", "belongs to it"), ("paper", "does not belong to it")):
-        drawing = plot.sweep_figure(FIG9, "P2", "Omega", order=order)
-        assert label in [text.get_text() for text in drawing.legends[0].get_texts()]
-
-
 @pytest.mark.slow
 def test_where_nothing_is_drawn_there_is_no_scale() -> None:
     p = load_scene("fig8").parameters

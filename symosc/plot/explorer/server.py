@@ -245,7 +245,7 @@ def pictures() -> dict[str, Any]:
         "dial": _dial(sources),
         "displacement": _in_time(sources, ranges, "x", "position x [m]"),
         "velocity": _in_time(sources, ranges, "v", "velocity v [m/s]"),
-        "forces": _forces(sources, ranges),
+        "forces": _in_time(sources, ranges, "F", "force per mass F [m/s²]"),
     }
 
 
@@ -297,12 +297,6 @@ def _belts(plot: Any) -> None:
     plot.add_layout(names, "right")
 
 
-def _shade(plot: Any, sources: dict[str, ColumnDataSource]) -> None:
-    """Shade the sticks, darker on belt 2."""
-    style = {"fill_color": "shade", "line_color": None, "level": "underlay"}
-    plot.vstrip(x0="since", x1="until", source=sources["sticks"], **style)
-
-
 def _plane(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> Any:
     """Return the plot of the phase plane."""
     plot = _plot("position x [m]", "velocity v [m/s]", ranges["x"], ranges["v"], TALL, name="plane")
@@ -313,24 +307,19 @@ def _plane(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> 
 
 
 def _in_time(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], name: str, label: str) -> Any:
-    """Return the plot of one quantity against time."""
-    plot = _plot("time t [s]", label, ranges["t"], ranges[name], LOW, name=f"{name}-of-t")
-    _shade(plot, sources)
-    plot.line("t", name, source=sources["curves"], line_color=MASS_COLOR, line_width=1.8)
-    if name == "v":
-        _belts(plot)
-    _marks(plot, sources, "t", name)
-    plot.add_tools(CrosshairTool(dimensions="height", line_color="#8a8f98"))
-    return plot
-
-
-def _forces(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> Any:
-    """Return the plot of the forces."""
-    plot = _plot("time t [s]", "force per mass F [m/s²]", ranges["t"], ranges["F"], LOW + 40, name="F-of-t")
-    _shade(plot, sources)
-    plot.add_layout(Span(dimension="width", location=0, line_color="#5b616e", line_width=1))
-    for domain, (color, dash) in FORCES.items():
-        plot.line("t", f"F{domain}", source=sources["curves"], line_color=color, line_dash=dash, line_width=1.8)
+    """Return the plot of x, v or the forces F against time, with the sticks shaded, darker on belt 2."""
+    plot = _plot("time t [s]", label, ranges["t"], ranges[name], LOW + 40 * (name == "F"), name=f"{name}-of-t")
+    style = {"fill_color": "shade", "line_color": None, "level": "underlay"}
+    plot.vstrip(x0="since", x1="until", source=sources["sticks"], **style)
+    if name == "F":
+        plot.add_layout(Span(dimension="width", location=0, line_color="#5b616e", line_width=1))
+        for domain, (color, dash) in FORCES.items():
+            plot.line("t", f"F{domain}", source=sources["curves"], line_color=color, line_dash=dash, line_width=1.8)
+    else:
+        plot.line("t", name, source=sources["curves"], line_color=MASS_COLOR, line_width=1.8)
+        if name == "v":
+            _belts(plot)
+        _marks(plot, sources, "t", name)
     plot.add_tools(CrosshairTool(dimensions="height", line_color="#8a8f98"))
     return plot
 
