@@ -48,8 +48,8 @@ MOST_LEVELS = 24
 
 def read_column(dataset: Any, name: Any) -> Any:
     """Return a column of a result without dimensions of length 1; raise ParameterError if there is none."""
-    if not hasattr(dataset, "data_vars") or "status" not in dataset:
-        raise ParameterError("dataset", type(dataset).__name__, "must be a Dataset; sweep(...) makes one")
+    if "status" not in dataset:
+        raise ParameterError("dataset", type(dataset).__name__, "must be what sweep(...) returns, with its status")
     names = [str(each) for each in dataset.data_vars]
     if name is None:
         name = "section" if "section" in names else names[0]

@@ -7,6 +7,7 @@ import pytest
 from answers import answer
 from bad_values import refused
 from matplotlib.colors import to_rgb
+from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from small_sweeps import made_up
 
@@ -127,8 +128,9 @@ def test_numbers_are_shades_with_lines() -> None:
     drawing = plot.map_figure(dataset)
     assert drawing.axes[1].get_ylabel() == "share of time stuck"
     assert drawing.legends == []
-    constant = made_up(OVER, stuck=lambda cells: 0 * cells["FN"])
-    plot.map_figure(constant)
+    constant = plot.map_figure(made_up(OVER, stuck=lambda cells: 0 * cells["FN"]))
+    lines = [sum(isinstance(part, QuadContourSet) for part in each.axes[0].collections) for each in (drawing, constant)]
+    assert lines == [1, 0]
     many = made_up(OVER, events=lambda cells: (100 * cells["FN"] * cells["Omega"]).astype(int))
     assert len(plot.map_figure(many).axes) == 2
 
@@ -150,6 +152,7 @@ def test_what_is_no_map() -> None:
     refused(lambda: plot.map_figure(three.isel(k=0, FN=0)), "dataset")
     refused(lambda: plot.map_figure(three, "words"), "name")
     refused(lambda: plot.map_figure({}), "dataset")  # type: ignore[arg-type]
+    refused(lambda: plot.swept_figure(three.drop_vars("status")), "dataset")
 
 
 # -- the form that fits -----------------------------------------------------------------------------------------------

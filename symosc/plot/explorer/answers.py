@@ -241,8 +241,10 @@ def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
 def _shown(scene: Scene, trajectory: Trajectory) -> Record:
     """Return the values for plots, texts and table."""
     view = view_of(trajectory, None, SAMPLING)
-    curves = {"t": view.t, "x": view.x, "v": view.v}
-    curves |= {f"F{domain}": np.asarray(trajectory.force(domain, view.t)) for domain in (1, 2, 3)}
+    F1, begin = np.asarray(trajectory.force(1, view.t)), trajectory.t_start
+    # F^(1) - F^(domain) is the same in every state.
+    steps = {f"F{domain}": float(trajectory.force(1, begin) - trajectory.force(domain, begin)) for domain in (2, 3)}
+    curves = {"t": view.t, "x": view.x, "v": view.v, "F1": F1} | {name: F1 - step for name, step in steps.items()}
     ranges = _ranges(view, curves)
     windows = [grazing_window(scene.parameters, mapping) for mapping in PLACES]
     hint = " (symosc simulate --digits)" if trajectory.status == "undecidable" else ""
@@ -303,13 +305,13 @@ def _ranges(view: View, curves: dict[str, np.ndarray]) -> dict[str, tuple[float,
     """Return the range of each axis: the curve, the belts nearby, and zero for forces, with a margin."""
     p = view.trajectory.parameters
     shown = {
-        "x": [*view.x],
-        "v": [*view.v, *(float(p.belt(belt)) for belt in view.belts())],
-        "F": [0.0, curves["F3"].min(), curves["F1"].max()],
+        "x": view.x,
+        "v": np.append(view.v, [float(p.belt(belt)) for belt in view.belts()]),
+        "F": np.concatenate([[0.0], curves["F1"], curves["F3"]]),
     }
     ranges = {"t": (float(view.t[0]), float(view.t[-1]))}
     for name, values in shown.items():
-        low, high = float(min(values)), float(max(values))
+        low, high = float(values.min()), float(values.max())
         room = AXIS_MARGIN * (high - low) or AXIS_MARGIN * max(abs(low), 1.0)
         ranges[name] = low - room, high + room
     return ranges
