@@ -14,7 +14,7 @@ from tabulate import tabulate
 from symosc.display import progress
 from symosc.display.html import HEAD_ROWS, PICTURE_HEIGHT, PICTURE_WIDTH, TAIL_ROWS, curve, ends, table
 from symosc.display.progress import late_bar, pace, reporting
-from symosc.display.tables import plain_table
+from symosc.display.tables import plain_table, print_table
 
 # --- progress ---
 
@@ -118,6 +118,13 @@ def test_plain_tables_are_those_of_tabulate(seed: int) -> None:
     expected = tabulate(rows, heads, tablefmt="simple", disable_numparse=True, colalign=align)
     assert plain_table(heads, rows, decimals) == expected
     assert plain_table(heads, []).splitlines()[0].split() == " ".join(heads).split()
+
+
+def test_a_table_is_drawn_on_a_terminal_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    for shown, drawn in ((Terminal(), True), (io.StringIO(), False)):
+        monkeypatch.setattr(sys, "stdout", shown)
+        assert print_table(["t", "kind"], [["1.5", "stick"]], ["t"]) is drawn
+        assert ("stick" in shown.getvalue()) is drawn
 
 
 # --- pages ---
