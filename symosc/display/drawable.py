@@ -7,9 +7,8 @@ page and what writes a report about it, so that no answer imports a figure. `sym
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 Show = Callable[..., Any]
 Item = TypeVar("Item")
@@ -22,17 +21,13 @@ loaders: list[Callable[[], object]] = []
 page_loaders: list[Callable[[], object]] = []
 
 
-def register(kind: type | str, show: Show, what: str = "draw") -> None:
-    """Let ``answer.plot(**options)`` return ``show(answer, **options)`` for answers of a kind.
+def register(kind: type | str, show: Show, what: Literal["draw", "page", "write"] = "draw") -> None:
+    """Register what shows answers of a kind, which is a class or its qualified name.
 
-    A kind whose module is slow to load is given by its name, such as "symosc.simulation.trajectory.Trajectory".
+    "draw": ``answer.plot(**options)`` returns ``show(answer, **options)``. "page": notebooks show the HTML of
+    ``show(answer)``. "write": ``answer.to_html(path)`` returns ``show(answer, path)``.
     """
     _registered[what][kind if isinstance(kind, str) else _name(kind)] = show
-
-
-#: Let notebooks show ``page(answer)``, which is HTML; and let ``answer.to_html(path)`` return ``write(answer, path)``.
-register_page = partial(register, what="page")
-register_writer = partial(register, what="write")
 
 
 def _name(kind: type) -> str:
@@ -58,11 +53,8 @@ class Drawable:
         ----------
         **options
             As for that function: `plot.figure` for a Trajectory, `plot.orbit_figure` for a PeriodicOrbit,
-            `plot.branch_figure` for a Branch, `plot.window_figure` for a GrazingWindow, `plot.figure_grazing_curve` for
-            a GrazingCurve, `plot.region_figure` for a ParameterRegion, `plot.crosscheck_figure` for a CrossCheck,
-            `plot.events_figure` for an EventTable, `plot.summary_figure` for a Summary and `plot.certificate_figure`
-            for a Certificate. Those with panels take ``panels=``, and all take ``ax=`` for axes of your own, which hold
-            one panel.
+            `plot.branch_figure` for a Branch, `plot.window_figure` for a GrazingWindow and so on. Those with panels
+            take ``panels=``, and all take ``ax=`` for axes of your own, which hold one panel.
 
         Returns
         -------

@@ -86,7 +86,13 @@ def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) 
     line = Markup('<path d="{}" fill="none" stroke="currentColor" stroke-width="1.2"/>').format("".join(text))
     dot = Markup('<circle cx="{:.1f}" cy="{:.1f}" r="2.6" fill="#d7191c"/>')
     dots = [dot.format(across(one), PICTURE_HEIGHT - up(other)) for one, other in marks]
-    return picture(says, Markup("").join([line, *dots]), PICTURE_WIDTH, PICTURE_HEIGHT)
+    start = Markup('<svg xmlns="http://www.w3.org/2000/svg" role="img" width="{0}" height="{1}" viewBox="0 0 {0} {1}">')
+    frame = Markup(
+        '<title>{}</title><rect x="0.5" y="0.5" width="{}" height="{}" fill="none" stroke="currentColor" '
+        'stroke-opacity="0.25"/>{}</svg>'
+    )
+    inside = frame.format(says, PICTURE_WIDTH - 1, PICTURE_HEIGHT - 1, Markup("").join([line, *dots]))
+    return start.format(PICTURE_WIDTH, PICTURE_HEIGHT) + inside
 
 
 def _scale(values: np.ndarray, size: int) -> Any:
@@ -95,13 +101,3 @@ def _scale(values: np.ndarray, size: int) -> Any:
     middle, extent = low / 2 + high / 2, high - low
     gain = (size - 2 * PICTURE_MARGIN) / extent if extent > 0 else 0.0
     return lambda value: size / 2 + (value - middle) * gain
-
-
-def picture(says: str, inside: Markup, width: int, height: int) -> Markup:
-    """Return a small picture with its frame."""
-    start = Markup('<svg xmlns="http://www.w3.org/2000/svg" role="img" width="{}" height="{}" viewBox="0 0 {} {}">')
-    frame = Markup(
-        '<title>{}</title><rect x="0.5" y="0.5" width="{}" height="{}" fill="none" stroke="currentColor" '
-        'stroke-opacity="0.25"/>{}</svg>'
-    )
-    return start.format(width, height, width, height) + frame.format(says, width - 1, height - 1, inside)

@@ -2,9 +2,12 @@
 
 May import: everything up to reference. matplotlib is loaded with a figure's module, not earlier.
 
-To add a figure, write a module with a function that returns a matplotlib Figure, and name the function in
-``__init__.pyi``, and here if a result's ``.plot()`` calls it (`symosc.display.drawable`). A figure loads only what it
-needs: parts of scipy take longer to load than a figure takes to draw.
+Each function that draws returns a matplotlib Figure and raises ParameterError for bad arguments. ``ax=`` are axes of
+your own to draw one panel into; their figure is returned. ``panels=`` are letters of the panels to draw.
+
+To add a figure, write a module with such a function, and name the function in ``__init__.pyi``, and here if a result's
+``.plot()`` calls it (`symosc.display.drawable`). A figure loads only what it needs: parts of scipy take longer to load
+than a figure takes to draw.
 
 Examples
 --------
@@ -14,13 +17,12 @@ Examples
 4
 """
 
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 import lazy_loader
 
-from symosc.display.drawable import register, register_writer
+from symosc.display.drawable import register
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
@@ -42,12 +44,7 @@ DRAWN_BY = {
 
 def _draw(figure_name: str, answer: object, /, **options: Any) -> Any:
     """Draw a result by the plot function of this name."""
-    draw: Callable[..., Any] = __getattr__(figure_name)
-    return draw(answer, **options)
-
-
-for _kind, _name in DRAWN_BY.items():
-    register(_kind, partial(_draw, _name))
+    return __getattr__(figure_name)(answer, **options)
 
 
 def _write(answer: Any, path: Any) -> Any:
@@ -57,4 +54,6 @@ def _write(answer: Any, path: Any) -> Any:
     return write_page(answer, path)
 
 
-register_writer("symosc.crosschecks.report.CrossCheck", _write)
+for _kind, _name in DRAWN_BY.items():
+    register(_kind, partial(_draw, _name))
+register("symosc.crosschecks.report.CrossCheck", _write, "write")

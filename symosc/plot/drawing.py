@@ -5,7 +5,7 @@ A figure is built without pyplot, so that nothing global changes and nothing sta
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from contextlib import AbstractContextManager, nullcontext
 from io import BytesIO
 from pathlib import Path
@@ -15,13 +15,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.spines import Spine
-from matplotlib.text import Text
-from matplotlib.ticker import ScalarFormatter
-from matplotlib.transforms import Bbox
-from numpy import isfinite
 
-from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.errors import OutputError, ParameterError
 from symosc.files import STDOUT, read_path, write_whole
@@ -35,8 +29,7 @@ STYLE: dict[Any, Any] = {
     "axes.labelsize": 9.0,
     "axes.titlesize": 9.0,
     "axes.linewidth": 0.6,
-    "axes.formatter.use_mathtext": True,
-    "axes.unicode_minus": False,
+    "axes.formatter.use_mathtext": False,  # mathtext takes ten times as long at ticks
     "xtick.labelsize": 8.0,
     "ytick.labelsize": 8.0,
     "xtick.direction": "in",
@@ -60,72 +53,11 @@ PARAMETER_LABELS = {"A0": "$A_0$", "B0": "$B_0$", "Omega": r"$\Omega$", "FN": "$
 NOTEBOOK_DPI = 120.0
 
 
-class PlainNumbers(ScalarFormatter):
-    """A tick formatter with plain text: mathtext takes ten times as long and looks the same."""
-
-    def __call__(self, x: float, pos: int | None = None) -> str:
-        """Return the number at a tick; the power of ten of an axis is still mathtext."""
-        text = super().__call__(x, pos)
-        return text.removeprefix(r"$\mathdefault{").removesuffix("}$").replace("-", "\N{MINUS SIGN}")
-
-
-def use_plain_tick_labels(axes: Iterable[Axes]) -> None:
-    """Set plain-text tick labels on axes and their inset axes, in place of mathtext."""
-    for each in axes:
-        for axis in (each.xaxis, each.yaxis):
-            if type(axis.get_major_formatter()) is ScalarFormatter and axis.isDefault_majfmt:
-                axis.set_major_formatter(PlainNumbers())
-        use_plain_tick_labels(child for child in each.child_axes if isinstance(child, Axes))
-
-
-class PanelAxes(Axes):
-    """Axes with ticks inside, so that only labels, names and marks extend beyond them.
-
-    matplotlib lays a figure out twice, as axes of another size may have other ticks, and asks each axis for its labels
-    some nine times: more than half of the time that a figure takes. Here it is asked once, and again only if its ticks
-    are others.
-    """
-
-    def __init__(self, *args: Any, **options: Any) -> None:
-        #: For each axis its ticks, and how far its labels stood out of the axes on each side, in pixels.
-        self.labels_of: dict[Any, tuple[tuple[float, ...], tuple[float, ...]]] = {}
-        super().__init__(*args, **options)
-
-    def get_tightbbox(self, renderer: Any = None, **options: Any) -> Bbox | None:
-        """Return the box of the axes with everything that extends beyond them."""
-        ours = options.get("for_layout_only") and renderer and options.get("bbox_extra_artists") is None
-        if not ours or not self.get_visible() or self.yaxis.get_offset_text().get_text():  # titles give way to it
-            return super().get_tightbbox(renderer, **options)
-        inside = self.get_default_bbox_extra_artists()
-        titles = [each for each in self.get_children() if isinstance(each, Text) and each not in inside]
-        boxes: list[Any] = [self.get_window_extent(renderer)]
-        boxes += [self._with_labels(axis, renderer) for axis in (self.xaxis, self.yaxis)]
-        boxes += [each.get_tightbbox(renderer) for each in inside if not isinstance(each, Spine)]
-        for box in (title.get_window_extent(renderer) for title in titles):
-            middle = (box.x0 + box.x1) / 2  # margins at the side do not depend on a title's text
-            boxes.append(Bbox.from_extents(middle - 0.5, box.y0, middle + 0.5, box.y1) if box.width else box)
-        return Bbox.union([box for box in boxes if box is not None and isfinite(box.extents).all()])
-
-    def _with_labels(self, axis: Any, renderer: Any) -> Bbox:
-        """Return the box of these axes with the labels of one axis."""
-        inner: Any = self.bbox.extents
-        ticks = (*axis.get_view_interval(), *axis.get_majorticklocs())
-        if axis not in self.labels_of or self.labels_of[axis][0] != ticks:
-            labels = axis.get_tightbbox(renderer, for_layout_only=True)
-            sides = (0.0,) * 4 if labels is None else tuple(Bbox.union([self.bbox, labels]).extents - inner)
-            self.labels_of[axis] = ticks, sides
-        return Bbox.from_extents(*(inner + self.labels_of[axis][1]))
-
-
 class Drawing(Figure):
     """A matplotlib Figure that notebooks display."""
 
     def draw(self, renderer: Any) -> None:
         """Draw the figure; saving draws twice, the first time only for the layout."""
-        use_plain_tick_labels(self.axes)
-        for each in self.axes:
-            if isinstance(each, PanelAxes):
-                each.labels_of.clear()  # something may have changed since the figure was laid out
         layout = self.get_layout_engine()
         if isinstance(layout, ConstrainedLayoutEngine) and self.canvas.is_saving():
             layout.execute(self)
@@ -145,12 +77,28 @@ def style_for(ax: Axes | None) -> AbstractContextManager[None]:
     return rc_context(STYLE) if ax is None else nullcontext()
 
 
+def panel_axes(
+    ax: Any, panels: str, size: tuple[float, float], *, stacked: bool = False, letter_at: float | None = None
+) -> tuple[Figure, Any]:
+    """Return a figure and the axes of its panels: those given by the user, or new ones in a row or `stacked`.
+
+    `size` is that of a new figure in inches; `letter_at` is the place of the panels' letters, None for none.
+    """
+    if ax is not None:
+        return figure_of(ax), [ax]
+    drawing = Drawing(figsize=size, layout="constrained")
+    rows, columns = (len(panels), 1) if stacked else (1, len(panels))
+    axes = drawing.subplots(rows, columns, sharex=stacked, squeeze=False).ravel()
+    for each, letter in zip(axes if letter_at is not None else [], "abc", strict=False):
+        each.set_title(f"({letter})", loc="left", x=letter_at, pad=4)
+        each.tick_params(labelfontfamily="STIXGeneral")
+    return drawing, axes
+
+
 def one_axes(ax: Any, size: tuple[float, float]) -> tuple[Figure, Axes]:
     """Return the axes given by the user with their figure, or new axes in a new figure."""
-    if ax is None:
-        drawing = Drawing(figsize=size, layout="constrained")
-        return drawing, drawing.subplots()
-    return figure_of(ax), ax
+    drawing, (axes,) = panel_axes(ax, "a", size)
+    return drawing, axes
 
 
 def figure_of(ax: Any) -> Figure:
@@ -160,16 +108,25 @@ def figure_of(ax: Any) -> Figure:
     return ax.figure  # type: ignore[return-value]
 
 
-def legend_entries(axes: Iterable[Axes]) -> Record:
-    """Return handles and labels of a legend for several axes, each label once."""
+def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
+    """Return the handles of a legend for several axes by their labels."""
     entries: dict[str, Any] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(str(label), handle)
-    return {"handles": list(entries.values()), "labels": list(entries)}
+    return entries
 
 
-def read_panels(panels: Any, known: Sequence[str], ax: Any = None, alone: str = "a") -> str:
+def add_legend(drawing: Figure, ax: Axes | None, entries: dict[str, Any], columns: int, **options: Any) -> None:
+    """Add a legend: in axes given by the user, else below the panels of a figure."""
+    if ax is not None and entries:
+        ax.legend(list(entries.values()), list(entries))
+    elif entries:
+        options |= {"loc": "outside lower center", "frameon": False}
+        drawing.legend(list(entries.values()), list(entries), ncols=min(columns, len(entries)), **options)
+
+
+def read_panels(panels: Any, known: Iterable[str], ax: Any = None, alone: str = "a") -> str:
     """Return the letters of the panels; None means all, or the panel `alone` for axes given by the user.
 
     ParameterError unless they are different known letters; with `ax`, which must be axes, it must be one.
@@ -177,12 +134,12 @@ def read_panels(panels: Any, known: Sequence[str], ax: Any = None, alone: str = 
     letters = "".join(known)
     if panels is None:
         panels = letters if ax is None else alone
-    if not (panels and not set(panels) - set(known) and len(set(panels)) == len(panels)):
+    if not (panels and not set(panels) - set(letters) and len(set(panels)) == len(panels)):
         raise ParameterError("panels", panels, f"must be different letters out of {letters}")
     if ax is not None:
         figure_of(ax)
-    if ax is not None and len(panels) > 1:
-        raise ParameterError("panels", panels, f"axes hold one panel: give ax= with one letter out of {letters}")
+        if len(panels) > 1:
+            raise ParameterError("panels", panels, f"axes hold one panel: give ax= with one letter out of {letters}")
     return panels
 
 
@@ -206,22 +163,13 @@ def _suffix(path: str | Path) -> str:
     name = read_path(path)
     suffix = ".svg" if name == STDOUT else Path(name).suffix.lower()
     if suffix not in FIGURE_SUFFIXES:
-        raise OutputError(
-            name, f"a figure's name must end in {', '.join(FIGURE_SUFFIXES[:-1])} or {FIGURE_SUFFIXES[-1]}"
-        )
+        raise OutputError(name, "a figure's name must end in .pdf, .svg or .png")
     return suffix
 
 
 @public
 def save(drawing: Figure, path: str | Path) -> Path:
     """Write a figure as PDF, SVG or PNG, by its suffix, atomically; ``"-"``: SVG to standard output.
-
-    Raises
-    ------
-    ParameterError
-        If `drawing` is no figure or `path` no file name.
-    OutputError
-        If the suffix is another one or the file cannot be written.
 
     Examples
     --------

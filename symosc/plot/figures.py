@@ -22,9 +22,10 @@ from symosc.plot.drawing import (
     PARAMETER_LABELS,
     STYLE,
     Drawing,
-    PanelAxes,
+    add_legend,
     figure_of,
     legend_entries,
+    panel_axes,
     read_panels,
     style_for,
 )
@@ -34,7 +35,7 @@ from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from symosc.orbits.branch import Branch, BranchEnd
+    from symosc.orbits.branch import Branch
     from symosc.orbits.periodic_orbit import PeriodicOrbit
 
 #: Where figures of the shipped scenes end that run on for longer: what the paper's text speaks of fills the panels.
@@ -78,15 +79,6 @@ def figure(
     ax : matplotlib.axes.Axes, optional
         Axes to draw one panel into, without insets. Their figure is returned, a legend is left to the caller.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If an argument is out of range.
-
     Examples
     --------
     >>> from symosc import plot
@@ -94,41 +86,30 @@ def figure(
     >>> [axes.get_xlabel() for axes in drawing.axes]
     ['time $t$', 'displacement $x$']
     """
-    scene = subject if isinstance(subject, Scene | Trajectory) else load_scene(subject)
-    if panels is None:
-        panels = "a" if ax is not None else default_panels(scene) if isinstance(scene, Scene) else "abcd"
-    check_panels(panels, ax)
-    boundary = None if boundary is None else whole_number("boundary", boundary, 1, 2)
+    if not isinstance(subject, Trajectory):
+        scene = subject if isinstance(subject, Scene) else load_scene(subject)
+        motion, usual = simulated(scene, t_end), default_panels(scene)
+    elif t_end is not None:
+        raise ParameterError("t_end", t_end, "is only for scenes; a trajectory has its own")
+    elif len(subject.events) > MOST_DRAWN_EVENTS:
+        allowed = f"a figure shows at most {MOST_DRAWN_EVENTS} events; simulate a shorter time"
+        raise ParameterError("subject", subject, allowed)
+    else:
+        motion, usual = subject, "abcd"
+    panels = read_panels(usual if panels is None and ax is None else panels, PANELS, ax)
+    view = view_of(motion, None if boundary is None else whole_number("boundary", boundary, 1, 2))
     columns = whole_number("columns", columns, 1, 2)
-    view = view_of(_motion(scene, t_end), boundary)
     if ax is not None:
         PANELS[panels](ax, view)
         return figure_of(ax)
-    drawn = [(PANELS[letter], view) for letter in panels]
     tall = panels.index("b") if "b" in panels and view.magnified else None
-    return assemble(drawn, min(columns, len(panels)), 7.0 if columns == 2 else 3.4, tall=tall)
-
-
-def _motion(subject: Trajectory | Scene, t_end: NumberLike | None) -> Trajectory:
-    """Return the motion to draw: a trajectory, or that of a scene up to t_end, with a limited number of events."""
-    if isinstance(subject, Scene):
-        return simulated(subject, t_end)
-    if t_end is not None:
-        raise ParameterError("t_end", t_end, "is only for scenes; a trajectory has its own")
-    if len(subject.events) > MOST_DRAWN_EVENTS:
-        allowed = f"a figure shows at most {MOST_DRAWN_EVENTS} events; simulate a shorter time"
-        raise ParameterError("subject", subject, allowed)
-    return subject
+    width = 7.0 if columns == 2 else 3.4
+    return assemble([(PANELS[letter], view) for letter in panels], min(columns, len(panels)), width, tall=tall)
 
 
 @public
 def simulated(scene: Scene, t_end: NumberLike | None = None) -> Trajectory:
     """Return the motion of a scene for its figure.
-
-    Raises
-    ------
-    ParameterError
-        If it has more events than a figure can show.
 
     Examples
     --------
@@ -139,10 +120,8 @@ def simulated(scene: Scene, t_end: NumberLike | None = None) -> Trajectory:
     end = default_end(scene) if t_end is None else t_end
     found = simulate(scene, t_end=end, max_events=MOST_DRAWN_EVENTS)
     if found.status == "max_events":
-        reached = (
-            f"the motion has {MOST_DRAWN_EVENTS} events by t = {float(found.t_end):.6g}, and a figure shows no more"
-        )
-        raise ParameterError("t_end", end, f"{reached}; give an earlier end, or a scene that starts later")
+        last = f"t = {float(found.t_end):.6g}, after {MOST_DRAWN_EVENTS} events"
+        raise ParameterError("t_end", end, f"a figure ends at {last}; give an earlier end, or start later")
     return found
 
 
@@ -151,11 +130,6 @@ def orbit_figure(
     orbit: PeriodicOrbit, panels: str | None = None, *, columns: int = 2, ax: Axes | None = None
 ) -> Figure:
     """Draw a periodic orbit for a few periods; panels, columns and ax as for `figure`, by default all panels or c.
-
-    Raises
-    ------
-    ParameterError
-        If `orbit` is none, or the root that was found is no motion (`admissible` is False).
 
     Examples
     --------
@@ -186,7 +160,7 @@ def check_panels(panels: str | None, ax: Axes | None = None) -> None:
         ...
     symosc.errors.ParameterError: panels = 'az': must be different letters out of abcdefg
     """
-    read_panels(panels, tuple(PANELS), ax)
+    read_panels(panels, PANELS, ax)
 
 
 def default_end(scene: Scene) -> Any:
@@ -227,7 +201,7 @@ def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *
             cell = grid[number // columns, number % columns]
             if number == tall:
                 cell = cell.subgridspec(2, 1, height_ratios=(INSET_ROOM, 1.0))[1]
-            ax = drawing.add_subplot(cell, axes_class=PanelAxes)
+            ax = drawing.add_subplot(cell)
             panel(ax, view)
             if number == tall:
                 draw_insets(ax, view)
@@ -236,30 +210,19 @@ def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *
             title.set_in_layout(number != tall)  # the grid keeps that room free
             ax.tick_params(labelfontfamily="STIXGeneral")
             for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-                entries.setdefault(label, _legend_handle(handle, label))
+                if label in SHAPES:  # in full size, however small the marks are
+                    color = handle.get_markerfacecolor()  # type: ignore[attr-defined]
+                    handle = Line2D([], [], linestyle="none", **mark_style(label, color))
+                entries.setdefault(label, handle)
         order = [label for label in LEGEND_ORDER if label in entries]
         order += [label for label in entries if label not in order]  # the forces
         rows = -(-len(order) // round(width))
         if rows == 2:  # filled by columns: what belongs together stands in one
             order.sort(key=lambda label: label not in LEGEND_ORDER[:4] and not label.startswith("$F"))
-        drawing.legend(
-            [entries[label] for label in order],
-            order,
-            loc="outside lower center",
-            ncols=-(-len(order) // rows),
-            frameon=False,
-            handlelength=1.6,
-            columnspacing=1.4,
-            borderpad=0.1,
-        )
+        entries = {label: entries[label] for label in order}
+        style: Record = {"handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
+        add_legend(drawing, None, entries, -(-len(order) // rows), **style)
     return drawing
-
-
-def _legend_handle(handle: Any, label: str) -> Any:
-    """Return a legend handle with marks in full size, however small they are in the plot."""
-    if label not in SHAPES:
-        return handle
-    return Line2D([], [], linestyle="none", **mark_style(label, handle.get_markerfacecolor()))
 
 
 # -- branches ----------------------------------------------------------------------------------------------------------
@@ -296,15 +259,6 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     panels, ax : optional
         As for `symosc.plot.figure`. The panels are a positions, b multipliers. Default: both, with `ax` b.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If that is no Branch, or there is no such panel.
-
     Examples
     --------
     >>> from symosc import continue_orbit, load_scene, plot
@@ -312,37 +266,19 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     >>> [axes.get_ylabel() for axes in plot.branch_figure(branch).axes]
     ['position $x$ at the switching', 'moduli of the multipliers']
     """
-    panels = read_panels(panels, tuple(BRANCH_PANELS), ax, alone="b")
-    if ax is not None:
-        drawing = figure_of(ax)
-        _branch_panel(ax, branch, panels)
-        _next_words(ax, branch)
-        ax.legend(**_branch_legend([ax], branch))
-        return drawing
+    panels = read_panels(panels, BRANCH_PANELS, ax, alone="b")
     with style_for(ax):
-        layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
-        drawing = Drawing(figsize=(3.5 * len(panels), 3.1), layout=layout)
-        row = drawing.subplots(1, len(panels), squeeze=False)[0]
-        for axes, letter, shown in zip(row, panels, "ab", strict=False):
-            _branch_panel(axes, branch, letter)
-            axes.set_title(f"({shown})", loc="left", x=-0.12, pad=4)
-            axes.tick_params(labelfontfamily="STIXGeneral")
+        drawing, row = panel_axes(ax, panels, (3.5 * len(panels), 3.1), letter_at=-0.12)
+        for axes, letter in zip(row, panels, strict=True):
+            BRANCH_PANELS[letter](axes, branch)
+            axes.set_xlabel(PARAMETER_LABELS.get(branch.parameter, f"${branch.parameter}$"))
+            for end in branch.ends:
+                if end.kind in END_MARKERS:
+                    axes.axvline(end.value, color="0.6", lw=0.6, zorder=0)
         _next_words(row[-1], branch)
-        entries = _branch_legend(row, branch)
-        style: Record = {"frameon": False, "handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
-        drawing.legend(
-            **entries, loc="outside lower center", ncols=min(len(entries["labels"]), 3 * len(panels)), **style
-        )
+        style: Record = {"handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
+        add_legend(drawing, ax, _branch_legend(row, branch), 3 * len(panels), **style)
     return drawing
-
-
-def _branch_panel(ax: Axes, branch: Branch, letter: str) -> None:
-    """Draw one panel of a branch."""
-    BRANCH_PANELS[letter](ax, branch)
-    ax.set_xlabel(PARAMETER_LABELS.get(branch.parameter, f"${branch.parameter}$"))
-    for end in branch.ends:
-        if end.kind in END_MARKERS:
-            ax.axvline(end.value, color="0.6", lw=0.6, zorder=0)
 
 
 def _positions(ax: Axes, branch: Branch) -> None:
@@ -351,16 +287,9 @@ def _positions(ax: Axes, branch: Branch) -> None:
         color, before = CURVE_COLORS[i % len(CURVE_COLORS)], branch.labels[:i].count(label)
         name = f"start of {ORDINALS[before]}{label}" if before < len(ORDINALS) else None
         for part, state in _runs(stability(branch)):
-            ax.plot(
-                branch.values[part],
-                branch.points[part, i, 1],
-                color=color,
-                ls=STABILITY_STYLES[state],
-                lw=1.2,
-                label=name,
-            )
-        for end in branch.ends:
-            _mark(ax, end, end.points[i].x, color)
+            style: Record = {"color": color, "ls": STABILITY_STYLES[state], "lw": 1.2, "label": name}
+            ax.plot(branch.values[part], branch.points[part, i, 1], **style)
+        _mark_ends(ax, branch, [[end.points[i].x] for end in branch.ends], color)
         last = int(np.argmax(branch.values))
         place = branch.values[last], branch.points[last, i, 1]
         ax.annotate(f"$P_{label[1:]}$", place, (4, 0), textcoords="offset points", va="center", fontsize=8)
@@ -375,9 +304,7 @@ def _multipliers(ax: Axes, branch: Branch) -> None:
         for column in (0, 1):
             ax.plot(values, sizes[:, column], color="black", ls=STABILITY_STYLES[state], lw=1.2)
     sizes = np.abs(branch.multipliers)
-    for end, row in zip(branch.ends, (0, -1), strict=True):
-        for size in sizes[row]:
-            _mark(ax, end, size, "black")
+    _mark_ends(ax, branch, [sizes[0], sizes[-1]], "black")
     ax.axhline(1, color="0.4", lw=0.8, ls=UNIT, zorder=0, label="unit circle")
     top = max(float(sizes.max()), 1.0)
     ax.set_ylim(-0.04 * top, 1.12 * top)
@@ -395,9 +322,8 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
     """
     trace, determinant = multipliers.sum(axis=1).real, multipliers.prod(axis=1).real
     columns = np.column_stack([values, trace, determinant])
-    steps = np.linalg.norm(
-        np.diff(columns, axis=0) / (np.ptp(columns, axis=0) + (np.ptp(columns, axis=0) == 0)), axis=1
-    )
+    sizes = np.ptp(columns, axis=0)
+    steps = np.linalg.norm(np.diff(columns, axis=0) / np.where(sizes == 0, 1, sizes), axis=1)
     from scipy.interpolate import Akima1DInterpolator  # takes longer to load than most figures to draw
 
     keep = np.concatenate([[True], steps > 1e-12])
@@ -410,11 +336,12 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
     return values, np.sort(np.abs(np.column_stack([trace + root, trace - root])) / 2)[:, ::-1]
 
 
-def _mark(ax: Axes, end: BranchEnd, height: float, color: str) -> None:
-    """Draw the mark of a branch end."""
-    if end.kind in END_MARKERS:
-        style: Record = {"ms": 5.0, "mfc": color, "mec": "white", "mew": 0.5, "zorder": 5, "clip_on": False}
-        ax.plot(end.value, height, linestyle="none", marker=END_MARKERS[end.kind], **style)
+def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> None:
+    """Draw marks for the kinds of the branch's two ends at these heights."""
+    style: Record = {"ms": 5.0, "mfc": color, "mec": "white", "mew": 0.5, "zorder": 5, "clip_on": False}
+    for end, places in zip(branch.ends, heights, strict=True):
+        for height in places if end.kind in END_MARKERS else ():
+            ax.plot(end.value, height, linestyle="none", marker=END_MARKERS[end.kind], **style)
 
 
 def _next_words(ax: Axes, branch: Branch) -> None:
@@ -447,17 +374,14 @@ def _runs(states: np.ndarray) -> list[tuple[slice, str]]:
     return [(slice(a, min(b + 1, len(states))), str(states[a])) for a, b in pairwise(cuts)]
 
 
-def _branch_legend(row: Sequence[Axes], branch: Branch) -> dict[str, list[Any]]:
-    """Return handles and labels: switching points, stability, the unit circle, and the marks of the ends."""
-    found = legend_entries(row)
-    entries: Record = dict(zip(found["labels"], found["handles"], strict=True))
-    unit = entries.pop("unit circle", None)
+def _branch_legend(row: Sequence[Axes], branch: Branch) -> Record:
+    """Return handles by labels: switching points, the marks of the ends, stability, and the unit circle."""
+    entries = legend_entries(row)
+    unit = {label: entries.pop(label) for label in ("unit circle",) if label in entries}
     for kind in dict.fromkeys(end.kind for end in branch.ends if end.kind in END_MARKERS):
         entries[kind] = Line2D([], [], linestyle="none", marker=END_MARKERS[kind], ms=5.0, color="black")
     states = stability(branch)
     for name, style in STABILITY_STYLES.items():
         if name in states:
             entries[name] = Line2D([], [], color="black", ls=style, lw=1.2)
-    if unit is not None:
-        entries["unit circle"] = unit
-    return {"handles": list(entries.values()), "labels": list(entries)}
+    return entries | unit

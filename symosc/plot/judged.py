@@ -16,7 +16,6 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from symosc.aliases import Record
@@ -26,12 +25,19 @@ from symosc.crosschecks.report import CrossCheck
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.files import check_folder_of, write_text
-from symosc.plot.drawing import STYLE, Drawing, figure_of, legend_entries, one_axes, read_panels, style_for
+from symosc.plot.drawing import (
+    STYLE,
+    add_legend,
+    legend_entries,
+    one_axes,
+    panel_axes,
+    read_panels,
+    style_for,
+)
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from symosc.crosschecks.causes import Diagnosis, Fault
     from symosc.reference.score import CaseScore, Score
 
 POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d7191c", "#e08214"
@@ -52,15 +58,6 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
     panels, ax : optional
         As for `symosc.plot.figure`. The panels are a global errors, b defects, c velocity. Default: all, with `ax` a.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If that is no CrossCheck, or there is no such panel.
-
     Examples
     --------
     >>> import numpy as np
@@ -70,55 +67,23 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
     >>> [axes.get_ylabel() for axes in plot.crosscheck_figure(crosscheck("fig5", t, x, v), "ab").axes]
     ['global error', 'defect of the step']
     """
-    panels = read_panels(panels, tuple(CHECK_PANELS), ax)
-    if ax is not None:
-        drawing = figure_of(ax)
-        _check_panel(ax, check, panels)
-        ax.set_xlabel("$t$")
-        ax.legend(**legend_entries([ax]))
-        return drawing
+    panels = read_panels(panels, "abc", ax)
+    lines: list[tuple[str, Any, str, str, float]] = [
+        ("event, matched", [match.event for match in check.matched], RIGHT, "-", 0.7),
+        ("event, missed", check.missed, WRONG, "--", 1.1),
+        ("event, invented", check.invented, INVENTED, ":", 1.1),
+    ]
     with style_for(ax):
-        layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
-        drawing = Drawing(figsize=(7.0, 0.8 + 1.6 * len(panels)), layout=layout)
-        axes = drawing.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-        for each, letter, shown in zip(axes, panels, "abc", strict=False):
-            _check_panel(each, check, letter)
-            each.set_title(f"({shown})", loc="left", x=-0.07, pad=4)
-            each.tick_params(labelfontfamily="STIXGeneral")
-        axes[-1].set_xlabel("$t$")
-        style: Record = {"frameon": False, "handlelength": 1.8, "columnspacing": 1.4}
-        drawing.legend(**legend_entries(axes), loc="outside lower center", ncols=5, **style)
+        drawing, row = panel_axes(ax, panels, (7.0, 0.8 + 1.6 * len(panels)), stacked=True, letter_at=-0.07)
+        for axes, letter in zip(row, panels, strict=True):
+            _check_panel(axes, check, letter)
+            for label, events, color, style, width in lines:
+                for event in events:
+                    axes.axvline(float(event.t), color=color, ls=style, lw=width, zorder=0, label=label)
+            axes.set_xlim(check.t[0], check.t[-1])
+        row[-1].set_xlabel("$t$")
+        add_legend(drawing, ax, legend_entries(row), 5, handlelength=1.8, columnspacing=1.4)
     return drawing
-
-
-def _check_panel(ax: Axes, check: CrossCheck, letter: str) -> None:
-    """Draw one panel of a cross-check."""
-    CHECK_PANELS[letter](ax, check)
-    matched = [match.event for match in check.matched]
-    for events, color, style, width, label in (
-        (matched, RIGHT, "-", 0.7, "event, matched"),
-        (check.missed, WRONG, "--", 1.1, "event, missed"),
-        (check.invented, INVENTED, ":", 1.1, "event, invented"),
-    ):
-        for event in events:
-            ax.axvline(float(event.t), color=color, ls=style, lw=width, zorder=0, label=label)
-    ax.set_xlim(check.t[0], check.t[-1])
-
-
-def _global_errors(ax: Axes, check: CrossCheck) -> None:
-    """Draw the global errors."""
-    _errors(ax, check.t, check.errors, check.scales, check.limits)
-    ax.set_ylabel("global error")
-
-
-def _defects(ax: Axes, check: CrossCheck) -> None:
-    """Draw the defects of the steps."""
-    _errors(ax, check.t[1:], check.defects, check.scales, check.allowed)
-    wrong = check.wrong_steps
-    if len(wrong):
-        worst = np.max(np.abs(check.defects[wrong]) / check.scales, axis=1)
-        ax.plot(check.t[wrong + 1], worst, "x", color=WRONG, ms=5, label="wrong step")
-    ax.set_ylabel("defect of the step")
 
 
 def _errors(ax: Axes, t: np.ndarray, errors: np.ndarray, scales: tuple[float, float], limits: np.ndarray) -> None:
@@ -139,18 +104,23 @@ def _errors(ax: Axes, t: np.ndarray, errors: np.ndarray, scales: tuple[float, fl
     ax.set_yscale("log")
 
 
-def _velocity(ax: Axes, check: CrossCheck) -> None:
-    """Draw the velocity of the samples and the exact motion."""
-    p = check.trajectory.parameters
-    ax.plot(check.t, check.v, color=VELOCITY, lw=0.8)
-    low, high = float(np.min(check.v)), float(np.max(check.v))
-    for speed in (float(p.v1), float(p.v2)):
-        if low - (high - low) <= speed <= high + (high - low):
-            ax.axhline(speed, color="black", lw=0.8, label="belt")
-    ax.set_ylabel(r"$\dot{x}$")
-
-
-CHECK_PANELS = {"a": _global_errors, "b": _defects, "c": _velocity}
+def _check_panel(ax: Axes, check: CrossCheck, letter: str) -> None:
+    """Draw the global errors (a), the defects of the steps (b) or the velocity of the samples (c)."""
+    ax.set_ylabel({"a": "global error", "b": "defect of the step", "c": r"$\dot{x}$"}[letter])
+    if letter == "a":
+        _errors(ax, check.t, check.errors, check.scales, check.limits)
+    elif letter == "b":
+        _errors(ax, check.t[1:], check.defects, check.scales, check.allowed)
+        wrong = check.wrong_steps
+        if len(wrong):
+            worst = np.max(np.abs(check.defects[wrong]) / check.scales, axis=1)
+            ax.plot(check.t[wrong + 1], worst, "x", color=WRONG, ms=5, label="wrong step")
+    else:
+        ax.plot(check.t, check.v, color=VELOCITY, lw=0.8)
+        low, high = float(np.min(check.v)), float(np.max(check.v))
+        for speed in (float(check.trajectory.parameters.belt(belt)) for belt in (1, 2)):
+            if low - (high - low) <= speed <= high + (high - low):
+                ax.axhline(speed, color="black", lw=0.8, label="belt")
 
 
 @public
@@ -167,15 +137,6 @@ def step_figure(
     panels, ax : optional
         As for `symosc.plot.figure`. The panels are a velocity, b position. Default: both, with `ax` a.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If that is no CrossCheck, or there is no such step or panel.
-
     Examples
     --------
     >>> import numpy as np
@@ -187,33 +148,20 @@ def step_figure(
     >>> [axes.get_ylabel() for axes in drawing.axes]
     ['$v$', '$x$']
     """
-    panels = read_panels(panels, ("a", "b"), ax)
+    panels = read_panels(panels, "ab", ax)
     if step is None:
         step = check.first_wrong.step if check.first_wrong else 0
     step = whole_number("step", step, 0, len(check.t) - 2)
-    motion = _exact(check, step)
-    if ax is not None:
-        drawing = figure_of(ax)
-        _step_panel(ax, check, step, motion, panels)
-        ax.legend()
-        return drawing
-    with style_for(ax):
-        drawing = Drawing(figsize=(4.6, 1.0 + 1.9 * len(panels)), layout="constrained")
-        axes = drawing.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-        for each, letter in zip(axes, panels, strict=True):
-            _step_panel(each, check, step, motion, letter)
-        axes[-1].set_xlabel("$t$")
-        drawing.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
-    return drawing
-
-
-def _exact(check: CrossCheck, step: int) -> Trajectory | None:
-    """Return the exact motion over the step from its first sample; None for a step of length 0."""
     begin, end = float(check.t[step]), float(check.t[step + 1])
-    if not end > begin:
-        return None
-    x0, v0 = float(check.x[step]), float(check.v[step])
-    return simulate(check.trajectory.parameters, t0=begin, x0=x0, v0=v0, t_end=end)
+    start: Record = {"t0": begin, "x0": float(check.x[step]), "v0": float(check.v[step])}
+    motion = simulate(check.trajectory.parameters, **start, t_end=end) if end > begin else None
+    with style_for(ax):
+        drawing, row = panel_axes(ax, panels, (4.6, 1.0 + 1.9 * len(panels)), stacked=True)
+        for axes, letter in zip(row, panels, strict=True):
+            _step_panel(axes, check, step, motion, letter)
+        row[-1].set_xlabel("$t$")
+        add_legend(drawing, ax, legend_entries(row[:1]), 2)
+    return drawing
 
 
 def _step_panel(ax: Axes, check: CrossCheck, step: int, motion: Trajectory | None, letter: str) -> None:
@@ -259,33 +207,28 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     check_folder_of(path)
-    environment = Environment(
-        loader=PackageLoader("symosc.plot", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    loader = PackageLoader("symosc.plot", "templates")
+    trim: Record = {"trim_blocks": True, "lstrip_blocks": True}
+    environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, **trim)
     return write_text(path, environment.get_template("crosscheck.html.j2").render(page(check)))
 
 
 def page(check: CrossCheck) -> Record:
-    """Return the HTML page of a cross-check."""
-    p, events = check.trajectory.parameters, list(_events(check))
+    """Return what the page of a cross-check shows."""
+    from symosc.crosschecks.causes import CAUSES, REASONS
+
+    events = list(_events(check))
     return {
-        "ok": check.ok,
+        "check": check,
         "verdict": _verdict(check),
         "facts": _facts(check),
-        "diagnosis": [_diagnosis(one) for one in check.diagnosis],
-        "first": _fault(check.first_wrong),
+        "causes": CAUSES,
+        "reasons": REASONS,
         "pictures": list(_pictures(check)),
         "events": events[:MOST_ROWS],
         "more_events": max(0, len(events) - MOST_ROWS),
-        "wrong": [_fault(fault) for fault in check.faults[:MOST_ROWS]],
-        "wrong_count": len(check.wrong_steps),
+        "wrong": list(check.faults[:MOST_ROWS]),
         "shown": ROWS_SHOWN,
-        "parameters": p.as_dict(),
-        "notes": check.notes,
     }
 
 
@@ -310,41 +253,6 @@ def _facts(check: CrossCheck) -> list[tuple[str, str]]:
                    f"{len(check.unresolved)} not decided"),
         ("Digits", ", ".join(f"{name} to {text}" for name, text in check.rounded.items()) or "those of doubles"),
     ]  # fmt: skip
-
-
-def _diagnosis(one: Diagnosis) -> Record:
-    """Return a diagnosis as values for the page."""
-    from symosc.crosschecks.causes import CAUSES
-
-    error = f" ± {one.error:.2g}" if one.error else ""
-    estimate = "" if one.value is None else f"{one.value:.10g}{error}"
-    return {
-        "title": CAUSES[one.cause],
-        "words": one.words,
-        "evidence": one.evidence,
-        "estimate": estimate,
-        "share": f"{max(0.0, min(one.share, 1.0)):.0%}" if one.share else "",
-        "others": [f"{other.words} ({other.evidence})" for other in one.alternatives],
-    }
-
-
-def _fault(fault: Fault | None) -> Record | None:
-    """Return a wrong step as values for the page."""
-    from symosc.crosschecks.causes import REASONS
-
-    if fault is None:
-        return None
-    return {
-        "step": fault.step,
-        "t": f"{fault.t:.10g}",
-        "t_next": f"{fault.t_next:.10g}",
-        "x": f"{fault.defect_x:.1e}",
-        "v": f"{fault.defect_v:.1e}",
-        "expected": fault.expected,
-        "found": fault.found or "passing",
-        "reason": REASONS[fault.reason].capitalize(),
-        "words": fault.words,
-    }
 
 
 def _events(check: CrossCheck) -> Iterator[Record]:
@@ -416,17 +324,6 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
     ----------
     certificate : Certificate
         Of a trajectory or an orbit; what is proven of a branch or a window are no events.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into; their figure is returned.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If that is no Certificate, or has no enclosures of events, or `ax` are no axes.
 
     Examples
     --------
@@ -471,8 +368,8 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        A column per case, in groups. In the lower part the largest error in units of the problem's rounding; above,
-        the cases with events missed, invented or of a wrong kind, or too large an error, and those without results.
+        A column per case, in groups: below, the largest error in units of the problem's rounding; above, the cases with
+        wrong events or too large an error, and those without results.
 
     Examples
     --------
@@ -486,13 +383,24 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     if not len(scores):
         raise ParameterError("scores", scores, "must be one or more")
     with rc_context(STYLE):
-        drawing = Drawing(figsize=(10.0, 4.2), layout="constrained")
-        ax = drawing.subplots()
-        for i, score in enumerate(scores):
-            _draw_solver(ax, score, i, len(scores))
+        drawing, ax = one_axes(None, (10.0, 4.2))
+        for i, each in enumerate(scores):
+            shift = 0.8 * ((i + 0.5) / len(scores) - 0.5)
+            heights = [(k + shift, _height(case)) for k, case in enumerate(each.cases)]
+            drawn = [(at, height) for at, height in heights if height is not None]
+            if drawn:
+                ax.plot(*zip(*drawn, strict=True), linestyle="none", **_mark_of(i))
         _label_groups(ax, scores[0].cases)
-        _label_heights(ax)
-        names = [Line2D([], [], linestyle="none", label=score.name, **_mark_of(i)) for i, score in enumerate(scores)]
+        powers = (-3, 0, 3, 6, 9)
+        labels = [*(f"$10^{{{n}}}$" for n in powers), "wrong", "no result"]
+        ax.set(
+            yscale="log", ylim=(LEAST_UNITS / 2, TOP_OF_ALL), ylabel="largest error, in units of condition · 10$^{-16}$"
+        )
+        ax.set_yticks([*(10.0**n for n in powers), FAULTY, ABSENT], labels)
+        ax.minorticks_off()
+        ax.axhline(1, color="0.5", linewidth=0.6, linestyle="--", zorder=0)
+        ax.axhline(MOST_UNITS * 10, color="0.3", linewidth=0.6)
+        names = [Line2D([], [], linestyle="none", label=each.name, **_mark_of(i)) for i, each in enumerate(scores)]
         drawing.legend(handles=names, loc="outside upper right", ncols=min(4, len(names)), frameon=False)
     return drawing
 
@@ -501,14 +409,6 @@ def _mark_of(i: int) -> Record:
     """Return the style of the i-th solver's marks."""
     mark = SOLVER_MARKS[(i + i // len(SOLVER_COLOURS)) % len(SOLVER_MARKS)]
     return {"color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)], "marker": mark, "markersize": 3.2, "markeredgewidth": 0}
-
-
-def _draw_solver(ax: Axes, score: Score, i: int, count: int) -> None:
-    """Draw the score of a solver."""
-    shift = (i + 0.5) / count - 0.5
-    points = [(k + 0.8 * shift, _height(case)) for k, case in enumerate(score.cases)]
-    drawn = [(at, height) for at, height in points if height is not None]
-    ax.plot(*zip(*drawn, strict=True), linestyle="none", **_mark_of(i)) if drawn else None
 
 
 def _height(case: CaseScore) -> float | None:
@@ -534,15 +434,3 @@ def _label_groups(ax: Axes, cases: Sequence[CaseScore]) -> None:
     ax.set_xticks(ticks, names, rotation=40, ha="right", rotation_mode="anchor")
     ax.tick_params(axis="x", length=0)
     ax.set_xlim(-0.5, begin - 0.5)
-
-
-def _label_heights(ax: Axes) -> None:
-    """Write the labels of the vertical axis."""
-    ax.set_yscale("log")
-    ax.set_ylim(LEAST_UNITS / 2, TOP_OF_ALL)
-    marks = [10.0**n for n in (-3, 0, 3, 6, 9)]
-    ax.set_yticks([*marks, FAULTY, ABSENT], [*(f"$10^{{{n}}}$" for n in (-3, 0, 3, 6, 9)), "wrong", "no result"])
-    ax.minorticks_off()
-    ax.axhline(1, color="0.5", linewidth=0.6, linestyle="--", zorder=0)
-    ax.axhline(MOST_UNITS * 10, color="0.3", linewidth=0.6)
-    ax.set_ylabel("largest error, in units of condition · 10$^{-16}$")

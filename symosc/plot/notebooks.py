@@ -6,8 +6,8 @@ returns a page, registered at the end for its class.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from decimal import Decimal
-from math import cos, pi, sin
 from typing import Any
 
 import numpy as np
@@ -16,8 +16,8 @@ from markupsafe import Markup
 from symosc.aliases import Record
 from symosc.certificates.certificate import Certificate, common_complex, common_digits
 from symosc.crosschecks.report import CrossCheck
-from symosc.display.drawable import register_page
-from symosc.display.html import MOST_POINTS, PICTURE_HEIGHT, curve, ends, facts, page, picture, shown, table
+from symosc.display.drawable import register
+from symosc.display.html import MOST_POINTS, curve, ends, facts, page, shown, table
 from symosc.grazing.window import GrazingWindow
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
@@ -35,20 +35,21 @@ def trajectory_page(path: Trajectory) -> str:
     """Return the page of a motion: its events, its status, and x against t."""
     begin, end = float(path.t_start), float(path.t_end)
     line = f"t = {begin:g} … {end:g}, {counted(len(path.events), 'event')}: {path.status}"
-    rows = [_row(path, i) for i in ends(len(path.events))]
+    rows = []
+    for event in (path.events[i] for i in ends(len(path.events))):
+        numbers: tuple[Any, ...] = (event.t, event.x, event.v)
+        texts = [shown(float(n)) if path.digits is None else n.context.nstr(n, LONGEST_NUMBER) for n in numbers]
+        rows.append([*texts, event.kind, event.boundary, event.source, event.target, f"{event.t_error:.0e}"])
     times = np.clip(np.linspace(begin, end, MOST_POINTS), begin, end)
     dots = [(float(event.t), float(event.x)) for event in path.events] if len(path.events) <= MOST_DOTS else []
     drawn = curve(f"x against t, from {begin:g} to {end:g}", times, path(times)[0], dots)
     about = facts({"word": cut(" ".join(path.word) or "none"), "ended": path.message, "digits": path.digits})
-    return page("Trajectory", line, table(HEADS, rows, len(path.events)) if rows else "", drawn, about)
+    return page("Trajectory", line, _table(HEADS, rows, len(path.events)), drawn, about)
 
 
-def _row(path: Trajectory, i: int) -> list[Any]:
-    """Return an event as a row."""
-    event = path.events[i]
-    numbers: tuple[Any, ...] = (event.t, event.x, event.v)
-    texts = [shown(float(n)) if path.digits is None else n.context.nstr(n, LONGEST_NUMBER) for n in numbers]
-    return [*texts, event.kind, event.boundary, event.source, event.target, f"{event.t_error:.0e}"]
+def _table(heads: Sequence[str], rows: list[list[Any]], count: int | None = None) -> str:
+    """Return a table, or "" without rows."""
+    return table(heads, rows, count) if rows else ""
 
 
 def events_page(events: EventTable) -> str:
@@ -60,9 +61,7 @@ def events_page(events: EventTable) -> str:
     columns = [getattr(few, name) for name in names]
     rows = [[*row[:-1], f"{row[-1]:.0e}"] for row in zip(*columns, strict=True)]
     line = f"{counted(len(events), 'event')} of {counted(len(events.status), 'motion')}"
-    return page(
-        "EventTable", line, table(heads, rows, len(events)) if rows else "", facts({"ended": statuses(events.status)})
-    )
+    return page("EventTable", line, _table(heads, rows, len(events)), facts({"ended": statuses(events.status)}))
 
 
 def summary_page(summary: Summary) -> str:
@@ -90,10 +89,6 @@ def _frequent(words: Any) -> str | None:
 def cut(text: str) -> str:
     """Return text, truncated to the width of a page."""
     return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 1]}…"
-
-
-# The radius of the ring of phases, and the width of a window's part of it.
-RADIUS, RING = 42.0, 10.0
 
 
 def orbit_page(orbit: PeriodicOrbit) -> str:
@@ -125,7 +120,11 @@ def complex_text(value: complex) -> str:
 
 def branch_page(branch: Branch) -> str:
     """Return the page of a branch: some of its points, why it ends, and the position of its first switching."""
-    rows = [_point(branch, i) for i in ends(len(branch.values))]
+    sizes = np.abs(branch.multipliers).max(axis=1)
+    rows = [
+        [branch.values[i], *branch.points[i, 0], f"{sizes[i]:.6g}", "yes" if branch.stable[i] else "no"]
+        for i in ends(len(branch.values))
+    ]
     x = branch.points[:, 0, 1]
     marks = [(float(branch.values[i]), float(x[i])) for i in (0, -1)]
     drawn = curve(f"x of the first switching against {branch.parameter}", branch.values, x, marks)
@@ -138,50 +137,18 @@ def branch_page(branch: Branch) -> str:
     return page("Branch", line, table(heads, rows, len(branch.values)), drawn, facts(reasons))
 
 
-def _point(branch: Branch, i: int) -> list[Any]:
-    """Return a point of a branch as a row."""
-    largest = float(np.abs(branch.multipliers[i]).max())
-    return [branch.values[i], *branch.points[i, 0], f"{largest:.6g}", "yes" if branch.stable[i] else "no"]
-
-
 def window_page(window: GrazingWindow) -> str:
-    """Return the page of a grazing window: its intervals, its case, and the phases as a dial."""
+    """Return the page of a grazing window: its intervals and its case."""
     place = window.place
     rows = [
         ["[" if low_closed else "(", low, high, "]" if high_closed else ")"]
         for low, high, low_closed, high_closed in window.intervals
     ]
     values = {"case": window.case, "γ": str(window.gamma), "B₀Ω/m": str(window.amplitude), "order": window.order}
-    line = f"{window.mapping}: domain {place.domain} at belt {place.boundary}, Ω t mod 2π" + (
-        "" if rows else ": empty, no phase grazes"
-    )
-    intervals = table(("", "from", "to", ""), rows) if rows else ""
-    return page("GrazingWindow", line, intervals, _dial(window), facts(values))
-
-
-def _dial(window: GrazingWindow) -> Markup:
-    """Return the phases as a ring, 0 at the right, counterclockwise; the window's part is thick."""
-    ring = Markup('<circle cx="0" cy="0" r="{}" fill="none" stroke="currentColor" stroke-opacity="0.4"/>')
-    arcs = [_arc(low, high) for low, high, *_ in window.intervals]
-    names = [
-        Markup(
-            '<text x="{:.1f}" y="{:.1f}" font-size="10" fill="currentColor" text-anchor="middle" '
-            'dominant-baseline="central">{}</text>'
-        ).format(56 * cos(angle), -56 * sin(angle), name)
-        for angle, name in ((0, "0"), (pi / 2, "π/2"), (pi, "π"), (3 * pi / 2, "3π/2"))
-    ]
-    inside = Markup("").join([ring.format(RADIUS), *arcs, *names])
-    said = " and ".join(f"{low:.4g} to {high:.4g}" for low, high, *_ in window.intervals) or "none"
-    moved = Markup('<g transform="translate({} {})">{}</g>').format(PICTURE_HEIGHT / 2, PICTURE_HEIGHT / 2, inside)
-    return picture(f"phases that graze: {said}", moved, PICTURE_HEIGHT, PICTURE_HEIGHT)
-
-
-def _arc(low: float, high: float) -> Markup:
-    """Return an arc as an SVG path."""
-    angles = np.linspace(low, high, max(2, int(40 * (high - low))))
-    points = " ".join(f"{RADIUS * cos(angle):.1f},{-RADIUS * sin(angle):.1f}" for angle in angles)
-    line = '<polyline points="{}" fill="none" stroke="#1f3fd6" stroke-width="{}"/>'
-    return Markup(line).format(points, RING)
+    line = f"{window.mapping}: domain {place.domain} at belt {place.boundary}, Ω t mod 2π"
+    line += "" if rows else ": empty, no phase grazes"
+    intervals = _table(("", "from", "to", ""), rows)
+    return page("GrazingWindow", line, intervals, facts(values))
 
 
 def crosscheck_page(check: CrossCheck) -> str:
@@ -192,7 +159,7 @@ def crosscheck_page(check: CrossCheck) -> str:
     wrong = check.wrong_steps[:20].tolist()
     marks = [(float(check.t[step]), float(check.x[step])) for step in wrong]
     drawn = curve("the samples' x against t; dots are wrong steps", check.t, check.x, marks)
-    found = table(("", "kind", "belt", "t"), rows) if rows else ""
+    found = _table(("", "kind", "belt", "t"), rows)
     line = f"{'ok' if check.ok else 'FAILED'}, {len(check.t):,} samples"
     return page("CrossCheck", line, found, drawn, lines)
 
@@ -201,27 +168,26 @@ def certificate_page(certificate: Certificate) -> str:
     """Return the page of a certificate: the proven statement, and the enclosures."""
     said = "proven" if certificate.proven else "not proven"
     line = f"{certificate.kind}, {said}: {certificate.message}"
-    events = certificate.events
-    rows = [_event(events[i]) for i in ends(len(events))]
+    rows = []
+    for kind, source, target, *enclosures in (certificate.events[i] for i in ends(len(certificate.events))):
+        widths = (f"{float(Decimal(high) - Decimal(low)):.0e}" for low, high in enclosures)  # none for a branch
+        rows.append([kind, source, target, *(common_digits(*each) for each in enclosures), *widths])
     heads = ("kind", "from", "to", "t", "x", "width of t", "width of x")[: len(rows[0]) if rows else 0]
     about: Record = {f"multiplier {i}": common_complex(*each) for i, each in enumerate(certificate.multipliers, 1)}
     about |= {"stable": None if certificate.stable is None else "yes" if certificate.stable else "no"}
     about |= {name: certificate.statement.get(key) for name, key in (("made by", "made_by"), ("map", "map"))}
-    return page("Certificate", line, table(heads, rows, len(events)) if rows else "", facts(about))
+    return page("Certificate", line, _table(heads, rows, len(certificate.events)), facts(about))
 
 
-def _event(event: tuple[Any, ...]) -> list[str]:
-    """Return an event as a row; the events of a branch have no enclosures."""
-    enclosures = event[3:]
-    widths = (f"{float(Decimal(high) - Decimal(low)):.0e}" for low, high in enclosures)
-    return [*event[:3], *(common_digits(*each) for each in enclosures), *widths]
-
-
-register_page(Trajectory, trajectory_page)
-register_page(EventTable, events_page)
-register_page(Summary, summary_page)
-register_page(PeriodicOrbit, orbit_page)
-register_page(Branch, branch_page)
-register_page(GrazingWindow, window_page)
-register_page(CrossCheck, crosscheck_page)
-register_page(Certificate, certificate_page)
+PAGES: dict[type, Callable[..., str]] = {
+    Trajectory: trajectory_page,
+    EventTable: events_page,
+    Summary: summary_page,
+    PeriodicOrbit: orbit_page,
+    Branch: branch_page,
+    GrazingWindow: window_page,
+    CrossCheck: crosscheck_page,
+    Certificate: certificate_page,
+}
+for _kind, _page in PAGES.items():
+    register(_kind, _page, "page")

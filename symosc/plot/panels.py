@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from math import floor, log10, pi, sqrt
 from statistics import median
@@ -136,9 +137,8 @@ def view_of(trajectory: Trajectory, boundary: int | None, sampling: Sampling = F
         on_belt = trajectory.segments[0].mode.removeprefix("belt")
         nearest = min((1, 2), key=lambda belt: np.abs(v - float(p.belt(belt))).min())
         boundary = int(on_belt) if on_belt in "12" else events[0].boundary if events else nearest
-    contacts = _sticks(trajectory) + [
-        Contact(float(event.t), float(event.t), event.boundary) for event in trajectory.events if event.kind == "graze"
-    ]
+    grazes = [event for event in trajectory.events if event.kind == "graze"]
+    contacts = _sticks(trajectory) + [Contact(float(each.t), float(each.t), each.boundary) for each in grazes]
     return View(trajectory, boundary, t, x, v, _marks(trajectory), tuple(contacts), _outstanding(contacts, t))
 
 
@@ -168,66 +168,43 @@ def _marks(trajectory: Trajectory) -> tuple[Mark, ...]:
 
 # --- the panels ---
 
-
-def _displacement(ax: Axes, view: View) -> None:
-    """Draw panel (a): the mass, and the belt points to which it sticks or which it grazes (black)."""
-    _curve(ax, view, view.t, view.x, "displacement $x$")
-    low, high = ax.get_ylim()
-    reaches = view.belt_reach[0] * (view.t[-1] - view.t[0]), view.belt_reach[1] * (high - low)
-    for contact in view.contacts:
-        speed, x = float(view.trajectory.parameters.belt(contact.belt)), view.trajectory(contact.since)[0]
-        reach = min(reaches[0], reaches[1] / abs(speed)) if speed else reaches[0]
-        ends = np.array([contact.since - reach, contact.until + reach])
-        ax.plot(ends, x + speed * (ends - contact.since), color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
-    ax.set_ylim(low, high)
-    _dots(ax, view, view.marks, lambda t: t, lambda t: view.trajectory(t)[0])
-    _time_axis(ax, view)
+AXIS_LABELS = {"t": "time $t$", "x": "displacement $x$", "v": r"velocity $\dot{x}$"}
 
 
-def _velocity(ax: Axes, view: View) -> None:
-    """Draw panel (b): the velocity against time."""
-    _curve(ax, view, view.t, view.v, r"velocity $\dot{x}$")
-    _belt_lines(ax, view)
-    _dots(ax, view, view.marks, lambda t: t, lambda t: view.trajectory(t)[1])
-    _time_axis(ax, view)
+def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
+    """Draw the motion, with the belt points to which the mass sticks or which it grazes, or with the belts' speeds."""
+    ax.plot(_samples(view, across), _samples(view, up), color=MASS_COLOR, lw=1.3 * max(view.scale, 0.5), label="mass")
+    ax.set_ylabel(AXIS_LABELS[up])
+    (_belt_points if up == "x" else _belt_speeds)(ax, view)
+    _dots(ax, view, view.marks, across, lambda t: view.trajectory(t)[int(up == "v")])
+    _horizontal_axis(ax, view, across)
 
 
-def _phase_plane(ax: Axes, view: View) -> None:
-    """Draw panel (c): the phase plane."""
-    _curve(ax, view, view.x, view.v, r"velocity $\dot{x}$")
-    _belt_lines(ax, view)
-    _dots(ax, view, view.marks, lambda t: view.trajectory(t)[0], lambda t: view.trajectory(t)[1])
-    ax.set_xlabel("displacement $x$")
-
-
-def _forces_in_time(ax: Axes, view: View) -> None:
-    """Draw panel (d): the forces against time."""
-    _shade_sticks(ax, view)
-    _forces(ax, view, view.t, lambda t: t)
-    crossings = [mark.t for mark in _marks_of_forces(view) if mark.label == "crossing"]
-    ends = [view.trajectory.force(domain, crossings) for domain in view.domains]
-    ax.vlines(crossings, *ends, color="0.6", lw=0.6, zorder=0)
-    _time_axis(ax, view)
-
-
-def _forces_in_displacement(ax: Axes, view: View) -> None:
-    """Draw panel (e): the forces against the displacement."""
-    _forces(ax, view, view.x, lambda t: view.trajectory(t)[0])
-    ax.set_xlabel("displacement $x$")
-
-
-def _forces_in_velocity(ax: Axes, view: View) -> None:
-    """Draw panel (f): the forces against the velocity."""
-    _forces(ax, view, view.v, lambda t: view.trajectory(t)[1])
-    for belt in view.belts():
+def _force_panel(ax: Axes, view: View, across: str) -> None:
+    """Draw both forces of the boundary, with shaded sticks against time and the belts against the velocity."""
+    force, marks = view.trajectory.force, _marks_of_forces(view)
+    below, above = view.domains
+    if across == "t":
+        _shade_sticks(ax, view)
+    ax.axhline(0, color="0.6", lw=0.6, zorder=0)
+    for domain, color, style in ((below, FORCE_BELOW, "-"), (above, FORCE_ABOVE, ABOVE_STYLE)):
+        line: Record = {"color": color, "ls": style, "lw": max(view.scale, 0.5)}
+        ax.plot(_samples(view, across), force(domain, view.t), label=f"$F^{{({domain})}}$", **line)
+    for domain in (below, above):
+        _dots(ax, view, marks, across, partial(force, domain))
+    ax.set_ylabel(f"forces per mass $F^{{({below})}}$, $F^{{({above})}}$")
+    if across == "t":
+        crossings = [mark.t for mark in marks if mark.label == "crossing"]
+        ax.vlines(crossings, force(below, crossings), force(above, crossings), color="0.6", lw=0.6, zorder=0)
+    for belt in view.belts() if across == "v" else ():
         speed = float(view.trajectory.parameters.belt(belt))
         ax.axvline(speed, color=BELT_COLOR, lw=0.6, zorder=1, label="belt")
         ax.annotate(f"$v_{belt}$", (speed, 1), (0, 2), ("data", "axes fraction"), "offset points", ha="center")
-    ax.set_xlabel(r"velocity $\dot{x}$")
+    _horizontal_axis(ax, view, across)
 
 
-def _force_product(ax: Axes, view: View) -> None:
-    """Draw panel (g): the product of the forces, > 0 where the mass crosses the belt, < 0 where it sticks."""
+def _product_panel(ax: Axes, view: View) -> None:
+    """Draw the product of the forces, > 0 where the mass crosses the belt, < 0 where it sticks."""
     below, above = view.domains
     name = f"$F^{{({below})}}\\, F^{{({above})}}$"
 
@@ -237,40 +214,52 @@ def _force_product(ax: Axes, view: View) -> None:
     _shade_sticks(ax, view)
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
     ax.plot(view.t, product(view.t), color="black", lw=max(view.scale, 0.5), label=name)
-    _dots(ax, view, _marks_of_forces(view), lambda t: t, product)
+    _dots(ax, view, _marks_of_forces(view), "t", product)
     ax.set_ylabel(f"product {name}")
-    _time_axis(ax, view)
+    _horizontal_axis(ax, view, "t")
 
 
 Panel = Callable[[Axes, View], None]
 
 PANELS: dict[str, Panel] = {
-    "a": _displacement,
-    "b": _velocity,
-    "c": _phase_plane,
-    "d": _forces_in_time,
-    "e": _forces_in_displacement,
-    "f": _forces_in_velocity,
-    "g": _force_product,
+    "a": partial(_motion_panel, across="t", up="x"),
+    "b": partial(_motion_panel, across="t", up="v"),
+    "c": partial(_motion_panel, across="x", up="v"),
+    "d": partial(_force_panel, across="t"),
+    "e": partial(_force_panel, across="x"),
+    "f": partial(_force_panel, across="v"),
+    "g": _product_panel,
 }
 
 
 # --- what they are made of ---
 
 
-def _curve(ax: Axes, view: View, across: np.ndarray, up: np.ndarray, label: str) -> None:
-    """Draw a curve."""
-    ax.plot(across, up, color=MASS_COLOR, lw=1.3 * max(view.scale, 0.5), label="mass")
-    ax.set_ylabel(label)
+def _samples(view: View, name: str) -> np.ndarray:
+    """Return the samples of t, x or v."""
+    return {"t": view.t, "x": view.x, "v": view.v}[name]
 
 
-def _time_axis(ax: Axes, view: View) -> None:
-    """Set up the time axis."""
-    ax.set_xlim(view.t[0], view.t[-1])
-    ax.set_xlabel("time $t$")
+def _horizontal_axis(ax: Axes, view: View, across: str) -> None:
+    """Set up the horizontal axis."""
+    if across == "t":
+        ax.set_xlim(view.t[0], view.t[-1])
+    ax.set_xlabel(AXIS_LABELS[across])
 
 
-def _belt_lines(ax: Axes, view: View) -> None:
+def _belt_points(ax: Axes, view: View) -> None:
+    """Draw the displacement of the belt points at the contacts."""
+    low, high = ax.get_ylim()
+    reaches = view.belt_reach[0] * (view.t[-1] - view.t[0]), view.belt_reach[1] * (high - low)
+    for contact in view.contacts:
+        speed, x = float(view.trajectory.parameters.belt(contact.belt)), view.trajectory(contact.since)[0]
+        reach = min(reaches[0], reaches[1] / abs(speed)) if speed else reaches[0]
+        ends = np.array([contact.since - reach, contact.until + reach])
+        ax.plot(ends, x + speed * (ends - contact.since), color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
+    ax.set_ylim(low, high)
+
+
+def _belt_speeds(ax: Axes, view: View) -> None:
     """Draw lines at the belt speeds."""
     # Above the mass, but thinner: in a stick both are seen.
     p = view.trajectory.parameters
@@ -280,19 +269,6 @@ def _belt_lines(ax: Axes, view: View) -> None:
         speed, shift = float(p.belt(belt)), (0, -5, 5)[belt] * near
         ax.axhline(speed, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
         ax.annotate(f"$v_{belt}$", (1, speed), (4, shift), ("axes fraction", "data"), "offset points", va="center")
-
-
-def _forces(ax: Axes, view: View, across: np.ndarray, place: Callable[[Any], Any]) -> None:
-    """Draw both forces of the boundary."""
-    below, above = view.domains
-    force = view.trajectory.force
-    ax.axhline(0, color="0.6", lw=0.6, zorder=0)
-    for domain, color, style in ((below, FORCE_BELOW, "-"), (above, FORCE_ABOVE, ABOVE_STYLE)):
-        line: Record = {"color": color, "ls": style, "lw": max(view.scale, 0.5)}
-        ax.plot(across, force(domain, view.t), label=f"$F^{{({domain})}}$", **line)
-    for domain in (below, above):
-        _dots(ax, view, _marks_of_forces(view), place, lambda t, domain=domain: force(domain, t))  # type: ignore[misc]
-    ax.set_ylabel(f"forces per mass $F^{{({below})}}$, $F^{{({above})}}$")
 
 
 def _marks_of_forces(view: View) -> list[Mark]:
@@ -307,18 +283,13 @@ def _shade_sticks(ax: Axes, view: View) -> None:
             ax.axvspan(stick.since, stick.until, color=STICK_SHADE, lw=0, zorder=-1)
 
 
-def _dots(ax: Axes, view: View, marks: Sequence[Mark], across: Callable[[Any], Any], up: Callable[[Any], Any]) -> None:
-    """Draw marks on a curve."""
+def _dots(ax: Axes, view: View, marks: Sequence[Mark], across: str, up: Callable[[Any], Any]) -> None:
+    """Draw marks on a curve, whose height at times is `up`."""
     for label, color in dict.fromkeys((mark.label, mark.color) for mark in marks):
-        times = np.array([mark.t for mark in marks if mark.label == label])
-        ax.plot(
-            across(times),
-            up(times),
-            linestyle="none",
-            clip_on=False,
-            label=label,
-            **mark_style(label, color, view.scale),
-        )
+        t = np.array([mark.t for mark in marks if mark.label == label])
+        place = t if across == "t" else view.trajectory(t)[int(across == "v")]
+        style = mark_style(label, color, view.scale)
+        ax.plot(place, up(t), linestyle="none", clip_on=False, label=label, **style)
 
 
 def mark_style(label: str, color: str, scale: float = 1.0) -> Record:
@@ -336,19 +307,13 @@ def _sticks(trajectory: Trajectory) -> list[Contact]:
 
 
 def _outstanding(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
-    """Return the sticks for insets: too short to be seen, and few or much shorter than the others."""
-    short = [contact for contact in contacts if _is_short(contact, t)]
-    if len(short) > MOST_INSETS:
-        lengths = [contact.until - contact.since for contact in contacts if contact.until > contact.since]
-        limit = OUTSTANDING * median(lengths)
-        short = [contact for contact in short if contact.until - contact.since < limit]
-    return tuple(short[:MOST_INSETS])
-
-
-def _is_short(contact: Contact, t: np.ndarray) -> bool:
-    """Return whether a stick is too short to be seen, but resolved, and ends within the picture."""
+    """Return the sticks for insets: too short to be seen, resolved, and few or much shorter than the others."""
     longest, finest = SHORT_STICK * (t[-1] - t[0]), RESOLVED * np.abs(t).max()
-    return bool(finest < contact.until - contact.since < longest and contact.until < t[-1])
+    short = [each for each in contacts if finest < each.until - each.since < longest and each.until < t[-1]]
+    if len(short) > MOST_INSETS:
+        limit = OUTSTANDING * median(each.until - each.since for each in contacts if each.until > each.since)
+        short = [each for each in short if each.until - each.since < limit]
+    return tuple(short[:MOST_INSETS])
 
 
 # --- insets ---
@@ -386,7 +351,9 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
     if until > since:
         # Clear of the belt, between the branches of the curve.
         height = 0.7 if away.mean() > 0 else 0.3
-        inset.text(0.53, height, f"length {_scientific(length)}", transform=inset.transAxes, **INSET_TEXT)
+        mantissa, _, exponent = f"{length:.1e}".partition("e")
+        text = f"length ${mantissa}\\cdot 10^{{{int(exponent)}}}$"
+        inset.text(0.53, height, text, transform=inset.transAxes, **INSET_TEXT)
     inset.margins(x=0, y=0.2)
     # Ticks and label on top leave the way free for the leaders to the spot that is magnified.
     inset.xaxis.tick_top()
@@ -403,9 +370,3 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
 def _power(exponent: int) -> str:
     """Return the beginning of a label with a power of ten, in math text."""
     return "$" if exponent == 0 else f"$10^{{{exponent}}}\\,"
-
-
-def _scientific(value: float) -> str:
-    """Return a number in scientific notation."""
-    mantissa, _, exponent = f"{value:.1e}".partition("e")
-    return f"${mantissa}\\cdot 10^{{{int(exponent)}}}$"

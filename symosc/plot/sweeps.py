@@ -48,8 +48,8 @@ MOST_LEVELS = 24
 
 def read_column(dataset: Any, name: Any) -> Any:
     """Return a column of a result without dimensions of length 1; raise ParameterError if there is none."""
-    if not hasattr(dataset, "data_vars") or "status" not in dataset:
-        raise ParameterError("dataset", type(dataset).__name__, "must be a Dataset; sweep(...) makes one")
+    if "status" not in dataset:
+        raise ParameterError("dataset", type(dataset).__name__, "must be what sweep(...) returns, with its status")
     names = [str(each) for each in dataset.data_vars]
     if name is None:
         name = "section" if "section" in names else names[0]
@@ -70,7 +70,7 @@ def read_axes(column: Any, count: int, what: str) -> list[str]:
     axes = axes_of(column)
     if len(axes) != count or any(each not in column.coords for each in axes):
         sizes = ", ".join(f"{each} ({column.sizes[each]})" for each in axes) or "none"
-        allowed = f"{what} has {count} ax{'is' if count == 1 else 'es'}; select values, such as dataset.isel(k=0)"
+        allowed = f"{what} needs {count}; select values, such as dataset.isel(k=0)"
         raise ParameterError("dataset", f"axes {sizes}", allowed)
     return axes
 
@@ -78,12 +78,6 @@ def read_axes(column: Any, count: int, what: str) -> list[str]:
 def label(name: str) -> str:
     """Return the axis label of a parameter, a start value or a column."""
     return LABELS.get(name, name.replace("_", " "))
-
-
-def undecided(dataset: Any, column: Any) -> np.ndarray:
-    """Return where the motion was undecided, in the shape of a column."""
-    status = dataset["status"].squeeze([each for each in dataset["status"].dims if dataset.sizes[each] == 1])
-    return np.asarray(status.transpose(*axes_of(column)).values == "undecidable")
 
 
 def typeset(word: str) -> str:
@@ -106,21 +100,10 @@ def swept_figure(dataset: xarray.Dataset | SweptDataset, name: str | None = None
     Parameters
     ----------
     dataset : xarray.Dataset
-        What `symosc.sweep` returns, or a selection of it such as ``dataset.isel(k=0)``; it is drawn by
-        ``dataset.symosc.plot()`` too.
+        What `symosc.sweep` returns, or a selection of it such as ``dataset.isel(k=0)``; ``dataset.symosc.plot()`` too
+        draws it.
     name : str, optional
-        The column. Default: the section if there is one, else the first that was recorded.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into; their figure is returned.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If `dataset` is no result of a sweep, has no such column, or has more axes than a figure.
+        The column, such as "word". Default: the section if there is one, else the first that was recorded.
 
     Examples
     --------
@@ -129,41 +112,21 @@ def swept_figure(dataset: xarray.Dataset | SweptDataset, name: str | None = None
     >>> [axes.get_xlabel() for axes in plot.swept_figure(found).axes]
     ['$\\\\Omega$']
     """
-    from symosc.sweeps.output import SweptDataset
-
-    if isinstance(dataset, SweptDataset):
-        return swept_figure(dataset.dataset, name, ax=ax)
-    column = read_column(dataset, name)
+    data: Any = getattr(dataset, "dataset", dataset)  # what `dataset.symosc` is made for
+    column = read_column(data, name)
     axes = axes_of(column)
     if column.name == "section":
-        return bifurcation_figure(dataset, ax=ax)
+        return bifurcation_figure(data, ax=ax)
     if len(axes) == 1:
-        return curve_figure(dataset, column.name, ax=ax)
-    return (basin_figure if set(axes) == {"x0", "v0"} else map_figure)(dataset, column.name, ax=ax)
+        return curve_figure(data, column.name, ax=ax)
+    return (basin_figure if set(axes) == {"x0", "v0"} else map_figure)(data, column.name, ax=ax)
 
 
 @public
 def bifurcation_figure(
     dataset: xarray.Dataset, component: Literal["x", "v"] = "x", *, ax: Axes | None = None
 ) -> Figure:
-    """Draw the stroboscopic section against a parameter: a point for each recorded period.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        What `symosc.sweep` returns for ``record="section"`` over one axis; several starts lie over each other.
-    component : {"x", "v"}
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into; their figure is returned.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If an argument is none of these.
+    """Draw the section of a sweep over one axis: a point for each recorded period; several starts lie over each other.
 
     Examples
     --------
@@ -187,25 +150,7 @@ def bifurcation_figure(
 
 @public
 def curve_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
-    """Draw a column against one parameter: numbers as a curve, words as levels.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        What `symosc.sweep` returns over one axis.
-    name : str, optional
-        The column; default: the first that was recorded.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into; their figure is returned.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If an argument is none of these.
+    """Draw a column against one parameter: numbers as a curve, words as levels; arguments as for `swept_figure`.
 
     Examples
     --------
@@ -257,28 +202,10 @@ class Classes(NamedTuple):
 
 @public
 def map_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
-    """Draw a map over two axes, the first one across.
+    """Draw a map over two axes, the first one across; arguments as for `swept_figure`.
 
     Words and whole numbers are classes with borders and a legend; of many words the rarest are one class. Other numbers
     are shades with lines of equal value. Cells that could not be decided are a class of their own.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        What `symosc.sweep` returns over two axes.
-    name : str, optional
-        The column; default: the first that was recorded.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into; their figure is returned.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If an argument is none of these.
 
     Examples
     --------
@@ -289,9 +216,10 @@ def map_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | N
     """
     column = read_column(dataset, name)
     first, second = read_axes(column, 2, "a map")
-    dataset = dataset.sortby([first, second])
-    column = read_column(dataset, str(column.name))
-    values, unknown = column.transpose(first, second).values, undecided(dataset, column.transpose(first, second))
+    column = column.sortby([first, second]).transpose(first, second)
+    status = dataset["status"].squeeze([each for each in dataset["status"].dims if dataset.sizes[each] == 1])
+    unknown = status.sortby([first, second]).transpose(first, second).values == "undecidable"
+    values = column.values
     edges = _edges(column[first].values), _edges(column[second].values)
     with style_for(ax):
         drawing, axes = one_axes(ax, (5.2, 3.8))
@@ -306,25 +234,7 @@ def map_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | N
 
 @public
 def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
-    """Draw where starts in the phase plane lead: a map over x0 and v0, with the belts.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        What `symosc.sweep` returns over x0 and v0.
-    name : str, optional
-        What tells the motions apart, such as "word" or the last position "x"; default: the first that was recorded.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into; their figure is returned.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If an argument is none of these.
+    """Draw where starts in the phase plane lead: a map over x0 and v0 with the belts; arguments as for `swept_figure`.
 
     Examples
     --------
@@ -359,9 +269,7 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> Classes:
         codes, kinds = np.argsort(order, kind="stable")[codes], kinds[order]
     shown = MOST_CLASSES - 1 if len(kinds) > MOST_CLASSES else len(kinds)
     shades = colormaps[SHADES](np.linspace(LIGHTEST, DARKEST, max(shown, 2)))[:shown]
-    looks: list[tuple[str, Any, str]] = [
-        (str(kind), shade, "") for kind, shade in zip(kinds[:shown], shades, strict=True)
-    ]
+    looks = [(str(kind), shade, "") for kind, shade in zip(kinds[:shown], shades, strict=True)]
     if shown < len(kinds):
         codes = np.minimum(codes, shown)
         looks.append((f"{len(kinds) - shown} others", OTHERS_COLOR, OTHERS_HATCH))
@@ -373,29 +281,27 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> Classes:
 
 def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], classes: Classes, new: bool) -> None:
     """Draw a map of classes."""
-    palette = ListedColormap(classes.colors)
     options: Record = {"vmin": -0.5, "vmax": len(classes.names) - 0.5, "rasterized": True}
-    axes.pcolormesh(*edges, classes.codes.T, cmap=palette, **options)
+    axes.pcolormesh(*edges, classes.codes.T, cmap=ListedColormap(classes.colors), **options)
     x, y = edges
-    for number, hatch in enumerate(classes.hatches):
-        inside = np.argwhere(classes.codes == number) if hatch else ()
-        cells = [[(x[i], y[j]), (x[i + 1], y[j]), (x[i + 1], y[j + 1]), (x[i], y[j + 1])] for i, j in inside]
+    axes.add_collection(LineCollection(borders(x, y, classes.codes), colors="black", linewidths=0.5))
+    for number, (name, color, hatch) in enumerate(zip(classes.names, classes.colors, classes.hatches, strict=True)):
+        inside = classes.codes == number
         if hatch:
+            cells = [
+                [(x[i], y[j]), (x[i + 1], y[j]), (x[i + 1], y[j + 1]), (x[i], y[j + 1])] for i, j in np.argwhere(inside)
+            ]
             style: Record = {"facecolors": "none", "edgecolors": "black", "hatch": hatch, "linewidths": 0}
             axes.add_collection(PolyCollection(cells, **style))
-    axes.add_collection(LineCollection(borders(x, y, classes.codes), colors="black", linewidths=0.5))
-    for i, name in enumerate(classes.names):
-        if not classes.hatches[i]:
-            _label_class(axes, edges, classes.codes == i, name, classes.colors[i])
+        else:
+            _label_class(axes, edges, inside, name, color)
     handles = [
         Patch(facecolor=color, edgecolor="black", linewidth=0.5, hatch=hatch, label=typeset(name))
         for name, color, hatch in zip(classes.names, classes.colors, classes.hatches, strict=True)
     ]
-    legend: Record = {"frameon": False, "handlelength": 1.4, "handleheight": 1.0}
-    if new:
-        axes.figure.legend(handles=handles, loc="outside right upper", **legend)
-    else:
-        axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1, 1), **legend)
+    place: Record = {"loc": "outside right upper"} if new else {"loc": "upper left", "bbox_to_anchor": (1, 1)}
+    draw = axes.figure.legend if new else axes.legend
+    draw(handles=handles, frameon=False, handlelength=1.4, handleheight=1.0, **place)
 
 
 def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: Any) -> None:
@@ -418,12 +324,9 @@ def luminance(color: Any) -> float:
 
 def borders(x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[list[tuple[float, float]]]:
     """Return the lines between cells of different classes; `x` and `y` are the edges of the cells."""
-    lines = []
-    for i, j in np.argwhere(codes[1:] != codes[:-1]):
-        lines.append([(x[i + 1], y[j]), (x[i + 1], y[j + 1])])
-    for i, j in np.argwhere(codes[:, 1:] != codes[:, :-1]):
-        lines.append([(x[i], y[j + 1]), (x[i + 1], y[j + 1])])
-    return lines
+    upright = [[(x[i + 1], y[j]), (x[i + 1], y[j + 1])] for i, j in np.argwhere(codes[1:] != codes[:-1])]
+    level = [[(x[i], y[j + 1]), (x[i + 1], y[j + 1])] for i, j in np.argwhere(codes[:, 1:] != codes[:, :-1])]
+    return upright + level
 
 
 def _draw_shades(
@@ -452,23 +355,7 @@ def _edges(values: np.ndarray) -> np.ndarray:
 
 @public
 def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
-    """Draw the events of motions: time across, one line of marks for each motion.
-
-    Parameters
-    ----------
-    events : EventTable
-        What `symosc.simulate_many` returns.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into; their figure is returned.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If `events` is no EventTable, or `ax` are no axes.
+    """Draw the events that `symosc.simulate_many` returns: time across, one line of marks for each motion.
 
     Examples
     --------
@@ -509,17 +396,6 @@ def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None
         The column. "section" draws the points in the phase plane, a column of text or whole numbers how often each
         value is there, another one how its values are spread. Default: the first of word, section and the others that
         is there.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into; their figure is returned.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If `summary` is no Summary, has no such column, or `ax` are no axes.
 
     Examples
     --------

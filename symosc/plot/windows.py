@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from functools import partial, reduce
 from math import cos, pi, sin
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -26,7 +25,16 @@ from symosc.grazing.window import GrazingWindow, WindowColumns, grazing_window, 
 from symosc.kernels.double_double import HALF_PI, THREE_HALVES_PI
 from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC, place
 from symosc.model import Parameters
-from symosc.plot.drawing import Drawing, figure_of, legend_entries, one_axes, read_panels, style_for
+from symosc.plot.drawing import (
+    Drawing,
+    add_legend,
+    figure_of,
+    legend_entries,
+    one_axes,
+    panel_axes,
+    read_panels,
+    style_for,
+)
 from symosc.scenes import ParametersLike
 
 if TYPE_CHECKING:
@@ -64,19 +72,8 @@ def window_figure(
     windows : GrazingWindow or sequence of them
     plane : callable, optional
         Draws the grazing curve of a window on the switching plane, into axes of a third column.
-    panels : str, optional
-        Letters of the panels: a circle, b contacts. Default: both, with `ax` a.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw one panel of one window into; their figure is returned.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If there is no window, or no such panel, or more than one window with `ax`.
+    panels, ax : optional
+        As for `symosc.plot.figure`. The panels are a circle, b contacts. Default: both, with `ax` a.
 
     Examples
     --------
@@ -90,24 +87,18 @@ def window_figure(
     if not chosen:
         raise ParameterError("windows", windows, "must be at least one")
     draw = {"a": _circle, "b": _contacts}
-    panels = read_panels(panels, tuple(draw), ax)
-    if ax is None:
-        return _rows(chosen, [draw[letter] for letter in panels] + ([] if plane is None else [plane]))
-    drawing = figure_of(ax)
-    if len(chosen) > 1:
-        raise ParameterError("windows", f"{len(chosen)} windows", "axes hold one window: give ax= with one")
-    draw[panels](ax, chosen[0])
-    return drawing
-
-
-def _rows(windows: list[GrazingWindow], columns: list[Callable[[Axes, GrazingWindow], None]]) -> Figure:
-    """Return a figure with a row for each window, drawn column by column."""
+    panels = read_panels(panels, draw, ax)
+    if ax is not None:
+        if len(chosen) > 1:
+            raise ParameterError("windows", f"{len(chosen)} windows", "axes hold one window: give ax= with one")
+        draw[panels](ax, chosen[0])
+        return figure_of(ax)
+    columns = [draw[letter] for letter in panels] + ([] if plane is None else [plane])
     with style_for(None):
-        size = 1.2 + 2.9 * len(columns), 2.5 * len(windows) + 0.2
-        drawing = Drawing(figsize=size, layout="constrained")
+        drawing = Drawing(figsize=(1.2 + 2.9 * len(columns), 2.5 * len(chosen) + 0.2), layout="constrained")
         widths = [1.0 if column is _circle else 1.5 for column in columns]
-        grid = drawing.subplots(len(windows), len(columns), squeeze=False, width_ratios=widths)
-        for row, window in zip(grid, windows, strict=True):
+        grid = drawing.subplots(len(chosen), len(columns), squeeze=False, width_ratios=widths)
+        for row, window in zip(grid, chosen, strict=True):
             for axes, column in zip(row, columns, strict=True):
                 column(axes, window)
     return drawing
@@ -136,9 +127,8 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
     for (theta, _), name in zip(critical, names, strict=False):
         beyond = 1.28 if abs(cos(theta)) < 0.5 else 1.22
         side = "left" if cos(theta) > 0.1 else "right" if cos(theta) < -0.1 else "center"
-        axes.text(
-            beyond * cos(theta), beyond * sin(theta), name, color=CRITICAL_COLOR, ha=side, va="center", fontsize=8
-        )
+        style: Record = {"color": CRITICAL_COLOR, "ha": side, "va": "center", "fontsize": 8}
+        axes.text(beyond * cos(theta), beyond * sin(theta), name, **style)
     for quarter in range(4):
         theta = quarter * pi / 2
         axes.plot([0.94 * cos(theta), cos(theta)], [0.94 * sin(theta), sin(theta)], color="black", linewidth=0.6)
@@ -226,17 +216,6 @@ def sweep_figure(
     low, high : number, optional
         Range. Default: from 0 (both signs for B0 and the belts) to twice the larger one of the value and the equality
         |k v_lambda| = |B0| Omega, as far as Parameters allows.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into; their figure is returned.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        For a map without grazing, another parameter, or a range that is empty or not allowed.
 
     Examples
     --------
@@ -247,42 +226,33 @@ def sweep_figure(
     """
     low, high = _sweep_range(p, mapping, name, low, high)
     equalities = [q for q in _equalities(p, mapping, name) if low < q < high]
-    values = _values(low, high, equalities)
+    # Equality and 0, where the window changes its kind, with their neighbours.
+    near = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
+    edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in near]
+    values = np.union1d(np.linspace(low, high, SWEEP_POINTS), [edge for edge in edges if low <= edge <= high])
     found = grazing_windows(p, mapping, order, **{name: values})
     with style_for(ax):
         drawing, axes = one_axes(ax, (4.6, 3.4))
         _window_areas(axes, values, found, place(mapping).side * (values if name == "B0" else float(p.B0)))
-        _window_borders(axes, values, found)
+        label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
+        for curve in (found.theta_cr % TURN, pi - found.theta_cr):
+            if not np.isnan(curve).all():
+                broken = np.where(np.abs(np.diff(curve, prepend=curve[0])) > 3, np.nan, curve)  # at jumps by a turn
+                axes.plot(values, broken, color=CRITICAL_COLOR, linewidth=1.0, linestyle=DASHES, label=label)
+                label = None
         for q in equalities:
             for theta, belongs in critical_phases(grazing_window(p.replace(**{name: q}), mapping, order)):
                 draw_dot(axes, float(q), theta, belongs, "belongs to it" if belongs else "does not belong to it")
         axes.set(xlabel=f"${NAMES[name]}$", ylabel=PHASE_LABEL, xlim=(low, high), ylim=(0, TURN))
-        _mark_value(axes, float(getattr(p, name)))
+        value, width = float(getattr(p, name)), high - low
+        if low <= value <= high:  # a line, off the frame
+            axes.axvline(value, color="black", linewidth=0.9, linestyle=":", label="given value")
+            near_low, near_high = value - low < 0.02 * width, high - value < 0.02 * width
+            axes.set_xlim(low - 0.04 * width * near_low, high + 0.04 * width * near_high)
         axes.set_yticks(np.arange(5) * pi / 2, PHASE_TICKS)
         axes.set_title(f"grazing window of ${tex(mapping)}$, {order} order")
-        entries = legend_entries([axes])
-        style: Record = {"loc": "outside lower center", "ncols": 3, "frameon": False} if ax is None else {}
-        if entries["labels"]:
-            (drawing if ax is None else axes).legend(**entries, **style)
+        add_legend(drawing, ax, legend_entries([axes]), 3)
     return drawing
-
-
-def _values(low: float, high: float, equalities: list[Fraction]) -> np.ndarray:
-    """Return sample values: equidistant ones, equality and 0 (where the window changes kind), and neighbours."""
-    steps = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
-    edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in steps]
-    even = np.linspace(low, high, SWEEP_POINTS)
-    return np.unique(np.concatenate([even, [edge for edge in edges if low <= edge <= high]]))
-
-
-def _mark_value(axes: Axes, value: float) -> None:
-    """Draw a line at the given value if it is on the axis, off the frame."""
-    low, high = axes.get_xlim()
-    if low <= value <= high:
-        axes.axvline(value, color="black", linewidth=0.9, linestyle=":", label="given value")
-        width = high - low
-        near_low, near_high = value - low < 0.02 * width, high - value < 0.02 * width
-        axes.set_xlim(low - 0.04 * width * near_low, high + 0.04 * width * near_high)
 
 
 def _sweep_range(p: Parameters, mapping: str, name: str, low: Any, high: Any) -> tuple[float, float]:
@@ -299,9 +269,8 @@ def _sweep_range(p: Parameters, mapping: str, name: str, low: Any, high: Any) ->
         "v1": (min(-reach, float(p.v2) - reach), min(reach, float(p.v2))),
         "v2": (max(-reach, float(p.v1)), max(reach, float(p.v1) + reach)),
     }[name]
-    found = [
-        float(read_exact(name, given)) if given is not None else end for given, end in ((low, least), (high, most))
-    ]
+    ends = zip((low, high), (least, most), strict=True)
+    found = [end if given is None else float(read_exact(name, given)) for given, end in ends]
     # The belts may not have one speed.
     shift = 1e-9 * (found[1] - found[0])
     if name == "v1" and found[1] == float(p.v2):
@@ -319,13 +288,13 @@ def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
     """Return the values of a parameter at which |k v_lambda| = |B0| Omega."""
     speed = p.belt(place(mapping).boundary)
     level, size = abs(p.k * speed), abs(p.B0 * p.Omega)
-    if name == "Omega":
-        return [level / abs(p.B0)] if p.B0 and level else []
-    if name == "B0":
-        return [sign * level / p.Omega for sign in (1, -1)] if level else []
-    if name == "k":
-        return [size / abs(speed)] if speed and size else []
-    return [sign * size / p.k for sign in (1, -1)] if p.k and size else []
+    product, factor = {
+        "Omega": (level, abs(p.B0)),
+        "B0": (level, p.Omega),
+        "k": (size, abs(speed)),
+    }.get(name, (size, p.k))
+    signs = (1,) if name in ("Omega", "k") else (1, -1)
+    return [sign * product / factor for sign in signs] if product and factor else []
 
 
 def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: Any) -> None:
@@ -342,17 +311,6 @@ def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: A
         if where.any():
             axes.fill_between(values, lower, upper, where=where, color=SHADE_COLOR, linewidth=0.4, label=label)
             label = "_"  # no second entry in the legend
-
-
-def _window_borders(axes: Axes, values: np.ndarray, found: Any) -> None:
-    """Draw Theta_cr and pi - Theta_cr, broken since not in the window, interrupted at jumps by a turn."""
-    if np.all(np.isnan(found.theta_cr)):
-        return
-    label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
-    for curve in (found.theta_cr % TURN, pi - found.theta_cr):
-        broken = np.where(np.abs(np.diff(curve, prepend=curve[0])) > 3, np.nan, curve)
-        axes.plot(values, broken, color=CRITICAL_COLOR, linewidth=1.0, linestyle=DASHES, label=label)
-        label = None
 
 
 # -- regions of two parameters -----------------------------------------------------------------------------------------
@@ -379,17 +337,6 @@ def region_figure(
         As `symosc.values_containing` and its like return for two names.
     first, second : pair of numbers, optional
         Ranges of the two parameters. Default: from 0 (both signs for B0 and the belts) to twice the given value.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into; their figure is returned.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        For something else than a region, and for a range that is not from a lower to a higher value.
 
     Examples
     --------
@@ -410,9 +357,7 @@ def region_figure(
         shown += _given(axes, region, spans)
         axes.set(xlabel=f"${NAMES[names[0]]}$", ylabel=f"${NAMES[names[1]]}$", xlim=spans[0], ylim=spans[1])
         axes.set_title(f"${region.question.latex()}$")
-        style: Record = {"loc": "outside lower center", "ncols": 3, "frameon": False} if ax is None else {}
-        if shown:
-            (drawing if ax is None else axes).legend(handles=shown, **style)
+        add_legend(drawing, ax, {each.get_label(): each for each in shown}, 3)
     return drawing
 
 
@@ -430,19 +375,16 @@ def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarr
     if condition in (sp.true, sp.false):
         return _Margin(np.full_like(x, np.inf if condition == sp.true else -np.inf), np.zeros(x.shape, dtype=bool))
     if isinstance(condition, sp.And | sp.Or):
-        both = isinstance(condition, sp.And)
-        return reduce(partial(_joined, both=both), (_margin(each, letters, x, y) for each in condition.args))
+        margins = [_margin(each, letters, x, y) for each in condition.args]
+        values = np.stack([each.values for each in margins])
+        extreme, any_or_all = (np.min, np.all) if isinstance(condition, sp.And) else (np.max, np.any)
+        decisive = extreme(values, axis=0)
+        closed = np.stack([each.closed for each in margins])
+        neutral = isinstance(condition, sp.And)  # what does not decide has no say in the border
+        return _Margin(decisive, any_or_all(np.where(values == decisive, closed, neutral), axis=0))
     found = sp.lambdify(letters, condition.gts - condition.lts, "numpy")(x, y)
     closed = np.full(x.shape, isinstance(condition, sp.Ge | sp.Le))
     return _Margin(np.asarray(np.broadcast_to(found, x.shape), dtype=float), closed)
-
-
-def _joined(one: _Margin, other: _Margin, both: bool) -> _Margin:
-    """Return the margin of two conditions with `and` or `or`; the deciding one provides the border."""
-    decides = one.values < other.values if both else one.values > other.values
-    either = one.closed & other.closed if both else one.closed | other.closed
-    closed = np.where(one.values == other.values, either, np.where(decides, one.closed, other.closed))
-    return _Margin(np.where(decides, one.values, other.values), closed)
 
 
 def _span(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]:
@@ -463,25 +405,17 @@ def _region_areas(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, all
     """Shade the region, hatch forbidden values, and return the legend entries."""
     shown = []
     both = np.minimum(inside.values, allowed.values)
-    if (both > 0).any():
-        _area(axes, x, y, both, INSIDE)
-        shown.append(Patch(label="inside", **INSIDE))
-    else:
-        axes.text(
-            0.5, 0.5, "nowhere here", transform=axes.transAxes, ha="center", bbox={"facecolor": "white", "linewidth": 0}
-        )
-    if (allowed.values < 0).any():
-        _area(axes, x, y, -allowed.values, FORBIDDEN)
-        shown.append(Patch(label="not allowed", **FORBIDDEN))
+    if not (both > 0).any():
+        box = {"facecolor": "white", "linewidth": 0}
+        axes.text(0.5, 0.5, "nowhere here", transform=axes.transAxes, ha="center", bbox=box)
+    for label, values, style in (("inside", both, INSIDE), ("not allowed", -allowed.values, FORBIDDEN)):
+        if (values > 0).any():
+            finite, hatch = np.nan_to_num(values, posinf=1.0, neginf=-1.0), style.get("hatch")
+            filled: Record = {"colors": [style["facecolor"]], "hatches": [hatch], "zorder": 0}
+            area = axes.contourf(x, y, finite, [0, np.inf], **filled)
+            area.set(edgecolor=style["edgecolor"] if hatch else style["facecolor"], linewidth=0)
+            shown.append(Patch(label=label, **style))
     return shown
-
-
-def _area(axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray, style: Record) -> None:
-    """Fill the points with positive values."""
-    finite = np.nan_to_num(values, posinf=1.0, neginf=-1.0)
-    hatches = [style.get("hatch")]
-    area = axes.contourf(x, y, finite, [0, np.inf], colors=[style["facecolor"]], hatches=hatches, zorder=0)
-    area.set(edgecolor=style["edgecolor"] if "hatch" in style else style["facecolor"], linewidth=0)
 
 
 def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, allowed: _Margin) -> list[Any]:
@@ -489,20 +423,15 @@ def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, a
     shown: list[Any] = []
     if not inside.values.min() <= 0 <= inside.values.max() < np.inf:
         return shown
-    for style, hidden, label in (
-        (SOLID, ~inside.closed, "border, inside"),
-        (DASHES, inside.closed, "border, not inside"),
-    ):
+    borders = ((SOLID, ~inside.closed, "border, inside"), (DASHES, inside.closed, "border, not inside"))
+    for style, hidden, label in borders:
         part = np.ma.masked_where(hidden | (allowed.values < 0), inside.values)
         if part.count() == 0 or not part.min() <= 0 <= part.max():
             continue
         options: Record = {"colors": [INSIDE_COLOR], "linewidths": 1.2, "linestyles": [style], "zorder": 2}
         pieces = axes.contour(x, y, part, [0], **options).allsegs[0]
-        if any(
-            (np.ptp(piece, axis=0) > LEAST_PIECE * np.array([np.ptp(x), np.ptp(y)])).any()
-            for piece in pieces
-            if len(piece)
-        ):
+        least = LEAST_PIECE * np.array([np.ptp(x), np.ptp(y)])
+        if any((np.ptp(piece, axis=0) > least).any() for piece in pieces if len(piece)):
             shown.append(Line2D([], [], color=INSIDE_COLOR, linewidth=1.2, linestyle=style, label=label))
     return shown
 
@@ -515,11 +444,8 @@ def _given(axes: Axes, region: ParameterRegion, spans: list[tuple[float, float]]
         return []
     inside = region.contains(**{name: getattr(region.parameters, name) for name in names})
     label = f"given values, {'inside' if inside else 'outside'}"
-    face = "black" if inside else "white"
-    return axes.plot(
-        *([value] for value in at), "o", color="black", markerfacecolor=face, markersize=5, linestyle="none",
-        label=label, zorder=4, clip_on=False,
-    )  # fmt: skip
+    style: Record = {"color": "black", "markerfacecolor": "black" if inside else "white", "markersize": 5, "zorder": 4}
+    return axes.plot(*([value] for value in at), "o", linestyle="none", clip_on=False, label=label, **style)
 
 
 # -- grazing curves ----------------------------------------------------------------------------------------------------
@@ -543,15 +469,6 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: 
     panels, ax : optional
         As for `symosc.plot.figure`. The panels are a switching plane, b flight. Default: both, with `ax` a.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    ParameterError
-        If that is no GrazingCurve, or there is no such panel.
-
     Examples
     --------
     >>> from symosc import grazing_curve, load_scene, plot
@@ -559,13 +476,10 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: 
     >>> drawing.axes[1].get_title()
     'flight to the grazing point'
     """
-    panels = read_panels(panels, tuple(CURVE_PANELS), ax)
-    if ax is not None:
-        CURVE_PANELS[panels](ax, curve)
-        return figure_of(ax)
+    panels = read_panels(panels, CURVE_PANELS, ax)
     with style_for(ax):
-        drawing = Drawing(figsize=(3.5 * len(panels), 3.2), layout="constrained")
-        for axes, letter in zip(drawing.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
+        drawing, row = panel_axes(ax, panels, (3.5 * len(panels), 3.2))
+        for axes, letter in zip(row, panels, strict=True):
             CURVE_PANELS[letter](axes, curve)
     return drawing
 
@@ -579,11 +493,10 @@ def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
         axes.axvspan(low, high, color=GAP_COLOR, linewidth=0, label=f"from: {origin}")
     axes.set(xlabel=r"$\theta_m$", ylabel=r"$\theta_m - \Omega t_i$")
     axes.set_title("flight to the grazing point")
-    if not curve.pieces:
-        _say_why_empty(axes, curve)
-    axes.set_xlim(*(_reach(curve) if curve.windows else (0, TURN)))
-    _quarters(axes)
-    _curve_legend(axes)
+    spans = [(piece.low.theta_m, piece.high.theta_m) for piece in curve.pieces]
+    spans += [(low, high) for low, high, _ in curve.gaps]
+    # Over a full circle, from the cut of the curve.
+    _finish(axes, curve, (min(low for low, _ in spans), max(high for _, high in spans)) if spans else (0, TURN))
 
 
 def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
@@ -593,29 +506,28 @@ def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
         _line(axes, piece.theta_m, piece.x_m, CONTACT_COLOR, label="grazing point", style=(0, (4, 1.6)))
         _ends(axes, piece, [end.x for end in (piece.low, piece.high)], "theta")
     belt = place(curve.mapping).boundary
-    axes.set(xlabel=r"$\mathrm{mod}(\Omega t, 2\pi)$", ylabel="$x$", xlim=(0, TURN))
+    axes.set(xlabel=r"$\mathrm{mod}(\Omega t, 2\pi)$", ylabel="$x$")
     axes.set_title(rf"${tex(curve.mapping)}$ on the plane $\dot x = v_{belt}$")
-    if not curve.pieces:
-        _say_why_empty(axes, curve)
-    _quarters(axes)
-    _curve_legend(axes)
+    _finish(axes, curve, (0, TURN))
 
 
 CURVE_PANELS = {"a": draw_plane, "b": _draw_flight}
 
 
-def _say_why_empty(axes: Axes, curve: GrazingCurve) -> None:
-    """Write why there is nothing to draw, and hide the scales."""
-    why = "no start on this plane grazes" if curve.windows else "the window is empty"
-    axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center")
-    axes.set_yticks([])
-
-
-def _reach(curve: GrazingCurve) -> tuple[float, float]:
-    """Return the first and the last phase; over a full circle, from the cut of the curve."""
-    spans = [(piece.low.theta_m, piece.high.theta_m) for piece in curve.pieces]
-    spans += [(low, high) for low, high, _ in curve.gaps]
-    return min(low for low, _ in spans), max(high for _, high in spans)
+def _finish(axes: Axes, curve: GrazingCurve, span: tuple[float, float]) -> None:
+    """Set the span of phases, ticks at quarters of a turn and the legend; write why nothing is drawn."""
+    if not curve.pieces:
+        why = "no start on this plane grazes" if curve.windows else "the window is empty"
+        axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center")
+        axes.set_yticks([])
+    axes.set_xlim(*span)
+    low, high = axes.get_xlim()
+    shown = {k: ANGLE_TICKS.get(k, rf"${k // 2 if k % 2 == 0 else f'{k}/2 '}\pi$") for k in range(-4, 13)}
+    inside = [k for k in shown if low - 1e-9 <= k * pi / 2 <= high + 1e-9]
+    axes.set_xticks([k * pi / 2 for k in inside], [shown[k] for k in inside])
+    entries = legend_entries([axes])
+    if entries:
+        axes.legend(list(entries.values()), list(entries), frameon=False, fontsize=7)
 
 
 def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, color: str, label: str, style: Any = "-") -> None:
@@ -630,30 +542,9 @@ def _ends(axes: Axes, piece: CurvePiece, heights: list[float], across: str) -> N
     for end, height in zip((piece.low, piece.high), heights, strict=True):
         if end.reason == "closed":
             continue
-        style: Record = {
-            "marker": next((shape for start, shape in END_SHAPES.items() if end.reason.startswith(start)), "D"),
-            "markersize": 3.5,
-            "linestyle": "none",
-            "color": START_COLOR,
-            "zorder": 3,
-            "clip_on": False,
-        }
+        shape = next((shape for start, shape in END_SHAPES.items() if end.reason.startswith(start)), "D")
+        style: Record = {"marker": shape, "markersize": 3.5, "linestyle": "none", "color": START_COLOR, "zorder": 3}
         if end.reason == "end of the window":
             style["markerfacecolor"] = "white"
         along = end.theta % TURN if across == "theta" else end.theta_m
-        axes.plot([along], [height], **style, label=end.reason)
-
-
-def _quarters(axes: Axes) -> None:
-    """Set ticks at quarters of a turn."""
-    low, high = axes.get_xlim()
-    shown = {k: ANGLE_TICKS.get(k, rf"${k // 2 if k % 2 == 0 else f'{k}/2 '}\pi$") for k in range(-4, 13)}
-    inside = [k for k in shown if low - 1e-9 <= k * pi / 2 <= high + 1e-9]
-    axes.set_xticks([k * pi / 2 for k in inside], [shown[k] for k in inside])
-
-
-def _curve_legend(axes: Axes) -> None:
-    """Draw the legend of a grazing curve."""
-    entries = legend_entries([axes])
-    if entries["labels"]:
-        axes.legend(**entries, frameon=False, fontsize=7)
+        axes.plot([along], [height], **style, clip_on=False, label=end.reason)

@@ -15,8 +15,7 @@ from symosc import MissingExtraError
 TABLES = ["trajectory", "trajectory in digits", "trajectory without events", "branch", "events", "summary"]
 
 
-@pytest.mark.parametrize("kind", TABLES)
-@pytest.mark.parametrize("package", ["pandas", "xarray"])
+@pytest.mark.parametrize(("kind", "package"), [*zip(TABLES, ["pandas", "xarray"] * 3, strict=True)])
 def test_a_missing_package_is_named(kind: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(MissingExtraError, match=rf"a table of {package} needs .*symosc\[sweep\]"):
@@ -53,7 +52,7 @@ def test_points_of_a_branch() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", TABLES)
+@pytest.mark.parametrize("kind", TABLES[::3])
 def test_tables_go_into_files(kind: str, tmp_path: Path) -> None:
     xarray = pytest.importorskip("xarray")
     dataset: Any = answer(kind).to_xarray()

@@ -43,7 +43,7 @@ def drive_page(drive):
     return page("Drive", f"Omega = {drive.parameters.Omega}")
 
 
-register_page("symosc.simulation.drive.Drive", drive_page)
+register("symosc.simulation.drive.Drive", drive_page, "page")
 """
 USE = """
 import sys

@@ -6,6 +6,7 @@ number. One more number: a field in GROUPS. One more curve: a column in `_curves
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -52,31 +53,30 @@ class Field(NamedTuple):
     step: float
 
 
-def _field(name: str, symbol: str, low: float, high: float, step: float) -> Field:
-    """Return the field of a number."""
-    unit = unit_of(name)
-    return Field(name, symbol, QUANTITIES[name][0], "" if unit == "1" else unit, low, high, step)
+def _fields(*rows: tuple[str, str, float, float, float]) -> tuple[Field, ...]:
+    """Return the fields of numbers with these symbols and ranges (low, high, step)."""
+    units = {"1": ""}
+    return tuple(
+        Field(name, symbol, QUANTITIES[name][0], units.get(unit_of(name), unit_of(name)), low, high, step)
+        for name, symbol, low, high, step in rows
+    )
 
 
 #: The numbers of the page in the groups that it shows them in.
-GROUPS: dict[str, tuple[Field, ...]] = {
-    "Mass": (_field("m", "m", 0.1, 5, 0.01), _field("c", "c", 0, 5, 0.01), _field("k", "k", 0, 20, 0.05)),
-    "Excitation A₀ + B₀ cos Ωt": (
-        _field("A0", "A₀", -30, 30, 0.1),
-        _field("B0", "B₀", -30, 30, 0.1),
-        _field("Omega", "Ω", 0.05, 8, 0.01),
+GROUPS = {
+    "Mass": _fields(("m", "m", 0.1, 5, 0.01), ("c", "c", 0, 5, 0.01), ("k", "k", 0, 20, 0.05)),
+    "Excitation A₀ + B₀ cos Ωt": _fields(
+        ("A0", "A₀", -30, 30, 0.1), ("B0", "B₀", -30, 30, 0.1), ("Omega", "Ω", 0.05, 8, 0.01)
     ),
-    "Belts": (
-        _field("v1", "v₁", -15, 15, 0.05),
-        _field("v2", "v₂", -15, 30, 0.05),
-        _field("mu1", "μ₁", 0, 1.5, 0.01),
-        _field("mu2", "μ₂", 0, 1.5, 0.01),
-        _field("FN", "F_N", 0, 30, 0.1),
+    "Belts": _fields(
+        ("v1", "v₁", -15, 15, 0.05),
+        ("v2", "v₂", -15, 30, 0.05),
+        ("mu1", "μ₁", 0, 1.5, 0.01),
+        ("mu2", "μ₂", 0, 1.5, 0.01),
+        ("FN", "F_N", 0, 30, 0.1),
     ),
     "Start, and how much is shown": (
-        _field("t0", "t₀", 0, 10, 0.01),
-        _field("x0", "x₀", -10, 10, 0.01),
-        _field("v0", "v₀", -15, 15, 0.01),
+        *_fields(("t0", "t₀", 0, 10, 0.01), ("x0", "x₀", -10, 10, 0.01), ("v0", "v₀", -15, 15, 0.01)),
         Field("periods", "N", "forcing periods shown", "2π/Ω", 0.1, 20, 0.1),
     ),
 }
@@ -125,8 +125,23 @@ def link_of(state: dict[str, str]) -> str:
 
 def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
     """Return the scene of these texts, or None with the allowed values for each wrong text."""
-    numbers, errors = _read_numbers(state)
-    parameters = _parameters(numbers, errors)
+    sound, numbers, errors = shipped_scenes()["fig5"], {}, {}
+    for name in FIELDS:
+        try:
+            numbers[name] = read_exact(name, state[name])
+        except ParameterError as error:
+            errors[name] = IN_SHORT.get(error.allowed, error.allowed)
+            numbers[name] = getattr(sound.parameters, name, Fraction(1))
+    if not 0 < numbers["periods"] <= MOST_SHOWN_PERIODS:
+        errors["periods"] = f"must be more than 0 and at most {MOST_SHOWN_PERIODS}"
+    parameters = None
+    while parameters is None:  # a sound value in place of each wrong one, so that all wrong ones are named
+        try:
+            parameters = Parameters(**{name: numbers[name] for name in PARAMETER_NAMES})
+        except ParameterError as error:
+            errors.setdefault(error.name, error.allowed)
+            for name in ("v1", "v2") if error.name == "v1" else (error.name,):
+                numbers[name] = getattr(sound.parameters, name)
     if errors:
         return None, errors
     t_end = _end(numbers["t0"], numbers["periods"], parameters.Omega)
@@ -138,35 +153,6 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
         return _with_origin(Scene(name, parameters, **start, t_end=t_end, start_error=known)), {}
     except ParameterError as error:
         return None, {error.name: error.allowed}
-
-
-def _read_numbers(state: dict[str, str]) -> tuple[dict[str, Fraction], dict[str, str]]:
-    """Return the numbers, and the errors of invalid texts, each of which a valid number replaces."""
-    numbers, errors = {}, {}
-    stand_in = state_of(shipped_scenes()["fig5"])
-    for name in FIELDS:
-        try:
-            numbers[name] = read_exact(name, state[name])
-        except ParameterError as error:
-            errors[name] = IN_SHORT.get(error.allowed, error.allowed)
-            numbers[name] = read_exact(name, stand_in[name])
-    if not 0 < numbers["periods"] <= MOST_SHOWN_PERIODS:
-        errors["periods"] = f"must be more than 0 and at most {MOST_SHOWN_PERIODS}"
-    return numbers, errors
-
-
-def _parameters(numbers: dict[str, Fraction], errors: dict[str, str]) -> Parameters:
-    """Return the parameters; add all values out of range to `errors`."""
-    sound = shipped_scenes()["fig5"].parameters
-    tried = {name: numbers[name] for name in PARAMETER_NAMES}
-    while True:
-        try:
-            return Parameters(**tried)
-        except ParameterError as error:
-            errors.setdefault(error.name, error.allowed)
-            tried[error.name] = getattr(sound, error.name)
-            if error.name == "v1":  # both belts are needed for v1 < v2
-                tried["v2"] = sound.v2
 
 
 def _with_origin(scene: Scene) -> Scene:
@@ -257,9 +243,10 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
     view = view_of(trajectory, None, SAMPLING)
     F1, begin = np.asarray(trajectory.force(1, view.t)), trajectory.t_start
     # F^(1) - F^(domain) is the same in every state.
-    steps = {domain: float(trajectory.force(1, begin) - trajectory.force(domain, begin)) for domain in (2, 3)}
-    forces = {1: F1} | {domain: F1 - step for domain, step in steps.items()}
-    ranges = _ranges(view, forces)
+    steps = {f"F{domain}": float(trajectory.force(1, begin) - trajectory.force(domain, begin)) for domain in (2, 3)}
+    curves = {"t": view.t, "x": view.x, "v": view.v, "F1": F1} | {name: F1 - step for name, step in steps.items()}
+    ranges = _ranges(view, curves)
+    windows = [grazing_window(scene.parameters, mapping) for mapping in PLACES]
     hint = " (symosc simulate --digits)" if trajectory.status == "undecidable" else ""
     sticks = [each for each in view.contacts if each.until > each.since]
     return {
@@ -269,16 +256,16 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
         "message": trajectory.message + hint,
         "count": len(trajectory.events),
         "table": [_row(event) for event in trajectory.events[:TABLE_ROWS]],
-        "windows": [_window(grazing_window(scene.parameters, mapping)) for mapping in PLACES],
+        "windows": [_window(window) for window in windows],
         "sources": {
-            "curves": _curves(view, forces),
+            "curves": {name: _rounded(values) for name, values in curves.items()},
             "marks": _marks(view),
             "sticks": {
                 "since": [each.since for each in sticks],
                 "until": [each.until for each in sticks],
                 "shade": [STICK_SHADES[each.belt] for each in sticks],
             },
-            "arcs": _arcs(scene),
+            "arcs": _arcs(windows),
             "contacts": _contacts(view),
         },
         "ranges": ranges,
@@ -289,22 +276,12 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
 # --- the plots ---
 
 
-def _rounded(values: Any, span: float) -> list[float]:
-    """Return values with as many decimals as a plot of that range resolves."""
+def _rounded(values: np.ndarray) -> list[float]:
+    """Return the values of a curve with as many decimals as a plot of their range resolves."""
+    span = float(np.ptp(values)) or float(np.abs(values).max())
     decimals = DRAWN_DIGITS - floor(log10(span)) if span > 0 else DRAWN_DIGITS
-    rounded: list[float] = np.round(np.asarray(values, dtype=float), max(min(decimals, 300), -300)).tolist()
+    rounded: list[float] = np.round(values, max(min(decimals, 300), -300)).tolist()
     return rounded
-
-
-def _span(values: np.ndarray) -> float:
-    """Return the width of the range of values, or their size if they are equal."""
-    return float(np.ptp(values)) or float(np.abs(values).max())
-
-
-def _curves(view: View, forces: dict[int, np.ndarray]) -> Record:
-    """Return the columns of the plotted curves."""
-    columns = {"t": view.t, "x": view.x, "v": view.v, **{f"F{domain}": values for domain, values in forces.items()}}
-    return {name: _rounded(values, _span(values)) for name, values in columns.items()}
 
 
 def _marks(view: View) -> Record:
@@ -324,22 +301,20 @@ def _marks(view: View) -> Record:
     }
 
 
-def _ranges(view: View, forces: dict[int, np.ndarray]) -> dict[str, tuple[float, float]]:
-    """Return the range of each axis: the curve, the belts nearby, and zero for forces."""
-    p, near = view.trajectory.parameters, view.belts()
+def _ranges(view: View, curves: dict[str, np.ndarray]) -> dict[str, tuple[float, float]]:
+    """Return the range of each axis: the curve, the belts nearby, and zero for forces, with a margin."""
+    p = view.trajectory.parameters
     shown = {
-        "x": [view.x.min(), view.x.max()],
-        "v": [view.v.min(), view.v.max(), *(float(p.belt(belt)) for belt in near)],
-        "F": [0.0, forces[3].min(), forces[1].max()],
+        "x": view.x,
+        "v": np.append(view.v, [float(p.belt(belt)) for belt in view.belts()]),
+        "F": np.concatenate([[0.0], curves["F1"], curves["F3"]]),
     }
-    ranges = {name: _with_margin(min(values), max(values)) for name, values in shown.items()}
-    return ranges | {"t": (float(view.t[0]), float(view.t[-1]))}
-
-
-def _with_margin(low: float, high: float) -> tuple[float, float]:
-    """Return a range with a margin at both ends."""
-    room = AXIS_MARGIN * (high - low) or AXIS_MARGIN * max(abs(low), 1.0)
-    return float(low - room), float(high + room)
+    ranges = {"t": (float(view.t[0]), float(view.t[-1]))}
+    for name, values in shown.items():
+        low, high = float(values.min()), float(values.max())
+        room = AXIS_MARGIN * (high - low) or AXIS_MARGIN * max(abs(low), 1.0)
+        ranges[name] = low - room, high + room
+    return ranges
 
 
 def _belts(view: View, v_range: tuple[float, float]) -> Record:
@@ -364,10 +339,8 @@ def _belts(view: View, v_range: tuple[float, float]) -> Record:
 
 def _window(window: GrazingWindow) -> Record:
     """Return a grazing window as plain values."""
-    arcs = [
-        f"{'[' if first else '('}{low:.4f}, {high:.4f}{']' if last else ')'}"
-        for low, high, first, last in window.intervals
-    ]
+    marks = {True: "[]", False: "()"}
+    arcs = [f"{marks[a][0]}{low:.4f}, {high:.4f}{marks[b][1]}" for low, high, a, b in window.intervals]
     return {
         "map": window.mapping,
         "place": f"Ω{'₁₂₃'[window.place.domain - 1]} at belt {window.place.boundary}",
@@ -377,22 +350,19 @@ def _window(window: GrazingWindow) -> Record:
     }
 
 
-def _arcs(scene: Scene) -> Record:
+def _arcs(windows: Sequence[GrazingWindow]) -> Record:
     """Return the windows as arcs of the rings: dark from below, light from above."""
-    arcs: dict[str, list[Any]] = {name: [] for name in ARC_COLUMNS}
-    for mapping in PLACES:
-        window = grazing_window(scene.parameters, mapping)
+    rows = []
+    for window in windows:
         radius = RINGS[window.place.boundary]
+        colors = BELOW_COLORS if _from_below(window) else ABOVE_COLORS
         pieces = [(low, high) for low, high, *_ in window.intervals]
         if len(pieces) == 2:  # they meet at the phase 0
             pieces = [(pieces[1][0] - 2 * pi, pieces[0][1])]
         for low, high in pieces:
             middle = (low + high) / 2 if high - low < 2 * pi else pi / 2
-            colors = BELOW_COLORS if _from_below(window) else ABOVE_COLORS
-            row = (radius, low, high, *colors, mapping, radius * cos(middle), radius * sin(middle))
-            for column, value in zip(arcs.values(), row, strict=True):
-                column.append(value)
-    return arcs
+            rows.append((radius, low, high, *colors, window.mapping, radius * cos(middle), radius * sin(middle)))
+    return {name: [row[i] for row in rows] for i, name in enumerate(ARC_COLUMNS)}
 
 
 def _from_below(window: GrazingWindow) -> bool:
@@ -403,16 +373,16 @@ def _from_below(window: GrazingWindow) -> bool:
 def _contacts(view: View) -> Record:
     """Return the events as marks on the dial, at their phases, inside the ring of their belt."""
     events = view.trajectory.events
-    marks = [(event, *EVENT_MARKS[event.kind]) for event in events]
-    radius = [RINGS[event.boundary] - INSIDE for event in events]
+    labels = [EVENT_MARKS[event.kind][0] for event in events]
+    places = [(RINGS[event.boundary] - INSIDE, event.theta) for event in events]
     return {
-        "x": [r * cos(event.theta) for r, event in zip(radius, events, strict=True)],
-        "y": [r * sin(event.theta) for r, event in zip(radius, events, strict=True)],
-        "phase": [event.theta for event in events],
-        "marker": [MARKERS[SHAPES[label][0]] for _, label, _ in marks],
-        "size": [1.7 * SHAPES[label][1] for _, label, _ in marks],
-        "color": [color for *_, color in marks],
-        "label": [label for _, label, _ in marks],
+        "x": [radius * cos(theta) for radius, theta in places],
+        "y": [radius * sin(theta) for radius, theta in places],
+        "phase": [theta for _, theta in places],
+        "marker": [MARKERS[SHAPES[label][0]] for label in labels],
+        "size": [1.7 * SHAPES[label][1] for label in labels],
+        "color": [EVENT_MARKS[event.kind][1] for event in events],
+        "label": labels,
     }
 
 

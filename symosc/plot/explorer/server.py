@@ -6,12 +6,12 @@ The plots are models of bokeh and empty: the browser fills their sources, ranges
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from functools import cache, partial
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
 from math import cos, pi, sin
-from pathlib import Path
 from threading import Lock
 from typing import Any
 from urllib.parse import urlsplit
@@ -59,7 +59,6 @@ HOST_NAMES = (HOST, "localhost")
 MOST_BYTES = 100_000
 #: Seconds for which a connection may say nothing.
 IDLE_SECONDS = 30.0
-TYPES = {".css": "text/css", ".js": "text/javascript", ".toml": "application/toml"}
 #: The page loads nothing from elsewhere.
 POLICY = "default-src 'self' 'unsafe-inline'; img-src 'self' data: blob:"
 
@@ -97,32 +96,31 @@ class _Handler(BaseHTTPRequestHandler):
     def do_GET(self) -> None:
         """Send the page, an answer, a scene file, or a static file."""
         url = urlsplit(self.path)
-        replies = {
-            "/": partial(self._page, url.query),
-            "/answer": partial(self._answer, url.query),
-            "/scene.toml": partial(self._file, url.query),
-            "/page.css": partial(self._static, "page.css"),
-            "/page.js": partial(self._static, "page.js"),
-            "/bokeh.js": partial(self._send, _bokeh_script(), TYPES[".js"], "max-age=3600"),
+        replies: dict[str, Callable[[str], None]] = {
+            "/": self._page,
+            "/answer": self._answer,
+            "/scene.toml": self._file,
+            "/page.css": partial(self._static, "page.css", "text/css"),
+            "/page.js": partial(self._static, "page.js", "text/javascript"),
+            "/bokeh.js": lambda query: self._send(_bokeh_script(), "text/javascript", "max-age=3600"),
         }
-        self._reply(replies.get(url.path))
+        self._reply(replies.get(url.path), url.query)
 
     def do_POST(self) -> None:
         """Read a scene file, and return the link of its page."""
-        url = urlsplit(self.path)
-        self._reply(partial(self._read_file, url.query) if url.path == "/scene" else None)
+        self._reply(self._read_file if urlsplit(self.path).path == "/scene" else None, "")
 
     def log_message(self, format: str, *args: Any) -> None:
         """Do not log requests."""
 
-    def _reply(self, reply: Any) -> None:
-        """Send the result of `reply`, or an error."""
+    def _reply(self, reply: Callable[[str], None] | None, query: str) -> None:
+        """Send what `reply` does with a query, or an error."""
         if not self._is_for_us():
             self.send_error(HTTPStatus.FORBIDDEN)
         elif reply is None:
             self.send_error(HTTPStatus.NOT_FOUND)
         else:
-            reply()
+            reply(query)
 
     def _is_for_us(self) -> bool:
         """Return whether a request is for this machine, and from our page, a link, or no browser."""
@@ -153,9 +151,9 @@ class _Handler(BaseHTTPRequestHandler):
         """Send the page of a link."""
         self._send(page(read_link(query, self.server.scene)[0]), "text/html")
 
-    def _static(self, name: str) -> None:
-        """Send a static file."""
-        self._send(_text(name), TYPES[Path(name).suffix])
+    def _static(self, name: str, kind: str, query: str) -> None:
+        """Send a file of the page."""
+        self._send((files("symosc.plot.explorer") / "page" / name).read_text(encoding="utf-8"), kind)
 
     def _answer(self, query: str) -> None:
         """Send the answer for a link."""
@@ -169,9 +167,9 @@ class _Handler(BaseHTTPRequestHandler):
             said = "; ".join(f"{name} {said}" for name, said in errors.items())
             self.send_error(HTTPStatus.BAD_REQUEST, explain=said)
             return
-        self._send(as_toml(scene) + "\n", TYPES[".toml"], Content_Disposition='attachment; filename="scene.toml"')
+        self._send(as_toml(scene) + "\n", "application/toml", Content_Disposition='attachment; filename="scene.toml"')
 
-    def _read_file(self, name: str) -> None:
+    def _read_file(self, query: str) -> None:
         """Send the texts and notes of an uploaded scene file, or its error."""
         length = self.headers.get("Content-Length", "")
         if not (length.isascii() and length.isdecimal()):
@@ -182,18 +180,14 @@ class _Handler(BaseHTTPRequestHandler):
             self._json({"error": f"the file has more than {MOST_BYTES} bytes: it is no scene"})
             return
         try:
-            content = self.rfile.read(int(length))
+            scene = read_scene(self.rfile.read(int(length)).decode("utf-8-sig"), "of this file")
+            self._json({"state": state_of(scene), "notes": list(scene.notes)})
         except TimeoutError:
             self.send_error(HTTPStatus.REQUEST_TIMEOUT)
-            return
-        try:
-            scene = read_scene(content.decode("utf-8-sig"), "of this file")
         except UnicodeDecodeError:
             self._json({"error": "the file is not UTF-8 text"})
         except SymoscError as error:
             self._json({"error": str(error)})
-        else:
-            self._json({"state": state_of(scene), "notes": list(scene.notes)})
 
 
 def page(state: dict[str, str]) -> str:
@@ -213,11 +207,6 @@ def page(state: dict[str, str]) -> str:
 def _plots() -> tuple[str, Any]:
     """Return the script that creates the plots, and the HTML element of each; the same for all pages."""
     return components(pictures())
-
-
-def _text(name: str) -> str:
-    """Return the text of a file of the page."""
-    return (files("symosc.plot.explorer") / "page" / name).read_text(encoding="utf-8")
 
 
 @cache
@@ -256,25 +245,21 @@ def pictures() -> dict[str, Any]:
         "dial": _dial(sources),
         "displacement": _in_time(sources, ranges, "x", "position x [m]"),
         "velocity": _in_time(sources, ranges, "v", "velocity v [m/s]"),
-        "forces": _forces(sources, ranges),
+        "forces": _in_time(sources, ranges, "F", "force per mass F [m/s²]"),
     }
 
 
 def _plot(x_label: str, y_label: str, x_range: Range1d, y_range: Range1d, height: int, **options: Any) -> Any:
     """Return an empty plot, without a drag tool at first, so that a finger scrolls the page."""
     tools = [PanTool(), BoxZoomTool(), WheelZoomTool(), ResetTool(), SaveTool()]
-    plot = figure(
-        x_range=x_range,
-        y_range=y_range,
-        height=height,
-        sizing_mode="stretch_width",
-        tools=tools,
-        x_axis_label=x_label,
-        y_axis_label=y_label,
-        min_border_left=LEFT,
-        min_border_right=RIGHT,
-        **options,
-    )
+    style: Record = {
+        "sizing_mode": "stretch_width",
+        "min_border_left": LEFT,
+        "min_border_right": RIGHT,
+        "height": height,
+    }
+    ranges: Record = {"x_range": x_range, "y_range": y_range, "x_axis_label": x_label, "y_axis_label": y_label}
+    plot = figure(tools=tools, **style, **ranges, **options)
     plot.toolbar.active_drag = None
     plot.toolbar.active_scroll = None
     plot.toolbar.logo = None
@@ -312,18 +297,6 @@ def _belts(plot: Any) -> None:
     plot.add_layout(names, "right")
 
 
-def _shade(plot: Any, sources: dict[str, ColumnDataSource]) -> None:
-    """Shade the sticks, darker on belt 2."""
-    plot.vstrip(
-        x0="since",
-        x1="until",
-        source=sources["sticks"],
-        fill_color="shade",
-        line_color=None,
-        level="underlay",
-    )
-
-
 def _plane(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> Any:
     """Return the plot of the phase plane."""
     plot = _plot("position x [m]", "velocity v [m/s]", ranges["x"], ranges["v"], TALL, name="plane")
@@ -334,24 +307,19 @@ def _plane(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> 
 
 
 def _in_time(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], name: str, label: str) -> Any:
-    """Return the plot of one quantity against time."""
-    plot = _plot("time t [s]", label, ranges["t"], ranges[name], LOW, name=f"{name}-of-t")
-    _shade(plot, sources)
-    plot.line("t", name, source=sources["curves"], line_color=MASS_COLOR, line_width=1.8)
-    if name == "v":
-        _belts(plot)
-    _marks(plot, sources, "t", name)
-    plot.add_tools(CrosshairTool(dimensions="height", line_color="#8a8f98"))
-    return plot
-
-
-def _forces(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> Any:
-    """Return the plot of the forces."""
-    plot = _plot("time t [s]", "force per mass F [m/s²]", ranges["t"], ranges["F"], LOW + 40, name="F-of-t")
-    _shade(plot, sources)
-    plot.add_layout(Span(dimension="width", location=0, line_color="#5b616e", line_width=1))
-    for domain, (color, dash) in FORCES.items():
-        plot.line("t", f"F{domain}", source=sources["curves"], line_color=color, line_dash=dash, line_width=1.8)
+    """Return the plot of x, v or the forces F against time, with the sticks shaded, darker on belt 2."""
+    plot = _plot("time t [s]", label, ranges["t"], ranges[name], LOW + 40 * (name == "F"), name=f"{name}-of-t")
+    style = {"fill_color": "shade", "line_color": None, "level": "underlay"}
+    plot.vstrip(x0="since", x1="until", source=sources["sticks"], **style)
+    if name == "F":
+        plot.add_layout(Span(dimension="width", location=0, line_color="#5b616e", line_width=1))
+        for domain, (color, dash) in FORCES.items():
+            plot.line("t", f"F{domain}", source=sources["curves"], line_color=color, line_dash=dash, line_width=1.8)
+    else:
+        plot.line("t", name, source=sources["curves"], line_color=MASS_COLOR, line_width=1.8)
+        if name == "v":
+            _belts(plot)
+        _marks(plot, sources, "t", name)
     plot.add_tools(CrosshairTool(dimensions="height", line_color="#8a8f98"))
     return plot
 
@@ -359,16 +327,9 @@ def _forces(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) ->
 def _dial(sources: dict[str, ColumnDataSource]) -> Any:
     """Return the phases on a circle: a ring for each belt with windows as arcs and events inside."""
     reach = 1.45
-    plot = figure(
-        x_range=Range1d(start=-reach, end=reach),
-        y_range=Range1d(start=-reach, end=reach),
-        width=300,
-        height=300,
-        tools="save",
-        toolbar_location=None,
-        name="dial",
-        match_aspect=True,
-    )
+    ranges = {name: Range1d(start=-reach, end=reach) for name in ("x_range", "y_range")}
+    size: Record = {"width": 300, "height": 300, "match_aspect": True}
+    plot = figure(**ranges, **size, tools="save", toolbar_location=None, name="dial")
     plot.axis.visible = False
     plot.grid.visible = False
     plot.outline_line_color = None
@@ -377,17 +338,15 @@ def _dial(sources: dict[str, ColumnDataSource]) -> Any:
     for quarter, text in enumerate(("0", "π/2", "π", "3π/2")):
         across, up = cos(quarter * pi / 2), sin(quarter * pi / 2)
         plot.segment([1.1 * across], [1.1 * up], [1.17 * across], [1.17 * up], line_color="black")
-        plot.text(
-            [1.23 * across], [1.23 * up], [text], text_font_size="13px", text_baseline="middle",
-            text_align=("left", "center", "right", "center")[quarter],
-            y_offset=(0, -7, 0, 7)[quarter],
-        )  # fmt: skip
+        aside: Record = {
+            "text_align": ("left", "center", "right", "center")[quarter],
+            "y_offset": (0, -7, 0, 7)[quarter],
+        }
+        plot.text([1.23 * across], [1.23 * up], [text], text_font_size="13px", text_baseline="middle", **aside)
     ring: Record = {"line_color": "color", "line_width": RING_WIDTH}
     plot.arc(0, 0, "radius", "low", "high", source=sources["arcs"], **ring)
-    name: Record = {"text_font_size": "11px", "text_font_style": "bold", "text_align": "center"}
-    plot.text(
-        "label_x", "label_y", "map", source=sources["arcs"], text_baseline="middle", text_color="text", **name
-    )  # fmt: skip
+    name: Record = {"text_font_size": "11px", "text_font_style": "bold", "text_align": "center", "text_color": "text"}
+    plot.text("label_x", "label_y", "map", source=sources["arcs"], text_baseline="middle", **name)
     style: Record = {"marker": "marker", "size": "size", "fill_color": "color", "line_width": 1}
     marks = plot.scatter("x", "y", source=sources["contacts"], line_color="black", **style)
     plot.add_tools(HoverTool(renderers=[marks], tooltips=[("", "@label"), ("phase", "@phase{0.0000} rad")]))
