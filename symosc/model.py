@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from fractions import Fraction
+from typing import NamedTuple
 
 from symosc.aliases import NumberLike
 from symosc.arguments import public
@@ -29,6 +30,40 @@ MODE_NAMES = {1: "Omega1", 2: "Omega2", 3: "Omega3", 4: "belt1", 5: "belt2"}
 
 #: The domains below and above each boundary.
 NEIGHBOURS = {1: (1, 2), 2: (2, 3)}
+
+
+class Quantity(NamedTuple):
+    """A number of the problem: its meaning, its dimension, its letter in LaTeX, and what is allowed."""
+
+    meaning: str
+    dimension: str
+    letter: str
+    allowed: str = ""
+
+
+#: All parameters, in order, and the numbers of a start. Any consistent system of units will do for them.
+QUANTITIES = {
+    "m": Quantity("mass", "mass", "m", "> 0"),
+    "c": Quantity("damping", "mass/time", "c", ">= 0"),
+    "k": Quantity("stiffness", "mass/time^2", "k", ">= 0"),
+    "A0": Quantity("constant force", "force", "A_0"),
+    "B0": Quantity("amplitude of the excitation", "force", "B_0", "any sign"),
+    "Omega": Quantity("frequency of the excitation", "angle/time", r"\Omega", "> 0"),
+    "v1": Quantity("speed of belt 1", "length/time", "v_1", "less than v2"),
+    "v2": Quantity("speed of belt 2", "length/time", "v_2"),
+    "mu1": Quantity("friction coefficient of belt 1", "1", r"\mu_1", ">= 0"),
+    "mu2": Quantity("friction coefficient of belt 2", "1", r"\mu_2", ">= 0"),
+    "FN": Quantity("normal force", "force", "F_N", ">= 0"),
+    "t0": Quantity("start time", "time", "t_0"),
+    "x0": Quantity("start position", "length", "x_0"),
+    "v0": Quantity("start velocity", "length/time", "v_0"),
+    "t_end": Quantity("end time", "time", r"t_\mathrm{end}", "later than t0"),
+}
+
+
+def least(name: str) -> Fraction | None:
+    """Return the least value that a quantity may have, None if it may be negative."""
+    return {"> 0": SMALLEST, ">= 0": Fraction(0)}.get(QUANTITIES[name].allowed)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -97,14 +132,12 @@ class Parameters:
         given = {"m": m, "c": c, "k": k, "A0": A0, "B0": B0, "Omega": Omega, "v1": v1, "v2": v2}
         for name, value in (given | {"mu1": mu1, "mu2": mu2, "FN": FN}).items():
             object.__setattr__(self, name, read_exact(name, value))
-        for name in ("m", "Omega"):
-            if getattr(self, name) <= 0:
-                raise ParameterError(name, show(getattr(self, name)), "must be > 0")
-            if getattr(self, name) < SMALLEST:
-                raise ParameterError(name, show(getattr(self, name)), f"must be at least {float(SMALLEST):g}")
-        for name in ("c", "k", "mu1", "mu2", "FN"):
-            if getattr(self, name) < 0:
-                raise ParameterError(name, show(getattr(self, name)), "must be >= 0")
+        for name in PARAMETER_NAMES:
+            value, lowest = getattr(self, name), least(name)
+            if lowest is not None and value < lowest:
+                tiny = 0 < value < lowest
+                allowed = f"at least {float(lowest):g}" if tiny else QUANTITIES[name].allowed
+                raise ParameterError(name, show(value), f"must be {allowed}")
         if self.v1 >= self.v2:
             raise ParameterError("v1", show(self.v1), f"must be less than v2 = {show(self.v2)}")
 
@@ -142,9 +175,7 @@ class Parameters:
 
     def _repr_latex_(self) -> str:
         """Return the parameters in the paper's letters, for notebooks."""
-        letters = {"Omega": r"\Omega", "mu1": r"\mu_1", "mu2": r"\mu_2", "FN": "F_N"}
-        letters |= {name: f"{name[0]}_{name[1]}" for name in ("A0", "B0", "v1", "v2")}
-        terms = r",\; ".join(f"{letters.get(name, name)} = {value}" for name, value in self.as_dict().items())
+        terms = r",\; ".join(f"{QUANTITIES[name].letter} = {value}" for name, value in self.as_dict().items())
         return f"${terms}$"
 
     def __repr__(self) -> str:

@@ -76,9 +76,7 @@ def test_a_reference_case(scratch: Scratch) -> None:
     said = subprocess.run(command, cwd=scratch.folder, capture_output=True, text=True, check=False).stdout
     (found,) = set(re.findall(r"the sum of version 2 is (\w{64})", said))
     scratch.replace(tests, "SUMS = {1: ", f'SUMS = {{2: "{found}", 1: ')
-    scratch.replace(
-        page, "There are 158, in version 1 of the set. Of 145 the", "There are 159, in version 2 of the set. Of 146 the"
-    )
+    scratch.replace(page, "158, in version 1 of the set. For 145 of", "159, in version 2 of the set. For 146 of")
     scratch.replace(page, "| creeping and rest | 19 |", "| creeping and rest | 20 |")
     listed = scratch.run("symosc", "cases", "--group", "creeping and rest", "--json")
     assert json.loads(listed)["cases"][-1] | {"events": 0, "status": "proven"} == json.loads(listed)["cases"][-1]

@@ -37,7 +37,7 @@ def test_a_scene_is_taken_for_its_parameters(name: str) -> None:
     expected = CALLS[name](P)
     for what in (SCENE, "fig9", SCENES / "fig9.toml", str(SCENES / "fig9.toml")):
         assert CALLS[name](what) == expected
-    with pytest.raises(ParameterError, match="must be Parameters.* a Scene, or the name or file of one"):
+    with pytest.raises(ParameterError, match=r"must be Parameters.* a Scene, or the name or file of one"):
         CALLS[name](5)
 
 

@@ -19,6 +19,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from symosc.arguments import public
 from symosc.errors import OutputError, ParameterError
 from symosc.files import STDOUT, read_path, write_whole
+from symosc.model import QUANTITIES
 
 FIGURE_SUFFIXES = (".pdf", ".svg", ".png")
 
@@ -45,9 +46,8 @@ STYLE: dict[Any, Any] = {
     "svg.hashsalt": "symosc",  # the same figure gives the same file
 }
 
-PARAMETER_LABELS = {"A0": "$A_0$", "B0": "$B_0$", "Omega": r"$\Omega$", "FN": "$F_N$"} | {
-    f"{letter}{number}": rf"${symbol}_{number}$" for letter, symbol in (("v", "v"), ("mu", r"\mu")) for number in (1, 2)
-}
+#: Letters of parameters and of the numbers of a start, for axes.
+PARAMETER_LABELS = {name: f"${each.letter}$" for name, each in QUANTITIES.items()}
 
 # Pixels per inch of a figure in a notebook.
 NOTEBOOK_DPI = 120.0

@@ -32,8 +32,7 @@ if TYPE_CHECKING:
 
     from symosc.sweeps.output import SweptDataset
 
-LABELS = PARAMETER_LABELS | {name: f"${name[0]}_0$" for name in ("t0", "x0", "v0")}
-LABELS |= {"stuck": "share of time stuck", "x": "last $x$", "v": r"last $\dot{x}$"} | {c: f"${c}$" for c in "mck"}
+LABELS = PARAMETER_LABELS | {"stuck": "share of time stuck", "x": "last $x$", "v": r"last $\dot{x}$"}
 COMPONENT_LABELS = {"x": "displacement $x$ at whole periods", "v": "velocity $\\dot{x}$ at whole periods"}
 #: From light to dark with even steps of lightness.
 SHADES, LIGHTEST, DARKEST = "cividis_r", 0.02, 0.92

@@ -26,6 +26,7 @@ from symosc.kernels.double_double import HALF_PI, THREE_HALVES_PI
 from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC, place
 from symosc.model import Parameters
 from symosc.plot.drawing import (
+    PARAMETER_LABELS,
     Drawing,
     add_legend,
     figure_of,
@@ -48,7 +49,6 @@ TURN = 2 * pi
 PHASE_TICKS = ["$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$"]
 PHASE_LABEL = r"$\mathrm{mod}(\Omega t_m, 2\pi)$"
 CIRCLE_POINTS, SWEEP_POINTS, REGION_POINTS = 1441, 801, 401
-NAMES = {"Omega": r"\Omega", "B0": "B_0", "k": "k", "v1": "v_1", "v2": "v_2"}
 
 # -- windows: the circle of phases, and the contacts -----------------------------------------------------------------
 
@@ -243,7 +243,7 @@ def sweep_figure(
         for q in equalities:
             for theta, belongs in critical_phases(grazing_window(p.replace(**{name: q}), mapping, order)):
                 draw_dot(axes, float(q), theta, belongs, "belongs to it" if belongs else "does not belong to it")
-        axes.set(xlabel=f"${NAMES[name]}$", ylabel=PHASE_LABEL, xlim=(low, high), ylim=(0, TURN))
+        axes.set(xlabel=PARAMETER_LABELS[name], ylabel=PHASE_LABEL, xlim=(low, high), ylim=(0, TURN))
         value, width = float(getattr(p, name)), high - low
         if low <= value <= high:  # a line, off the frame
             axes.axvline(value, color="black", linewidth=0.9, linestyle=":", label="given value")
@@ -355,7 +355,7 @@ def region_figure(
         drawing, axes = one_axes(ax, (4.6, 3.9))
         shown = [*_region_areas(axes, x, y, inside, allowed), *_region_borders(axes, x, y, inside, allowed)]
         shown += _given(axes, region, spans)
-        axes.set(xlabel=f"${NAMES[names[0]]}$", ylabel=f"${NAMES[names[1]]}$", xlim=spans[0], ylim=spans[1])
+        axes.set(xlabel=PARAMETER_LABELS[names[0]], ylabel=PARAMETER_LABELS[names[1]], xlim=spans[0], ylim=spans[1])
         axes.set_title(f"${region.question.latex()}$")
         add_legend(drawing, ax, {each.get_label(): each for each in shown}, 3)
     return drawing

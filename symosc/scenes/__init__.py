@@ -17,9 +17,9 @@ from symosc.aliases import NumberLike, SceneName
 from symosc.arguments import CONVERTERS, public
 from symosc.errors import ParameterError, SceneError, meant
 from symosc.exact import read_exact, read_start_error, show
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, QUANTITIES, Parameters
 from symosc.scenes.files import MOST_CHARACTERS, read_scene_file
-from symosc.scenes.quantities import ALLOWED, QUANTITIES, unit_of
+from symosc.scenes.quantities import unit_of
 from symosc.words import WordError, read_word
 
 #: Parameters; or a Scene, or the name or file of one, of which a public function takes the parameters.
@@ -242,9 +242,9 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
         written = f"{name} = {_number(text)}"
         if not explained:
             return written
-        allowed = f", {ALLOWED[name]}" if name in ALLOWED else ""
+        meaning, _, _, allowed = QUANTITIES[name]
         unit = unit_of(name)
-        return f"{written:<16}# {QUANTITIES[name][0]}{allowed}{'' if unit == '1' else f' [{unit}]'}"
+        return f"{written:<16}# {meaning}{allowed and f', {allowed}'}{'' if unit == '1' else f' [{unit}]'}"
 
     lines = [INTRODUCTION.format(file=file)] if explained else []
     # A JSON string is a TOML string too.

@@ -19,10 +19,10 @@ from symosc.engine.batch import STATE_WIDTH, Batch, batch_of, row_of
 from symosc.engine.constant_table import constant_table, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, start_rows
 from symosc.errors import ParameterError
-from symosc.exact import LARGEST, SMALLEST, read_exact, show, unmasked
+from symosc.exact import LARGEST, read_exact, show, unmasked
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
 from symosc.kernels.pair_columns import PairColumn
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Parameters, least
 from symosc.scenes import START_NAMES
 
 START_COLUMNS = START_NAMES[:3]
@@ -199,8 +199,8 @@ class ParameterSets:
                 raise ParameterError("parameters", dict(given), f"{name} is missing")
         columns = self.columns = {name: NumberColumn(name, given[name]) for name in PARAMETER_NAMES}
         self.count = common_length({name: len(column) for name, column in columns.items()})
-        least = {"m": float(SMALLEST), "Omega": float(SMALLEST)}
-        wrong = [columns[name].hi < least.get(name, 0.0) for name in ("c", "k", "mu1", "mu2", "FN", "m", "Omega")]
+        lowest = {name: least(name) for name in PARAMETER_NAMES}
+        wrong = [columns[name].hi < float(low) for name, low in lowest.items() if low is not None]
         for rows in (*wrong, columns["v2"].hi <= columns["v1"].hi):
             for row in np.flatnonzero(rows).tolist():
                 self._checked(row)

@@ -28,8 +28,8 @@ from symosc.display.drawable import Drawable
 from symosc.errors import MissingExtraError, OutputError, SweepError
 from symosc.exact import show
 from symosc.files import STDOUT, read_path
+from symosc.model import QUANTITIES
 from symosc.scenes import Scene
-from symosc.scenes.quantities import QUANTITIES
 from symosc.simulation.tables import SUMMARY_COLUMNS
 from symosc.sweeps.plan import SET_AXIS, SWEPT_STARTS, Coordinate, SweepPlan
 from symosc.sweeps.store import DRAFT, Columns, remove
@@ -96,7 +96,8 @@ def dataset_of(plan: SweepPlan, columns: dict[str, np.ndarray], given: Record) -
         dimensions = (*grid.sizes, "period", "component") if name == "section" else tuple(grid.sizes)
         variables[name] = (dimensions, values, _about_column(*SUMMARY_COLUMNS[name]))
     coordinates: dict[str, Any] = {
-        name: (each.dimension, each.values, _about_column(*QUANTITIES[name])) for name, each in grid.coordinates.items()
+        name: (each.dimension, each.values, _about_column(*QUANTITIES[name][:2]))
+        for name, each in grid.coordinates.items()
     }
     if plan.sections:
         coordinates |= {"period": np.arange(-plan.sections, 0), "component": ["x", "v"]}

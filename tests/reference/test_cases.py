@@ -213,7 +213,10 @@ def test_the_papers_scenes_are_all_there() -> None:
 def test_the_page_about_the_set_counts_right() -> None:
     text = (Path(__file__).parents[2] / "docs" / "cases.md").read_text(encoding="utf-8")
     unproven = sum(bool(case.open) for case in CASES.values())
-    assert f"There are {len(CASES)}, in version {SET_VERSION} of the set. Of {len(CASES) - unproven} the list" in text
+    assert (
+        f"There are {len(CASES)}, in version {SET_VERSION} of the set. For {len(CASES) - unproven} of them the list"
+        in text
+    )
     assert f"The other {unproven} are computed" in text
     counts = {row[0]: int(row[1]) for row in re.findall(r"^\| ([^|]+) \| (\d+) \|", text, re.MULTILINE)}
     assert sum(counts.values()) == len(CASES)

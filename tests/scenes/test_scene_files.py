@@ -15,11 +15,11 @@ from effort import at_most
 
 from symosc import MissingExtraError, Scene, SymoscError, load_scene, scene_names, simulate
 from symosc.exact import read_exact
+from symosc.model import QUANTITIES
 from symosc.scenes import as_toml, quantities
 from symosc.scenes.files import line_of
 from symosc.scenes.quantities import (
     KNOWN_DIGITS,
-    QUANTITIES,
     UNITS,
     half_unit,
     is_quantity,
