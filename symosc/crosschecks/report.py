@@ -276,7 +276,7 @@ def _same(one: Any, other: Any) -> bool:
     if is_dataclass(one):
         return all(_same(getattr(one, item.name), getattr(other, item.name)) for item in fields(one))
     if isinstance(one, Trajectory):
-        return _same(list(vars(one).items()), list(vars(other).items()))
+        return _same(one._content(), other._content())
     return bool(one == other) or (isinstance(one, float) and isnan(one) and isnan(other))
 
 
