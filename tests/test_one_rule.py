@@ -47,6 +47,10 @@ def test_a_motion_of_parameters_begins_at_rest() -> None:
     assert simulate(P, x0=0, t_end=6) == whole
     with pytest.raises(ParameterError, match="t_end = None: is needed with parameters"):
         simulate(P)
+    assert simulate(P, t_end="2.5T") == simulate(P, t_end=2.5 * 2 * np.pi / float(P.Omega))
+    assert simulate("fig9", t0=1, t_end="2T").t_end == simulate("fig9", t0=1, t_end=1 + np.pi).t_end
+    with pytest.raises(ParameterError, match=r"^t_end = 'many'"):
+        simulate(P, t_end="manyT")
     pytest.importorskip("flint")
     same = symosc.certify(Scene("parameters", P, 0, 0, 0, 6))  # type: ignore[arg-type]
     assert symosc.certify(P, t_end=6).events == same.events

@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from math import pi
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -15,9 +14,9 @@ from click.shell_completion import CompletionItem
 
 from symosc.display.progress import QUIET, level, pause_working
 from symosc.display.tables import plain_table, print_table
-from symosc.exact import read_exact, read_start_error
+from symosc.exact import read_start_error
 from symosc.files import STDOUT, drop_stdout
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES
 from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
 from symosc.scenes.quantities import half_unit, read_number
 
@@ -221,7 +220,7 @@ def scene_with(scene: str | Scene, settings: tuple[str, ...], start: dict[str, s
     given = {name: read_typed(name, text) for name, text in start.items() if text is not None and name != "t_end"}
     known = {name: number for name, (number, _) in given.items()}
     if (end := start.get("t_end")) is not None:
-        known["t_end"] = read_end(end, scene.parameters, known.get("t0", scene.t0))
+        known["t_end"] = read_duration("t_end", end)
     scene = scene.started(known)
     belts = (scene.parameters.v1, scene.parameters.v2)
     rounded = [name for name, (_, exact) in given.items() if not (exact or (name == "v0" and scene.v0 in belts))]
@@ -230,15 +229,6 @@ def scene_with(scene: str | Scene, settings: tuple[str, ...], start: dict[str, s
     errors = dict(zip(START_NAMES, scene.start_error or (Fraction(0),) * 3, strict=False))
     t0, x0, v0 = (errors | {name: half_unit(getattr(scene, name)) for name in rounded}).values()
     return replace(scene, start_error=(t0, x0, v0))
-
-
-def read_end(text: str, p: Parameters, t0: Any) -> Any:
-    """Return the end time that --t-end gives: a number, an expression, or periods of the drive such as 10T."""
-    duration = read_duration("t_end", text)
-    if not (isinstance(duration, str) and duration.endswith("T")):
-        return duration
-    period = 2 * pi / float(p.Omega)  # as in a sweep
-    return float(read_exact("t0", t0)) + float(read_exact("t_end", duration[:-1].strip())) * period
 
 
 def read_duration(name: str, text: str) -> Any:

@@ -18,7 +18,7 @@ from symosc.cli.common import (
     count_events,
     goes_to_stdout,
     json_option,
-    read_end,
+    read_duration,
     read_error,
     scene_argument,
     scene_with,
@@ -136,7 +136,7 @@ def figure(
     """
     piped = goes_to_stdout(output, "--output")
     problem = scene_with(scene, settings, {})
-    end = None if t_end is None else read_end(t_end, problem.parameters, problem.t0)
+    end = None if t_end is None else read_duration("t_end", t_end)
     check_picture(output)
     from symosc import plot
 

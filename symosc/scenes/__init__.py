@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache
-from math import inf
+from math import inf, pi
 from os.path import isfile
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -96,12 +96,17 @@ class Scene:
 
     @public
     def started(self, given: Mapping[str, NumberLike]) -> Scene:
-        """Return a copy with another t0, x0, v0 or t_end; what is given is exact, whatever the scene's own error."""
+        """Return a copy with another t0, x0, v0 or t_end; what is given is exact, whatever the scene's own error.
+
+        The end may be text such as "10T": so many periods of the drive after t0.
+        """
         for name in given:
             if name not in START_NAMES:
                 raise ParameterError(name, given[name], f"is not of a start; give {', '.join(START_NAMES)}")
         if not given:
             return self
+        if "t_end" in given:
+            given = dict(given) | {"t_end": end_time(given["t_end"], self.parameters, given.get("t0", self.t0))}
         errors = self.start_error
         if errors is not None:
             t0, x0, v0 = (0 * e if name in given else e for name, e in zip(START_NAMES[:3], errors, strict=True))
@@ -117,9 +122,18 @@ def parameters_of(what: Scene | SceneName) -> Parameters:
 CONVERTERS["parameters"] = parameters_of
 
 
+def end_time(given: Any, p: Parameters, t0: Any) -> Any:
+    """Return an end time; text such as "10T" is so many periods of the drive after t0."""
+    if not (isinstance(given, str) and given.strip().endswith("T")):
+        return given
+    periods = read_exact("t_end", given.strip()[:-1].strip())
+    return float(read_exact("t0", t0)) + float(periods) * (2 * pi / float(p.Omega))
+
+
 def from_rest(p: Parameters, t_end: NumberLike) -> Scene:
     """Return the motion of parameters from rest at x = 0 and t = 0."""
-    return Scene("parameters", p, Fraction(0), Fraction(0), Fraction(0), read_exact("t_end", t_end))
+    zero = Fraction(0)
+    return Scene("parameters", p, zero, zero, zero, read_exact("t_end", end_time(t_end, p, zero)))
 
 
 def scene_names() -> list[str]:

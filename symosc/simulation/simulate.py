@@ -21,7 +21,7 @@ from symosc.engine.state import FAILED, FULL, INEXACT, NEEDS_DIGITS, ON_BELT, RE
 from symosc.errors import ParameterError
 from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read_start_error, show, whole_number
 from symosc.model import Parameters
-from symosc.scenes import Scene, load_scene
+from symosc.scenes import Scene, end_time, load_scene
 from symosc.simulation.motion import (
     FinerMotion,
     Motion,
@@ -63,7 +63,7 @@ def simulate(
         A scene or the name of one (t0, x0, v0 and t_end then replace the scene's own), or parameters.
     t0, x0, v0, t_end : number
         Start and end, read exactly like parameters; in the parameters' units. With parameters t0, x0 and v0 are 0
-        unless they are given.
+        unless they are given. "10T" as an end is ten periods of the drive after t0.
     max_events : int, optional
         Stop after that many events (default 1,000,000; with `digits` 20,000, some minutes).
     digits : int, optional
@@ -122,6 +122,7 @@ def _read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], st
         return Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, error)
     if given["t_end"] is None:
         raise ParameterError("t_end", None, "is needed with parameters")
+    given = given | {"t_end": end_time(given["t_end"], scene, given["t0"] or 0)}
     numbers = {name: read_exact(name, 0 if value is None else value) for name, value in given.items()}
     start = Start(scene, **numbers, start_error=read_start_error(start_error))
     if start.t_end <= start.t0:
