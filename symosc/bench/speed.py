@@ -1,9 +1,9 @@
 """Benchmarks of what users call, measured in one run.
 
-Calls of a group are measured in turns, and each call right beside one evaluation of the closed-form flow (one exp, the
-sine and cosine of two angles, and the arithmetic that makes position and velocity of them), because some machines
-change their pace every second. Ratios are medians over the turns, times the best of them. The unit c is the time of an
-event of fig5 of which `simulate_many` counts the events only, on one core.
+Calls of a group are measured in turns, because some machines change their pace every second. Times are the best of the
+turns, ratios within a group their medians. The unit c is the time of an event of fig5 that `simulate_many` only counts,
+on one core. One evaluation of the closed form (one exp, the sine and cosine of two angles, and the arithmetic that makes
+position and velocity of them) is timed too: less than that no event can cost.
 """
 
 from __future__ import annotations
@@ -299,25 +299,22 @@ def run(quick: bool = False, progress: Callable[[Sequence[Any]], Iterable[Any]] 
 
     `progress` gets the turns of a group and returns them as an iterable that may show how far it is. Keys: machine;
     floor_ns, one evaluation of the closed form; c_ns, the time of a counted event of fig5; errors (`measure_errors`);
-    and groups, each with a title and rows: what, per (the unit), s (seconds per unit), over_floor (as a multiple of the
-    floor beside it), over_c, and over_first (as a multiple of the group's first row).
+    and groups, each with a title and rows: what, per (the unit), s (seconds per unit), over_c, and over_first (as a
+    multiple of the group's first row).
     """
-    repeats, measured, floors = 3 if quick else 7, [], [floor_s()]
-    for group in groups(quick):
-        measured.append(_measured(group, repeats, floors, progress))
-    c = measured[0]["rows"][0]["over_floor"]
+    repeats = 3 if quick else 7
+    measured = [_measured(group, repeats, progress) for group in groups(quick)]
+    c = measured[0]["rows"][0]["s"]
     for row in (row for group in measured for row in group["rows"]):
-        row["over_c"] = row["over_floor"] / c
-    unit = min(floors)
-    about = {"machine": machine(), "floor_ns": 1e9 * unit, "c_ns": 1e9 * unit * c}
+        row["over_c"] = row["s"] / c
+    about = {"machine": machine(), "floor_ns": 1e9 * min(floor_s() for _ in range(20)), "c_ns": 1e9 * c}
     return about | {"errors": measure_errors(), "groups": measured}
 
 
-def _measured(group: Group, repeats: int, floors: list[float], progress: Callable[..., Iterable[Any]]) -> Record:
-    """Measure the calls of a group in turns, after a first call of each; add the floors of the moment to `floors`."""
+def _measured(group: Group, repeats: int, progress: Callable[..., Iterable[Any]]) -> Record:
+    """Measure the calls of a group in turns, after a first call of each."""
     units, lengths = zip(*(_first(call, group.clock) for call in group.calls), strict=True)
-    per_unit: list[list[float]] = [[] for _ in units]
-    over_floor: list[list[float]] = [[] for _ in units]
+    times: list[list[float]] = [[] for _ in units]
     for turn in progress(range(repeats)):
         for i, call in enumerate(group.calls):
             if call.once:
@@ -326,15 +323,15 @@ def _measured(group: Group, repeats: int, floors: list[float], progress: Callabl
                 continue
             else:
                 took = min(_seconds(call.action, group.clock) for _ in range(min(20, 1 + int(SHORT / lengths[i]))))
-            floors.append(floor_s())
-            per_unit[i].append(took / units[i])
-            over_floor[i].append(per_unit[i][-1] / floors[-1])
-    rows = []
-    for i, call in enumerate(group.calls):
-        ratios = [a / b for a, b in zip(over_floor[i], over_floor[0], strict=False)]
-        row = {"what": call.what, "per": call.per, "s": min(per_unit[i])}
-        rows.append(row | {"over_floor": median(over_floor[i]), "over_first": median(ratios)})
-    return {"title": group.title, "rows": rows}
+            times[i].append(took / units[i])
+    ratios = [median(a / b for a, b in zip(each, times[0], strict=False)) for each in times]
+    return {
+        "title": group.title,
+        "rows": [
+            {"what": call.what, "per": call.per, "s": min(each), "over_first": ratio}
+            for call, each, ratio in zip(group.calls, times, ratios, strict=True)
+        ],
+    }
 
 
 def _first(call: Call, clock: Callable[[], float]) -> tuple[float, float]:
