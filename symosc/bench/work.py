@@ -232,8 +232,8 @@ def table(result: Record, markdown: bool = False) -> str:
     parts.append(
         "Times are measured in evaluations of the closed form, timed right after each call, and given at the "
         f"{result['floor_ns']:.1f} ns that the fastest one took: a machine may change its pace. A call follows 10,000 "
-        "events if it goes on so for less than a second, else 24, of fig8 20, and what it costs itself is included. Errors "
-        f"are {ERRORS}, against {REFERENCE_DIGITS} digits."
+        "events if it goes on so for less than a second, else 24, of fig8 20, and what it costs itself is included. "
+        f"Errors are {ERRORS}, against {REFERENCE_DIGITS} digits."
     )
     notes = result["notes"] | {name: f"skipped, {reason}" for name, reason in result["skipped"].items()}
     parts += ["", *(f"{'- ' if markdown else ''}{name}: {note}" for name, note in notes.items())]
