@@ -108,7 +108,7 @@ def multiprecision(scene: Scene, tolerance: float) -> Callable[[], Sequence[Foun
     digits = max(5, len(f"{1 / tolerance:.0f}") - 1)
 
     def run() -> list[FoundEvents]:
-        events = simulate(scene, digits=digits).events
+        events = simulate(scene, digits=digits, max_events=10**9).events  # as many as the time limit allows
         return [FoundEvents(float(event.t), float(event.x), event.kind, event.boundary) for event in events]
 
     return run
