@@ -75,7 +75,7 @@ class Drawable:
     def _repr_html_(self) -> str | None:
         """Return the notebook page, or None, in which case the repr is shown."""
         page = _found(self, "page", page_loaders)
-        return None if page is None else str(page(self))
+        return None if page is None else page(self)
 
     def __dir__(self) -> list[str]:
         """Return the names that a user is meant to use, for completion."""
@@ -97,6 +97,11 @@ class Listing(tuple[Item, ...]):
         if len(self) <= MOST_SHOWN:
             return super().__repr__()
         return f"({', '.join(map(repr, self[:SHOWN]))}, ... {len(self):,} in all)"
+
+    def _repr_html_(self) -> str | None:
+        """Return a table for notebooks, or None, in which case the repr is shown."""
+        page = _found(self, "page", page_loaders)
+        return None if page is None else page(self)
 
 
 class Reportable:

@@ -28,6 +28,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 #: What ``.plot()`` of an answer calls, by names: neither the answers nor the figures are loaded for it.
 DRAWN_BY = {
+    "symosc.scenes.Scene": "figure",
     "symosc.simulation.trajectory.Trajectory": "figure",
     "symosc.simulation.tables.EventTable": "events_figure",
     "symosc.simulation.tables.Summary": "summary_figure",

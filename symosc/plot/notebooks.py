@@ -7,6 +7,7 @@ returns a page, registered at the end for its class.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import fields, is_dataclass
 from decimal import Decimal
 from typing import Any
 
@@ -16,11 +17,15 @@ from markupsafe import Markup
 from symosc.aliases import Record
 from symosc.certificates.certificate import Certificate, common_complex, common_digits
 from symosc.crosschecks.report import CrossCheck
-from symosc.display.drawable import register
+from symosc.display.drawable import Listing, register
 from symosc.display.html import MOST_POINTS, curve, ends, facts, page, shown, table
+from symosc.exact import show
 from symosc.grazing.window import GrazingWindow
+from symosc.model import QUANTITIES
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.scenes import START_NAMES, Scene
+from symosc.scenes.quantities import unit_of
 from symosc.simulation.tables import EventTable, Summary, counted, select_rows, statuses
 from symosc.simulation.trajectory import Trajectory
 
@@ -179,7 +184,39 @@ def certificate_page(certificate: Certificate) -> str:
     return page("Certificate", line, _table(heads, rows, len(certificate.events)), facts(about))
 
 
-PAGES: dict[type, Callable[..., str]] = {
+def scene_page(scene: Scene) -> str:
+    """Return the page of a scene: its numbers with their meaning and unit."""
+    start = {name: show(getattr(scene, name)) for name in START_NAMES}
+    rows = [
+        [name, value, QUANTITIES[name].meaning, unit_of(name)]
+        for name, value in (scene.parameters.as_dict() | start).items()
+    ]
+    error = scene.start_error and ", ".join(f"{float(each):.1g}" for each in scene.start_error)
+    about = {"source": scene.source, "structure": scene.structure, "t0, x0, v0 known to": error}
+    heads = ("", "value", "meaning", "unit in SI")
+    about = {name: cut(each) if each else None for name, each in about.items()}
+    return page("Scene", scene.name, table(heads, rows[:8]), table(heads, rows[8:]), facts(about))
+
+
+def listing_page(listing: Listing[Any]) -> str | None:
+    """Return the page of a long tuple of records, such as events: a row each; None for other entries."""
+    if not (listing and is_dataclass(listing[0])):
+        return None
+    heads = [each.name for each in fields(listing[0])]
+
+    def cell(entry: Any, name: str) -> str:
+        value = getattr(entry, name)
+        if name.endswith("_error"):
+            return f"{value:.0e}"
+        return "" if value is None else str(shown(value))
+
+    rows = [[cell(listing[i], name) for name in heads] for i in ends(len(listing))]
+    return page(f"{type(listing[0]).__name__}s", f"{len(listing):,}", table(heads, rows, len(listing)))
+
+
+PAGES: dict[type, Callable[..., str | None]] = {
+    Scene: scene_page,
+    Listing: listing_page,
     Trajectory: trajectory_page,
     EventTable: events_page,
     Summary: summary_page,

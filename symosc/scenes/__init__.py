@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 
 from symosc.aliases import NumberLike, SceneName
 from symosc.arguments import CONVERTERS, public
+from symosc.display.drawable import Drawable
 from symosc.errors import ParameterError, SceneError, meant
 from symosc.exact import read_exact, read_start_error, show
 from symosc.model import PARAMETER_NAMES, QUANTITIES, Parameters
@@ -30,7 +31,7 @@ START_NAMES = ("t0", "x0", "v0", "t_end")
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(Drawable):
     """A named initial value problem.
 
     Parameters

@@ -256,6 +256,16 @@ def test_a_page_is_well_formed_and_short(kind: str) -> None:
     assert not {"nan", "None"} & set("".join(root.itertext()).split())
 
 
+def test_listings_have_a_table() -> None:
+    motion = simulate("fig9", t_end=100)
+    for listing, what, cells in ((motion.events, "Events", "cross Omega1 Omega2"), (motion.segments, "Segments", "P3")):
+        root = ElementTree.fromstring(listing._repr_html_() or "")
+        text = " ".join(root.itertext()).split()
+        assert root.find(".//strong").text == what  # type: ignore[union-attr]
+        assert {*cells.split(), f"{len(listing)}"} <= {*text}
+        assert "None" not in text
+
+
 def test_what_is_put_in_is_escaped() -> None:
     hostile = '<script>alert("&amp;")</script>'
     proof = Certificate(hostile, True, hostile, ((hostile, hostile, hostile),), statement={"made_by": hostile})

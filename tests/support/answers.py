@@ -34,6 +34,7 @@ def _check(shift: float) -> Any:
 
 MANY: dict[str, Any] = {"t_end": 9, "use_numba": False}
 MAKERS: dict[str, Callable[[], Any]] = {
+    "scene": lambda: load_scene("fig5"),
     "trajectory": lambda: simulate("fig5", t_end=7),
     "trajectory without events": lambda: simulate("fig5", t_end="0.1"),
     "trajectory in digits": lambda: simulate("fig8-exact", digits=30, t_end=6),
