@@ -153,7 +153,7 @@ def check_grazing(
 
     Parameters
     ----------
-    p : Parameters
+    p : Parameters, or a Scene, its name or its file
     mapping : str
         "P2", "P3", "P5" or "P6".
     n : int

@@ -195,7 +195,7 @@ def grazing_curve(
 
     Parameters
     ----------
-    p : Parameters
+    p : Parameters, or a Scene, its name or its file
     mapping : str
         "P2", "P3", "P5" or "P6".
     n : int

@@ -140,7 +140,7 @@ def grazing_start(
 
     Parameters
     ----------
-    p : Parameters
+    p : Parameters, or a Scene, its name or its file
     mapping : str
         "P2", "P3", "P5" or "P6".
     theta, t_m : number
@@ -369,7 +369,7 @@ def is_grazing(
 
     Parameters
     ----------
-    p : Parameters
+    p : Parameters, or a Scene, its name or its file
     mapping : str
         "P2", "P3", "P5" or "P6": belt and domain.
     x, theta : number

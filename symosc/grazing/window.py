@@ -62,7 +62,7 @@ def grazing_window(p: ParametersLike, mapping: str, order: Order = "full") -> Gr
 
     Parameters
     ----------
-    p : Parameters
+    p : Parameters, or a Scene, its name or its file
     mapping : {"P2", "P3", "P5", "P6"}
         P2: domain 1 at belt 1. P3: domain 2 at belt 1. P5: domain 2 at belt 2. P6: domain 3 at belt 2.
     order : {"full", "paper"}
@@ -458,7 +458,7 @@ def grazing_windows(p: ParametersLike, mapping: str, order: Order = "full", **sw
 
     Parameters
     ----------
-    p : Parameters
+    p : Parameters, or a Scene, its name or its file
     mapping, order :
         As for `grazing_window`.
     **swept : array_like of float

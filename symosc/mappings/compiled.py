@@ -32,7 +32,7 @@ def compiled_residual(
 
     Parameters
     ----------
-    p : Parameters
+    p : Parameters, or a Scene, its name or its file
     label : str
         "P1" to "P8", or a word such as "P32", read right to left.
     jacobian : bool

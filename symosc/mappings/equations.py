@@ -55,7 +55,7 @@ def residual(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | 
 
     Parameters
     ----------
-    p : Parameters
+    p : Parameters, or a Scene, its name or its file
     label : str
         "P1" to "P8".
     start, end : pair
@@ -373,7 +373,7 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
 
     Parameters
     ----------
-    p : Parameters
+    p : Parameters, or a Scene, its name or its file
     label : str
         "P1" to "P8".
     x_i, theta_i : number

@@ -243,7 +243,7 @@ def continue_orbit(
 
     Parameters
     ----------
-    parameters : Parameters
+    parameters : Parameters, or a Scene, its name or its file
         Where the branch is begun; the parameter's value must lie in the range.
     word : str or sequence of str
         The mapping structure, read right to left.

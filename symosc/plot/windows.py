@@ -207,7 +207,7 @@ def sweep_figure(
 
     Parameters
     ----------
-    p : Parameters
+    p : Parameters, or a Scene, its name or its file
         The other parameters; the value of `name` in it is marked.
     mapping, order :
         As for `symosc.grazing_window`.

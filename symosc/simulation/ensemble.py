@@ -121,7 +121,8 @@ def simulate_many(
 
     Parameters
     ----------
-    parameters : Parameters, sequence of n Parameters, or mapping of all their names to a number or an (n,) array
+    parameters : Parameters, or a Scene, its name or its file
+        Or a sequence of n Parameters, or a mapping of all their names to a number or an (n,) array.
     starts : (n, 3) or (3,) array_like, rows of t0, x0, v0; or mapping of these names like `parameters`
     t_end : number or (n,) array
     max_events, accuracy, start_error : optional

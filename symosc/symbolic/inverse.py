@@ -411,7 +411,7 @@ def values_containing(
 
     Parameters
     ----------
-    p : Parameters or None
+    p : Parameters, a Scene, its name or its file, or None
         The other parameters; the value of `name` in it is not used. None: `QUERY_LETTERS` in place of numbers.
     mapping : {"P2", "P3", "P5", "P6"}
     name : {"Omega", "B0", "k", "v1", "v2", "v_lambda"}, or a pair of them
