@@ -400,7 +400,8 @@ PLAIN_IN_PAIRS = {
     "searched_in_doubles": "searched",
     "next_undecided_in_doubles": "next_undecided",
     "write_event_in_doubles": "write_event",
-    **{name: name for name in ("is_negligible", "rounding_error", "rounded_covariance", "tally_step", "finish_tally")},
+    "write_piece_in_doubles": "write_piece",
+    **{name: name for name in ("is_below", "rounding_error", "rounded_covariance", "tally_step", "finish_tally")},
 }
 
 
@@ -467,11 +468,10 @@ def interpreted_pairs() -> PairLoops:
     def whole(value: Any) -> int:
         return int(value.real if isinstance(value, complex) else value)
 
-    def follow_pairs(*given: Any) -> int:
+    def follow_pairs(*given: Any) -> Any:
         *others, limits = given
-        rows: Any = (ConstantRows(table) for table in limits[3:])
-        filled: int = functions["follow_pairs"](*others, PairLimits(*limits[:3], *rows))
-        return filled
+        rows: Any = (ConstantRows(table) for table in limits[4:])
+        return functions["follow_pairs"](*others, PairLimits(*limits[:4], *rows))
 
     bound = bind((pairs,), {"pair": pairs.pair_of})
     replaced = _pair_constants() | {name: bound[each.__name__] for name, each in pairs.FUNCTIONS.items()}
@@ -485,6 +485,13 @@ def interpreted_pairs() -> PairLoops:
 def pairs_are_compiled() -> bool:
     """Return whether both loops of `compiled_pairs` are compiled, in this process or on disk."""
     return all(map(is_compiled, compiled_pairs()))
+
+
+def pairs_are_loaded() -> bool:
+    """Return whether this process has called the loops of `compiled_pairs`, or has those of doubles and finds them."""
+    if not compiled.cache_info().currsize or not compiled()["follow_all"].overloads:
+        return False
+    return pairs_are_compiled()
 
 
 def pairs_as_complex(value: Any) -> Any:

@@ -73,6 +73,7 @@ class PairLimits(NamedTuple):
     most: int  # events after which a trajectory is FULL
     accuracy: float
     more: int  # events that the buffer holds for each motion beside those that are wanted
+    noise: float  # errors of an event that pairs may have, as a part of the rounding to doubles
     table: np.ndarray  # as `follow_all` takes it
     careful: np.ndarray  # the same, for decisions that exceed the errors of a state whatever accuracy is asked for
 
@@ -298,7 +299,7 @@ def write_piece(pieces, row, state, elapsed):
 
 # In loops that are bound to pairs these names stay functions of doubles.
 end_in_doubles, searched_in_doubles, next_undecided_in_doubles = end_by_phase, searched, next_undecided
-write_event_in_doubles = write_event
+write_event_in_doubles, write_piece_in_doubles = write_event, write_piece
 
 
 def from_complex(value):
@@ -324,7 +325,7 @@ def first_pairs(pairs, K):
             pairs[i, 10] = (EPS * v) * (EPS * v)
 
 
-def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, limits):
+def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
     """Follow trajectories to a number of events, or to their end; return events and states in doubles.
 
     The search for each event is made in doubles as far as these are sure (`advance_near`). A motion that doubles could
@@ -336,27 +337,28 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, limits):
     wanted : (n,) events to come to, in all.
     pairs : (n, STATE_WIDTH) complex array, updated: states in pairs.
     batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING, END,
-        REST, or UNDECIDED for a contact that pairs cannot decide, and for an event that they do not know far better
-        than doubles.
+        REST, or UNDECIDED for a contact that pairs cannot decide, and for an event that they know worse than
+        `limits.noise` says.
     out : EventRows that hold all events to come.
+    pieces : as `follow_all` takes it; a motion that has filled it is RUNNING.
     K : Constants of complex numbers
     tally : as `follow_all` takes it.
     limits : PairLimits
 
     Returns
     -------
-    rows
-        The number of rows that were filled.
+    (rows, parts)
+        The number of rows and of pieces that were filled.
     """
     K = from_complex(K)
     states, sets, counts, codes = batch
-    rows, tallied = 0, tally.floats.shape[0] > 0
+    rows, parts, recorded, tallied = 0, 0, pieces.shape[1] > 0, tally.floats.shape[0] > 0
     for i in chosen:
         state, plain, careful = state_of(pairs, i), limits.table[sets[i]], limits.careful[sets[i]]
         t_end, t_end_low, t0 = from_complex(pairs[i, 13]), from_complex(pairs[i, 14]), from_complex(pairs[i, 15])
         code, goal, last = RUNNING, wanted[i], min(limits.most, wanted[i] + limits.more)
         rounded = in_doubles(state, t0, plain)
-        while code == RUNNING:
+        while code == RUNNING and not (recorded and parts >= pieces.shape[1]):
             if counts[i] >= goal:
                 goal = next_undecided_in_doubles(rounded, counts[i], states[i], last, limits.accuracy, plain)
                 if goal == 0:
@@ -374,7 +376,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, limits):
                     clock = t.hi, rounding_error(t_error.hi, t.hi), rounding_error(x_error.hi, x.hi)
                     plainly = NextEvent(step, found.boundary, True, found.t_error.hi, rounded)
                     write_event_in_doubles(out, rows, i, before, plainly, clock, plain)
-                if not (is_negligible(t_error.hi, t.hi) and is_negligible(x_error.hi, x.hi)):
+                if not (is_below(limits.noise, t_error.hi, t.hi) and is_below(limits.noise, x_error.hi, x.hi)):
                     code = UNDECIDED
                 rows += 1
                 counts[i] += 1
@@ -383,6 +385,10 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, limits):
             if tallied and code != UNDECIDED and code != REST:
                 plainly = NextEvent(step, found.boundary, True, found.t_error.hi, rounded)
                 tally_step(i, before, plainly, t0.hi, tally, plain)
+            if recorded and code == RUNNING:
+                elapsed = ((state.t - t0.hi) + state.t_low).hi
+                write_piece_in_doubles(pieces, parts, rounded, elapsed)
+                parts += 1
         if tallied:
             end, end_low, _ = end_in_doubles(states[i], plain)
             remaining = (end - rounded.t) + (end_low - rounded.t_low)
@@ -390,7 +396,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, K, tally, limits):
         codes[i] = code
         keep_state(pairs, i, state)
         keep_state(states, i, rounded)
-    return rows
+    return rows, parts
 
 
 def in_doubles(state, t0, K):
@@ -406,15 +412,15 @@ def in_doubles(state, t0, K):
 # --- rounding to doubles ---
 
 
-def is_negligible(error, value):
-    """Return whether the error of a value is negligible compared with its rounding to a double."""
-    return error <= NEGLIGIBLE * (EPS * abs(value))
+def is_below(part, error, value):
+    """Return whether the error of a value is at most a part of its rounding to a double."""
+    return error <= part * (EPS * abs(value))
 
 
 def rounding_error(error, value):
     """Return the error made by rounding a value to a double."""
     rounding = EPS * abs(value)
-    return rounding if is_negligible(error, value) else error + rounding
+    return rounding if is_below(NEGLIGIBLE, error, value) else error + rounding
 
 
 def rounded_covariance(at, x, v, S11, S12, S22):

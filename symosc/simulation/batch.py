@@ -55,6 +55,7 @@ CAPACITY = (1 << 18) + 72
 TURN = 2048
 # A chunk has enough motions to hide what it costs to begin one, and so few that all threads are busy to the end.
 LEAST_IN_CHUNK, MOST_IN_CHUNK = 16, 1024
+LEAST_ALONE = 128  # where one thread does all
 CHUNKS_PER_WORKER = 6
 MOST_WORKERS = 256
 
@@ -192,7 +193,8 @@ def in_chunks(
 
     An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`, and is raised.
     """
-    size = max(LEAST_IN_CHUNK, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))
+    least = LEAST_IN_CHUNK if workers > 1 else LEAST_ALONE
+    size = max(least, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))
     # No motions are a chunk too: it has the columns, each without an entry.
     chunks = [slice(begin, min(begin + size, count)) for begin in range(0, max(count, 1), size)]
     cancel, own, used, done = CancelToken(), local(), list[EventRows](), 0
@@ -263,8 +265,8 @@ def warm() -> list[Warmed]:
         K, none = pair_constants(scene.parameters), states.astype(complex)
         begin, follow = compiled_pairs()
         begin(none, K)
-        limits, batch = PairLimits(1, 1.0, 0, table, table), batch_of(states)
-        follow(nothing, nothing, none, batch, event_buffer(0), K, no_tally(), limits)
+        limits, batch = PairLimits(1, 1.0, 0, 1.0, table, table), batch_of(states)
+        follow(nothing, nothing, none, batch, event_buffer(0), NO_PIECES, K, no_tally(), limits)
 
     works: dict[str, tuple[Callable[[], bool], Callable[[], None]]] = {
         "events in doubles": (lambda: all(map(is_compiled, loops[:3])), doubles),

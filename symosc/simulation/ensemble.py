@@ -33,7 +33,7 @@ from symosc.engine.arithmetic import (
     pairs_are_compiled,
     pairs_as_complex,
 )
-from symosc.engine.batch import Batch, EventRows, batch_of, event_buffer, row_of, rows_between, state_of
+from symosc.engine.batch import NO_PIECES, Batch, EventRows, batch_of, event_buffer, row_of, rows_between, state_of
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.events import KIND_NAMES
 from symosc.engine.flow import SIGMAS
@@ -77,7 +77,7 @@ from symosc.simulation.batch import (
     joined,
     read_workers,
 )
-from symosc.simulation.motion import check_reached
+from symosc.simulation.motion import MOST_MORE, check_reached, fits_pairs
 from symosc.simulation.problems import NumberColumn, Problems
 from symosc.simulation.simulate import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
 from symosc.simulation.tables import SUMMARY_COLUMNS, EventTable, Summary, rows_of, table_from
@@ -85,10 +85,10 @@ from symosc.simulation.trajectory import Trajectory
 
 __all__ = ["EventTable", "Summary", "simulate_many"]
 
-# Digits between a start and a belt, or of its error, that pairs have to spare; and a gap of fewer.
-PAIR_SPARE, FAR_OFF = 8, 2e-8
-# Events that a motion is followed farther in pairs, at most, if doubles would not decide again.
-MOST_MORE = 64
+# A gap between a start and a belt that pairs have digits to spare for (`symosc.simulation.motion.fits_pairs`).
+FAR_OFF = 2e-8
+# The errors of an event that pairs may have beside its rounding to doubles, as a part of that.
+PAIR_NOISE = 0.25
 # Motions that are followed in interpreted pairs until it is asked again whether to compile.
 TOGETHER = 8
 # A force on a belt that is this small beside others is computed from the exact start.
@@ -214,7 +214,8 @@ class Chunk:
         again = self._in_pairs(self._remove_undecided()) if task.loops.in_threads else {}
         for i in self._remove_undecided():
             cancel.check()
-            self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy)
+            known = int(self.batch.counts[i]) if task.loops.in_threads else 0
+            self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy, known=known)
         again |= {i: rows_of(i, trajectory.events) for i, trajectory in self.alone.items()}
         self.rows = spliced(self.rows, again) if again else self.rows
         self.status = self._statuses()
@@ -264,14 +265,15 @@ class Chunk:
         pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
         states, sets, counts, codes = (column[members] for column in self.batch)
         batch, wanted = batch_of(states, sets), counts + (codes == UNDECIDED)
-        going, waiting = PairLimits(most, self._needed, MOST_MORE, self.table, sure(self.table)), np.arange(len(pairs))
+        going = PairLimits(most, self._needed, MOST_MORE, PAIR_NOISE, self.table, sure(self.table))
+        waiting = np.arange(len(pairs))
         while len(waiting):
             events = wanted - batch.counts
             loops = pair_loops(int(events[waiting[:TOGETHER]].sum()))
             together = len(waiting) if loops is compiled_pairs() else TOGETHER
             active, waiting = waiting[:together], waiting[together:]
             buffer = event_buffer(0 if len(tally.floats) else int((events + MOST_MORE)[active].sum()))
-            filled = loops.follow_pairs(active, wanted, pairs, batch, buffer, K, tally, going)
+            filled, _ = loops.follow_pairs(active, wanted, pairs, batch, buffer, NO_PIECES, K, tally, going)
             PAIRS.events -= filled
             yield rows_between(buffer, 0, min(filled, buffer.floats.shape[1]))
             active = active[batch.codes[active] == RUNNING]
@@ -329,11 +331,6 @@ def spliced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[Eve
         gaps = zip([0, *ends], [*begins, part.ints.shape[1]], strict=True)
         pieces += [rows_between(part, begin, end) for begin, end in gaps]
     return sorted((piece for piece in pieces if piece.ints.shape[1]), key=lambda piece: int(piece.ints[0, 0]))
-
-
-def fits_pairs(start: Start) -> bool:
-    """Return whether pairs of doubles follow a motion with the same results as many digits."""
-    return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
 def sure(table: np.ndarray) -> np.ndarray:

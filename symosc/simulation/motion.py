@@ -12,20 +12,32 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from itertools import compress
-from math import ceil, isinf, log
+from math import ceil, log
 from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
 from symosc.aliases import Number
-from symosc.engine.arithmetic import Arithmetic, MpArithmetic, is_compiled, many_digits, mp_context
+from symosc.engine.arithmetic import (
+    ROUNDED_FROM,
+    Arithmetic,
+    MpArithmetic,
+    compiled_pairs,
+    is_compiled,
+    many_digits,
+    mp_context,
+    pair_constants,
+    pairs_as_complex,
+)
 from symosc.engine.batch import (
+    NEGLIGIBLE,
     PIECE_COLUMNS,
     EventRows,
+    PairLimits,
     batch_of,
     event_buffer,
-    is_inexact,
+    next_undecided,
     rounding_error,
     row_of,
     rows_between,
@@ -43,9 +55,9 @@ from symosc.engine.events import (
     event_codes,
 )
 from symosc.engine.flow import Constants, clock_time, constants
-from symosc.engine.next_event import advance, time_with_errors
-from symosc.engine.start import MOST_PERIODS, Start, first_state, is_steady, last_time, rounded
-from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, RUNNING, NextEvent, State
+from symosc.engine.next_event import advance
+from symosc.engine.start import MOST_PERIODS, Start, first_state, is_steady, last_time, rounded, settles
+from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, RUNNING, UNDECIDED, NextEvent, State
 from symosc.engine.summary import no_tally
 from symosc.errors import ParameterError
 from symosc.exact import show
@@ -54,6 +66,10 @@ from symosc.simulation.tables import rows_of
 
 # Events of the first block of a motion and of the largest one.
 FIRST_BLOCK, LARGEST_BLOCK = 64, 1 << 15
+# Digits between a start and a belt, or of its error, that pairs have to spare.
+PAIR_SPARE = 8
+# Events that a motion is followed farther in pairs, at most, if doubles would not decide again.
+MOST_MORE = 64
 # Error estimates are standard errors; digits that are promised must hold.
 SAFETY = 100
 # The working precision where doubles do not decide, or are not accurate enough.
@@ -85,6 +101,11 @@ def single_loop(count: int) -> tuple[Callable[..., tuple[int, int, int]], int]:
         return functions["follow_all"], LARGEST_BLOCK
     loop = FOLLOW if count < TURN else chosen_loops(None).follow
     return loop, TURN if loaded_loop() is None else LARGEST_BLOCK
+
+
+def fits_pairs(start: Start) -> bool:
+    """Return whether pairs of doubles follow a motion with the same results as many digits."""
+    return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
 def search_in_doubles(start: Start) -> Callable[[State], NextEvent]:
@@ -165,12 +186,24 @@ class MotionInDoubles:
         self._events.append(rows_between(out, 0, rows))
         self._pieces.append(pieces[:, :parts])
 
-    def take_over(self, finer: Motion) -> None:
-        """Go on from the state and the more accurate events and pieces of a motion with more digits."""
-        self._events, self._pieces = [rows_of(0, finer.events)], [finer.columns()]
-        self._batch.states[0] = row_of(finer.rounded_state(), *self._end)
-        self._batch.states[0, 15] = float(self.start.t0)
-        self._batch.counts[0], self.code = len(finer.events), finer.code if finer.ended else RUNNING
+    def take_over(self, finer: FinerMotion | MotionInPairs) -> None:
+        """Go on from the last state of a motion with more digits, whose events and pieces replace those found here."""
+        self._events, self._pieces = list(finer.rows), [self._pieces[0], *finer.pieces]
+        self._batch.states[0] = self.row(finer.rounded_state())
+        self._batch.counts[0], self.code = finer.count, finer.code if finer.ended else RUNNING
+
+    def row(self, state: State) -> list[Number]:
+        """Return the row of a batch for this motion in a state."""
+        row = row_of(state, *self._end)
+        row[15] = float(self.start.t0)
+        return row
+
+    def next_doubt(self, state: State, count: int, accuracy: float, most: int) -> int:
+        """Return the number of the next event that doubles, from a state after `count` events, leave in doubt, or 0."""
+        if self.start.start_error:  # more digits would not decide it
+            return 0
+        row = self.row(state)
+        return _or_none(partial(next_undecided, state, count, row, most, accuracy, self.K)) or 0
 
 
 class Motion:
@@ -310,6 +343,51 @@ def _or_none(compute: Callable[[], Any]) -> Any:
         return None
 
 
+class MotionInPairs:
+    """The same problem in double-double numbers, by compiled code, followed only as far as doubles require."""
+
+    def __init__(self, doubles: MotionInDoubles, accuracy: float, most: int) -> None:
+        start, exact = doubles.start, many_digits(doubles.start.parameters, ROUNDED_FROM)
+        state, plain = first_state(start, exact), Arithmetic(start.parameters).K
+        self._follow, self._K, table = compiled_pairs().follow_pairs, pair_constants(start.parameters), [doubles.K]
+        self._limits = PairLimits(most, accuracy, MOST_MORE, NEGLIGIBLE, table_of(table), table_of([plain]))
+        self._pairs = np.array([pairs_as_complex(tuple(row_of(state, *last_time(start, exact))))])
+        self._batch = batch_of(np.array([doubles.row(rounded(state, start))]))
+        self.rows, self.pieces = list[EventRows](), list[np.ndarray]()
+
+    @property
+    def code(self) -> int:
+        """What the motion ended with, or RUNNING."""
+        return int(self._batch.codes[0])
+
+    @property
+    def count(self) -> int:
+        """The number of events so far."""
+        return int(self._batch.counts[0])
+
+    @property
+    def ended(self) -> bool:
+        """Whether the end, or a rest, is reached."""
+        return self.code in (END, REST)
+
+    def rounded_state(self) -> State:
+        """Return the current state in doubles."""
+        return state_of(self._batch.states, 0)
+
+    def reach(self, count: int) -> bool:
+        """Follow the motion to `count` events or to its end, and on while doubles are in doubt; False if pairs are."""
+        first, wanted = np.arange(1), np.array([count])
+        while True:
+            size = max(count - self.count, 0) + MOST_MORE
+            out, pieces = event_buffer(size), np.empty((len(PIECE_COLUMNS), 2 * size))
+            given = (self._pairs, self._batch, out, pieces, self._K, no_tally(), self._limits)
+            rows, parts = self._follow(first, wanted, *given)
+            self.rows.append(rows_between(out, 0, rows))
+            self.pieces.append(pieces[:, :parts])
+            if self.code != RUNNING or parts < pieces.shape[1]:
+                return self.code != UNDECIDED
+
+
 class FinerMotion(Motion):
     """The same problem with FINER_DIGITS, followed only as far as doubles require.
 
@@ -322,31 +400,34 @@ class FinerMotion(Motion):
     def __init__(self, start: Start) -> None:
         super().__init__(start, FINER_DIGITS + start.spare_digits)
         self._finest: Motion | None = None
+        self.rows, self.pieces = list[EventRows](), list[np.ndarray]()
+        self._given = 0
 
-    def reach(self, count: int, accuracy: float, most: int) -> bool:
+    @property
+    def count(self) -> int:
+        """The number of events so far."""
+        return len(self.events)
+
+    def reach(self, count: int, next_doubt: Callable[[State, int], int]) -> bool:
         """Follow the motion to `count` events or to its end; return False at an undecided contact.
 
-        It goes on, to `most` events, while doubles do not decide what comes next or find it with a larger error than
-        `accuracy`.
+        It goes on to what `next_doubt` says of the state in doubles, and the number of events: the next event that
+        doubles do not decide or know well enough.
         """
-        while not self.ended and (len(self.events) < count or (len(self.events) < most and self._in_doubt(accuracy))):
-            before = len(self.events)
+        while not self.ended:
+            if self.count >= count:
+                count = next_doubt(self.rounded_state(), self.count)
+                if count == 0:
+                    break
+            before = self.count
             self.step()
             if self.code == FAILED or not (self.decided or self.start.start_error or self._is_graze(before)):
+                del self.events[before:]
                 return False
+        self.rows.append(rows_of(0, self.events[self._given :]))
+        self._given = self.count
+        self.pieces = [self.columns()[:, 1:]]
         return True
-
-    def _in_doubt(self, accuracy: float) -> bool:
-        """Return whether doubles, from here, do not decide the next event or know it less accurately."""
-        self.search()
-        if isinf(accuracy) or self.ahead is None:
-            return False
-        code, _, decided, t_error, s = self.ahead[1]
-        if code > GRAZE or not decided:
-            return not decided
-        t0, K = float(self.start.t0), Arithmetic(self.start.parameters).K
-        t, t_error, x_error = time_with_errors(s.t, s.t_low, t0, s.x, s.v, t_error, s.S.S11, K)
-        return bool(is_inexact(t, t_error, s.x, x_error, t0, accuracy))
 
     def _is_graze(self, before: int) -> bool:
         """Return whether the contact after `before` events stays undecided with many more digits; then use those."""

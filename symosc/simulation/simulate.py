@@ -9,15 +9,16 @@ known to that many digits.
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 from math import inf, isinf
 from typing import Any
 
 from symosc.aliases import Number, NumberLike, Progress, SceneName, StartError
 from symosc.arguments import public
 from symosc.display.progress import Advance, late_bar
-from symosc.engine.arithmetic import mp_context
+from symosc.engine.arithmetic import mp_context, pairs_are_loaded
 from symosc.engine.start import Start, settles
-from symosc.engine.state import FAILED, FULL, INEXACT, NEEDS_DIGITS, ON_BELT, REST, RUNNING, State
+from symosc.engine.state import FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNING, UNDECIDED, State
 from symosc.errors import ParameterError
 from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read_start_error, show, whole_number
 from symosc.model import Parameters
@@ -26,9 +27,11 @@ from symosc.simulation.motion import (
     FinerMotion,
     Motion,
     MotionInDoubles,
+    MotionInPairs,
     check_reached,
     cut_event,
     digits_to_confirm_graze,
+    fits_pairs,
     rounded_event,
 )
 from symosc.simulation.trajectory import Trajectory
@@ -150,20 +153,31 @@ def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction]
     return inf if start_error and max(start_error) > accuracy else accuracy
 
 
-def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None) -> Trajectory:
-    """Follow a motion in doubles, with more digits where these are undecided; see `simulate`."""
-    bare, needed = isinf(accuracy), attainable(accuracy, start.start_error)
-    motion, finer = MotionInDoubles(start, bare), None
+def in_doubles(
+    start: Start, most: int, accuracy: float, advance: Advance = None, known: int | None = None
+) -> Trajectory:
+    """Follow a motion in doubles, with more digits where these are undecided; see `simulate`.
+
+    After `known` events pairs are known to be undecided; None: not yet.
+    """
+    needed = attainable(accuracy, start.start_error)
+    motion = MotionInDoubles(start, isinf(accuracy))
+    pairs = finer = None
     if settles(start):
         motion.code = REST
     while motion.code == RUNNING:
         motion.follow(most, needed)
         if motion.code in NEEDS_DIGITS:
-            before = motion.count - (motion.code == INEXACT)
-            finer = finer or FinerMotion(start)
-            if not finer.reach(before + 1, inf if bare or start.start_error else needed, most):
-                return _undecidable(finer, before)
-            motion.take_over(finer)
+            wanted = motion.count + (motion.code == UNDECIDED)
+            if known is None and finer is None and pairs_are_loaded() and (pairs or fits_pairs(start)):
+                pairs = pairs or MotionInPairs(motion, needed, most)
+                if not pairs.reach(wanted):
+                    known = pairs.count
+            if known is not None or not pairs:
+                finer = finer or FinerMotion(start)
+                if not finer.reach(max(wanted, known or 0), partial(motion.next_doubt, accuracy=needed, most=most)):
+                    return _undecidable(finer)
+            motion.take_over(finer or pairs)  # type: ignore[arg-type]
         if advance:
             advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
     if motion.code == FULL:
@@ -200,7 +214,8 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
         if not undecided and missing <= 0:
             break
         if working >= limit:
-            return _undecidable(motion, before, digits)
+            del motion.events[before:]
+            return _undecidable(motion, digits)
         working = min(limit, 3 * working if undecided else working + missing + 2)
     if not motion.ended:
         return _in_digits(motion, "max_events", f"stopped after max_events = {most} events", digits)
@@ -227,9 +242,8 @@ def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
     return status, message
 
 
-def _undecidable(motion: Motion, before: int, asked: int | None = None) -> Trajectory:
-    """Return a trajectory that ends at the undecided contact after `before` events."""
-    del motion.events[before:]
+def _undecidable(motion: Motion, asked: int | None = None) -> Trajectory:
+    """Return a trajectory that ends at the undecided contact which a motion has come to."""
     hint = f"ask for more digits, such as digits={2 * (asked or motion.digits)}"
     message = f"the contact near t = {float(motion.time)!r} cannot be decided with {motion.digits} digits; {hint}"
     return _in_digits(motion, "undecidable", message, asked)

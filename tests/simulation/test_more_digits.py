@@ -16,6 +16,7 @@ from touches import ordinary, tenths
 
 from symosc import Parameters, load_scene, simulate
 from symosc.engine import first_exit, flow, start
+from symosc.engine.arithmetic import interpreted_pairs
 from symosc.engine.start import Start
 from symosc.simulation import motion
 from symosc.simulation.motion import FinerMotion, Motion, MotionInDoubles, digits_to_confirm_graze
@@ -68,12 +69,35 @@ def test_digits_are_raised_until_events_are_known_to_them() -> None:
 def test_a_finer_motion_is_followed_only_as_far_as_it_is_needed() -> None:
     scene = load_scene("fig8")
     one = FinerMotion(Start(scene.parameters, scene.t0, scene.x0, scene.v0, Fraction(30)))
-    assert one.reach(3, math.inf, 100)
-    assert len(one.events) == 3
-    assert one.reach(2, math.inf, 100)
-    assert len(one.events) == 3
-    assert one.reach(10**6, math.inf, 100)
+    doubts = iter([0, 5, 0, 10**6])
+    assert one.reach(3, lambda *_: next(doubts))
+    assert one.count == 3
+    assert one.reach(2, lambda *_: next(doubts))
+    assert one.count == 5
+    assert one.reach(5, lambda *_: next(doubts))
     assert one.ended
+
+
+@pytest.mark.parametrize(("t_end", "accuracy"), [(30, None), (45, None), (22, 1e-15)])
+def test_pairs_and_many_digits_hand_the_same_doubles_out(
+    t_end: int, accuracy: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A single motion goes through pairs only where their compiled loop is loaded: that must not show."""
+    scene, outcomes, used = load_scene("fig8"), [], []
+
+    def counted() -> Any:
+        used.append(1)
+        return interpreted_pairs()
+
+    for loaded in (False, True):
+        monkeypatch.setattr("symosc.simulation.simulate.pairs_are_loaded", lambda loaded=loaded: loaded)
+        monkeypatch.setattr(motion, "compiled_pairs", counted)
+        for shift in (0, Fraction(1, 10)):
+            found = simulate(scene, x0=scene.x0 + shift, t_end=t_end, accuracy=accuracy)
+            times = [float(found.t_start) + n / 7 for n in range(100)]
+            outcomes.append((found.status, list(found.events), found(times).tolist()))
+    assert used
+    assert outcomes[:2] == outcomes[2:]
 
 
 def test_how_many_digits_a_graze_takes() -> None:

@@ -42,7 +42,7 @@ FAMILIES: dict[str, Callable[[Random, int], FuzzScene]] = {
     "extreme": plain.extreme,
 }
 FAULTS = (
-    "missed", "invented", "wrong kind", "undecidable", "status", "end", "exception", "disagree", "bits", "digits",
+    "missed", "invented", "wrong kind", "undecidable", "status", "end", "exception", "disagree", "digits",
     "estimate", "slow",
 )  # fmt: skip
 DIGITS_EVERY = 5  # every so many scenes of a family are run with digits=20 too

@@ -241,7 +241,7 @@ def _check_end(verdict: Verdict, trajectory: Any, truth: OracleRun) -> None:
 
 
 def _compare_many(verdict: Verdict, trajectory: Any, use_numba: bool) -> None:
-    """Compare every column of `simulate_many` with `simulate`, bit for bit."""
+    """Compare `simulate_many` with `simulate`: the same codes, and numbers within their errors."""
     scene, name = verdict.scene, f"simulate_many(use_numba={use_numba})"
     try:
         table = simulate_many(scene.p, [(scene.t0, scene.x0, scene.v0)], scene.t_end, use_numba=use_numba)
@@ -253,10 +253,18 @@ def _compare_many(verdict: Verdict, trajectory: Any, use_numba: bool) -> None:
     if len(table) != len(trajectory.events):
         verdict.add("disagree", f"{name}: {len(table)} events, simulate {len(trajectory.events)}")
         return
+    errors = {"t": table.t_error, "x": table.x_error, "theta": float(scene.p.Omega) * table.t_error}
     for column in COLUMNS:
         here = np.array([getattr(event, column) for event in trajectory.events])
         there = getattr(table, column)
-        if len(here) and not np.array_equal(here, there):
-            i = int(np.flatnonzero(here != there)[0])
-            verdict.add("bits", f"{name}: {column}[{i}] = {there[i]!r}, simulate {here[i]!r}")
+        if column in ("t_error", "x_error"):
+            same = (here <= 2 * there) & (there <= 2 * here)
+        elif column in errors:
+            apart = abs(here - there)
+            same = np.minimum(apart, 2 * np.pi - apart if column == "theta" else apart) <= 2 * errors[column]
+        else:
+            same = here == there
+        if not same.all():
+            i = int(np.flatnonzero(~same)[0])
+            verdict.add("disagree", f"{name}: {column}[{i}] = {there[i]!r}, simulate {here[i]!r}")
             return
