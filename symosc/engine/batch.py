@@ -143,8 +143,9 @@ def borrowed_rows(out):
 
 def borrowed_tally(tally):
     """Return tallies, borrowed."""
-    asked, floats, ints, sections, words, labels = tally
-    return Tally(asked, borrowed(floats), borrowed(ints), borrowed(sections), borrowed(words), borrowed(labels))
+    asked, floats, ints, sections, words, labels, flights = tally
+    texts, flights = borrowed(labels), borrowed(flights)
+    return Tally(asked, borrowed(floats), borrowed(ints), borrowed(sections), borrowed(words), texts, flights)
 
 
 def state_of(states, i):

@@ -7,10 +7,11 @@ them make a word. An event so near a section that its error could move it across
 there. Of a section the state is kept from which it is reached; only those that are asked for, or that words do not
 already distinguish, are computed, once, at the end (`settle`).
 
-Extremes: a cell of a flight lies within the extremes so far if the bounds of `symosc.engine.first_exit`, taken at both
-of its ends, say so: v and x minus an extreme are gaps like those to a belt. Any other cell is cut, at a stationary
-point where there is one between its ends, and each new end is evaluated exactly. So no extreme is missed, and a flight
-that widens none costs one evaluation at most.
+Extremes: the belts bound the velocity of a flight, so mostly one or two of the four are in question. A cell of it lies
+within the extremes so far if the bounds of `symosc.engine.first_exit`, taken at both of its ends, say so: v and x minus
+an extreme are gaps like those to a belt. Any other cell is cut, at a stationary point where there is one between its
+ends, and each new end is evaluated exactly. So no extreme is missed, and a flight that widens none costs one evaluation
+at most; one that repeats an earlier flight, as in a motion that has settled, costs none.
 
 All functions are scalar and run on floats (CPython, numba).
 """
@@ -24,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.engine.first_exit import NEAR, fourth_derivative_bound, positive_on, shifted
-from symosc.engine.flow import clock_time, constant_force, derivatives, state_at
+from symosc.engine.flow import clock_time, constant_force, derivatives, speeds_around, state_at
 from symosc.engine.next_event import TWO_PI, later
 from symosc.engine.state import END, GRAZE, ON_BELT, REST, STICK, Flown, Launch, State
 from symosc.kernels._generated import acceleration, motion
@@ -35,8 +36,12 @@ from symosc.words import MAPS
 # of steps alone.
 SKIPPED, STUCK, X_MIN, X_MAX, V_MIN, V_MAX, T_LAST, X_LAST, V_LAST, X_LOW, X_HIGH, V_LOW, V_HIGH = range(13)
 # Columns of `Tally.ints`: events and sticks; the belt of the last event; sections so far; whether the word began at a
-# section, whether the next section comes just behind the last event; lengths of the word now and of the last one.
-EVENTS_SO_FAR, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE = range(9)
+# section, whether the next section comes just behind the last event; lengths of the word now and of the last one; the
+# code of the word now; flights that were searched for extremes.
+EVENTS_SO_FAR, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE, SEARCHED = range(10)
+# Columns of `Tally.flights`: domain, phase, position and velocity at the launch, and duration.
+MODE, THETA, X, V, DURATION = range(5)
+KEPT_FLIGHTS = 8
 # Columns of `Tally.sections`: whether a flight reaches it, since when, the state at its launch, and the variances.
 FLIES, SINCE, FROM_THETA, FROM_X, FROM_V, FROM_F, S11_THERE, S22_THERE = range(8)
 # An event, or the end of a motion, is at a section if its phase is not farther from it, beside its error.
@@ -76,10 +81,11 @@ class Tally(NamedTuple):
 
     asked: Kept
     floats: np.ndarray  # (n, 13)
-    ints: np.ndarray  # (n, 9)
+    ints: np.ndarray  # (n, 10)
     sections: np.ndarray  # (n, ring, 8)
     words: np.ndarray  # (n, ring), of the periods that end at these sections; -1 for none
     labels: np.ndarray  # (n, 2, longest word): mappings of the word now, and of the last whole one
+    flights: np.ndarray  # (n, KEPT_FLIGHTS, 5), those last searched for extremes
 
 
 class Extremes(NamedTuple):
@@ -91,6 +97,14 @@ class Extremes(NamedTuple):
     v_max: float
 
 
+class Open(NamedTuple):
+    """Where a flight may widen the extremes."""
+
+    v_min: bool
+    v_max: bool
+    x: bool  # its velocity may change its sign
+
+
 @cache
 def no_tally() -> Tally:
     """Return an empty tally: events are recorded instead."""
@@ -100,14 +114,15 @@ def no_tally() -> Tally:
 def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
     """Return the tally of motions at their starts (rows of a batch); the time `skipped` is not counted."""
     count = len(states)
-    floats, ints = np.zeros((count, 13)), np.zeros((count, 9), np.int64)
+    floats, ints = np.zeros((count, 13)), np.zeros((count, 10), np.int64)
     floats[:, SKIPPED] = skipped
     floats[:, [X_MIN, V_MIN, X_LOW, V_LOW]], floats[:, [X_MAX, V_MAX, X_HIGH, V_HIGH]] = inf, -inf
     floats[:, [T_LAST, X_LAST, V_LAST]] = states[:, [11, 4, 5]]
     ints[:, PLANE], ints[:, WHOLE] = states[:, 1], states[:, 3] == 0.0
     # Places of sections that were not reached are never read.
     sections, words = np.empty((count, asked.ring, 8)), np.full((count, asked.ring), -1, np.int64)
-    return Tally(asked, floats, ints, sections, words, np.zeros((count, 2, asked.longest), np.uint8))
+    labels, flights = np.zeros((count, 2, asked.longest), np.uint8), np.zeros((count, asked.inside * KEPT_FLIGHTS, 5))
+    return Tally(asked, floats, ints, sections, words, labels, flights)
 
 
 def select_tallies(tally: Tally, rows: Any) -> Tally:
@@ -182,7 +197,7 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
         return
     seen = Extremes(floats[i, X_MIN], floats[i, X_MAX], floats[i, V_MIN], floats[i, V_MAX])
     seen = widened(widened(seen, x, v), after.x, after.v)
-    if before.mode <= ON_BELT:
+    if before.mode <= ON_BELT and not (begin == 0.0 and repeats_flight(i, before, tau, seen, tally, K)):
         start = launch_of(before)
         if K.stiff:
             last = state_at(tau, start, K)
@@ -191,8 +206,36 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
             G1, G2, G3 = derivatives(after.v, F, after.s, after.c, K)
             dx, dv = after.x - before.x, after.v - before.v
             last = Flown(tau, dx, dv, F, G1, G2, G3, after.s, after.c, 1.0, 0.0, 0.0)
-        seen = flight_extremes(begin, last, start, before.x, seen, K)
+        seen = flight_extremes(before.mode, begin, last, start, before.x, seen, K)
+        if begin == 0.0:
+            kept = tally.flights[i, tally.ints[i, SEARCHED] % KEPT_FLIGHTS]
+            tally.ints[i, SEARCHED] += 1
+            kept[MODE], kept[THETA], kept[X], kept[V], kept[DURATION] = (
+                before.mode,
+                before.theta,
+                before.x,
+                before.v,
+                tau,
+            )
     floats[i, X_MIN], floats[i, X_MAX], floats[i, V_MIN], floats[i, V_MAX] = seen
+
+
+def repeats_flight(i, state, tau, seen, tally, K):
+    """Return whether a flight repeats one that was searched for extremes, to half their slack.
+
+    The difference of two flights in a domain obeys the unforced equation: its energy dv^2 + (k/m) dx^2 never grows.
+    """
+    dv_most = 0.5 * WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
+    dx_most = 0.5 * WIDTH_SLACK * (abs(seen.x_min) + abs(seen.x_max))
+    most = min(dv_most, K.w0 * dx_most)
+    for n in range(KEPT_FLIGHTS):
+        kept = tally.flights[i, n]
+        if kept[MODE] == state.mode and abs(state.v - kept[V]) <= most and tau <= kept[DURATION] * (1.0 + WIDTH_SLACK):
+            late = abs(state.theta - kept[THETA]) / K.Om
+            dx, dv = abs(state.x - kept[X]) + abs(state.v) * late, abs(state.v - kept[V]) + abs(state.Fb) * late
+            if dv + K.w0 * dx <= most:
+                return True
+    return False
 
 
 def tally_sections(i, before, last, S, tally, K):
@@ -381,11 +424,16 @@ def widened(seen, x, v):
     )
 
 
-def flight_extremes(begin, last, start, x0, seen, K):
-    """Return the extremes, extended to include a flight from `begin` to `last` (Flown).
+def flight_extremes(mode, begin, last, start, x0, seen, K):
+    """Return the extremes, extended to include a flight in a domain (`mode`) from `begin` to `last` (Flown).
 
-    `start` is its Launch, x0 the position there.
+    `start` is its Launch, x0 the position there. The belts bound the velocity of a flight. Where the extremes so far
+    are as far out, or where the velocity has one sign, there is nothing to find.
     """
+    slowest, fastest = speeds_around(mode, K)
+    open_ends = Open(seen.v_min > slowest, seen.v_max < fastest, slowest < 0.0 < fastest)
+    if not (open_ends.v_min or open_ends.v_max or open_ends.x):
+        return seen
     if begin > 0.0:
         now = state_at(begin, start, K)
     else:
@@ -402,31 +450,34 @@ def flight_extremes(begin, last, start, x0, seen, K):
             then = state_at(now.tau + cell, start, K)
             seen = widened(seen, x0 + then.dx, start.v + then.dv)
         cut = False
-        while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not cell_within(now, then, M4, start.v, x0, seen):
-            then, cut = cut_at(now, then, start, K), True
+        while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not cell_within(
+            now, then, M4, start.v, x0, seen, open_ends
+        ):
+            then, cut = cut_at(now, then, start, open_ends, K), True
             seen = widened(seen, x0 + then.dx, start.v + then.dv)
         cell = FIRST_CELL * K.moment if cut or cell < FIRST_CELL * K.moment else 2.0 * cell
         now = then
     return seen
 
 
-def cell_within(now, then, M4, v0, x0, seen):
+def cell_within(now, then, M4, v0, x0, seen, open_ends):
     """Return whether bounds from both ends of a cell prove that the flight stays within the extremes."""
     half = 0.5 * (then.tau - now.tau)
-    return within(half, 1.0, now, M4, v0, x0, seen) and within(half, -1.0, then, M4, v0, x0, seen)
+    return within(half, 1.0, now, M4, v0, x0, seen, open_ends) and within(half, -1.0, then, M4, v0, x0, seen, open_ends)
 
 
-def within(reach, way, now, M4, v0, x0, seen):
+def within(reach, way, now, M4, v0, x0, seen, open_ends):
     """Return whether a flight stays within the extremes for a time `reach` after a point, or before it (way -1)."""
     v, x = v0 + now.dv, x0 + now.dx
-    slack = WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
-    half, third, fourth = 0.5 * now.G1, way * SIXTH * now.G2, -0.25 * SIXTH * M4
-    slope = way * now.F
-    if not (
-        stays_positive(reach, seen.v_max - v + slack, -slope, -half, -third, fourth)
-        and stays_positive(reach, v - seen.v_min + slack, slope, half, third, fourth)
-    ):
-        return False
+    if open_ends.v_max or open_ends.v_min:
+        slack = WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
+        slope, half, third, fourth = way * now.F, 0.5 * now.G1, way * SIXTH * now.G2, -0.25 * SIXTH * M4
+        if open_ends.v_max and not stays_positive(reach, seen.v_max - v + slack, -slope, -half, -third, fourth):
+            return False
+        if open_ends.v_min and not stays_positive(reach, v - seen.v_min + slack, slope, half, third, fourth):
+            return False
+    if not open_ends.x:
+        return True
     slack = WIDTH_SLACK * (abs(seen.x_min) + abs(seen.x_max))
     M3 = abs(now.G2) + (abs(now.G3) + 0.5 * M4 * reach) * reach
     slope, half, third, fourth = way * v, 0.5 * now.F, way * SIXTH * now.G1, -0.25 * SIXTH * M3
@@ -442,10 +493,12 @@ def stays_positive(reach, p0, p1, p2, p3, p4):
     return positive_on(reach, (p0, p1, p2, p3, p4))
 
 
-def cut_at(now, then, start, K):
+def cut_at(now, then, start, open_ends, K):
     """Return a point between two: a zero of the acceleration or velocity, else the middle."""
     width = then.tau - now.tau
     for of_v in (True, False):
+        if not (open_ends.v_min or open_ends.v_max if of_v else open_ends.x):
+            continue
         first, rise, _ = rates(now, of_v, start)
         last, rise_last, _ = rates(then, of_v, start)
         # A stationary point at an end is known, and no place to cut.

@@ -12,6 +12,7 @@ import pytest
 from slow_summary import slow_summary
 
 from symosc import ParameterError, Parameters, load_scene, simulate, simulate_many
+from symosc.engine import summary
 from symosc.simulation import batch
 from symosc.simulation.tables import Summary
 
@@ -79,6 +80,27 @@ def test_orbits_repeat(word: str, periods: int) -> None:
     found = simulate_many(one.parameters, (one.t0, one.x0, one.v0), end, record="summary", use_numba=False)
     assert found.multiplicity.tolist() == [periods]
     assert found.word[0] == word
+
+
+@pytest.mark.parametrize("name", ["fig9", "fig10"])
+def test_flights_that_repeat_are_not_searched_again(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Once a motion has settled; the extremes change by their slack at most."""
+    one, searched, extremes = load_scene(name), [0], []
+    search, repeats = summary.flight_extremes, summary.repeats_flight
+
+    def counted(*arguments: Any) -> Any:
+        searched[-1] += 1
+        return search(*arguments)
+
+    monkeypatch.setattr(summary, "flight_extremes", counted)
+    for rule in (repeats, lambda *_: False):
+        monkeypatch.setattr(summary, "repeats_flight", rule)
+        given: Any = {"record": ("events", "x_min", "x_max", "v_min", "v_max"), "use_numba": False}
+        found = simulate_many(one.parameters, (0, 1, Fraction(1, 2)), one.t_end + 200, **given)
+        extremes.append([getattr(found, column)[0] for column in given["record"]])
+        searched.append(0)
+    assert searched[0] < 0.3 * searched[1]
+    assert extremes[0] == pytest.approx(extremes[1], rel=0, abs=1e-13)
 
 
 @pytest.mark.slow
