@@ -58,11 +58,7 @@ nb_execution_raise_on_error = True
 nb_execution_timeout = 600  # seconds, on a machine that others use, too
 nb_merge_streams = True
 nb_render_markdown_format = "myst"
-# Pages beside this file that are no parts of the site of their own are listed among the how-to pages.
-parts = {"index", "quickstart", "tasks", "changes", "citing", "literature"}
-longer = sorted({path.stem for path in HERE.glob("*.md")} - parts)
-toctree = "\n".join(["```{toctree}", ":maxdepth: 1", "", *(f"../{name}" for name in longer), "```"])
-myst_substitutions = {"longer_pages": toctree, **api.pages()}
+myst_substitutions = api.pages()
 
 autodoc_default_options = {"members": True, "inherited-members": "tuple,BaseException"}
 toc_object_entries_show_parents = "hide"

@@ -17,6 +17,7 @@ NUMBER_FORMS = "give an int, a float, a string such as '0.8' or '4/5', a Fractio
 
 #: What a decimal or a fraction looks like: ASCII digits only, no underscores, no spaces inside.
 NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+\.?\d*|\.\d+)([eE](?P<exponent>[+-]?\d+))?)", re.ASCII)
+NOT_FINITE = re.compile(r"[+-]*(inf|infinity|nan)", re.IGNORECASE)
 #: What an expression looks like, which is not a number.
 EXPRESSION = re.compile(r"pi\b|π|sqrt|\w\(|\d\s*[*^]|[)\d]\s*[+-]\s*[(\d]", re.IGNORECASE)
 NO_EXPRESSION = (
@@ -80,7 +81,7 @@ def _read_text(name: str, text: str) -> Fraction:
         raise ParameterError(name, text, f"a number may have at most {MOST_CHARACTERS} characters")
     read = NUMBER.fullmatch(text.strip())
     if read is None:
-        if text.strip().lower().lstrip("+-") in {"inf", "infinity", "nan"}:
+        if NOT_FINITE.fullmatch(text.strip()):
             raise ParameterError(name, text, "must be finite")
         raise ParameterError(name, text, NO_EXPRESSION if EXPRESSION.search(text) else NUMBER_FORMS)
     if abs(int(read["exponent"] or 0)) > MAX_EXPONENT:

@@ -18,52 +18,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from fractions import Fraction
-from typing import NamedTuple
 
 from symosc.aliases import NumberLike
 from symosc.arguments import public
 from symosc.errors import ParameterError, meant
-from symosc.exact import SMALLEST, read_exact, show, whole_number
+from symosc.exact import show, whole_number
+from symosc.quantities import QUANTITIES, least, read_number
 
 #: The states of motion, by the code that the fast paths use: 1 to 3 a domain, 4 and 5 a stick on belt 1 and 2.
 MODE_NAMES = {1: "Omega1", 2: "Omega2", 3: "Omega3", 4: "belt1", 5: "belt2"}
 
 #: The domains below and above each boundary.
 NEIGHBOURS = {1: (1, 2), 2: (2, 3)}
-
-
-class Quantity(NamedTuple):
-    """A number of the problem: its meaning, its dimension, its letter in LaTeX, and what is allowed."""
-
-    meaning: str
-    dimension: str
-    letter: str
-    allowed: str = ""
-
-
-#: All parameters, in order, and the numbers of a start. Any consistent system of units will do for them.
-QUANTITIES = {
-    "m": Quantity("mass", "mass", "m", "> 0"),
-    "c": Quantity("damping", "mass/time", "c", ">= 0"),
-    "k": Quantity("stiffness", "mass/time^2", "k", ">= 0"),
-    "A0": Quantity("constant force", "force", "A_0"),
-    "B0": Quantity("amplitude of the excitation", "force", "B_0", "any sign"),
-    "Omega": Quantity("frequency of the excitation", "angle/time", r"\Omega", "> 0"),
-    "v1": Quantity("speed of belt 1", "length/time", "v_1", "less than v2"),
-    "v2": Quantity("speed of belt 2", "length/time", "v_2"),
-    "mu1": Quantity("friction coefficient of belt 1", "1", r"\mu_1", ">= 0"),
-    "mu2": Quantity("friction coefficient of belt 2", "1", r"\mu_2", ">= 0"),
-    "FN": Quantity("normal force", "force", "F_N", ">= 0"),
-    "t0": Quantity("start time", "time", "t_0"),
-    "x0": Quantity("start position", "length", "x_0"),
-    "v0": Quantity("start velocity", "length/time", "v_0"),
-    "t_end": Quantity("end time", "time", r"t_\mathrm{end}", "later than t0"),
-}
-
-
-def least(name: str) -> Fraction | None:
-    """Return the least value that a quantity may have, None if it may be negative."""
-    return {"> 0": SMALLEST, ">= 0": Fraction(0)}.get(QUANTITIES[name].allowed)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -84,7 +50,8 @@ class Parameters:
         Normal force >= 0.
 
     Any consistent system of units will do. A number is an int, a float (read as the decimal that it prints as), a
-    string such as "0.8" or "4/5", a Fraction, a Decimal or a rational sympy number.
+    string such as "0.8" or "4/5", a Fraction, a Decimal or a rational sympy number. An expression with pi such as
+    "2*pi" is read to 40 digits, and a quantity such as "2.5 cm" (extra `units`) in kg, m, s, N and rad.
 
     Raises
     ------
@@ -131,7 +98,7 @@ class Parameters:
     ) -> None:
         given = {"m": m, "c": c, "k": k, "A0": A0, "B0": B0, "Omega": Omega, "v1": v1, "v2": v2}
         for name, value in (given | {"mu1": mu1, "mu2": mu2, "FN": FN}).items():
-            object.__setattr__(self, name, read_exact(name, value))
+            object.__setattr__(self, name, read_number(name, value)[0])
         for name in PARAMETER_NAMES:
             value, lowest = getattr(self, name), least(name)
             if lowest is not None and value < lowest:

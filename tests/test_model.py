@@ -18,6 +18,7 @@ import pytest
 import sympy
 from bad_values import refused
 
+from symosc import simulate
 from symosc.errors import ParameterError, SceneError, SymoscError
 from symosc.exact import read_start_error, show
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -30,7 +31,7 @@ P = load_scene("fig5").parameters
 START = {"t0": 0, "x0": 0, "v0": 0, "t_end": 5}
 SHIPPED = ["fig5", "fig6", "fig7", "fig7-corrected", "fig7-exact", "fig8", "fig8-exact"]
 SHIPPED += ["fig9", "fig9-orbit", "fig10", "fig10-orbit"]
-NOT_EXACT = ["", "one", "1,5", "0x10", "1/0", None, [1], 1j, True, sympy.sqrt(2), sympy.Symbol("x"), "1e99999999"]
+NOT_EXACT = ["", "one", "1,5", "0x10", "1/0", None, [1], 1j, True, sympy.Symbol("x"), "1e99999999"]
 NOT_FINITE = [float("nan"), float("inf"), -np.inf, "nan", "-inf", Decimal("Infinity"), mpmath.inf, mpmath.nan]
 CONTRACT = ["Parameters", "Scene", "ParameterError", "load_scene", "scene_names"]
 CONTRACT += ["simulate", "simulate_many", "Trajectory", "Event"]
@@ -95,6 +96,29 @@ def test_floats_are_the_decimals_that_they_print_as() -> None:
 def test_values_that_are_no_exact_numbers(value: object) -> None:
     with pytest.raises(ParameterError, match="A0"):
         parameters(A0=value)
+
+
+@pytest.mark.parametrize(
+    ("given", "digits"),
+    [
+        ("2*pi", "6.283185307179586476925286766559005768394"),
+        ("sqrt(2)/4", "0.3535533905932737622004221810524245196424"),
+    ],
+)
+def test_expressions_are_read_to_forty_digits(given: str, digits: str) -> None:
+    assert Fraction(digits) == parameters(A0=given).A0
+    assert Fraction(digits) == parameters(A0=sympy.sympify(given)).A0
+    assert Fraction(1, 2) == parameters(A0="1/3 + 1/6").A0
+
+
+def test_a_start_that_is_read_to_forty_digits_has_an_error() -> None:
+    exact = Scene("mine", parameters(), t0=0, x0=Fraction(1, 3), v0="1/4 - 1/8", t_end="2*pi")
+    rounded = Scene("mine", parameters(), t0=0, x0="pi/3", v0=0, t_end=9)
+    assert exact.start_error is None
+    assert rounded.start_error == (0, Fraction(1, 2 * 10**39), 0)
+    assert rounded.started({"x0": 1}).start_error == (0, 0, 0)
+    assert exact.started({"v0": "sqrt(2)"}).start_error == (0, 0, Fraction(1, 2 * 10**39))
+    assert simulate(parameters(), x0="pi/3", t_end="1T").events == simulate(rounded, t_end="1T").events
 
 
 def test_friction_forces_are_exact() -> None:

@@ -6,7 +6,6 @@ import json
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -17,8 +16,8 @@ from symosc.display.tables import plain_table, print_table
 from symosc.exact import read_start_error
 from symosc.files import STDOUT, drop_stdout
 from symosc.model import PARAMETER_NAMES
+from symosc.quantities import read_number
 from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
-from symosc.scenes.quantities import half_unit, read_number
 
 if TYPE_CHECKING:
     from symosc.simulation.trajectory import Trajectory
@@ -217,18 +216,12 @@ def scene_with(scene: str | Scene, settings: tuple[str, ...], start: dict[str, s
     for line in scene.notes:
         note(f"{scene.name}: {line}")
     scene = replace(scene, parameters=scene.parameters.replace(**read_parameters(settings)))
-    given = {name: read_typed(name, text) for name, text in start.items() if text is not None and name != "t_end"}
-    known = {name: number for name, (number, _) in given.items()}
-    if (end := start.get("t_end")) is not None:
-        known["t_end"] = read_duration("t_end", end)
-    scene = scene.started(known)
-    belts = (scene.parameters.v1, scene.parameters.v2)
-    rounded = [name for name, (_, exact) in given.items() if not (exact or (name == "v0" and scene.v0 in belts))]
-    if not rounded:
-        return scene
-    errors = dict(zip(START_NAMES, scene.start_error or (Fraction(0),) * 3, strict=False))
-    t0, x0, v0 = (errors | {name: half_unit(getattr(scene, name)) for name in rounded}).values()
-    return replace(scene, start_error=(t0, x0, v0))
+    for name, text in start.items():
+        if text is not None and name != "t_end":
+            read_typed(name, text)
+    end = start.get("t_end")
+    known: dict[str, Any] = {name: text for name, text in start.items() if text is not None}
+    return scene.started(known if end is None else known | {"t_end": read_duration("t_end", end)})
 
 
 def read_duration(name: str, text: str) -> Any:

@@ -19,7 +19,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from symosc.arguments import public
 from symosc.errors import OutputError, ParameterError
 from symosc.files import STDOUT, read_path, write_whole
-from symosc.model import QUANTITIES
+from symosc.quantities import QUANTITIES
 
 FIGURE_SUFFIXES = (".pdf", ".svg", ".png")
 

@@ -21,11 +21,10 @@ from symosc.display.drawable import Listing, register
 from symosc.display.html import MOST_POINTS, curve, ends, facts, page, shown, table
 from symosc.exact import show
 from symosc.grazing.window import GrazingWindow
-from symosc.model import QUANTITIES
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.quantities import QUANTITIES, unit_of
 from symosc.scenes import START_NAMES, Scene
-from symosc.scenes.quantities import unit_of
 from symosc.simulation.tables import EventTable, Summary, counted, select_rows, statuses
 from symosc.simulation.trajectory import Trajectory
 

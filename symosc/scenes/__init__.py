@@ -18,13 +18,15 @@ from symosc.arguments import CONVERTERS, public
 from symosc.display.drawable import Drawable
 from symosc.errors import ParameterError, SceneError, meant
 from symosc.exact import read_exact, read_start_error, show
-from symosc.model import PARAMETER_NAMES, QUANTITIES, Parameters
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.quantities import QUANTITIES, half_unit, read_number, unit_of
 from symosc.scenes.files import MOST_CHARACTERS, read_scene_file
-from symosc.scenes.quantities import unit_of
 from symosc.words import WordError, read_word
 
 #: Parameters; or a Scene, or the name or file of one, of which a public function takes the parameters.
 ParametersLike: TypeAlias = Any
+#: Half-widths of t0, x0 and v0.
+StartErrors: TypeAlias = tuple[Fraction, Fraction, Fraction]
 
 SCENES_FOLDER = Path(__file__).parent
 START_NAMES = ("t0", "x0", "v0", "t_end")
@@ -89,9 +91,11 @@ class Scene(Drawable):
             read_word(self.structure)
         if not (isinstance(self.notes, tuple) and all(isinstance(note, str) for note in self.notes)):
             raise ParameterError("notes", self.notes, "must be a tuple of texts")
-        object.__setattr__(self, "start_error", read_start_error(self.start_error))
-        for name in START_NAMES:
-            object.__setattr__(self, name, read_exact(name, getattr(self, name)))
+        numbers, rounding = start_numbers({name: getattr(self, name) for name in START_NAMES}, self.parameters)
+        error = rounding if self.start_error is None else read_start_error(self.start_error)
+        object.__setattr__(self, "start_error", error)
+        for name, number in numbers.items():
+            object.__setattr__(self, name, number)
         if self.t_end <= self.t0:
             raise ParameterError("t_end", show(self.t_end), f"must be later than t0 = {show(self.t0)}")
 
@@ -108,11 +112,27 @@ class Scene(Drawable):
             return self
         if "t_end" in given:
             given = dict(given) | {"t_end": end_time(given["t_end"], self.parameters, given.get("t0", self.t0))}
+        numbers, rounding = start_numbers(given, self.parameters)
         errors = self.start_error
-        if errors is not None:
-            t0, x0, v0 = (0 * e if name in given else e for name, e in zip(START_NAMES[:3], errors, strict=True))
+        if errors is not None or rounding is not None:
+            known = zip(START_NAMES, errors or (Fraction(0),) * 3, rounding or (Fraction(0),) * 3, strict=False)
+            t0, x0, v0 = (new if name in given else old for name, old, new in known)
             errors = t0, x0, v0
-        return replace(self, **(dict[str, Any](given) | {"start_error": errors}))
+        return replace(self, **(dict[str, Any](numbers) | {"start_error": errors}))
+
+
+def start_numbers(given: Mapping[str, Any], p: Parameters) -> tuple[dict[str, Fraction], StartErrors | None]:
+    """Return the numbers of a start, and the half-widths to which t0, x0 and v0 are known if one is not exact.
+
+    An expression with pi is known to 40 digits. On a belt the mass has its speed, however many digits that has.
+    """
+    numbers, errors = dict[str, Fraction](), dict.fromkeys(START_NAMES, Fraction(0))
+    for name, value in given.items():
+        numbers[name], exact = read_number(name, value)
+        if not (exact or (name == "v0" and numbers[name] in (p.v1, p.v2))):
+            errors[name] = half_unit(numbers[name])
+    t0, x0, v0, _ = errors.values()
+    return numbers, ((t0, x0, v0) if t0 or x0 or v0 else None)
 
 
 def parameters_of(what: Scene | SceneName) -> Parameters:
@@ -128,13 +148,13 @@ def end_time(given: Any, p: Parameters, t0: Any) -> Any:
     if not (isinstance(given, str) and given.strip().endswith("T")):
         return given
     periods = read_exact("t_end", given.strip()[:-1].strip())
-    return float(read_exact("t0", t0)) + float(periods) * (2 * pi / float(p.Omega))
+    return float(read_number("t0", t0)[0]) + float(periods) * (2 * pi / float(p.Omega))
 
 
 def from_rest(p: Parameters, t_end: NumberLike) -> Scene:
     """Return the motion of parameters from rest at x = 0 and t = 0."""
     zero = Fraction(0)
-    return Scene("parameters", p, zero, zero, zero, read_exact("t_end", end_time(t_end, p, zero)))
+    return Scene("parameters", p, zero, zero, zero, end_time(t_end, p, zero))
 
 
 def scene_names() -> list[str]:

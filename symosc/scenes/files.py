@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 from symosc.aliases import Record
 from symosc.errors import ParameterError, SceneError, SymoscError, brief, meant
-from symosc.exact import NUMBER, show
+from symosc.exact import show
 from symosc.model import PARAMETER_NAMES
-from symosc.scenes.quantities import half_unit, read_number
+from symosc.quantities import read_number
 
 #: Keys of a scene file: table, those that are needed, and those that may be there.
 TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -33,15 +33,15 @@ class SceneFile(NamedTuple):
     text: str
     where: str
     data: Record
-    rounded: dict[str, str]
+    rounded: dict[str, Fraction]
 
     def notes(self) -> tuple[str, ...]:
         """Return notes on numbers that are not exact."""
-        values, notes = self.data["parameters"] | self.data["start"] | self.data, []
-        for name, text in self.rounded.items():
-            shown = show(values[name])
+        texts, notes = self.data["parameters"] | self.data["start"] | self.data, []
+        for name, number in self.rounded.items():
+            shown = show(number)
             shown = f"{shown[:SHOWN_PART]}…" if len(shown) > SHOWN_PART else shown
-            notes.append(f"{name} = {text}: read to 40 digits, {shown}")
+            notes.append(f"{name} = {texts[name]}: read to 40 digits, {shown}")
         return tuple(notes)
 
     def place(self, *path: str) -> str:
@@ -110,7 +110,6 @@ def read_scene_file(text: str, where: str) -> SceneFile:
     for table in ("parameters", "start"):
         for name in TABLES[table][0]:
             _read_number(file, data[table], name)
-    _add_start_error(file)
     return file
 
 
@@ -134,26 +133,12 @@ def _check_keys(file: SceneFile, name: str) -> None:
 
 
 def _read_number(file: SceneFile, table: Record, name: str) -> None:
-    """Replace the text of an expression or a quantity by its number; `Parameters` and `Scene` read everything else."""
-    value = table[name]
-    if not isinstance(value, str) or NUMBER.fullmatch(value.strip()):
+    """Check the text of an expression or a quantity; `Parameters` and `Scene` read it, and everything else."""
+    if not isinstance(table[name], str):
         return
     try:
-        table[name], exact = read_number(name, value)
+        number, exact = read_number(name, table[name])
     except ParameterError as error:
         raise file.located(error) from None
     if not exact:
-        file.rounded[name] = value
-
-
-def _add_start_error(file: SceneFile) -> None:
-    """Give a start that is not exact the error of its last digit, unless the file has one."""
-    start, parameters, names = file.data["start"], file.data["parameters"], ("t0", "x0", "v0")
-    if "start_error" in start or not set(names) & set(file.rounded):
-        return
-    belts: list[Any] = [parameters["v1"], parameters["v2"]]
-    # A start on a belt has the belt's speed, however many digits that has.
-    known = [name not in file.rounded or (name == "v0" and start[name] in belts) for name in names]
-    start["start_error"] = [
-        Fraction(0) if exact else half_unit(start[name]) for name, exact in zip(names, known, strict=True)
-    ]
+        file.rounded[name] = number

@@ -22,7 +22,7 @@ from symosc.engine.state import FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNI
 from symosc.errors import ParameterError
 from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read_start_error, show, whole_number
 from symosc.model import Parameters
-from symosc.scenes import Scene, end_time, load_scene
+from symosc.scenes import Scene, end_time, load_scene, start_numbers
 from symosc.simulation.motion import (
     FinerMotion,
     Motion,
@@ -126,8 +126,8 @@ def _read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], st
     if given["t_end"] is None:
         raise ParameterError("t_end", None, "is needed with parameters")
     given = given | {"t_end": end_time(given["t_end"], scene, given["t0"] or 0)}
-    numbers = {name: read_exact(name, 0 if value is None else value) for name, value in given.items()}
-    start = Start(scene, **numbers, start_error=read_start_error(start_error))
+    numbers, rounding = start_numbers({name: 0 if value is None else value for name, value in given.items()}, scene)
+    start = Start(scene, **numbers, start_error=rounding if start_error is None else read_start_error(start_error))
     if start.t_end <= start.t0:
         raise ParameterError("t_end", show(start.t_end), f"must be later than t0 = {show(start.t0)}")
     return start

@@ -28,7 +28,7 @@ from symosc.display.drawable import Drawable
 from symosc.errors import MissingExtraError, OutputError, SweepError
 from symosc.exact import show
 from symosc.files import STDOUT, read_path
-from symosc.model import QUANTITIES
+from symosc.quantities import QUANTITIES
 from symosc.scenes import Scene
 from symosc.simulation.tables import SUMMARY_COLUMNS
 from symosc.sweeps.plan import SET_AXIS, SWEPT_STARTS, Coordinate, SweepPlan

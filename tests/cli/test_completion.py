@@ -1,4 +1,4 @@
-"""Completion in real shells: commands, options and scenes, as the guide installs it."""
+"""Completion in real shells: commands, options and scenes, as the page about answers installs it."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from small_sweeps import OPTIONS, OVER, SCENE, identical, made_up
 
 import symosc
 from symosc import load_scene, sweep
-from symosc.model import QUANTITIES
+from symosc.quantities import QUANTITIES
 from symosc.simulation.tables import SUMMARY_COLUMNS
 from symosc.sweeps import plan as plans
 from symosc.sweeps.plan import (

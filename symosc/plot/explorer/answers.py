@@ -21,10 +21,10 @@ from symosc.errors import ParameterError, SymoscError
 from symosc.exact import NO_EXPRESSION, NUMBER_FORMS, read_exact, read_start_error, show
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings.theorem7_cases import PLACES
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, QUANTITIES, Parameters
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.plot.panels import EVENT_MARKS, SHAPES, Sampling, View, view_of
+from symosc.quantities import QUANTITIES, unit_of
 from symosc.scenes import Scene, load_scene, scene_names
-from symosc.scenes.quantities import unit_of
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
 

@@ -1,4 +1,4 @@
-"""The numbers of a scene: their meaning, units, and expressions and quantities read as exact numbers.
+"""The numbers of a problem: their meaning, units, and expressions and quantities read as exact numbers.
 
 An expression such as "3*pi/2" is exact if it has numbers, + - * / ^ and parentheses alone. With pi, sqrt, sin, cos or
 exp an enclosure is computed and rounded to 40 digits, which are right; a value whose digits cancel is refused. A
@@ -8,16 +8,51 @@ quantity such as "3 kg" or "60 rpm" (extra `units`: pint) becomes the number in 
 from __future__ import annotations
 
 import ast
+import numbers
 import operator
 import re
 from decimal import ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from symosc.errors import MissingExtraError, ParameterError
-from symosc.exact import LARGEST, read_exact
-from symosc.model import QUANTITIES
+from symosc.exact import LARGEST, NOT_FINITE, NUMBER, SMALLEST, read_exact
+
+
+class Quantity(NamedTuple):
+    """A number of the problem: its meaning, its dimension, its letter in LaTeX, and what is allowed."""
+
+    meaning: str
+    dimension: str
+    letter: str
+    allowed: str = ""
+
+
+#: All parameters, in order, and the numbers of a start. Any consistent system of units will do for them.
+QUANTITIES = {
+    "m": Quantity("mass", "mass", "m", "> 0"),
+    "c": Quantity("damping", "mass/time", "c", ">= 0"),
+    "k": Quantity("stiffness", "mass/time^2", "k", ">= 0"),
+    "A0": Quantity("constant force", "force", "A_0"),
+    "B0": Quantity("amplitude of the excitation", "force", "B_0", "any sign"),
+    "Omega": Quantity("frequency of the excitation", "angle/time", r"\Omega", "> 0"),
+    "v1": Quantity("speed of belt 1", "length/time", "v_1", "less than v2"),
+    "v2": Quantity("speed of belt 2", "length/time", "v_2"),
+    "mu1": Quantity("friction coefficient of belt 1", "1", r"\mu_1", ">= 0"),
+    "mu2": Quantity("friction coefficient of belt 2", "1", r"\mu_2", ">= 0"),
+    "FN": Quantity("normal force", "force", "F_N", ">= 0"),
+    "t0": Quantity("start time", "time", "t_0"),
+    "x0": Quantity("start position", "length", "x_0"),
+    "v0": Quantity("start velocity", "length/time", "v_0"),
+    "t_end": Quantity("end time", "time", r"t_\mathrm{end}", "later than t0"),
+}
+
+
+def least(name: str) -> Fraction | None:
+    """Return the least value that a quantity may have, None if it may be negative."""
+    return {"> 0": SMALLEST, ">= 0": Fraction(0)}.get(QUANTITIES[name].allowed)
+
 
 #: The unit of each dimension in scene files where a number has one; plain numbers of such a file are in these too.
 UNITS = {
@@ -31,8 +66,12 @@ def unit_of(name: str) -> str:
     return UNITS[QUANTITIES[name].dimension]
 
 
-def read_number(name: str, text: str) -> tuple[Fraction, bool]:
-    """Return the number of an expression or a quantity, and whether it is exact."""
+def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
+    """Return a number that may be text with an expression or a quantity, and whether it is exact."""
+    symbolic = hasattr(type(value), "free_symbols") and not isinstance(value, numbers.Real)  # of sympy, such as 2*pi
+    text = str(value) if symbolic else value
+    if not isinstance(text, str) or NUMBER.fullmatch(text.strip()) or NOT_FINITE.fullmatch(text.strip()):
+        return read_exact(name, text), True
     if not is_quantity(text):
         return read_expression(name, text)
     number, exact = read_quantity(name, text)
