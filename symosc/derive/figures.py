@@ -98,7 +98,7 @@ def figure(key: str) -> Figure:
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    from symosc.plot.figures import STYLE
+    from symosc.plot.drawing import STYLE
 
     sized = ("font.size", "axes.labelsize", "xtick.labelsize", "ytick.labelsize", "legend.fontsize")
     draw, size = FIGURES[key]
@@ -114,7 +114,7 @@ def svg(key: str) -> str:
     """Return a figure as SVG."""
     from matplotlib import rc_context
 
-    from symosc.plot.figures import STYLE
+    from symosc.plot.drawing import STYLE
 
     text = StringIO()
     with rc_context(STYLE):

@@ -11,11 +11,14 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from matplotlib import rc_context
+from matplotlib import rc_context, rcParams, rcParamsDefault
 from matplotlib.axes import Axes
+from matplotlib.cbook import normalize_kwargs
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
 
+from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.errors import OutputError, ParameterError
 from symosc.files import STDOUT, read_path, write_whole
@@ -67,14 +70,19 @@ class Drawing(Figure):
     def _repr_png_(self) -> bytes:
         """Return the figure as a notebook shows it."""
         picture = BytesIO()
-        with rc_context(STYLE):
+        with own_style():
             self.savefig(picture, format="png", dpi=NOTEBOOK_DPI)
         return picture.getvalue()
 
 
+def own_style() -> AbstractContextManager[None]:
+    """Return the style of new figures: STYLE, except for what the user has set in rcParams."""
+    return rc_context({name: value for name, value in STYLE.items() if rcParams[name] == rcParamsDefault[name]})
+
+
 def style_for(ax: Axes | None) -> AbstractContextManager[None]:
     """Return the style of new figures; axes given by the user keep their style."""
-    return rc_context(STYLE) if ax is None else nullcontext()
+    return own_style() if ax is None else nullcontext()
 
 
 def panel_axes(
@@ -90,8 +98,9 @@ def panel_axes(
     rows, columns = (len(panels), 1) if stacked else (1, len(panels))
     axes = drawing.subplots(rows, columns, sharex=stacked, squeeze=False).ravel()
     for each, letter in zip(axes if letter_at is not None else [], "abc", strict=False):
-        each.set_title(f"({letter})", loc="left", x=letter_at, pad=4)
-        each.tick_params(labelfontfamily="STIXGeneral")
+        if len(panels) > 1:
+            each.set_title(f"({letter})", loc="left", x=letter_at, pad=4)
+        each.tick_params(labelfontfamily=rcParams["font.family"][0])
     return drawing, axes
 
 
@@ -99,6 +108,15 @@ def one_axes(ax: Any, size: tuple[float, float]) -> tuple[Figure, Axes]:
     """Return the axes given by the user with their figure, or new axes in a new figure."""
     drawing, (axes,) = panel_axes(ax, "a", size)
     return drawing, axes
+
+
+def read_style(style: Any) -> Record:
+    """Return keyword arguments of a line by their long names; ParameterError for what lines do not have."""
+    try:
+        Line2D([], []).set(**(named := normalize_kwargs(style, Line2D)))
+    except (AttributeError, TypeError, ValueError) as error:
+        raise ParameterError(" ".join(style), style, f"is no style of a line of matplotlib: {error}") from None
+    return named
 
 
 def figure_of(ax: Any) -> Figure:
@@ -185,7 +203,7 @@ def save(drawing: Figure, path: str | Path) -> Path:
     metadata = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": None}[kind]
 
     def write(draft: Path) -> None:
-        with rc_context(STYLE):
+        with own_style():
             drawing.savefig(draft, format=kind, metadata=metadata)
 
     return write_whole(path, write, suffix)

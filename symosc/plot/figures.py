@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import pi
+from math import inf, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -20,17 +20,19 @@ from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.plot.drawing import (
     PARAMETER_LABELS,
-    STYLE,
     Drawing,
     add_legend,
     figure_of,
     legend_entries,
+    own_style,
     panel_axes,
     read_panels,
+    read_style,
     style_for,
 )
 from symosc.plot.panels import INSET_ROOM, INSET_TOP, PANELS, SHAPES, Panel, View, draw_insets, mark_style, view_of
-from symosc.scenes import Scene, load_scene
+from symosc.quantities import read_number
+from symosc.scenes import Scene, end_time, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
@@ -56,7 +58,9 @@ def figure(
     panels: str | None = None,
     boundary: int | None = None,
     columns: int = 2,
+    skip: NumberLike | None = None,
     ax: Axes | None = None,
+    **style: Any,
 ) -> Figure:
     """Draw a motion: displacement, velocity, phase plane and forces.
 
@@ -76,8 +80,14 @@ def figure(
         first event.
     columns : int, optional
         2: panels side by side, for the width of a page (7 in). 1: above each other, for one column of it (3.4 in).
+        A phase plane alone is square.
+    skip : number or str, optional
+        The time from the start that is left out, such as a transient; "10T": ten periods of the drive.
     ax : matplotlib.axes.Axes, optional
         Axes to draw one panel into, without insets. Their figure is returned, a legend is left to the caller.
+    **style
+        Properties of matplotlib's lines for the curves, such as ``color="black"`` or ``linewidth=2``. The two forces of
+        a panel keep their colours. What you set in ``matplotlib.rcParams`` holds too.
 
     Examples
     --------
@@ -97,14 +107,26 @@ def figure(
     else:
         motion, usual = subject, "abcd"
     panels = read_panels(usual if panels is None and ax is None else panels, PANELS, ax)
-    view = view_of(motion, None if boundary is None else whole_number("boundary", boundary, 1, 2))
+    boundary = None if boundary is None else whole_number("boundary", boundary, 1, 2)
+    since = -inf if skip is None else _time_after(skip, motion)
+    view = view_of(motion, boundary, since=since, style=read_style(style))
     columns = whole_number("columns", columns, 1, 2)
     if ax is not None:
         PANELS[panels](ax, view)
         return figure_of(ax)
     tall = panels.index("b") if "b" in panels and view.magnified else None
-    width = 7.0 if columns == 2 else 3.4
+    width = 7.0 if columns == 2 and panels != "c" else 3.4
     return assemble([(PANELS[letter], view) for letter in panels], min(columns, len(panels)), width, tall=tall)
+
+
+def _time_after(skip: Any, motion: Trajectory) -> float:
+    """Return the time at which a figure begins that leaves the time `skip` out."""
+    begin, end = float(motion.t_start), float(motion.t_end)
+    since = end_time(skip, motion.parameters, begin)
+    since = since if since is not skip else begin + float(read_number("skip", skip)[0])
+    if not begin <= since < end:
+        raise ParameterError("skip", skip, f"must be >= 0 and end before t = {end:g}")
+    return float(since)
 
 
 @public
@@ -127,9 +149,9 @@ def simulated(scene: Scene, t_end: NumberLike | None = None) -> Trajectory:
 
 @public
 def orbit_figure(
-    orbit: PeriodicOrbit, panels: str | None = None, *, columns: int = 2, ax: Axes | None = None
+    orbit: PeriodicOrbit, panels: str | None = None, *, columns: int = 2, ax: Axes | None = None, **style: Any
 ) -> Figure:
-    """Draw a periodic orbit for a few periods; panels, columns and ax as for `figure`, by default all panels or c.
+    """Draw a periodic orbit for a few periods; arguments as for `figure`, by default all panels or c.
 
     Examples
     --------
@@ -145,7 +167,7 @@ def orbit_figure(
     motion = simulate(orbit.parameters, t0=t0, x0=x0, v0=orbit.parameters.belt(belt), t_end=t_end)
     if panels is None:
         panels = "abcdef" if ax is None else "c"
-    return figure(motion, panels=panels, boundary=belt, columns=columns, ax=ax)
+    return figure(motion, panels=panels, boundary=belt, columns=columns, ax=ax, **style)
 
 
 @public
@@ -189,8 +211,9 @@ def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *
 
     What a view magnifies is drawn above the panel with the index `tall`, whose row is higher.
     """
-    with rc_context(STYLE):
-        heights = [2.0] * -(-len(panels) // columns)
+    with own_style():
+        square = len(panels) == 1 and panels[0][0] is PANELS["c"]
+        heights = [3.0 if square else 2.0] * -(-len(panels) // columns)
         if tall is not None:
             heights[tall // columns] *= 1.45
         layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
@@ -206,9 +229,12 @@ def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *
             if number == tall:
                 draw_insets(ax, view)
             place: dict[str, Any] = {"x": -0.12} | ({"y": INSET_TOP} if number == tall else {})
-            title = ax.set_title(f"({'abcdefg'[number]})", loc="left", pad=4, **place)
-            title.set_in_layout(number != tall)  # the grid keeps that room free
-            ax.tick_params(labelfontfamily="STIXGeneral")
+            if len(panels) > 1:
+                title = ax.set_title(f"({'abcdefg'[number]})", loc="left", pad=4, **place)
+                title.set_in_layout(number != tall)  # the grid keeps that room free
+            elif square:
+                ax.set_box_aspect(1)
+            ax.tick_params(labelfontfamily=rcParams["font.family"][0])
             for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
                 if label in SHAPES:  # in full size, however small the marks are
                     color = handle.get_markerfacecolor()  # type: ignore[attr-defined]

@@ -6,10 +6,10 @@ Every kind of event has a shape of its own and the upper force is dashed, so tha
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import pairwise
-from math import floor, log10, pi, sqrt
+from math import floor, inf, log10, pi, sqrt
 from statistics import median
 from typing import Any, NamedTuple
 
@@ -98,6 +98,7 @@ class View:
     contacts: tuple[Contact, ...]
     magnified: tuple[Contact, ...]
     belt_reach: tuple[float, float] = BELT_REACH
+    style: Record = field(default_factory=dict)  # of the curves, as matplotlib names it
 
     @property
     def scale(self) -> float:
@@ -128,9 +129,15 @@ class Sampling(NamedTuple):
 FINE = Sampling(per_period=120, least=40, most=20_000)
 
 
-def view_of(trajectory: Trajectory, boundary: int | None, sampling: Sampling = FINE) -> View:
-    """Sample a trajectory and choose the boundary of the forces, by default that of the first event."""
-    t = _sample_times(trajectory, sampling)
+def view_of(
+    trajectory: Trajectory,
+    boundary: int | None,
+    sampling: Sampling = FINE,
+    since: float = -inf,
+    style: Record | None = None,
+) -> View:
+    """Sample a trajectory from a time on and choose the boundary of the forces, by default that of the first event."""
+    t = _sample_times(trajectory, sampling, since)
     x, v = trajectory(t)
     if boundary is None:
         p, events = trajectory.parameters, trajectory.events
@@ -139,14 +146,18 @@ def view_of(trajectory: Trajectory, boundary: int | None, sampling: Sampling = F
         boundary = int(on_belt) if on_belt in "12" else events[0].boundary if events else nearest
     grazes = [event for event in trajectory.events if event.kind == "graze"]
     contacts = _sticks(trajectory) + [Contact(float(each.t), float(each.t), each.boundary) for each in grazes]
-    return View(trajectory, boundary, t, x, v, _marks(trajectory), tuple(contacts), _outstanding(contacts, t))
+    contacts = [Contact(max(each.since, t[0]), each.until, each.belt) for each in contacts if each.until >= t[0]]
+    marks = tuple(mark for mark in _marks(trajectory) if mark.t >= since)
+    return View(trajectory, boundary, t, x, v, marks, tuple(contacts), _outstanding(contacts, t), style=style or {})
 
 
-def _sample_times(trajectory: Trajectory, sampling: Sampling) -> np.ndarray:
+def _sample_times(trajectory: Trajectory, sampling: Sampling, since: float) -> np.ndarray:
     """Return times that resolve every segment, denser after its start, including the events."""
     p = trajectory.parameters
     period = 2 * pi / max(float(p.Omega), sqrt(p.k / p.m))
     edges = [float(segment.t_start) for segment in trajectory.segments] + [float(trajectory.t_end)]
+    if since > edges[0]:
+        edges = [since, *(edge for edge in edges if edge > since)]
     step = max(period / sampling.per_period, (edges[-1] - edges[0]) / sampling.most)
     start = np.linspace(0, 1, sampling.least // 2) ** 4
     times = []
@@ -173,7 +184,8 @@ AXIS_LABELS = {"t": "time $t$", "x": "displacement $x$", "v": r"velocity $\dot{x
 
 def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
     """Draw the motion, with the belt points to which the mass sticks or which it grazes, or with the belts' speeds."""
-    ax.plot(_samples(view, across), _samples(view, up), color=MASS_COLOR, lw=1.3 * max(view.scale, 0.5), label="mass")
+    style: Record = {"color": MASS_COLOR, "linewidth": 1.3 * max(view.scale, 0.5), "label": "mass"} | view.style
+    ax.plot(_samples(view, across), _samples(view, up), **style)
     ax.set_ylabel(AXIS_LABELS[up])
     (_belt_points if up == "x" else _belt_speeds)(ax, view)
     _dots(ax, view, view.marks, across, lambda t: view.trajectory(t)[int(up == "v")])
@@ -188,7 +200,8 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
         _shade_sticks(ax, view)
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
     for domain, color, style in ((below, FORCE_BELOW, "-"), (above, FORCE_ABOVE, ABOVE_STYLE)):
-        line: Record = {"color": color, "ls": style, "lw": max(view.scale, 0.5)}
+        given = {name: value for name, value in view.style.items() if name not in ("color", "linestyle", "label")}
+        line: Record = {"color": color, "linestyle": style, "linewidth": max(view.scale, 0.5)} | given
         ax.plot(_samples(view, across), force(domain, view.t), label=f"$F^{{({domain})}}$", **line)
     for domain in (below, above):
         _dots(ax, view, marks, across, partial(force, domain))
@@ -213,7 +226,8 @@ def _product_panel(ax: Axes, view: View) -> None:
 
     _shade_sticks(ax, view)
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
-    ax.plot(view.t, product(view.t), color="black", lw=max(view.scale, 0.5), label=name)
+    style: Record = {"color": "black", "linewidth": max(view.scale, 0.5), "label": name} | view.style
+    ax.plot(view.t, product(view.t), **style)
     _dots(ax, view, _marks_of_forces(view), "t", product)
     ax.set_ylabel(f"product {name}")
     _horizontal_axis(ax, view, "t")

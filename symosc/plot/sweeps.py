@@ -7,6 +7,7 @@ map can be read in greyscale.
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
 from json import loads
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -14,7 +15,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import ListedColormap
+from matplotlib.colors import ListedColormap, to_rgba_array
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
@@ -34,13 +35,19 @@ if TYPE_CHECKING:
 
 LABELS = PARAMETER_LABELS | {"stuck": "share of time stuck", "x": "last $x$", "v": r"last $\dot{x}$"}
 COMPONENT_LABELS = {"x": "displacement $x$ at whole periods", "v": "velocity $\\dot{x}$ at whole periods"}
-#: From light to dark with even steps of lightness.
+#: Of numbers: from light to dark with even steps of lightness.
 SHADES, LIGHTEST, DARKEST = "cividis_r", 0.02, 0.92
+#: Of words: hues far apart, each darker than the one before, so that they differ in greyscale too.
+WORD_COLORS = (
+    "#fee9b9", "#98e0fd", "#fcaca9", "#57c16b", "#b282ea", "#c66d27", "#1776b4", "#b12061", "#00574c", "#033783",
+)  # fmt: skip
 MOST_CLASSES = 10
 OTHERS_COLOR, UNDECIDED_COLOR = "white", "#d7191c"
 OTHERS_HATCH, UNDECIDED_HATCH = "......", "xxxxxx"
 # A class is named in the map where this part of the map's width is free around the place.
 NAME_ROOM = 0.045
+# The room that a letter of a word takes above a bifurcation diagram, as a part of its width.
+LETTER_ROOM = 0.015
 # Whole numbers of more different values than this are shown as shades.
 MOST_LEVELS = 24
 
@@ -127,6 +134,8 @@ def bifurcation_figure(
 ) -> Figure:
     """Draw the section of a sweep over one axis: a point for each recorded period; several starts lie over each other.
 
+    If the sweep recorded words too, dashed lines mark where the word changes; the words stand above.
+
     Examples
     --------
     >>> from symosc import plot, sweep
@@ -144,7 +153,26 @@ def bifurcation_figure(
         _scatter(axes, values, points.ravel())
         axes.set(xlabel=label(name), ylabel=COMPONENT_LABELS[component])
         _span(axes, section[name].values)
+        if "word" in dataset:
+            words = dataset["word"].isel(start=0) if "start" in dataset["word"].dims else dataset["word"]
+            _mark_changes(axes, words.squeeze([each for each in words.dims if each != name]).sortby(name), name)
     return drawing
+
+
+def _mark_changes(axes: Axes, words: Any, name: str) -> None:
+    """Mark where the word changes along an axis, and name the words that have room."""
+    values, texts = words[name].values, words.values.astype(str)
+    cuts = [0, *(np.flatnonzero(texts[1:] != texts[:-1]) + 1), len(texts)]
+    low, high = axes.get_xlim()
+    for begin, end in pairwise(cuts):
+        left = low if begin == 0 else (values[begin - 1] + values[begin]) / 2
+        right = high if end == len(values) else (values[end - 1] + values[end]) / 2
+        if end < len(values):
+            axes.axvline(right, color="0.6", lw=0.6, ls=(0, (4, 2)), zorder=0)
+        text = typeset(texts[begin])
+        if right - left > (high - low) * (0.02 + LETTER_ROOM * len(texts[begin])):
+            place: Record = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
+            axes.annotate(text, ((left + right) / 2, 1), (0, 3), ha="center", fontsize=8, **place)
 
 
 @public
@@ -268,6 +296,9 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> Classes:
         codes, kinds = np.argsort(order, kind="stable")[codes], kinds[order]
     shown = MOST_CLASSES - 1 if len(kinds) > MOST_CLASSES else len(kinds)
     shades = colormaps[SHADES](np.linspace(LIGHTEST, DARKEST, max(shown, 2)))[:shown]
+    if values.dtype.kind in "UO":
+        spread = np.linspace(0, len(WORD_COLORS) - 1, max(shown, 2)).round().astype(int)
+        shades = to_rgba_array([WORD_COLORS[i] for i in spread])[:shown]
     looks = [(str(kind), shade, "") for kind, shade in zip(kinds[:shown], shades, strict=True)]
     if shown < len(kinds):
         codes = np.minimum(codes, shown)

@@ -10,6 +10,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import matplotlib
 import numpy as np
 import pytest
 from bad_values import refused
@@ -362,3 +363,46 @@ def test_a_figure_of_too_many_events_is_refused_at_once() -> None:
     assert "earlier end" in message
     long = simulate("fig9", max_events=symosc.plot.MOST_DRAWN_EVENTS + 1, t_end=10**7)
     refused(lambda: symosc.plot.figure(long), "subject")
+
+
+# --- a style of one's own ---
+
+
+def test_keywords_reach_the_lines_and_rcparams_hold() -> None:
+    motion = simulate("fig5", t_end=9)
+    (axes,) = plot.figure(motion, panels="c", color="black", lw=3, alpha=0.5).axes
+    line = next(line for line in axes.lines if line.get_label() == "mass")
+    assert (line.get_color(), line.get_linewidth(), line.get_alpha()) == ("black", 3, 0.5)
+    forces = plot.figure(motion, panels="d", color="black", lw=3).axes[0].lines
+    assert {line.get_linewidth() for line in forces if "F" in str(line.get_label())} == {3}
+    assert "black" not in {line.get_color() for line in forces if "F" in str(line.get_label())}
+    with matplotlib.rc_context({"axes.labelsize": 17.0, "axes.facecolor": "0.9"}):
+        (axes,) = plot.figure(motion, panels="b").axes
+    assert axes.xaxis.label.get_fontsize() == 17.0
+    assert axes.get_facecolor() == pytest.approx((0.9, 0.9, 0.9, 1.0))
+
+
+@pytest.mark.parametrize("style", [{"colr": "red"}, {"color": "no colour"}, {"linewidth": "thick"}])
+def test_what_is_no_style_is_refused(style: dict[str, Any]) -> None:
+    with pytest.raises(symosc.ParameterError, match=next(iter(style))):
+        plot.figure("fig5", panels="c", **style)
+
+
+def test_a_transient_is_left_out() -> None:
+    motion = simulate("fig9", t_end="12T")
+    period = 2 * np.pi / 4
+    for skip in ("8T", 8 * period):
+        (axes,) = plot.figure(motion, panels="b", skip=skip).axes
+        assert axes.get_xlim()[0] == pytest.approx(float(motion.t_start) + 8 * period)
+        assert "start" not in axes.get_legend_handles_labels()[1]
+        marks = np.concatenate([line.get_xdata() for line in axes.lines if line.get_label() == "crossing"])
+        assert marks.min() >= axes.get_xlim()[0]
+    for skip in (-1, 100, "20T", "x"):
+        with pytest.raises(symosc.ParameterError, match="skip"):
+            plot.figure(motion, skip=skip)
+
+
+def test_one_panel_has_no_letter_and_a_phase_plane_alone_is_square() -> None:
+    (axes,) = plot.figure("fig5", panels="c").axes
+    assert (axes.get_title("left"), axes.get_box_aspect()) == ("", 1)
+    assert [axes.get_title("left") for axes in plot.figure("fig5", panels="bc").axes] == ["(a)", "(b)"]
