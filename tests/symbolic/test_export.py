@@ -369,3 +369,34 @@ def test_of_two_files_none_is_written_where_one_cannot_be(tmp_path: Path) -> Non
         with pytest.raises(OutputError, match="is a folder"):
             write_export(tmp_path, "P32", "c", force=force)
     assert [path.name for path in tmp_path.iterdir()] == ["p32.c"]
+
+
+def printed(text: str) -> np.ndarray:
+    return np.array([float(number) for number in re.findall(r"(?<![\w.])-?\d+\.?\d*(?:e[+-]?\d+)?", text)])
+
+
+@pytest.mark.parametrize("fix", [None, REGIMES["overdamped"]], ids=["parameters given", "parameters fixed"])
+@pytest.mark.parametrize("language", ["c", "python", "numpy", "julia"])
+def test_the_caller_of_a_source_runs(language: str, fix: Parameters | None, tmp_path: Path) -> None:
+    """Each file can be tried as its comment says; the numbers are the library's."""
+    files = write_export(tmp_path, "P3121", language, fix, "made")
+    if language in ("c", "julia"):
+        program = shutil.which({"c": "cc", "julia": "julia"}[language])
+        if program is None:
+            pytest.skip(f"no {language} here")
+        command = [program, "made.jl"]
+    else:
+        command = [sys.executable, "made.py"]
+    if language == "c":
+        (advice,) = re.findall(r"Try it: (cc .*) && ./a.out", files[0].read_text())
+        subprocess.run(advice.split(), cwd=tmp_path, check=True)
+        command = ["./a.out"]
+    text = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    z = [value for n in range(5) for value in (round(0.5 - 0.3 * n, 1), round(0.4 + 0.7 * n, 1))]
+    f, J = truth("P3121", z, fix or load_scene("fig9").parameters)
+    expected = np.concatenate([f, J.ravel()])
+    found = printed(re.sub(r"\[\d+\]|nothing|Float64", "", text))
+    found = found.reshape(-1, 2)[:, 0] if language == "numpy" else found
+    digits = 1e-6 if language == "numpy" else 1e-12
+    if language != "julia":  # whose matrices are printed by rows
+        np.testing.assert_allclose(found, expected, rtol=digits, atol=digits)
