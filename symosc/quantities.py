@@ -108,6 +108,8 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
         if isinstance(node, ast.Name) and node.id == "pi":
             return _enclosures().pi
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.UAdd, ast.USub)):
+            if isinstance(node.operand, ast.UnaryOp):  # two signs are a slip of the hand
+                raise refused(FORMS)
             inside = value(node.operand)
             return -inside if isinstance(node.op, ast.USub) else inside
         if isinstance(node, ast.BinOp):

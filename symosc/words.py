@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple, TypeAlias
 
 from symosc.arguments import public
@@ -130,6 +130,47 @@ class Word(NamedTuple):
 
     def __str__(self) -> str:
         return "P" + "".join(label[1] for label in reversed(self.labels))
+
+
+#: A list of labels is printed whole up to this length, and a repeated part is looked for up to that one.
+MOST_PRINTED, LONGEST_PART = 40, 64
+
+
+class Labels(list[str]):
+    """Labels of mappings in order of time: a list that prints short where it is long.
+
+    Examples
+    --------
+    >>> from symosc import simulate
+    >>> simulate("fig5", t_end=300).word
+    <97 mappings: P1 P2 P1 P3 (P1 P2)×46 P1>
+    """
+
+    def __repr__(self) -> str:
+        if len(self) <= MOST_PRINTED:
+            return super().__repr__()
+        return f"<{len(self):,} mappings: {collapsed(self)}>"
+
+
+def collapsed(labels: Sequence[str]) -> str:
+    """Return labels as text, a part that repeats to the end, or nearly, written once: P1 P3 (P1 P2)×46 P1."""
+    if len(labels) <= MOST_PRINTED:
+        return " ".join(labels)
+    best, count = (
+        (0, 1, 0),
+        len(labels),
+    )  # begin, length and number of the repetitions
+    for length in range(1, min(LONGEST_PART, count // 3) + 1):
+        same = next((n for n in range(count - 1 - length, -1, -1) if labels[n] != labels[n + length]), -1)
+        times = (count - 1 - same) // length
+        if times * length > best[1] * best[2]:
+            best = same + 1, length, times
+    begin, length, times = best
+    if times < 3:
+        return f"{' '.join(labels[: MOST_PRINTED // 2])} … {' '.join(labels[-MOST_PRINTED // 2 :])}"
+    part, head, tail = labels[begin : begin + length], labels[:begin], labels[begin + times * length :]
+    shown = [*head[:MOST_PRINTED], "…"] if len(head) > MOST_PRINTED else head
+    return " ".join([*shown, f"({' '.join(part)})×{times}", *tail])
 
 
 #: What `read_word` reads.

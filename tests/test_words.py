@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import itertools
 import pickle
+import random
 
 import pytest
 
 from symosc import scene_names, simulate
-from symosc.words import MAPS, Plane, Word, WordError, read_word, why_not
+from symosc.words import MAPS, Labels, Plane, Word, WordError, collapsed, read_word, why_not
 
 
 @pytest.mark.parametrize(
@@ -85,3 +86,25 @@ def test_simulated_words_are_possible(name: str) -> None:
 
 def test_a_word_in_order_of_time() -> None:
     assert str(Word(("P5", "P4", "P6", "P4"))) == "P4645"
+
+
+@pytest.mark.parametrize(
+    ("labels", "text"),
+    [
+        (["P1", "P2"], "P1 P2"),
+        (["P1", "P3", *["P2", "P1"] * 30, "P2"], "P1 P3 (P2 P1)×30 P2"),
+        (["P7", *["P4", "P6", "P4", "P5"] * 20], "P7 (P4 P6 P4 P5)×20"),
+        (["P3"] * 100, "(P3)×100"),
+    ],
+)
+def test_long_words_are_collapsed(labels: list[str], text: str) -> None:
+    assert collapsed(labels) == text
+
+
+def test_a_long_word_prints_short_and_is_a_list() -> None:
+    rng = random.Random(1)
+    labels = Labels(rng.choice(["P1", "P2", "P3"]) for _ in range(10_000))
+    assert len(repr(labels)) < 1000
+    assert repr(labels).startswith("<10,000 mappings: ")
+    assert labels == list(labels)
+    assert repr(Labels(["P1"])) == "['P1']"

@@ -30,6 +30,7 @@ from symosc.cli.common import (
     write_table,
 )
 from symosc.engine.events import EVENT_COLUMNS
+from symosc.words import collapsed
 
 
 @click.command()
@@ -92,7 +93,7 @@ def _print_events(trajectory: symosc.Trajectory) -> None:
         names = [name for name in EVENT_COLUMNS if name != "target"]
         write_table(rows, [heads.get(name, name.replace("_", " ")) for name in names])
         write("")
-    write(f"word, in order of time: {' '.join(trajectory.word) or 'none'}")
+    write(f"word, in order of time: {collapsed(trajectory.word) or 'none'}")
     if trajectory.status != "undecidable":
         write(f"{trajectory.status}: {trajectory.message}; {count_events(rows)}")
 

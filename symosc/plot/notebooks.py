@@ -27,6 +27,7 @@ from symosc.quantities import QUANTITIES, unit_of
 from symosc.scenes import START_NAMES, Scene
 from symosc.simulation.tables import EventTable, Summary, counted, select_rows, statuses
 from symosc.simulation.trajectory import Trajectory
+from symosc.words import collapsed
 
 HEADS = ("t", "x", "v", "kind", "belt", "from", "to", "t error")
 #: Characters of a word, and of a number with many digits, that a page shows.
@@ -47,7 +48,7 @@ def trajectory_page(path: Trajectory) -> str:
     times = np.clip(np.linspace(begin, end, MOST_POINTS), begin, end)
     dots = [(float(event.t), float(event.x)) for event in path.events] if len(path.events) <= MOST_DOTS else []
     drawn = curve(f"x against t, from {begin:g} to {end:g}", times, path(times)[0], dots)
-    about = facts({"word": cut(" ".join(path.word) or "none"), "ended": path.message, "digits": path.digits})
+    about = facts({"word": collapsed(path.word) or "none", "ended": path.message, "digits": path.digits})
     return page("Trajectory", line, _table(HEADS, rows, len(path.events)), drawn, about)
 
 

@@ -31,7 +31,7 @@ from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.entire import basis_at
 from symosc.model import MODE_NAMES, Parameters
-from symosc.words import MAPS
+from symosc.words import MAPS, Labels
 
 __all__ = ["MAP_LABELS", "Event", "Segment", "Trajectory"]
 
@@ -141,9 +141,9 @@ class Trajectory(Drawable):
         return starts
 
     @property
-    def word(self) -> list[str]:
+    def word(self) -> Labels:
         """Mapping labels in order of time."""
-        return [segment.label for segment in self.segments if segment.label]
+        return Labels(segment.label for segment in self.segments if segment.label)
 
     @public
     def __call__(self, t: ArrayLike) -> np.ndarray:
