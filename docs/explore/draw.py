@@ -19,7 +19,7 @@ def draw(path: Path) -> None:
     with served("fig5") as address, chromium() as browser:
         page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
         page.goto(f"{address}?k=1.5&periods=6")
-        page.locator("#word span").first.wait_for()
+        page.locator("#settled", has_text="period").wait_for()
         page.wait_for_function("Bokeh.documents.length && Bokeh.documents[0].is_idle")
         page.wait_for_timeout(1000)  # the plots are drawn
         page.screenshot(path=path)

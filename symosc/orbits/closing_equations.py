@@ -17,7 +17,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
-from math import pi
+from math import inf, pi
 from typing import Any
 
 import numpy as np
@@ -82,7 +82,8 @@ class ConvergenceError(SymoscError, ArithmeticError):
 
     def __init__(self, word: str, best: tuple[object, ...], periods: int, residual: float, reason: str) -> None:
         self.word, self.best, self.periods, self.residual, self.reason = word, best, periods, residual, reason
-        super().__init__(f"no periodic orbit {word} was found: {reason} (smallest residual {residual:.1e})")
+        about = f" (smallest residual {residual:.1e})" if residual < inf else ""
+        super().__init__(f"no periodic orbit{' ' * bool(word)}{word} was found: {reason}{about}")
 
     def __reduce__(self) -> tuple[object, ...]:
         return type(self), (self.word, self.best, self.periods, self.residual, self.reason)

@@ -133,19 +133,23 @@ def _settled(parameters: Parameters, digits: int | None) -> PeriodicOrbit:
     """Return the orbit to which the motion from rest settles."""
     if parameters.c == 0:
         raise ParameterError("word", None, "is needed without a damper: for c = 0 a motion need not settle")
-    word = ""
+    reason, tried = f"the motion from rest does not settle within {SETTLING_PERIODS[-1]:,} forcing periods", [""]
     for periods in SETTLING_PERIODS:
         end = 2 * pi * periods / float(parameters.Omega)
-        summary = simulate_many(parameters, (0, 0, 0), end, record=("word", "multiplicity"))
+        summary = simulate_many(parameters, (0, 0, 0), end, record=("status", "t", "word", "multiplicity"))
+        if summary.status[0] == "undecidable":
+            reason = f"the motion from rest comes too near to a graze for doubles, at t = {summary.t[0]:.6g}"
+            break
         word = str(summary.word[0]) if summary.multiplicity[0] else ""
-        if word:
+        if summary.multiplicity[0] and not word:
+            reason = "the motion from rest settles without meeting a belt"
+            break
+        if word not in tried:
+            tried.append(word)
             found = find_orbit(parameters, word, digits=digits)
             if found.admissible:
                 return found
-    reason = f"the motion from rest does not settle within {SETTLING_PERIODS[-1]:,} forcing periods"
-    if summary.multiplicity[0]:
-        reason = "the motion from rest settles without meeting a belt"
-    raise ConvergenceError(word, (), 1, inf, reason)
+    raise ConvergenceError(tried[-1], (), 1, inf, reason)
 
 
 def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> tuple[ClosingEquations, Solution]:

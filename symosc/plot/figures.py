@@ -162,12 +162,17 @@ def orbit_figure(
     """
     if not orbit.admissible:
         raise ParameterError("orbit", orbit.word, f"is no motion: {orbit.message}")
-    (t0, x0), belt = orbit.points[0], orbit.equations().pieces[0].start
-    t_end = float(t0) + PERIODS_SHOWN * float(orbit.period)
-    motion = simulate(orbit.parameters, t0=t0, x0=x0, v0=orbit.parameters.belt(belt), t_end=t_end)
+    motion = simulate_orbit(orbit, PERIODS_SHOWN)
     if panels is None:
         panels = "abcdef" if ax is None else "c"
-    return figure(motion, panels=panels, boundary=belt, columns=columns, ax=ax, **style)
+    return figure(motion, panels=panels, boundary=orbit.equations().pieces[0].start, columns=columns, ax=ax, **style)
+
+
+def simulate_orbit(orbit: PeriodicOrbit, periods: float) -> Trajectory:
+    """Return the motion on an orbit for some of its periods."""
+    (t0, x0), belt = orbit.points[0], orbit.equations().pieces[0].start
+    t_end = float(t0) + periods * float(orbit.period)
+    return simulate(orbit.parameters, t0=t0, x0=x0, v0=orbit.parameters.belt(belt), t_end=t_end)
 
 
 @public

@@ -410,3 +410,10 @@ def test_guesses():
 def test_guesses_of_the_wrong_form(guess, says):
     with pytest.raises(ParameterError, match=says):
         find_orbit(FIG9, "P32", guess)
+
+
+@pytest.mark.parametrize(("name", "why"), [("fig8", "too near to a graze"), ("fig7", "without meeting a belt")])
+def test_a_motion_that_settles_to_no_word_is_said_at_once(name: str, why: str) -> None:
+    with pytest.raises(ConvergenceError, match=why) as caught:
+        find_orbit(name)
+    assert "inf" not in str(caught.value)

@@ -14,7 +14,7 @@ import pytest
 from effort import PATIENCE
 from exploring import served
 
-from symosc import Scene, load_scene, simulate
+from symosc import Scene, find_orbit, load_scene, simulate
 
 # -- support ----------------------------------------------------------------------------------------------------------
 
@@ -71,6 +71,15 @@ MOVE = """async value => {
   while (curves.data === before) await new Promise(done => setTimeout(done, 5));
   await new Promise(done => setTimeout(done, 250));
   return window.drawn - begin;
+}"""
+
+
+#: Move the start as the tool of the phase plane does.
+DRAG = """([x, v]) => {
+  const start = Bokeh.documents[0].get_model_by_name("start");
+  start.data.x[0] = x;
+  start.data.v[0] = v;
+  start.change.emit();
 }"""
 
 
@@ -217,3 +226,29 @@ def test_it_answers_within_a_tenth_of_a_second(browser: Any, address: str) -> No
         page.evaluate(MOVE, 2)
         moves = [page.evaluate(MOVE, 2.1 + i / 10) for i in range(9)]
         assert median(moves) < 100, moves
+
+
+def test_the_start_is_dragged_undone_and_reset(browser: Any, address: str) -> None:
+    """The selector says what is loaded, the settled orbit is that of `find_orbit`, and a motion is played."""
+    with opened(browser, f"{address}?scene=fig9") as page:
+        orbit = find_orbit("fig9")
+        page.locator("#settled", has_text=f"{orbit.word}, period 1.5708 s").wait_for()
+        assert page.locator("#settled").inner_text().endswith(orbit.message)
+        assert page.locator("#scene option:checked").inner_text() == "fig9"
+        sections = page.evaluate("() => Bokeh.documents[0].get_model_by_name('section').data.x.length")
+        assert sections == 6  # t = 10 is in the seventh period
+        page.evaluate(DRAG, [3.5, 8.25])
+        page.locator("#name", has_text="changed").wait_for()
+        assert (page.locator("#x0").input_value(), page.locator("#v0").input_value()) == ("3.5", "8.25")
+        assert page.locator("#scene option:checked").inner_text() == "fig9, changed"
+        page.wait_for_timeout(700)
+        page.locator("#undo").click()
+        eventually(page, lambda: page.locator("#name").inner_text() == "fig9")
+        page.locator("#k").fill("4")
+        page.locator("#name", has_text="changed").wait_for()
+        page.locator("#reset").click()
+        eventually(page, lambda: page.locator("#name").inner_text() == "fig9")
+        page.locator("#play").click()
+        eventually(page, lambda: page.evaluate("() => Bokeh.documents[0].get_model_by_name('now').data.t.length") == 1)
+        page.locator("#play").click()
+        page.locator("#play", has_text="Play").wait_for()

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from math import cos, floor, log10, pi, sin, tau
+from math import ceil, cos, floor, log10, pi, sin, tau
 from typing import Any, NamedTuple
 from urllib.parse import parse_qsl, urlencode
 
@@ -22,6 +22,8 @@ from symosc.exact import NO_EXPRESSION, NUMBER_FORMS, read_exact, read_start_err
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.orbits.find import find_orbit
+from symosc.plot.figures import simulate_orbit
 from symosc.plot.panels import EVENT_MARKS, SHAPES, Sampling, View, view_of
 from symosc.quantities import QUANTITIES, unit_of
 from symosc.scenes import Scene, load_scene, scene_names
@@ -267,13 +269,39 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
             },
             "arcs": _arcs(windows),
             "contacts": _contacts(view),
+            "section": _section(trajectory),
+            "start": {"x": [float(scene.x0)], "v": [float(scene.v0)]},
         },
         "ranges": ranges,
         "belts": _belts(view, ranges["v"]),
     }
 
 
+def settled(link: str, default: Scene) -> Record:
+    """Return what the page says of the orbit to which the motion settles, and its curve in the phase plane."""
+    scene, _ = scene_of(read_link(link, default)[0])
+    if scene is None:
+        return {"text": "", "curve": {"x": [], "v": []}}
+    try:
+        orbit = find_orbit(scene.parameters)
+        motion = simulate_orbit(orbit, 1)
+    except (SymoscError, ArithmeticError) as error:
+        return {"text": str(error), "curve": {"x": [], "v": []}}
+    sizes = ", ".join(f"{abs(each):.4g}" for each in orbit.multipliers)
+    text = f"{orbit.word}, period {float(orbit.period):.6g} s, |multipliers| {sizes}: {orbit.message}"
+    view = view_of(motion, None, SAMPLING)
+    return {"text": text, "curve": {"x": _rounded(view.x), "v": _rounded(view.v)}}
+
+
 # --- the plots ---
+
+
+def _section(trajectory: Trajectory) -> Record:
+    """Return the states where forcing periods end: the Poincaré section."""
+    begin, end, period = float(trajectory.t_start), float(trajectory.t_end), tau / float(trajectory.parameters.Omega)
+    times = np.arange(ceil(begin / period), floor(end / period) + 1) * period
+    x, v = trajectory(np.clip(times, begin, end))
+    return {"x": x.tolist(), "v": v.tolist()}
 
 
 def _rounded(values: np.ndarray) -> list[float]:

@@ -26,6 +26,7 @@ from symosc.plot.explorer.answers import (
     link_of,
     read_link,
     scene_of,
+    settled,
     shipped_scenes,
     state_of,
 )
@@ -41,6 +42,7 @@ try:
         HoverTool,
         LinearAxis,
         PanTool,
+        PointDrawTool,
         Range1d,
         ResetTool,
         SaveTool,
@@ -99,6 +101,7 @@ class _Handler(BaseHTTPRequestHandler):
         replies: dict[str, Callable[[str], None]] = {
             "/": self._page,
             "/answer": self._answer,
+            "/settled": lambda query: self._json(settled(query, self.server.scene)),
             "/scene.toml": self._file,
             "/page.css": partial(self._static, "page.css", "text/css"),
             "/page.js": partial(self._static, "page.js", "text/javascript"),
@@ -230,6 +233,10 @@ COLUMNS = {
     "sticks": ("since", "until", "shade"),
     "arcs": ARC_COLUMNS,
     "contacts": ("x", "y", "phase", "marker", "size", "color", "label"),
+    "section": ("x", "v"),
+    "settled": ("x", "v"),
+    "start": ("x", "v"),
+    "now": ("t", "x", "v"),
 }
 RING_WIDTH = 15
 
@@ -300,10 +307,20 @@ def _belts(plot: Any) -> None:
 def _plane(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> Any:
     """Return the plot of the phase plane."""
     plot = _plot("position x [m]", "velocity v [m/s]", ranges["x"], ranges["v"], TALL, name="plane")
+    plot.line("x", "v", source=sources["settled"], line_color="black", line_width=5, line_alpha=0.22)
     plot.line("x", "v", source=sources["curves"], line_color=MASS_COLOR, line_width=1.8)
     _belts(plot)
     _marks(plot, sources, "x", "v")
+    plot.scatter("x", "v", source=sources["section"], marker="x", size=9, line_color="black", line_width=1.6)
+    start = plot.scatter("x", "v", source=sources["start"], size=16, fill_alpha=0.0, line_color="#5b616e")
+    plot.add_tools(PointDrawTool(renderers=[start], add=False, tags=["drag-start"]))
+    _now(plot, sources, "x", "v")
     return plot
+
+
+def _now(plot: Any, sources: dict[str, ColumnDataSource], x: str, y: str) -> None:
+    """Draw where the mass is while the motion is played."""
+    plot.scatter(x, y, source=sources["now"], size=11, fill_color=MASS_COLOR, line_color="white", level="overlay")
 
 
 def _in_time(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], name: str, label: str) -> Any:
@@ -320,6 +337,7 @@ def _in_time(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], n
         if name == "v":
             _belts(plot)
         _marks(plot, sources, "t", name)
+        _now(plot, sources, "t", name)
     plot.add_tools(CrosshairTool(dimensions="height", line_color="#8a8f98"))
     return plot
 

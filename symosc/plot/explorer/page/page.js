@@ -9,7 +9,8 @@ const fields = new Map([...document.querySelectorAll(".field")].map(row => [row.
 }]));
 const STARTS = ["t0", "x0", "v0"];
 const SYMBOLS = {stick: "● onset of a stick", slip: "■ end of a stick", cross: "▲ crossing", graze: "★ graze"};
-let waiting = false, asked = false, linkTimer = 0;
+let waiting = false, asked = false, linkTimer = 0, settledTimer = 0, pastTimer = 0;
+const past = [];  // links of the states before, the last one that of the page as it is
 
 // --- the state: texts, sliders and the link ---
 
@@ -67,6 +68,8 @@ async function ask(given = "") {
     try {
       show(await (await fetch(`answer?${question}`)).json());
       keepLink(link());
+      remember(link());
+      askSettled(link());
     } catch (error) {
       complain(`No answer: does symosc explore still run? (${error.message})`);
     }
@@ -79,6 +82,26 @@ function keepLink(question) {
   clearTimeout(linkTimer);
   linkTimer = setTimeout(() => history.replaceState(null, "", `?${question}`), 120);
   $("download").href = `scene.toml?${question}`;
+}
+
+// A state that lasts half a second can be come back to.
+function remember(question) {
+  clearTimeout(pastTimer);
+  pastTimer = setTimeout(() => {
+    if (past.at(-1) !== question) past.push(question);
+    $("undo").disabled = past.length < 2;
+  }, past.length ? 500 : 0);
+}
+
+// The orbit takes longer than the motion: it is asked for when nothing moves.
+function askSettled(question) {
+  clearTimeout(settledTimer);
+  settledTimer = setTimeout(async () => {
+    const answer = await (await fetch(`settled?${question}`)).json();
+    if (question !== link()) return;
+    $("settled").textContent = answer.text;
+    plots.sources.settled.data = answer.curve;
+  }, 250);
 }
 
 function complain(message) {
@@ -106,6 +129,9 @@ function show(answer) {
   }
   document.body.classList.remove("stale");
   $("name").textContent = answer.name;
+  const [other, ...shipped] = $("scene").options, chosen = shipped.find(each => each.text === answer.name) ?? other;
+  other.text = chosen === other ? answer.name : "choose …";
+  $("scene").value = chosen.value;
   document.title = `${answer.name}: symosc explore`;
   $("status").textContent = `${answer.message}; ${answer.count} event${answer.count === 1 ? "" : "s"}`;
   $("status").classList.toggle("wrong", answer.status === "undecidable");
@@ -152,17 +178,57 @@ function draw(answer) {
       axis.ticker.ticks = names.map(([place]) => place);
     }
   }
+  plots.drawing = true;
   for (const [name, columns] of Object.entries(answer.sources)) plots.sources[name].data = columns;
+  plots.drawing = false;
+}
+
+// The start was dragged to another place of the phase plane.
+function dragged() {
+  const {x, v} = plots.sources.start.data;
+  if (plots.drawing) return;
+  for (const [name, value] of [["x0", x[0]], ["v0", v[0]]]) {
+    const field = fields.get(name), text = String(Number(value.toPrecision(5)));
+    if (Number(value) === numberOf(field.text.value) || text === field.text.value) continue;
+    field.text.value = text;
+    follow(field);
+    exact(name);
+  }
+  ask();
+}
+
+// Follow the motion in eight seconds.
+const PLAYED = 8000;
+let playing = 0;
+
+function play(begin) {
+  const {t, x, v} = plots.sources.curves.data, part = (performance.now() - begin) / PLAYED;
+  if (!playing || part > 1) {
+    playing = 0;
+    $("play").textContent = "Play";
+    $("play").setAttribute("aria-pressed", "false");
+    plots.sources.now.data = {t: [], x: [], v: []};
+    return;
+  }
+  const time = t[0] + part * (t.at(-1) - t[0]);
+  let low = 0, high = t.length - 1;
+  while (high - low > 1) { const middle = (low + high) >> 1; if (t[middle] <= time) low = middle; else high = middle; }
+  const between = (time - t[low]) / (t[high] - t[low] || 1), at = of => of[low] + between * (of[high] - of[low]);
+  plots.sources.now.data = {t: [time], x: [at(x)], v: [at(v)]};
+  playing = requestAnimationFrame(() => play(begin));
 }
 
 function ready() {
   const bokeh = Bokeh.documents[0], model = name => bokeh.get_model_by_name(name);
   plots.ranges = Object.fromEntries(["t", "x", "v", "F"].map(name => [name, model(`range-${name}`)]));
-  const names = ["curves", "marks", "sticks", "arcs", "contacts"];
+  const names = ["curves", "marks", "sticks", "arcs", "contacts", "section", "settled", "start", "now"];
   plots.sources = Object.fromEntries(names.map(name => [name, model(name)]));
   const tagged = tag => [...bokeh._all_models.values()].filter(each => each.tags?.includes(tag));
   plots.belts = [1, 2].map(belt => tagged(`belt-${belt}`));
   plots.names = tagged("belt-names");
+  const [drag] = tagged("drag-start"), plane = model("plane");
+  if (matchMedia("(pointer: fine)").matches) plane.toolbar.active_drag = drag;  // a finger scrolls the page
+  plots.sources.start.connect(plots.sources.start.change, dragged);
   for (const range of Object.values(plots.ranges)) range.setv({reset_start: range.start, reset_end: range.end});
   for (const field of fields.values()) follow(field);
   ask(location.search.slice(1));
@@ -190,7 +256,24 @@ for (const [name, field] of fields) {
 $("inputs").addEventListener("submit", event => event.preventDefault());
 $("scene").addEventListener("change", ({target}) => {
   if (target.value) take(Object.fromEntries(new URLSearchParams(target.value)));
-  target.value = "";
+});
+$("undo").addEventListener("click", () => {
+  if (past.length < 2) return;
+  if (past.at(-1) === link()) past.pop();  // else what is shown is younger than the last one
+  $("undo").disabled = past.length < 2;
+  take(Object.fromEntries(new URLSearchParams(past.at(-1))));
+});
+$("reset").addEventListener("click", () => {
+  const base = $("scene-name").value.replace(/, changed$/, "");
+  const shipped = [...$("scene").options].find(each => each.value && each.text === base);
+  take(Object.fromEntries(new URLSearchParams(shipped ? shipped.value : past[0])));
+});
+$("play").addEventListener("click", ({target}) => {
+  if (playing) { playing = 0; return; }
+  playing = 1;
+  target.textContent = "Stop";
+  target.setAttribute("aria-pressed", "true");
+  play(performance.now());
 });
 $("copy").addEventListener("click", async ({target}) => {
   await navigator.clipboard.writeText(new URL(`?${link()}`, location.href).href);
