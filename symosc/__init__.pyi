@@ -88,6 +88,8 @@ from .reference.cases import reference_cases as reference_cases
 from .scenes import Scene as Scene
 from .scenes import load_scene as load_scene
 from .scenes import scene_names as scene_names
+from .sensitivities import Sensitivities as Sensitivities
+from .sensitivities import sensitivities as sensitivities
 from .simulation.ensemble import EventTable as EventTable
 from .simulation.ensemble import Summary as Summary
 from .simulation.ensemble import simulate_many as simulate_many

@@ -25,7 +25,7 @@ LEVELS = [
     {"engine"},
     {"mappings", "simulation"},
     {"symbolic"},
-    {"orbits", "crosschecks", "sweeps"},
+    {"orbits", "crosschecks", "sweeps", "sensitivities"},
     {"grazing"},
     {"certificates"},
     {"reference"},

@@ -205,11 +205,16 @@ def _parameter_jacobian(
     if end != begin:  # f2 = (v - v_i) + (v_i - v_j), whose last part vanishes when it is one belt
         columns |= {begin: (x_v0, 1 + v_v0), end: (zero, zero - 1)}
     x_A, v_A = columns["A0"]
-    drag1, drag2 = {1: (1, 1), 2: (-1, 1), 3: (-1, -1)}[domain]
-    mu1, mu2, FN = (numbers.number(value) for value in (p.mu1, p.mu2, p.FN))
-    for name, weight in (("mu1", drag1 * FN), ("mu2", drag2 * FN), ("FN", drag1 * mu1 + drag2 * mu2)):
+    for name, weight in friction_weights(p, domain, numbers.number).items():
         columns[name] = x_A * weight, v_A * weight
     return tuple(tuple(columns[name][equation] for name in PARAMETER_NAMES) for equation in (0, 1))
+
+
+def friction_weights(p: Parameters, domain: int, number: Callable[[Fraction], Number]) -> dict[str, Number]:
+    """Return the derivatives of A_alpha by mu1, mu2 and FN."""
+    drag1, drag2 = {1: (1, 1), 2: (-1, 1), 3: (-1, -1)}[domain]
+    mu1, mu2, FN = (number(value) for value in (p.mu1, p.mu2, p.FN))
+    return {"mu1": drag1 * FN, "mu2": drag2 * FN, "FN": drag1 * mu1 + drag2 * mu2}
 
 
 def _chosen(exit: str | None, force_below: Numbers, force_above: Numbers, below: Any, above: Any) -> Any:
@@ -223,6 +228,11 @@ def _chosen(exit: str | None, force_below: Numbers, force_above: Numbers, below:
 
 
 # --- arithmetics ---
+
+
+def map_arithmetic(p: Parameters, context: Context | None = None) -> MapArithmetic:
+    """Return the arithmetic of doubles, or of an mpmath context, for scalars."""
+    return _floats(p) if context is None else _mp_numbers(p, context, context.prec)
 
 
 @lru_cache(maxsize=64)

@@ -172,6 +172,13 @@ class PeriodicOrbit(Drawable):
         states = np.array([_state(equations, points, time) for time in times.ravel()], dtype=float).reshape(-1, 2)
         return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
 
+    @property
+    def lyapunov(self) -> np.ndarray:
+        """The Lyapunov exponents per unit of time, (2,): -inf for a multiplier 0, which a stick makes."""
+        sizes = np.sort([abs(complex(each)) for each in self.multipliers])[::-1]
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(sizes) / float(self.period))
+
     @public
     def approach(self, scene: Scene | SceneName, within: NumberLike = NEAR_ORBIT) -> Approach:
         """Return the distance of a scene's start from the orbit, and when its motion is within `within` of it.

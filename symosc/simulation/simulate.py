@@ -101,7 +101,7 @@ def simulate(
     >>> print(simulate("fig8-exact", digits=30).events[0].t)
     3.14159265358979323846264338328
     """
-    start = _read_start(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
+    start = read_start(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
     default = MOST_EVENTS if digits is None else MOST_EXACT_EVENTS
     most = default if max_events is None else whole_number("max_events", max_events, 1)
     if digits is None:
@@ -115,7 +115,7 @@ def simulate(
         return _with_digits(start, most, digits, advance)
 
 
-def _read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any) -> Start:
+def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any) -> Start:
     """Return the initial value problem from a scene or keyword arguments."""
     if not isinstance(scene, Scene | Parameters):
         scene = load_scene(scene)

@@ -248,6 +248,22 @@ class Trajectory(Drawable):
         about = {"status": self.status, "message": self.message, "word": " ".join(self.word)}
         return imported("xarray").Dataset(columns, attrs=about | self.parameters.as_dict())
 
+    def to_scipy(self) -> Any:
+        """Return the motion as the OdeResult of ``scipy.integrate.solve_ivp``, in doubles.
+
+        t and y are those of the start, the events and the end; `sol` is this trajectory; t_events and y_events are
+        those of belt 1, then of belt 2.
+        """
+        from scipy.optimize import OptimizeResult  # what scipy's OdeResult is, loaded in less time
+
+        times = np.array([float(each) for each in (self.t_start, *(event.t for event in self.events), self.t_end)])
+        belts = [np.array([float(event.t) for event in self.events if event.boundary == belt]) for belt in (1, 2)]
+        states = [self(each).T.astype(float) if len(each) else np.empty((0, 2)) for each in belts]
+        success = self.status in ("t_end", "equilibrium")
+        about = {"status": 0 if success else -1, "message": self.message, "success": success, "nfev": 0}
+        y = np.asarray(self(times), dtype=float)
+        return OptimizeResult(t=times, y=y, sol=self, t_events=belts, y_events=states, njev=0, nlu=0, **about)
+
     def as_dict(self) -> dict[str, Any]:
         """Return parameters, status and events as plain values.
 

@@ -177,6 +177,8 @@ VALID: dict[str, set[str]] = {
     "grazing_start periods": NUMBER,
     "grazing_windows Omega": NUMBER | ROWS,
     "simulate scene": {"Scene", "Parameters"},
+    "sensitivities what": {"Scene", "Parameters"},
+    "Sensitivities.__call__ t": NUMBER | ROWS,
     "simulate_many t_end": NUMBER | ROWS,
     "simulate_many skip": NUMBER | {"array_0"},
     "solve_map theta_i": NUMBER | {"-10**60", "1e51", "array_0"},
@@ -229,6 +231,7 @@ OVER = {"Omega": "3:5:3", "FN": [5, 10]}
 TWO = [(0, 0, 0), (0, 1, 0)]
 MAKERS: dict[str, Callable[[], Any]] = {
     "trajectory": lambda: symosc.simulate("fig5", t_end=3),
+    "sensitivities": lambda: symosc.sensitivities("fig5", "mu1", t_end=3),
     "orbit": lambda: symosc.find_orbit(P9, "P32"),
     "branch": lambda: symosc.continue_orbit(P9, "P32", "Omega", (3.9, 4.0), max_points=5),
     "window": lambda: symosc.grazing_window(P9, "P2"),
@@ -276,6 +279,7 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "read_word": (s.read_word, {"word": "P32"}),
         "simulate": (s.simulate, {"scene": P5, **start, "max_events": 3}),
         "simulate digits": (s.simulate, {"scene": "fig6", "t_end": 2, "digits": 20}),
+        "sensitivities": (s.sensitivities, {"what": P5, "wrt": ("mu1",), **start, "max_events": 3}),
         "simulate_many": (
             s.simulate_many,
             {"parameters": P5, "starts": (0, 0, 0), "t_end": 3, "record": "summary", "use_numba": False},
@@ -322,6 +326,7 @@ def of_answers() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "crosscheck": (s.crosscheck, {"scene": "fig5", **m("samples")}),
         "crosscheck table": (s.crosscheck, {"scene": "fig5", "t": pd.DataFrame(m("samples")), "columns": {"t": "t"}}),
         "CompiledResidual.__call__": (lambda x: m("residual")(x, *[np.array([0.5, 4])] * 3), {"x": np.array([1, 2])}),
+        "Sensitivities.__call__": (m("sensitivities"), {"t": [1, 2]}),
         "Trajectory.__call__": (m("trajectory"), {"t": [1, 2]}),
         "Trajectory.mode": (m("trajectory").mode, {"t": 1}),
         "Trajectory.force": (m("trajectory").force, {"alpha": 1, "t": 1}),

@@ -1,0 +1,22 @@
+"""A trajectory in the form of other packages."""
+
+from __future__ import annotations
+
+import pytest
+
+from symosc import crosscheck, load_scene, simulate
+
+
+@pytest.mark.parametrize("digits", [None, 25])
+def test_a_motion_as_the_result_of_scipy(digits: int | None) -> None:
+    one = load_scene("fig6")
+    trajectory = simulate(one, digits=digits)
+    found = trajectory.to_scipy()
+    assert (found.status, found.success, found.message) == (0, True, trajectory.message)
+    assert found.t.tolist() == [float(one.t0), *(float(event.t) for event in trajectory.events), float(one.t_end)]
+    assert (found.t.dtype, found.y.dtype, found.y.shape) == (float, float, (2, len(found.t)))
+    assert [len(times) for times in found.t_events] == [2, 1]
+    assert found.y_events[1][0].tolist() == pytest.approx([float(trajectory.events[0].x), 5.0])
+    assert found.sol(1.0) == pytest.approx(trajectory(1.0))
+    assert crosscheck("fig6", found).ok
+    assert not simulate("fig5", max_events=2).to_scipy().success

@@ -1,0 +1,167 @@
+"""Derivatives of motions against differences of motions in many digits, and of an independent program."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from bad_values import refused
+from oracle import simulate_oracle
+
+from symosc import Parameters, Trajectory, find_orbit, load_scene, sensitivities, simulate
+from symosc.model import PARAMETER_NAMES
+
+NAMES = (*PARAMETER_NAMES, "t0", "x0", "v0")
+STEP = Fraction(1, 10**14)
+
+
+def scene(seed: int) -> tuple[Parameters, dict[str, Fraction], Fraction]:
+    """Return parameters of all regimes of damping, a start beside the belts, and an end."""
+    dice = random.Random(seed)
+
+    def number(low: float, high: float) -> Fraction:
+        return Fraction(dice.randint(int(low * 100), int(high * 100)), 100)
+
+    m, k, Omega, low = number(0.2, 2), number(0.5, 6), number(0.5, 4), number(-2, 1)
+    c = dice.choice((Fraction(0), number(0, 1), 2 * m * Omega, number(3, 9)))
+    k = m * Omega * Omega if c == 2 * m * Omega else Fraction(0) if seed % 11 == 3 else k  # critical; no spring
+    B0 = Fraction(0) if seed % 7 == 5 else number(1, 9)
+    mu1, mu2 = number(0, 1), number(0, 1)
+    p = Parameters(
+        m=m, c=c, k=k, A0=number(-2, 2), B0=B0, Omega=Omega, v1=low, v2=low + number(0.5, 3), mu1=mu1, mu2=mu2, FN=2
+    )
+    start = {"t0": number(-3, 3), "x0": number(-3, 3), "v0": number(-4, 4) + Fraction(1, 997)}
+    return p, start, start["t0"] + number(4, 10)
+
+
+def changed(p: Parameters, start: dict[str, Any], name: str, by: Fraction) -> tuple[Parameters, dict[str, Any]]:
+    if name in start:
+        return p, start | {name: start[name] + by}
+    return p.replace(**{name: getattr(p, name) + by}), start
+
+
+def differences(p: Parameters, start: dict[str, Any], t_end: Any, name: str, sides: Any = (1, -1)) -> Any:
+    """Return the difference quotients of the times and positions of events, and both motions."""
+    motions: list[Trajectory] = []
+    for side in sides:
+        q, begin = changed(p, start, name, side * STEP)
+        motions.append(simulate(q, **begin, t_end=t_end, digits=40))
+    a, b = motions
+    width = (sides[0] - sides[1]) * STEP
+    pairs = zip(a.events, b.events, strict=True)
+    return np.array([[float((x.t - y.t) / width), float((x.x - y.x) / width)] for x, y in pairs]).reshape(
+        -1, 2
+    ), motions
+
+
+@pytest.mark.quick(3)
+@pytest.mark.parametrize("seed", range(16))
+def test_derivatives_are_those_of_differences(seed: int) -> None:
+    p, start, t_end = scene(seed)
+    found = sensitivities(p, NAMES, **start, t_end=t_end)
+    for i, name in enumerate(NAMES):
+        if name in ("c", "k", "mu1", "mu2") and getattr(p, name) == 0:
+            continue
+        quotients, motions = differences(p, start, t_end, name)
+        assert [each.kind for each in motions[0].events] == [each.kind for each in found.trajectory.events]
+        size = 1 + abs(quotients).max(initial=0)
+        np.testing.assert_allclose(found.dt[:, i], quotients[:, 0], rtol=0, atol=1e-9 * size, err_msg=name)
+        np.testing.assert_allclose(found.dx[:, i], quotients[:, 1], rtol=0, atol=1e-9 * size, err_msg=name)
+        times = np.linspace(float(start["t0"]), float(t_end), 9)[1:]
+        apart = min((abs(times - float(event.t)).min() for event in found.trajectory.events), default=1)
+        if apart > 1e-4:  # so wide a step that doubles resolve it
+            wide = []
+            for side in (1, -1):
+                q, begin = changed(p, start, name, side * Fraction(1, 10**6))
+                wide.append(simulate(q, **begin, t_end=t_end))
+            slopes = (np.asarray(wide[0](times)) - np.asarray(wide[1](times))) / 2e-6
+            scale = 1 + abs(slopes).max()
+            np.testing.assert_allclose(found(times)[:, :, i], slopes, rtol=0, atol=1e-4 * scale, err_msg=name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["mu1", "Omega", "x0", "m"])
+def test_an_independent_program_has_the_same_derivatives(name: str) -> None:
+    """Differences over 1e-20 of motions that another program finds with 50 digits, from the equation of motion."""
+    one = load_scene("fig5")
+    start, step = {"t0": one.t0, "x0": one.x0, "v0": one.v0}, Fraction(1, 10**20)
+    found = sensitivities(one, (name,), t_end=9)
+    runs = []
+    for side in (1, -1):
+        q, begin = changed(one.parameters, start, name, side * step)
+        runs.append(simulate_oracle(q, begin["t0"], begin["x0"], begin["v0"], 9, 50))
+    for i, (a, b) in enumerate(zip(runs[0].events, runs[1].events, strict=True)):
+        assert found.dt[i, 0] == pytest.approx(float((a.t - b.t) / (2 * step)), rel=1e-10, abs=1e-10)
+        assert found.dx[i, 0] == pytest.approx(float((a.x - b.x) / (2 * step)), rel=1e-10, abs=1e-10)
+
+
+def test_many_digits() -> None:
+    one = load_scene("fig5")
+    doubles, exact = (sensitivities(one, NAMES, t_end=7, digits=digits) for digits in (None, 30))
+    np.testing.assert_allclose(doubles.dt, exact.dt.astype(float), rtol=1e-10, atol=1e-10)
+    step, base = Fraction(1, 10**20), {"t0": one.t0, "x0": one.x0, "v0": one.v0}
+    runs = []
+    for side in (1, -1):
+        q, begin = changed(one.parameters, base, "mu1", side * step)
+        runs.append(simulate(q, **begin, t_end=7, digits=60))
+    a, b = (run.events[2].t for run in runs)
+    assert abs(exact.dt[2, NAMES.index("mu1")] - (a - b) / (2 * step)) < 1e-25
+
+
+@pytest.mark.parametrize("name", ["fig7-exact", "fig8-exact"])
+def test_a_graze_is_a_kink_and_says_its_side(name: str) -> None:
+    """On the side where the touch opens the motion goes on without a contact, and has these derivatives."""
+    one = load_scene(name)
+    found = sensitivities(one, ("A0", "FN", "t0"))
+    first = next(n for n, event in enumerate(found.trajectory.events) if event.kind == "graze")
+    assert not found.regular[first:, 0].any()
+    assert "after the graze at t = 3.14159" in str(found.reasons[first])
+    side = 1 if "A0 larger" in str(found.reasons[first]) else -1
+    step, times = side * Fraction(1, 10**6), np.linspace(float(one.t0), float(one.t_end), 7)[1:]
+    moved = simulate(
+        one.parameters.replace(A0=one.parameters.A0 + step), t0=one.t0, x0=one.x0, v0=one.v0, t_end=one.t_end
+    )
+    assert "stick" not in [event.kind for event in moved.events[: first + 1]]
+    still = simulate(one)
+    slopes = (np.asarray(moved(times[:2])) - np.asarray(still(times[:2]))) / float(step)
+    np.testing.assert_allclose(found(times[:2])[:, :, 0], slopes, rtol=1e-3, atol=1e-3)
+
+
+def test_a_start_on_a_belt_is_a_kink() -> None:
+    found = sensitivities("fig9", ("v0", "v1", "x0"))
+    assert found.regular[0].tolist() == [False, False, True]
+    assert "the start is on a belt: by v0, v1" in str(found.reasons[0])
+    assert found.reasons[1] is None
+
+
+@pytest.mark.parametrize("name", ["fig9", "fig10", "fig5"])
+def test_exponents_of_a_settled_motion_are_those_of_its_orbit(name: str) -> None:
+    orbit = find_orbit(name)
+    (t, x), belt = orbit.points[0], orbit.equations().pieces[0].start
+    p, periods = orbit.parameters, 40
+    found = sensitivities(p, ("x0",), t0=t, x0=x, v0=p.belt(belt), t_end=t + periods * orbit.period)
+    expected = orbit.lyapunov
+    assert found.lyapunov[0] == pytest.approx(expected[0], rel=0.05)
+    if expected[1] == -np.inf:
+        assert found.lyapunov[1] == -np.inf
+    else:
+        assert found.lyapunov.sum() == pytest.approx(expected.sum(), rel=0.05)
+
+
+def test_what_is_wrong_is_said() -> None:
+    assert "did you mean" in refused(lambda: sensitivities("fig5", ("omega",)), "wrt")
+    refused(lambda: sensitivities("fig5", ("mu1", "mu1")), "wrt")
+    refused(lambda: sensitivities("fig5", ()), "wrt")
+    found = sensitivities("fig5", "mu1", t_end=3)
+    assert found.dt.shape == (2, 1)
+    assert repr(found) == "<Sensitivities of 2 events by mu1>"
+    refused(lambda: found(99), "t")
+
+
+def test_a_motion_without_events() -> None:
+    found = sensitivities("fig7", ("x0", "v0"), t_end=3)
+    assert found.dt.shape == found.regular.shape == (0, 2)
+    assert found(3.0).shape == (2, 2)
