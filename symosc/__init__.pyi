@@ -26,6 +26,8 @@ from .errors import SweepError as SweepError
 from .errors import (
     SymoscError as SymoscError,
 )
+from .fit import Fit as Fit
+from .fit import fit as fit
 from .grazing.check import GrazingReport as GrazingReport
 from .grazing.check import check_grazing as check_grazing
 from .grazing.curve import (

@@ -26,7 +26,7 @@ LEVELS = [
     {"mappings", "simulation"},
     {"symbolic"},
     {"orbits", "crosschecks", "sweeps", "sensitivities"},
-    {"grazing"},
+    {"grazing", "fit"},
     {"certificates"},
     {"reference"},
     {"plot"},

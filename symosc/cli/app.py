@@ -28,6 +28,7 @@ COMMANDS = {
     "scenes": "scenes",
     "new": "scenes",
     "orbit": "orbit",
+    "fit": "fit",
     "grazing": "grazing",
     "check": "check",
     "cases": "check",

@@ -280,6 +280,7 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "simulate": (s.simulate, {"scene": P5, **start, "max_events": 3}),
         "simulate digits": (s.simulate, {"scene": "fig6", "t_end": 2, "digits": 20}),
         "sensitivities": (s.sensitivities, {"what": P5, "wrt": ("mu1",), **start, "max_events": 3}),
+        "fit": (s.fit, {"what": "fig5", "data": [(0.1223, "stick"), (1.221, "slip")], "free": "mu1", "sigma": 1e-3}),
         "simulate_many": (
             s.simulate_many,
             {"parameters": P5, "starts": (0, 0, 0), "t_end": 3, "record": "summary", "use_numba": False},
@@ -393,6 +394,7 @@ LINES: dict[str, list[str]] = {
     "scenes": [],
     "new": ["mine.toml"],
     "orbit": ["fig9"],
+    "fit": ["fig6", "samples.csv", "--free", "mu1"],
     "grazing": ["fig9", "--map", "P2"],
     "codegen": ["P2", "-o", "a.c"],
     "check": ["samples.csv", "--scene", "fig6"],

@@ -1,0 +1,268 @@
+"""Fit parameters and a start to measured events or samples, by least squares with exact derivatives.
+
+Each measured event is compared with the nearest one of its kind in the motion, so events may be missing. The fit is
+that of scipy.optimize.least_squares; its Jacobian is `symosc.sensitivities`. What the data do not determine is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symosc.aliases import NumberLike, SceneName
+from symosc.arguments import public
+from symosc.engine.events import KIND_NAMES
+from symosc.errors import ParameterError, brief, meant
+from symosc.exact import read_exact, unmasked
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.quantities import least, read_number
+from symosc.scenes import Scene
+from symosc.sensitivities import STARTS, Sensitivities, sensitivities
+from symosc.simulation.simulate import read_start
+from symosc.simulation.trajectory import Trajectory
+
+#: A combination of numbers whose change by its own size changes the residuals by less than this is not determined.
+UNDETERMINED = 1e-8
+KINDS = tuple(KIND_NAMES.values())
+MOST_CALLS = 200
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit:
+    """The result of a fit.
+
+    Attributes
+    ----------
+    values, errors : dict
+        The fitted numbers by name, and their standard errors; inf for what the data do not determine.
+    covariance : array, (free, free)
+    residuals : array
+        Motion minus data, divided by sigma: of each event in its order, or of all x, then of all v.
+    success : bool
+        Whether the fit converged and the data determine all numbers.
+    message : str
+    trajectory : Trajectory
+        The motion with the fitted numbers.
+
+    Examples
+    --------
+    >>> from symosc import fit, simulate
+    >>> data = {"t": [event.t for event in simulate("fig5").events], "kind": [e.kind for e in simulate("fig5").events]}
+    >>> found = fit("fig5", data, ("mu1",), sigma=1e-3, start={"mu1": 0.75})
+    >>> round(found.values["mu1"], 9), found.success
+    (0.8, True)
+    """
+
+    values: dict[str, float]
+    errors: dict[str, float]
+    covariance: np.ndarray
+    residuals: np.ndarray
+    success: bool
+    message: str
+    trajectory: Trajectory
+
+    def __repr__(self) -> str:
+        texts = [f"{name} = {value:.6g} ± {self.errors[name]:.2g}" for name, value in self.values.items()]
+        return f"<Fit {', '.join(texts)}: {self.message}>"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Measured columns: times, and the kinds of events, or positions and perhaps velocities."""
+
+    t: np.ndarray
+    kinds: np.ndarray | None
+    states: np.ndarray | None  # (1 or 2, n)
+
+
+@public
+def fit(
+    what: Scene | Parameters | SceneName,
+    data: Any,
+    free: str | Sequence[str] = ("mu1", "c"),
+    *,
+    sigma: NumberLike | Sequence[NumberLike] | None = None,
+    start: Mapping[str, NumberLike] | None = None,
+) -> Fit:
+    """Fit parameters, and numbers of the start, to measured events or samples.
+
+    Parameters
+    ----------
+    what : Scene, or its name or its file
+        The motion; what is not free is kept. Parameters begin at rest at t = 0.
+    data : mapping, table or sequence of rows
+        Columns t and kind ("cross", "stick", "slip" or "graze"), of events in any number; or t and x, or t, x and v, of
+        samples. Rows are (t, kind) or (t, x) or (t, x, v).
+    free : str or sequence of str
+        Names of parameters, and t0, x0, v0.
+    sigma : number, or two for x and v, optional
+        Standard deviation of the times of events, or of the positions (and velocities). None: from the residuals.
+    start : mapping, optional
+        First values of free numbers, in place of those of `what`. They must be near enough for the events to be
+        recognised.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown, or the data have no such columns.
+
+    Examples
+    --------
+    >>> from symosc import fit
+    >>> found = fit("fig5", [(0.1223, "stick"), (1.2210, "slip"), (4.7586, "stick")], "mu1", sigma=1e-4)
+    >>> abs(found.values["mu1"] - 0.8) < 3 * found.errors["mu1"]
+    True
+    """
+    from scipy.optimize import least_squares
+
+    names = (free,) if isinstance(free, str) else tuple(free)
+    known = (*PARAMETER_NAMES, *STARTS)
+    for name in (*names, *(start or {})):
+        if name not in known:
+            raise ParameterError("free", name, f"must be of {', '.join(known)}{meant(str(name), known)}")
+    measured, scale = _read(data), _sigma(sigma)
+    last = float(measured.t.max())
+    given = {"t0": None, "x0": None, "v0": None, "t_end": None}
+    scene = read_start(what, given | ({"t_end": last + 1.0} if isinstance(what, Parameters) else {}), None)
+    end = last + (0.05 * (last - float(scene.t0)) if measured.kinds is not None else 0.0)
+    own = {name: getattr(scene.parameters if name in PARAMETER_NAMES else scene, name) for name in names}
+    first = [float(read_number(name, (start or {}).get(name, own[name]))[0]) for name in names]
+
+    def moved(values: np.ndarray) -> Sensitivities:
+        new = {name: repr(float(value)) for name, value in zip(names, values, strict=True)}
+        p = scene.parameters.replace(**{name: new[name] for name in names if name in PARAMETER_NAMES})
+        begin = {name: new.get(name, getattr(scene, name)) for name in STARTS}
+        return sensitivities(p, names, **begin, t_end=end)
+
+    kept: dict[bytes, tuple[np.ndarray, np.ndarray, Trajectory]] = {}
+
+    def evaluated(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, Trajectory]:
+        key = values.tobytes()
+        if key not in kept:
+            kept.clear()
+            kept[key] = _residuals(moved(values), measured, scale, end)
+        return kept[key]
+
+    low = [
+        float(bound) if (bound := least(name) if name in PARAMETER_NAMES else None) is not None else -np.inf
+        for name in names
+    ]
+    steps = [abs(value) or 1.0 for value in first]
+    found = least_squares(
+        lambda values: evaluated(values)[0],
+        np.clip(first, np.array(low) * (1 + 1e-9), np.inf),
+        jac=lambda values: evaluated(values)[1],
+        bounds=(low, np.inf),
+        x_scale=steps,
+        max_nfev=MOST_CALLS,
+    )
+    residuals, slopes, trajectory = evaluated(found.x)
+    return _result(names, found, residuals, slopes * np.array(steps), np.array(steps), sigma is None, trajectory)
+
+
+def _result(
+    names: tuple[str, ...], found: Any, residuals: np.ndarray, slopes: np.ndarray, steps: np.ndarray,
+    estimated: bool, trajectory: Trajectory,
+) -> Fit:  # fmt: skip
+    """Return the fit with its errors from the Jacobian by numbers in units of `steps`."""
+    _, sizes, rows = np.linalg.svd(slopes, full_matrices=False)
+    free = sizes <= UNDETERMINED * max(float(sizes.max(initial=0.0)), 1e-300)
+    if len(residuals) < len(names):
+        free = np.append(free, [True] * (len(names) - len(free)))
+        rows = np.linalg.svd(slopes, full_matrices=True)[2]
+        sizes = np.append(sizes, [0.0] * (len(names) - len(sizes)))
+    spread = float(residuals @ residuals) / max(len(residuals) - len(names), 1) if estimated else 1.0
+    inverse = np.where(free, 0.0, 1.0 / np.where(free, 1.0, sizes) ** 2)
+    covariance = (rows.T * inverse) @ rows * spread * np.outer(steps, steps)
+    errors = np.sqrt(np.diag(covariance))
+    unknown = [name for i, name in enumerate(names) if (abs(rows[free, i]) > 1e-6).any()]
+    errors = np.where([name in unknown for name in names], np.inf, errors)
+    message = f"converged: {found.nfev} motions, {len(residuals)} residuals"
+    if unknown:
+        parts = [
+            " ".join(f"{row[i]:+.3g} {name}" for i, name in enumerate(names) if abs(row[i]) > 1e-6)
+            for row in rows[free]
+        ]
+        message = f"the data do not determine {', '.join(unknown)} (in units of their first values: {'; '.join(parts)})"
+    elif not found.success:
+        message = f"not converged: {found.message}"
+    return Fit(
+        {name: float(value) for name, value in zip(names, found.x, strict=True)},
+        {name: float(value) for name, value in zip(names, errors, strict=True)},
+        covariance, residuals, bool(found.success) and not unknown, message, trajectory,
+    )  # fmt: skip
+
+
+def _residuals(
+    moved: Sensitivities, measured: Measured, scale: np.ndarray, end: float
+) -> tuple[np.ndarray, np.ndarray, Trajectory]:
+    """Return the residuals, their derivatives, and the motion."""
+    trajectory, count = moved.trajectory, len(moved.wrt)
+    if measured.kinds is None:
+        assert measured.states is not None
+        times = np.clip(measured.t, float(trajectory.t_start), float(trajectory.t_end))
+        rows, weights = len(measured.states), scale[: len(measured.states), None]
+        off = (np.asarray(trajectory(times))[:rows] - measured.states) / weights
+        return off.ravel(), (moved(times)[:rows] / weights[:, :, None]).reshape(-1, count), trajectory
+    there = np.array([float(event.t) for event in trajectory.events])
+    kinds = np.array([event.kind for event in trajectory.events], dtype=object)
+    off, slopes = np.empty(len(measured.t)), np.zeros((len(measured.t), count))
+    for kind in dict.fromkeys(measured.kinds.tolist()):
+        mine, its = np.flatnonzero(measured.kinds == kind), np.flatnonzero(kinds == kind)
+        if not len(its):
+            off[mine] = end - measured.t[mine]  # as if it came at the end
+            continue
+        nearest = its[np.argmin(abs(there[its][None, :] - measured.t[mine][:, None]), axis=1)]
+        off[mine], slopes[mine] = there[nearest] - measured.t[mine], moved.dt[nearest]
+    return off / scale[0], slopes / scale[0], trajectory
+
+
+def _sigma(sigma: Any) -> np.ndarray:
+    """Return the standard deviations of the columns."""
+    given = sigma if isinstance(sigma, Sequence) and not isinstance(sigma, str) else [1 if sigma is None else sigma] * 2
+    found = [float(read_exact("sigma", each)) for each in given]
+    if len(found) != 2 or min(found) <= 0:
+        raise ParameterError("sigma", sigma, "must be a number > 0, or two: of x and v")
+    return np.array(found)
+
+
+def _read(data: Any) -> Measured:
+    """Return the columns of measured data."""
+    try:
+        columns = _columns(data)
+    except (TypeError, ValueError, KeyError):  # of what is no table
+        columns = {}
+    if not columns.get("t") or not ("kind" in columns or "x" in columns):
+        raise ParameterError(
+            "data", brief(type(data).__name__), "must have columns t and kind, or t and x, or t, x and v"
+        )
+    if len({len(column) for column in columns.values()}) > 1:
+        raise ParameterError("data", len(columns["t"]), "must have columns of one length")
+    t = np.array([float(read_exact("t", each)) for each in columns["t"]])
+    if "kind" in columns:
+        for kind in columns["kind"]:
+            if not isinstance(kind, str) or kind not in KINDS:
+                raise ParameterError("kind", kind, f"must be one of {', '.join(KINDS)}{meant(str(kind), KINDS)}")
+        return Measured(t, np.array(columns["kind"], dtype=object), None)
+    states = [[float(read_exact(name, each)) for each in columns[name]] for name in ("x", "v") if name in columns]
+    return Measured(t, None, np.array(states))
+
+
+def _columns(data: Any) -> dict[str, list[Any]]:
+    """Return the columns t, kind, x and v that there are, of a table or of rows."""
+    if isinstance(data, Mapping) or hasattr(data, "columns"):
+        return {name: list(unmasked(name, data[name])) for name in ("t", "kind", "x", "v") if name in data}
+    if isinstance(data, str | bytes | bytearray):
+        return {}
+    rows = [tuple(row) for row in unmasked("data", data)]
+    if {len(row) for row in rows} not in ({2}, {3}):
+        return {}
+    names = ("t", "kind") if isinstance(rows[0][1], str) else ("t", "x", "v")
+    return dict(zip(names, map(list, zip(*rows, strict=True)), strict=False))
