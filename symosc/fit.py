@@ -7,7 +7,7 @@ that of scipy.optimize.least_squares; its Jacobian is `symosc.sensitivities`. Wh
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -63,6 +63,15 @@ class Fit:
     success: bool
     message: str
     trajectory: Trajectory
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all public entries are equal."""
+        if not isinstance(other, Fit):
+            return NotImplemented
+        names = [each.name for each in fields(self) if not each.name.startswith("_")]
+        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         texts = [f"{name} = {value:.6g} ± {self.errors[name]:.2g}" for name, value in self.values.items()]
@@ -124,9 +133,10 @@ def fit(
 
     names = (free,) if isinstance(free, str) else tuple(free)
     known = (*PARAMETER_NAMES, *STARTS)
-    for name in (*names, *(start or {})):
-        if name not in known:
-            raise ParameterError("free", name, f"must be of {', '.join(known)}{meant(str(name), known)}")
+    for argument, given_names in (("free", names or ("",)), ("start", start or {})):
+        for name in given_names:
+            if name not in known:
+                raise ParameterError(argument, name, f"must be of {', '.join(known)}{meant(str(name), known)}")
     measured, scale = _read(data), _sigma(sigma)
     last = float(measured.t.max())
     given = {"t0": None, "x0": None, "v0": None, "t_end": None}
@@ -240,9 +250,8 @@ def _read(data: Any) -> Measured:
     except (TypeError, ValueError, KeyError):  # of what is no table
         columns = {}
     if not columns.get("t") or not ("kind" in columns or "x" in columns):
-        raise ParameterError(
-            "data", brief(type(data).__name__), "must have columns t and kind, or t and x, or t, x and v"
-        )
+        allowed = "must have the columns t and kind, or t and x, or t, x and v"
+        raise ParameterError("data", brief(type(data).__name__), allowed)
     if len({len(column) for column in columns.values()}) > 1:
         raise ParameterError("data", len(columns["t"]), "must have columns of one length")
     t = np.array([float(read_exact("t", each)) for each in columns["t"]])

@@ -12,7 +12,7 @@ those of the side on which the touch opens, `regular` is False from there on, an
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from math import inf, log
 from typing import Any
 
@@ -31,7 +31,7 @@ from symosc.mappings.equations import friction_weights, map_arithmetic
 from symosc.model import MODE_NAMES, PARAMETER_NAMES, Parameters
 from symosc.scenes import Scene
 from symosc.simulation.simulate import read_start, simulate
-from symosc.simulation.trajectory import Event, Trajectory
+from symosc.simulation.trajectory import Event, Trajectory, read_times
 
 STARTS = ("t0", "x0", "v0")
 #: A gap is not moved by what changes it by less than this part of the terms of its derivative.
@@ -113,13 +113,22 @@ class Sensitivities:
         >>> s(2.0).shape, s([2.0, 3.0]).shape
         ((2, 2), (2, 2, 2))
         """
-        given = np.asarray(t)
-        self.trajectory(given)  # which checks the times
+        given = read_times(t)
+        self.trajectory(given)  # which checks their range
         tangent, rows = Tangent(self.trajectory, self.wrt), []
         for each in map(tangent.number, given.ravel().tolist()):
             launch = next((launch for launch in reversed(self._launches) if launch.t <= each), self._launches[0])
             rows.append(tangent.state_change(launch, each)[:2])
         return np.moveaxis(np.array(rows), 0, 1).reshape((2, *given.shape, len(self.wrt)))
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all public entries are equal."""
+        if not isinstance(other, Sensitivities):
+            return NotImplemented
+        names = [each.name for each in fields(self) if not each.name.startswith("_")]
+        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         first = next((n for n, row in enumerate(self.regular) if not row.all()), None)

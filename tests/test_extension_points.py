@@ -54,7 +54,7 @@ def energy(scene: str, settings: tuple[str, ...], as_json: bool) -> int:
 def test_a_command(scratch: Scratch) -> None:
     scratch.write("symosc/cli/energy.py", COMMAND)
     scratch.replace("symosc/cli/app.py", '    "orbit": "orbit",\n', '    "energy": "energy",\n    "orbit": "orbit",\n')
-    scratch.replace("README.md", "for proofs.\n", "for proofs,\n`symosc energy` for energies.\n")
+    scratch.replace("README.md", "# symosc\n", "# symosc (`symosc energy` for energies)\n")
     lines = scratch.run("symosc", "energy", "fig5", "--set", "k=3", "--quiet").splitlines()
     assert lines[0].split() == ["t", "energy"]
     scratch.pytest("tests/test_readme.py", "tests/test_layers.py", "tests/test_project.py")

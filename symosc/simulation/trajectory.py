@@ -154,7 +154,7 @@ class Trajectory(Drawable):
         ParameterError
             If a time is outside [t_start, t_end].
         """
-        times = _read_times(t)
+        times = read_times(t)
         if times.size >= MANY_TIMES:
             return self._states(times.ravel()).reshape((2, *times.shape))
         states = np.array([self._state(time)[:2] for time in times.ravel()], dtype=float).reshape(-1, 2)
@@ -163,14 +163,14 @@ class Trajectory(Drawable):
     @public
     def mode(self, t: ArrayLike) -> Any:
         """Return the mode ("Omega1" … "belt2") at a time, or an array of them; at an event the one after it."""
-        times = _read_times(t)
+        times = read_times(t)
         names = [MODE_NAMES[int(self._piece(time)[0][2])] for time in times.ravel()]
         return names[0] if times.ndim == 0 else np.array(names).reshape(times.shape)
 
     @public
     def force(self, alpha: int, t: ArrayLike) -> Any:
         """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` = 1, 2 or 3 would give, at times `t`."""
-        times, K = _read_times(t), self._K
+        times, K = read_times(t), self._K
         A = (K.A1, K.A2, K.A3)[whole_number("alpha", alpha, 1, 3) - 1]
         values = [
             acceleration(x, v, c, A, K.cm, K.w0sq, K.f0) for x, v, c in (self._state(time) for time in times.ravel())
@@ -304,7 +304,7 @@ class Trajectory(Drawable):
         return f"<Trajectory {span}, {len(self.events)} events: {self.status}>"
 
 
-def _read_times(t: Any) -> np.ndarray:
+def read_times(t: Any) -> np.ndarray:
     """Return times as floats, in their given shape."""
     unmasked("t", t)
     try:

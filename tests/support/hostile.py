@@ -177,6 +177,10 @@ VALID: dict[str, set[str]] = {
     "grazing_start periods": NUMBER,
     "grazing_windows Omega": NUMBER | ROWS,
     "simulate scene": {"Scene", "Parameters"},
+    "fit what": {"Scene", "Parameters"},
+    "fit data": {"broken"},  # what an object of a user raises is the user's
+    "fit sigma": NUMBER | {"[1,2]"},
+    "fit start": {"{}"},
     "sensitivities what": {"Scene", "Parameters"},
     "Sensitivities.__call__ t": NUMBER | ROWS,
     "simulate_many t_end": NUMBER | ROWS,
@@ -194,6 +198,7 @@ VALID: dict[str, set[str]] = {
 }
 #: What a message may name in place of a parameter: the parts of it.
 CALLED = {
+    "data": ("t", "kind", "x", "v"),
     "end": ("x_j", "theta_j"),
     "first": ("Omega",),
     "given": ("a",),
