@@ -74,11 +74,6 @@ def around(middle: Ball, radius: Ball) -> Ball:
     return middle + arb(0, abs(radius).upper())
 
 
-def known_to(value: Fraction, error: Fraction) -> Ball:
-    """Return the ball of a number with an error bound."""
-    return ball(value) + arb(0, ball(error).upper())
-
-
 def sure_sign(value: Ball) -> int:
     """Return the sign of all numbers in a ball, 0 if they differ in sign."""
     return 1 if value > 0 else -1 if value < 0 else 0
@@ -99,14 +94,8 @@ def size(value: Ball) -> float:
 
 def exact_ends(value: Ball) -> tuple[Fraction, Fraction]:
     """Return the ends of a ball as exact fractions, from its middle and radius."""
-    middle, radius = (_exact(part) for part in (value.mid(), value.rad()))
+    middle, radius = (Fraction(int(part.p), int(part.q)) for part in (value.mid().fmpq(), value.rad().fmpq()))
     return middle - radius, middle + radius
-
-
-def _exact(point: Ball) -> Fraction:
-    """Return a point ball as an exact fraction."""
-    mantissa, exponent = point.man_exp()
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
 def outward(value: Ball, digits: int) -> tuple[str, str]:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from flint import arb
 
-from symosc.certificates.balls import Ball, StateSet, Undecided, ball, decided_sign, known_to, sure_sign
+from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, decided_sign, sure_sign
 from symosc.certificates.contact import Slip, end_of_stick, first_zero, sharper, zero_in
 from symosc.certificates.flow import Flight, FlightPoint, Oscillator, holding_force
 from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
@@ -70,7 +70,7 @@ def belts_around(domain: int) -> list[int]:
 def begin(o: Oscillator, start: tuple[Fraction, ...], errors: tuple[Fraction, ...]) -> Moving:
     """Return the mode and the states from t0, x0, v0 with given half-widths."""
     p, (t0, x0, v0) = o.p, start
-    values = [known_to(each, error) for each, error in zip(start, errors, strict=True)]
+    values = [around(ball(each), ball(error)) for each, error in zip(start, errors, strict=True)]
     if v0 not in (p.v1, p.v2):
         boundary, mode = 0, 1 + (v0 > p.v1) + (v0 > p.v2)
     else:

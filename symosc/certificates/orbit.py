@@ -43,7 +43,6 @@ from symosc.certificates.certificate import Certificate, confirmed, events_of
 from symosc.certificates.flow import Curve, Flight, Oscillator, holding_force
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
-from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.words import Word
 
 MOST_POLISHINGS = 12
@@ -363,11 +362,6 @@ class Stability(NamedTuple):
 
 
 # -- the proof ---------------------------------------------------------------------------------------------------------
-
-
-def prove_orbit(orbit: PeriodicOrbit) -> Certificate:
-    """Prove a periodic orbit; see `symosc.certify`."""
-    return certify_orbit(orbit.parameters, orbit.labels, orbit.periods, orbit.points)
 
 
 def certify_orbit(

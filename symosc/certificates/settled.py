@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 from flint import arb, arb_mat
 
-from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends, known_to, working_bits
+from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends, working_bits
 from symosc.certificates.certificate import Certificate, confirmed, events_of
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.motion import ON_A_BELT, Moving, ProvenEvent, begin, next_event
@@ -83,7 +83,7 @@ def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
         if v0 not in (p.v1, p.v2) or task.errors[2]:
             raise
     boundary = 1 if v0 == p.v1 else 2
-    t, x = (known_to(c, e) for c, e in zip((t0, x0), task.errors, strict=False))
+    t, x = (around(ball(c), ball(e)) for c, e in zip((t0, x0), task.errors, strict=False))
     low, high = (o.force(domain, t, x, o.speed[boundary]) for domain in (boundary, boundary + 1))
     slope = -(o.km * o.speed[boundary] + o.drive * (o.Omega * t).sin())
     domain = boundary if slope < 0 else boundary + 1
@@ -92,7 +92,7 @@ def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
     force = low if slope < 0 else high
     lasts = task.errors[0] + _decimal_above(2 * abs(force).upper() / abs(slope).lower())
     reached = x + arb(0, (abs(o.speed[boundary]) * ball(2 * lasts)).upper())
-    return Moving(domain, boundary, StateSet.of([known_to(t0, lasts), reached])), t0 + lasts
+    return Moving(domain, boundary, StateSet.of([around(ball(t0), ball(lasts)), reached])), t0 + lasts
 
 
 def _decimal_above(value: Ball) -> Fraction:
@@ -139,7 +139,7 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
     widths = [Fraction(one_digit(ball(size * w))) for w in shape]
     if max(widths) > NEAR_ARRIVAL:
         return None
-    box = StateSet.of([known_to(c, w) for c, w in zip(middle, widths, strict=True)])
+    box = StateSet.of([around(ball(c), ball(w)) for c, w in zip(middle, widths, strict=True)])
     states, events = [box], []
     late = box.hull()[0] + (turns + 1) * closing.turn
     for event, after in _followed(closing.oscillator, Moving(state.mode, state.boundary, box), late, n * turns):

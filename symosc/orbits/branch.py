@@ -33,6 +33,7 @@ from symosc.orbits.admissibility import MARGINAL, Condition, conditions, failure
 from symosc.orbits.closing_equations import solve
 from symosc.orbits.curve import BranchPoint, Curve, no_margin_vanishes, word_beyond
 from symosc.orbits.find import find_orbit
+from symosc.orbits.floquet import NEAR_ONE
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike
 from symosc.words import WordLike, read_word
@@ -157,10 +158,12 @@ class Branch(Drawable):
         self.word, self.labels, self.periods, self.parameter = orbit.word, orbit.labels, orbit.periods, parameter
         self.ends = ends
         self.values = np.array([point.value for point in path])
-        Omegas = self.values if parameter == "Omega" else np.full(len(path), float(orbit.parameters.Omega))
-        self.points = np.array([point.times(Omega) for point, Omega in zip(path, Omegas, strict=True)])
+        Omega = self.values if parameter == "Omega" else np.full(len(path), float(orbit.parameters.Omega))
+        x, theta = np.moveaxis(np.array([point.points for point in path]), -1, 0)
+        self.points = np.stack([theta / Omega[:, None], x], axis=-1)
         self.multipliers = np.array([point.multipliers for point in path])
-        self.stable = np.array([self.parameters(i).c > 0 or point.stable for i, point in enumerate(path)])
+        damped = np.array([self.parameters(i).c > 0 for i in range(len(path))])
+        self.stable = damped | (np.abs(self.multipliers).max(axis=1) < 1 - NEAR_ONE)
 
     @public
     def parameters(self, i: int) -> Parameters:
@@ -462,7 +465,7 @@ def _inside(curve: Curve, last: BranchPoint) -> BranchPoint:
 def _switchings(curve: Curve, point: BranchPoint) -> tuple[SwitchingPoint, ...]:
     """Return the switching points of a branch point as (t, x)."""
     Omega = point.value if curve.parameter == "Omega" else float(curve.orbit.parameters.Omega)
-    return tuple(SwitchingPoint(float(t), float(x)) for t, x in point.times(Omega))
+    return tuple(SwitchingPoint(float(theta / Omega), float(x)) for x, theta in point.points)
 
 
 def _read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[float, float]:

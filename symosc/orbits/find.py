@@ -22,7 +22,7 @@ from symosc.mappings.numbers import text_or_booleans
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, Condition, failures, grazing_distance
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Solution, polish, solve
-from symosc.orbits.floquet import inside, monodromy, multipliers, rest_positions
+from symosc.orbits.floquet import inside, monodromy, rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike
 from symosc.simulation.ensemble import simulate_many
@@ -216,8 +216,7 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
             best = tuple(switching_points(equations, solution.points))
             raise ConvergenceError(word, best, equations.periods, float(solution.residual), solution.reason)
         steps += solution.steps
-    flow = monodromy(final, solution.points)
-    first, second = multipliers(flow.trace, flow.determinant, final.complex_root)
+    first, second = monodromy(final, solution.points).multipliers
 
     def rounded(value: Number) -> Number:
         return value if digits is None else +mp_context(digits).convert(value)
@@ -281,8 +280,12 @@ def _instead(equations: ClosingEquations, resting: bool = False) -> str:
         positions = rest_positions(equations.parameters, boundary)
         if positions is not None:
             return f"; the mass stays on belt {boundary}, {rest_interval_text(positions)}"
-    found = settling_text(equations, largest_displacement(equations)[0], 0.0, equations.pieces[0].start)
-    return f"; {found}" if found else ""
+    centre, _ = largest_displacement(equations)
+    passages, rests = follow(equations, centre, 0.0, equations.pieces[0].start, SETTLING_EVENTS)
+    word = settled_word(equations, passages)
+    if word is not None:
+        return f"; the motion settles to {word}"
+    return f"; {resting_text(equations, passages[-1].mode)}" if rests else ""
 
 
 def switching_points(equations: ClosingEquations, points: Points) -> list[SwitchingPoint]:
@@ -313,8 +316,8 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
         raise ParameterError("guess", shape, f"must be {n} pairs (t, x), one for each switching, or one to start from")
     theta = Omega * values[:, 0]
     if len(values) == 1:
-        run = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
-        found = windows(run.passages, equations.word.labels, periods, largest_displacement(equations)[1])
+        passages, _ = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
+        found = windows(passages, equations.word.labels, periods, largest_displacement(equations)[1])
         if not found:
             raise ParameterError("guess", guess, "the motion from there never follows the word; give all switchings")
         return min(found, key=lambda each: each.defect)
@@ -347,15 +350,8 @@ class Guess(NamedTuple):
     defect: float
 
 
-class WordRun(NamedTuple):
-    """A simulation from a start on a belt: the start, its events, and the last step's code."""
-
-    passages: list[Passage]
-    code: int
-
-
-def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> WordRun:
-    """Follow the motion from a start on a belt for at most `most` events in doubles."""
+def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> tuple[list[Passage], bool]:
+    """Return start and events, `most` at most, of the motion from a belt in doubles, and whether it comes to rest."""
     K, turns = equations.K, int(theta // (2 * pi))
     start = belt_start(boundary, x, (sin(theta), cos(theta)), equations.arithmetic)
     angle = theta - 2 * pi * turns
@@ -367,7 +363,7 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
             passages.append(Passage(state.x, 2 * pi * state.n + state.theta, belt_met, state.mode))
         if code in (END, REST, FAILED) or len(passages) > most:
             break
-    return WordRun(passages, code)
+    return passages, code == REST
 
 
 def mappings_between(passages: list[Passage]) -> list[str | None]:
@@ -375,14 +371,14 @@ def mappings_between(passages: list[Passage]) -> list[str | None]:
     return [MAP_LABELS.get((a.boundary, MODE_NAMES[a.mode], b.boundary)) for a, b in pairwise(passages)]
 
 
-def settled_word(equations: ClosingEquations, run: WordRun) -> Word | None:
+def settled_word(equations: ClosingEquations, passages: list[Passage]) -> Word | None:
     """Return the word of the periodic motion to which a simulation settles, or None if it does not soon.
 
     It begins with the first mapping of the equations' word if it has that.
     """
-    labels, last = mappings_between(run.passages), run.passages[-1]
+    labels, last = mappings_between(passages), passages[-1]
     for n in range(1, len(labels) // 2):
-        before = run.passages[-1 - n]
+        before = passages[-1 - n]
         turn = last.theta - before.theta
         if turn > 2 * pi + SETTLED:
             break
@@ -399,18 +395,8 @@ def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
     return Word(labels[begin:] + labels[:begin])
 
 
-def settling_text(equations: ClosingEquations, x: float, theta: float, boundary: int) -> str:
-    """Describe where the motion from a start on a belt settles; "" if it has not settled soon."""
-    run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
-    word = settled_word(equations, run)
-    if word is not None:
-        return f"the motion settles to {word}"
-    return resting_text(equations, run) if run.code == REST else ""
-
-
-def resting_text(equations: ClosingEquations, run: WordRun) -> str:
-    """Describe where a motion without further events comes to rest."""
-    mode = run.passages[-1].mode
+def resting_text(equations: ClosingEquations, mode: int) -> str:
+    """Describe where a motion without further events in a mode comes to rest."""
     if mode <= 3:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
     positions = rest_positions(equations.parameters, mode - 3)
@@ -464,8 +450,8 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
     for k in range(0, len(starts), BATCH):
         found: list[Guess] = []
         for x, theta, boundary in starts[k : k + BATCH]:
-            run = follow(equations, x, theta, boundary, most)
-            found += windows(run.passages, equations.word.labels, periods, size)
+            passages, _ = follow(equations, x, theta, boundary, most)
+            found += windows(passages, equations.word.labels, periods, size)
         yield sorted(found, key=lambda guess: guess.defect)
 
 

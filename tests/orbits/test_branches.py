@@ -67,7 +67,7 @@ def test_branches_are_equal_by_what_they_say() -> None:
 def hand_made(rng: np.random.Generator, value: float, n: int = 2) -> BranchPoint:
     """Return a point with random switchings and multipliers."""
     both = tuple(complex(*rng.uniform(-1.2, 1.2, 2)) for _ in range(2))
-    return BranchPoint(value, rng.uniform(-5, 5, (n, 2)), np.zeros(2 * n + 1), 0.0, 0.0, both, (), ())  # type: ignore[arg-type]
+    return BranchPoint(value, rng.uniform(-5, 5, (n, 2)), np.zeros(2 * n + 1), both, (), ())  # type: ignore[arg-type]
 
 
 @pytest.mark.quick(1)
