@@ -195,15 +195,10 @@ def violated(closing: ClosingBalls, values: Values) -> Violation | None:
         for margin in closing.margins(i, values):
             tau = _below(margin, spans[i]) if spans[i] > 0 else None
             if tau is not None:
-                leaves = _first_sign(margin)
-                kind = "birth of a slip" if piece.sticks else "grazing" if leaves > 0 else "vanishing of a slip"
+                leaves = margin.curve(arb(0))[1 + margin.at_start] > 0
+                kind = "birth of a slip" if piece.sticks else "grazing" if leaves else "vanishing of a slip"
                 return Violation(margin.what, values[2 * i] + tau, kind)
     return None
-
-
-def _first_sign(margin: Margin) -> int:
-    """Return the initial sign of a margin: that of g, g' or g'', by its zeros at the start; 0 if undecided."""
-    return sure_sign(margin.curve(arb(0))[1 + margin.at_start])
 
 
 def _below(margin: Margin, span: Ball) -> Ball | None:
@@ -219,22 +214,15 @@ def _below(margin: Margin, span: Ball) -> Ball | None:
             break
         tau = following
     near = [last * arb(2) ** -power for power in range(8, MOST_NEAR)]  # right after the start, right before the end
-    near = near if _first_sign(margin) < 0 else [last - each for each in near]
+    near = near if curve(arb(0))[1 + margin.at_start] < 0 else [last - each for each in near]
     return next((each for each in near if curve(each).g < 0), None)
 
 
 class ProvenEnd(NamedTuple):
-    """A branch end: its kind, a value inside with all inequalities true, one outside with one false.
+    """A branch end: a value inside with all inequalities true, and what its row in the file says."""
 
-    And that inequality, the time at which it fails, and the family of the roots between the two values.
-    """
-
-    kind: str
     inside: Fraction
-    outside: Fraction
-    inequality: str = ""
-    at: str = ""
-    family: Family | None = None
+    row: Record
 
 
 # -- the branch --------------------------------------------------------------------------------------------------------
@@ -287,7 +275,7 @@ class BranchProver:
         That all inequalities hold on its inner side is proven with the branch.
         """
         if kind == END_OF_RANGE:
-            return ProvenEnd(kind, value, value)
+            return ProvenEnd(value, {"kind": kind, "inside": show(value), "outside": show(value)})
         width = Fraction(10) ** floor(log10(END_WIDTH * max(abs(value), self.ends[1][1] - self.ends[0][1])))
         value = round(value / width) * width
         inside, outside = value - side * width, value + side * width
@@ -299,7 +287,8 @@ class BranchProver:
         if broken is None:
             raise Undecided(f"which inequality fails beyond the {kind} at {self.name} = {float(value):.12g}")
         at = broken.t.mid().str(BRANCH_DIGITS, radius=False)
-        return ProvenEnd(broken.kind, inside, outside, broken.text, at, family)
+        row = {"kind": broken.kind, "inside": show(inside), "outside": show(outside)}
+        return ProvenEnd(inside, row | {"inequality": broken.text, "at": at} | _points(family))
 
     def _cover(self, low: Fraction, high: Fraction, progress: Callable[[float], None] | None) -> None:
         """Prove the orbits for all values from low to high, by intervals of adapted widths.
@@ -344,11 +333,7 @@ class BranchProver:
             "word": str(self.word),
             "periods": self.periods,
             "stable": stable,
-            "ends": [
-                {"kind": end.kind, "inside": show(end.inside), "outside": show(end.outside)}
-                | ({} if end.family is None else {"inequality": end.inequality, "at": end.at} | _points(end.family))
-                for end in ends
-            ],
+            "ends": [end.row for end in ends],
             "events": events,
             "boxes": [{"value": [show(each.low), show(each.high)]} | _points(each) for each in self.families],
         }

@@ -35,9 +35,8 @@ from symosc.certificates.balls import (
     working_bits,
 )
 from symosc.certificates.certificate import Certificate, confirmed, events_of
-from symosc.certificates.contact import fenced, first_zero
 from symosc.certificates.flow import Flight, Jet, Oscillator
-from symosc.certificates.motion import Moving, ProvenEvent, begin, belts_around, next_event
+from symosc.certificates.motion import Moving, ProvenEvent, begin, belts_around, fenced, first_zero, next_event
 from symosc.exact import show
 from symosc.model import MODE_NAMES, Parameters
 

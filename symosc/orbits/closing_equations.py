@@ -17,6 +17,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 from typing import Any
 
@@ -127,7 +128,6 @@ class ClosingEquations:
 
     def __init__(self, parameters: Parameters, word: Word, periods: int, digits: int | None = None) -> None:
         self.parameters, self.word, self.periods = parameters, word, periods
-        self._coarse: ClosingEquations | None = None
         self.pieces = pieces_of(word)
         self.arithmetic = Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits)
         self.K = self.arithmetic.K
@@ -139,19 +139,14 @@ class ClosingEquations:
         self.sin, self.cos, self.exp = maths.sin, maths.cos, maths.exp
         self.complex_root = cmath.sqrt if digits is None else lambda value: maths.mpc(maths.sqrt(value))
 
-    @property
+    @cached_property
     def coarse(self) -> ClosingEquations:
         """The same equations in double precision."""
-        if self.exact is None:
-            return self
-        self._coarse = self._coarse or ClosingEquations(self.parameters, self.word, self.periods)
-        return self._coarse
+        return self if self.exact is None else ClosingEquations(self.parameters, self.word, self.periods)
 
     def with_digits(self, digits: int) -> ClosingEquations:
         """Return the same equations with that many digits."""
-        finer = ClosingEquations(self.parameters, self.word, self.periods, digits)
-        finer._coarse = self.coarse
-        return finer
+        return ClosingEquations(self.parameters, self.word, self.periods, digits)
 
     def ends(self, points: Points) -> list[Point]:
         """Return the points (x, theta) that the pieces end on."""

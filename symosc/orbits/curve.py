@@ -189,14 +189,9 @@ class Curve:
         tangent = np.linalg.solve(np.vstack([matrix, self.level(along)]), np.append(np.zeros(len(z) - 1), 1.0))
         first, second = monodromy(equations, points).multipliers
         margins = tuple(conditions(equations, points))
-        return BranchPoint(
-            value,
-            points,
-            tangent / np.linalg.norm(self.level(tangent)),
-            (complex(first), complex(second)),
-            margins,
-            tuple(failing(list(margins))),
-        )
+        tangent /= np.linalg.norm(self.level(tangent))
+        both = (complex(first), complex(second))
+        return BranchPoint(value, points, tangent, both, margins, tuple(failing(list(margins))))
 
     def first(self, direction: float) -> BranchPoint:
         """Return the given first point, with its tangent towards larger or smaller values."""
