@@ -1,13 +1,12 @@
 """Ball arithmetic: python-flint's arb, exact input, certain signs, decimals rounded outward; sets of states.
 
-The working precision of arb is global to the process. It is set with `working_bits`, which restores it; nothing here
-may run in threads.
+The working precision of arb is global to the process. `ctx.workprec` sets and restores it; nothing here may run in
+threads.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
 from fractions import Fraction
@@ -18,7 +17,7 @@ from symosc.errors import MissingExtraError
 
 try:
     from flint import __version__ as FLINT_VERSION
-    from flint import arb, ctx, fmpq
+    from flint import arb, fmpq
 except ImportError:
     raise MissingExtraError("certify", "certify") from None
 
@@ -46,17 +45,6 @@ class Undecided(Exception):
     def place(self) -> str:
         """Return " near t = ...", or ""."""
         return "" if self.near is None else f" near t = {self.near.mid().str(15, radius=False)}"
-
-
-@contextmanager
-def working_bits(bits: int) -> Iterator[None]:
-    """Set the working precision in bits, and restore the previous one at the end of the block."""
-    before = ctx.prec
-    ctx.prec = bits
-    try:
-        yield
-    finally:
-        ctx.prec = before
 
 
 def made_by(bits: int) -> dict[str, Any]:

@@ -28,7 +28,7 @@ from typing import NamedTuple
 from flint import arb, arb_series, ctx
 
 from symosc.aliases import Record
-from symosc.certificates.balls import Ball, Undecided, ball, made_by, outward, sure_sign, working_bits
+from symosc.certificates.balls import Ball, Undecided, ball, made_by, outward, sure_sign
 from symosc.certificates.certificate import Certificate, confirmed
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.orbit import ClosingBalls, Margin, Values, column, switchings, unit_matrix
@@ -64,10 +64,17 @@ GivenEnd = tuple[str, Fraction, Values]
 
 
 class Family:
-    """The closing equations of one word over an interval of one parameter, and their roots there."""
+    """The closing equations of one word over an interval of one parameter, and their roots there, proven."""
 
     def __init__(
-        self, p: Parameters, name: str, low: Fraction, high: Fraction, pieces: tuple[OrbitPiece, ...], periods: int
+        self,
+        p: Parameters,
+        name: str,
+        low: Fraction,
+        high: Fraction,
+        pieces: tuple[OrbitPiece, ...],
+        periods: int,
+        near: Values,
     ) -> None:
         self.p, self.name, self.pieces, self.periods = p.replace(**{name: (low + high) / 2}), name, pieces, periods
         self.low, self.high, self.middle = low, high, ball((low + high) / 2)
@@ -75,15 +82,13 @@ class Family:
         self.change = self.range - self.middle
         self.thin = ClosingBalls(Oscillator(self.p), pieces, periods)
         self.wide = ClosingBalls(Oscillator(self.p, {name: self.range}), pieces, periods)
-        #: Set by `prove`: the curve, the tube around it, balls in which the root is the only one for every value of the
-        #: parameter, enclosures of all roots.
-        self.curve: list[Values] = []
-        self.tube: Values = []
-        self.stated: Values = []
-        self.points: Values = []
+        self._prove(near)
 
-    def prove(self, near: Values) -> None:
-        """Prove that there is one root for every value of the parameter, or raise Undecided."""
+    def _prove(self, near: Values) -> None:
+        """Prove that there is one root for every value of the parameter, or raise Undecided.
+
+        It sets the curve, the tube around it, balls in which each root is the only one, and enclosures of all roots.
+        """
         start = self.thin.polished(near)
         try:
             Y = self.thin.jacobian(start).mid().inv().mid()
@@ -253,7 +258,7 @@ class BranchProver:
 
     def certificate(self, progress: Callable[[float], None] | None = None) -> Certificate:
         """Prove every orbit between the ends, and the ends."""
-        with working_bits(BRANCH_BITS):
+        with ctx.workprec(BRANCH_BITS):
             try:
                 low, high = (self._end(*end, side) for side, end in zip((-1, 1), self.ends, strict=True))
                 self._cover(low.inside, high.inside, progress)
@@ -265,9 +270,7 @@ class BranchProver:
 
     def _family(self, low: Fraction, high: Fraction, near: Values) -> Family:
         """Return the family of roots between two parameter values."""
-        family = Family(self.p, self.name, low, high, self.pieces, self.periods)
-        family.prove(near)
-        return family
+        return Family(self.p, self.name, low, high, self.pieces, self.periods, near)
 
     def _end(self, kind: str, value: Fraction, near: Values, side: int) -> ProvenEnd:
         """Prove an end: one root for all values around it, and an inequality that fails beyond it.

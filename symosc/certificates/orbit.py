@@ -38,7 +38,7 @@ from typing import NamedTuple
 from flint import arb, arb_mat, ctx
 
 from symosc.aliases import Number, Record
-from symosc.certificates.balls import Ball, Undecided, exact_ends, made_by, outward, sure_sign, working_bits
+from symosc.certificates.balls import Ball, Undecided, exact_ends, made_by, outward, sure_sign
 from symosc.certificates.certificate import Certificate, confirmed, events_of
 from symosc.certificates.flow import Curve, Flight, Oscillator, holding_force
 from symosc.model import MODE_NAMES, Parameters
@@ -371,7 +371,7 @@ def certify_orbit(
     word, bits = Word(labels), LEAST_ORBIT_BITS
     near = [_exact(each) for point in points for each in point]
     while True:
-        with working_bits(bits):
+        with ctx.workprec(bits):
             try:
                 closing = ClosingBalls(Oscillator(p), pieces_of(word), periods)
                 root, stability = _prove_with_word(closing, near)
@@ -485,15 +485,5 @@ def _certificate(
         "stable": stability.stable,
     }
     enclosures = [outward(value, POINT_DIGITS) for value in points]
-    return confirmed(
-        Certificate(
-            "orbit",
-            True,
-            "",
-            events=events_of(rows),
-            points=tuple(zip(enclosures[::2], enclosures[1::2], strict=True)),
-            multipliers=pairs,
-            stable=stability.stable,
-            statement=statement,
-        )
-    )
+    both = tuple(zip(enclosures[::2], enclosures[1::2], strict=True))
+    return confirmed(Certificate("orbit", True, "", events_of(rows), both, pairs, stability.stable, statement))

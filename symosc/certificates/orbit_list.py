@@ -25,8 +25,6 @@ from symosc.simulation.simulate import simulate
 from symosc.words import MAPS, read_word
 
 ORBITS_PER_TASK = 25
-#: A simulation from a listed start goes on for this part of a period after it.
-BEYOND = 0.01
 
 
 class ListedOrbit(NamedTuple):
@@ -56,7 +54,7 @@ class ListedOrbit(NamedTuple):
         """Return approximate switching points (t, x), simulated from the first one."""
         labels, p = read_word(self.word).labels, self.p
         v0 = p.belt(MAPS[labels[0]].start.boundary)
-        end = self.t + 2 * math.pi / float(p.Omega) * (1 + BEYOND)
+        end = self.t + 2.02 * math.pi / float(p.Omega)  # a little more than a period
         events = simulate(p, t0=self.t, x0=self.x, v0=v0, t_end=end, max_events=len(labels)).events
         return [(self.t, self.x), *((event.t, event.x) for event in events)][: len(labels)]
 

@@ -18,9 +18,9 @@ from fractions import Fraction
 from math import floor
 from typing import NamedTuple
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, ctx
 
-from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends, working_bits
+from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends
 from symosc.certificates.certificate import Certificate, confirmed, events_of
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.motion import ON_A_BELT, Moving, ProvenEvent, begin, next_event
@@ -54,7 +54,7 @@ class Cycle(NamedTuple):
 
 def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
     """Prove all events of a motion until t_end that repeat from some event on as it approaches an orbit."""
-    with working_bits(SETTLED_BITS):
+    with ctx.workprec(SETTLED_BITS):
         closing = ClosingBalls(Oscillator(task.p), pieces_of(Word(orbit.labels)), orbit.periods)
         before: list[ProvenEvent] = []
         try:

@@ -284,10 +284,15 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
         return [] if wrong is None else _undecided(found) or [wrong]
     decided = conditions(fine, root.points)
     failed = failing([c._replace(value=0.0) if abs(c.value) < NOTHING_LEFT * c.scale else c for c in decided])
-    if failed or any(engine_contradiction(fine, root.points, digits) is None for digits in ENGINE_DIGITS):
+    if failed:
         return failed
-    wrong = engine_contradiction(equations, points) or engine_contradiction(fine, root.points, ENGINE_DIGITS[-1])
-    return [wrong] if wrong else []
+    found = []
+    for digits in ENGINE_DIGITS:
+        wrong = engine_contradiction(fine, root.points, digits)
+        if wrong is None:
+            return []
+        found.append(wrong)
+    return [engine_contradiction(equations, points) or found[-1]]
 
 
 def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:

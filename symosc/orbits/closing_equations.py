@@ -341,19 +341,20 @@ def polish(equations: ClosingEquations, points: Points) -> Solution:
             for row in range(2):
                 for column in range(4):
                     matrix[2 * i + row, (2 * i + column) % (2 * n)] += block[row][column]
+        largest = max(map(abs, values))
         try:
             step = context.lu_solve(matrix, context.matrix([-value for value in values]))
         except ZeroDivisionError:
-            return Solution(points, max(map(abs, values)), steps, False, SINGULAR)
+            return Solution(points, largest, steps, False, SINGULAR)
         size = max(abs(value) for value in step)
         settled = max(1, max(abs(value) for point in points for value in point))
         if not context.isfinite(size) or size > settled:
-            return Solution(points, max(map(abs, values)), steps, False, "the corrections grow in more digits")
+            return Solution(points, largest, steps, False, "the corrections grow in more digits")
         points = [(x + step[2 * i], theta + step[2 * i + 1]) for i, (x, theta) in enumerate(points)]
         if size <= 16 * context.eps * settled or (size >= last / 4 and size < context.eps**POLISHED * settled):
             return Solution(points, equations.largest_residual(points), steps, True, "")
         linear = linear + 1 if size > last / 16 else 0
         if linear > MOST_LINEAR:
-            return Solution(points, max(map(abs, values)), steps, False, "a multiple root")
+            return Solution(points, largest, steps, False, "a multiple root")
         last = size
-    return Solution(points, max(map(abs, values)), MOST_POLISHING, False, "not converged in more digits")
+    return Solution(points, largest, MOST_POLISHING, False, "not converged in more digits")

@@ -17,7 +17,7 @@ from oracle import simulate_oracle
 from problems import FAMILIES, ordinary
 
 from symosc import Certificate, Parameters, Scene, certify, find_orbit, grazing_start, load_scene, simulate
-from symosc.certificates.balls import Undecided, ball, exact_ends, working_bits
+from symosc.certificates.balls import Undecided, ball, exact_ends
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.motion import ON_A_BELT, begin, next_event
 from symosc.certificates.settled import prove_settled
@@ -29,7 +29,7 @@ from symosc.reference.cases import hard_cases
 
 def test_a_motion_begins_as_the_engine_says() -> None:
     rng, modes = random.Random(5), set()
-    with working_bits(128):
+    with ctx.workprec(128):
         for _ in range(200):
             p, start = ordinary(rng)
             t0, x0 = Fraction(start["t0"]), Fraction(start["x0"])
@@ -56,7 +56,7 @@ def test_a_force_that_is_exactly_0_at_the_start(k: int, B0: int, v1: int, domain
         x0 = p.A(domain) + p.B0 - p.c * p.v1
     else:
         p = p.replace(A0=p.A0 - (p.A(domain) + p.B0 - p.c * p.v1))
-    with working_bits(128):
+    with ctx.workprec(128):
         state = begin(Oscillator(p), (Fraction(0), x0, p.v1), EXACT)
     run = simulate_oracle(p, 0, x0, p.v1, Fraction(1, 1000))
     first = run.events[0].source if run.events else run.mode
@@ -85,7 +85,7 @@ def test_sets_of_starts_contain_the_events_of_their_points(family: str) -> None:
         if v0 in (p.v1, p.v2):
             continue
         error, found = Fraction(1, 10**9), []
-        with working_bits(192):
+        with ctx.workprec(192):
             problem = Oscillator(p)
             state = begin(problem, (t0, x0, v0), (error,) * 3)
             for _ in range(4):

@@ -26,7 +26,7 @@ from orbit_mutants import ORBIT_CHANGES, WINDOW_CHANGES, orbit_is_true, window_i
 
 import symosc.certificates.verify_orbits as checker
 from symosc import Parameters, Scene, certify, continue_orbit, find_orbit, load_scene
-from symosc.certificates.balls import ball, outward, working_bits
+from symosc.certificates.balls import ball, outward
 from symosc.certificates.flow import Flight, Oscillator
 from symosc.certificates.motion import zero_in
 from symosc.certificates.orbit_list import listed_orbits
@@ -181,7 +181,7 @@ def test_a_later_contact_of_the_same_flight_is_not_the_next_event() -> None:
     scene = Scene("later", SWING, Fraction(0), Fraction(-3), Fraction(-1), Fraction(9))
     whole = certify(scene).as_dict()
     assert judged(whole)[0] == 0
-    with working_bits(200):
+    with ctx.workprec(200):
         o = Oscillator(SWING)
         flight = Flight(o, 1, arb(0), arb(-3), arb(-1))
         gap, times = flight.gap(1), [Fraction(i, 100) for i in range(901)]
