@@ -4,8 +4,7 @@ Modules, lowest layer first:
 
     balls           exact numbers as balls, certain signs, `Undecided`, decimals rounded outward; sets of states
     flow            the motion in one mode, enclosed; where the drift of a belt changes its sign (Theta_cr)
-    contact         the first zero of the gap to a belt; both exits of a stick
-    motion          `begin`, `next_event`: Theorems 4 and 5 on enclosures; exact grazes
+    motion          `begin`, `next_event`: the first zero of the gap to a belt, both exits of a stick; exact grazes
     trajectory      all events up to t_end, with as many bits as it takes; a graze of some start within its error
     settled         a motion that settles on an orbit: any number of periods by one of them
     orbit           an orbit: one root of its closing equations, the course of its word, its multipliers

@@ -1,13 +1,12 @@
 """Ball arithmetic: python-flint's arb, exact input, certain signs, decimals rounded outward; sets of states.
 
-The working precision of arb is global to the process. It is set with `working_bits`, which restores it; nothing here
-may run in threads.
+The working precision of arb is global to the process. `ctx.workprec` sets and restores it; nothing here may run in
+threads.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
 from fractions import Fraction
@@ -18,7 +17,7 @@ from symosc.errors import MissingExtraError
 
 try:
     from flint import __version__ as FLINT_VERSION
-    from flint import arb, ctx, fmpq
+    from flint import arb, fmpq
 except ImportError:
     raise MissingExtraError("certify", "certify") from None
 
@@ -48,17 +47,6 @@ class Undecided(Exception):
         return "" if self.near is None else f" near t = {self.near.mid().str(15, radius=False)}"
 
 
-@contextmanager
-def working_bits(bits: int) -> Iterator[None]:
-    """Set the working precision in bits, and restore the previous one at the end of the block."""
-    before = ctx.prec
-    ctx.prec = bits
-    try:
-        yield
-    finally:
-        ctx.prec = before
-
-
 def made_by(bits: int) -> dict[str, Any]:
     """Return the entry of a file that names the program and its version."""
     return {"made_by": f"symosc, python-flint {FLINT_VERSION}, {bits} bits"}
@@ -72,11 +60,6 @@ def ball(number: Fraction | int) -> Ball:
 def around(middle: Ball, radius: Ball) -> Ball:
     """Return the ball of all numbers within `radius` of those in `middle`."""
     return middle + arb(0, abs(radius).upper())
-
-
-def known_to(value: Fraction, error: Fraction) -> Ball:
-    """Return the ball of a number with an error bound."""
-    return ball(value) + arb(0, ball(error).upper())
 
 
 def sure_sign(value: Ball) -> int:
@@ -99,14 +82,8 @@ def size(value: Ball) -> float:
 
 def exact_ends(value: Ball) -> tuple[Fraction, Fraction]:
     """Return the ends of a ball as exact fractions, from its middle and radius."""
-    middle, radius = (_exact(part) for part in (value.mid(), value.rad()))
+    middle, radius = (Fraction(int(part.p), int(part.q)) for part in (value.mid().fmpq(), value.rad().fmpq()))
     return middle - radius, middle + radius
-
-
-def _exact(point: Ball) -> Fraction:
-    """Return a point ball as an exact fraction."""
-    mantissa, exponent = point.man_exp()
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
 def outward(value: Ball, digits: int) -> tuple[str, str]:

@@ -28,7 +28,7 @@ from typing import NamedTuple
 from flint import arb, arb_series, ctx
 
 from symosc.aliases import Record
-from symosc.certificates.balls import Ball, Undecided, ball, made_by, outward, sure_sign, working_bits
+from symosc.certificates.balls import Ball, Undecided, ball, made_by, outward, sure_sign
 from symosc.certificates.certificate import Certificate, confirmed
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.orbit import ClosingBalls, Margin, Values, column, switchings, unit_matrix
@@ -64,10 +64,17 @@ GivenEnd = tuple[str, Fraction, Values]
 
 
 class Family:
-    """The closing equations of one word over an interval of one parameter, and their roots there."""
+    """The closing equations of one word over an interval of one parameter, and their roots there, proven."""
 
     def __init__(
-        self, p: Parameters, name: str, low: Fraction, high: Fraction, pieces: tuple[OrbitPiece, ...], periods: int
+        self,
+        p: Parameters,
+        name: str,
+        low: Fraction,
+        high: Fraction,
+        pieces: tuple[OrbitPiece, ...],
+        periods: int,
+        near: Values,
     ) -> None:
         self.p, self.name, self.pieces, self.periods = p.replace(**{name: (low + high) / 2}), name, pieces, periods
         self.low, self.high, self.middle = low, high, ball((low + high) / 2)
@@ -75,15 +82,13 @@ class Family:
         self.change = self.range - self.middle
         self.thin = ClosingBalls(Oscillator(self.p), pieces, periods)
         self.wide = ClosingBalls(Oscillator(self.p, {name: self.range}), pieces, periods)
-        #: Set by `prove`: the curve, the tube around it, balls in which the root is the only one for every value of the
-        #: parameter, enclosures of all roots.
-        self.curve: list[Values] = []
-        self.tube: Values = []
-        self.stated: Values = []
-        self.points: Values = []
+        self._prove(near)
 
-    def prove(self, near: Values) -> None:
-        """Prove that there is one root for every value of the parameter, or raise Undecided."""
+    def _prove(self, near: Values) -> None:
+        """Prove that there is one root for every value of the parameter, or raise Undecided.
+
+        It sets the curve, the tube around it, balls in which each root is the only one, and enclosures of all roots.
+        """
         start = self.thin.polished(near)
         try:
             Y = self.thin.jacobian(start).mid().inv().mid()
@@ -195,15 +200,10 @@ def violated(closing: ClosingBalls, values: Values) -> Violation | None:
         for margin in closing.margins(i, values):
             tau = _below(margin, spans[i]) if spans[i] > 0 else None
             if tau is not None:
-                leaves = _first_sign(margin)
-                kind = "birth of a slip" if piece.sticks else "grazing" if leaves > 0 else "vanishing of a slip"
+                leaves = margin.curve(arb(0))[1 + margin.at_start] > 0
+                kind = "birth of a slip" if piece.sticks else "grazing" if leaves else "vanishing of a slip"
                 return Violation(margin.what, values[2 * i] + tau, kind)
     return None
-
-
-def _first_sign(margin: Margin) -> int:
-    """Return the initial sign of a margin: that of g, g' or g'', by its zeros at the start; 0 if undecided."""
-    return sure_sign(margin.curve(arb(0))[1 + margin.at_start])
 
 
 def _below(margin: Margin, span: Ball) -> Ball | None:
@@ -219,22 +219,15 @@ def _below(margin: Margin, span: Ball) -> Ball | None:
             break
         tau = following
     near = [last * arb(2) ** -power for power in range(8, MOST_NEAR)]  # right after the start, right before the end
-    near = near if _first_sign(margin) < 0 else [last - each for each in near]
+    near = near if curve(arb(0))[1 + margin.at_start] < 0 else [last - each for each in near]
     return next((each for each in near if curve(each).g < 0), None)
 
 
 class ProvenEnd(NamedTuple):
-    """A branch end: its kind, a value inside with all inequalities true, one outside with one false.
+    """A branch end: a value inside with all inequalities true, and what its row in the file says."""
 
-    And that inequality, the time at which it fails, and the family of the roots between the two values.
-    """
-
-    kind: str
     inside: Fraction
-    outside: Fraction
-    inequality: str = ""
-    at: str = ""
-    family: Family | None = None
+    row: Record
 
 
 # -- the branch --------------------------------------------------------------------------------------------------------
@@ -265,7 +258,7 @@ class BranchProver:
 
     def certificate(self, progress: Callable[[float], None] | None = None) -> Certificate:
         """Prove every orbit between the ends, and the ends."""
-        with working_bits(BRANCH_BITS):
+        with ctx.workprec(BRANCH_BITS):
             try:
                 low, high = (self._end(*end, side) for side, end in zip((-1, 1), self.ends, strict=True))
                 self._cover(low.inside, high.inside, progress)
@@ -277,9 +270,7 @@ class BranchProver:
 
     def _family(self, low: Fraction, high: Fraction, near: Values) -> Family:
         """Return the family of roots between two parameter values."""
-        family = Family(self.p, self.name, low, high, self.pieces, self.periods)
-        family.prove(near)
-        return family
+        return Family(self.p, self.name, low, high, self.pieces, self.periods, near)
 
     def _end(self, kind: str, value: Fraction, near: Values, side: int) -> ProvenEnd:
         """Prove an end: one root for all values around it, and an inequality that fails beyond it.
@@ -287,7 +278,7 @@ class BranchProver:
         That all inequalities hold on its inner side is proven with the branch.
         """
         if kind == END_OF_RANGE:
-            return ProvenEnd(kind, value, value)
+            return ProvenEnd(value, {"kind": kind, "inside": show(value), "outside": show(value)})
         width = Fraction(10) ** floor(log10(END_WIDTH * max(abs(value), self.ends[1][1] - self.ends[0][1])))
         value = round(value / width) * width
         inside, outside = value - side * width, value + side * width
@@ -299,7 +290,8 @@ class BranchProver:
         if broken is None:
             raise Undecided(f"which inequality fails beyond the {kind} at {self.name} = {float(value):.12g}")
         at = broken.t.mid().str(BRANCH_DIGITS, radius=False)
-        return ProvenEnd(broken.kind, inside, outside, broken.text, at, family)
+        row = {"kind": broken.kind, "inside": show(inside), "outside": show(outside)}
+        return ProvenEnd(inside, row | {"inequality": broken.text, "at": at} | _points(family))
 
     def _cover(self, low: Fraction, high: Fraction, progress: Callable[[float], None] | None) -> None:
         """Prove the orbits for all values from low to high, by intervals of adapted widths.
@@ -344,11 +336,7 @@ class BranchProver:
             "word": str(self.word),
             "periods": self.periods,
             "stable": stable,
-            "ends": [
-                {"kind": end.kind, "inside": show(end.inside), "outside": show(end.outside)}
-                | ({} if end.family is None else {"inequality": end.inequality, "at": end.at} | _points(end.family))
-                for end in ends
-            ],
+            "ends": [end.row for end in ends],
             "events": events,
             "boxes": [{"value": [show(each.low), show(each.high)]} | _points(each) for each in self.families],
         }

@@ -7,14 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from fractions import Fraction
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-from symosc.aliases import Number, NumberLike, SceneName, StartError
+from symosc.aliases import NumberLike, SceneName, StartError
 from symosc.arguments import public
-from symosc.certificates.certificate import Certificate, proven_rows
-from symosc.errors import MissingExtraError, ParameterError
+from symosc.certificates.certificate import Certificate
+from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_start_error
 from symosc.grazing.window import GrazingWindow
 from symosc.model import Parameters
@@ -97,9 +96,9 @@ def certify(
     if isinstance(what, Scene):
         return _motion(what, t_end, start_error, digits)
     if isinstance(what, PeriodicOrbit):
-        from symosc.certificates.orbit import prove_orbit
+        from symosc.certificates.orbit import certify_orbit
 
-        return prove_orbit(what)
+        return certify_orbit(what.parameters, what.labels, what.periods, what.points)
     if isinstance(what, Branch):
         from symosc.certificates.branch import prove_branch
 
@@ -131,38 +130,3 @@ def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any) -> Certific
         if settled.proven:
             return settled
     return prove_trajectory(task)
-
-
-class ProvenMiddle(NamedTuple):
-    """A proven event: the middles of its enclosures (at least 24 digits), kind and boundary."""
-
-    t: Number
-    x: Number
-    kind: str
-    boundary: int
-
-
-class Known(NamedTuple):
-    """The proven events of a scene; or none, and the reason why they are not proven."""
-
-    events: tuple[ProvenMiddle, ...]
-    reason: str = ""
-
-
-def known_events(scene: Scene) -> Known:
-    """Return the proven events of a scene as a reference for comparison, or why it has none.
-
-    Of a motion that settles on an orbit they are those of its last periods.
-    """
-    try:
-        certificate = certify(scene)
-    except MissingExtraError as error:
-        return Known((), str(error))
-    if not certificate.proven:
-        return Known((), certificate.message)
-
-    def middle(ends: list[str]) -> Fraction:
-        return sum(map(Fraction, ends), Fraction(0)) / 2
-
-    rows = proven_rows(certificate)
-    return Known(tuple(ProvenMiddle(middle(r["t"]), middle(r["x"]), r["kind"], r["boundary"]) for r in rows))

@@ -38,12 +38,11 @@ from typing import NamedTuple
 from flint import arb, arb_mat, ctx
 
 from symosc.aliases import Number, Record
-from symosc.certificates.balls import Ball, Undecided, exact_ends, made_by, outward, sure_sign, working_bits
+from symosc.certificates.balls import Ball, Undecided, exact_ends, made_by, outward, sure_sign
 from symosc.certificates.certificate import Certificate, confirmed, events_of
 from symosc.certificates.flow import Curve, Flight, Oscillator, holding_force
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
-from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.words import Word
 
 MOST_POLISHINGS = 12
@@ -365,11 +364,6 @@ class Stability(NamedTuple):
 # -- the proof ---------------------------------------------------------------------------------------------------------
 
 
-def prove_orbit(orbit: PeriodicOrbit) -> Certificate:
-    """Prove a periodic orbit; see `symosc.certify`."""
-    return certify_orbit(orbit.parameters, orbit.labels, orbit.periods, orbit.points)
-
-
 def certify_orbit(
     p: Parameters, labels: tuple[str, ...], periods: int, points: Sequence[tuple[Number, Number]]
 ) -> Certificate:
@@ -377,7 +371,7 @@ def certify_orbit(
     word, bits = Word(labels), LEAST_ORBIT_BITS
     near = [_exact(each) for point in points for each in point]
     while True:
-        with working_bits(bits):
+        with ctx.workprec(bits):
             try:
                 closing = ClosingBalls(Oscillator(p), pieces_of(word), periods)
                 root, stability = _prove_with_word(closing, near)
@@ -491,15 +485,5 @@ def _certificate(
         "stable": stability.stable,
     }
     enclosures = [outward(value, POINT_DIGITS) for value in points]
-    return confirmed(
-        Certificate(
-            "orbit",
-            True,
-            "",
-            events=events_of(rows),
-            points=tuple(zip(enclosures[::2], enclosures[1::2], strict=True)),
-            multipliers=pairs,
-            stable=stability.stable,
-            statement=statement,
-        )
-    )
+    both = tuple(zip(enclosures[::2], enclosures[1::2], strict=True))
+    return confirmed(Certificate("orbit", True, "", events_of(rows), both, pairs, stability.stable, statement))

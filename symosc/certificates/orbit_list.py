@@ -7,14 +7,13 @@ The other points are simulated from there; the proof takes them as a guess.
 from __future__ import annotations
 
 import csv
+import json
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from importlib.resources import files
 from multiprocessing import get_context
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from pebble import ProcessPool
@@ -26,8 +25,6 @@ from symosc.simulation.simulate import simulate
 from symosc.words import MAPS, read_word
 
 ORBITS_PER_TASK = 25
-#: A simulation from a listed start goes on for this part of a period after it.
-BEYOND = 0.01
 
 
 class ListedOrbit(NamedTuple):
@@ -53,15 +50,11 @@ class ListedOrbit(NamedTuple):
         digits = self.word[1:]
         return "P" + min(digits[i:] + digits[:i] for i in range(len(digits)))
 
-    def line(self) -> str:
-        """Return the orbit as a line of the list."""
-        return ",".join([*self.p.as_dict().values(), self.word, f"{self.t:.10g}", f"{self.x:.10g}"])
-
     def points(self) -> list[tuple[float, float]]:
         """Return approximate switching points (t, x), simulated from the first one."""
         labels, p = read_word(self.word).labels, self.p
         v0 = p.belt(MAPS[labels[0]].start.boundary)
-        end = self.t + 2 * math.pi / float(p.Omega) * (1 + BEYOND)
+        end = self.t + 2.02 * math.pi / float(p.Omega)  # a little more than a period
         events = simulate(p, t0=self.t, x0=self.x, v0=v0, t_end=end, max_events=len(labels)).events
         return [(self.t, self.x), *((event.t, event.x) for event in events)][: len(labels)]
 
@@ -98,48 +91,42 @@ def listed_orbits() -> tuple[ListedOrbit, ...]:
 def prove_list(
     orbits: Sequence[ListedOrbit] | None = None, workers: int = 2, progress: Callable[[int, int], None] | None = None
 ) -> Proven:
-    """Prove all orbits of a list (default: the shipped one) in processes: the precision of balls is global to each.
-
-    `progress` is called with how many orbits are done, and how many there are.
-    """
+    """Prove all orbits of a list (default: the shipped one); `progress`: how many are done, and how many there are."""
     orbits = listed_orbits() if orbits is None else orbits
-    return summary(orbits, _of_each(_prove_part, orbits, workers, progress))
+    answers = _in_processes(_prove_part, orbits, workers, progress)
+    proven = [orbit for orbit, answer in zip(orbits, answers, strict=True) if not answer]
+    regimes = dict(Counter(orbit.regime for orbit in proven))
+    return Proven(len(proven), regimes, len({orbit.cycle for orbit in proven}), tuple(filter(None, answers)))
 
 
 def verify_list(
     orbits: Sequence[ListedOrbit] | None = None, workers: int = 2, progress: Callable[[int, int], None] | None = None
 ) -> list[str]:
-    """Certify all orbits of a list and check each file; return for each "", or the reason of failure."""
-    return _of_each(_verify_part, listed_orbits() if orbits is None else orbits, workers, progress)
+    """Prove all orbits of a list and what their files say; return for each "", or the reason of failure."""
+    return _in_processes(_verify_part, listed_orbits() if orbits is None else orbits, workers, progress)
 
 
 def _prove_part(orbits: Sequence[ListedOrbit]) -> list[str]:
-    """Prove some orbits in one process; return for each "" if it is proven, else the reason."""
+    """Prove some orbits; return for each "" if it is proven, else the reason."""
     found = [orbit.prove() for orbit in orbits]
     return ["" if each.proven else each.message for each in found]
 
 
 def _verify_part(orbits: Sequence[ListedOrbit]) -> list[str]:
-    """Certify and check some orbits in one process; return for each "" or the reason of failure."""
-    from symosc.certificates.verify_orbits import verify
+    """Prove some orbits, and give the checker what their files say; return for each "" or the reason of failure."""
+    from symosc.certificates.verify_orbits import judge
 
-    answers = []
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "orbit.json"
-        for orbit in orbits:
-            orbit.prove().to_json(path)
-            code, line = verify(str(path))
-            answers.append(f"{orbit.word} at {orbit.p}: {line}" if code else "")
-    return answers
+    answers = [(orbit, *judge(json.loads(json.dumps(orbit.prove().as_dict())))) for orbit in orbits]
+    return [f"{orbit.word} at {orbit.p}: {line}" if code else "" for orbit, code, line in answers]
 
 
-def _of_each(
+def _in_processes(
     work: Callable[[Sequence[ListedOrbit]], list[str]],
     orbits: Sequence[ListedOrbit],
     workers: int,
     progress: Callable[[int, int], None] | None,
 ) -> list[str]:
-    """Return the result of `work` for each orbit, "" if it is proven."""
+    """Return the result of `work` for each orbit; in processes, as the precision of balls is global to each."""
     parts = [orbits[i : i + ORBITS_PER_TASK] for i in range(0, len(orbits), ORBITS_PER_TASK)]
     answers: list[str] = []
     with ProcessPool(max_workers=workers, context=get_context("spawn")) as pool:
@@ -148,10 +135,3 @@ def _of_each(
             if progress:
                 progress(len(answers), len(orbits))
     return answers
-
-
-def summary(orbits: Iterable[ListedOrbit], answers: Sequence[str]) -> Proven:
-    """Return the result of a list as text."""
-    proven = [orbit for orbit, answer in zip(orbits, answers, strict=True) if not answer]
-    regimes = dict(Counter(orbit.regime for orbit in proven))
-    return Proven(len(proven), regimes, len({orbit.cycle for orbit in proven}), tuple(filter(None, answers)))

@@ -18,9 +18,9 @@ from fractions import Fraction
 from math import floor
 from typing import NamedTuple
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, ctx
 
-from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends, known_to, working_bits
+from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends
 from symosc.certificates.certificate import Certificate, confirmed, events_of
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.motion import ON_A_BELT, Moving, ProvenEvent, begin, next_event
@@ -54,7 +54,7 @@ class Cycle(NamedTuple):
 
 def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
     """Prove all events of a motion until t_end that repeat from some event on as it approaches an orbit."""
-    with working_bits(SETTLED_BITS):
+    with ctx.workprec(SETTLED_BITS):
         closing = ClosingBalls(Oscillator(task.p), pieces_of(Word(orbit.labels)), orbit.periods)
         before: list[ProvenEvent] = []
         try:
@@ -83,22 +83,17 @@ def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
         if v0 not in (p.v1, p.v2) or task.errors[2]:
             raise
     boundary = 1 if v0 == p.v1 else 2
-    t, x = (known_to(c, e) for c, e in zip((t0, x0), task.errors, strict=False))
+    t, x = (around(ball(c), ball(e)) for c, e in zip((t0, x0), task.errors, strict=False))
     low, high = (o.force(domain, t, x, o.speed[boundary]) for domain in (boundary, boundary + 1))
     slope = -(o.km * o.speed[boundary] + o.drive * (o.Omega * t).sin())
     domain = boundary if slope < 0 else boundary + 1
     if not ((slope < 0 and high < 0) or (slope > 0 and low > 0)):
         raise Undecided("a force on the belt at the start", t)
     force = low if slope < 0 else high
-    lasts = task.errors[0] + _decimal_above(2 * abs(force).upper() / abs(slope).lower())
+    longest = exact_ends(2 * abs(force).upper() / abs(slope).lower())[1]
+    lasts = task.errors[0] + Fraction(floor(longest * 10**60) + 2, 10**60)  # a decimal of few digits above it
     reached = x + arb(0, (abs(o.speed[boundary]) * ball(2 * lasts)).upper())
-    return Moving(domain, boundary, StateSet.of([known_to(t0, lasts), reached])), t0 + lasts
-
-
-def _decimal_above(value: Ball) -> Fraction:
-    """Return a decimal of few digits that is greater than a small positive ball."""
-    unit = Fraction(1, 10**60)
-    return (floor(exact_ends(value)[1] / unit) + 2) * unit
+    return Moving(domain, boundary, StateSet.of([around(ball(t0), ball(lasts)), reached])), t0 + lasts
 
 
 def _followed(o: Oscillator, state: Moving, t_end: Ball, most: int) -> Iterator[tuple[ProvenEvent, Moving]]:
@@ -133,13 +128,14 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
             raise Undecided("a norm in which the orbit attracts")
     t, x = state.states.hull()
     gone = round(float((t - points[2 * i]) / closing.turn))
-    middle = [_rounded(points[2 * i] + gone * closing.turn), _rounded(points[2 * i + 1])]
+    about = points[2 * i] + gone * closing.turn, points[2 * i + 1]
+    middle = [Fraction(round(exact_ends(each)[0] * 10**60), 10**60) for each in about]
     off = [abs(value - ball(c)).upper() for value, c in zip((t, x), middle, strict=True)]
     size = max(LEAST_BOX, *(BOX_MARGIN * exact_ends(each / ball(w))[1] for each, w in zip(off, shape, strict=True)))
     widths = [Fraction(one_digit(ball(size * w))) for w in shape]
     if max(widths) > NEAR_ARRIVAL:
         return None
-    box = StateSet.of([known_to(c, w) for c, w in zip(middle, widths, strict=True)])
+    box = StateSet.of([around(ball(c), ball(w)) for c, w in zip(middle, widths, strict=True)])
     states, events = [box], []
     late = box.hull()[0] + (turns + 1) * closing.turn
     for event, after in _followed(closing.oscillator, Moving(state.mode, state.boundary, box), late, n * turns):
@@ -153,11 +149,6 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
     if not (all(inside) and same):
         return None
     return Cycle((middle[0], middle[1]), (widths[0], widths[1]), turns, events, states)
-
-
-def _rounded(value: Ball) -> Fraction:
-    """Return a number rounded to a short exact one."""
-    return Fraction(round(exact_ends(value)[0] * 10**60), 10**60)
 
 
 def _derivative(closing: ClosingBalls, points: Values, i: int) -> arb_mat:
@@ -177,15 +168,6 @@ def _shape(D: arb_mat) -> tuple[Fraction, Fraction] | None:
         e = [each / max(e) for each in e]
     q = max(sum(a * b for a, b in zip(row, e, strict=True)) / each for row, each in zip(sizes, e, strict=True))
     return (Fraction(f"{e[0]:.2g}"), Fraction(f"{e[1]:.2g}")) if q < MOST_Q else None
-
-
-def _contraction(cycle: Cycle) -> Ball:
-    """Return the proven contraction factor q of a cycle."""
-    sums = [
-        sum((abs(d) * ball(w) for d, w in zip(row, cycle.widths, strict=True)), arb(0)) / ball(width)
-        for row, width in zip(cycle.states[-1].slopes, cycle.widths, strict=True)
-    ]
-    return sums[0].union(sums[1]).upper()
 
 
 def _certificate(
@@ -210,7 +192,13 @@ def _certificate(
     left = sum(bool(each + cycles * turn < t_end) for each in times[:-1]) - 1
     if left < 0 or not times[left] + cycles * turn < t_end < times[left + 1] + cycles * turn:
         raise Undecided("how many events there are until t_end")
-    q, last = _contraction(cycle), []
+    widths, last = [ball(width) for width in cycle.widths], []
+    reaches = [
+        [sum((abs(d) * w for d, w in zip(row, widths, strict=True)), arb(0)) for row in states.slopes]
+        for states in cycle.states
+    ]
+    sums = [reach / width for reach, width in zip(reaches[-1], widths, strict=True)]
+    q = sums[0].union(sums[1]).upper()
     if not q < 1:
         raise Undecided("a norm in which the orbit attracts")
     total = cycles * n + left
@@ -218,10 +206,7 @@ def _certificate(
         k, j = divmod(number, n)
         place = (i + j) % len(closing.pieces)
         about = before[-1] if j == 0 else cycle.events[j - 1]
-        spare = [
-            sum((abs(d) * 2 * ball(w) * q**k for d, w in zip(row, cycle.widths, strict=True)), arb(0))
-            for row in cycle.states[j].slopes
-        ]
+        spare = [2 * reach * q**k for reach in reaches[j]]
         gone = ((times[j] - points[2 * place]) / closing.turn).unique_fmpz()
         if gone is None:
             raise Undecided("how many periods an event of the cycle is behind that of the orbit")

@@ -32,12 +32,10 @@ from symosc.certificates.balls import (
     made_by,
     outward,
     size,
-    working_bits,
 )
 from symosc.certificates.certificate import Certificate, confirmed, events_of
-from symosc.certificates.contact import fenced, first_zero
 from symosc.certificates.flow import Flight, Jet, Oscillator
-from symosc.certificates.motion import Moving, ProvenEvent, begin, belts_around, next_event
+from symosc.certificates.motion import Moving, ProvenEvent, begin, belts_around, fenced, first_zero, next_event
 from symosc.exact import show
 from symosc.model import MODE_NAMES, Parameters
 
@@ -84,12 +82,12 @@ def prove_trajectory(task: ToProve) -> Certificate:
     """Prove all events of a motion until t_end; see `symosc.certify`."""
     bits, raises = _first_bits(task), 0
     while True:
-        with working_bits(bits):
+        with ctx.workprec(bits):
             proof = _follow(task)
             if proof.undecided is None:
                 return _certificate(task, proof, bits)
             if proof.undecided.graze is not None and not task.exact:
-                with working_bits(2 * bits):
+                with ctx.workprec(2 * bits):
                     grazing = _with_a_graze(task, proof, proof.undecided.graze)
                 if grazing.undecided is None:
                     return _certificate(task, grazing, bits)
@@ -116,9 +114,8 @@ def _log2(number: Fraction) -> int:
 
 def _follow(task: ToProve) -> Proof:
     """Return the events proven with the working precision."""
-    mode, events = "", []
+    mode, events, o = "", [], Oscillator(task.p)
     try:
-        o = Oscillator(task.p)
         state = begin(o, task.start, task.errors)
         mode = MODE_NAMES[state.mode]
         for event, _ in _events(o, state, task):
@@ -130,22 +127,19 @@ def _follow(task: ToProve) -> Proof:
 
 def _events(o: Oscillator, state: Moving, task: ToProve) -> Iterator[tuple[ProvenEvent, Moving]]:
     """Yield the proven events until t_end, and the states after each."""
-    t_end, count = ball(task.t_end), 0
-    while (following := next_event(o, state, t_end)) is not None:
+    t_end = ball(task.t_end)
+    for _ in range(MOST_PROVEN_EVENTS):
+        following = next_event(o, state, t_end)
+        if following is None:
+            return
         event, state = following
         if not event.t < t_end:
             raise Undecided("an event at the end", event.t)
-        if task.exact and not (_accurate(event.t, task.digits) and _accurate(event.x, task.digits)):
+        wanted = 10.0 ** (-task.digits - 1)
+        if task.exact and not all(size(it.rad()) < wanted * max(1.0, size(it)) for it in (event.t, event.x)):
             raise Undecided("the digits of an event", event.t)
         yield following
-        count += 1
-        if count >= MOST_PROVEN_EVENTS:
-            raise Undecided(f"what comes after {count} events", event.t)
-
-
-def _accurate(value: Ball, digits: int) -> bool:
-    """Return whether a ball has the wanted number of digits."""
-    return size(value.rad()) < 10.0 ** (-digits - 1) * max(1.0, size(value))
+    raise Undecided(f"what comes after {MOST_PROVEN_EVENTS} events", event.t)
 
 
 # -- a graze of some start ---------------------------------------------------------------------------------------------
@@ -342,7 +336,5 @@ def event_row(event: ProvenEvent, digits: int) -> Record:
 def _known(value: Ball, digits: int) -> int:
     """Return the number of digits of a ball, at most the given one."""
     low, high = exact_ends(value)
-    if low == high:
-        return digits
     scale = max(abs(low), abs(high), Fraction(1))
-    return min(digits, 2 + int((_log2(scale) - _log2(high - low)) * log10(2)))
+    return digits if low == high else min(digits, 2 + int((_log2(scale) - _log2(high - low)) * log10(2)))

@@ -15,9 +15,9 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from flint import arb
+from flint import arb, ctx
 
-from symosc.certificates.balls import Ball, ball, decided_sign, made_by, outward, working_bits
+from symosc.certificates.balls import Ball, ball, decided_sign, made_by, outward
 from symosc.certificates.certificate import Certificate, confirmed
 from symosc.exact import show
 from symosc.grazing.window import GrazingWindow
@@ -30,19 +30,14 @@ def prove_window(window: GrazingWindow) -> Certificate:
     """Prove a grazing window; see `symosc.certify`."""
     p, place = window.parameters, window.place
     bias, swing = place.side * p.k * p.belt(place.boundary), place.side * p.B0 * p.Omega
-    with working_bits(WINDOW_BITS):
+    with ctx.workprec(WINDOW_BITS):
         where, ends = _where(bias, swing, window.order == "full")
         rows = [
             {"phase": list(outward(phase, WINDOW_PLACES)), "sine": show(sine), "cosine": cosine}
             for phase, sine, cosine in ends
         ]
-    statement = made_by(WINDOW_BITS) | {
-        "parameters": p.as_dict(),
-        "map": window.mapping,
-        "order": window.order,
-        "grazes": where,
-        "ends": rows,
-    }
+    about = {"parameters": p.as_dict(), "map": window.mapping, "order": window.order}
+    statement = made_by(WINDOW_BITS) | about | {"grazes": where, "ends": rows}
     return confirmed(Certificate("window", True, "", statement=statement))
 
 

@@ -17,7 +17,8 @@ the engine, always: no margin is too small or too large for that.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from contextlib import suppress
 from math import inf, pi
 from typing import NamedTuple
 
@@ -31,7 +32,6 @@ from symosc.kernels.entire_array import basis
 from symosc.model import MODE_NAMES, NEIGHBOURS
 from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, Solution, polish
 from symosc.simulation.simulate import simulate
-from symosc.simulation.trajectory import Event
 
 # A margin below this part of the terms that it is a difference of is decided in more digits ...
 MARGINAL = 1e-9
@@ -271,25 +271,28 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     small = any(abs(condition.value) < MARGINAL * condition.scale for condition in found)
     if not small and not ill_conditioned(equations, points):
         failed = failing(found)
-        if failed:
+        if failed or engine_contradiction(equations, points) is None:
             return failed
-        if engine_agrees(equations, points, None):
-            return []
-    fine, root = refined(equations, points)
+    fine, root = equations.with_digits(FINE_DIGITS), Solution(points, inf, 0, False, "a piece has no length")
+    with suppress(ZeroDivisionError, ValueError):  # a flight loses all its length on the way
+        root = polish(fine, points)
     if not root.converged:
         gone = _vanishing(equations, points, found, fine, root)
         if gone or small or failing(found):
             return gone or _undecided(found)
-        return (
-            [] if engine_agrees(equations, points, None) else _undecided(found) or [_contradiction(equations, points)]
-        )
+        wrong = engine_contradiction(equations, points)
+        return [] if wrong is None else _undecided(found) or [wrong]
     decided = conditions(fine, root.points)
     failed = failing([c._replace(value=0.0) if abs(c.value) < NOTHING_LEFT * c.scale else c for c in decided])
     if failed:
         return failed
-    if any(engine_agrees(fine, root.points, digits) for digits in ENGINE_DIGITS):
-        return []
-    return [_contradiction(equations, points)]
+    found = []
+    for digits in ENGINE_DIGITS:
+        wrong = engine_contradiction(fine, root.points, digits)
+        if wrong is None:
+            return []
+        found.append(wrong)
+    return [engine_contradiction(equations, points) or found[-1]]
 
 
 def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
@@ -305,15 +308,6 @@ def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
     except np.linalg.LinAlgError:
         return True
     return bool((np.abs(inverse[1::2]) @ np.array(rows)).max() * EPS > MARGINAL)
-
-
-def refined(equations: ClosingEquations, points: Points) -> tuple[ClosingEquations, Solution]:
-    """Return equations and root in FINE_DIGITS digits; `converged` says whether Newton's method finds it."""
-    fine = equations.with_digits(FINE_DIGITS)
-    try:
-        return fine, polish(fine, points)
-    except (ZeroDivisionError, ValueError):  # a flight lost all its length on the way
-        return fine, Solution(points, inf, 0, False, "a piece has no length")
 
 
 def _vanishing(
@@ -339,59 +333,38 @@ def _undecided(found: list[Condition]) -> list[Condition]:
     return [c._replace(text=c.text + text, value=0.0) for c in sorted(nearest, key=lambda c: c.rank)]
 
 
-def engine_agrees(equations: ClosingEquations, points: Points, digits: int | None) -> bool:
-    """Return whether the engine, started on the root, follows the word and returns after the period."""
-    _, events, due = _engine_events(equations, points, digits)
-    if len(events) < len(due):
-        return False
-    allowed, K = (SAME_POINT if digits is None else SAME_EXACTLY), equations.K
-    size = max(abs(float(x)) for x, _ in points) + float(K.period) * max(abs(float(K.belt1.v)), abs(float(K.belt2.v)))
-    for event, (boundary, target, x, t) in zip(events, due, strict=False):
-        if (event.boundary, event.target) != (boundary, target) or event.kind == "graze":
-            return False
-        if abs(event.t - t) > allowed * K.period or abs(event.x - x) > allowed * max(size, 1e-300):
-            return False
-    return True
+def engine_contradiction(equations: ClosingEquations, points: Points, digits: int | None = None) -> Condition | None:
+    """Return the first piece that the engine, started on the root, does not follow; None if it closes after the period.
 
-
-def _engine_events(
-    equations: ClosingEquations, points: Points, digits: int | None
-) -> tuple[int, Sequence[Event], list[tuple[int, str, Number, Number]]]:
-    """Return a switching point, the engine's events over a little more than a period, and the root's events.
-
-    It is the end of a flight where the forces on both sides of the belt are farthest from 0. Those of the root are the
-    boundary, the mode afterwards, x and t.
+    It starts at the end of a flight where the forces on both sides of the belt are farthest from 0.
     """
-    pieces, number, Om = equations.pieces, equations.exact or float, equations.K.Om
+    pieces, number, K, p = equations.pieces, equations.exact or float, equations.K, equations.parameters
 
     def least_force(i: int) -> float:
         (x, theta), v = points[i], equations.belt(pieces[i].start).v
         return min(abs(float(equations.force(domain, x, v, theta))) for domain in NEIGHBOURS[pieces[i].start])
 
     first = max((i for i in range(len(pieces)) if not pieces[i - 1].sticks), key=least_force, default=0)
-    p, (x, theta) = equations.parameters, points[first]
-    t = number(theta) / Om
-    end = t + equations.turn / Om * (1 + (SAME_POINT if digits is None else SAME_EXACTLY))
-    v0, most = p.belt(pieces[first].start), len(pieces) + 1
-    events = simulate(p, t0=t, x0=number(x), v0=v0, t_end=end, max_events=most, digits=digits).events
-    due = []
-    for j in range(first + 1, first + len(pieces) + 1):
-        piece, (x, theta) = pieces[j % len(pieces)], points[j % len(pieces)]
-        phase = number(theta) + (equations.turn if j >= len(pieces) else 0)
-        due.append((piece.start, MODE_NAMES[piece.mode], number(x), phase / Om))
-    return first, events, due
-
-
-def _contradiction(equations: ClosingEquations, points: Points) -> Condition:
-    """Return the first piece that the engine, started on the root, does not follow."""
-    first, events, due = _engine_events(equations, points, None)
-    K = equations.K
-    for j, (boundary, target, _, t) in enumerate(due):
-        i = (first + j) % len(points)
-        event = events[j] if j < len(events) else None
-        late = inf if event is None else abs(event.t - t)
-        if event is None or (event.boundary, event.target) != (boundary, target) or late > SAME_POINT * K.period:
+    allowed, (x, theta) = (SAME_POINT if digits is None else SAME_EXACTLY), points[first]
+    t0 = number(theta) / K.Om
+    t_end, v0 = t0 + equations.turn / K.Om * (1 + allowed), p.belt(pieces[first].start)
+    most = len(pieces) + 1
+    events = simulate(p, t0=t0, x0=number(x), v0=v0, t_end=t_end, max_events=most, digits=digits).events
+    size = max(abs(float(x)) for x, _ in points) + float(K.period) * max(abs(float(K.belt1.v)), abs(float(K.belt2.v)))
+    for j in range(1, len(pieces) + 1):
+        i = (first + j) % len(pieces)
+        piece, (x, theta) = pieces[i], points[i]
+        due = (number(theta) + (equations.turn if first + j >= len(pieces) else 0)) / K.Om
+        event = events[j - 1] if j <= len(events) else None
+        late = inf if event is None else abs(event.t - due)
+        same = event is not None and (event.boundary, event.target) == (piece.start, MODE_NAMES[piece.mode])
+        if event is None or not same or event.kind == "graze" or late > allowed * K.period:
             break
-    when, piece = t if event is None else event.t, equations.pieces[i]
-    kind, text = (SLIP_BIRTH if piece.sticks else GRAZING), f"{piece.label} ends where it first can"
-    return Condition(i, text, -min(late, float(equations.turn / K.Om)), float(when), kind, ENGINE, 2 * pi)
+        if abs(event.x - number(x)) > allowed * max(size, 1e-300):
+            break
+    else:
+        return None
+    ends = pieces[i - 1]
+    kind, text = (SLIP_BIRTH if ends.sticks else GRAZING), f"{ends.label} ends where it first can"
+    when, value = float(due if event is None else event.t), -min(late, float(equations.turn / K.Om))
+    return Condition((i - 1) % len(pieces), text, value, when, kind, ENGINE, 2 * pi)

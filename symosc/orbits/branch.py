@@ -14,7 +14,7 @@ period doublings or Neimark-Sacker bifurcations.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -33,6 +33,7 @@ from symosc.orbits.admissibility import MARGINAL, Condition, conditions, failure
 from symosc.orbits.closing_equations import solve
 from symosc.orbits.curve import BranchPoint, Curve, no_margin_vanishes, word_beyond
 from symosc.orbits.find import find_orbit
+from symosc.orbits.floquet import NEAR_ONE
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike
 from symosc.words import WordLike, read_word
@@ -42,9 +43,8 @@ RANGE, NO_CONVERGENCE, MOST = "end of the range", "no convergence", "max_points"
 # Steps in the arclength of (x/size, phase, parameter/range).
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.04, 1e-10
 BENT = 1e-2  # how far a step may be from its cubic, as a part of its length
-VANISHED_PART = (
-    1e-5  # what a margin must have fallen to at an end, as a part of what it was a step before, to count as 0
-)
+# What a margin must have fallen to at an end, as a part of what it was a step before, to count as 0.
+VANISHED_PART = 1e-5
 UNDECIDED_PART = 1e-3  # the same where doubles cannot decide on which side of 0 a margin is
 RESOLUTION = 1e-12  # of the arclength, to which ends are located; closer by, rounding would decide what has happened
 # So near to a change, a gap before it that is shorter cannot be seen, and nothing is proven on the way.
@@ -147,20 +147,18 @@ class Branch(Drawable):
     """
 
     def __init__(
-        self,
-        orbit: PeriodicOrbit,
-        parameter: str,
-        path: list[BranchPoint],
-        ends: tuple[BranchEnd, BranchEnd],
+        self, orbit: PeriodicOrbit, parameter: str, path: list[BranchPoint], ends: tuple[BranchEnd, BranchEnd]
     ) -> None:
         self._orbit = orbit
         self.word, self.labels, self.periods, self.parameter = orbit.word, orbit.labels, orbit.periods, parameter
         self.ends = ends
         self.values = np.array([point.value for point in path])
-        Omegas = self.values if parameter == "Omega" else np.full(len(path), float(orbit.parameters.Omega))
-        self.points = np.array([point.times(Omega) for point, Omega in zip(path, Omegas, strict=True)])
+        Omega = self.values if parameter == "Omega" else np.full(len(path), float(orbit.parameters.Omega))
+        x, theta = np.moveaxis(np.array([point.points for point in path]), -1, 0)
+        self.points = np.stack([theta / Omega[:, None], x], axis=-1)
         self.multipliers = np.array([point.multipliers for point in path])
-        self.stable = np.array([self.parameters(i).c > 0 or point.stable for i, point in enumerate(path)])
+        damped = np.array([self.parameters(i).c > 0 for i in range(len(path))])
+        self.stable = damped | (np.abs(self.multipliers).max(axis=1) < 1 - NEAR_ONE)
 
     @public
     def parameters(self, i: int) -> Parameters:
@@ -286,31 +284,18 @@ def continue_orbit(
     curve = Curve(orbit, parameter, low, high)
     most = whole_number("max_points", max_points, 2)
     with late_bar(progress, f"{orbit.word} over {parameter}", "orbits") as advance:
-        down, first = _follow(curve, -1.0, most, _progress(curve, advance, 0))
-        up, last = _follow(curve, 1.0, most, _progress(curve, advance, len(down)))
+        down, first = _follow(curve, -1.0, most, advance)
+        up, last = _follow(curve, 1.0, most, advance, len(down))
     return Branch(orbit, parameter, [*reversed(down[1:]), *up], (first, last))
 
 
-def _progress(curve: Curve, advance: Advance, before: int) -> Callable[[float, int], None]:
-    """Return a progress callback for one direction, by value and count; `before`: points of the other one."""
-    begin, reached = curve.value, 0.0
-    done = 0.0 if before == 0 else begin - curve.low  # the other way is done, wherever it ended
-
-    def report(value: float, count: int) -> None:
-        nonlocal reached
-        reached = max(reached, abs(value - begin))
-        if advance:
-            advance(min(1.0, (done + reached) / (curve.high - curve.low)), before + count)
-
-    return report
-
-
 def _follow(
-    curve: Curve, direction: float, most: int, report: Callable[[float, int], None]
+    curve: Curve, direction: float, most: int, advance: Advance, before: int = 0
 ) -> tuple[list[BranchPoint], BranchEnd]:
-    """Follow the curve in one direction; return its points and why they end."""
+    """Follow the curve in one direction; return its points and why they end. `before`: points of the other one."""
     path, length = _first_points(curve, direction), FIRST_STEP
-    current = path[-1]
+    current, reached = path[-1], 0.0
+    done = curve.value - curve.low if before else 0.0  # the other way is done, wherever it ended
 
     def end(kind: str, message: str, conditions: tuple[Condition, ...] = ()) -> BranchEnd:
         return BranchEnd(kind, path[-1].value, message, _switchings(curve, path[-1]), conditions)
@@ -324,14 +309,14 @@ def _follow(
             length /= 2
             if length < SHORTEST_STEP:
                 nearest = min(current.conditions, key=lambda condition: condition.value)
-                margin = f"{nearest.text} (by {nearest.value:.3g})"
-                return path, end(
-                    NO_CONVERGENCE, f"the steps became too short; nearest to failing: {margin}", (nearest,)
-                )
+                message = f"the steps became too short; nearest to failing: {nearest.text} (by {nearest.value:.3g})"
+                return path, end(NO_CONVERGENCE, message, (nearest,))
             continue
         points, failed = scanned
         path += points
-        report(path[-1].value, len(path))
+        reached = max(reached, abs(path[-1].value - curve.value))
+        if advance:
+            advance(min(1.0, (done + reached) / (curve.high - curve.low)), before + len(path))
         if len(path) > most:
             del path[most:]
             return path, end(MOST, f"stopped after {most} points")
@@ -462,7 +447,7 @@ def _inside(curve: Curve, last: BranchPoint) -> BranchPoint:
 def _switchings(curve: Curve, point: BranchPoint) -> tuple[SwitchingPoint, ...]:
     """Return the switching points of a branch point as (t, x)."""
     Omega = point.value if curve.parameter == "Omega" else float(curve.orbit.parameters.Omega)
-    return tuple(SwitchingPoint(float(t), float(x)) for t, x in point.times(Omega))
+    return tuple(SwitchingPoint(float(theta / Omega), float(x)) for x, theta in point.points)
 
 
 def _read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[float, float]:

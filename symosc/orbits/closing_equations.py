@@ -17,6 +17,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf, pi
 from typing import Any
 
@@ -128,7 +129,6 @@ class ClosingEquations:
 
     def __init__(self, parameters: Parameters, word: Word, periods: int, digits: int | None = None) -> None:
         self.parameters, self.word, self.periods = parameters, word, periods
-        self._coarse: ClosingEquations | None = None
         self.pieces = pieces_of(word)
         self.arithmetic = Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits)
         self.K = self.arithmetic.K
@@ -140,19 +140,14 @@ class ClosingEquations:
         self.sin, self.cos, self.exp = maths.sin, maths.cos, maths.exp
         self.complex_root = cmath.sqrt if digits is None else lambda value: maths.mpc(maths.sqrt(value))
 
-    @property
+    @cached_property
     def coarse(self) -> ClosingEquations:
         """The same equations in double precision."""
-        if self.exact is None:
-            return self
-        self._coarse = self._coarse or ClosingEquations(self.parameters, self.word, self.periods)
-        return self._coarse
+        return self if self.exact is None else ClosingEquations(self.parameters, self.word, self.periods)
 
     def with_digits(self, digits: int) -> ClosingEquations:
         """Return the same equations with that many digits."""
-        finer = ClosingEquations(self.parameters, self.word, self.periods, digits)
-        finer._coarse = self.coarse
-        return finer
+        return ClosingEquations(self.parameters, self.word, self.periods, digits)
 
     def ends(self, points: Points) -> list[Point]:
         """Return the points (x, theta) that the pieces end on."""
@@ -347,19 +342,20 @@ def polish(equations: ClosingEquations, points: Points) -> Solution:
             for row in range(2):
                 for column in range(4):
                     matrix[2 * i + row, (2 * i + column) % (2 * n)] += block[row][column]
+        largest = max(map(abs, values))
         try:
             step = context.lu_solve(matrix, context.matrix([-value for value in values]))
         except ZeroDivisionError:
-            return Solution(points, max(map(abs, values)), steps, False, SINGULAR)
+            return Solution(points, largest, steps, False, SINGULAR)
         size = max(abs(value) for value in step)
         settled = max(1, max(abs(value) for point in points for value in point))
         if not context.isfinite(size) or size > settled:
-            return Solution(points, max(map(abs, values)), steps, False, "the corrections grow in more digits")
+            return Solution(points, largest, steps, False, "the corrections grow in more digits")
         points = [(x + step[2 * i], theta + step[2 * i + 1]) for i, (x, theta) in enumerate(points)]
         if size <= 16 * context.eps * settled or (size >= last / 4 and size < context.eps**POLISHED * settled):
             return Solution(points, equations.largest_residual(points), steps, True, "")
         linear = linear + 1 if size > last / 16 else 0
         if linear > MOST_LINEAR:
-            return Solution(points, max(map(abs, values)), steps, False, "a multiple root")
+            return Solution(points, largest, steps, False, "a multiple root")
         last = size
-    return Solution(points, max(map(abs, values)), MOST_POLISHING, False, "not converged in more digits")
+    return Solution(points, largest, MOST_POLISHING, False, "not converged in more digits")

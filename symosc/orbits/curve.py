@@ -32,7 +32,6 @@ import numpy as np
 
 from symosc.aliases import Point, Points
 from symosc.engine.flow import derivatives
-from symosc.engine.state import REST
 from symosc.errors import ParameterError
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
@@ -42,7 +41,6 @@ from symosc.orbits.closing_equations import CONVERGING, ClosingEquations, OrbitP
 from symosc.orbits.find import (
     SETTLING_EVENTS,
     Passage,
-    WordRun,
     follow,
     largest_displacement,
     mappings_between,
@@ -51,7 +49,7 @@ from symosc.orbits.find import (
     settled_word,
     windows,
 )
-from symosc.orbits.floquet import NEAR_ONE, monodromy, multipliers
+from symosc.orbits.floquet import monodromy
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.words import Word, WordError, read_word
 
@@ -82,20 +80,9 @@ class BranchPoint:
     value: float
     points: np.ndarray
     tangent: np.ndarray
-    trace: float
-    determinant: float
     multipliers: tuple[complex, complex]
     conditions: tuple[Condition, ...]
     failures: tuple[Condition, ...]
-
-    @property
-    def stable(self) -> bool:
-        """Whether both multipliers lie inside the unit circle by more than rounding."""
-        return max(abs(value) for value in self.multipliers) < 1 - NEAR_ONE
-
-    def times(self, Omega: float) -> np.ndarray:
-        """Return the (n, 2) array of (t, x) for the drive frequency at this point."""
-        return np.column_stack([self.points[:, 1] / Omega, self.points[:, 0]])
 
 
 class Curve:
@@ -200,19 +187,11 @@ class Curve:
         equations = self.equations(value)
         _, matrix = self.linearised(self.joined(points, value))
         tangent = np.linalg.solve(np.vstack([matrix, self.level(along)]), np.append(np.zeros(len(z) - 1), 1.0))
-        flow = monodromy(equations, points)
-        both = multipliers(flow.trace, flow.determinant, equations.complex_root)
+        first, second = monodromy(equations, points).multipliers
         margins = tuple(conditions(equations, points))
-        return BranchPoint(
-            value,
-            points,
-            tangent / np.linalg.norm(self.level(tangent)),
-            float(flow.trace),
-            float(flow.determinant),
-            (complex(both[0]), complex(both[1])),
-            margins,
-            tuple(failing(list(margins))),
-        )
+        tangent /= np.linalg.norm(self.level(tangent))
+        both = (complex(first), complex(second))
+        return BranchPoint(value, points, tangent, both, margins, tuple(failing(list(margins))))
 
     def first(self, direction: float) -> BranchPoint:
         """Return the given first point, with its tangent towards larger or smaller values."""
@@ -376,21 +355,21 @@ def word_beyond(curve: Curve, point: BranchPoint, direction: float) -> tuple[str
         except ParameterError:
             break
         x, theta = (float(value) for value in point.points[0])
-        run = follow(equations, x, theta % (2 * pi), equations.pieces[0].start, SETTLING_EVENTS)
-        found = _orbit_of(equations, run, float(np.abs(point.points[:, 0]).max()))
+        passages, rests = follow(equations, x, theta % (2 * pi), equations.pieces[0].start, SETTLING_EVENTS)
+        found = _orbit_of(equations, passages, float(np.abs(point.points[:, 0]).max()))
         if found is not None:
             return str(found), ""
-        instead = instead or (resting_text(equations, run) if run.code == REST else "")
+        instead = instead or (resting_text(equations, passages[-1].mode) if rests else "")
     return None, instead
 
 
-def _orbit_of(equations: ClosingEquations, run: WordRun, size: float) -> Word | None:
+def _orbit_of(equations: ClosingEquations, passages: list[Passage], size: float) -> Word | None:
     """Return the word of an admissible orbit that a simulation approaches."""
-    settled = settled_word(equations, run)
-    words = ([settled] if settled else []) + _words_of_a_period(equations, run.passages)
+    settled = settled_word(equations, passages)
+    words = ([settled] if settled else []) + _words_of_a_period(equations, passages)
     for word in dict.fromkeys(words):
         trial = ClosingEquations(equations.parameters, word, equations.periods)
-        found = windows(run.passages, word.labels, equations.periods, max(size, 1e-300))
+        found = windows(passages, word.labels, equations.periods, max(size, 1e-300))
         for guess in sorted(found, key=lambda each: each.defect)[:MOST_GUESSES]:
             solution = solve(trial, guess.points)
             if solution.converged and not failures(trial, solution.points):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from itertools import chain, pairwise
+from itertools import chain, islice, pairwise, product
 from math import ceil, cos, floor, inf, pi, sin
 from typing import Any, NamedTuple
 
@@ -22,7 +22,7 @@ from symosc.mappings.numbers import text_or_booleans
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, Condition, failures, grazing_distance
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Solution, polish, solve
-from symosc.orbits.floquet import inside, monodromy, multipliers, rest_positions
+from symosc.orbits.floquet import inside, monodromy, rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike
 from symosc.simulation.ensemble import simulate_many
@@ -30,26 +30,18 @@ from symosc.simulation.problems import named
 from symosc.simulation.trajectory import MAP_LABELS
 from symosc.words import Word, WordError, WordLike, read_word
 
-ORBIT_GUARD_DIGITS = 15
-TRIES_PER_BATCH = 4
 # The search tries evenly spaced points over all periods; beyond these it takes minutes.
 MOST_ORBIT_PERIODS = 200
 # All switchings are solved for at once: much longer words would take minutes.
 MOST_MAPPINGS = 40
-# Pieces of a guess that are shorter than this part of a period are taken to be about to vanish.
-SHORTEST_PIECE = 1e-8
 # Roots of a repeated word whose points repeat within this (relative) are one orbit, run through several times.
 SAME_ORBIT = 1e-7
 
 
-EVENTS_PER_PIECE, LEAST_RUN_EVENTS = 8, 60
-MOST_GUESS_PERIODS = 1_000_000
+LEAST_RUN_EVENTS = 60
 SETTLING_EVENTS, SETTLED = 400, 1e-6
-#: Forcing periods after which the motion from rest is looked at.
+#: Forcing periods by which the motion from rest may have settled.
 SETTLING_PERIODS = (50, 1_000, 20_000)
-# Starts on each belt: fractions of a forcing period, and positions in units of the largest displacement expected.
-START_PHASES, START_POSITIONS = 8, (0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15)
-BATCH = 8
 
 
 @public
@@ -122,7 +114,7 @@ def find_orbit(
     digits = read_digits(digits)
     equations = ClosingEquations(parameters, found, periods or 1)
     if guess is None:
-        simulated = (batch[:TRIES_PER_BATCH] for batch in from_simulations(equations, periods))
+        simulated = (batch[:4] for batch in from_simulations(equations, periods))
         batches: Iterator[list[Guess]] = chain(simulated, [evenly_spaced(equations, periods or 1)])
     else:
         batches = iter([[_read_guess(guess, equations, periods)]])
@@ -214,14 +206,13 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
     near, repeated = grazing_distance(equations, double), repetitions(equations, double)
     final, steps, word = equations, solution.steps, str(equations.word)
     if digits is not None:
-        final = ClosingEquations(equations.parameters, equations.word, equations.periods, digits + ORBIT_GUARD_DIGITS)
+        final = equations.with_digits(digits + 15)
         solution = polish(final, double)
         if not solution.converged:
             best = tuple(switching_points(equations, solution.points))
             raise ConvergenceError(word, best, equations.periods, float(solution.residual), solution.reason)
         steps += solution.steps
-    flow = monodromy(final, solution.points)
-    first, second = multipliers(flow.trace, flow.determinant, final.complex_root)
+    first, second = monodromy(final, solution.points).multipliers
 
     def rounded(value: Number) -> Number:
         return value if digits is None else +mp_context(digits).convert(value)
@@ -285,8 +276,12 @@ def _instead(equations: ClosingEquations, resting: bool = False) -> str:
         positions = rest_positions(equations.parameters, boundary)
         if positions is not None:
             return f"; the mass stays on belt {boundary}, {rest_interval_text(positions)}"
-    found = settling_text(equations, largest_displacement(equations)[0], 0.0, equations.pieces[0].start)
-    return f"; {found}" if found else ""
+    centre, _ = largest_displacement(equations)
+    passages, rests = follow(equations, centre, 0.0, equations.pieces[0].start, SETTLING_EVENTS)
+    word = settled_word(equations, passages)
+    if word is not None:
+        return f"; the motion settles to {word}"
+    return f"; {resting_text(equations, passages[-1].mode)}" if rests else ""
 
 
 def switching_points(equations: ClosingEquations, points: Points) -> list[SwitchingPoint]:
@@ -317,14 +312,14 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
         raise ParameterError("guess", shape, f"must be {n} pairs (t, x), one for each switching, or one to start from")
     theta = Omega * values[:, 0]
     if len(values) == 1:
-        run = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
-        found = windows(run.passages, equations.word.labels, periods, largest_displacement(equations)[1])
+        passages, _ = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
+        found = windows(passages, equations.word.labels, periods, largest_displacement(equations)[1])
         if not found:
             raise ParameterError("guess", guess, "the motion from there never follows the word; give all switchings")
         return min(found, key=lambda each: each.defect)
     count = periods or max(1, ceil((theta[-1] - theta[0]) / (2 * pi)))
-    short = 2 * pi * count * SHORTEST_PIECE
-    if (np.diff(theta) > -short).all():  # a piece without length is one at whose birth the orbit is
+    short = 2 * pi * count * 1e-8
+    if (np.diff(theta) > -short).all():  # a piece that is shorter is about to vanish
         theta = np.maximum.accumulate(theta + short * np.arange(n)) if (np.diff(theta) <= 0).any() else theta
     if (np.diff(theta) < 0).any() or theta[-1] - theta[0] >= 2 * pi * count:
         raise ParameterError("guess", guess, f"its times must increase, and end within {count} forcing period(s)")
@@ -351,27 +346,20 @@ class Guess(NamedTuple):
     defect: float
 
 
-class WordRun(NamedTuple):
-    """A simulation from a start on a belt: the start, its events, and the last step's code."""
-
-    passages: list[Passage]
-    code: int
-
-
-def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> WordRun:
-    """Follow the motion from a start on a belt for at most `most` events in doubles."""
+def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> tuple[list[Passage], bool]:
+    """Return start and events, `most` at most, of the motion from a belt in doubles, and whether it comes to rest."""
     K, turns = equations.K, int(theta // (2 * pi))
     start = belt_start(boundary, x, (sin(theta), cos(theta)), equations.arithmetic)
     angle = theta - 2 * pi * turns
     state = belt_state(start, (turns, angle), (sin(angle), cos(angle)), x, Covariance(0.0, 0.0, 0.0), K)
     passages, code = [Passage(x, theta, boundary, start.mode)], END
     for _ in range(20 * most):
-        code, belt_met, _, _, state = equations.arithmetic.advance(state, MOST_GUESS_PERIODS * K.period, 0.0, K)
+        code, belt_met, _, _, state = equations.arithmetic.advance(state, 1e6 * K.period, 0.0, K)
         if code in (CROSS, STICK, SLIP):
             passages.append(Passage(state.x, 2 * pi * state.n + state.theta, belt_met, state.mode))
         if code in (END, REST, FAILED) or len(passages) > most:
             break
-    return WordRun(passages, code)
+    return passages, code == REST
 
 
 def mappings_between(passages: list[Passage]) -> list[str | None]:
@@ -379,14 +367,14 @@ def mappings_between(passages: list[Passage]) -> list[str | None]:
     return [MAP_LABELS.get((a.boundary, MODE_NAMES[a.mode], b.boundary)) for a, b in pairwise(passages)]
 
 
-def settled_word(equations: ClosingEquations, run: WordRun) -> Word | None:
+def settled_word(equations: ClosingEquations, passages: list[Passage]) -> Word | None:
     """Return the word of the periodic motion to which a simulation settles, or None if it does not soon.
 
     It begins with the first mapping of the equations' word if it has that.
     """
-    labels, last = mappings_between(run.passages), run.passages[-1]
+    labels, last = mappings_between(passages), passages[-1]
     for n in range(1, len(labels) // 2):
-        before = run.passages[-1 - n]
+        before = passages[-1 - n]
         turn = last.theta - before.theta
         if turn > 2 * pi + SETTLED:
             break
@@ -397,24 +385,14 @@ def settled_word(equations: ClosingEquations, run: WordRun) -> Word | None:
 
 
 def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
-    """Return the word that repeats `labels`, started with the first mapping of the equations' word if present."""
+    """Return a word of `labels`, begun with the first mapping of the equations' word if present."""
     first = equations.word.labels[0]
     begin = labels.index(first) if first in labels else 0
     return Word(labels[begin:] + labels[:begin])
 
 
-def settling_text(equations: ClosingEquations, x: float, theta: float, boundary: int) -> str:
-    """Describe where the motion from a start on a belt settles; "" if it has not settled soon."""
-    run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
-    word = settled_word(equations, run)
-    if word is not None:
-        return f"the motion settles to {word}"
-    return resting_text(equations, run) if run.code == REST else ""
-
-
-def resting_text(equations: ClosingEquations, run: WordRun) -> str:
-    """Describe where a motion without further events comes to rest."""
-    mode = run.passages[-1].mode
+def resting_text(equations: ClosingEquations, mode: int) -> str:
+    """Describe where a motion without further events in a mode comes to rest."""
     if mode <= 3:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
     positions = rest_positions(equations.parameters, mode - 3)
@@ -455,21 +433,19 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
 
 
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[list[Guess]]:
-    """Yield guesses from simulations started on the word's belts in batches, smallest closing error first."""
+    """Yield guesses from simulations started on the word's belts in batches, smallest closing error first.
+
+    They start at 7 positions, in units of the largest displacement expected, at 8 phases.
+    """
     centre, size = largest_displacement(equations)
     boundaries = sorted({piece.start for piece in equations.pieces})
-    most = max(LEAST_RUN_EVENTS, EVENTS_PER_PIECE * len(equations.pieces))
-    starts = [
-        (centre + offset * size, 2 * pi * j / START_PHASES, boundary)
-        for offset in START_POSITIONS
-        for j in range(START_PHASES)
-        for boundary in boundaries
-    ]
-    for k in range(0, len(starts), BATCH):
+    most = max(LEAST_RUN_EVENTS, 8 * len(equations.pieces))
+    starts = product((0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15), range(8), boundaries)
+    while batch := list(islice(starts, 8)):
         found: list[Guess] = []
-        for x, theta, boundary in starts[k : k + BATCH]:
-            run = follow(equations, x, theta, boundary, most)
-            found += windows(run.passages, equations.word.labels, periods, size)
+        for offset, j, boundary in batch:
+            passages, _ = follow(equations, centre + offset * size, 2 * pi * j / 8, boundary, most)
+            found += windows(passages, equations.word.labels, periods, size)
         yield sorted(found, key=lambda guess: guess.defect)
 
 
@@ -478,9 +454,7 @@ def evenly_spaced(equations: ClosingEquations, periods: int) -> list[Guess]:
     centre, size = largest_displacement(equations)
     n = len(equations.pieces)
     found = []
-    for j in range(2 * START_PHASES):
-        theta = 2 * pi * (j / (2 * START_PHASES) + periods * np.arange(n) / n)
-        for amplitude in (0.2, 0.6):
-            points = np.column_stack([centre + amplitude * size * np.sin(theta), theta])
-            found.append(Guess(points, periods, np.inf))
+    for j, amplitude in product(range(16), (0.2, 0.6)):
+        theta = 2 * pi * (j / 16 + periods * np.arange(n) / n)
+        found.append(Guess(np.column_stack([centre + amplitude * size * np.sin(theta), theta]), periods, inf))
     return found

@@ -53,9 +53,9 @@ ON_CIRCLE = 1e-25
 class Monodromy(NamedTuple):
     """The effect of one period on a perturbation of (x, v) just after the first switching point."""
 
-    matrix: tuple[tuple[Number, Number], tuple[Number, Number]]
     trace: Number
     determinant: Number
+    multipliers: tuple[Number, Number]
 
 
 def monodromy(equations: ClosingEquations, points: Points) -> Monodromy:
@@ -77,7 +77,8 @@ def monodromy(equations: ClosingEquations, points: Points) -> Monodromy:
         xx, xv, vx, vv = C * xx + E1 * vx, C * xv + E1 * vv, ratio * (D * xx + E0 * vx), ratio * (D * xv + E0 * vv)
         determinant = determinant * ratio
     determinant = determinant * equations.exp(-K.cm * equations.turn / K.Om)
-    return Monodromy(((xx, xv), (vx, vv)), xx + vv, determinant)
+    trace = xx + vv
+    return Monodromy(trace, determinant, multipliers(trace, determinant, equations.complex_root))
 
 
 def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any]) -> tuple[Number, Number]:
@@ -99,8 +100,7 @@ def inside(equations: ClosingEquations, points: Points, values: tuple[Number, Nu
     root = polish(fine, points)
     if not root.converged:  # orbits that are not isolated have a multiplier of 1
         return None
-    flow = monodromy(fine, root.points)
-    gap = float(1 - max(abs(value) for value in multipliers(flow.trace, flow.determinant, fine.complex_root)))
+    gap = float(1 - max(abs(value) for value in monodromy(fine, root.points).multipliers))
     return None if abs(gap) < ON_CIRCLE else gap
 
 

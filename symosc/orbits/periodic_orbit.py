@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +24,6 @@ from symosc.simulation.simulate import simulate
 from symosc.words import Word
 
 NEAR_ORBIT = 1e-6
-FIRST_LOOK, LAST_LOOK = 20, 400  # periods after which `approach` looks a second time, and gives up
 
 
 class SwitchingPoint(NamedTuple):
@@ -198,7 +197,7 @@ class PeriodicOrbit(Drawable):
         offset = start - self._at(scene, np.zeros(1))[:, 0]
         dt, dx = self._nearest_switching(scene)
         length, periods = float(self.period), None
-        for span in (FIRST_LOOK, LAST_LOOK):
+        for span in (20, 400):  # most motions are near after a few periods
             end = float(scene.t0) + (span + 0.5) * length
             path = simulate(scene, t_end=end)
             elapsed = length * np.arange(1 + int((float(path.t_end) - float(scene.t0)) / length))
@@ -217,12 +216,12 @@ class PeriodicOrbit(Drawable):
 
     def _nearest_switching(self, scene: Scene) -> tuple[float, float]:
         """Return the distance (dt, dx) from the scene's start to the nearest switching point."""
-        T, best = float(self.period) / self.periods, (float("nan"), float("nan"))
+        T, found = float(self.period) / self.periods, []
         for piece, (t, x) in zip(self.equations().pieces, self.points, strict=True):
             if scene.v0 == self.parameters.belt(piece.start):
                 dt = (float(scene.t0) - float(t) + T / 2) % T - T / 2
-                best = min(best, (dt, float(scene.x0) - float(x)), key=lambda pair: _size(*pair))
-        return best
+                found.append((dt, float(scene.x0) - float(x)))
+        return min(found, key=lambda pair: max(map(abs, pair)), default=(nan, nan))
 
     def as_dict(self) -> Record:
         """Return everything as plain values; numbers with more than double precision become text."""
@@ -261,11 +260,6 @@ def _state(equations: ClosingEquations, points: np.ndarray, t: float) -> tuple[f
         return x + v * tau, v
     now = state_at(tau, equations.start_of_flight(piece, (x, begin)), K)
     return x + now.dx, v + now.dv
-
-
-def _size(dt: float, dx: float) -> float:
-    """Return the larger of |dt| and |dx|, inf without a time."""
-    return inf if dt != dt else max(abs(dt), abs(dx))
 
 
 def _latex_complex(value: complex) -> str:

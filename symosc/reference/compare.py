@@ -15,7 +15,6 @@ from math import isfinite, pi, ulp
 from typing import NamedTuple, Protocol
 
 from symosc.aliases import Number
-from symosc.certificates.certify import ProvenMiddle
 from symosc.crosschecks.events import WINDOW
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event
@@ -86,9 +85,7 @@ def window_of(scene: Scene) -> float:
     return WINDOW * 2 * pi / float(scene.parameters.Omega)
 
 
-def compare(
-    found: Iterable[FoundEvents], reference: Sequence[Event | ProvenMiddle], window: float, t0: Number = 0
-) -> Comparison:
+def compare(found: Iterable[FoundEvents], reference: Sequence[Event], window: float, t0: Number = 0) -> Comparison:
     """Compare a solver's events with the reference."""
     given = list(found)
     ordered = sorted((event for event in given if isfinite(event.t) and isfinite(event.x)), key=lambda event: event.t)

@@ -17,13 +17,12 @@ from typing import Any, NamedTuple
 
 import pytest
 from certificate_files import Document, document, forged, moved, put
-from flint import arb, fmpq
+from flint import arb, ctx, fmpq
 from mpmath import mpf, nstr, pi, workdps
 
 import symosc.certificates.verify as verify
 import symosc.certificates.verify_orbits as verify_orbits
 from symosc import certify, find_orbit, grazing_window, load_scene
-from symosc.certificates.balls import working_bits
 from symosc.certificates.orbit import certify_orbit
 
 
@@ -290,7 +289,7 @@ def test_behind_an_event_the_velocity_is_that_of_the_belt() -> None:
     p = verify.read(document("swing")["parameters"], verify.MOTION["parameters"], "p") | {"v1": fmpq(1000001, 1000000)}
     row |= {"t": (row["t"][0] - fmpq(1, 1000), row["t"][1] + fmpq(1, 1000))}
     start = [fmpq(0), fmpq(-3), fmpq(-1)]
-    with working_bits(256):
+    with ctx.workprec(256):
         behind = verify.begin(verify.Problem(p, {"left": 1000, "steps": 1000}), start, [fmpq(0)] * 3, []).behind(row)
         assert behind.centre[2].contains(fmpq(1000001, 1000000))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import cmath
+import json
 import pickle
 import re
 from dataclasses import replace
@@ -180,26 +181,6 @@ def test_newton_converges_quadratically():
         assert solution.steps <= 6
 
 
-def test_how_often_a_root_runs_through_a_shorter_orbit() -> None:
-    """A word that repeats with its points, moved on by the parts of the whole period; else it is one orbit."""
-    rng = np.random.default_rng(6)
-    for times in (1, 2, 3, 6):
-        for pieces in (2, 4):
-            word = "P" + ("32" if pieces == 2 else "3232") * times
-            part = np.column_stack([rng.uniform(-3, 3, pieces), np.sort(rng.uniform(0, 2 * np.pi, pieces))])
-            points = np.vstack([part + np.array([0, 2 * np.pi * i]) for i in range(times)])
-            equations = ClosingEquations(FIG9, read_word(word), times)
-            assert find.repetitions(equations, points) == times
-            if times > 1:
-                row = int(rng.integers(len(points)))
-                for column in (0, 1):
-                    moved = points.copy()
-                    moved[row, column] += 1e-5
-                    assert find.repetitions(equations, moved) == 1
-                other = ClosingEquations(FIG9, read_word(word), times + 1)
-                assert find.repetitions(other, points) == 1
-
-
 @pytest.mark.parametrize(("p", "word"), [(FIG9, "P23"), (FIG10, "P6454"), (FIG10, "P5464")])
 def test_an_orbit_begins_in_the_first_period(p: Parameters, word: str) -> None:
     """Also where its second point is in the next one already."""
@@ -353,16 +334,12 @@ def test_more_than_one_period():
     assert any("stays in Omega1" in condition.text for condition in root.failures)
 
 
-@pytest.mark.slow
 def test_as_dict_is_plain():
-    import json
-
     data = json.loads(json.dumps(find_orbit(FIG10, "P4645", digits=20).as_dict()))
     assert data["points"][0]["t"].startswith("0.44364498555745564947")
     assert data["stable"] is True
     data = json.loads(json.dumps(find_orbit(FIG9.replace(Omega=3), "P32").as_dict()))
-    assert data["admissible"] is False
-    assert data["failures"][0]["event"] == "birth of a stick"
+    assert (data["admissible"], data["failures"][0]["event"]) == (False, "birth of a stick")
 
 
 def test_the_formula_of_an_orbit_has_all_its_numbers() -> None:
@@ -395,21 +372,6 @@ def test_guesses():
         assert find_orbit(FIG9, "P32", guess).points[0].t == pytest.approx(float(P32[0][0]), abs=1e-13)
     moved = [(t + 5 * np.pi, x) for t, x in rough]  # the first point is brought into the first period
     assert find_orbit(FIG9, "P32", moved).points[1].t == pytest.approx(float(P32[1][0]), abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("guess", "says"),
-    [
-        ([(0.2, 4.0)] * 3, r"must be 2 pairs \(t, x\)"),
-        ([1, 2, 3], "must be 2 pairs"),
-        ("nonsense", "must be 2 pairs"),
-        ([(0.2, 4.0), (float("nan"), 1)], "must be 2 pairs"),
-        ([(1.0, 4.0), (0.2, -4.0)], "times must increase"),
-    ],
-)
-def test_guesses_of_the_wrong_form(guess, says):
-    with pytest.raises(ParameterError, match=says):
-        find_orbit(FIG9, "P32", guess)
 
 
 @pytest.mark.parametrize(("name", "why"), [("fig8", "too near to a graze"), ("fig7", "without meeting a belt")])

@@ -47,6 +47,11 @@ def collect(count: int, seed: int) -> Iterator[ListedOrbit]:
             yield orbit
 
 
+def line(orbit: ListedOrbit) -> str:
+    """Return an orbit as a line of the list."""
+    return ",".join([*orbit.p.as_dict().values(), orbit.word, f"{orbit.t:.10g}", f"{orbit.x:.10g}"])
+
+
 def _draw(rng: random.Random, regime: str) -> Parameters:
     """Draw parameters with a damping regime."""
 
@@ -105,4 +110,4 @@ def _same(a: Event, b: Event, period: float) -> bool:
 
 if __name__ == "__main__":
     for each in collect(int(sys.argv[1]), int(sys.argv[2])):
-        print(each.line())
+        print(line(each))
