@@ -79,6 +79,9 @@ from .orbits.periodic_orbit import (
     Approach as Approach,
 )
 from .orbits.periodic_orbit import (
+    OrbitSensitivities as OrbitSensitivities,
+)
+from .orbits.periodic_orbit import (
     PeriodicOrbit as PeriodicOrbit,
 )
 from .orbits.periodic_orbit import (

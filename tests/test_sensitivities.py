@@ -165,3 +165,32 @@ def test_a_motion_without_events() -> None:
     found = sensitivities("fig7", ("x0", "v0"), t_end=3)
     assert found.dt.shape == found.regular.shape == (0, 2)
     assert found(3.0).shape == (2, 2)
+
+
+@pytest.mark.parametrize("name", ["fig9", "fig10", "fig5"])
+def test_orbits_have_the_derivatives_of_branches_and_motions(name: str) -> None:
+    """Against differences of orbits in doubles, and the motion on the orbit after many periods."""
+    orbit, names, h = find_orbit(name), ("FN", "Omega", "k"), 1e-6
+    found = orbit.sensitivities(names)
+    for i, each in enumerate(names):
+        value, beside = float(getattr(orbit.parameters, each)), []
+        for way in (1, -1):
+            other = find_orbit(orbit.parameters.replace(**{each: value + way * h}), orbit.word, orbit)
+            beside.append(np.array([*(p.t for p in other.points), *(p.x for p in other.points), *other.multipliers]))
+        quotients, n = (beside[0] - beside[1]) / (2 * h), len(orbit.points)
+        np.testing.assert_allclose(found.dt[:, i], quotients[:n].real, rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(found.dx[:, i], quotients[n : 2 * n].real, rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(found.dmultipliers[:, i], quotients[2 * n :], rtol=1e-5, atol=1e-6)
+    (t, x), belt = orbit.points[0], orbit.equations().pieces[0].start
+    start = {"t0": t, "x0": x, "v0": orbit.parameters.belt(belt)}
+    moved = sensitivities(orbit.parameters, "FN", **start, t_end=t + 30.5 * orbit.period)
+    there = t + 30 * orbit.period
+    last = min(range(len(moved.dt)), key=lambda n: abs(float(moved.trajectory.events[n].t) - there))
+    assert moved.dt[last, 0] == pytest.approx(found.dt[0, 0], abs=1e-7)
+    assert moved.dx[last, 0] == pytest.approx(found.dx[0, 0], abs=1e-7)
+
+
+def test_what_is_wrong_with_derivatives_of_orbits() -> None:
+    orbit = find_orbit("fig9")
+    assert "did you mean" in refused(lambda: orbit.sensitivities("omega"), "wrt")
+    refused(lambda: orbit.sensitivities(("FN", "FN")), "wrt")

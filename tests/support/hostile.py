@@ -340,6 +340,7 @@ def of_answers() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "Trajectory.to_json": (m("trajectory").to_json, nowhere),
         "Trajectory.plot": (m("trajectory").plot, {"panels": "a", "boundary": 1, "columns": 1}),
         "PeriodicOrbit.__call__": (m("orbit"), {"t": [1, 2]}),
+        "PeriodicOrbit.sensitivities": (m("orbit").sensitivities, {"wrt": "FN"}),
         "PeriodicOrbit.approach": (m("orbit").approach, {"scene": "fig9", "within": 1e-3}),
         "Branch.orbit": (m("branch").orbit, {"i": 0}),
         "Branch.parameters": (m("branch").parameters, {"i": 0}),
