@@ -228,6 +228,8 @@ def repeats_flight(i, state, tau, seen, tally, K):
     dv_most = 0.5 * WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
     dx_most = 0.5 * WIDTH_SLACK * (abs(seen.x_min) + abs(seen.x_max))
     most = min(dv_most, K.w0 * dx_most)
+    if most == 0.0:  # without a spring the energy says nothing of x
+        return False
     for n in range(KEPT_FLIGHTS):
         kept = tally.flights[i, n]
         if kept[MODE] == state.mode and abs(state.v - kept[V]) <= most and tau <= kept[DURATION] * (1.0 + WIDTH_SLACK):

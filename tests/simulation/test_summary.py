@@ -103,6 +103,16 @@ def test_flights_that_repeat_are_not_searched_again(name: str, monkeypatch: pyte
     assert extremes[0] == pytest.approx(extremes[1], rel=0, abs=1e-13)
 
 
+def test_flights_of_a_drifting_mass_do_not_repeat() -> None:
+    """Without a spring the velocity repeats to the last bit, and the mass goes on: its turning points do not repeat."""
+    p = Parameters(m=1, c=0, k=0, A0=0, B0=8, Omega=2, v1=-1, v2="-0.5", mu1=0, mu2=0, FN=1)
+    found = simulate_many(p, (0, 0, "0.01"), 60, record=("x_min", "x_max"), use_numba=False)
+    trajectory = simulate(p, t0=0, x0=0, v0="0.01", t_end=60)
+    x = trajectory(np.linspace(0, 60, 200_001))[0]
+    assert found.x_max[0] == pytest.approx(x.max(), abs=1e-7)
+    assert found.x_min[0] == pytest.approx(x.min(), abs=1e-7)
+
+
 @pytest.mark.slow
 def test_a_period_of_three() -> None:
     """Found by a search over Omega; each period has a word of its own."""
