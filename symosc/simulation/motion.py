@@ -220,7 +220,7 @@ class Motion:
         self.start, self.arithmetic, self.digits = start, own, own.digits
         state = first_state(start, own)
         self.t0, self.first_at, self.K = state.t, state.at, own.inner_K
-        self._t0_low = float(start.t0 - Fraction(float(start.t0)))
+        self._t0_low = own.inward(own.number(start.t0 - Fraction(float(start.t0))))
         if start.start_error:  # rounding is far below it, and it is no standard error
             self.K = self.K._replace(sigmas=own.inward(own.number(Fraction(1))))
         self._state, self._end = own.inward(state), own.inward(last_time(start, own))
@@ -249,7 +249,8 @@ class Motion:
         """Store the piece that begins after a step, `elapsed` after the exact t0."""
         s = self._state
         a = s.Fb if s.mode <= ON_BELT else 0.0
-        self._columns.append((s.n, *map(float, (s.theta, s.mode, s.x, s.v, a)), float(elapsed) + self._t0_low))
+        elapsed = float(elapsed + self._t0_low)  # rounded once, as in pairs
+        self._columns.append((s.n, *map(float, (s.theta, s.mode, s.x, s.v, a)), elapsed))
 
     def columns(self) -> np.ndarray:
         """Return the pieces so far, in columns."""

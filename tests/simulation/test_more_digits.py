@@ -8,6 +8,8 @@ import re
 from fractions import Fraction
 from typing import Any
 
+import fuzz
+import numpy as np
 import pytest
 from agreement import BASE, assert_agrees
 from aimed import aimed, text
@@ -98,6 +100,20 @@ def test_pairs_and_many_digits_hand_the_same_doubles_out(
             outcomes.append((found.status, list(found.events), found(times).tolist()))
     assert used
     assert outcomes[:2] == outcomes[2:]
+
+
+@pytest.mark.parametrize(("family", "number"), [("aimed", 3), ("aimed", 20), ("digits", 9)])
+def test_they_do_so_from_a_start_time_that_is_no_double(
+    family: str, number: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene, outcomes = fuzz.scene_of(family, 77, number), []
+    monkeypatch.setattr(motion, "compiled_pairs", interpreted_pairs)
+    for loaded in (False, True):
+        monkeypatch.setattr("symosc.simulation.simulate.pairs_are_loaded", lambda loaded=loaded: loaded)
+        found = simulate(scene.p, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end)
+        times = np.linspace(float(found.t_start), float(found.t_end), 23)[1:-1]
+        outcomes.append((list(found.events), found(times).tolist()))
+    assert outcomes[0] == outcomes[1]
 
 
 def test_how_many_digits_a_graze_takes() -> None:
