@@ -30,6 +30,26 @@ def basis_apart(e, s, c, sO, cO, h, w, w0sq, Om, p, q):
     return E0, E1, E2, R2, I2
 
 
+def repeated_apart(tau, h, w, cm, w0sq, Om, p, q, E0, E1, E2, R2, I2, sO, cO):
+    """U0, U1, U2, V, W, P, Q from the basis functions and sO, cO = sin, cos(Om tau), h^2 + w^2 = w0sq."""
+    u1 = h * E1
+    u2 = 1 / (2 * w * w)
+    U1 = u2 * (E1 - tau * (E0 + u1))
+    U0 = u2 * (tau * h * E0 + tau * w0sq * E1 - u1)
+    u3 = U0 + cm * U1
+    U2 = (E2 - u3) / w0sq
+    D = p * p + q * q
+    u = R2 - u3
+    z = I2 - Om * U1
+    V = (p * u + q * z) / D
+    W = (p * z - q * u) / D
+    y = -E1 + (tau * cO - cm * R2 + 2 * Om * I2)
+    n = tau * sO - cm * I2 - 2 * Om * R2
+    P = (p * y + q * n) / D
+    Q = (p * n - q * y) / D
+    return U0, U1, U2, V, W, P, Q
+
+
 def acceleration(x, v, c, A, cm, w0sq, f0):
     """F^(alpha) in the domain with A = A_alpha/m at x, v and c = cos(Omega t): eq. (9)."""
     return A + (c * f0 - x * w0sq - v * cm)

@@ -33,6 +33,7 @@ from symosc.kernels._generated import (
     flight_parameters,
     flight_residual,
     motion,
+    repeated_apart,
     stick_jacobian,
     stick_parameters,
     stick_residual,
@@ -40,6 +41,8 @@ from symosc.kernels._generated import (
 from symosc.kernels.elementary import WIDEST
 from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, basis
 
+# From this time on, times w0, roots and drive that are apart are so for derivatives by parameters too.
+FAR_APART = 1.0
 # Nodes farther apart than this, times tau, are separated by a difference.
 FAR_NODES = 3.0
 # All nodes nearer to 0 than this, times tau: a series about 0 keeps small imaginary parts to their own size.
@@ -73,8 +76,8 @@ def flight_slopes(x_i, theta_i, theta_j, v_i, A, K):
 def flight_by_parameters(x_i, theta_i, theta_j, v_i, A, m, K):
     """Return the derivatives of x and v - v_i at the end by m, c, k, A_alpha, B0, Omega and v_i, in pairs."""
     s0, c0, tau = sin(theta_i), cos(theta_i), (theta_j - theta_i) / K.Om
-    E0, E1, E2, R2, I2, _, _ = basis(tau, K)
-    U0, U1, U2, V, W, P, Q = repeated(tau, K)
+    E0, E1, E2, R2, I2, s, c = basis(tau, K)
+    U0, U1, U2, V, W, P, Q = repeated(tau, E0, E1, E2, R2, I2, s, c, K)
     a0 = acceleration(x_i, v_i, c0, A, K.cm, K.w0sq, K.f0)
     _, dv, a = motion(v_i, a0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     v = v_i + dv
@@ -101,62 +104,99 @@ def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
 # --- divided differences over repeated nodes ---
 
 
-def repeated(tau, K):
-    """Return U0, U1, U2, V, W, P, Q at `tau` >= 0 for the constants `K` (`symosc.engine.flow.Constants`)."""
+def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
+    """Return U0, U1, U2, V, W, P, Q at `tau` >= 0 from what `basis` returns for the constants `K`."""
+    if K.apart and K.w0 * tau >= FAR_APART:
+        return repeated_apart(tau, K.h, K.omega_d, K.cm, K.w0sq, K.Om, K.p, K.q, E0, E1, E2, R2, I2, s, c)
+    zero = 0.0 * K.Om
     if K.under:
         l1, l2 = complex(-K.h, K.omega_d), complex(-K.h, -K.omega_d)
     else:
-        l1, l2 = complex(K.l1), complex(K.l2)
-    drive = complex(0.0 * K.Om, K.Om)
-    known: dict[tuple[complex, ...], complex] = {}
-    U1 = divided_difference((l1, l1, l2, l2), tau, known)
-    U0 = l1 * U1 + divided_difference((l1, l2, l2), tau, known)  # Leibniz' rule for z exp(z tau)
-    U2 = divided_difference((0.0 * l1, l1, l1, l2, l2), tau, known)
-    Z = divided_difference((drive, l1, l1, l2, l2), tau, known)
-    Y = divided_difference((drive, drive, l1, l2), tau, known)
+        l1, l2 = complex(K.l1, zero), complex(K.l2, zero)
+    nodes, known = (complex(zero, zero), complex(zero, K.Om), l1, l2), [complex(zero, zero)] * 54
+    there = [False] * 54
+    U1 = divided_difference(0, 0, 2, 2, nodes, tau, known, there)
+    U0 = l1 * U1 + divided_difference(0, 0, 1, 2, nodes, tau, known, there)  # Leibniz' rule for z exp(z tau)
+    U2 = divided_difference(1, 0, 2, 2, nodes, tau, known, there)
+    Z = divided_difference(0, 1, 2, 2, nodes, tau, known, there)
+    Y = divided_difference(0, 2, 1, 1, nodes, tau, known, there)
     return U0.real, U1.real, U2.real, Z.real, Z.imag, Y.real, Y.imag
 
 
-def divided_difference(nodes, tau, known):
-    """Return the divided difference of z -> exp(z tau) over the complex `nodes`, some of which may be equal.
+def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
+    """Return the divided difference of z -> exp(z tau) over the four `nodes`, the first one n0 times, and so on.
 
-    `known` keeps the differences that have been computed at this `tau`.
+    `known` keeps the differences at this `tau`, `there` says which. A stack, since numba keeps no recursion on disk.
     """
-    if nodes in known:
-        return known[nodes]
-    far, first, last = -1.0, 0, 0
-    for i in range(len(nodes)):
+    stack = [(n0, n1, n2, n3)]
+    key = key_of(stack[0])
+    while not there[key]:
+        counts = stack[-1]
+        far, first, last = farthest(counts, nodes)
+        # One node less: the last one, then the first one.
+        without_last, without_first = one_less(counts, last), one_less(counts, first)
+        one, other = key_of(without_last), key_of(without_first)
+        if far * tau < FAR_NODES:
+            known[key_of(counts)] = difference_by_series(counts, nodes, tau)
+        elif not there[one]:
+            stack.append(without_last)
+            continue
+        elif not there[other]:
+            stack.append(without_first)
+            continue
+        else:
+            known[key_of(counts)] = (known[one] - known[other]) / (nodes[first] - nodes[last])
+        there[key_of(counts)] = True
+        stack.pop()
+    return known[key]
+
+
+def key_of(counts):
+    """Return a number below 54 for how often each node occurs."""
+    return ((counts[0] * 3 + counts[1]) * 3 + counts[2]) * 3 + counts[3]
+
+
+def one_less(counts, i):
+    """Return how often each node occurs without one of number `i`."""
+    return counts[0] - (i == 0), counts[1] - (i == 1), counts[2] - (i == 2), counts[3] - (i == 3)
+
+
+def farthest(counts, nodes):
+    """Return the distance of the two nodes that are farthest apart, and their numbers."""
+    far, first, last = -1.0, 0, 3
+    for i in range(4):
         for j in range(i):
-            gap = abs(nodes[i] - nodes[j])
-            if gap > far:
-                far, first, last = gap, j, i
-    if far * tau < FAR_NODES:
-        known[nodes] = difference_by_series(nodes, tau)
-    else:
-        without_last = divided_difference(nodes[:last] + nodes[last + 1 :], tau, known)
-        without_first = divided_difference(nodes[:first] + nodes[first + 1 :], tau, known)
-        known[nodes] = (without_last - without_first) / (nodes[first] - nodes[last])
-    return known[nodes]
+            if counts[i] > 0 and counts[j] > 0:
+                gap = abs(nodes[i] - nodes[j])
+                if gap > far:
+                    far, first, last = gap, j, i
+    return far, first, last
 
 
-def difference_by_series(nodes, tau):
+def difference_by_series(counts, nodes, tau):
     """Return the divided difference over nodes near each other: sum of h_j / (n + j)! about their centre.
 
     h_j is the complete homogeneous symmetric polynomial of degree j of the nodes, which are n + 1.
     """
-    n = len(nodes) - 1
-    centre = 0.0 * nodes[0]
-    if max([abs(z) for z in nodes]) * tau > NEAR_ZERO:
-        for z in nodes:
-            centre = centre + z
-        centre = centre / (n + 1)
-    offsets = [(z - centre) * tau for z in nodes]
-    radius = max([abs(z) for z in offsets])
-    scale = exp(centre * tau)
+    size, largest, total = 0, 0.0 * tau, 0.0 * nodes[0]
+    for i in range(4):
+        if counts[i] > 0:
+            size = size + counts[i]
+            total = total + nodes[i] * counts[i]
+            largest = max(largest, abs(nodes[i]))
+    n = size - 1
+    centre = total / size if largest * tau > NEAR_ZERO else 0.0 * total
+    offsets, radius = [0.0 * centre] * 5, 0.0 * tau
+    scale, at = exp(centre * tau), 0
+    for i in range(4):
+        for _ in range(counts[i]):
+            offsets[at] = (nodes[i] - centre) * tau
+            radius = max(radius, abs(offsets[at]))
+            at = at + 1
     for i in range(1, n + 1):
         scale = scale * tau / i
     # h_j(z_0 .. z_k) = h_j(z_0 .. z_(k-1)) + z_k h_(j-1)(z_0 .. z_k); `partial` holds h_j n! / (n + j)! by k.
-    partial = [1.0 + 0.0 * centre] * (n + 1)
+    partial = [1.0 + 0.0 * centre] * 5
     total = partial[n]
     bound, j = 1.0 + 0.0 * radius, 0
     while bound > EPS:

@@ -70,6 +70,7 @@ def kernels() -> list[Kernel]:
             {"dx": flow.x - solution.x_i, "dv": flow.v - solution.v_i, "a": flow.a},
         ),
         _basis_apart(),
+        _repeated_apart(),
         _kernel(
             "acceleration",
             "F^(alpha) in the domain with A = A_alpha/m at x, v and c = cos(Omega t): eq. (9).",
@@ -166,6 +167,20 @@ def _basis_apart() -> Kernel:
         | {"D": p**2 + q**2, "u": cO - C, "z": sO - Omega * E1}
         | {str(part): formula.subs(p**2 + q**2, D) for part, formula in sp.solve(forced, [R2, I2]).items()},
         ("E0", "E1", "E2", "R2", "I2"),
+    )
+
+
+def _repeated_apart() -> Kernel:
+    """Return the functions that parameter derivatives need, underdamped and far from resonance."""
+    names = {omega_d: sp.Symbol("w"), sp.sin(Omega * tau): sp.Symbol("sO"), sp.cos(Omega * tau): sp.Symbol("cO")}
+    arguments = "tau h w cm w0sq Om p q E0 E1 E2 R2 I2 sO cO"
+    own = {"h": h, "p": maps.p, "q": maps.q} | {str(symbol): symbol for symbol in names.values()}
+    return Kernel(
+        "repeated_apart",
+        "U0, U1, U2, V, W, P, Q from the basis functions and sO, cO = sin, cos(Om tau), h^2 + w^2 = w0sq.",
+        {each: (MEANING | own)[each] for each in arguments.split()},
+        {name: expr.xreplace(names) for name, expr in maps.repeated_apart().items()},
+        tuple(map(str, maps.REPEATED)),
     )
 
 

@@ -23,8 +23,28 @@ from functools import cache
 import sympy as sp
 
 from symosc.symbolic import solution
-from symosc.symbolic.solution import E0, E1, E2, I2, R2, Expr, Omega, a_i, cm, f0, m, tau, theta_i, v_i, w0sq, x_i
+from symosc.symbolic.solution import (
+    E0,
+    E1,
+    E2,
+    I2,
+    R2,
+    Expr,
+    Omega,
+    a_i,
+    cm,
+    f0,
+    h,
+    m,
+    omega_d,
+    tau,
+    theta_i,
+    v_i,
+    w0sq,
+    x_i,
+)
 
+p, q = sp.symbols("p q", real=True)
 #: The functions that parameter derivatives need in addition to the basis functions.
 REPEATED = U0, U1, U2, V, W, P, Q = sp.symbols("U0 U1 U2 V W P Q", real=True)
 
@@ -59,6 +79,25 @@ def convolve(expr: Expr) -> Expr:
     parts = {symbol: expr.coeff(symbol) for symbol in solution.BASIS}
     constant = expr - sp.Add(*(sp.expand(factor * symbol) for symbol, factor in parts.items()))
     return sp.expand(constant * CONVOLVED[sp.Integer(1)]) + sp.Add(*(q * CONVOLVED[f] for f, q in parts.items()))
+
+
+def repeated_apart() -> dict[str, Expr]:
+    """Return the seven functions where the roots and i Omega are apart, as steps; D, u and z are between them.
+
+    U1 = S*S is explicit; the others follow from D f = g, which their rates make an equation without derivatives. With
+    p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
+    """
+    first = (E1 - tau * (E0 + h * E1)) / (2 * omega_d**2)
+    found = {"U1": first, "U0": sp.factor(solution.time_derivative(first).subs(cm, 2 * h))}
+    found |= {"U2": sp.solve(_operator(U2) - E2, U2)[0], "D": p**2 + q**2}
+    swing = tuple(tau * wave(Omega * tau) for wave in (sp.cos, sp.sin))
+    for (f, g), forcing, tops in (((V, W), (R2, I2), ("u", "z")), ((P, Q), swing, ("y", "n"))):
+        known = [part - _operator(name).subs({f: 0, g: 0}) for name, part in zip((f, g), forcing, strict=True)]
+        found |= dict(zip(tops, map(sp.expand, known), strict=True))
+        real, imaginary = sp.symbols(tops)
+        whole = sp.solve([p * f - q * g - real, q * f + p * g - imaginary], [f, g])
+        found |= {str(name): expr.subs(p**2 + q**2, sp.Symbol("D")) for name, expr in whole.items()}
+    return found
 
 
 # --- flights ---
@@ -148,6 +187,15 @@ def prove() -> dict[str, Expr]:
     for name, (real, imaginary) in (("V + iW", r), ("P + iQ", q)):
         residuals[f"D ({name}), real"] = solution.use_relations(rate(real) + Omega * imaginary)
         residuals[f"D ({name}), imaginary"] = solution.use_relations(rate(imaginary) - Omega * real)
+    apart = repeated_apart()["U1"]
+    first = solution.time_derivative(apart)
+    whole = solution.time_derivative(first) + cm * first + w0sq * apart - E1
+    residuals["D U1 = E1, apart"] = whole.subs({w0sq: omega_d**2 + h**2, cm: 2 * h})
+    p_q = w0sq - Omega**2, cm * Omega
+    for name, f, g in (("V + iW", V, W), ("P + iQ", P, Q)):
+        parts = _operator(f), _operator(g)
+        residuals[f"D ({name}) by p, q, real"] = parts[0] - parts[0].subs({f: 0, g: 0}) - (p_q[0] * f - p_q[1] * g)
+        residuals[f"D ({name}) by p, q, imaginary"] = parts[1] - parts[1].subs({f: 0, g: 0}) - (p_q[1] * f + p_q[0] * g)
     return {name: sp.expand(residual) for name, residual in residuals.items()}
 
 

@@ -58,7 +58,7 @@ def sizes(p: Parameters, label: str, points: list[float], exit: str | None) -> t
         return lambda *_: [Size(value) for value in function(*arguments)]
 
     replaced = {"sin": lambda angle: Size(mpmath.sin(angle)), "cos": lambda angle: Size(mpmath.cos(angle))}
-    replaced |= {"basis": of(entire.basis, tau, K), "repeated": of(mapping.repeated, tau, K)}
+    replaced |= {"basis": of(entire.basis, tau, K), "repeated": of(mapping.repeated, tau, *entire.basis(tau, K), K)}
     numbers = m.MapArithmetic(coarse, bind((mapping,), replaced), Size)
     x_i, theta_i, x_j, theta_j = points
     z, row, exit = (Size(x_i), theta_i, Size(x_j), theta_j), MAPS[label], exit or "below"

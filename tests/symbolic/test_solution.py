@@ -169,5 +169,5 @@ def test_force_on_a_belt() -> None:
 @pytest.mark.slow
 def test_proof() -> None:
     residuals = derived.prove()
-    assert len(residuals) == 9
+    assert len(residuals) == 14
     assert {name: residual for name, residual in residuals.items() if residual != 0} == {}
