@@ -1,60 +1,48 @@
 """Derivatives of a motion by parameters and by its start: of every event, and of the state at any time.
 
-Between two events the end of a flight is a function of its launch, of both phases and of the parameters; the kernels
-of the mappings have its partial derivatives in closed form. What ends it (a belt's speed is reached, or a force on the
-belt vanishes) gives the derivative of its time by the implicit function theorem. So the derivatives of all events
-follow from each other, through crossings and sticks; nothing is differenced.
-
 At a graze a motion is differentiable on one side only by each number that moves the gap. There the derivatives are
-those of the side on which the touch opens, `regular` is False from there on, and `reasons` names the side.
+those of the side on which the touch opens, `regular` is False from there on, and `reasons` names the side. How the
+derivatives follow from each other says `symosc.engine.tangent`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, fields
+from fractions import Fraction
+from functools import cached_property
 from math import inf, log
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import Number, NumberLike, SceneName
+from symosc.aliases import NumberLike, SceneName
 from symosc.arguments import public
+from symosc.engine import tangent
 from symosc.engine.arithmetic import many_digits, mp_context
-from symosc.engine.flow import constant_force
+from symosc.engine.constant_table import table_of
 from symosc.engine.start import Start
-from symosc.engine.state import ON_BELT
-from symosc.errors import ParameterError, meant
-from symosc.kernels._generated import acceleration
-from symosc.mappings.equations import friction_weights, map_arithmetic
-from symosc.model import MODE_NAMES, PARAMETER_NAMES, Parameters
+from symosc.engine.state import GRAZE, ON_BELT
+from symosc.mappings.equations import MapArithmetic, map_arithmetic
+from symosc.model import Parameters
 from symosc.scenes import Scene
 from symosc.simulation.simulate import read_start, simulate
-from symosc.simulation.trajectory import Event, Trajectory, read_times
+from symosc.simulation.tangents import codes_of, columns_of, is_deep, read_wrt, tangent_loops, work_space
+from symosc.simulation.trajectory import Trajectory, read_times
 
+#: Numbers of the start by which a motion is differentiated, beside the parameters.
 STARTS = ("t0", "x0", "v0")
-#: A gap is not moved by what changes it by less than this part of the terms of its derivative.
-UNMOVED = 1e-9
-#: What decides an event vanishes where it is smaller than this part of its terms.
-VANISHES = 1e-12
 #: Digits beside those that are asked for, and of the phase of a start in doubles.
 SPARE, PHASE_DIGITS = 10, 40
-MODES = {name: code for code, name in MODE_NAMES.items()}
-
-
-@dataclass(frozen=True)
-class Launch:
-    """The start of a piece: its mode, time, reduced phase and state, with the derivatives of t, x and v."""
-
-    mode: int
-    t: Number
-    theta: Number
-    x: Number
-    v: Number
-    dt: np.ndarray
-    dx: np.ndarray
-    dv: np.ndarray
+#: So many events and times are worth looking for compiled code on disk.
+MANY = 2_000
+#: What a derivative does not exist for, by the reason's code.
+REASONS = {
+    tangent.NO_SLOPE: "the force that ends the stick at t = {t:.6g} has no slope there",
+    tangent.FLAT_CONTACT: "the contact at t = {t:.6g} has no slope",
+    tangent.NO_FORCE: "a force on belt {belt} vanishes at t = {t:.6g}",
+}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -94,8 +82,12 @@ class Sensitivities:
     dx: np.ndarray
     regular: np.ndarray
     reasons: tuple[str | None, ...]
-    lyapunov: np.ndarray
-    _launches: tuple[Launch, ...] = field(repr=False)
+    _motion: _Columns = field(repr=False)
+
+    @cached_property
+    def lyapunov(self) -> np.ndarray:
+        """The exponents of the distance of neighbouring motions, the larger one first."""
+        return self._motion.exponents()
 
     @public
     def __call__(self, t: ArrayLike) -> np.ndarray:
@@ -115,11 +107,8 @@ class Sensitivities:
         """
         given = read_times(t)
         self.trajectory(given)  # which checks their range
-        tangent, rows = Tangent(self.trajectory, self.wrt), []
-        for each in map(tangent.number, given.ravel().tolist()):
-            launch = next((launch for launch in reversed(self._launches) if launch.t <= each), self._launches[0])
-            rows.append(tangent.state_change(launch, each)[:2])
-        return np.moveaxis(np.array(rows), 0, 1).reshape((2, *given.shape, len(self.wrt)))
+        changes = self._motion.at_times(given.ravel(), self.wrt, self.dt, self.dx)
+        return changes.reshape((2, *given.shape, len(self.wrt)))
 
     def __eq__(self, other: object) -> bool:
         """Whether all public entries are equal."""
@@ -136,78 +125,96 @@ class Sensitivities:
         return f"<Sensitivities of {len(self.dt)} events by {', '.join(self.wrt)}{about}>"
 
 
-class Tangent:
-    """The linearised motion: what changes with the numbers `wrt`, in the arithmetic of a trajectory."""
+class _Columns:
+    """The columns of a motion in its arithmetic, as `symosc.engine.tangent` takes them."""
 
-    def __init__(self, trajectory: Trajectory, wrt: tuple[str, ...]) -> None:
-        self.p, self.wrt, digits = trajectory.parameters, wrt, trajectory.digits
-        self.context = None if digits is None else mp_context(digits + SPARE)
-        self.numbers = map_arithmetic(self.p, self.context)
-        self.K, self.of = self.numbers.K, self.numbers.of
-        self.m, self.Omega = self.numbers.number(self.p.m), self.numbers.number(self.p.Omega)
-
-    def number(self, value: Any) -> Any:
-        """Return a number of this arithmetic."""
-        return float(value) if self.context is None else self.context.mpf(value)
-
-    def change_of(self, name: str) -> np.ndarray:
-        """Return the derivative of a parameter or number of the start: 1 by itself, 0 by the others."""
-        return np.array([self.number(each == name) for each in self.wrt])
-
-    def by_parameters(self, parts: dict[str, Any], domain: int) -> np.ndarray:
-        """Return derivatives by all parameters from those by m, c, k, A_alpha, B0 and Omega."""
-        whole = parts | {"A0": parts["A"]}
-        for name, weight in friction_weights(self.p, domain, self.numbers.number).items():
-            whole[name] = parts["A"] * weight
-        return np.array([self.number(0) + whole.get(name, 0) for name in self.wrt])
-
-    def first(self, start: Start, mode: int) -> Launch:
-        """Return the launch at the start of a motion."""
+    def __init__(self, trajectory: Trajectory, start: Start) -> None:
+        self.trajectory, p = trajectory, trajectory.parameters
+        self.kind: Any = float if self.context is None else object
         number = self.numbers.number
-        theta = many_digits(self.p, PHASE_DIGITS if self.context is None else self.context.dps).phase(start.t0)[1]
-        changes = (self.change_of(name) for name in STARTS)
-        t, x, v = number(start.t0), number(start.x0), number(start.v0)
-        return Launch(mode, t, self.number(theta), x, v, *changes)
+        self.letters = np.array([[number(each) for each in (p.m, p.mu1, p.mu2, p.FN)]], dtype=self.kind)
+        piece, events = trajectory._pieces[:, 0], trajectory.rows()
+        theta = many_digits(p, self.context.dps).phase(start.t0)[1] if self.context else piece[1]
+        first = int(piece[2]), number(start.t0), theta, number(start.x0), number(start.v0)
+        self.starts = np.array([first], dtype=self.kind)
+        if self.context:
+            names = ("t", "theta", "x", "v")
+            exact = np.array(
+                [[self.context.mpf(getattr(event, name)) for name in names] for event in trajectory.events]
+            )
+            floats = list(exact.reshape(-1, 4).astype(object).T)
+            self.rows: tuple[Any, ...] = *floats, *columns_of(events)[4:]
+        else:
+            self.rows = columns_of(events)
 
-    def state_change(self, launch: Launch, t: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the derivatives of x and v at a fixed time in a piece, and the size of the terms of the latter."""
-        if launch.mode > ON_BELT:
-            dv = self.change_of(f"v{launch.mode - ON_BELT}")
-            return launch.dx + dv * (t - launch.t) - launch.v * launch.dt, dv, abs(dv)
-        K, A = self.K, constant_force(launch.mode, self.K)
-        theta = launch.theta + self.Omega * (t - launch.t)
-        start = launch.x, launch.theta, theta, launch.v, A
-        x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = self.of["flight_slopes"](*start, K)
-        *letters, x_v0, v_v0 = self.of["flight_by_parameters"](*start, self.m, K)
-        names = ("m", "c", "k", "A", "B0", "Omega")
-        of_x, of_v = (self.by_parameters(dict(zip(names, letters[n::2], strict=True)), launch.mode) for n in (0, 1))
-        dOmega = self.change_of("Omega")
-        theta0, theta1 = self.Omega * launch.dt + launch.t * dOmega, t * dOmega
-        dx = x_x0 * launch.dx + x_th0 * theta0 + x_th1 * theta1 + x_v0 * launch.dv + of_x
-        terms = v_x0 * launch.dx, v_th0 * theta0, v_th1 * theta1, (1 + v_v0) * launch.dv, of_v
-        return dx, np.sum(terms, axis=0), np.sum(np.abs(terms), axis=0)
+    @property
+    def context(self) -> Any:
+        """The mpmath context of the numbers; None for doubles."""
+        digits = self.trajectory.digits
+        return None if digits is None else mp_context(digits + SPARE)
 
-    def force(self, domain: int, x: Any, v: Any, theta: Any) -> tuple[Any, bool]:
-        """Return the acceleration in a domain, and whether it vanishes."""
-        K, A = self.K, constant_force(domain, self.K)
-        F = acceleration(x, v, self.of["cos"](theta), A, K.cm, K.w0sq, K.f0)
-        return F, abs(F) <= VANISHES * (abs(A) + abs(K.cm * v) + abs(K.w0sq * x) + abs(K.f0))
+    @property
+    def numbers(self) -> MapArithmetic:
+        """The functions and constants in this arithmetic."""
+        return map_arithmetic(self.trajectory.parameters, self.context)
 
-    def vanishing(self, domain: int, point: tuple[Any, Any, Any, Any], dx: Any, dv: Any) -> tuple[np.ndarray, bool]:
-        """Return the derivative of the time at which the acceleration of a domain vanishes, and whether it exists.
+    def loop(self, name: str, count: int) -> tuple[Callable[..., None], Any]:
+        """Return a function of `symosc.engine.tangent` for so many rows, and the constants as it takes them."""
+        compiled = tangent_loops(count > MANY) if self.context is None else None
+        if compiled:
+            return compiled[name], table_of([self.numbers.K])
+        return self.numbers.of[name], [self.numbers.K]
 
-        `point` is t, x, v, theta there; dx and dv are derivatives at this fixed time.
-        """
-        t, x, v, theta = point
-        F, _ = self.force(domain, x, v, theta)
-        of_c, of_k, of_A, of_B, of_v, of_m, _, _ = self.of["stick_by_parameters"](x, theta, theta, v, F, self.m, self.K)
-        _, _, of_x, of_theta = self.of["stick_slopes"](theta, v, self.K)
-        parts = {"m": of_m, "c": of_c, "k": of_k, "A": of_A, "B0": of_B, "Omega": of_theta * t}
-        rate = of_x * v + of_theta * self.Omega
-        flat = abs(rate) <= VANISHES * (abs(of_x * v) + abs(self.K.f0 * self.Omega))
-        # of_v is the derivative by a belt's speed, which changes the damping force alone
-        change = of_x * dx + of_v * dv + self.by_parameters(parts, domain)
-        return -change / (rate if rate else 1), not flat
+    def changes(self, wrt: tuple[str, ...], count: int) -> tuple[np.ndarray, ...]:
+        """Return dt, dx, marks, reasons, growth and the last state of the columns; of `count` the answers are kept."""
+        codes, events = codes_of(wrt), len(self.rows[0])
+        kept = [np.zeros((events, count), self.kind) for _ in range(2)]
+        out = *kept, np.zeros((events, count), np.int8), np.zeros(events, np.int8), np.zeros((1, 2))
+        work, one, cuts = work_space(codes, self.kind), np.zeros(1, np.int64), np.array([0, events])
+        loop, table = self.loop("tangents", events)
+        loop(one, cuts, self.starts, one, self.rows, codes, is_deep(codes), self.letters, table, out, work)
+        return *out, work
+
+    def pieces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the starts of all pieces, and the numbers of the events that begin all but the first."""
+        t, theta, x, v, kinds, _, targets = self.rows
+        events = np.flatnonzero(kinds != GRAZE)
+        rows = np.array([targets, t, theta, x, v], dtype=self.kind).T[events]
+        return np.concatenate([self.starts, rows]), events
+
+    def at_times(self, times: np.ndarray, wrt: tuple[str, ...], dt: np.ndarray, dx: np.ndarray) -> np.ndarray:
+        """Return the derivatives of x and v (2, times, wrt), with those of the events."""
+        codes, (starts, events) = codes_of(wrt), self.pieces()
+        launched = np.zeros((3, len(starts), len(wrt)), self.kind)
+        for row in range(3):
+            launched[row, 0] = codes == tangent.T0 + row
+        boundaries = self.rows[5][events]
+        launched[0, 1:], launched[1, 1:] = dt[events], dx[events]
+        launched[2, 1:] = codes[None, :] == tangent.V1 - 1 + boundaries[:, None]
+        times = np.array([self.numbers.number(Fraction(t)) for t in times]) if self.context else times
+        pieces = np.maximum(np.searchsorted(starts[1:, 1].astype(float), times.astype(float), "right"), 0)
+        out = np.zeros((2, len(times), len(wrt)), self.kind)
+        loop, table = self.loop("changes_at", len(times))
+        work = work_space(codes, self.kind)
+        loop(times, pieces, starts, launched, codes, is_deep(codes), self.letters, table, out, work)
+        return out
+
+    def exponents(self) -> np.ndarray:
+        """Return the Lyapunov exponents over the motion, the larger one first."""
+        *_, growth, work = self.changes(("x0", "v0"), 0)
+        codes, (starts, _) = codes_of(("x0", "v0")), self.pieces()
+        grown, volume = growth[0].tolist()
+        end = self.numbers.number(Fraction(self.trajectory.t_end)) if self.context else float(self.trajectory.t_end)
+        out, last = np.zeros((2, 1, 2), self.kind), starts[-1:]
+        launched, at, none = work[:3, None, :2].copy(), np.array([end]), np.zeros(1, np.int64)
+        self.numbers.of["changes_at"](
+            at, none, last, launched, codes, False, self.letters, [self.numbers.K], out, work_space(codes, self.kind)
+        )
+        volume -= float(self.numbers.K.cm * (end - last[0, 1])) if last[0, 0] <= ON_BELT else inf
+        size, span = float(np.linalg.norm(out[:, 0].astype(float), 2)), float(end - self.starts[0, 1])
+        first = (grown + log(size)) / span if size > 0.0 else -inf
+        second = volume / span - first if volume > -inf else -inf
+        return np.array(sorted((first, second), reverse=True))
 
 
 @public
@@ -247,128 +254,43 @@ def sensitivities(
     >>> s.trajectory.events[1].kind, s.dt[1].round(6).tolist()
     ('slip', [0.93701, -0.095516])
     """
-    names = (wrt,) if isinstance(wrt, str) else tuple(wrt)
-    known = (*PARAMETER_NAMES, *STARTS)
-    for name in names:
-        if name not in known:
-            raise ParameterError("wrt", name, f"must be of {', '.join(known)}{meant(str(name), known)}")
-    if not names or len(set(names)) < len(names):
-        raise ParameterError("wrt", names, "must be one or more different names")
+    names = read_wrt(wrt)
     start = read_start(what, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, None)
     about: dict[str, Any] = {"t0": start.t0, "x0": start.x0, "v0": start.v0, "t_end": start.t_end}
     if start.start_error:
         about["start_error"] = start.start_error
     motion = simulate(start.parameters, **about, max_events=max_events, digits=digits)
-    return _differentiated(motion, start, names)
+    columns = _Columns(motion, start)
+    dt, dx, marks, why, *_ = columns.changes(names, len(names))
+    reasons = _reasons(motion, names, marks, why, _kink_at_start(columns, names))
+    return Sensitivities(motion, names, dt, dx, marks == 1, reasons, columns)
 
 
-def _differentiated(motion: Trajectory, start: Start, wrt: tuple[str, ...]) -> Sensitivities:
-    """Return the derivatives of a motion.
-
-    Two more columns, by x0 and v0, are divided by their size at each event: from these follow the exponents.
-    """
-    tangent, count = Tangent(motion, (*wrt, "x0", "v0")), len(wrt)
-    launch = tangent.first(start, MODES[motion.segments[0].mode])
-    launches, rows, reasons = [launch], [], list[str | None]()
-    regular, said = _regular_at(launch, tangent)
-    grown, volume = 0.0, 0.0
-    for event in motion.events:
-        point = tuple(tangent.number(each) for each in (event.t, event.x, event.v, event.theta))
-        dx, dv, size = tangent.state_change(launch, point[0])
-        belt = tangent.change_of(f"v{event.boundary}")
-        if event.kind == "graze":
-            dt, _ = tangent.vanishing(launch.mode, point, dx, dv)
-            moved = (dv - belt) * (-1 if launch.mode == event.boundary else 1)  # > 0 where the touch opens
-            kink = abs(moved) > UNMOVED * (size + abs(belt))
-            sides = [f"{name} {'larger' if up > 0 else 'smaller'}" for name, up, is_kink in
-                     zip(wrt, moved, kink, strict=False) if is_kink]  # fmt: skip
-            why = f"after the graze at t = {float(event.t):.6g} for {', '.join(sides)}" if sides else None
-            exists = ~np.array(kink, dtype=bool)
-        else:
-            dt, why = _event_time(tangent, launch, event, point, (dx, dv))
-            exists = np.full(len(regular), why is None)
-        regular = regular & exists
-        rows.append((dt[:count], (dx + point[2] * dt)[:count], regular[:count]))
-        reasons.append("; ".join(filter(None, (said, why))) or None)
-        said = None
-        if event.kind != "graze":
-            volume += _log_volume(tangent, launch, event, point)
-            after = Launch(MODES[event.target], *_at(point), dt, dx + point[2] * dt, belt)
-            launch, scale = _rescaled(after, count)
-            grown += scale
-            launches.append(launch)
-    kind: Any = float if tangent.context is None else object
-    dts, dxs, regulars = (
-        np.array([row[n] for row in rows], dtype=dtype).reshape(-1, count) for n, dtype in enumerate((kind, kind, bool))
-    )
-    cut = tuple(replace(each, dt=each.dt[:count], dx=each.dx[:count], dv=each.dv[:count]) for each in launches)
-    exponents = _exponents(tangent, launch, motion, grown, volume)
-    return Sensitivities(motion, wrt, dts, dxs, regulars, tuple(reasons), exponents, cut)
-
-
-def _at(point: tuple[Any, Any, Any, Any]) -> tuple[Any, Any, Any, Any]:
-    """Return t, theta, x, v from t, x, v, theta."""
-    t, x, v, theta = point
-    return t, theta, x, v
-
-
-def _regular_at(launch: Launch, tangent: Tangent) -> tuple[np.ndarray, str | None]:
-    """Return by what a motion is differentiable at its start: not by what takes a flight off the belt it starts on."""
-    belts = [
-        f"v{n}" for n in (1, 2) if launch.mode <= ON_BELT and launch.v == tangent.numbers.number(tangent.p.belt(n))
+def _kink_at_start(columns: _Columns, wrt: tuple[str, ...]) -> str | None:
+    """Return by what a motion is not differentiable at its start: by what takes a flight off the belt it starts on."""
+    mode, _, _, _, v = columns.starts[0]
+    on = [
+        f"v{n}"
+        for n in (1, 2)
+        if mode <= ON_BELT and v == columns.numbers.number(columns.trajectory.parameters.belt(n))
     ]
-    moved = [name for name in tangent.wrt[:-2] if belts and name in ("v0", *belts)]
-    why = f"the start is on a belt: by {', '.join(moved)} for starts on the side of the flight" if moved else None
-    return np.array([name not in moved for name in tangent.wrt]), why
+    moved = [name for name in wrt if on and name in ("v0", *on)]
+    return f"the start is on a belt: by {', '.join(moved)} for starts on the side of the flight" if moved else None
 
 
-def _event_time(
-    tangent: Tangent, launch: Launch, event: Event, point: tuple[Any, Any, Any, Any], changes: tuple[Any, Any]
-) -> tuple[np.ndarray, str | None]:
-    """Return the derivative of the time of an event, or why there is none."""
-    _, x, v, theta = point
-    if launch.mode > ON_BELT:
-        dt, exists = tangent.vanishing(MODES[event.target], point, *changes)
-        return dt, None if exists else f"the force that ends the stick at t = {float(event.t):.6g} has no slope there"
-    F, flat = tangent.force(launch.mode, x, v, theta)
-    dt = (tangent.change_of(f"v{event.boundary}") - changes[1]) / (F if F else 1)
-    if flat:
-        return dt, f"the contact at t = {float(event.t):.6g} has no slope"
-    other = event.boundary + 1 if launch.mode == event.boundary else event.boundary
-    if tangent.force(other, x, v, theta)[1]:
-        return dt, f"a force on belt {event.boundary} vanishes at t = {float(event.t):.6g}"
-    return dt, None
-
-
-def _log_volume(tangent: Tangent, launch: Launch, event: Event, point: tuple[Any, Any, Any, Any]) -> float:
-    """Return the logarithm by which a piece and its end multiply areas of the phase plane."""
-    t, x, v, theta = point
-    if launch.mode > ON_BELT or event.kind == "stick":
-        return -inf
-    before, after = (tangent.force(domain, x, v, theta)[0] for domain in (launch.mode, MODES[event.target]))
-    return -float(tangent.K.cm * (t - launch.t)) + log(abs(float(after / before)) or 1.0)
-
-
-def _rescaled(launch: Launch, count: int) -> tuple[Launch, float]:
-    """Return a launch with its last two columns divided by their size, and the logarithm of that."""
-    size = max(float(abs(each)) for column in (launch.dt, launch.dx, launch.dv) for each in column[count:])
-    if not 0.0 < size < inf:
-        return launch, 0.0
-    factors = np.array([1.0] * count + [1.0 / size] * 2)
-    return replace(launch, dt=launch.dt * factors, dx=launch.dx * factors, dv=launch.dv * factors), log(size)
-
-
-def _exponents(tangent: Tangent, launch: Launch, motion: Trajectory, grown: float, volume: float) -> np.ndarray:
-    """Return the Lyapunov exponents over a motion, the larger one first."""
-    end = tangent.number(motion.t_end)
-    span = float(end - tangent.number(motion.t_start))
-    if launch.mode <= ON_BELT:
-        volume -= float(tangent.K.cm * (end - launch.t))
-    else:
-        volume = -inf
-    dx, dv, _ = tangent.state_change(launch, end)
-    matrix = np.array([dx[-2:], dv[-2:]], dtype=float)
-    size = float(np.linalg.norm(matrix, 2))
-    first = (grown + log(size)) / span if size > 0.0 else -inf
-    second = volume / span - first if volume > -inf else -inf
-    return np.array(sorted((first, second), reverse=True))
+def _reasons(
+    motion: Trajectory, wrt: tuple[str, ...], marks: np.ndarray, codes: np.ndarray, said: str | None
+) -> tuple[str | None, ...]:
+    """Return for each event what is not regular from there on; `said` of the start is the first one's."""
+    found: list[str | None] = [None] * len(codes)
+    for n in np.flatnonzero(codes).tolist():
+        event = motion.events[n]
+        if codes[n] == tangent.KINK:
+            words = {tangent.OPENS_ABOVE: "larger", tangent.OPENS_BELOW: "smaller"}
+            sides = [f"{name} {words[mark]}" for name, mark in zip(wrt, marks[n].tolist(), strict=True) if mark > 1]
+            found[n] = f"after the graze at t = {float(event.t):.6g} for {', '.join(sides)}"
+        else:
+            found[n] = REASONS[codes[n]].format(t=float(event.t), belt=event.boundary)
+    if found and said:
+        found[0] = "; ".join(filter(None, (said, found[0])))
+    return tuple(found)

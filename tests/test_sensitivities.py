@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from bad_values import refused
 from oracle import simulate_oracle
 
-from symosc import Parameters, Trajectory, find_orbit, load_scene, sensitivities, simulate
+from symosc import Parameters, Trajectory, find_orbit, load_scene, sensitivities, simulate, simulate_many
 from symosc.model import PARAMETER_NAMES
 
 NAMES = (*PARAMETER_NAMES, "t0", "x0", "v0")
@@ -194,3 +195,37 @@ def test_what_is_wrong_with_derivatives_of_orbits() -> None:
     orbit = find_orbit("fig9")
     assert "did you mean" in refused(lambda: orbit.sensitivities("omega"), "wrt")
     refused(lambda: orbit.sensitivities(("FN", "FN")), "wrt")
+
+
+def test_ensembles_have_the_same_derivatives() -> None:
+    """Of many parameter sets and starts, interpreted and compiled; the bits are those of single motions."""
+    scenes = [scene(seed) for seed in range(12)]
+    sets = [p for p, _, _ in scenes]
+    starts = [[float(start[name]) for name in ("t0", "x0", "v0")] for _, start, _ in scenes]
+    ends = [float(end) for _, _, end in scenes]
+    tables = [simulate_many(sets, starts, ends, wrt=NAMES, use_numba=way) for way in (False, None)]
+    assert tables[0] == tables[1]
+    assert tables[0].dt.shape == (len(tables[0]), len(NAMES))
+    for i, (t0, x0, v0) in enumerate(starts):
+        alone, mine = sensitivities(sets[i], NAMES, t0=t0, x0=x0, v0=v0, t_end=ends[i]), tables[0][i]
+        np.testing.assert_allclose(mine.dt, alone.dt, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(mine.dx, alone.dx, rtol=1e-9, atol=1e-9)
+        np.testing.assert_array_equal(mine.regular, alone.regular)
+
+
+def test_columns_of_derivatives_go_into_tables(tmp_path: Path) -> None:
+    table = simulate_many(load_scene("fig9").parameters, [(0, 0, 1), (0, 1, 1)], 3, wrt=("mu1", "x0"))
+    assert table.wrt == ("mu1", "x0")
+    frame, dataset = table.to_pandas(), table.to_xarray()
+    np.testing.assert_array_equal(frame["dt_x0"], table.dt[:, 1])
+    np.testing.assert_array_equal(dataset["dx"].sel(wrt="mu1"), table.dx[:, 0])
+    table.to_csv(tmp_path / "events.csv")
+    assert "dx_mu1" in (tmp_path / "events.csv").read_text().splitlines()[0]
+    with pytest.raises(AttributeError, match="with wrt= also dt, dx, regular"):
+        simulate_many(load_scene("fig9").parameters, (0, 0, 1), 3).dt  # noqa: B018
+
+
+def test_an_unknown_name_of_an_ensemble_is_refused() -> None:
+    p = load_scene("fig9").parameters
+    assert "did you mean" in refused(lambda: simulate_many(p, (0, 0, 1), 3, wrt="mu"), "wrt")
+    assert "for events" in refused(lambda: simulate_many(p, (0, 0, 1), 3, wrt="mu1", record="summary"), "wrt")

@@ -27,12 +27,12 @@ from time import monotonic
 from typing import Any, NamedTuple
 
 from symosc.aliases import Number
-from symosc.engine import batch, events, first_exit, flow, next_event, state, summary
+from symosc.engine import batch, events, first_exit, flow, next_event, state, summary, tangent
 from symosc.engine.batch import PairLimits
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.flow import Constants, constants, with_march
 from symosc.errors import MissingExtraError
-from symosc.kernels import _generated, double_double, entire
+from symosc.kernels import _generated, double_double, entire, mapping
 from symosc.model import Parameters
 
 SOURCES = (_generated, entire, state, flow, first_exit, next_event, events, batch)
@@ -269,6 +269,13 @@ def compiled() -> dict[str, Any]:
     except ImportError:
         raise MissingExtraError("compiling", "fast") from None
     return compile_modules((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED.split(), {"borrowed": borrowed})
+
+
+@lru_cache(maxsize=1)
+def compiled_tangents() -> dict[str, Any]:
+    """Return the source of derivatives compiled by numba; raise MissingExtraError if numba is not installed."""
+    outlined = {"tangents", "changes_at", "divided_difference", "difference_by_series", "repeated"}
+    return compile_modules((mapping, tangent), outlined, compiled())
 
 
 # --- any number of digits ---

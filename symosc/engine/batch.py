@@ -96,10 +96,10 @@ def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
 
 
 def joined(pieces: list[np.ndarray]) -> np.ndarray:
-    """Concatenate columns of one type in contiguous memory."""
+    """Concatenate columns, or rows, of one type in contiguous memory."""
     if len(pieces) == 1:
         return np.ascontiguousarray(pieces[0])
-    return np.concatenate(pieces, out=large_array((sum(map(len, pieces)),), pieces[0].dtype))
+    return np.concatenate(pieces, out=large_array((sum(map(len, pieces)), *pieces[0].shape[1:]), pieces[0].dtype))
 
 
 def contiguous_copy(columns: np.ndarray) -> np.ndarray:

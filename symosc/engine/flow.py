@@ -256,6 +256,11 @@ def constant_force(domain, K):
     return K.A1 if domain == 1 else K.A2 if domain == 2 else K.A3
 
 
+def friction_signs(domain):
+    """Return the signs with which mu1 FN and mu2 FN belong to A_alpha."""
+    return (1.0 if domain == 1 else -1.0), (-1.0 if domain == 3 else 1.0)
+
+
 def speeds_around(domain, K):
     """Return the speeds of the belts below and above a domain, -inf and inf where there is none."""
     if domain == 2:

@@ -27,9 +27,10 @@ from numpy.typing import ArrayLike
 
 from symosc.aliases import Context, Number, Numbers
 from symosc.arguments import public
+from symosc.engine import tangent
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, bind, many_digits
 from symosc.engine.first_exit import ROUNDING
-from symosc.engine.flow import Constants, constant_force, constants
+from symosc.engine.flow import Constants, constant_force, constants, friction_signs
 from symosc.engine.start import BeltStart, belt_start, belt_state, force_terms, sine_and_cosine
 from symosc.engine.state import END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP, Covariance, NextEvent
 from symosc.errors import ParameterError, SymoscError
@@ -212,7 +213,7 @@ def _parameter_jacobian(
 
 def friction_weights(p: Parameters, domain: int, number: Callable[[Fraction], Number]) -> dict[str, Number]:
     """Return the derivatives of A_alpha by mu1, mu2 and FN."""
-    drag1, drag2 = {1: (1, 1), 2: (-1, 1), 3: (-1, -1)}[domain]
+    drag1, drag2 = friction_signs(domain)
     mu1, mu2, FN = (number(value) for value in (p.mu1, p.mu2, p.FN))
     return {"mu1": drag1 * FN, "mu2": drag2 * FN, "FN": drag1 * mu1 + drag2 * mu2}
 
@@ -238,7 +239,7 @@ def map_arithmetic(p: Parameters, context: Context | None = None) -> MapArithmet
 @lru_cache(maxsize=64)
 def _floats(p: Parameters) -> MapArithmetic:
     """Return the arithmetic of doubles for scalars."""
-    return MapArithmetic(constants(p), vars(mapping), float)
+    return MapArithmetic(constants(p), vars(mapping) | vars(tangent), float)
 
 
 @lru_cache(maxsize=64)
@@ -256,8 +257,8 @@ def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmeti
     number = partial(number_of, context=context)
     K = constants(p, number, context.sqrt, context.atan2, +context.pi)
     names = {"complex": context.mpc, "EPS": context.ldexp(1, -precision), "basis": BasisMP(context, p)}
-    names |= {name: getattr(context, name) for name in ("exp", "sin", "cos")}
-    return MapArithmetic(K, bind((mapping,), names), number)
+    names |= {name: getattr(context, name) for name in ("exp", "sin", "cos", "floor")} | {"TWO_PI": 2 * context.pi}
+    return MapArithmetic(K, bind((mapping, tangent), names), number)
 
 
 # --- reading arguments ---

@@ -24,6 +24,7 @@ from symosc.engine.arithmetic import (
     PairLimits,
     compiled,
     compiled_pairs,
+    compiled_tangents,
     is_compiled,
     pair_constants,
     pairs_are_compiled,
@@ -79,7 +80,7 @@ class Loops(NamedTuple):
     in_threads: bool  # whether several threads are faster than one
 
 
-def _interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
+def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
     """Wrap a function of the engine, run by CPython, so that it takes constants as a table."""
 
     def call(*arguments: Any) -> Any:
@@ -88,8 +89,8 @@ def _interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
-FOLLOW = _interpreted(engine_batch.follow_all)
-INTERPRETED = Loops(_interpreted(flow.march_rows), FOLLOW, _interpreted(summary.settle), False)
+FOLLOW = interpreted(engine_batch.follow_all)
+INTERPRETED = Loops(interpreted(flow.march_rows), FOLLOW, interpreted(summary.settle), False)
 
 
 def chosen_loops(use_numba: Any) -> Loops:
@@ -261,6 +262,14 @@ def warm() -> list[Warmed]:
     def alone() -> None:
         search(np.array([row_of(first_state(start, arithmetic), *last_time(start, arithmetic))]), table)
 
+    def derivatives() -> None:
+        columns, out = (np.zeros(0),) * 4 + (nothing,) * 3, (np.zeros((0, 1)),) * 2
+        marks = np.zeros((0, 1), np.int8), np.zeros(0, np.int8), np.zeros((0, 2))
+        compiled_tangents()["tangents"](
+            nothing, nothing, np.zeros((0, 5)), nothing, columns, nothing, True, np.zeros((0, 4)), table,
+            (*out, *marks), np.zeros((8, 11)),
+        )  # fmt: skip
+
     def pairs() -> None:
         K, none = pair_constants(scene.parameters), states.astype(complex)
         begin, follow = compiled_pairs()
@@ -272,6 +281,7 @@ def warm() -> list[Warmed]:
         "events in doubles": (lambda: all(map(is_compiled, loops[:3])), doubles),
         "events of single motions": (lambda: is_compiled(search), alone),
         "events in double-double numbers": (pairs_are_compiled, pairs),
+        "derivatives of events": (lambda: is_compiled(compiled_tangents()["tangents"]), derivatives),
     }
     done = []
     for what, (is_there, run) in works.items():

@@ -34,6 +34,7 @@ from symosc.engine.arithmetic import (
     pairs_as_complex,
 )
 from symosc.engine.batch import NO_PIECES, Batch, EventRows, batch_of, event_buffer, row_of, rows_between, state_of
+from symosc.engine.batch import joined as joined_rows
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.events import KIND_NAMES
 from symosc.engine.flow import SIGMAS
@@ -62,6 +63,7 @@ from symosc.engine.summary import (
     store_tallies,
     tally_step,
 )
+from symosc.engine.tangent import Letters
 from symosc.errors import ParameterError
 from symosc.exact import read_start_error, whole_number
 from symosc.model import MODE_NAMES, Parameters
@@ -81,6 +83,7 @@ from symosc.simulation.motion import MOST_MORE, check_reached, fits_pairs
 from symosc.simulation.problems import NumberColumn, Problems
 from symosc.simulation.simulate import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
 from symosc.simulation.tables import SUMMARY_COLUMNS, EventTable, Summary, rows_of, table_from
+from symosc.simulation.tangents import Launches, chosen_tangents, event_changes, read_wrt
 from symosc.simulation.trajectory import Trajectory
 
 __all__ = ["EventTable", "Summary", "simulate_many"]
@@ -112,6 +115,7 @@ def simulate_many(
     start_error: StartError | None = None,
     use_numba: bool | None = None,
     record: str | Sequence[str] = "events",
+    wrt: str | Sequence[str] | None = None,
     skip: NumberLike | ArrayLike = 0,
     sections: int = 1,
     workers: int | None = None,
@@ -131,6 +135,9 @@ def simulate_many(
         None: if it is installed. Without it all is slower; the last digits may be others.
     record : str or sequence of str
         "events": all of them, an `EventTable`. "summary": a row per motion, a `Summary`; or names of its columns.
+    wrt : str or sequence of str, optional
+        Names of parameters, and t0, x0, v0, by which all events are differentiated, as by `symosc.sensitivities`: the
+        table then has dt, dx and regular.
     skip, sections : optional
         For summaries: the time from t0 on, in the unit of t_end, that is left out as a transient (one for all motions,
         or one for each), and the number of sections that are kept.
@@ -163,8 +170,11 @@ def simulate_many(
         for name, value, usual in (("skip", skip, 0), ("sections", sections, 1)):
             if value is not usual and not (isinstance(value, int) and value == usual):
                 raise ParameterError(name, value, 'is for summaries; give record="summary", or names of its columns')
+    if wrt is not None and not of_events:
+        raise ParameterError("wrt", wrt, 'is for events; leave it out, or record="events"')
+    names = () if wrt is None else read_wrt(wrt)
     work = (
-        partial(events_of, task)
+        partial(events_of, task, names, use_numba)
         if of_events
         else partial(summary_of, task, SummaryRequest(record, skip, sections, problems))
     )
@@ -172,9 +182,13 @@ def simulate_many(
     with reporting(progress or False, 0, len(problems), "simulate_many") as report:
         parts: list[Any] = in_chunks(len(problems), work, threads, report)
     if of_events:
-        return table_from(
-            [rows for part, _ in parts for rows in part], [each for _, status in parts for each in status]
+        found = table_from(
+            [rows for part in parts for rows in part.rows], [each for part in parts for each in part.status]
         )
+        if names:
+            dt, dx, regular = (joined_rows(list(each)) for each in zip(*(part.changes for part in parts), strict=True))
+            vars(found).update(wrt=names, dt=dt, dx=dx, regular=regular)
+        return found
     return Summary(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
@@ -223,6 +237,15 @@ class Chunk:
     def problem(self, i: int) -> Start:
         """Return the problem of a motion by its number in this chunk."""
         return self.task.problems[self._first + i]
+
+    def launches(self) -> Launches:
+        """Return where the motions begin, for derivatives."""
+        starts = self._starts[:, [0, 0, 3, 4, 5]]
+        rows = slice(self._first, self._first + len(starts))
+        starts[:, 1] = self.task.problems.t0.pairs(rows).hi
+        sets = self.task.problems.sets
+        letters = sets.doubles(Letters._fields, rows if len(sets) > 1 else slice(0, 1))
+        return Launches(starts, self.batch.sets, letters, self.table)
 
     def _remove_undecided(self) -> list[int]:
         """Return the motions that ended undecided, and remove their tally."""
@@ -346,12 +369,26 @@ def pair_loops(events: int) -> PairLoops:
     return compiled_pairs() if events > PAIRS.events or pairs_are_compiled() else interpreted_pairs()
 
 
-def events_of(task: Task, rows: slice, buffer: EventRows, cancel: CancelToken) -> tuple[list[EventRows], list[str]]:
-    """Return the events of a chunk in order of trajectory and time, and the statuses of its trajectories."""
-    chunk = Chunk(task, rows, buffer, cancel)
+class ChunkEvents(NamedTuple):
+    """The events of a chunk in order of motion and time, the statuses of its motions, and dt, dx, regular."""
+
+    rows: list[EventRows]
+    status: list[str]
+    changes: tuple[np.ndarray, ...]
+
+
+def events_of(
+    task: Task, wrt: tuple[str, ...], use_numba: bool | None, rows: slice, buffer: EventRows, cancel: CancelToken
+) -> ChunkEvents:
+    """Return the events of a chunk, with their derivatives by `wrt`."""
+    chunk, changes = Chunk(task, rows, buffer, cancel), tuple[np.ndarray, ...]()
+    if wrt:
+        chunk.rows = [joined(chunk.rows)]
+        loop = chosen_tangents(len(chunk.rows[0].ints[0]), task.loops.in_threads, use_numba)
+        changes = event_changes(chunk.rows[0], chunk.launches(), wrt, loop)
     for part in chunk.rows:
         part.ints[0] += rows.start
-    return chunk.rows, chunk.status
+    return ChunkEvents(chunk.rows, chunk.status, changes)
 
 
 class SummaryRequest:

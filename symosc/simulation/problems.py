@@ -6,7 +6,7 @@ doubles do not decide about a start is left to `symosc.engine.start`, motion by 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sized
+from collections.abc import Callable, Mapping, Sequence, Sized
 from decimal import Context, Decimal
 from fractions import Fraction
 from threading import Lock
@@ -226,6 +226,11 @@ class ParameterSets:
         if name not in self.columns:
             self.columns[name] = NumberColumn(name, [getattr(p, name) for p in self._known.values()])
         return self.columns[name]
+
+    def doubles(self, names: Sequence[str], rows: slice) -> np.ndarray:
+        """Return the numbers of some names as doubles, a row for each of some sets."""
+        columns = [np.broadcast_to(self.column(name).pairs(rows).hi, rows.stop - rows.start) for name in names]
+        return np.stack(columns, axis=1)
 
     def table(self, rows: slice, march_rows: Callable[..., None]) -> np.ndarray:
         """Return a table of the constants of some sets."""

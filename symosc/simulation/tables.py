@@ -20,6 +20,8 @@ from symosc.files import write_whole
 
 #: Attributes of an `EventTable` for the code fields of an event: those with names have "_code" behind their own.
 CODE_ATTRIBUTES = tuple(f"{name}_code" if name in CODE_NAMES else name for name in CODE_COLUMNS)
+#: Columns of an `EventTable` with derivatives.
+CHANGES = ("dt", "dx", "regular")
 
 
 class EventTable(Drawable):
@@ -36,6 +38,10 @@ class EventTable(Drawable):
         As in `Event`; made on access from the columns kind_code, source_code and target_code.
     status : list of str
         Per trajectory: "t_end", "max_events", "equilibrium" or "undecidable", as in `Trajectory`.
+    wrt : tuple of str
+        What the events are differentiated by, if that was asked for; empty else.
+    dt, dx, regular : (rows, wrt) arrays
+        As in `Sensitivities`; with `wrt` only.
 
     Examples
     --------
@@ -48,14 +54,16 @@ class EventTable(Drawable):
     trajectory: np.ndarray
     status: list[str]
 
-    def __init__(self, status: list[str], **columns: np.ndarray) -> None:
-        vars(self).update(columns, status=status)
+    def __init__(self, status: list[str], wrt: tuple[str, ...] = (), **columns: Any) -> None:
+        vars(self).update(columns, status=status, wrt=wrt)
 
     def __getattr__(self, name: str) -> Any:
         if name in CODE_NAMES:
             names, codes = CODE_NAMES[name], vars(self)[f"{name}_code"]
             return np.array([names.get(code, "") for code in range(max(names) + 1)])[codes]
-        raise AttributeError(f"EventTable has no column {name!r}; it has {', '.join(('trajectory', *EVENT_COLUMNS))}")
+        more = f"; with wrt= also {', '.join(CHANGES)}" if name in CHANGES else ""
+        has = ", ".join(("trajectory", *EVENT_COLUMNS))
+        raise AttributeError(f"EventTable has no column {name!r}; it has {has}{more}")
 
     def __len__(self) -> int:
         return len(self.trajectory)
@@ -82,8 +90,11 @@ class EventTable(Drawable):
         return f"<EventTable of {counted(len(self), 'event')} of {motions}>"
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return the columns by name, names instead of codes."""
-        return {name: getattr(self, name) for name in ("trajectory", *EVENT_COLUMNS)}
+        """Return the columns by name, names instead of codes; derivatives are dt_mu1, dx_mu1 and so on."""
+        columns = {name: getattr(self, name) for name in ("trajectory", *EVENT_COLUMNS)}
+        for change in CHANGES if self.wrt else ():
+            columns |= {f"{change}_{name}": getattr(self, change)[:, n] for n, name in enumerate(self.wrt)}
+        return columns
 
     def to_csv(self, path: str | Path) -> None:
         """Write the rows as CSV with a header ("-": to standard output); OutputError if it cannot be written."""
@@ -102,18 +113,21 @@ class EventTable(Drawable):
 
     def to_xarray(self) -> Any:
         """Return a Dataset over `event`, with the statuses over `motion`; MissingExtraError without xarray."""
-        columns: Record = {name: (("event",), column) for name, column in self.columns().items()}
+        columns: Record = {name: (("event",), getattr(self, name)) for name in ("trajectory", *EVENT_COLUMNS)}
+        if self.wrt:
+            columns |= {name: (("event", "wrt"), getattr(self, name)) for name in CHANGES} | {"wrt": list(self.wrt)}
         return imported("xarray").Dataset(columns | {"status": (("motion",), np.array(self.status, dtype=str))})
 
 
 def select_rows(table: EventTable, rows: Any, status: list[str]) -> EventTable:
     """Return some rows of a table, by numbers or a slice, with the statuses of their trajectories."""
-    return EventTable(status, **{name: column[rows] for name, column in vars(table).items() if name != "status"})
+    columns = {name: column[rows] for name, column in vars(table).items() if name not in ("status", "wrt")}
+    return EventTable(status, table.wrt, **columns)
 
 
 def table_from(parts: Sequence[EventRows], status: list[str]) -> EventTable:
     """Return rows of events as a table with contiguous columns."""
-    parts, columns = parts or [event_buffer(0)], {}
+    parts, columns = parts or [event_buffer(0)], dict[str, Any]()
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):
             columns[name] = joined([part[which][n] for part in parts])

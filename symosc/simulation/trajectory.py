@@ -31,6 +31,7 @@ from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.entire import basis_at
 from symosc.model import MODE_NAMES, Parameters
+from symosc.simulation.tables import rows_of
 from symosc.words import MAPS, Labels
 
 __all__ = ["MAP_LABELS", "Event", "Segment", "Trajectory"]
@@ -123,6 +124,10 @@ class Trajectory(Drawable):
     def events(self) -> Listing[Event]:
         """The events in order of time."""
         return Listing(events_from(self._rows) if isinstance(self._rows, EventRows) else self._rows)
+
+    def rows(self) -> EventRows:
+        """Return the events as columns of doubles."""
+        return self._rows if isinstance(self._rows, EventRows) else rows_of(0, self._rows)
 
     @cached_property
     def segments(self) -> Listing[Segment]:

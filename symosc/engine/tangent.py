@@ -1,0 +1,280 @@
+"""The linearised motion: derivatives of events by parameters and by the start, in scalar source for every number.
+
+Between two events the end of a flight is a function of its launch, of both phases and of the parameters; the generated
+kernels have its partial derivatives in closed form. What ends it (a belt's speed is reached, or a force on the belt
+vanishes) gives the derivative of the event's time by the implicit function theorem. So the derivatives of all events
+follow from each other, through crossings and sticks; nothing is differenced.
+
+A motion needs no more than its columns of events: `tangents` runs over those of many motions. Each column of
+derivatives has a code: the number of a parameter in `symosc.model.PARAMETER_NAMES`, or T0, X0, V0.
+"""
+
+from __future__ import annotations
+
+from math import cos, floor, inf, log, pi, sin
+from typing import NamedTuple
+
+from symosc.aliases import Number
+from symosc.engine.flow import constant_force, friction_signs
+from symosc.engine.state import GRAZE, ON_BELT, STICK
+from symosc.kernels._generated import (
+    acceleration,
+    flight_jacobian,
+    flight_parameters,
+    motion,
+    stick_jacobian,
+    stick_parameters,
+)
+from symosc.kernels.entire import basis
+from symosc.kernels.mapping import repeated
+
+TWO_PI = 2.0 * pi
+# A gap is not moved by what changes it by less than this part of the terms of its derivative.
+UNMOVED = 1e-9
+# What decides an event vanishes where it is smaller than this part of its terms.
+VANISHES = 1e-12
+# Codes of columns.
+M, C, K_, A0, B0, OMEGA, V1, V2, MU1, MU2, FN, T0, X0, V0 = range(14)
+PARAMETERS = 11
+# Marks of a derivative beside 1, regular, and 0: at a graze, whether it opens for larger or for smaller values.
+OPENS_ABOVE, OPENS_BELOW = 2, 3
+# Why a derivative does not exist from an event on.
+REGULAR, KINK, NO_SLOPE, FLAT_CONTACT, NO_FORCE = range(5)
+# Rows of `work`: derivatives of t, x and v at the launch; of x and v at a fixed time at the end, with the size of the
+# latter's terms; and derivatives of both by the parameters alone.
+DT, DX, DV, END_X, END_V, SIZE, BY_X, BY_V = range(8)
+
+
+class Launch(NamedTuple):
+    """The start of a piece: its mode, time, phase, sine and cosine of that, position and velocity."""
+
+    mode: int
+    t: Number
+    theta: Number
+    s: Number
+    c: Number
+    x: Number
+    v: Number
+
+
+class Letters(NamedTuple):
+    """The parameters that are not among the constants of a motion."""
+
+    m: Number
+    mu1: Number
+    mu2: Number
+    FN: Number
+
+
+def phase_between(start, t, theta, K):
+    """Return Omega (t - t_i) from the phases of both ends: times far from 0 know it to fewer digits."""
+    turn = theta - start.theta
+    return turn + TWO_PI * floor((K.Om * (t - start.t) - turn) / TWO_PI + 0.5)
+
+
+def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by_Om):
+    """Write derivatives by all parameters into a row of `work`, from those by m, c, k, A_alpha, B0 and Omega."""
+    drag1, drag2 = friction_signs(domain)
+    work[row, M], work[row, C], work[row, K_] = by_m, by_c, by_k
+    work[row, A0], work[row, B0], work[row, OMEGA] = by_A, by_B, by_Om
+    work[row, V1], work[row, V2] = 0.0 * by_A, 0.0 * by_A
+    work[row, MU1], work[row, MU2] = drag1 * letters.FN * by_A, drag2 * letters.FN * by_A
+    work[row, FN] = (drag1 * letters.mu1 + drag2 * letters.mu2) * by_A
+
+
+def piece_changes(start, t, turn, codes, deep, letters, K, work):
+    """Write derivatives of x and v at the fixed time t into `work`, where the phase has gone on by `turn`.
+
+    `deep` says whether any column needs the functions of repeated roots: those by m, c, k and Omega.
+    """
+    if start.mode > ON_BELT:
+        belt = V1 + start.mode - ON_BELT - 1
+        for j in range(len(codes)):
+            work[END_V, j] = 1.0 + 0.0 * t if codes[j] == belt else 0.0 * t
+            work[END_X, j] = work[DX, j] + work[END_V, j] * (t - start.t) - start.v * work[DT, j]
+            work[SIZE, j] = work[END_V, j]
+        return
+    A, tau, zero = constant_force(start.mode, K), turn / K.Om, 0.0 * turn
+    E0, E1, E2, R2, I2, s, c = basis(tau, K)
+    a0 = acceleration(start.x, start.v, start.c, A, K.cm, K.w0sq, K.f0)
+    _, dv, a = motion(start.v, a0, start.s, start.c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    v = start.v + dv
+    x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = flight_jacobian(start.v, a0, v, a, K.w0sq, K.Om, E0, E1, E2)
+    U0, U1, U2, V, W, P, Q = zero, zero, zero, zero, zero, zero, zero
+    if deep:
+        U0, U1, U2, V, W, P, Q = repeated(tau, E0, E1, E2, R2, I2, s, c, K)
+    x_m, v_m, x_c, v_c, x_k, v_k, x_A, v_A, x_B, v_B, x_Om, v_Om, x_v0, v_v0 = flight_parameters(
+        start.x, start.v, a0, start.s, start.c, v, a, tau, letters.m,
+        K.cm, K.w0sq, K.f0, K.Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q,
+    )  # fmt: skip
+    x_Om, v_Om = x_Om + x_th0 * start.t + x_th1 * t, v_Om + v_th0 * start.t + v_th1 * t
+    fill_parameters(work, BY_X, start.mode, letters, x_m, x_c, x_k, x_A, x_B, x_Om)
+    fill_parameters(work, BY_V, start.mode, letters, v_m, v_c, v_k, v_A, v_B, v_Om)
+    x_t0, v_t0, v_v0 = x_th0 * K.Om, v_th0 * K.Om, 1.0 + v_v0
+    for j in range(len(codes)):
+        dt, dx, dv0 = work[DT, j], work[DX, j], work[DV, j]
+        of_x, of_t, of_v = v_x0 * dx, v_t0 * dt, v_v0 * dv0
+        work[END_X, j] = x_x0 * dx + x_t0 * dt + x_v0 * dv0
+        work[END_V, j] = of_x + of_t + of_v
+        work[SIZE, j] = abs(of_x) + abs(of_t) + abs(of_v)
+        if codes[j] < PARAMETERS:
+            work[END_X, j] += work[BY_X, codes[j]]
+            work[END_V, j] += work[BY_V, codes[j]]
+            work[SIZE, j] += abs(work[BY_V, codes[j]])
+
+
+def force(domain, now, K):
+    """Return the acceleration in a domain at a point (a Launch), and whether it vanishes."""
+    A = constant_force(domain, K)
+    F = acceleration(now.x, now.v, now.c, A, K.cm, K.w0sq, K.f0)
+    return F, abs(F) <= VANISHES * (abs(A) + abs(K.cm * now.v) + abs(K.w0sq * now.x) + abs(K.f0))
+
+
+def vanishing_times(domain, now, codes, letters, K, work):
+    """Write the derivatives of the time at which the acceleration of a domain vanishes into row DT; return if they are.
+
+    Rows END_X and END_V have the derivatives of x and v at this fixed time.
+    """
+    F, _ = force(domain, now, K)
+    of_c, of_k, of_A, of_B, of_v, of_m, _, _ = stick_parameters(
+        now.v, 0.0 * now.t, now.x, now.c, F, letters.m, K.cm, K.Om
+    )
+    _, _, of_x, of_theta = stick_jacobian(now.v, now.s, K.w0sq, K.f0, K.Om)
+    fill_parameters(work, BY_V, domain, letters, of_m, of_c, of_k, of_A, of_B, of_theta * now.t)
+    rate = of_x * now.v + of_theta * K.Om
+    flat = abs(rate) <= VANISHES * (abs(of_x * now.v) + abs(K.f0 * K.Om))
+    for j in range(len(codes)):
+        change = of_x * work[END_X, j] + of_v * work[END_V, j]
+        if codes[j] < PARAMETERS:
+            change += work[BY_V, codes[j]]
+        work[DT, j] = -change / (1.0 if flat else rate)
+    return not flat
+
+
+def contact_times(domain, other, belt, now, codes, K, work):
+    """Write the derivatives of the time at which a flight reaches a belt into row DT; return why there are none."""
+    F, flat = force(domain, now, K)
+    for j in range(len(codes)):
+        own = 1.0 if codes[j] == belt else 0.0
+        work[DT, j] = (own - work[END_V, j]) / (1.0 if F == 0.0 else F)
+    if flat:
+        return FLAT_CONTACT
+    return NO_FORCE if force(other, now, K)[1] else REGULAR
+
+
+def kinks(above, belt, codes, marks, n, regular, work):
+    """Mark the columns that move a touch by the side on which it opens, and return whether there are any."""
+    found = False
+    for j in range(len(regular)):
+        own = 1.0 if codes[j] == belt else 0.0
+        moved = work[END_V, j] - own
+        if abs(moved) > UNMOVED * (work[SIZE, j] + own):
+            marks[n, j] = OPENS_ABOVE if (moved > 0.0) == above else OPENS_BELOW
+            regular[j], found = False, True
+    return found
+
+
+def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out, work):
+    """Write the derivatives of all events of some motions into `out`.
+
+    `cuts` are the first rows of the motions and the end of the last one, `starts` rows of mode, t, theta, x, v.
+    `rows` are t, theta, x, v of the events and their kind, boundary and target. `out` has dt, dx, marks and reasons of
+    the events, and for each motion the logarithms of what its last columns and its areas have grown by: columns beyond
+    those of dt are kept near 1 and counted there.
+    """
+    times, thetas, xs, vs, kinds_, boundaries, targets = rows
+    dts, dxs, marks, reasons, growth = out
+    count = dts.shape[1]
+    for i in motions:
+        K, own = table[sets[i]], letters[sets[i]]
+        mine = Letters(own[0], own[1], own[2], own[3])
+        theta = starts[i, 2]
+        start = Launch(int(starts[i, 0]), starts[i, 1], theta, sin(theta), cos(theta), starts[i, 3], starts[i, 4])
+        regular = begin(start, codes, count, K, work)
+        for n in range(cuts[i], cuts[i + 1]):
+            theta = thetas[n]
+            now = Launch(int(targets[n]), times[n], theta, sin(theta), cos(theta), xs[n], vs[n])
+            turn = phase_between(start, now.t, theta, K)
+            boundary, kind = boundaries[n], kinds_[n]
+            belt, kept, touched = V1 + boundary - 1, work, False
+            if kind == GRAZE:
+                kept = work[: DV + 1].copy()
+            piece_changes(start, now.t, turn, codes, deep, mine, K, work)
+            if kind == GRAZE:
+                touched = kinks(start.mode != boundary, belt, codes, marks, n, regular, work)
+                vanishing_times(start.mode, now, codes, mine, K, work)
+                why = KINK if touched else REGULAR
+            elif start.mode > ON_BELT:
+                why = REGULAR if vanishing_times(now.mode, now, codes, mine, K, work) else NO_SLOPE
+            else:
+                why = contact_times(start.mode, boundary + (start.mode == boundary), belt, now, codes, K, work)
+            reasons[n] = why
+            for j in range(len(codes)):
+                work[DX, j] = work[END_X, j] + now.v * work[DT, j]
+                work[DV, j] = 1.0 + 0.0 * now.t if codes[j] == belt else 0.0 * now.t
+            for j in range(count):
+                regular[j] = regular[j] and why in (REGULAR, KINK)
+                dts[n, j], dxs[n, j] = work[DT, j], work[DX, j]
+                if not touched or marks[n, j] == 0:
+                    marks[n, j] = 1 if regular[j] else 0
+            if kind == GRAZE:
+                work[: DV + 1] = kept
+                continue
+            if len(codes) > count:
+                grow(i, start, now, kind, turn, growth, count, len(codes), K, work)
+            start = now
+
+
+def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out, work):
+    """Write derivatives of x and v at fixed times into `out` (2, times, columns).
+
+    Each time is in the piece of this number: `starts` are rows as those of `tangents`, `launched` (3, pieces, columns)
+    the derivatives of t, x and v there.
+    """
+    K, own = table[0], letters[0]
+    mine = Letters(own[0], own[1], own[2], own[3])
+    for n in range(len(times)):
+        i = pieces[n]
+        theta = starts[i, 2]
+        start = Launch(int(starts[i, 0]), starts[i, 1], theta, sin(theta), cos(theta), starts[i, 3], starts[i, 4])
+        for j in range(len(codes)):
+            for row in range(DV + 1):
+                work[row, j] = launched[row, i, j]
+        piece_changes(start, times[n], K.Om * (times[n] - start.t), codes, deep, mine, K, work)
+        for j in range(len(codes)):
+            out[0, n, j], out[1, n, j] = work[END_X, j], work[END_V, j]
+
+
+def begin(start, codes, count, K, work):
+    """Write the derivatives at the start of a motion into `work`; return by which of `count` columns it is regular.
+
+    It is not by what takes a flight off the belt that it starts on.
+    """
+    regular = [True] * count
+    for j in range(len(codes)):
+        code = codes[j]
+        for row in range(DV + 1):
+            work[row, j] = 1.0 + 0.0 * start.t if code == T0 + row else 0.0 * start.t
+        for belt, speed in ((V1, K.belt1.v), (V2, K.belt2.v)):
+            if j < count and start.mode <= ON_BELT and start.v == speed and code in (V0, belt):
+                regular[j] = False
+    return regular
+
+
+def grow(i, start, now, kind, turn, growth, count, columns, K, work):
+    """Add what a piece and its end have done to the last columns and to areas, and scale these columns to 1."""
+    size = 0.0
+    for row in range(DV + 1):
+        for j in range(count, columns):
+            size = max(size, abs(float(work[row, j])))
+    if size > 0.0:
+        growth[i, 0] += log(size)
+        for row in range(DV + 1):
+            for j in range(count, columns):
+                work[row, j] = work[row, j] / size
+    if start.mode > ON_BELT or kind == STICK:
+        growth[i, 1] = -inf
+    else:
+        before, after = force(start.mode, now, K)[0], force(now.mode, now, K)[0]
+        ratio = abs(float(after / before)) if before != 0.0 else 1.0
+        growth[i, 1] += (log(ratio) if ratio > 0.0 else 0.0) - float(K.cm * turn / K.Om)

@@ -1,0 +1,101 @@
+"""Derivatives of the events of many motions: what `symosc.engine.tangent` needs, and which loop runs it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.engine import tangent
+from symosc.engine.arithmetic import compiled_tangents, is_compiled
+from symosc.engine.batch import EventRows, large_array
+from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
+from symosc.engine.tangent import K_, OMEGA, PARAMETERS, SIZE, C, M
+from symosc.errors import MissingExtraError, ParameterError, meant
+from symosc.model import PARAMETER_NAMES
+from symosc.simulation.batch import InterpretBudget, interpreted, loaded_loop
+
+TANGENTS = InterpretBudget(250_000)
+INTERPRETED = interpreted(tangent.tangents)
+#: What a motion is differentiated by, in the order of the codes of `symosc.engine.tangent`.
+NAMES = (*PARAMETER_NAMES, "t0", "x0", "v0")
+
+
+def read_wrt(wrt: Any) -> tuple[str, ...]:
+    """Return the names by which is differentiated; ParameterError for one that is unknown or given twice."""
+    names = (wrt,) if isinstance(wrt, str) else tuple(wrt) if isinstance(wrt, Sequence) else (wrt,)
+    for name in names:
+        if name not in NAMES:
+            raise ParameterError("wrt", name, f"must be of {', '.join(NAMES)}{meant(str(name), NAMES)}")
+    if not names or len(set(names)) < len(names):
+        raise ParameterError("wrt", names, "must be one or more different names")
+    return names
+
+
+def codes_of(wrt: Sequence[str]) -> np.ndarray:
+    """Return the codes of columns."""
+    return np.array([NAMES.index(name) for name in wrt], dtype=np.int64)
+
+
+def is_deep(codes: np.ndarray) -> bool:
+    """Return whether any column needs the functions of repeated roots."""
+    return bool(np.isin(codes, (M, C, K_, OMEGA)).any())
+
+
+def work_space(codes: np.ndarray, kind: Any = float) -> np.ndarray:
+    """Return an array for the linearised state of one motion after another."""
+    return np.zeros((SIZE + 3, max(len(codes), PARAMETERS)), dtype=kind)
+
+
+class Launches(NamedTuple):
+    """The starts of motions as rows of `tangents`, their parameter sets, and letters and constants of those."""
+
+    starts: np.ndarray
+    sets: np.ndarray
+    letters: np.ndarray
+    table: np.ndarray
+
+
+def event_changes(
+    events: EventRows, launches: Launches, wrt: tuple[str, ...], loop: Callable[..., None]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return dt, dx and whether they are regular, (events, wrt), for motions in the order of their events."""
+    starts, sets, letters, table = launches
+    rows, codes = columns_of(events), codes_of(wrt)
+    cuts, shape = np.searchsorted(events.ints[0], np.arange(len(starts) + 1)), (events.floats.shape[1], len(wrt))
+    dt, dx, marks, why = large_array(shape), large_array(shape), np.zeros(shape, np.int8), np.zeros(shape[0], np.int8)
+    motions = np.flatnonzero(np.diff(cuts))
+    out = dt, dx, marks, why, np.zeros((0, 2))
+    loop(motions, cuts, starts, sets, rows, codes, is_deep(codes), letters, table, out, work_space(codes))
+    return dt, dx, marks == 1
+
+
+def columns_of(events: EventRows) -> tuple[np.ndarray, ...]:
+    """Return t, theta, x, v, kind, boundary and target of events, as the loop takes them."""
+    floats = [events.floats[FLOAT_COLUMNS.index(name)] for name in ("t", "theta", "x", "v")]
+    codes = [events.ints[1 + CODE_COLUMNS.index(name)].astype(np.int64) for name in ("kind", "boundary", "target")]
+    return *floats, *codes
+
+
+def tangent_loops(wanted: bool) -> dict[str, Any] | None:
+    """Return the compiled loops if they are on disk, and numba is loaded or `wanted`; else None."""
+    if not wanted and loaded_loop() is None:
+        return None
+    try:
+        loops = compiled_tangents()
+    except MissingExtraError:
+        return None
+    return loops if is_compiled(loops["tangents"]) else None
+
+
+def chosen_tangents(events: int, in_threads: bool, use_numba: bool | None) -> Callable[..., None]:
+    """Return the loop for so many events of an ensemble: compiled, unless few enough to interpret meanwhile."""
+    if not in_threads:
+        return INTERPRETED
+    loops = compiled_tangents()
+    if use_numba or TANGENTS.events <= 0 or is_compiled(loops["tangents"]):
+        compiled: Callable[..., None] = loops["tangents"]
+        return compiled
+    TANGENTS.events -= events
+    return INTERPRETED
