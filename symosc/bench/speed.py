@@ -28,6 +28,7 @@ from tabulate import tabulate
 
 from symosc.aliases import Number, Record
 from symosc.bench import machine, sentence
+from symosc.fit import fit
 from symosc.grazing.window import grazing_window, grazing_windows
 from symosc.mappings.compiled import compiled_residual
 from symosc.mappings.equations import residual
@@ -37,6 +38,7 @@ from symosc.reference.compare import REFERENCE_DIGITS
 from symosc.scenes import load_scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.simulate import simulate
+from symosc.simulation.tangents import NAMES
 
 FLOOR_EVALUATIONS = 30_000
 #: Periods of the motions of an ensemble; samples per period and tolerance of the scan.
@@ -111,6 +113,7 @@ def groups(quick: bool = False) -> Iterator[Group]:
     """Yield the groups of calls, prepared; with `quick` smaller ones."""
     yield Group("One long motion, events counted", [*_long_motions(100_000 if quick else 200_000)])
     yield Group(f"Starts of fig9, {PERIODS} periods each", [*_ensemble(2_000 if quick else 10_000)])
+    yield Group(f"Derivatives, starts of fig9, {PERIODS} periods each", [*_derivatives(500 if quick else 2_000)])
     yield Group("simulate", [*_single_motions(10_000 if quick else 100_000)])
     yield Group("fig8 in simulate_many, to t =", [*_shrinking_sticks(2 if quick else 4, 20 if quick else 100)])
     yield Group("Formulas", [*_residuals(100_000 if quick else 1_000_000)])
@@ -157,6 +160,24 @@ def _ensemble(count: int) -> Iterator[Call]:
     yield Call("as many values of Omega, all columns", "event", partial(follow, record="summary"), events_of_sets)
     scan = f"closed form, scan of {SCAN_POINTS} points, numba"
     yield Call(scan, "event", scan_of_starts(p, starts, ends - starts[:, 0]), events)
+
+
+def _derivatives(count: int) -> Iterator[Call]:
+    p, starts, ends = _starts(count)
+    follow = partial(simulate_many, p, starts, ends, **ONE_CORE)
+    events = len(follow())
+    yield Call("rows of events", "event", follow, events)
+    for last in ("mu1", "Omega"):
+        wrt = "t0", "x0", "v0", last
+        yield Call(f"with derivatives by {', '.join(wrt)}", "event", partial(follow, wrt=wrt), events)
+    yield Call("by all parameters and the start", "event", partial(follow, wrt=NAMES), events)
+    scene = load_scene("fig5")
+    far = simulate(scene, t_end=3_200).events[:1_000]
+    noise = np.random.default_rng(1).normal(0, 1e-4, len(far))
+    data = {"t": [event.t + e for event, e in zip(far, noise.tolist(), strict=True)], "kind": [e.kind for e in far]}
+    first = {"mu1": 0.81, "c": float(scene.parameters.c) * 1.01}
+    call = partial(fit, scene, data, ("mu1", "c", "FN"), sigma=1e-4, start=first)
+    yield Call("fit of 3 parameters to 1,000 events of fig5", "call", call)
 
 
 def scan_of_starts(p: Parameters, starts: np.ndarray, durations: np.ndarray) -> Callable[[], np.ndarray]:

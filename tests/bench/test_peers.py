@@ -157,7 +157,7 @@ def test_integrators_in_their_traps(solver: Solver) -> None:
 
 
 @COMPILED
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.parametrize("name", ["fig5", "fig6", "fig9", "fig10"])
 @pytest.mark.parametrize("solver", FAST, ids=lambda solver: solver.name)
 def test_the_events_of_an_easy_scene(solver: Solver, name: str) -> None:
@@ -181,7 +181,7 @@ CASES = {
 
 
 @COMPILED
-@pytest.mark.full(10)
+@pytest.mark.full(6)
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("solver", FAST, ids=lambda solver: solver.name)
 def test_other_regimes_and_late_starts(solver: Solver, case: str) -> None:
@@ -194,7 +194,7 @@ def test_other_regimes_and_late_starts(solver: Solver, case: str) -> None:
 
 
 @COMPILED
-@pytest.mark.full(10)
+@pytest.mark.full(6)
 @pytest.mark.parametrize("speed", [EASY.v1, EASY.v2])
 @pytest.mark.parametrize("x0", [-6, -1, 0, 1, 6])
 @pytest.mark.parametrize("solver", FAST, ids=lambda solver: solver.name)

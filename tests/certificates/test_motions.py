@@ -358,6 +358,7 @@ def test_a_start_that_touches_is_proven_to_and_verified(seed: int) -> None:
     agrees(found, scene)
 
 
+@pytest.mark.full(4)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_start_that_misses_by_a_little_does_not_touch(seed: int) -> None:

@@ -29,12 +29,13 @@ LEFT_OUT = ("paper-fig10", "fig8s-sticks-10-", "border-", "free-decay-3", "long-
 CASES = [case for case in reference_cases() if not case.name.startswith(LEFT_OUT)]
 
 
+@pytest.mark.full(4)
 @pytest.mark.parametrize("name", SCENES)
 def test_scenes_are_confirmed(name: str) -> None:
     assert second_opinion(certify(name).as_dict()) == "proven"
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_reference_cases_are_confirmed(case: Any) -> None:
     data = case.certificate.as_dict()
@@ -64,7 +65,7 @@ def test_changed_numbers_and_kinds_are_refused() -> None:
     motion, orbit = certify("fig7-exact").as_dict(), certify(find_orbit(load_scene("fig9").parameters, "P32")).as_dict()
     forged = []
     for data in (motion, orbit):
-        for i in range(0, len(data["events"]), 2):
+        for i in range(0, len(data["events"]), 5):
             forged.append(deepcopy(data))
             forged[-1]["events"][i]["tx"[i % 2]] = shifted(data["events"][i]["tx"[i % 2]])
         forged.append(deepcopy(data))

@@ -161,7 +161,7 @@ def dots(axes: Any) -> list[tuple[float, float, bool]]:
     return [(line.get_xdata()[0], line.get_ydata()[0], line.get_markerfacecolor() != "white") for line in lines]
 
 
-@pytest.mark.full(8)
+@pytest.mark.full(5)
 @pytest.mark.quick(5)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("changes", [{}, {"B0": -9}, {"k": 36}, {"v1": -1}, {"B0": 0}, {"v1": 0}], ids=str)
@@ -204,7 +204,7 @@ def shaded(axes: Any, x: float, y: float) -> bool:
     return any(path.contains_point((x, y)) for area in axes.collections for path in area.get_paths())
 
 
-@pytest.mark.full(3)
+@pytest.mark.full(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("mapping", "name"),

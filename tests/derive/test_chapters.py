@@ -98,7 +98,7 @@ def test_an_undecided_check_fails() -> None:
         equation(x, y, sp.Symbol("z", real=True)).verify()
 
 
-@pytest.mark.full(6)
+@pytest.mark.full(4)
 @pytest.mark.parametrize("key", KEYS)
 def test_what_is_printed_reads_back(key: str) -> None:
     for step, _ in chapter(key).steps():

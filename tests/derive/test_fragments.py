@@ -85,7 +85,7 @@ def test_a_changed_sign_fails(name: str) -> None:
 
 
 @pytest.mark.quick(2)
-@pytest.mark.full(5)
+@pytest.mark.full(3)
 @pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize("name", FRAGMENTS)
 def test_a_fragment_has_labels_and_no_tags(name: str) -> None:
@@ -160,7 +160,7 @@ def letters_of(p: Parameters, names: list[str]) -> dict[str, Any]:
 
 
 @pytest.mark.quick(1)
-@pytest.mark.full(7)
+@pytest.mark.full(5)
 @pytest.mark.parametrize(("form", "regime"), [(form, each) for each in REGIMES for form in ("entire", "paper")])
 @pytest.mark.usefixtures("unchecked")
 def test_the_equations_of_a_flight(form: str, regime: str) -> None:

@@ -126,7 +126,7 @@ def test_a_force_that_is_only_just_enough_on_a_belt(name: str, digits: int | Non
 # -- grazes and multiple roots in flight ------------------------------------------------------------------------------
 
 
-@pytest.mark.full(6)
+@pytest.mark.full(4)
 @pytest.mark.quick(5)
 @pytest.mark.parametrize("digits", [None, 30])
 @pytest.mark.parametrize("Omega", ["1.3", "2"])  # the return takes less, and more, than a period of the drive
@@ -224,7 +224,7 @@ def assert_complete(trajectory: Any, scene: Touching) -> None:
 # -- periodic touches of all kinds -------------------------------------------------------------------------------------
 
 
-@pytest.mark.full(11)
+@pytest.mark.full(7)
 @pytest.mark.slow
 @pytest.mark.parametrize("digits", [None, 17])
 @pytest.mark.parametrize("mapping", NEIGHBOURS)
@@ -280,7 +280,7 @@ def test_both_belts_are_touched_in_turn(mapping: str) -> None:
     assert all(a != b for a, b in pairwise(turns))
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("offset", OFFSETS)
 def test_a_touch_where_two_searches_meet(offset: float) -> None:
@@ -316,7 +316,7 @@ def assert_part_of(found: Any, right: Any) -> None:
         assert (found.status, len(found.events)) == (right.status, len(right.events))
 
 
-@pytest.mark.full(6)
+@pytest.mark.full(4)
 @pytest.mark.slow
 @pytest.mark.parametrize(("module", "name", "value"), LIMITS, ids=lambda item: str(getattr(item, "__name__", item)))
 @pytest.mark.parametrize("mapping", ["P2", "P5"])
@@ -390,7 +390,7 @@ def test_no_touch_is_invented_beside_a_belt_at_rest(flight: str, push: str, digi
         assert_right(to_a_belt_at_rest(rng, flight, Fraction(push), critical), digits)
 
 
-@pytest.mark.full(11)
+@pytest.mark.full(7)
 @pytest.mark.slow
 @pytest.mark.parametrize("digits", [None, 17])
 @pytest.mark.parametrize("push", ["-1e-25", "-1e-13", "-1e-7", "-0.3"])
@@ -400,7 +400,7 @@ def test_a_contact_from_beside_the_fast_manifold_is_found(flight: str, push: str
     assert_right(to_a_belt_at_rest(rng, flight, Fraction(push)), digits)
 
 
-@pytest.mark.full(11)
+@pytest.mark.full(7)
 @pytest.mark.slow
 @pytest.mark.parametrize("digits", [None, 17])
 @pytest.mark.parametrize("beyond", ["0", "1e-20", "1e-13", "1e-6"])

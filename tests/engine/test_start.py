@@ -26,7 +26,7 @@ from symosc.engine.start import Start, first_state
 # -- exact starts ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.full(7)
+@pytest.mark.full(5)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("length", few([18, 24, 31, 38, 45], 24, 31, 45))
 @pytest.mark.parametrize("mapping", CONTACTS)
@@ -75,7 +75,7 @@ def reach(a: Aimed, mapping: str, errors: tuple[Fraction, ...]) -> float:
 ERRORS = {"t0": (1, 0, 0), "x0": (0, 1, 0), "v0": (0, 0, 1), "all": (1, 1, 1)}
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("exponent", [5, 7, 12, 20, 40])
 @pytest.mark.parametrize("which", ERRORS)
@@ -100,7 +100,7 @@ def test_a_contact_within_reach_of_the_error_is_a_graze(which: str, exponent: in
             assert table.kind.tolist()[:1] == kinds
 
 
-@pytest.mark.full(3)
+@pytest.mark.full(2)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", CONTACTS)
 @pytest.mark.parametrize("digits", [None, 25])
@@ -125,7 +125,7 @@ def test_the_errors_of_events_cover_that_of_the_start(mapping: str, digits: int 
         assert moved_x <= 1.001 * event.x_error <= 10 * (moved_x + abs(float(event.v)) * moved_t) + 1e-14
 
 
-@pytest.mark.full(3)
+@pytest.mark.full(2)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("boundary", few([1, 2], 2))
 @pytest.mark.parametrize("side", ["low", "high"])

@@ -65,7 +65,7 @@ def test_equality_is_met_exactly() -> None:
     assert report.orders[2] == 2
 
 
-@pytest.mark.full(3)
+@pytest.mark.full(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",

@@ -66,7 +66,7 @@ def test_digits_are_correct() -> None:
                 assert abs(getattr(start, name) - getattr(finer, name)) < mpmath.mpf(10) ** (1 - digits)
 
 
-@pytest.mark.full(3)
+@pytest.mark.full(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",

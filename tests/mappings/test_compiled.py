@@ -29,7 +29,7 @@ def found(p: Any, label: str, point: list[Any], exit: str | None) -> np.ndarray:
 LABELS = [pytest.param(label, marks=pytest.mark.slow) for label in ("P1", "P3", "P4", "P8")]
 
 
-@pytest.mark.full(3)
+@pytest.mark.full(2)
 @pytest.mark.parametrize("regime", REGIMES)
 @pytest.mark.parametrize("label", LABELS)
 def test_every_regime_agrees_with_many_digits(regime: str, label: str) -> None:

@@ -28,7 +28,7 @@ from symosc.words import MAPS
 ACCURACY = 1e-13
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("regime", REGIMES)
 @sample_of(12, 100)

@@ -27,7 +27,7 @@ QUICK = [claim for claim in CLAIMS if not claim.id.endswith("0-start") and claim
 FIG5, FIG6, FIG7, FIG9, FIG10 = (load_scene(f"fig{number}") for number in (5, 6, 7, 9, 10))
 
 
-@pytest.mark.full(10)
+@pytest.mark.full(6)
 @pytest.mark.quick(6)
 @pytest.mark.parametrize("claim", QUICK, ids=[claim.id for claim in QUICK])
 def test_the_verdict_is_the_committed_one(claim: Any) -> None:
@@ -230,7 +230,7 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
 ]
 
 
-@pytest.mark.full(14)
+@pytest.mark.full(9)
 @pytest.mark.quick(8)
 @pytest.mark.parametrize(("module", "name", "instead", "check", "verdict"), STATEMENTS)
 def test_another_statement_gets_another_verdict(
@@ -378,7 +378,7 @@ def test_a_claim_whose_motion_is_not_confirmed_is_not_decided() -> None:
 
 
 @pytest.mark.quick(1)
-@pytest.mark.full(6)
+@pytest.mark.full(4)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_start_that_grazes_is_found_from_its_printed_digits(seed: int) -> None:
     """Whatever the phase of the contact is, the rounded start is recognised; a start off the curve is not."""

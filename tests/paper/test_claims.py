@@ -150,7 +150,7 @@ INDEPENDENT = re.compile(r"another closed form|exact flow|exact contacts|rationa
 
 
 @pytest.mark.quick(3)
-@pytest.mark.full(12)
+@pytest.mark.full(8)
 @pytest.mark.parametrize("claim", random.Random(14).sample(CLAIMS, 40), ids=lambda claim: claim.id)
 def test_what_looks_at_motions_names_another_source(claim: Claim, monkeypatch: pytest.MonkeyPatch) -> None:
     made = []

@@ -122,7 +122,7 @@ def test_orbits_are_closed_and_show_how_far_the_printed_start_is(number: str) ->
         assert np.abs(switchings - np.array([float(point.t), float(point.x)])).max(axis=1).min() < 1e-9
 
 
-@pytest.mark.full(6)
+@pytest.mark.full(4)
 @pytest.mark.parametrize("form", ["build", "narrow"])
 @pytest.mark.parametrize("key", COMPUTED)
 def test_nothing_overlaps(key: str, form: str) -> None:

@@ -87,7 +87,7 @@ def test_a_group_is_chosen_by_name() -> None:
         chosen("hard")
 
 
-@pytest.mark.full(16)
+@pytest.mark.full(10)
 @pytest.mark.quick(8)
 @pytest.mark.parametrize("name", [name for name, case in CASES.items() if case.group != LONG_RUNS])
 def test_cases_are_proven_or_say_why_not(name: str) -> None:
@@ -176,7 +176,7 @@ def test_the_continuum_ends_where_csernak_has_it() -> None:
     assert wall("0.1", "1/2").mu1 == Fraction(1, 10)
 
 
-@pytest.mark.full(12)
+@pytest.mark.full(8)
 @pytest.mark.quick(4)
 @pytest.mark.parametrize("mapping", GRAZE_TIMES)
 @pytest.mark.parametrize("regime", DAMPED)

@@ -48,7 +48,7 @@ SCENES: dict[str, tuple[dict[str, Any], tuple[Any, Any, Any, Any], dict[str, int
 }  # fmt: skip
 
 
-@pytest.mark.full(15)
+@pytest.mark.full(9)
 @pytest.mark.quick(4)
 @pytest.mark.parametrize("name", few(SCENES, "m = 1e-6, overdamped"))
 def test_hard_scenes(name: str) -> None:
@@ -64,7 +64,7 @@ def test_hard_scenes(name: str) -> None:
     assert abs(end[1] - run.v) <= 1e-11 * max(1, abs(run.v))
 
 
-@pytest.mark.full(10)
+@pytest.mark.full(6)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_hard_scenes_with_digits(name: str) -> None:
@@ -111,7 +111,7 @@ def start_before_a_peak(p: Parameters, mapping: str, height: Fraction, flight: F
         return t0, mpmath.nstr(x0, 60), mpmath.nstr(v0, 60)
 
 
-@pytest.mark.full(16)
+@pytest.mark.full(10)
 @pytest.mark.slow
 @pytest.mark.parametrize("exponent", [3, 5, 7, 9, 11, 13])
 @pytest.mark.parametrize("beyond", [True, False], ids=["beyond", "short"])
@@ -131,7 +131,7 @@ def test_a_peak_beside_a_belt(mapping: str, beyond: bool, exponent: int) -> None
     assert_agrees(simulated(NEAR, start), run)
 
 
-@pytest.mark.full(14)
+@pytest.mark.full(9)
 @pytest.mark.slow
 @pytest.mark.parametrize("exponent", [3, 6, 9, 11, 13])
 @pytest.mark.parametrize("friction", ["0", "1e-14"])
@@ -150,7 +150,7 @@ def test_a_peak_through_a_transparent_belt(mapping: str, friction: str, exponent
     assert_agrees(simulated(p, start), run)
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("exponent", [5, 9, 13])
 @pytest.mark.parametrize("mapping", CONTACTS)

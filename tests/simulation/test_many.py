@@ -112,7 +112,7 @@ def available(use_numba: bool) -> None:
         pytest.importorskip("numba", reason="numba is the extra `fast`")
 
 
-@pytest.mark.full(16)
+@pytest.mark.full(10)
 @pytest.mark.quick(3)
 @ENGINES
 @pytest.mark.parametrize("family", FAMILIES)
@@ -132,7 +132,7 @@ def test_every_family_in_many_scenes(family: str, use_numba: bool) -> None:
             assert_one_engine(problem, use_numba, **options)
 
 
-@pytest.mark.full(6)
+@pytest.mark.full(4)
 @pytest.mark.quick(3)
 @ENGINES
 @pytest.mark.parametrize("name", scene_names())

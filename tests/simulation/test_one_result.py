@@ -43,7 +43,7 @@ def lend(cache: Path, *functions: Any) -> None:
 def test_whatever_is_compiled_and_however_fast_the_machine_is(tmp_path: Path) -> None:
     warm, cache = one_result.digests(), tmp_path / "cache"
     doubles, loops = arithmetic.compiled()["follow_all"], arithmetic.compiled_pairs()
-    for clock in ("usual", *one_result.CLOCKS):
+    for clock in ("standing", "rushing"):
         assert program(cache, clock) == {"digests": warm, "loaded": [False, False]}, clock
     lend(cache, doubles)
     assert program(cache, "usual") == {"digests": warm, "loaded": [True, False]}

@@ -192,6 +192,7 @@ except OutputError as error:
 """
 
 
+@pytest.mark.full(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".nc", ".zarr", ".csv"])
 def test_a_disk_that_the_output_fills_keeps_all_chunks(whole: Any, suffix: str, tmp_path: Path) -> None:

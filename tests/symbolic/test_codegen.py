@@ -116,7 +116,7 @@ def seventy_digits() -> Any:
         yield
 
 
-@pytest.mark.full(10)
+@pytest.mark.full(6)
 @pytest.mark.quick(2)
 @CASES
 def test_motion_agrees_with_the_matrix_exponential(regime: s.Regime, seed: int) -> None:
@@ -157,7 +157,7 @@ def test_force_on_a_belt_agrees_with_the_equation_of_motion(regime: s.Regime, se
     assert abs(found - there[1]) < 1e-50 * (1 + abs(case.a0))
 
 
-@pytest.mark.full(7)
+@pytest.mark.full(5)
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(20))
 def test_basis_apart_is_the_closed_form(seed: int) -> None:
@@ -183,7 +183,7 @@ def test_double_precision_is_close_to_sixty_digits(seed: int) -> None:
         assert abs(value - truth) < 5 * 2.0**-53 * size
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.quick(3)
 @KERNELS
 def test_same_results_on_every_kind_of_number(name: str) -> None:

@@ -139,7 +139,7 @@ def test_c_with_fixed_parameters(tmp_path: Path, word: str, scene: str) -> None:
     check(compiled(tmp_path, word, p), word, p, 30)
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("regime", REGIMES)
 def test_c_with_the_parameters_of_a_regime(tmp_path: Path, regime: str) -> None:
@@ -169,7 +169,7 @@ def test_python_agrees_with_mpmath_in_every_regime(language: str) -> None:
         check(evaluate, ALL, p, 4, name)
 
 
-@pytest.mark.full(7)
+@pytest.mark.full(5)
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("language", ["python", "numpy"])
 @pytest.mark.parametrize("regime", REGIMES)

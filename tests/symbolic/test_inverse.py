@@ -68,7 +68,7 @@ def allowed(p: Parameters, name: str, value: Fraction) -> bool:
     return True
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.slow
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["full", "paper"])
@@ -101,7 +101,7 @@ def test_phases_that_are_no_multiple_of_pi() -> None:
     assert values_containing(FIG9, "P2", "k", 1) == Interval(0, oo)
 
 
-@pytest.mark.full(8)
+@pytest.mark.full(5)
 @pytest.mark.slow
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("name", ["Omega", "B0", "k", "v_lambda"])
@@ -188,7 +188,7 @@ def changed(p: Parameters, **values: Any) -> Parameters | None:
         return None
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["full", "paper"])
@@ -211,7 +211,7 @@ def test_intervals_of_phases(mapping: str, order: str) -> None:
     assert min(yes, no) > 8
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["full", "paper"])

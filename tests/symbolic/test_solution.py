@@ -78,7 +78,7 @@ def test_every_parameter_set_belongs_to_one_regime() -> None:
     assert seen == set(s.REGIMES)
 
 
-@pytest.mark.full(3)
+@pytest.mark.full(2)
 @pytest.mark.slow
 @JOINS
 def test_regimes_join_continuously(join: s.Join) -> None:
@@ -100,7 +100,7 @@ def test_a_join_that_is_none_shows_a_gap() -> None:
     assert left_over(s.gaps(wrong))
 
 
-@pytest.mark.full(3)
+@pytest.mark.full(2)
 @pytest.mark.slow
 @REGIMES
 def test_one_power_series_for_all_regimes(regime: s.Regime) -> None:

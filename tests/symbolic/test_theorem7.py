@@ -132,7 +132,7 @@ def test_full_order_adds_the_tangency_of_fourth_order_and_nothing_else(
         assert theorem7(mapping, other, amplitude) == printed(mapping, other, amplitude)
 
 
-@pytest.mark.full(30)
+@pytest.mark.full(18)
 @pytest.mark.slow
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("amplitude", [5, -5, 0])
@@ -161,7 +161,7 @@ def test_negative_amplitude_is_half_a_period_later(mapping: str) -> None:
 LINES = (gamma, a, gamma - a, gamma + a)
 
 
-@pytest.mark.full(3)
+@pytest.mark.full(2)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["paper", "full"])
@@ -308,7 +308,7 @@ def test_printed_windows_say_what_the_windows_are(mapping: str) -> None:
             assert one == pytest.approx(other, abs=1e-12)
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["full", "paper"])
@@ -333,7 +333,7 @@ POINTS = [{GAMMA: g, A: a} for g in range(-3, 4) for a in range(-3, 4)]
 POINTS += [{GAMMA: sp.Rational(g, 2), A: a} for g in (-1, 1) for a in (-2, 2)]
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(3)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", MAPS)
 @pytest.mark.parametrize("order", ["full", "paper"])
