@@ -21,7 +21,7 @@ BROUGHT = (
     "dask",
     "distributed",
 )
-BROUGHT += ("flint", "pint", "pyarrow", "bokeh")
+BROUGHT += ("flint", "pint", "pyarrow", "bokeh", "jax")
 CODE = f"""
 import sys
 for name in {BROUGHT!r}:

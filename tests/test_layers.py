@@ -26,7 +26,7 @@ LEVELS = [
     {"mappings", "simulation"},
     {"symbolic"},
     {"orbits", "crosschecks", "sweeps", "sensitivities"},
-    {"grazing", "fit"},
+    {"grazing", "fit", "jax"},
     {"certificates"},
     {"reference"},
     {"plot"},

@@ -1,0 +1,235 @@
+"""Motions as functions that JAX differentiates, maps and compiles into larger programs.
+
+Values and derivatives are those of `symosc.simulate_many` and `symosc.sensitivities`, computed on the CPU in doubles:
+JAX differentiates nothing itself. All functions are differentiable once, forwards and backwards, by parameters, the
+start and the time, and serve ``jax.vmap`` and ``jax.jit``. They need ``jax.config.update("jax_enable_x64", True)``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import lru_cache, partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.errors import MissingExtraError, ParameterError, meant
+from symosc.exact import whole_number
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.sensitivities import sensitivities
+from symosc.simulation.ensemble import simulate_many
+from symosc.simulation.tangents import NAMES
+
+__all__ = ["Events", "events", "flow"]
+
+
+class Events(NamedTuple):
+    """The first events of a motion, of a fixed number.
+
+    Attributes
+    ----------
+    t, x : (count,) arrays
+        Times and positions; inf where the motion has no more events.
+    kind : (count,) int array
+        1 cross, 2 stick, 3 slip, 4 graze; 0 where there is no event.
+    boundary : (count,) int array
+        1 or 2; 0 where there is no event.
+    regular : (count,) bool array
+        Whether the event is there and has all derivatives; see `Sensitivities`.
+
+    Examples
+    --------
+    >>> from symosc.jax import Events
+    >>> Events._fields
+    ('t', 'x', 'kind', 'boundary', 'regular')
+    """
+
+    t: Any
+    x: Any
+    kind: Any
+    boundary: Any
+    regular: Any
+
+
+def events(
+    parameters: Parameters | Mapping[str, Any], *, t0: Any = 0.0, x0: Any = 0.0, v0: Any = 0.0, t_end: Any, count: int
+) -> Events:
+    """Return the first `count` events of a motion until t_end.
+
+    Parameters
+    ----------
+    parameters : Parameters or mapping
+        All eleven by name; numbers or JAX scalars.
+    t0, x0, v0, t_end : number or JAX scalar
+    count : int
+        The number of rows, which JAX must know beforehand.
+
+    Returns
+    -------
+    Events
+
+    Raises
+    ------
+    MissingExtraError
+        If JAX is not installed (extra ``jax``).
+    ParameterError
+        If a name is unknown or missing, or JAX computes in single precision.
+
+    Examples
+    --------
+    >>> import jax
+    >>> jax.config.update("jax_enable_x64", True)
+    >>> from symosc import load_scene
+    >>> from symosc.jax import events
+    >>> p = {name: float(value) for name, value in load_scene("fig5").parameters.as_dict().items()}
+    >>> first = lambda mu1: events(p | {"mu1": mu1}, t_end=7, count=3).t[1]
+    >>> print(f"{jax.grad(first)(0.8):.6f}")
+    0.936995
+    """
+    given = _values(parameters, t0, x0, v0)
+    count = whole_number("count", count, 1)
+    return Events(*_functions().events(given, _functions().number(t_end), count))
+
+
+def flow(parameters: Parameters | Mapping[str, Any], t: Any, *, t0: Any = 0.0, x0: Any = 0.0, v0: Any = 0.0) -> Any:
+    """Return [x, v] of a motion at a time, of shape (2,), or at n times, of shape (2, n).
+
+    At an event the derivatives are those of the piece that begins there. Parameters and errors are those of `events`.
+
+    Examples
+    --------
+    >>> import jax
+    >>> jax.config.update("jax_enable_x64", True)
+    >>> from symosc import load_scene
+    >>> from symosc.jax import flow
+    >>> p = load_scene("fig5").parameters
+    >>> print(jax.jacobian(lambda x0: flow(p, 2.5, x0=x0))(0.0).round(6))
+    [ 0.017646 -0.060594]
+    """
+    functions = _functions()
+    times = functions.number(t)
+    found = functions.flow(_values(parameters, t0, x0, v0), times.reshape(-1))
+    return found.reshape((2, *times.shape))
+
+
+def _values(parameters: Any, *start: Any) -> Any:
+    """Return parameters and start as one array in the order of NAMES."""
+    if isinstance(parameters, Parameters):
+        parameters = {name: float(getattr(parameters, name)) for name in PARAMETER_NAMES}
+    if not isinstance(parameters, Mapping):
+        raise ParameterError("parameters", parameters, "must be Parameters, or a mapping of all eleven names")
+    for name in parameters:
+        if name not in PARAMETER_NAMES:
+            hint = f"is no parameter; they are {', '.join(PARAMETER_NAMES)}{meant(str(name), PARAMETER_NAMES)}"
+            raise ParameterError("parameters", name, hint)
+    for name in PARAMETER_NAMES:
+        if name not in parameters:
+            raise ParameterError("parameters", sorted(parameters), f"{name} is missing")
+    number = _functions().number
+    return _functions().stack([number(each) for each in (*(parameters[name] for name in PARAMETER_NAMES), *start)])
+
+
+class _Functions(NamedTuple):
+    """What is made of JAX once."""
+
+    number: Callable[[Any], Any]
+    stack: Callable[[Any], Any]
+    events: Callable[..., Any]
+    flow: Callable[..., Any]
+
+
+def _functions() -> _Functions:
+    """Return the differentiable functions; MissingExtraError without JAX."""
+    try:
+        import jax
+    except ImportError:
+        raise MissingExtraError("symosc.jax", "jax") from None
+    if not jax.config.read("jax_enable_x64"):
+        hint = 'must be True, since events need doubles: jax.config.update("jax_enable_x64", True)'
+        raise ParameterError("jax_enable_x64", False, hint)
+    return _made()
+
+
+@lru_cache(maxsize=1)
+def _made() -> _Functions:
+    """Return the differentiable functions."""
+    import jax
+    from jax import numpy
+
+    def shaped(*shapes: tuple[tuple[int, ...], Any]) -> Any:
+        return tuple(jax.ShapeDtypeStruct(shape, kind) for shape, kind in shapes)
+
+    def all_of_events(values: Any, t_end: Any, count: int) -> Any:
+        one, by = (count,), (count, len(NAMES))
+        out = shaped(
+            (one, float), (one, float), (one, np.int32), (one, np.int32), (one, bool), (by, float), (by, float)
+        )
+        return jax.pure_callback(partial(_events_of, count=count), out, values, t_end, vmap_method="broadcast_all")
+
+    @partial(jax.custom_jvp, nondiff_argnums=(2,))
+    def events_(values: Any, t_end: Any, count: int) -> Any:
+        return all_of_events(values, t_end, count)[:5]
+
+    @events_.defjvp
+    def _(count: int, primals: Any, tangents: Any) -> Any:
+        values, t_end = primals
+        *found, dt, dx = all_of_events(values, t_end, count)
+        none = [np.zeros(count, jax.dtypes.float0)] * 3
+        return tuple(found), (dt @ tangents[0], dx @ tangents[0], *none)
+
+    def all_of_flow(values: Any, times: Any) -> Any:
+        n = len(times)
+        out = shaped(((2, n), float), ((2, n, len(NAMES)), float), ((2, n), float))
+        return jax.pure_callback(_states_of, out, values, times, vmap_method="broadcast_all")
+
+    @jax.custom_jvp
+    def flow_(values: Any, times: Any) -> Any:
+        return all_of_flow(values, times)[0]
+
+    @flow_.defjvp
+    def _(primals: Any, tangents: Any) -> Any:
+        found, slopes, rates = all_of_flow(*primals)
+        return found, slopes @ tangents[0] + rates * tangents[1]
+
+    return _Functions(lambda value: numpy.asarray(value, dtype=float), numpy.stack, events_, flow_)
+
+
+def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
+    """Return t, x, kind, boundary, regular, dt and dx of motions with any leading axes."""
+    values, lead = np.asarray(values), np.shape(values)[:-1]
+    rows, ends = values.reshape(-1, len(NAMES)), np.broadcast_to(np.asarray(t_end), lead).reshape(-1)
+    columns = dict(zip(NAMES, rows.T, strict=True))
+    starts = {name: columns.pop(name) for name in ("t0", "x0", "v0")}
+    table = simulate_many(columns, starts, ends, max_events=count, wrt=NAMES)
+    first = np.searchsorted(table.trajectory, np.arange(len(rows)))
+    at = table.trajectory, np.arange(len(table)) - first[table.trajectory]
+
+    def placed(column: Any, empty: Any, kind: Any = float) -> np.ndarray:
+        made = np.full((len(rows), count, *column.shape[1:]), empty, dtype=kind)
+        made[at] = column
+        return made.reshape((*lead, *made.shape[1:]))
+
+    return (
+        placed(table.t, np.inf), placed(table.x, np.inf), placed(table.kind_code, 0, np.int32),
+        placed(table.boundary, 0, np.int32), placed(table.regular.all(axis=1), False, bool),
+        placed(table.dt, 0.0), placed(table.dx, 0.0),
+    )  # fmt: skip
+
+
+def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
+    """Return [x, v], its derivatives by NAMES, and by the time, of motions with any leading axes."""
+    values, times = np.asarray(values), np.asarray(times)
+    lead, n = values.shape[:-1], times.shape[-1]
+    rows, instants = values.reshape(-1, len(NAMES)), np.broadcast_to(times, (*lead, n)).reshape(-1, n)
+    states, slopes, rates = (np.empty((len(rows), 2, n, *last)) for last in ((), (len(NAMES),), ()))
+    for i, (row, each) in enumerate(zip(rows.tolist(), instants, strict=True)):
+        given = dict(zip(NAMES, row, strict=True))
+        start = {name: given.pop(name) for name in ("t0", "x0", "v0")}
+        last = float(each.max()) if float(each.max()) > start["t0"] else start["t0"] + 1.0
+        s = sensitivities(Parameters(**given), NAMES, **start, t_end=last)
+        motion, modes = s.trajectory, s.trajectory.mode(each)
+        states[i], slopes[i] = motion(each), s(each)
+        forces = {f"Omega{alpha}": motion.force(alpha, each) for alpha in (1, 2, 3)}
+        rates[i, 0] = states[i, 1]
+        rates[i, 1] = [forces[mode][k] if mode in forces else 0.0 for k, mode in enumerate(modes)]
+    return tuple(made.reshape((*lead, *made.shape[1:])) for made in (states, slopes, rates))

@@ -1,0 +1,79 @@
+"""Motions as functions of JAX: values and derivatives are those of symosc, through grad, jacobian, vmap and jit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from bad_values import refused
+
+from symosc import MissingExtraError, load_scene, sensitivities, simulate
+from symosc import jax as ours
+
+jax = pytest.importorskip("jax")
+P = {name: float(value) for name, value in load_scene("fig5").parameters.as_dict().items()}
+
+
+@pytest.fixture(autouse=True)
+def doubles() -> Any:
+    jax.config.update("jax_enable_x64", True)
+    yield
+    jax.config.update("jax_enable_x64", False)
+
+
+def test_events_and_their_gradients() -> None:
+    found = ours.events(P, t_end=7, count=8)
+    motion = simulate("fig5", t_end=7)
+    count = len(motion.events)
+    np.testing.assert_allclose(found.t[:count], [event.t for event in motion.events], rtol=1e-13)
+    assert np.isinf(found.t[count:]).all()
+    assert found.kind.tolist() == [2, 3, 2, 3, 2, 0, 0, 0]
+    assert found.regular.tolist() == [True] * count + [False] * (8 - count)
+    expected = sensitivities("fig5", ("mu1", "Omega", "x0"), t_end=7)
+
+    def time(mu1: Any, Omega: Any, x0: Any) -> Any:
+        return ours.events(P | {"mu1": mu1, "Omega": Omega}, x0=x0, t_end=7, count=8).t[4]
+
+    slopes = jax.jit(jax.grad(time, argnums=(0, 1, 2)))(P["mu1"], P["Omega"], 0.0)
+    np.testing.assert_allclose(slopes, expected.dt[4], rtol=1e-12)
+    np.testing.assert_allclose(jax.jacfwd(time)(P["mu1"], P["Omega"], 0.0), expected.dt[4, 0], rtol=1e-12)
+
+
+def test_many_motions_by_vmap() -> None:
+    values = np.array([0.6, 0.7, 0.8])
+
+    def position(mu1: Any) -> Any:
+        return ours.events(P | {"mu1": mu1}, t_end=7, count=3).x[2]
+
+    slopes = jax.vmap(jax.grad(position))(values)
+    p = load_scene("fig5").parameters
+    alone = [sensitivities(p.replace(mu1=str(mu1)), "mu1", t_end=7).dx[2, 0] for mu1 in values]
+    np.testing.assert_allclose(slopes, alone, rtol=1e-12)
+
+
+def test_flow_by_start_and_time() -> None:
+    times = np.array([0.05, 0.5, 2.5, 5.0])
+    expected = sensitivities("fig5", ("x0", "k"), t_end=7)
+
+    def states(x0: Any, k: Any, t: Any) -> Any:
+        return ours.flow(P | {"k": k}, t, x0=x0)
+
+    forward = jax.jacfwd(states, argnums=(0, 1))(0.0, P["k"], times)
+    backward = jax.jacrev(states, argnums=(0, 1))(0.0, P["k"], times)
+    for each in (forward, backward):
+        np.testing.assert_allclose(np.stack(each, axis=-1), expected(times), rtol=1e-10, atol=1e-12)
+    rates = jax.jacfwd(states, argnums=2)(0.0, P["k"], 2.5)
+    motion, h = simulate("fig5", t_end=7), 1e-6
+    np.testing.assert_allclose(rates, (motion(2.5 + h) - motion(2.5 - h)) / (2 * h), rtol=1e-7)
+
+
+def test_what_is_wrong_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "did you mean" in refused(lambda: ours.events(P | {"mu": 1.0}, t_end=7, count=3), "parameters")
+    assert "FN is missing" in refused(lambda: ours.flow({n: P[n] for n in P if n != "FN"}, 1.0), "parameters")
+    refused(lambda: ours.events(P, t_end=7, count=0), "count")
+    jax.config.update("jax_enable_x64", False)
+    refused(lambda: ours.events(P, t_end=7, count=3), "jax_enable_x64")
+    monkeypatch.setitem(__import__("sys").modules, "jax", None)
+    with pytest.raises(MissingExtraError, match=r"symosc\[jax\]"):
+        ours.flow(P, 1.0)
