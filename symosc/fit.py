@@ -14,6 +14,7 @@ import numpy as np
 
 from symosc.aliases import NumberLike, SceneName
 from symosc.arguments import public
+from symosc.display.drawable import Drawable
 from symosc.engine.events import KIND_NAMES
 from symosc.errors import ParameterError, brief, meant
 from symosc.exact import read_exact, unmasked
@@ -30,8 +31,17 @@ KINDS = tuple(KIND_NAMES.values())
 MOST_CALLS = 200
 
 
+@dataclass(frozen=True)
+class Measured:
+    """Measured columns: times, and the kinds of events, or positions and perhaps velocities."""
+
+    t: np.ndarray
+    kinds: np.ndarray | None
+    states: np.ndarray | None  # (1 or 2, n)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit:
+class Fit(Drawable):
     """The result of a fit.
 
     Attributes
@@ -63,6 +73,7 @@ class Fit:
     success: bool
     message: str
     trajectory: Trajectory
+    _measured: Measured
 
     def __eq__(self, other: object) -> bool:
         """Whether all public entries are equal."""
@@ -76,15 +87,6 @@ class Fit:
     def __repr__(self) -> str:
         texts = [f"{name} = {value:.6g} ± {self.errors[name]:.2g}" for name, value in self.values.items()]
         return f"<Fit {', '.join(texts)}: {self.message}>"
-
-
-@dataclass(frozen=True)
-class Measured:
-    """Measured columns: times, and the kinds of events, or positions and perhaps velocities."""
-
-    t: np.ndarray
-    kinds: np.ndarray | None
-    states: np.ndarray | None  # (1 or 2, n)
 
 
 @public
@@ -174,12 +176,13 @@ def fit(
         max_nfev=MOST_CALLS,
     )
     residuals, slopes, trajectory = evaluated(found.x)
-    return _result(names, found, residuals, slopes * np.array(steps), np.array(steps), sigma is None, trajectory)
+    units, estimated = np.array(steps), sigma is None
+    return _result(names, found, residuals, slopes * units, units, estimated, trajectory, measured)
 
 
 def _result(
     names: tuple[str, ...], found: Any, residuals: np.ndarray, slopes: np.ndarray, steps: np.ndarray,
-    estimated: bool, trajectory: Trajectory,
+    estimated: bool, trajectory: Trajectory, measured: Measured,
 ) -> Fit:  # fmt: skip
     """Return the fit with its errors from the Jacobian by numbers in units of `steps`."""
     _, sizes, rows = np.linalg.svd(slopes, full_matrices=False)
@@ -206,7 +209,7 @@ def _result(
     return Fit(
         {name: float(value) for name, value in zip(names, found.x, strict=True)},
         {name: float(value) for name, value in zip(names, errors, strict=True)},
-        covariance, residuals, bool(found.success) and not unknown, message, trajectory,
+        covariance, residuals, bool(found.success) and not unknown, message, trajectory, measured,
     )  # fmt: skip
 
 

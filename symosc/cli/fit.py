@@ -9,7 +9,9 @@ import click
 
 from symosc.cli.common import (
     FAILED,
+    check_picture,
     complete,
+    goes_to_stdout,
     json_option,
     scene_argument,
     scene_with,
@@ -50,6 +52,7 @@ def _columns(file: TextIO) -> dict[str, list[str]]:
     help="Standard deviation of the times, or of x and v: 1e-3 or 1e-3,1e-2. Default: estimated.",
 )
 @click.option("--start", "first", multiple=True, metavar="NAME=VALUE", help="First value of a free number. Repeatable.")
+@click.option("--plot", "picture", metavar="FILE", help="Draw it: .pdf, .svg or .png. -: SVG to stdout.")
 @set_option
 @json_option
 def fit(
@@ -58,6 +61,7 @@ def fit(
     free: str,
     sigma: str | None,
     first: tuple[str, ...],
+    picture: str | None,
     settings: tuple[str, ...],
     as_json: bool,
 ) -> int:
@@ -69,19 +73,25 @@ def fit(
     \b
     Examples:
       symosc fit fig5 stops.csv --free mu1 --sigma 1e-3
-      symosc fit mine.toml samples.csv --free mu1,k,x0 --start mu1=0.7
+      symosc fit mine.toml samples.csv --free mu1,k,x0 --start mu1=0.7 --plot fit.png
     """
     from symosc.fit import fit as fitted
 
+    piped = goes_to_stdout(picture, "--plot", as_json)
+    check_picture(picture)
     problem = scene_with(scene, settings, {})
     widths = None if sigma is None else sigma.split(",") if "," in sigma else sigma
     names = [name.strip() for name in free.split(",")]
     starts = dict(each.partition("=")[::2] for each in first)
     found = fitted(problem, _columns(file), names, sigma=widths, start=starts)
+    if picture is not None:
+        from symosc import plot
+
+        plot.save(plot.fit_figure(found), picture)
     if as_json:
         about = {"values": found.values, "errors": found.errors, "covariance": found.covariance.tolist()}
         write_json(about | {"success": found.success, "message": found.message, "residuals": found.residuals.tolist()})
-    else:
+    elif not piped:
         rows = [[name, f"{value:.10g}", f"{found.errors[name]:.2g}"] for name, value in found.values.items()]
         write(f"{plain_table(['', 'value', 'error'], rows)}\n\n{found.message}")
     return 0 if found.success else FAILED

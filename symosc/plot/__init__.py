@@ -38,6 +38,7 @@ DRAWN_BY = {
     "symosc.grazing.curve.GrazingCurve": "figure_grazing_curve",
     "symosc.symbolic.inverse.ParameterRegion": "region_figure",
     "symosc.crosschecks.report.CrossCheck": "crosscheck_figure",
+    "symosc.fit.Fit": "fit_figure",
     "symosc.certificates.certificate.Certificate": "certificate_figure",
     "symosc.sweeps.output.SweptDataset": "swept_figure",
 }

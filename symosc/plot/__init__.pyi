@@ -10,6 +10,7 @@ from .figures import orbit_figure as orbit_figure
 from .figures import simulated as simulated
 from .judged import certificate_figure as certificate_figure
 from .judged import crosscheck_figure as crosscheck_figure
+from .judged import fit_figure as fit_figure
 from .judged import score_figure as score_figure
 from .judged import step_figure as step_figure
 from .sweeps import basin_figure as basin_figure

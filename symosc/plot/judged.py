@@ -25,6 +25,7 @@ from symosc.crosschecks.report import CrossCheck
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.files import check_folder_of, write_text
+from symosc.fit import Fit
 from symosc.plot.drawing import (
     STYLE,
     add_legend,
@@ -41,6 +42,8 @@ if TYPE_CHECKING:
     from symosc.reference.score import CaseScore, Score
 
 POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d7191c", "#e08214"
+# Points of the curve of a fitted motion.
+FIT_POINTS = 2000
 # Zeros are drawn here, and no axis goes further down.
 FLOOR = 1e-17
 
@@ -121,6 +124,64 @@ def _check_panel(ax: Axes, check: CrossCheck, letter: str) -> None:
         for speed in (float(check.trajectory.parameters.belt(belt)) for belt in (1, 2)):
             if low - (high - low) <= speed <= high + (high - low):
                 ax.axhline(speed, color="black", lw=0.8, label="belt")
+
+
+@public
+def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
+    """Draw a fit against time: the fitted motion with what was measured, and the residuals.
+
+    Parameters
+    ----------
+    found : Fit
+    panels, ax : optional
+        As for `symosc.plot.figure`. The panels are a motion and data, b residuals. Default: both, with `ax` a.
+
+    Examples
+    --------
+    >>> from symosc import fit, plot
+    >>> found = fit("fig5", [(0.1223, "stick"), (1.2210, "slip"), (4.7586, "stick")], "mu1", sigma=1e-4)
+    >>> [axes.get_xlabel() for axes in plot.fit_figure(found).axes]
+    ['', 'time $t$']
+    """
+    panels = read_panels(panels, "ab", ax)
+    measured, motion = found._measured, found.trajectory
+    times = np.linspace(float(motion.t_start), float(motion.t_end), FIT_POINTS)
+    with style_for(ax):
+        drawing, row = panel_axes(ax, panels, (7.0, 0.8 + 1.7 * len(panels)), stacked=True, letter_at=-0.07)
+        for axes, letter in zip(row, panels, strict=True):
+            if letter == "a":
+                axes.plot(times, motion(times)[0], color=POSITION, lw=0.9, label="fitted motion")
+                for name, t, x, marker in _measured_points(found):
+                    axes.plot(t, x, marker, color="black", ms=3.5, mfc="none", mew=0.8, label=name)
+                axes.set_ylabel("displacement $x$")
+            else:
+                count = len(measured.t)
+                columns = ("$x$", POSITION, "."), (r"$\dot{x}$", VELOCITY, "x")
+                for n, (name, color, marker) in enumerate(columns):
+                    part = found.residuals[n * count : (n + 1) * count]
+                    label = None if measured.states is None or len(measured.states) < 2 else name
+                    axes.plot(measured.t[: len(part)], part, marker, ms=4, mew=0.8, color=color, label=label)
+                for level, width in ((0, 0.8), (-2, 0.6), (2, 0.6)):
+                    axes.axhline(level, color="0.4", lw=width, ls="-" if not level else (0, (1, 2)), zorder=0)
+                axes.set_ylabel(r"residual / $\sigma$")
+            axes.set_xlim(times[0], times[-1])
+        row[-1].set_xlabel("time $t$")
+        add_legend(drawing, ax, legend_entries(row), 5, handlelength=1.8, columnspacing=1.4)
+    return drawing
+
+
+def _measured_points(found: Fit) -> Iterator[tuple[str, np.ndarray, np.ndarray, str]]:
+    """Yield the name of measured points, their times, positions (of events: those of the motion) and marker."""
+    measured, motion = found._measured, found.trajectory
+    if measured.states is not None:
+        yield "measured", measured.t, measured.states[0], "."
+        return
+    assert measured.kinds is not None
+    for kind, marker in (("stick", "s"), ("slip", "o"), ("cross", "x"), ("graze", "^")):
+        t = measured.t[measured.kinds == kind]
+        if len(t):
+            inside = np.clip(t, float(motion.t_start), float(motion.t_end))
+            yield f"measured {kind}", t, motion(inside)[0], marker
 
 
 @public

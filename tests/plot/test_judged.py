@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from small_set import right, stored_set
 
+import symosc
 from symosc import (
     Branch,
     OutputError,
@@ -280,3 +281,17 @@ def test_a_proof_shows_the_digits_that_are_proven() -> None:
     assert texts[3:7] == ["1.5826058214", "7.913029107", "2e-11", "1e-11"]
     assert texts[7] == "-0.017"
     assert texts[8] == "0.25 - 0.5 i"
+
+
+def test_a_fit_is_drawn_with_its_data_and_residuals() -> None:
+    motion, noise = simulate("fig5", t_end=20), np.random.default_rng(3)
+    data = [(event.t + noise.normal(scale=1e-3), event.kind) for event in motion.events]
+    found = symosc.fit("fig5", data, "mu1", sigma=1e-3)
+    above, below = found.plot().axes
+    labels = [line.get_label() for line in above.lines]
+    assert labels == ["fitted motion", "measured stick", "measured slip"]
+    np.testing.assert_allclose(below.lines[0].get_ydata(), found.residuals)
+    t = np.linspace(0, 7, 40)
+    x, v = motion(t)
+    both = symosc.fit("fig5", {"t": t, "x": x + 1e-3, "v": v}, "x0", sigma=(1e-2, 1e-2)).plot(panels="b")
+    assert [len(np.atleast_1d(line.get_xdata())) for line in both.axes[0].lines][:2] == [40, 40]
