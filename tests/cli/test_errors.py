@@ -11,13 +11,9 @@ import sys
 from functools import partial
 from pathlib import Path
 
-import click
 import pytest
 from cli_runs import COMMANDS, PROGRAM, good, run, shell
 from effort import PATIENCE
-
-from symosc.cli.app import main
-from symosc.display import progress
 
 # --- help and errors ---
 
@@ -25,25 +21,6 @@ from symosc.display import progress
 @pytest.mark.parametrize("command", COMMANDS)
 def test_help_has_an_example(command: str) -> None:
     assert re.search(rf"Examples?:\n +symosc {command}", good(command, "--help"))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "command", ["simulate fig5", "--help", "--version", "simulate fig5 --json", "figure fig5 -o -"]
-)
-def test_results_that_nobody_can_get_are_no_success(command: str) -> None:
-    def in_shell(redirection: str) -> tuple[int, str]:
-        program = shlex.join([*PROGRAM, *command.split()])
-        result = subprocess.run(f"{program} {redirection}", shell=True, capture_output=True, text=True, check=False)
-        return result.returncode, result.stderr
-
-    assert in_shell(">&-") == (2, "symosc: error: standard output is closed\n")
-    assert in_shell(">&- 2>&-")[0] == 2
-    if Path("/dev/full").exists():
-        code, said = in_shell("> /dev/full")
-        assert (code, said.count("\n")) == (2, 1)
-        assert "No space left on device" in said
-    assert in_shell("| head -c 1") == (0, "")
 
 
 SAMPLES = "t,x,v\n0,1,2\n1,1,2\n"
@@ -202,13 +179,6 @@ def test_bad_input_is_one_line_and_exit_2(line: str, tmp_path: Path, monkeypatch
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(BROKEN)
 
 
-def test_an_existing_file_survives_a_failed_write(tmp_path: Path) -> None:
-    path = tmp_path / "events.csv"
-    path.write_text("mine")
-    assert run("simulate", "fig5", "--csv", str(path), "--t-end", "-1").exit_code == 2
-    assert path.read_text() == "mine"
-
-
 # --- the real program ---
 
 
@@ -264,28 +234,6 @@ def test_an_interrupt_is_quiet(tmp_path: Path) -> None:
     out, err = process.communicate(timeout=PATIENCE)
     assert (process.returncode, out, err) == (130, "", "")
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("cause", [KeyboardInterrupt(), ZeroDivisionError("a fault"), None], ids=repr)
-def test_an_interrupt_while_a_class_is_made(cause: BaseException | None, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Python wraps it into a RuntimeError there; an error of another cause is not hidden."""
-
-    @click.command()
-    def loading() -> None:
-        raise RuntimeError("Error calling __set_name__") from cause
-
-    monkeypatch.setattr(type(main), "get_command", lambda *_: loading)
-    interrupted = isinstance(cause, KeyboardInterrupt)
-    with pytest.raises(SystemExit if interrupted else RuntimeError) as caught:
-        main(["loading"])
-    assert not interrupted or caught.value.args == (130,)
-
-
-def test_the_level_of_output_ends_with_its_command() -> None:
-    """A program may run commands itself."""
-    for option in ("--quiet", "--verbose"):
-        run("simulate", "fig7", option)
-        assert progress.level() == progress.NORMAL
 
 
 def test_simulate_loads_nothing_heavy() -> None:

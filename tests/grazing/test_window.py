@@ -401,9 +401,6 @@ def test_rational_multiples_of_pi(k: str, text: str) -> None:
 P = load_scene("fig10").parameters
 
 
-NAN = float("nan")
-
-
 def assert_refused(name: str, call: Callable[[], Any]) -> None:
     with pytest.raises(ParameterError) as caught:
         call()

@@ -30,9 +30,6 @@ from symosc.mappings.theorem7_cases import (
     window_kind,
 )
 
-P = load_scene("fig9").parameters
-
-
 NUMBERS = [(gamma, amplitude) for gamma in (-3, -2, -1, 0, 1, 2, 3) for amplitude in (-2, 0, 2)]
 
 

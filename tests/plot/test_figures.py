@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import random
-import subprocess
-import sys
 from functools import cache
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import matplotlib
 import numpy as np
 import pytest
 from bad_values import refused
-from effort import at_most
 from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
@@ -85,25 +81,6 @@ def test_an_answer_draws_all_panels_or_one_into_given_axes(kind: str) -> None:
     assert not empty.has_data()
 
 
-@pytest.mark.slow
-def test_a_root_that_is_no_orbit_is_not_drawn() -> None:
-    root = find_orbit(P.replace(Omega=3), "P32")
-    assert not root.admissible
-    assert "no motion" in refused(lambda: plot.orbit_figure(root), "orbit")
-
-
-@pytest.mark.slow
-def test_a_page_loads_nothing_that_draws_and_the_first_plot_does() -> None:
-    code = (
-        "import sys; from symosc import simulate, grazing_window, load_scene; motion = simulate('fig5', t_end=3);"
-        "pages = [motion._repr_html_(), grazing_window(load_scene('fig9').parameters, 'P2')._repr_html_()];"
-        "assert not {'matplotlib', 'sympy', 'numba'} & set(sys.modules);"
-        "print(motion.plot(panels='c')._repr_png_()[1:4])"
-    )
-    run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    assert run.stdout == "b'PNG'\n"
-
-
 # -- figures of scenes ------------------------------------------------------------------------------------------------
 
 
@@ -121,14 +98,6 @@ def dots(ax: Axes, label: str) -> np.ndarray:
 @pytest.fixture(scope="module")
 def fig5() -> Figure:
     return plot.figure("fig5", t_end=9)
-
-
-def test_letters_and_legend_of_fig5(fig5: Figure) -> None:
-    assert [ax.get_title(loc="left") for ax in fig5.axes] == ["(a)", "(b)", "(c)", "(d)"]
-    assert [ax.get_ylabel() for ax in fig5.axes[:2]] == ["displacement $x$", r"velocity $\dot{x}$"]
-    (legend,) = fig5.legends
-    names = [text.get_text() for text in legend.get_texts()]
-    assert names == ["mass", "belt", "onset of stick", "end of stick", "start", "$F^{(1)}$", "$F^{(2)}$"]
 
 
 def test_dots_are_at_the_events(fig5: Figure) -> None:
@@ -167,21 +136,6 @@ def test_a_graze_is_a_red_dot_with_its_belt() -> None:
     assert not velocity.child_axes
 
 
-def test_micro_sticks_are_magnified() -> None:
-    trajectory = simulate("fig8", t_end=9)
-    (velocity,) = plot.figure(trajectory, panels="b").axes
-    assert len(velocity.child_axes) == 2
-    first = velocity.child_axes[0]
-    onset, end = trajectory.events[:2]
-    assert first.lines[2].get_xdata()[0] == 0  # type: ignore[index]
-    assert first.lines[3].get_xdata()[0] == pytest.approx(1e3 * (end.t - onset.t))  # type: ignore[index]
-    assert "10^{3}" in first.get_xlabel()
-    assert "3.139006" in first.get_xlabel()
-    # The insets stand above the axes, whose scale is that of the curve and the belts.
-    assert velocity.get_ylim()[1] < 5
-    assert all(inset.get_position().y0 > velocity.get_position().y1 for inset in velocity.child_axes)
-
-
 @pytest.mark.slow
 def test_files_by_suffix_the_same_each_time(tmp_path: Path) -> None:
     drawings = [plot.figure("fig5", t_end=2, panels="c") for _ in "ab"]
@@ -199,13 +153,6 @@ def test_other_suffixes_and_unwritable_paths_leave_nothing(tmp_path: Path) -> No
     with pytest.raises(OutputError, match="No such file"):
         plot.save(drawing, tmp_path / "none" / "a.pdf")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_where_figures_of_scenes_end() -> None:
-    ends = {name: plot.simulated(load_scene(name)).t_end for name in ("fig5", "fig7", "fig10")}
-    assert (ends["fig5"], ends["fig7"]) == (9, 15.1)
-    orbit = load_scene("fig10")
-    assert (ends["fig10"] - float(orbit.t0)) * 1.75 / (2 * np.pi) == pytest.approx(2.5)  # periods
 
 
 # -- what the panels show ---------------------------------------------------------------------------------------------
@@ -245,17 +192,6 @@ def test_forces_have_marks_of_their_own_belt_only(number: int) -> None:
     heights = [line.get_ydata() for line in ax.lines if line.get_label() == "onset of stick"]
     for height, sign in zip(heights, (1, -1), strict=False):
         assert (sign * np.asarray(height) > -1e-9).all()
-
-
-@pytest.mark.slow
-def test_many_marks_leave_the_motion_visible() -> None:
-    """The more marks, the smaller they are: their area grows no more once they are many."""
-    for t_end in (4, 120):
-        drawing = plot.figure(simulate("fig9", t_end=t_end), panels="b")
-        (line,) = [line for line in drawing.axes[0].lines if line.get_label() == "crossing"]
-        assert len(line.get_xdata()) * line.get_markersize() ** 2 < 1.01 * 16 * 5.6**2  # 16 marks in full size
-        handles = drawing.legends[0].legend_handles
-        assert {handle.get_markersize() for handle in handles if handle.get_marker() == "^"} == {5.6}
 
 
 @pytest.mark.slow
@@ -343,28 +279,6 @@ def test_sticks_are_shaded_and_jumps_of_force_joined() -> None:
 # -- bad input --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("name", "values"),
-    [
-        ("panels", ["", "z", "aa", 5]),
-        ("boundary", [0, 3, True]),
-        ("columns", [0, 3, None]),
-        ("t_end", ["x", -1]),
-    ],
-)
-def test_options_of_a_figure(name: str, values: list[Any]) -> None:
-    for value in values:
-        refused(lambda value=value: symosc.plot.figure("fig5", **{name: value}), name)  # type: ignore[misc]
-
-
-def test_a_figure_of_too_many_events_is_refused_at_once() -> None:
-    with at_most(10_000_000):
-        message = refused(lambda: symosc.plot.figure("fig9", t_end="1e7"), "t_end")
-    assert "earlier end" in message
-    long = simulate("fig9", max_events=symosc.plot.MOST_DRAWN_EVENTS + 1, t_end=10**7)
-    refused(lambda: symosc.plot.figure(long), "subject")
-
-
 # --- a style of one's own ---
 
 
@@ -382,12 +296,6 @@ def test_keywords_reach_the_lines_and_rcparams_hold() -> None:
     assert axes.get_facecolor() == pytest.approx((0.9, 0.9, 0.9, 1.0))
 
 
-@pytest.mark.parametrize("style", [{"colr": "red"}, {"color": "no colour"}, {"linewidth": "thick"}])
-def test_what_is_no_style_is_refused(style: dict[str, Any]) -> None:
-    with pytest.raises(symosc.ParameterError, match=next(iter(style))):
-        plot.figure("fig5", panels="c", **style)
-
-
 def test_a_transient_is_left_out() -> None:
     motion = simulate("fig9", t_end="12T")
     period = 2 * np.pi / 4
@@ -400,9 +308,3 @@ def test_a_transient_is_left_out() -> None:
     for skip in (-1, 100, "20T", "x"):
         with pytest.raises(symosc.ParameterError, match="skip"):
             plot.figure(motion, skip=skip)
-
-
-def test_one_panel_has_no_letter_and_a_phase_plane_alone_is_square() -> None:
-    (axes,) = plot.figure("fig5", panels="c").axes
-    assert (axes.get_title("left"), axes.get_box_aspect()) == ("", 1)
-    assert [axes.get_title("left") for axes in plot.figure("fig5", panels="bc").axes] == ["(a)", "(b)"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from decimal import Decimal
-from fractions import Fraction
 from typing import Any
 
 import mpmath
@@ -49,8 +48,6 @@ NO_NUMBERS += [
     mpmath.nan,
 ]
 NO_NUMBERS += ["1e5000", "9" * 5000, 10**400, -(10**60), sympy.oo, sympy.Symbol("x"), np.array([1.0, 2.0])]
-#: Nothing of this is a whole number from 1 to 3.
-NO_CHOICES = [0, 4, -1, 10**30, "1", "", None, 1.0, True, 1j, [1], {}, np.array([1, 2]), Fraction(1)]
 
 
 def refused(call: Callable[[], Any], name: str) -> str:
