@@ -161,12 +161,6 @@ def test_what_is_wrong_is_said() -> None:
     refused(lambda: found(99), "t")
 
 
-def test_a_motion_without_events() -> None:
-    found = sensitivities("fig7", ("x0", "v0"), t_end=3)
-    assert found.dt.shape == found.regular.shape == (0, 2)
-    assert found(3.0).shape == (2, 2)
-
-
 @pytest.mark.parametrize("name", ["fig9", "fig10", "fig5"])
 def test_orbits_have_the_derivatives_of_branches_and_motions(name: str) -> None:
     """Against differences of orbits in doubles, and the motion on the orbit after many periods."""
@@ -188,9 +182,3 @@ def test_orbits_have_the_derivatives_of_branches_and_motions(name: str) -> None:
     last = min(range(len(moved.dt)), key=lambda n: abs(float(moved.trajectory.events[n].t) - there))
     assert moved.dt[last, 0] == pytest.approx(found.dt[0, 0], abs=1e-7)
     assert moved.dx[last, 0] == pytest.approx(found.dx[0, 0], abs=1e-7)
-
-
-def test_what_is_wrong_with_derivatives_of_orbits() -> None:
-    orbit = find_orbit("fig9")
-    assert "did you mean" in refused(lambda: orbit.sensitivities("omega"), "wrt")
-    refused(lambda: orbit.sensitivities(("FN", "FN")), "wrt")

@@ -220,18 +220,6 @@ def test_lists_of_events() -> None:
     assert causes([(t + 0.02 * (i == 1), kind) for i, (t, kind) in enumerate(events)]) == ["event times"]
 
 
-# -- event clues -------------------------------------------------------------------------------------------------------
-
-
-# -- friction clues ----------------------------------------------------------------------------------------------------
-
-
-# -- smoothed flights --------------------------------------------------------------------------------------------------
-
-
-# -- method clues ------------------------------------------------------------------------------------------------------
-
-
 # -- other models ------------------------------------------------------------------------------------------------------
 
 
@@ -283,9 +271,6 @@ def test_a_fast_clock_and_a_drive_ahead_are_told_apart_by_the_start() -> None:
     # Without a scene there is no start to tell by: both are named.
     both = crosscheck(scene.parameters, t + shift, *motion(t)).diagnosis[0]
     assert {both.cause, *(one.cause for one in both.alternatives)} >= {"time shift", "phase"}
-
-
-# -- stick clues -------------------------------------------------------------------------------------------------------
 
 
 # -- numbers of the faults ---------------------------------------------------------------------------------------------

@@ -311,9 +311,3 @@ def test_the_longest_chain_is_the_best_of_all() -> None:
         assert set(found) <= set(cells)
         assert all(a[0] < b[0] and a[1] < b[1] for a, b in pairwise(found))
         assert (len(found), sum(cost[pair] for pair in found)) == (len(best), sum(cost[pair] for pair in best))
-
-
-# -- reach -------------------------------------------------------------------------------------------------------------
-
-
-# -- solver times ------------------------------------------------------------------------------------------------------

@@ -26,7 +26,7 @@ from solution_files import COLUMNS, WRITERS, T, V, X, read_samples
 
 from symosc import ParameterError, simulate
 from symosc.crosschecks import files
-from symosc.crosschecks.files import SUFFIXES, has_wrong_tags, read_text
+from symosc.crosschecks.files import PACKED, SUFFIXES, has_wrong_tags, read_text
 
 # -- formats -----------------------------------------------------------------------------------------------------------
 
@@ -374,3 +374,16 @@ def test_the_commands_run(command: str, folder: Path) -> None:
     result = subprocess.run(command, shell=True, cwd=folder, env=environment, capture_output=True, text=True)
     assert (result.returncode, result.stderr) == (int(any(word in command for word in WRONG)), ""), result.stdout
     assert result.stdout.startswith(("ok", "{", "FAILED"))
+
+
+@pytest.mark.slow
+def test_the_example_prints_what_it_says(tmp_path: Path) -> None:
+    (expected,) = re.findall(r"^```text\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+    result = subprocess.run([sys.executable, "-c", EXAMPLE], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (result.stderr, result.stdout) == ("", expected)
+
+
+def test_every_format_is_named() -> None:
+    alike = {".out", ".asc", ".pq", ".arrow", ".hdf"}
+    for suffix in {*SUFFIXES, *PACKED} - alike:
+        assert f"`{suffix}`" in PAGE, suffix

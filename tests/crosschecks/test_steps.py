@@ -15,9 +15,6 @@ from symosc.crosschecks.steps import follow_steps, propagated, sample_errors
 from symosc.engine.events import KIND_NAMES
 from symosc.model import MODE_NAMES
 
-# -- steps -------------------------------------------------------------------------------------------------------------
-
-
 # -- steps one by one --------------------------------------------------------------------------------------------------
 
 
@@ -85,9 +82,6 @@ def test_a_flight_is_that_of_its_domain_alone() -> None:
             start = Fraction(float(t[i])), Fraction(float(steps.x[i])), Fraction(float(steps.v[i]))
             right = flow_oracle(p, domain, *start, Fraction(float(t[j])) - start[0], dps=25)[:2]
             assert found == pytest.approx([float(value) for value in right], abs=1e-12)
-
-
-# -- quiet -------------------------------------------------------------------------------------------------------------
 
 
 # -- allowed -----------------------------------------------------------------------------------------------------------

@@ -19,7 +19,6 @@ from random_constants import constants_of
 from touches import NEIGHBOURS, Touching, at_a_seam, free, ordinary, undriven, wild
 
 from symosc import Parameters, simulate
-from symosc.engine import first_exit as exits
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.next_event import following_sign, resolve
 from symosc.engine.state import BELT, DOMAIN_ABOVE, DOMAIN_BELOW
@@ -288,48 +287,6 @@ def test_a_touch_where_two_searches_meet(offset: float) -> None:
     scene = at_a_seam(random.Random(f"seam {mapping} {offset}"), mapping, offset)
     for digits in (None, 17):
         assert_complete(followed(scene, digits), scene)
-
-
-# -- searches that fail ------------------------------------------------------------------------------------------------
-
-LIMITS = [
-    (exits, "MOST_STEPS", 1),
-    (exits, "MOST_STEPS", 3),
-    (exits, "MOST_STALLS", 0),
-    (exits, "MOST_DESCENTS", 1),
-    (exits, "MOST_DESCENTS", 2),
-    (exits, "MOST_HALVINGS", 1),
-    (exits, "MOST_NEWTON", 0),
-    (exits, "MOST_STICK_STEPS", 1),
-]
-ORDINARY = Parameters(m=1, c=1, k=1, A0=-15, B0=10, Omega=1, v1=1, v2=5, mu1="4/5", mu2="3/5", FN="9.81")
-
-
-def assert_part_of(found: Any, right: Any) -> None:
-    """A trajectory that could not go on shows the events before that; one that could shows them all."""
-    for event, expected in zip(found.events, right.events, strict=False):
-        assert (event.kind, event.source, event.target) == (expected.kind, expected.source, expected.target)
-        assert abs(event.t - expected.t) < 1e-12 * max(1, expected.t)
-    if found.status == "undecidable":
-        assert len(found.events) <= len(right.events)
-    else:
-        assert (found.status, len(found.events)) == (right.status, len(right.events))
-
-
-@pytest.mark.full(6)
-@pytest.mark.slow
-@pytest.mark.parametrize(("module", "name", "value"), LIMITS, ids=lambda item: str(getattr(item, "__name__", item)))
-@pytest.mark.parametrize("mapping", ["P2", "P5"])
-def test_a_search_that_fails_is_no_end(
-    mapping: str, module: Any, name: str, value: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    scenes = [make(random.Random(f"failing {mapping}"), mapping) for make in (ordinary, undriven)]
-    starts = [(scene.p, scene.x0, scene.v0, scene.t_end) for scene in scenes] + [(ORDINARY, 0, 0, 6)]
-    right = [simulate(p, t0=0, x0=x0, v0=v0, t_end=t_end) for p, x0, v0, t_end in starts]
-    monkeypatch.setattr(module, name, value)
-    for (p, x0, v0, t_end), expected in zip(starts, right, strict=True):
-        for digits in (None, 17):
-            assert_part_of(simulate(p, t0=0, x0=x0, v0=v0, t_end=t_end, digits=digits), expected)
 
 
 # -- contacts at the very end ------------------------------------------------------------------------------------------

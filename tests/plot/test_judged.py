@@ -127,9 +127,6 @@ def test_the_figure_marks_events_and_tolerances(tmp_path: Path) -> None:
     assert np.nanmax(np.asarray(error.get_ydata(), dtype=float)) * result.scales[0] == pytest.approx(result.max_error_x)
 
 
-# -- the page of a cross-check ----------------------------------------------------------------------------------------
-
-
 # -- one step ---------------------------------------------------------------------------------------------------------
 
 
@@ -178,6 +175,3 @@ def test_each_case_is_where_it_belongs() -> None:
     assert [text.get_text() for text in drawing.legends[0].get_texts()] == ["good", "bad"]
     looks = {(line.get_color(), line.get_marker()) for line in ax.lines[:2]}
     assert len(looks) == 2
-
-
-# -- pages in notebooks -----------------------------------------------------------------------------------------------

@@ -111,9 +111,6 @@ def test_a_basin_has_the_belts() -> None:
     refused(lambda: plot.basin_figure(made_up(OVER, sticks=bands)), "dataset")
 
 
-# -- the form that fits -----------------------------------------------------------------------------------------------
-
-
 # -- ensembles --------------------------------------------------------------------------------------------------------
 
 

@@ -6,15 +6,13 @@ import datetime
 import decimal
 import inspect
 import os
-import random
 import types
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-import click
 import mpmath
 import numpy as np
 import pandas as pd
@@ -23,7 +21,6 @@ import xarray as xr
 
 import symosc
 from symosc import load_scene, plot
-from symosc.cli.app import main
 
 P5, P9 = load_scene("fig5").parameters, load_scene("fig9").parameters
 
@@ -441,48 +438,3 @@ TEXTS = [
     *("deep.json", "list.json", "samples.csv", "empty.csv", "x,v,t", "t=a,x=b", "0,0,0", "12T", "-2T", "word,word"),
     *("section:0", "math:sin", "math", "none:none", "dask:", "latex", "all", "10:20", "@a", "~nobody", "*"),
 ]
-#: Never tried: it writes into the package, or removes folders.
-NEVER = {"--regenerate", "--restart", "--help"}
-
-
-def write_hostile_files(folder: Path) -> None:
-    """Write the files that command lines name."""
-    (folder / "folder").mkdir()
-    contents = {
-        "broken.json": "{",
-        "broken.toml": "t_end = ",
-        "deep.json": "[" * 50_000,
-        "list.json": "[1, 2]",
-        "empty.csv": "",
-        "samples.csv": "t,x,v\n0,0,5\n0.1,0.5,5\n",
-    }
-    for name, text in contents.items():
-        (folder / name).write_text(text)
-    (folder / "binary.bin").write_bytes(bytes(range(256)) * 8)
-
-
-def command_lines(rng: random.Random) -> Iterator[list[str]]:
-    """Yield lines: each option and argument of each command with several texts, and then some of them at once."""
-    context = click.Context(main)
-    commands = {name: main.get_command(context, name) for name in main.list_commands(context)}
-    assert commands.keys() == LINES.keys()
-    options = {
-        name: [each for each in command.params if isinstance(each, click.Option) and not NEVER & set(each.opts)]
-        for name, command in commands.items()
-        if command
-    }
-
-    def more(option: click.Option) -> list[str]:
-        return [rng.choice(option.opts), *([] if option.is_flag else [rng.choice(TEXTS)])]
-
-    for name, known in options.items():
-        for option in known:
-            for _ in range(1 if option.is_flag else 5):
-                yield [name, *LINES[name], *more(option)]
-        for place in range(len(LINES[name])):
-            for text in rng.sample(TEXTS, 3):
-                yield [name, *LINES[name][:place], text, *LINES[name][place + 1 :]]
-    while True:
-        name = rng.choice(list(options))
-        line = [*LINES[name], *(text for _ in range(rng.randint(1, 3)) for text in more(rng.choice(options[name])))]
-        yield [name, *line, *rng.choice(([], [], [rng.choice(TEXTS)]))]
