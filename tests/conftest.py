@@ -49,7 +49,6 @@ NEED_CASES = {
         "crosschecks/test_files.py::*[xarray.nc]",
         "cli/test_commands.py::test_it_tells*",
         "cli/test_commands.py::test_status",
-        "cli/test_commands.py::test_settings_and_restart",
     ),
 }
 MISSING = [name for name in NEED if find_spec(name) is None]

@@ -10,11 +10,9 @@ import pytest
 
 from symosc import (
     ParameterError,
-    compiled_residual,
     continue_orbit,
     crosscheck,
     find_orbit,
-    grazing_window,
     grazing_windows,
     jacobian,
     load_scene,
@@ -70,25 +68,6 @@ def test_what_is_behind_a_mask_is_not_read(name: str) -> None:
     row = np.ma.array([2.0, 2.5, 3.0], mask=[False, True, False])
     with pytest.raises(ParameterError, match=r"masked|must be 2 pairs"):
         TAKE_ROWS[name](row)
-
-
-@pytest.mark.slow
-def test_compiled_residuals_read_masked_arrays_without_a_mask() -> None:
-    pytest.importorskip("numba")
-    f, row = compiled_residual(P, "P2"), np.array([4.5, 4.6])
-    columns = (row, np.array([0.5, 0.6]), -row, np.array([4.0, 4.1]))
-    with pytest.raises(ParameterError, match="masked"):
-        f(*columns[:3], np.ma.array(columns[3], mask=[False, True]))
-    assert np.array_equal(f(*map(np.ma.array, columns)), f(*columns))
-
-
-def test_a_masked_phase_stays_masked() -> None:
-    phases = np.ma.array([0.1, 0.2], mask=[False, True])
-    assert grazing_window(P, "P2").contains(phases).mask.tolist() == [False, True]
-
-
-def test_an_array_whose_mask_hides_nothing_is_an_array() -> None:
-    assert simulate_many(P, np.ma.array(ROWS), 5) == simulate_many(P, ROWS, 5)
 
 
 def tables() -> dict[str, Any]:

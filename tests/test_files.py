@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from symosc.errors import OutputError, ParameterError
-from symosc.files import check_folder_of, write_folder, write_text, write_whole
+from symosc.files import write_folder, write_text, write_whole
 
 
 @pytest.mark.parametrize(
@@ -45,15 +42,6 @@ def test_a_whole_write_replaces_the_file_and_keeps_a_link(tmp_path: Path) -> Non
     assert sorted(each.name for each in tmp_path.iterdir()) == ["link.txt", "target.txt"]
 
 
-@pytest.mark.parametrize("path", [None, "", 5, 1.5, b"a.csv", "a\0b", [], True, {}])
-def test_what_is_no_file_name(path: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(ParameterError, match=r"^path = .*: must be the name of a file") as caught:
-        write_text(path, "text")  # type: ignore[arg-type]
-    assert "\n" not in str(caught.value)
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize("path", ["none/a.csv", ".", "file/a.csv", "n" * 300])
 def test_what_cannot_be_written(path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -61,26 +49,6 @@ def test_what_cannot_be_written(path: str, tmp_path: Path, monkeypatch: pytest.M
     with pytest.raises(OutputError):
         write_text(path, "text")
     assert [each.name for each in tmp_path.iterdir()] == ["file"]
-
-
-def test_standard_output(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.chdir(tmp_path)
-    print("before")
-    write_text("-", "Ω\n")
-    print("after")
-    sys.stdout.flush()
-    assert capfd.readouterr().out == "before\nΩ\nafter\n"
-    write_text("./-", "a file")
-    assert [each.name for each in tmp_path.iterdir()] == ["-"]
-
-
-def test_a_closed_pipe_is_quiet() -> None:
-    reader, writer = os.pipe()
-    os.close(reader)
-    program = "from symosc.files import write_text; write_text('-', 'x' * 100000); print('more')"
-    with os.fdopen(writer, "w") as out:
-        result = subprocess.run([sys.executable, "-c", program], stdout=out, stderr=subprocess.PIPE, text=True)
-    assert (result.returncode, result.stderr) == (0, "")
 
 
 def nothing(folder: Path) -> set[str]:
@@ -110,30 +78,3 @@ def test_a_folder_with_other_files_stays(tmp_path: Path) -> None:
         with pytest.raises(ParameterError, match="path"):
             write_folder(name, {"a.txt": ""}, nothing)
     assert [each.name for each in tmp_path.iterdir()] == ["mine.txt"]
-
-
-@pytest.mark.parametrize("failing", [1, 2])
-def test_a_folder_that_cannot_be_put_in_place_is_the_old_one(
-    failing: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    target = tmp_path / "set"
-    write_folder(target, {"a.txt": "old"}, nothing)
-    rename, calls = Path.rename, []
-
-    def broken(self: Path, to: Path) -> Path:
-        calls.append(self)
-        if len(calls) == failing:
-            raise OSError(28, "No space left on device")
-        return rename(self, to)
-
-    monkeypatch.setattr(Path, "rename", broken)
-    with pytest.raises(OutputError, match="No space left"):
-        write_folder(target, {"a.txt": "new"}, lambda folder: {"a.txt"})
-    assert (target / "a.txt").read_text() == "old"
-    assert [each.name for each in tmp_path.iterdir()] == ["set"]
-
-
-def test_a_place_for_a_file_is_looked_for_before_the_work(tmp_path: Path) -> None:
-    check_folder_of(tmp_path / "page.md")
-    with pytest.raises(OutputError, match="No such file or directory"):
-        check_folder_of(tmp_path / "no" / "page.md")

@@ -107,25 +107,9 @@ def test_only_symbolic_and_derivations_import_sympy() -> None:
             assert "sympy" not in heads, name
 
 
-def test_generated_kernels_are_arithmetic() -> None:
-    tree = ast.parse((ROOT / "kernels" / "_generated.py").read_text(encoding="utf-8"))
-    assert not [node for node in ast.walk(tree) if isinstance(node, (ast.Import, ast.ImportFrom, ast.Call, ast.If))]
-
-
 def test_every_package_says_what_it_is_for() -> None:
     for path in ROOT.rglob("__init__.py"):
         assert ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))), path
-
-
-def test_no_text_stands_alone() -> None:
-    """A string that is no docstring does nothing: it was meant to be part of the line before."""
-    for path in ROOT.rglob("*.py"):
-        for node in nodes(path):
-            inside = getattr(node, "body", [])
-            own = isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
-            for statement in inside[own:] if isinstance(inside, list) else []:
-                lone = isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
-                assert not (lone and isinstance(statement.value.value, str)), f"{path.name}, line {statement.lineno}"
 
 
 def test_what_a_motion_does_on_a_belt_is_decided_in_the_engine() -> None:

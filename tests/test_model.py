@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import dataclasses
 import pickle
-import random
 import subprocess
 import sys
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import mpmath
 import numpy as np
 import pytest
 import sympy
-from bad_values import refused
 
 from symosc import simulate
 from symosc.errors import ParameterError, SceneError, SymoscError
 from symosc.exact import read_start_error, show
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.scenes import SCENES_FOLDER, Scene, load_scene, scene_names
-from symosc.words import WordError
+from symosc.scenes import Scene, load_scene, scene_names
 
 VALUES = {"m": 1, "c": 1, "k": 1, "A0": -15, "B0": 10, "Omega": 1, "v1": 1, "v2": 5, "mu1": "0.8", "mu2": "0.6"}
 VALUES["FN"] = "9.81"
@@ -31,8 +27,6 @@ P = load_scene("fig5").parameters
 START = {"t0": 0, "x0": 0, "v0": 0, "t_end": 5}
 SHIPPED = ["fig5", "fig6", "fig7", "fig7-corrected", "fig7-exact", "fig8", "fig8-exact"]
 SHIPPED += ["fig9", "fig9-orbit", "fig10", "fig10-orbit"]
-NOT_EXACT = ["", "one", "1,5", "0x10", "1/0", None, [1], 1j, True, sympy.Symbol("x"), "1e99999999"]
-NOT_FINITE = [float("nan"), float("inf"), -np.inf, "nan", "-inf", Decimal("Infinity"), mpmath.inf, mpmath.nan]
 CONTRACT = ["Parameters", "Scene", "ParameterError", "load_scene", "scene_names"]
 CONTRACT += ["simulate", "simulate_many", "Trajectory", "Event"]
 
@@ -64,13 +58,6 @@ def test_four_fifths_in_every_form(value: object) -> None:
     assert parameters(mu1=value).mu1 == Fraction(4, 5)
 
 
-@pytest.mark.parametrize("value", [3, "3.000", Fraction(3), sympy.Integer(3), np.int64(3), np.uint8(3), mpmath.mpf(3)])
-def test_three_in_every_form(value: object) -> None:
-    read = parameters(k=value).k
-    assert type(read) is Fraction
-    assert (type(read.numerator), read.numerator, read.denominator) == (int, 3, 1)
-
-
 def test_an_mpf_keeps_every_bit() -> None:
     with mpmath.workdps(60):
         tenth = mpmath.mpf(1) / 10
@@ -85,17 +72,6 @@ def test_a_long_decimal_keeps_every_digit() -> None:
     assert load_scene("fig7-exact").x0 == Fraction(text)
     assert load_scene("fig7-exact").x0 != Fraction(text[:-1])
     assert Fraction(text) == parameters(A0=Decimal(text)).A0
-
-
-def test_floats_are_the_decimals_that_they_print_as() -> None:
-    p = parameters(FN=19.62, c=1e-10, k=5e-324)
-    assert (p.FN, p.c, p.k) == (Fraction(981, 50), Fraction(1, 10**10), Fraction(5, 10**324))
-
-
-@pytest.mark.parametrize("value", NOT_EXACT)
-def test_values_that_are_no_exact_numbers(value: object) -> None:
-    with pytest.raises(ParameterError, match="A0"):
-        parameters(A0=value)
 
 
 @pytest.mark.parametrize(
@@ -148,17 +124,6 @@ def test_repr_reads_back_exactly() -> None:
     assert Parameters(**p.as_dict()) == p
 
 
-@pytest.mark.parametrize("seed", range(10))
-def test_repr_of_any_number_is_python_source(seed: int) -> None:
-    rng = random.Random(seed)
-    size = Fraction(10) ** rng.randint(-40, 40)
-    numbers = [rng.randint(-(10**25), 10**25) * size / 10**25, rng.random() * 10.0 ** rng.randint(-30, 30)]
-    numbers += [Fraction(rng.randint(1, 99), rng.randint(1, 99)), rng.randint(-9, 9), Fraction(rng.random())]
-    for number in numbers:
-        p = parameters(A0=number)
-        assert eval(repr(p)) == p
-
-
 def test_replace_changes_only_what_it_names() -> None:
     p = parameters()
     q = p.replace(c="0.3", v2=7)
@@ -169,14 +134,6 @@ def test_replace_changes_only_what_it_names() -> None:
 
 
 # -- errors ----------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("value", NOT_FINITE)
-def test_non_finite_values(value: object) -> None:
-    for name in PARAMETER_NAMES:
-        with pytest.raises(ParameterError, match=name) as caught:
-            parameters(**{name: value})
-        assert caught.value.name == name
 
 
 @pytest.mark.parametrize(
@@ -190,11 +147,6 @@ def test_values_out_of_range(name: str, value: object) -> None:
     assert isinstance(caught.value, ValueError)
     assert isinstance(caught.value, SymoscError)
     assert "\n" not in str(caught.value)
-
-
-def test_zero_is_in_range() -> None:
-    for name in ("c", "k", "mu1", "mu2", "FN", "A0", "B0"):
-        assert getattr(parameters(**{name: 0}), name) == 0
 
 
 def test_a_missing_and_an_unknown_parameter() -> None:
@@ -290,11 +242,6 @@ def test_a_scene_file_is_read_exactly(scene_file: Path) -> None:
         assert (scene.t_end, scene.structure, scene.source) == (Fraction(5, 2), None, "")
 
 
-def test_a_scene_without_a_name_is_called_like_its_file(scene_file: Path) -> None:
-    scene_file.write_text(SCENE_TEXT.replace('name = "mine"', ""), encoding="utf-8")
-    assert load_scene(scene_file).name == "some file"
-
-
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -320,48 +267,11 @@ def test_broken_scene_files(scene_file: Path, old: str, new: str, message: str) 
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "name"),
-    [
-        ("m = 1\n", "m = 0\n", "m"),
-        ("m = 1\n", "m = nan\n", "m"),
-        ("m = 1\n", "m = true\n", "m"),
-        ("m = 1\n", 'm = "heavy"\n', "m"),
-        ("v1 = -1\n", "v1 = 1\n", "v1"),
-        ("t0 = 0\n", "t0 = inf\n", "t0"),
-        ("t_end = 2.5\n", "t_end = 0\n", "t_end"),
-        ("t_end = 2.5\n", "t_end = 1979-05-27\n", "t_end"),
-    ],
-)
-def test_scene_files_with_bad_numbers(scene_file: Path, old: str, new: str, name: str) -> None:
-    scene_file.write_text(SCENE_TEXT.replace(old, new, 1), encoding="utf-8")
-    with pytest.raises(ParameterError) as caught:
-        load_scene(scene_file)
-    assert caught.value.name == name
-
-
 @pytest.mark.parametrize("name", ["fig11", "Fig5", "", "fig5.toml", "no/such/file.toml", ".", "a\0b", "n" * 5000])
 def test_unknown_scenes(name: str) -> None:
     with pytest.raises(SceneError) as caught:
         load_scene(name)
     assert not {"\n", "\0"} & set(str(caught.value))
-
-
-@pytest.mark.parametrize("error", [ParameterError("m", 0, "must be > 0"), SceneError("fig11", "unknown")])
-def test_errors_survive_pickling(error: SymoscError) -> None:
-    copy = pickle.loads(pickle.dumps(error))
-    assert (type(copy), str(copy), vars(copy)) == (type(error), str(error), vars(error))
-
-
-def test_an_unknown_scene_names_the_shipped_ones() -> None:
-    with pytest.raises(SceneError, match=r"fig11: unknown; .*fig5.*fig10-orbit"):
-        load_scene("fig11")
-
-
-def test_a_scene_file_that_is_no_text(scene_file: Path) -> None:
-    scene_file.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(SceneError, match="UTF-8"):
-        load_scene(scene_file)
 
 
 def test_a_scene_checks_its_start() -> None:
@@ -373,38 +283,6 @@ def test_a_scene_checks_its_start() -> None:
         Scene("s", parameters(), t0=0, x0=float("nan"), v0=0, t_end=1)
 
 
-@pytest.mark.parametrize("value", ["P99", "", "P33", "xx", "P5 P2"])
-def test_a_structure_that_is_none(value: str) -> None:
-    with pytest.raises(WordError):
-        Scene("s", P, **START, structure=value)
-    assert Scene("s", P, **START, structure="P3∘P2").structure == "P3∘P2"
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (b"", "is empty"),
-        (b"# nothing\n", "is empty"),
-        (b"t_end = 5\n", r"start is missing: give it in a table \[start\]"),
-        (b"a = " + b"[" * 50_000, "nested too deeply"),
-        (b"t_end = " + b"1" * 5000, "is not valid TOML"),
-        (b"\xff\xfea", "is not UTF-8"),
-    ],
-)
-def test_scene_files_that_are_none(text: bytes, message: str, tmp_path: Path) -> None:
-    path = tmp_path / "bad.toml"
-    path.write_bytes(text)
-    with pytest.raises(SceneError, match=message) as caught:
-        load_scene(path)
-    assert "\n" not in str(caught.value)
-
-
-def test_a_scene_file_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
-    path = tmp_path / "bom.toml"
-    path.write_bytes(b"\xef\xbb\xbf" + (SCENES_FOLDER / "fig5.toml").read_bytes())
-    assert load_scene(path) == load_scene("fig5")
-
-
 def test_start_errors_are_read_exactly() -> None:
     assert read_start_error(None) is None
     assert read_start_error("1e-30") == (Fraction(1, 10**30),) * 3
@@ -413,11 +291,6 @@ def test_start_errors_are_read_exactly() -> None:
     scene = Scene("s", P, **START, start_error=(0, "5e-45", Decimal("5e-45")))
     assert scene.start_error == (0, Fraction(1, 2 * 10**44), Fraction(1, 2 * 10**44))
     assert hash(scene) == hash(pickle.loads(pickle.dumps(scene)))
-
-
-@pytest.mark.parametrize("value", ["abc", -1, [0, 0, -1], [0, 0], [0] * 4, [0, 0, None], {1: 2, 3: 4, 5: 6}, [[0]] * 3])
-def test_start_errors_that_are_none(value: Any) -> None:
-    refused(lambda: Scene("s", P, **START, start_error=value), "start_error")
 
 
 @pytest.mark.parametrize("name", ["fig7-exact", "fig8-exact"])

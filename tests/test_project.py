@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 import pytest
-from project_files import PROJECT, PYPROJECT, ROOT, cff, text
+from project_files import PROJECT, PYPROJECT, ROOT, text
 from sources import nodes
 
 import symosc
@@ -24,20 +24,6 @@ def test_the_version_is_written_once() -> None:
     for path in (ROOT / "symosc").rglob("*.py"):
         written = f'"{symosc.__version__}"' in path.read_text(encoding="utf-8")
         assert written == (path == ROOT / "symosc" / "__init__.py"), path
-
-
-def test_the_changelog_knows_the_version() -> None:
-    heads = re.findall(r"^## \[(.+?)\](?: - (\S+))?$", text("CHANGELOG.md"), re.M)
-    assert heads[0] == ("Unreleased", "")
-    assert heads[1] == (symosc.__version__, cff()["date-released"])
-    dates = [date for _, date in heads[1:]]
-    assert dates == sorted(dates, reverse=True)
-
-
-def test_the_license_is_the_one_that_is_named() -> None:
-    assert text("LICENSE").startswith("BSD 3-Clause License\n")
-    assert PROJECT["authors"][0]["name"] in text("LICENSE")
-    assert PROJECT["license-files"] == ["LICENSE"]
 
 
 def session_commands() -> dict[str, list[str]]:
@@ -86,17 +72,6 @@ def test_files_that_a_page_names_exist(page: str) -> None:
         assert (ROOT / name).exists(), name
 
 
-def test_rules_that_are_not_followed_have_a_reason() -> None:
-    answered = re.findall(r'^    "([A-Z]+\d+)", # .{8,}$', text("pyproject.toml"), re.M)
-    assert answered == PYPROJECT["tool"]["repo-review"]["ignore"]
-
-
-def test_dependency_groups_are_the_extras() -> None:
-    extras, groups = PROJECT["optional-dependencies"], PYPROJECT["dependency-groups"]
-    assert groups == {name: [f"symosc[{name}]"] for name in ("test", "dev")}
-    assert set(groups) <= set(extras)
-
-
 def test_every_dependency_has_a_lower_bound_and_no_upper_one() -> None:
     for part in (PROJECT["dependencies"], *PROJECT["optional-dependencies"].values()):
         for each in part:
@@ -114,12 +89,6 @@ def test_what_is_imported_is_declared() -> None:
             names += [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
             for head in {name.partition(".")[0] for name in names}:
                 assert head in declared or head in sys.stdlib_module_names, f"{path.name} imports {head}"
-
-
-def test_no_results_in_the_import_package() -> None:
-    pictures = [path for path in (ROOT / "symosc").rglob("*") if path.suffix in (".png", ".svg", ".pdf", ".md")]
-    assert not pictures
-    assert {path.suffix for path in (ROOT / "docs" / "results").iterdir()} == {".md", ".png", ".svg"}
 
 
 def test_nox_has_a_session_for_every_python_and_every_extra() -> None:

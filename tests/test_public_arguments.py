@@ -6,11 +6,8 @@ import contextlib
 import inspect
 import random
 import signal
-import subprocess
-import sys
 import types
 from collections.abc import Callable, Iterator
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from bad_values import refused
-from cli_runs import run
-from hostile import CALLED, P9, VALUES, command_lines, full, functions, is_valid, made, of_answers, write_hostile_files
+from hostile import CALLED, P9, VALUES, full, functions, is_valid, made, of_answers
 
 import symosc
 from symosc import ParameterError, SymoscError, load_scene, plot
@@ -161,40 +157,3 @@ def test_what_the_annotations_say_is_what_is_checked() -> None:
     for arity in (lambda: f(0), lambda: f()):  # type: ignore[call-arg]
         with pytest.raises(TypeError, match="missing"):
             arity()
-
-
-def test_no_motions_have_a_summary() -> None:
-    found = symosc.simulate_many(load_scene("fig5").parameters, np.zeros((0, 3)), 3, use_numba=False, record="summary")
-    assert len(found) == 0
-    assert found.word.shape == found.x.shape == (0,)
-
-
-def faulty(line: list[str]) -> str:
-    """Return what is wrong with what the program does on a command line."""
-    result = None
-    with time_limit():
-        result = run(*line)
-    if result is None or (result.exception is None and result.exit_code in (0, 1)):
-        return ""
-    if not isinstance(result.exception, SystemExit):
-        return f"{line!r:.300} raises {result.exception!r:.200}"
-    most = 2 if {"-v", "--verbose"} & set(line) else 1
-    if result.exit_code == 2 and (not 1 <= result.stderr.count("\n") <= most or "Traceback" in result.stderr):
-        return f"{line!r:.300} says {result.stderr!r:.300}"
-    return "" if result.exit_code in (0, 1, 2) else f"{line!r:.300} ends with {result.exit_code}"
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore")
-def test_hostile_command_lines(somewhere: Path) -> None:
-    write_hostile_files(somewhere)
-    lines = list(islice(command_lines(random.Random(3)), 150))
-    assert [fault for fault in map(faulty, lines) if fault] == []
-
-
-@pytest.mark.slow
-def test_bench_without_numba() -> None:
-    program = "import sys; sys.modules['numba'] = None; from symosc.cli.app import main; main(['bench', '--quick'])"
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert (ended.returncode, ended.stderr.count("\n")) == (2, 1)
-    assert "pip install 'symosc[bench]'" in ended.stderr

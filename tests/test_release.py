@@ -16,8 +16,6 @@ from project_files import ROOT
 import symosc
 from symosc.scenes import scene_names
 
-#: What of the package is no picture and no cache.
-PACKED = (".py", ".pyi", ".toml", ".csv", ".bib", ".typed")
 pytestmark = [pytest.mark.campaign, pytest.mark.slow]
 
 

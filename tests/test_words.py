@@ -9,7 +9,7 @@ import random
 import pytest
 
 from symosc import scene_names, simulate
-from symosc.words import MAPS, Labels, Plane, Word, WordError, collapsed, read_word, why_not
+from symosc.words import MAPS, Labels, Plane, WordError, read_word, why_not
 
 
 @pytest.mark.parametrize(
@@ -28,12 +28,6 @@ def test_the_paper_s_stick_orbit() -> None:
     assert [row.domain for row in word.maps] == [2, 0, 3, 0]
     assert word.exits() == (None, "above", None, "below")
     assert read_word("P4∘P6∘P4∘P5") == word
-
-
-def test_an_open_word_leaves_its_last_exit_open() -> None:
-    assert read_word("P12", closed=False).exits() == (None, "below")  # P2 may follow again
-    assert read_word("P4", closed=False).exits() == (None,)
-    assert read_word("P1", closed=False).exits() == (None,)
 
 
 def test_planes_are_those_of_the_paper() -> None:
@@ -71,34 +65,11 @@ def test_grazes_may_be_allowed() -> None:
         read_word("P52", grazing=True)
 
 
-@pytest.mark.parametrize("text", ["", "P", "P9", "P0", "Q3", "P3-2", "32", [], [3], [None]])
-def test_what_is_no_word(text: object) -> None:
-    with pytest.raises(WordError, match="mapping structure"):
-        read_word(text)  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize("name", scene_names())
 def test_simulated_words_are_possible(name: str) -> None:
     labels = simulate(name, max_events=40).word
     for before, after in itertools.pairwise(labels):
         assert why_not(before, after, grazing=True) == ""
-
-
-def test_a_word_in_order_of_time() -> None:
-    assert str(Word(("P5", "P4", "P6", "P4"))) == "P4645"
-
-
-@pytest.mark.parametrize(
-    ("labels", "text"),
-    [
-        (["P1", "P2"], "P1 P2"),
-        (["P1", "P3", *["P2", "P1"] * 30, "P2"], "P1 P3 (P2 P1)×30 P2"),
-        (["P7", *["P4", "P6", "P4", "P5"] * 20], "P7 (P4 P6 P4 P5)×20"),
-        (["P3"] * 100, "(P3)×100"),
-    ],
-)
-def test_long_words_are_collapsed(labels: list[str], text: str) -> None:
-    assert collapsed(labels) == text
 
 
 def test_a_long_word_prints_short_and_is_a_list() -> None:

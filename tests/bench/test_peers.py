@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import pickle
 import random
-import subprocess
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
-from math import cos, pi, sin
+from math import cos, sin
 from typing import Any
 
 import mpmath
 import pytest
 
 from symosc import Parameters, Scene, load_scene, simulate
-from symosc.bench import event_logic, peers_heyoka, peers_numba, peers_scan, peers_scipy
-from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve, runner, sign_of_force
+from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve
 from symosc.bench.solvers import OURS, Solver, all_solvers
-from symosc.engine.arithmetic import bind
 from symosc.reference.compare import FoundEvents
 
 SOLVERS = {solver.name: solver for solver in all_solvers()}
@@ -67,14 +63,6 @@ def test_solvers_say_what_they_are() -> None:
         assert pickle.loads(pickle.dumps(solver)).name == solver.name  # runs in another process
 
 
-@pytest.mark.slow
-def test_nothing_optional_is_imported_before_it_is_used() -> None:
-    code = "import sys; from symosc.bench.solvers import all_solvers; all_solvers()\n"
-    code += "print([name for name in ('numba', 'heyoka', 'sksundae') if name in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
-
-
 # -- the event logic ---------------------------------------------------------------------------------------------------
 
 
@@ -92,15 +80,6 @@ def test_what_follows_at_a_boundary() -> None:
     assert {(boundary, x): resolve(q, boundary, 0.0, x) for boundary, x in places} == places
 
 
-def test_a_vanishing_force_is_decided_by_the_derivatives() -> None:
-    grazing = problem(load_scene("fig8").parameters)  # F^(2) = 0 < G^(1) where it grazes belt 1 from above
-    assert sign_of_force(grazing, 2, pi, 4.51425, -4.0) == 1
-    assert resolve(grazing, 1, pi, 4.51425) == 2
-    quartic = problem(load_scene("fig7-corrected").parameters)  # F^(1) = G^(1) = G^(2) = 0 > G^(3)
-    assert sign_of_force(quartic, 1, 1.5 * pi, 4.4145, 5.0) == -1
-    assert resolve(quartic, 1, 1.5 * pi, 4.4145) == 1
-
-
 @pytest.mark.parametrize("seed", range(20))
 def test_a_force_that_vanishes_up_to_rounding(seed: int) -> None:
     """On the set where F^(2) = 0 on belt 1 the motion leaves upward if F^(2) grows, else the belt takes it."""
@@ -108,18 +87,6 @@ def test_a_force_that_vanishes_up_to_rounding(seed: int) -> None:
     x = (q.A2 + q.swing * cos(q.Omega * t) - q.damping * q.v1) / q.stiffness
     growing = -q.stiffness * q.v1 - q.swing * q.Omega * sin(q.Omega * t) > 0
     assert resolve(q, 1, t, x) == (2 if growing else 4)
-
-
-@pytest.mark.parametrize("outcome", ["chatters", "too many steps"])
-def test_a_solver_that_cannot_go_on(outcome: str) -> None:
-    """Two exits without a step between them, again and again; or none at all."""
-
-    def leave(q: Any, s: Any, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
-        return event_logic.UNSOLVED if outcome == "too many steps" else -1 if mode > 1 else 1, 0.0, x
-
-    functions = bind((event_logic,), {"leave": leave})
-    with pytest.raises(PeerError, match=rf"{outcome}.* in Omega. after t = 0\.1324"):
-        runner(load_scene("fig9"), functions, None, 0.0)()
 
 
 # -- integrators called from Python ------------------------------------------------------------------------------------
@@ -228,25 +195,6 @@ def test_random_motions() -> None:
     assert coarse
 
 
-def heyoka_return(v0: float) -> tuple[float, int]:
-    """Follow v' = 0.01 - t with heyoka from v0 until v falls through 0, or to 1; returns the time and the steps."""
-    hy = pytest.importorskip("heyoka")
-    v, w = hy.make_vars("v", "w")
-    event = hy.t_event(v, direction=hy.event_direction.negative)
-    integrator = hy.taylor_adaptive([(v, w), (w, hy.expression(-1.0))], [v0, 0.01], t_events=[event])
-    _, _, _, steps, _, _ = integrator.propagate_until(1.0)
-    return integrator.time, steps
-
-
-@COMPILED
-def test_heyoka_misses_the_second_root_of_a_step_from_the_event_surface() -> None:
-    """The trap that `peers_heyoka` names, alone: v = t/100 - t^2/2 is back at t = 0.02, within the first step."""
-    time, steps = heyoka_return(1e-15)
-    assert time == pytest.approx(0.02, rel=1e-9)
-    assert steps == 1
-    assert heyoka_return(0.0) == (1.0, 1), "this version of heyoka sees the root: say so in peers_heyoka"
-
-
 @COMPILED
 def test_a_scan_of_twenty_points_misses_the_micro_stick() -> None:
     """fig8's first stick lasts 2.6 ms; the flight that ends in it is out and back between two samples."""
@@ -270,26 +218,6 @@ def test_where_the_closed_form_divides_by_zero(change: dict[str, int]) -> None:
     assert error(found_by(SOLVERS["numba DOP853"], scene), simulate(scene, digits=30).events) < 1e-11
 
 
-@pytest.mark.parametrize("module", [peers_numba, peers_scan], ids=["DOP853", "scan"])
-def test_the_number_of_steps_is_bounded(module: Any) -> None:
-    """In Python, the same source: with enough steps it is right, with two it says so."""
-    scene = load_scene("fig9")
-    q = problem(scene.parameters)
-    s = peers_scan.scan_of(q, 20, 1e-9) if module is peers_scan else peers_numba.settings(q, 1e-9)
-    limit = "MOST_SCAN_SAMPLES" if module is peers_scan else "MOST_DOP853_STEPS"
-    plain = runner(scene, bind((event_logic, module), {}), s, 1e-15)()
-    assert error(plain, simulate(scene).events) < 1e-6
-    with pytest.raises(PeerError, match=r"too many steps in Omega1 after t = 0\.1324"):
-        runner(scene, bind((event_logic, module), {limit: 2}), s, 1e-15)()
-
-
-@COMPILED
-def test_the_number_of_heyokas_steps_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(peers_heyoka, "MOST_HEYOKA_STEPS", 1)
-    with pytest.raises(PeerError, match="step_limit"):
-        found_by(SOLVERS["heyoka"], load_scene("fig9"))
-
-
 @COMPILED
 @pytest.mark.parametrize("name", ["heyoka", "numba DOP853", "closed form, scan 20, numba"])
 def test_more_events_than_the_first_table_holds(name: str) -> None:
@@ -298,14 +226,3 @@ def test_more_events_than_the_first_table_holds(name: str) -> None:
     events = simulate(long).events
     assert len(events) > max(300, CHATTER)
     assert error(found_by(SOLVERS[name], long), events) < 1e-11
-
-
-def test_methods_of_scipy_have_their_jacobian() -> None:
-    q = problem(EASY)
-    for mode in range(1, 6):
-        rate, _, jacobian = peers_scipy._functions(q, mode)
-        columns = [
-            [b - a for a, b in zip(rate(0.7, (0.3, 0.2)), rate(0.7, moved), strict=True)]
-            for moved in ((1.3, 0.2), (0.3, 1.2))
-        ]
-        assert jacobian.T.tolist() == [pytest.approx(column) for column in columns]

@@ -223,18 +223,6 @@ def test_rest_on_a_belt_lasts(x0: str) -> None:
         assert certificate.statement["mode"] == "belt1"
 
 
-def test_settling_between_the_belts_lasts() -> None:
-    p = Parameters(**REST | {"v1": -1, "v2": 1, "B0": "0.5"})
-    for t_end in (10, 10**9):
-        assert certify(Scene("calm", p, Fraction(0), Fraction(0), Fraction(0), Fraction(t_end))).proven
-
-
-def test_the_precision_of_the_process_is_given_back() -> None:
-    before = ctx.prec
-    certify("fig7-exact")
-    assert ctx.prec == before
-
-
 @pytest.mark.parametrize(("name", "x"), [("fig7-exact", "-0.5855"), ("fig8-exact", "4.51425")])
 def test_the_paper_s_grazes(name: str, x: str) -> None:
     certificate = certify(name)
@@ -445,17 +433,6 @@ def test_starts_at_the_end_of_a_stick_leave_before_the_time_stated(side: int) ->
     assert len(run.events) - len(slips) == certificate.statement["count"]
     for event, (*_, t, _) in zip(run.events[-4:], certificate.events[-4:], strict=True):
         assert Fraction(t[0]) < Fraction(str(event.t)) < Fraction(t[1])
-
-
-def test_a_motion_that_does_not_settle_on_the_orbit_is_not_proven() -> None:
-    p = load_scene("fig9").parameters
-    other = find_orbit(p.replace(A0="-2.001"), "P32")
-    found = prove_settled(task("fig9-orbit", 30), replace(other, parameters=p, points=other.points))
-    assert found.proven  # Newton's method leads from the points nearby to the orbit
-    undamped = load_scene("fig9").parameters.replace(c=0)
-    orbit = find_orbit(undamped, "P32")
-    what = task("fig9-orbit", 30)._replace(p=undamped)
-    assert not prove_settled(what, orbit).proven
 
 
 @pytest.mark.slow

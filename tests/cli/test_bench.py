@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 from matplotlib.figure import Figure
 
-from symosc.bench import cases, error_map, results, speed, work
+from symosc.bench import cases, error_map, speed, work
 from symosc.cli.app import main
 
 MARKS = "<!-- results: begin -->\nold\n<!-- results: end -->\n"
@@ -66,12 +66,6 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return names
 
 
-@pytest.mark.usefixtures("calls")
-def test_tables() -> None:
-    assert good("--quick") == "table of speed {}\n\ntable of work_precision {}\n"
-    assert good("--hard") == "table of hard {}\n"
-
-
 def test_json_of_all_that_was_measured(calls: list[str]) -> None:
     data = json.loads(good("--json"))
     assert calls == ["speed", "work_precision"]
@@ -79,40 +73,6 @@ def test_json_of_all_that_was_measured(calls: list[str]) -> None:
     assert (data["speed"]["name"], data["speed"]["quick"]) == ("speed", False)
     assert (data["work_precision"]["steps"], data["work_precision"]["empty"]) == ([1, 2], None)
     assert list(json.loads(good("--json", "--hard", "--quick"))) == ["quick", "hard"]
-
-
-@pytest.mark.usefixtures("calls")
-@pytest.mark.parametrize("options", [[], ["--json"]], ids=["table", "JSON"])
-def test_an_error_of_ours_above_its_bound_is_a_failure(options: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    kept = cases.run
-    monkeypatch.setattr(cases, "run", lambda *arguments, **options: {**kept(*arguments, **options), "ok": False})
-    assert run("--hard", *options).exit_code == 1
-
-
-@pytest.mark.parametrize(
-    ("options", "drawn"), [([], "work_precision"), (["--hard"], "error_map")], ids=["work", "errors"]
-)
-def test_the_picture(options: list[str], drawn: str, calls: list[str], tmp_path: Path) -> None:
-    path = tmp_path / "picture.svg"
-    assert good(*options, "-o", str(path)).splitlines()[-1] == f"wrote {path}"
-    assert calls[-1] == drawn
-    assert f"picture of {drawn}" in path.read_text()
-
-
-def test_results_run_everything(calls: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for module, part in ((results, "said"), (results, "overview"), (speed, "brief"), (speed, "about")):
-        monkeypatch.setattr(module, part, lambda result: f"{sorted(result)}\n")
-    monkeypatch.setattr(results, "sentence", lambda about: "a machine")
-    monkeypatch.setattr(cases, "write", lambda path, result, command: [])
-    readme = tmp_path / "README.md"
-    readme.write_text(MARKS)
-    lines = good("--quick", "--results", str(readme)).splitlines()
-    assert sorted(calls) == ["error_map", "scores", "speed", "work_precision"]
-    assert str(sorted([*calls, "quick"])) in readme.read_text()
-    assert lines[0] == f"wrote {readme}"
-    assert {Path(line.removeprefix("wrote ")) for line in lines[1:]} == set(
-        (tmp_path / results.RESULTS_FOLDER).iterdir()
-    )
 
 
 @pytest.mark.parametrize(

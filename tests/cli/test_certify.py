@@ -5,11 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import pytest
 from cli_runs import good, run
-
-from symosc.certificates import orbit_list
-from symosc.certificates.certificate import common_digits
 
 
 def test_a_proven_motion(tmp_path: Path) -> None:
@@ -28,13 +24,6 @@ def test_a_branch_is_verified(tmp_path: Path) -> None:
     path = tmp_path / "branch.json"
     good("certify", "fig9", "--branch", "Omega=3.99:4.01", "-o", str(path))
     assert good("verify", str(path)).startswith("proven: an orbit P32 for every Omega from 3.99 to 4.01, ")
-
-
-def test_a_list_of_orbits_is_verified(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(orbit_list, "verify_list", lambda progress: [""] * 1029 + ["P32: not proven: 1 above"])
-    result = run("verify", "--orbits")
-    assert (result.exit_code, result.stdout) == (1, "proven again: 1029 of 1030 orbits\n")
-    assert result.stderr == "symosc: P32: not proven: 1 above\n"
 
 
 def test_options(tmp_path: Path) -> None:
@@ -65,9 +54,3 @@ def test_a_false_file_and_no_certificate(tmp_path: Path) -> None:
         result = run("verify", str(path))
         assert (result.exit_code, result.stdout, len(result.stderr.splitlines())) == (2, "", 1)
     assert run("verify", str(tmp_path / "none.json")).exit_code == 2
-
-
-def test_as_many_digits_as_both_ends_have() -> None:
-    assert common_digits("1.2345", "1.2346") == "1.23"
-    assert common_digits("0.99999999", "1.00000001") == "1.000000"
-    assert common_digits("-1", "1") == "-1 … 1"

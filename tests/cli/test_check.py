@@ -87,39 +87,6 @@ def test_a_wrong_one_fails_and_is_drawn(tmp_path: Path, samples: Any) -> None:
 
 
 @pytest.mark.slow
-def test_columns_tolerance_and_events(tmp_path: Path, samples: Any) -> None:
-    t, x, v = samples
-    path = write(tmp_path / "run.csv", t, x + 1e-6 * np.sin(1e3 * t), v, "time,pos,v")
-    names = ("--columns", "t=time,x=pos")
-    assert run_part(path, "--scene", "fig9", *names).exit_code == 1
-    assert run_part(path, "--scene", "fig9", *names, "--tolerance", "1e-5").exit_code == 0
-    events = [[5.5, "stick"]]
-    listed = tmp_path / "run.json"
-    listed.write_text(json.dumps({"t": t.tolist(), "x": x.tolist(), "v": v.tolist(), "events": events}))
-    result = run_part(listed, "--scene", "fig9")
-    assert result.exit_code == 1
-    assert "invented: stick at t = 5.5" in result.output
-
-
-@pytest.mark.slow
-def test_json_has_no_nan(tmp_path: Path) -> None:
-    """A step that cannot be decided has no defect."""
-    path = write(tmp_path / "run.csv", [0.1324, 1e6], [4.5447, 1], [1, 1])
-    data = json.loads(run(path, "--scene", "fig9", "--json").output, parse_constant=pytest.fail)
-    assert data["max_defect_x"] is None
-    assert data["first_wrong"]["defect_x"] is None
-
-
-@pytest.mark.slow
-def test_rounded_samples_are_named(tmp_path: Path, samples: Any) -> None:
-    path = tmp_path / "run.csv"
-    np.savetxt(path, np.column_stack(samples), fmt="%.6g", delimiter=",", header="t,x,v", comments="")
-    result = run_part(path, "--scene", "fig9")
-    assert result.exit_code == 0, result.output
-    assert "x to 6 significant digits, v to 6 significant digits; they are judged" in result.output
-
-
-@pytest.mark.slow
 def test_a_scene_may_be_the_first_word_and_be_changed(tmp_path: Path, samples: Any) -> None:
     path = write(tmp_path / "run.csv", *samples)
     assert run_part("fig9", path).exit_code == 0

@@ -19,7 +19,6 @@ from cli_runs import good, run
 from effort import PATIENCE
 
 import symosc
-from symosc import load_scene
 from symosc.symbolic.export import export
 
 # -- simulate
@@ -38,15 +37,6 @@ def test_the_table_shows_every_event_of_fig5() -> None:
         assert float(row[7]) == pytest.approx(event.t_error, rel=0.5)
     assert lines[-2] == f"word, in order of time: {' '.join(trajectory.word)}"
     assert lines[-1] == "t_end: reached t_end = 40; 16 events"
-
-
-def test_no_events_and_one_event() -> None:
-    assert good("simulate", "fig7").splitlines() == [
-        "word, in order of time: none",
-        "t_end: reached t_end = 15.1; 0 events",
-    ]
-    assert good("simulate", "fig7-exact").endswith("; 1 event\n")
-    assert "stopped after max_events = 3" in good("simulate", "fig5", "--max-events", "3")
 
 
 def test_json_is_the_trajectory() -> None:
@@ -100,24 +90,6 @@ def test_what_double_precision_cannot_decide_is_said_and_exits_1() -> None:
     assert json.loads(as_json.stdout)["status"] == "undecidable"
 
 
-def test_a_start_from_the_command_line_is_exact(monkeypatch: pytest.MonkeyPatch) -> None:
-    simulated = symosc.simulate
-    seen: list[symosc.Scene] = []
-    monkeypatch.setattr(symosc, "simulate", lambda scene, **rest: seen.append(scene) or simulated("fig6"))
-    half = Fraction("5e-45")
-    for arguments, errors in (([], (0, half, half)), (["--x0", "6"], (0, 0, half)), (["--v0", "2"], (0, half, 0))):
-        good("simulate", "fig8-exact", *arguments)
-        assert seen[-1].start_error == errors
-    good("simulate", "fig8", "--x0", "6")
-    assert seen[-1].start_error is None
-
-
-def test_csv_to_standard_output_is_the_file(tmp_path: Path) -> None:
-    path = tmp_path / "events.csv"
-    good("simulate", "fig6", "--csv", str(path))
-    assert good("simulate", "fig6", "--csv", "-") == path.read_text()
-
-
 # -- figure
 
 
@@ -129,46 +101,7 @@ def test_figure_writes_the_file_and_says_what_it_shows(tmp_path: Path) -> None:
     assert "t = 0 to 3," in good("figure", "fig5", "-o", str(path), "--t-end", "3", "--panels", "c", "--columns", "1")
 
 
-@pytest.mark.slow
-def test_a_figure_to_standard_output_is_svg(tmp_path: Path) -> None:
-    path = tmp_path / "fig6.svg"
-    good("figure", "fig6", "-o", str(path), "--panels", "a")
-    assert good("figure", "fig6", "-o", "-", "--panels", "a") == path.read_text()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["orbit", "fig9", "-o"],
-        ["grazing", "fig9", "--map", "P2", "--plot"],
-        ["check", "s.csv", "--scene", "fig6", "--partial", "-o"],
-    ],
-    ids=lambda arguments: arguments[0],
-)
-def test_the_figures_of_other_commands_go_there_too(
-    arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    trajectory = symosc.simulate("fig6", t_end=5)
-    rows = [f"{t},{x!r},{v!r}" for t in (n / 64 for n in range(321)) for x, v in [trajectory(t).tolist()]]
-    Path("s.csv").write_text("\n".join(["t,x,v", *rows]))
-    text = good(*arguments, "-")
-    assert text.startswith("<?xml")
-    assert text.endswith("</svg>\n")
-    assert [path.name for path in tmp_path.iterdir()] == ["s.csv"]
-
-
 # -- scenes and new
-
-
-def test_scenes_lists_all_with_their_source() -> None:
-    text = good("scenes")
-    for name in symosc.scene_names():
-        assert re.search(rf"^{name} ", text, re.MULTILINE)
-    assert "WSEAS" in text.splitlines()[-1]
-    data = json.loads(good("scenes", "--json"))
-    assert [entry["name"] for entry in data] == symosc.scene_names()
 
 
 @pytest.mark.parametrize("name", symosc.scene_names())
@@ -226,13 +159,6 @@ def test_notes_go_to_stderr(tmp_path: Path) -> None:
 # -- codegen
 
 
-def test_codegen_writes_files(tmp_path: Path) -> None:
-    folder = tmp_path / "a" / "b"
-    shown = good("codegen", "P32", "-l", "c", "--fix", "fig9", "-o", str(folder), "--json")
-    assert [Path(path).name for path in json.loads(shown)] == ["p32.h", "p32.c"]
-    assert (folder / "p32.c").read_text() == export("P32", "c", load_scene("fig9").parameters)["p32.c"]
-
-
 @pytest.mark.slow
 def test_codegen_prints_and_compares(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     from symosc.symbolic import codegen
@@ -283,16 +209,6 @@ def test_a_port_in_use_is_one_line() -> None:
     assert "name another one" in result.stderr
 
 
-def test_without_the_extra_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in [name for name in sys.modules if name.startswith(("bokeh", "symosc.plot.explorer"))]:
-        monkeypatch.delitem(sys.modules, name)
-    for name in ("bokeh", "bokeh.embed", "bokeh.models", "bokeh.plotting", "bokeh.settings"):
-        monkeypatch.setitem(sys.modules, name, None)
-    result = run("explore", "--no-browser")
-    assert result.exit_code == 2
-    assert result.stderr == "symosc: error: explore needs an optional package: pip install 'symosc[explore]'\n"
-
-
 # -- sweep
 
 CALL = ("sweep", "fig9", "--over", "Omega=3:5:3", "--over", "FN=5:10:2", "--t-end", "6T", "--skip", "4T")
@@ -313,13 +229,6 @@ def test_it_tells_what_was_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert data["call"].startswith("sweep(Scene('fig9', ")
 
 
-def test_numbers_are_told_by_their_range() -> None:
-    found = symosc.sweep("fig9", {"k": "2:4:5"}, record=("events", "x"), t_end=3)
-    lines = good("sweep", "fig9", "--over", "k=2:4:5", "--record", "events,x", "--t-end", "3").splitlines()
-    assert lines[1] == f"events: from {found.events.values.min()} to {found.events.values.max()}"
-    assert lines[2] == f"x: from {found.x.values.min():.6g} to {found.x.values.max():.6g}"
-
-
 def test_status(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     output = ("-o", "map.csv", "--status")
@@ -327,18 +236,6 @@ def test_status(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     good(*CALL, "-o", "map.csv")
     assert good(*CALL, *output) == "map.csv: 6 of 6 motions (100.0%), written\n"
     assert json.loads(good(*CALL, *output, "--json")) == {"path": "map.csv", "done": 6, "total": 6, "written": True}
-
-
-def test_settings_and_restart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    good(*CALL, "-o", "map.nc")
-    assert run(*CALL, "--set", "k=2", "-o", "map.nc").exit_code != 0
-    data = json.loads(good(*CALL, "--set", "k=2", "-o", "map.nc", "--restart", "--json"))
-    assert json.loads(data["scene"])["k"] == "2"
-
-
-def test_svg_to_stdout() -> None:
-    assert "<svg" in good(*CALL, "--plot", "-")
 
 
 def test_an_interrupt_tells_how_far_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -350,14 +247,3 @@ def test_an_interrupt_tells_how_far_it_is(tmp_path: Path, monkeypatch: pytest.Mo
     result = run(*CALL, "-o", "map.nc")
     assert result.exit_code == 130
     assert result.stderr == "symosc: interrupted: 0 of 6 motions are kept; the same command goes on\n"
-
-
-# -- warm
-
-
-@pytest.mark.slow
-@pytest.mark.compiled("pairs")
-def test_warm_compiles_once() -> None:
-    pytest.importorskip("numba")
-    good("warm")
-    assert {row["was_there"] for row in json.loads(good("warm", "--json"))} == {True}

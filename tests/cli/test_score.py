@@ -74,28 +74,6 @@ def test_two_solvers_pages_and_a_picture(folder: Path, tmp_path: Path) -> None:
     assert piped.stdout.startswith("<?xml")
 
 
-@pytest.mark.parametrize(
-    "text", ["", "t,kind\n", "case,t,kind\npaper-fig6,nan,stick\n", "\0", "case,t,kind\nfig6,1,stick\n"]
-)
-def test_files_that_say_nothing(text: str, folder: Path, tmp_path: Path) -> None:
-    path = tmp_path / "mine.csv"
-    path.write_text(text)
-    result = run("score", str(folder), str(path))
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr.startswith(f"symosc: error: {str(path)[:20]}")
-    assert len(result.stderr.splitlines()) == 1
-
-
-def test_a_table_of_a_group() -> None:
-    lines = good("cases", "--group", "easy").splitlines()
-    assert lines[0].split() == ["name", "group", "events", "status"]
-    assert lines[2].split() == ["easy-fig9", "easy", "12", "proven"]
-    assert lines[-1] == "2 cases, 2 of them proven"
-    listed = json.loads(good("cases", "--group", "continuum", "--json"))["cases"]
-    assert len(listed) == 9
-    assert listed[0]["status"] == "computed, not proven"
-
-
 @pytest.mark.slow
 def test_a_folder(tmp_path: Path) -> None:
     target = tmp_path / "cases"

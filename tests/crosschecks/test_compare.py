@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from typing import Any
@@ -18,7 +16,7 @@ from units import UNITS, Units
 
 from symosc import CrossCheck, ParameterError, Parameters, Scene, load_scene, simulate
 from symosc.crosschecks import compare
-from symosc.crosschecks.samples import Samples, check_joints, checked
+from symosc.crosschecks.samples import checked
 from symosc.crosschecks.velocities import NOTE, with_velocities
 
 # -- compare -----------------------------------------------------------------------------------------------------------
@@ -284,26 +282,6 @@ def test_right_samples_of_random_systems_pass(count: int) -> None:
 # -- compare parts -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("column", "name"), [(0, "x"), (1, "v")])
-def test_a_joint_may_jump_by_a_part_of_the_largest_value(column: int, name: str) -> None:
-    """... and by what rounding leaves open on both sides; the time and the jump are named."""
-    t = np.array([0.0, 1.0, 1.0, 2.0, 2.0, 3.0])
-    for largest, slack in ((5.0, 0.0), (5.0, 0.3), (1e-3, 0.0)):
-        limit = 1e-2 * largest + 2 * slack
-        for part, fine in ((0.99, True), (1.01, False), (-0.99, True), (-1.01, False)):
-            values = np.zeros((2, 6))
-            values[column, 0], values[column, 4] = -largest, part * limit
-            values[column, 5] = values[column, 4]
-            slacks = np.zeros((2, 6))
-            slacks[column] = slack
-            samples = Samples(t, *values)
-            if fine:
-                check_joints(samples, 1e-2, *slacks)
-                continue
-            with pytest.raises(ParameterError, match=rf"t\[4\] = 2.* \({name} jumps by {abs(part) * limit:.3g}\)"):
-                check_joints(samples, 1e-2, *slacks)
-
-
 def test_arguments_are_read() -> None:
     t = np.linspace(0, 3, 9)
     x, v = simulate("fig5", t_end=3)(t)
@@ -319,93 +297,6 @@ def test_arguments_are_read() -> None:
     assert crosscheck("fig5", {"t": t, "x": x, "v": v}).ok
     listed = [(event.t, event.kind) for event in simulate("fig5", t_end=3).events]
     assert len(crosscheck("fig5", {"t": t, "x": x, "v": v}, events=listed).matched) == len(listed)
-
-
-# -- report ------------------------------------------------------------------------------------------------------------
-
-
-def test_a_right_solution_in_words() -> None:
-    t = np.linspace(0, 7, 200)
-    x, v = simulate("fig5", t_end=7)(t)
-    result = crosscheck("fig5", t, x, v)
-    lines = result.summary().splitlines()
-    assert lines[0] == "ok: 200 samples, tolerance 1e-08 per step"
-    assert "wrong steps: 0 of 199" in lines[1]
-    assert lines[3] == f"events: {len(simulate('fig5', t_end=7).events)} matched, 0 missed, 0 invented, " + (
-        "0 within the global error"
-    )
-
-
-def test_long_lists_are_cut_and_counted() -> None:
-    t = np.linspace(0, 7, 200)
-    x, v = simulate("fig5", t_end=7)(t)
-    given = [(0.3 + 0.1 * i, "cross") for i in range(8)]
-    result = crosscheck("fig5", t, x, v, events=given)
-    exact = simulate("fig5", t_end=7).events
-    assert not result.ok
-    assert len(result.invented) == 8
-    assert len(result.missed) == len(exact)
-    lines = result.summary().splitlines()
-    assert lines[0].startswith("FAILED")
-    assert [line for line in lines if line.startswith("invented")] == [
-        *(f"invented: cross at t = {time:.10g}" for time, _ in given[:5]),
-        "invented: and 3 more",
-    ]
-    missed = [f"missed: {event.kind} on belt {event.boundary} at t = {event.t:.10g}" for event in exact]
-    assert [line for line in lines if line.startswith("missed")] == missed[:5]
-
-
-def test_plain_data_is_the_result() -> None:
-    t = np.linspace(0, 7, 200)
-    x, v = simulate("fig5", t_end=7)(t)
-    v[100] += 0.1
-    result = crosscheck("fig5", t, x, v)
-    data = json.loads(json.dumps(result.as_dict()))
-    assert data["ok"] is False
-    assert data["wrong_steps"] == [99, 100]
-    assert data["first_wrong"]["words"] == "without sample 100 the step from 99 to 101 is right"
-    assert len(data["matched"]) == len(result.matched)
-    assert (data["max_error_x"], data["max_error_v"]) == (result.max_error_x, result.max_error_v)
-    assert [data["max_defect_x"], data["max_defect_v"]] == np.abs(result.defects).max(axis=0).tolist()
-    assert data["max_defect_x"] != data["max_defect_v"]
-    worst = f"{data['max_defect_x']:.2e} in x, {data['max_defect_v']:.2e} in v; wrong steps: 2 of 199"
-    assert f"largest defect of a step: {worst}" in result.summary()
-    assert f"first wrong step: {99}" in result.summary() or "without sample 100" in result.summary()
-
-
-@pytest.mark.parametrize("which", [0, 2])
-def test_the_largest_error_of_a_time_is_named(which: int) -> None:
-    t = np.linspace(0, 7, 200)
-    run = simulate("fig5", t_end=7)
-    given = [(event.t + (-3e-9 if i == which else 1e-10), event.kind) for i, event in enumerate(run.events)]
-    result = crosscheck("fig5", t, *run(t), events=given)
-    assert result.ok
-    assert len(result.matched) > 2
-    worst = run.events[which]
-    assert f"largest error of an event's time: 3.00e-09 at t = {worst.t:.10g}" in result.summary()
-
-
-def test_what_is_probably_wrong_is_in_the_summary_with_its_evidence() -> None:
-    """... and with what the samples cannot tell from it; that samples are rounded is a note already."""
-    t = np.linspace(0, 7, 300)
-    for k, digits in ((1.1, 15), (1, 5)):
-        x, v = simulate(load_scene("fig5").parameters.replace(k=k), t0=0, x0=0, v0=0, t_end=7)(t)
-        result = crosscheck("fig5", t, np.round(x, digits), np.round(v, digits))
-        assert result.diagnosis
-        told = [each for one in result.diagnosis if one.cause != "precision" for each in (one, *one.alternatives)]
-        expected = [f"{each.words} ({each.evidence})" for each in told]
-        lines = [line.partition(": ")[2] for line in result.summary().splitlines() if line.startswith("diagnosis: ")]
-        assert [line.removeprefix("or: ") for line in lines] == expected
-        assert bool(expected) == (digits == 15)
-
-
-def test_a_start_that_is_rounded_is_the_scenes() -> None:
-    scene = replace(load_scene("fig9"), t0=Fraction(0), x0=Fraction("0.123449"), v0=Fraction("0.654351"))
-    t = np.linspace(0, 7, 300)
-    x, v = simulate(scene, t_end=7)(t)
-    for shift, told in ((0.0, False), (0.01, True)):
-        result = crosscheck(scene, t, np.round(x + shift, 3), np.round(v, 3))
-        assert any("the solution starts at t0 = 0, x0 = 0.13" in note for note in result.notes) == told
 
 
 # -- many --------------------------------------------------------------------------------------------------------------
@@ -455,14 +346,6 @@ def test_processes_find_the_same() -> None:
     for workers in (1, 2):
         with pytest.raises(ParameterError, match=r"too far apart to tell it: give velocities \(solution 1\)"):
             crosscheck("fig9", sparse, workers=workers)
-
-
-def test_arguments() -> None:
-    for options in ({"workers": 0}, {"workers": "two"}, {"progress": 5}, {"events": [(1.0, "cross")]}):
-        with pytest.raises(ParameterError):
-            crosscheck("fig9", THREE, **options)
-    with pytest.raises(ParameterError, match="workers"):  # one solution has no use for them
-        crosscheck("fig9", COLUMNS, workers=0)
 
 
 # -- units -------------------------------------------------------------------------------------------------------------
@@ -547,28 +430,11 @@ def test_right_positions_pass_and_wrong_ones_do_not(name: str, count: int) -> No
     assert not crosscheck(scene, t, other(t)[0]).ok
 
 
-def test_rounded_positions_pass() -> None:
-    t = np.linspace(0.2, 6, 200)
-    x = simulate("fig9", t_end=7)(t)[0]
-    for digits in (4, 6, 9):
-        assert crosscheck(load_scene("fig9").parameters, t, np.round(x, digits)).ok
-
-
 def test_positions_that_are_too_far_apart_are_refused() -> None:
     p = load_scene("fig9").parameters
     with pytest.raises(ParameterError, match="too far apart to tell it: give velocities"):
         crosscheck(p, [0.0, 3.0, 6.0], [1.0, 2.0, 3.0])
     assert not crosscheck("fig9", np.linspace(0.1324, 5, 9), np.linspace(1, 9, 9)).ok
-
-
-@pytest.mark.parametrize("decimals", [pytest.param(5, marks=pytest.mark.slow), 15])
-def test_dense_positions_of_another_force_are_wrong(decimals: int) -> None:
-    """Not too far apart: no two steps agree about a velocity, and no scene tells the first one."""
-    p, t = load_scene("fig9").parameters.replace(v1=-500, v2=500), np.linspace(0, 10, 801)
-    x = np.round(simulate(p.replace(A0=p.A0 + 1), t0=0, x0=1, v0=1, t_end=10)(t)[0], decimals)
-    check = crosscheck(p, t, x)
-    assert not check.ok
-    assert len(check.t) == 801
 
 
 # -- faults ------------------------------------------------------------------------------------------------------------
@@ -630,18 +496,6 @@ def test_the_force_of_another_domain_is_named(here: str, force: int) -> None:
     assert fault is not None
     assert (fault.step, fault.reason) == (i, "wrong force")
     assert fault.words == f"the force of Omega{force} explains the step, which lies in {here}"
-
-
-@pytest.mark.slow
-def test_a_jump_where_two_pieces_are_joined() -> None:
-    x, v = faults_samples()
-    i = flying("fig9", "Omega2")
-    t, x, v = (np.insert(column, i + 1, column[i]) for column in (FAULTS_T, x, v))
-    x[i + 1 :] += 1e-5
-    fault = crosscheck("fig9", t, x, v).first_wrong
-    assert fault is not None
-    assert (fault.step, fault.reason) == (i, "jump")
-    assert fault.words == f"samples {i} and {i + 1} are at one time and differ"
 
 
 def test_a_step_too_far_is_a_local_error() -> None:

@@ -16,16 +16,15 @@ from fault_scenes import cases
 from faulty_solver import METHODS, Flaw, Solver, smoothed, without_events
 
 from symosc import load_scene, simulate
-from symosc.crosschecks.causes import CAUSES, Case, Diagnosis, fitted
-from symosc.crosschecks.friction import CURVES, smoothed_flights
-from symosc.crosschecks.models import rounded, with_error
+from symosc.crosschecks.causes import CAUSES, Diagnosis
 from symosc.model import PARAMETER_NAMES
+
+pytestmark = pytest.mark.compiled("doubles")  # a diagnosis follows thousands of steps
 
 # -- diagnosis ---------------------------------------------------------------------------------------------------------
 
 
 SEED = 1
-pytestmark = pytest.mark.compiled("doubles")  # a diagnosis follows thousands of steps
 
 
 @pytest.mark.full(10)
@@ -221,56 +220,6 @@ def test_lists_of_events() -> None:
     assert causes([(t + 0.02 * (i == 1), kind) for i, (t, kind) in enumerate(events)]) == ["event times"]
 
 
-# -- event clues -------------------------------------------------------------------------------------------------------
-
-
-# -- friction clues ----------------------------------------------------------------------------------------------------
-
-
-NAMES = {"tanh": "tanh", "arctan": "arctan", "root": "z/sqrt(1 + z^2)"}
-
-
-@pytest.mark.parametrize("name", CURVES)
-def test_the_integral_of_a_curve_belongs_to_its_inverse(name: str) -> None:
-    """Its slope is the curve less the sign, here by differences."""
-    of, inverse, integral = CURVES[name]
-    u = np.linspace(-0.9, 0.9, 18)
-    z, step = inverse(u), 1e-6
-    assert of(z) == pytest.approx(u, abs=1e-14)
-    slope = (integral(z + step) - integral(z - step)) / (2 * step)
-    assert slope == pytest.approx(u - np.sign(u), abs=1e-8)
-
-
-# -- smoothed flights --------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("change", "value"), [("c", "1.1"), ("mu1", "0.7")])
-def test_other_coefficients_are_no_smoothing(change: str, value: str) -> None:
-    p = load_scene("fig5").parameters
-    t = np.linspace(0, 15, 200)
-    check = crosscheck("fig5", t, *simulate(p.replace(**{change: value}), t0=0, x0=0, v0=0, t_end=15)(t))
-    assert not list(smoothed_flights(Case.of(check)))
-    assert (check.diagnosis[0].cause, check.diagnosis[0].subject) == ("coefficient", change)
-
-
-# -- method clues ------------------------------------------------------------------------------------------------------
-
-
-METHOD_CLUES_NAMES = {"euler": "Euler", "heun": "Heun", "rk4": "RK4"}
-
-
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("method", ["euler", "rk4"])
-def test_a_method_whose_events_are_samples_does_not_go_over_them(method: str) -> None:
-    """Steps end and begin at the events, with v at the belt's speed: these are located, however wrong the flights."""
-    scene = load_scene("fig6")
-    run = Solver(scene.parameters, Flaw(method=method), joints=True).run(np.linspace(0, 20, 61), 0.0, 5.0)
-    assert len(run.events) == 3
-    first = crosscheck(scene, *run.arrays()).diagnosis[0]
-    assert (first.cause, first.subject) == ("truncation", METHOD_CLUES_NAMES[method])
-
-
 # -- other models ------------------------------------------------------------------------------------------------------
 
 
@@ -322,27 +271,6 @@ def test_a_fast_clock_and_a_drive_ahead_are_told_apart_by_the_start() -> None:
     # Without a scene there is no start to tell by: both are named.
     both = crosscheck(scene.parameters, t + shift, *motion(t)).diagnosis[0]
     assert {both.cause, *(one.cause for one in both.alternatives)} >= {"time shift", "phase"}
-
-
-def test_a_fit_is_not_led_astray_by_a_third_of_the_steps() -> None:
-    rng = np.random.default_rng(4)
-    slopes = rng.uniform(0.5, 2.0, (60, 2))
-    target = slopes * 3.25 + rng.normal(size=(60, 2))
-    target[::3] += rng.uniform(100, 1000, (20, 2))
-    fit = fitted(lambda q: slopes * q[0] - target, np.array([0.0]), np.array([1e-3]))
-    assert fit is not None
-    assert fit.value[0] == pytest.approx(3.25, abs=5.0 * fit.error[0])
-    assert 0.01 < fit.error[0] < 0.3
-    assert fitted(lambda q: 0.0 * slopes, np.array([0.0]), np.array([1e-3])) is None
-
-
-def test_numbers_have_the_digits_that_their_error_leaves() -> None:
-    assert with_error(1.23456789, 1e-4) == "1.23457 ± 0.0001"
-    assert rounded(1.23456789, 0.0) == "1.23456789"
-    assert rounded(0.0, 1e-3) == "0"
-
-
-# -- stick clues -------------------------------------------------------------------------------------------------------
 
 
 # -- numbers of the faults ---------------------------------------------------------------------------------------------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import combinations, pairwise, product
 from typing import Any
 
@@ -12,9 +11,7 @@ from careful_solver import TIGHT, random_parameters, solve
 from excerpts import crosscheck
 
 from symosc import ParameterError, Parameters, Scene, Trajectory, load_scene, simulate
-from symosc.crosschecks.compare import STEP_TOLERANCE, CrossCheck, Judge
-from symosc.crosschecks.events import Reach, find_events, in_order, labels
-from symosc.crosschecks.samples import checked
+from symosc.crosschecks.events import find_events, in_order, labels
 from symosc.crosschecks.steps import ExactSteps, follow_steps
 from symosc.model import MODE_NAMES
 
@@ -228,14 +225,6 @@ def test_an_event_at_the_last_sample_may_be_listed_or_not() -> None:
         assert not crosscheck("fig9", t, *exact(t), events=[*events, events[-1]]).ok
 
 
-def test_events_outside_the_samples_are_invented() -> None:
-    exact = simulate("fig9", t_end=8)
-    t = np.linspace(0.1324, 8, 300)
-    for time in (-5.0, 0.1, 8.01, 1e9):
-        result = crosscheck("fig9", t, *exact(t), events=sorted([*listed(exact), (time, "cross")]))
-        assert [event.t for event in result.invented] == [time]
-
-
 @pytest.mark.quick(2)
 @pytest.mark.parametrize(("name", "t_end"), [("fig8", 9.0), ("fig8-exact", 6.0), ("fig7-exact", 8.0), ("fig7", 8.0)])
 def test_touches_and_the_shortest_sticks(name: str, t_end: float) -> None:
@@ -292,16 +281,6 @@ def test_lists_of_a_careful_solver_pass(seed: int) -> None:
             assert result.ok, (p, scene, result.summary())
 
 
-def test_both_samples_of_each_joint_are_kept() -> None:
-    for name in ("fig5", "fig9"):
-        run = solve(load_scene(name), 10.0, joined=True, **TIGHT)
-        assert np.sum(np.diff(run.t) == 0.0) >= len(run.events)
-        result: CrossCheck = crosscheck(name, run.t, run.x, run.v, events=run.events)
-        assert result.ok, result.summary()
-        assert len(result.defects) == len(run.t) - 1
-        assert crosscheck(name, run.t, run.x, run.v).ok
-
-
 def test_a_jump_at_a_joint_is_a_wrong_step() -> None:
     run = solve(load_scene("fig9"), 6.0, joined=True, **TIGHT)
     joint = int(np.flatnonzero(np.diff(run.t) == 0.0)[3])
@@ -332,125 +311,3 @@ def test_the_longest_chain_is_the_best_of_all() -> None:
         assert set(found) <= set(cells)
         assert all(a[0] < b[0] and a[1] < b[1] for a, b in pairwise(found))
         assert (len(found), sum(cost[pair] for pair in found)) == (len(best), sum(cost[pair] for pair in best))
-
-
-# -- reach -------------------------------------------------------------------------------------------------------------
-
-
-SIZE = 1e-6
-
-
-def reach_of(name: str, t_end: float, errors: tuple[float, float] = (0.0, 0.0), allowed_v: float = 0.0) -> Reach:
-    scene = load_scene(name)
-    t = np.linspace(float(scene.t0), t_end, 401)
-    x, v = simulate(scene, t_end=t_end)(t)
-    steps = follow_steps(scene.parameters, t, x, v, 1e-9, np.ones(2))
-    return Reach(steps, np.tile(errors, (len(t), 1)), allowed_v, 0.0, np.zeros(0))
-
-
-@pytest.mark.parametrize(("name", "t_end"), [("fig5", 12.0), ("fig9", 8.0), ("fig10", 10.0)])
-def test_an_event_of_the_motion_and_of_the_steps_reach_equally_far(name: str, t_end: float) -> None:
-    reach, events = reach_of(name, t_end, (SIZE, 3 * SIZE), SIZE), simulate(name, t_end=t_end).events
-    assert len(events) == len(reach.steps.events.t) > 3
-    for row, event in enumerate(events):
-        assert reach.of_row(row) == pytest.approx(reach.of(event), rel=1e-6), event
-
-
-@pytest.mark.quick(3)
-@pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
-@pytest.mark.parametrize("changed", ["x0", "v0"])
-def test_what_an_error_does_is_within_reach_and_not_far_below_it(name: str, changed: str) -> None:
-    """Up to the first event, restarted one sample before it with an error: moved no farther than it reaches."""
-    scene = load_scene(name)
-    for event in simulate(scene, t_end=12).events[:6]:
-        before = float(event.t) - 1e-4
-        x, v = (float(value) for value in simulate(scene, t_end=12)(before))
-        if event.kind == "slip":
-            continue  # there the force decides, which an error of x alone moves
-        push = {"x0": (SIZE, 0.0), "v0": (0.0, SIZE)}[changed]
-        reach = reach_of(name, 12.0, push)
-        moved = simulate(scene, t0=before, x0=x + push[0], v0=v + push[1], t_end=before + 1).events[0]
-        assert moved.kind == event.kind
-        shift = abs(float(moved.t) - float(event.t))
-        assert shift <= reach.of(event)
-        if changed == "v0":
-            assert reach.of(event) <= 3 * shift
-
-
-def test_a_near_touch() -> None:
-    """v = peak - b (t - t_m)^2/2 stays within twice the error of a belt below it for this long."""
-    scene = load_scene("fig7-exact")
-    trajectory = simulate(scene, t_end=8)
-    graze = next(event for event in trajectory.events if event.kind == "graze")
-    p, t_m = scene.parameters, float(graze.t)
-    half = 1e-3
-    bend = abs(float(trajectory(t_m + half)[1] - 2 * trajectory(t_m)[1] + trajectory(t_m - half)[1])) / half**2
-    reach = reach_of("fig7-exact", 8.0, (0.0, SIZE), SIZE)
-    assert reach.of_near_graze(trajectory, t_m) == pytest.approx(2 * np.sqrt(2 * 2 * SIZE / bend), rel=1e-3)
-    assert reach.of_near_graze(trajectory, t_m + 1.0) is None
-    assert reach.of_near_graze(trajectory, float(scene.t0) - 1) is None
-    assert reach.of_near_graze(trajectory, 8.1) is None
-    assert p.belt(graze.boundary) == graze.v
-
-
-def test_a_start_on_a_belt_reaches_as_far_as_its_slower_side() -> None:
-    scene = load_scene("fig9")
-    found: list[Any] = []
-    for belt in (1, 2):
-        speed = scene.parameters.belt(belt)
-        t = np.linspace(0, 1, 50)
-        x, v = simulate(scene.parameters, t0=0, x0=1, v0=speed, t_end=1)(t)
-        steps = follow_steps(scene.parameters, t, x, v, 1e-9, np.ones(2))
-        reach = Reach(steps, np.tile((0.0, SIZE), (50, 1)), 0.0, 0.0, np.zeros(0))
-        p = scene.parameters
-        forces = [abs(float(p.A(alpha) + p.B0 - p.c * speed - p.k * 1) / float(p.m)) for alpha in (belt, belt + 1)]
-        found.append(reach.of_start(belt))
-        assert found[-1] == pytest.approx(2 * SIZE / min(forces), rel=1e-3)
-    assert found[0] != found[1]
-
-
-def test_a_stick_touches_nothing_nor_does_what_is_outside_the_motion() -> None:
-    trajectory = simulate("fig5", t_end=12)
-    reach = reach_of("fig5", 12.0, (SIZE, SIZE), 1e3)  # so loose that each flight with a turn nearly touches a belt
-    found = {"flight": 0, "stick": 0}
-    for segment in trajectory.segments:
-        for part in (0.01, 0.5, 0.99):
-            time = float(segment.t_start) + part * float(segment.t_end - segment.t_start)
-            touch = reach.of_near_graze(trajectory, time)
-            kind = "stick" if segment.mode.startswith("belt") else "flight"
-            found[kind] += touch is not None
-    assert found["stick"] == 0
-    assert found["flight"] > 3
-    for outside in (float(trajectory.t_start) - 1e-9, 12.0 + 1e-9):
-        assert reach.of_near_graze(trajectory, outside) is None
-
-
-# -- solver times ------------------------------------------------------------------------------------------------------
-
-
-FIG9 = load_scene("fig9")
-MOTION = simulate(FIG9, t_end=6)
-T = np.linspace(0.1324, 6, 400)
-SAMPLES = checked(T, *MOTION(T))
-TIMES = [float(event.t) for event in MOTION.events]
-
-
-def verdict(times: list[float]):  # type: ignore[no-untyped-def]
-    listed = replace(SAMPLES, events=tuple((time, "") for time in sorted(times)))
-    return Judge(FIG9, STEP_TOLERANCE, None, True, True)(listed)
-
-
-def test_a_list_may_have_all_or_some_of_the_events() -> None:
-    for times in (TIMES, TIMES[::2], TIMES[:1], [float(T[0]), *TIMES]):
-        check = verdict(times)
-        assert check.ok, check.summary()
-        assert [match.event for match in check.matched] == list(MOTION.events)
-
-
-def test_a_time_that_is_late_or_at_no_event_is_invented() -> None:
-    for late in (1e-3, 1.0):
-        check = verdict([*TIMES[:-1], TIMES[-1] - late])
-        assert not check.ok
-        assert [event.t for event in check.invented] == [TIMES[-1] - late]
-    errors = [match.error for match in verdict([TIMES[0] + 1e-10]).matched]
-    assert abs(errors[0] - 1e-10) < 1e-13

@@ -21,11 +21,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy import sparse
 from scipy.io import savemat
 from solution_files import COLUMNS, WRITERS, T, V, X, read_samples
 
-from symosc import MissingExtraError, ParameterError, simulate
+from symosc import ParameterError, simulate
 from symosc.crosschecks import files
 from symosc.crosschecks.files import PACKED, SUFFIXES, has_wrong_tags, read_text
 
@@ -43,12 +42,6 @@ def test_what_a_library_writes_is_read_to_the_last_digit(name: str, tmp_path: Pa
     few = 1e-14 if name == "pandas.json" else 0.0  # it has 15 digits
     for column, right in (("t", T), ("x", X), ("v", V)):
         np.testing.assert_allclose(getattr(samples, column), right, rtol=few, atol=few)
-
-
-def test_every_suffix_has_a_file_in_this_test() -> None:
-    tested = {Path(name.removesuffix(".gz").removesuffix(".bz2").removesuffix(".xz")).suffix for name in WRITERS}
-    alike = {".out": ".dat", ".asc": ".dat", ".pq": ".parquet", ".arrow": ".feather", ".hdf": ".h5"}
-    assert {alike.get(suffix, suffix) for suffix in SUFFIXES} == tested
 
 
 @pytest.mark.parametrize("name", list(WRITERS))
@@ -133,19 +126,6 @@ def test_wrong_columns_and_no_numbers_are_named(tmp_path: Path) -> None:
         read_samples(tmp_path / "none.parquet")
 
 
-def test_a_library_that_is_missing_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for suffix, package in ((".parquet", "pyarrow"), (".feather", "pyarrow"), (".h5", "h5py")):
-        (tmp_path / f"run{suffix}").write_bytes(b"anything")
-
-        def none_of(name: str, package: str = package) -> Any:
-            assert name.partition(".")[0] == package
-            raise ImportError(name)
-
-        monkeypatch.setattr(files, "import_module", none_of)
-        with pytest.raises(MissingExtraError, match=r"file needs an optional package: pip install 'symosc\[tables\]'"):
-            read_samples(tmp_path / f"run{suffix}")
-
-
 # -- files -------------------------------------------------------------------------------------------------------------
 
 
@@ -211,24 +191,6 @@ def test_columns_of_a_table_are_found_however_it_is_laid_out(tmp_path: Path) -> 
         assert samples.events is None
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".json", ".npz", ".CSV", ".Json"])
-def test_a_column_that_is_there_twice_is_refused_only_if_it_is_read(tmp_path: Path, suffix: str) -> None:
-    for twice, wanted in (("x", True), ("other", False)):
-        path = tmp_path / f"{twice}{suffix}"
-        if suffix.lower() == ".csv":
-            path.write_text(f"t,x,v,{twice},other\n0,1,2,3,4\n1,2,3,4,5\n")
-        elif suffix.lower() == ".json":
-            path.write_text(f'{{"t": [0, 1], "x": [1, 2], "v": [2, 3], "{twice}": [3, 4], "other": [4, 5]}}')
-        else:
-            ragged = np.array([[1], [1, 2]], dtype=object)
-            np.savez(path, **{"t": [0, 1], "x": [1, 2], "v": [2, 3], twice: ragged})
-        if wanted:
-            with pytest.raises(ParameterError, match="twice" if suffix != ".npz" else "x must be an array of numbers"):
-                read_samples(path)
-        else:
-            assert read_samples(path).v.tolist() == [2, 3]
-
-
 # -- text tables -------------------------------------------------------------------------------------------------------
 
 
@@ -261,12 +223,6 @@ def test_numbers_are_read_however_they_are_written() -> None:
         assert {name: column.tolist() for name, column in found.items()} == columns, lines
 
 
-def test_a_header_may_be_a_comment_and_a_comment_is_no_header() -> None:
-    assert read("# t v x\n0 1 2\n1 2 3\n")["x"].tolist() == [2, 3]
-    assert read("# made by hand\n0 1 2\n1 2 3\n")["x"].tolist() == [1, 2]
-    assert set(read("# t x\n0 1\n1 2\n")) == {"t", "x"}
-
-
 def test_columns_may_be_named_by_their_numbers() -> None:
     text = "9 0 5 1\n9 1 6 2\n"
     found = read(text, t="2", x="4", v="3")
@@ -279,12 +235,6 @@ def test_what_spreadsheets_and_fortran_write() -> None:
     assert read("sep=;\nt;x;v\n0,5;1;2\n1,5;2;3\n")["t"].tolist() == [0.5, 1.5]
     assert read("1.5D-03 1.D0 2d+1\n1.5 2 3\n")["t"].tolist() == [1.5e-3, 1.5]
     assert read("1.5D-03 1.D0 2d+1\n1.5 2 3\n")["v"].tolist() == [20, 3]
-
-
-def test_ids_are_texts() -> None:
-    found = read('id;t;x;v\n"a 1";0;0,5;1\nb;1;2;3\n')
-    assert found["id"].tolist() == ["a 1", "b"]
-    assert found["x"].tolist() == [0.5, 2]
 
 
 @pytest.mark.parametrize(
@@ -344,12 +294,6 @@ def test_a_range_ends_where_octave_ends_it(tmp_path: Path) -> None:
         assert read_samples(tmp_path / "run.txt").x.tolist() == values
 
 
-@pytest.mark.parametrize("name", ["packed.txt.gz", "packed.dat.gz", "packed.gz", "packed.mat.gz"])
-def test_a_packed_text_of_octave_is_read(name: str, tmp_path: Path) -> None:
-    (tmp_path / name).write_bytes(gzip.compress((SAVED / "samples.txt").read_bytes()))
-    assert_right(tmp_path / name)
-
-
 @pytest.mark.parametrize("name", ["range", pytest.param("samples.txt", marks=pytest.mark.slow)])
 def test_a_damaged_text_of_octave_is_one_line(name: str, tmp_path: Path) -> None:
     """Each line left out, cut off there, or with other numbers: read, or refused in one line."""
@@ -379,20 +323,6 @@ def written(variables: dict[str, Any], packed: bool = False) -> bytes:
     file = BytesIO()
     savemat(file, variables, do_compression=packed)
     return file.getvalue()
-
-
-@pytest.mark.parametrize("packed", [False, True])
-@pytest.mark.parametrize(
-    "variables",
-    [
-        COLUMNS,
-        {"sol": COLUMNS},
-        {"z": np.array([1j, 2]), "empty": np.array([]), "flag": True, "text": "abc", "short": np.arange(5, dtype="u1")},
-        {"s": sparse.csc_matrix(np.eye(3)), "c": np.array([1, "a"], dtype=object), "deep": {"a": {"b": [1.5]}}},
-    ],
-)
-def test_what_scipy_writes_is_sound(variables: dict[str, Any], packed: bool) -> None:
-    assert not has_wrong_tags(written(variables, packed))
 
 
 @pytest.mark.parametrize(("at", "value"), [(176, 0xFF), (176, 0), (145, 0x08), (133, 0xFF), (180, 0xFF), (128, 99)])

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from excerpts import crosscheck
-from solution_files import COLUMNS, LISTS, RECORDS, ROWS, T, V, X, frame, read_samples
+from solution_files import COLUMNS, LISTS, RECORDS, ROWS, T, V, X, frame
 
 from symosc import ParameterError, load_scene, simulate
 from symosc.crosschecks.objects import (
@@ -23,10 +23,8 @@ from symosc.crosschecks.objects import (
     SolverTask,
     find_columns,
     of_function,
-    plain,
     run_solver,
     solutions_in,
-    solver_events,
 )
 from symosc.crosschecks.samples import Samples
 
@@ -135,11 +133,6 @@ def test_several_solutions_in_one_object() -> None:
     assert len(solutions_in([frame(), COLUMNS, np.column_stack([T, X, V])], {})) == 3
 
 
-def test_a_column_of_row_numbers_and_one_of_a_single_id_are_one_solution() -> None:
-    for ids in (np.arange(60), np.zeros(60), ["run"] * 60):
-        assert names_of(solutions_in({**COLUMNS, "id": ids}, {})) == [""]
-
-
 def test_pieces_that_meet_are_joined() -> None:
     parts = (slice(0, 21), slice(20, 41), slice(40, 60))
     pieces = [{name: column[part] for name, column in COLUMNS.items()} for part in parts]
@@ -194,12 +187,6 @@ def test_what_is_no_solution_is_one_line(source: Any) -> None:
         crosscheck("fig9", source)
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 300
-
-
-@pytest.mark.parametrize("nothing", [[], ()])
-def test_an_empty_list_is_called_empty(nothing: Any) -> None:
-    with pytest.raises(ParameterError, match="is empty"):
-        solutions_in(nothing, {}, None)
 
 
 def test_rows_of_several_ids_are_sorted_out() -> None:
@@ -264,35 +251,6 @@ def test_what_is_no_solution_of_a_function() -> None:
         crosscheck("fig9", lambda t: (np.nan, 1))
 
 
-def test_only_events_at_a_belt_count_and_each_once() -> None:
-    v1, v2 = float(FIG9.parameters.v1), float(FIG9.parameters.v2)
-    result = SimpleNamespace(
-        t_events=[np.array([1.0, 2.0]), np.array([1.0 + 1e-12, 3.0]), np.array([])],
-        y_events=[np.array([[0, v1], [0, v2]]), np.array([[0, v1], [0, v2 + 1.0]]), np.array([])],
-    )
-    events, notes = solver_events(result, SolverTask.of(FIG9))
-    assert events == ((1.0, ""), (2.0, ""))
-    assert notes[1] == "1 of the solver's t_events are not at a belt, and left out"
-    assert solver_events(SimpleNamespace(t_events=None), SolverTask.of(FIG9)) == (None, ())
-    assert solver_events(result, None) == (None, ())
-
-
-@pytest.mark.parametrize(
-    ("t_events", "y_events", "words"),
-    [
-        ([["a"]], None, "must be lists of finite times"),
-        ([[np.nan]], None, "must be lists of finite times"),
-        (5, None, "must be lists of finite times"),
-        ([[1.0, 2.0]], [[[0, 1]]], "must have x and v for each of t_events"),
-        ([[1.0]], [[[None]]], "must have x and v for each of t_events"),
-    ],
-)
-def test_events_of_a_solver_that_are_none(t_events: object, y_events: object, words: str) -> None:
-    result = SimpleNamespace(t_events=t_events, y_events=y_events)
-    with pytest.raises(ParameterError, match=words):
-        solver_events(result, SolverTask.of(FIG9))
-
-
 # -- solver runs -------------------------------------------------------------------------------------------------------
 
 
@@ -353,22 +311,6 @@ def test_a_function_gets_the_problem(
 # -- columns -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("name", "simple"),
-    [
-        ("Time (s)", "time"),
-        ("x(t)", "x"),
-        ("dx/dt", "dxdt"),
-        ("x'", "xprime"),
-        ("ẋ", "xdot"),
-        ("V [m/s]", "v"),
-        ("(x)", "x"),
-    ],
-)
-def test_names_without_units(name: str, simple: str) -> None:
-    assert plain(name) == simple
-
-
 def test_the_exact_name_comes_first_then_usual_ones_in_any_case() -> None:
     assert find_columns(["X", "x", "T", "V"], {}, "here") == {"t": "T", "x": "x", "v": "V"}
     assert find_columns(["Time", "Pos", "Run", "velocity"], {}, "here") == {
@@ -377,11 +319,6 @@ def test_the_exact_name_comes_first_then_usual_ones_in_any_case() -> None:
     assert find_columns(["t", "x", "events"], {}, "here") == {"t": "t", "x": "x"}
     assert find_columns(["t", "x", "w"], {"v": None}, "here") == {"t": "t", "x": "x"}
     assert find_columns(["t", "A", "w"], {"x": "a", "v": "w"}, "here") == {"t": "t", "x": "A", "v": "w"}
-
-
-def test_a_velocity_under_another_name_is_not_passed_over() -> None:
-    with pytest.raises(ParameterError, match="'v': is missing in here; there are: t, x, w; without velocities"):
-        find_columns(["t", "x", "w"], {}, "here")
 
 
 # -- samples -----------------------------------------------------------------------------------------------------------
@@ -491,18 +428,7 @@ def test_a_missing_column_is_said() -> None:
         one_line(lambda source=source: crosscheck("fig9", source), " = ")  # type: ignore[misc]
 
 
-@pytest.mark.parametrize("y", [np.zeros((4, 30)), np.zeros((1, 30)), np.zeros(30), [[1, 2], [3]], None, 5])
-def test_results_of_another_number_of_rows(y: Any) -> None:
-    one_line(lambda: crosscheck("fig9", SimpleNamespace(t=SAMPLES_T, y=y)), "y = ", "two rows")
-
-
-@pytest.mark.parametrize("columns", ["t=x", [1], {"q": "x"}, {"x": None}, {"x": ["x"]}, {"t": "x"}])
-def test_names_of_columns(columns: Any) -> None:
-    one_line(lambda: read_samples({"t": SAMPLES_T, "x": SAMPLES_X, "v": SAMPLES_V}, columns), "columns")
-
-
 GOOD = {"t": SAMPLES_T.tolist(), "x": SAMPLES_X.tolist(), "v": SAMPLES_V.tolist()}
-SAMPLES_ROWS = "\n".join(",".join(map(repr, row)) for row in zip(*GOOD.values(), strict=True))
 
 TEXTS = {
     "text.json": ('{"t": "abc", "x": [1, 2], "v": [1, 2]}', "t[0] = 'abc'"),
@@ -551,27 +477,6 @@ def test_files_of_text(name: str, tmp_path: Path) -> None:
     str(caught.value).encode()
 
 
-def test_files_that_are_read_although_they_look_odd(tmp_path: Path) -> None:
-    texts = {
-        "bom.json": "\ufeff" + json.dumps(GOOD),
-        "none.json": json.dumps(GOOD | {"events": None}),
-        "bom.csv": "\ufefft,x,v\n" + SAMPLES_ROWS,
-        "crlf.csv": ("t,x,v\n" + SAMPLES_ROWS).replace("\n", "\r\n"),
-        "savetxt.csv": "# t,x,v\n" + SAMPLES_ROWS,
-        "spaces.csv": " t , x , v \n" + SAMPLES_ROWS.replace(",", " , ") + "\n\n",
-    }
-    for name, text in texts.items():
-        (tmp_path / name).write_bytes(text.encode())
-        assert crosscheck("fig9", tmp_path / name).ok
-
-
-@pytest.mark.parametrize("suffix", [".csv", ".json"])
-def test_files_that_are_no_text(suffix: str, tmp_path: Path) -> None:
-    path = tmp_path / f"file{suffix}"
-    path.write_text(json.dumps(GOOD), encoding="utf-16")
-    one_line(lambda: crosscheck("fig9", path), "not text in UTF-8")
-
-
 def test_npz_files(tmp_path: Path) -> None:
     path = tmp_path / "run.npz"
     objects = np.array([None])
@@ -592,11 +497,3 @@ def test_npz_files(tmp_path: Path) -> None:
     for damaged in (b"", b"no zip", content[: len(content) // 2], b"\x80\x04]."):
         path.write_bytes(damaged)
         one_line(lambda: crosscheck("fig9", path), "is not an npz file")
-
-
-@pytest.mark.slow
-def test_more_events_than_can_be_meant() -> None:
-    """Two samples and a million periods between them: an answer in seconds, not a search for hours."""
-    result = crosscheck("fig9", [0.1324, 1e6], [4.5447, 1.0], [1.0, 1.0])
-    assert not result.ok
-    assert "later only steps are compared" in result.notes[0]

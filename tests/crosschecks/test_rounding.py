@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import copy
-import pickle
 from collections.abc import Callable, Iterator
 from itertools import islice, product
 from typing import Any
@@ -34,10 +32,6 @@ def significant(count: int) -> tuple[Round, str]:
     return lambda values: np.array([float(f"{value:.{count - 1}e}") for value in values]), words
 
 
-def single() -> tuple[Round, str]:
-    return lambda values: np.asarray(values, dtype=np.float32).astype(float), "single precision"
-
-
 @pytest.mark.parametrize("count", [1, 2, 3, 6, 10])
 @pytest.mark.parametrize("kind", [decimals, significant])
 def test_digits_are_counted(kind: Any, count: int) -> None:
@@ -51,38 +45,6 @@ def test_digits_are_counted(kind: Any, count: int) -> None:
         # One unit of the last digit, which the rounding error never exceeds by half.
         assert np.all(np.abs(cut(values) - values) <= 0.5000001 * digits.units)
         assert np.max(np.abs(cut(values) - values) / digits.units) > 0.3
-
-
-@pytest.mark.parametrize("step", [20.0 / 2**16, 2.87 / 2**9, 0.1 / 3.0])
-def test_steps_of_a_converter(step: float) -> None:
-    """... which may have a few decimals or bits themselves."""
-    values = np.rint(np.random.default_rng(6).uniform(-90, 90, 200) / step) * step
-    digits = find_digits(values)
-    assert digits is not None
-    assert digits.units == pytest.approx(step)
-
-
-def test_few_levels_of_a_converter_show_its_steps() -> None:
-    """As samples of an orbit do, a few in each period, or velocities that are the belt's for most of the time."""
-    rng = np.random.default_rng(9)
-    for bits in (8, 12, 16):
-        step = 25.3 / 2**bits
-        levels = np.unique(rng.integers(1, 2**bits, 9)) * step
-        digits = find_digits(np.tile(levels, 8))
-        assert digits is not None
-        assert digits.units == pytest.approx(step)
-    assert find_digits(np.tile(rng.uniform(-9, 9, 6), 8)) is None
-    velocities = np.rint(rng.uniform(1, 256, 8)) / 256  # they have 8 decimals too
-    assert find_digits(velocities).units == pytest.approx(1 / 256)  # type: ignore[union-attr]
-
-
-def test_what_is_not_rounded() -> None:
-    rng = np.random.default_rng(0)
-    assert find_digits(rng.uniform(-9, 9, 50)) is None
-    assert find_digits(np.append(decimals(3)[0](rng.uniform(-9, 9, 50)), 1 / 3)) is None
-    assert find_digits(np.array([0.0, 0.5, 0.0, 1.0, 1.0]), [1.0]) is None
-    assert find_digits(single()[0](rng.uniform(-9, 9, 50))) is not None
-    assert find_digits(np.array([])) is None
 
 
 @pytest.mark.slow
@@ -122,33 +84,6 @@ def test_a_list_with_few_digits_is_judged_at_them() -> None:
     assert result.rounded == {"events": "4 decimals"}
     off = [(round(time + 0.0003, 4), kind) for time, kind in own]
     assert len(crosscheck("fig9", t, *exact(t), events=off).invented) == len(own)
-
-
-@pytest.mark.slow
-def test_a_short_list_beside_rounded_samples() -> None:
-    exact = simulate("fig9", t_end=8)
-    cut = significant(5)[0]
-    end = float(exact.events[0].t) + 0.1
-    t = np.linspace(0.1324, end, 200)
-    own = [(float(cut([event.t])[0]), event.kind) for event in exact.events if event.t < end]
-    assert len(own) == 1
-    assert crosscheck("fig9", t, *(cut(values) for values in exact(t)), events=own).ok
-    assert not crosscheck("fig9", t, *(cut(values) for values in exact(t)), events=[(own[0][0] + 1e-3, "cross")]).ok
-
-
-def test_results_are_compared_copied_and_pickled() -> None:
-    t = np.linspace(0.1324, 6, 100)
-    x, v = simulate("fig9", t_end=6)(t)
-    v[50] += 0.1
-    one = crosscheck("fig9", t, x, v)
-    for other in (crosscheck("fig9", t, x, v), copy.copy(one), copy.deepcopy(one), pickle.loads(pickle.dumps(one))):
-        assert (one == other) is True
-        assert (one != other) is False
-    v[51] += 1e-3
-    assert (one == crosscheck("fig9", t, x, v)) is False
-    for something in (None, 5, "ok", np.zeros(3), simulate("fig9", t_end=6)):
-        assert (one == something) is False
-        assert (one != something) is True
 
 
 # -- rounded solutions -------------------------------------------------------------------------------------------------

@@ -232,23 +232,6 @@ def test_the_contact_and_the_windows_of_theorem_7(mapping: str) -> None:
 # --- the command ---
 
 
-def test_numbers_are_exact_or_rounded() -> None:
-    exact, rounded = run("P1", "--set", "A0=1/3"), run("P1", "--set", "A0=1/3", "--digits", "4")
-    assert r"\frac{1}{3}" in exact.stdout
-    assert "0.3333" in rounded.stdout
-    assert ["--digits 4" in text for text in (rounded.stdout, exact.stdout)] == [True, False]  # how it was made
-    assert "A_0" not in exact.stdout.replace("$A_0 = 1/3$", "")
-    assert "- 17.962" in run("P1", "--scene", "fig5").stdout  # A_0 - c v_1 - (mu_1 - mu_2) F_N
-
-
-@pytest.mark.slow
-def test_theorem_7_in_numbers_names_the_windows() -> None:
-    text = run("theorem7", "--set", "m=1", "--set", "k=1", "--set", "B0=2", "--set", "Omega=1", "--set", "v1=1").stdout
-    window = next(row for row in text.splitlines() if "window-P3" in row)
-    assert r"\left(\frac{7 \pi}{6},\, \frac{11 \pi}{6}\right)" in window
-    assert "window-P5" not in text  # v2 is not given
-
-
 def test_options(tmp_path: Path) -> None:
     text = run("P1", "--tags", "paper", "--prefix", "my", "--alone").stdout
     assert r"\tag{52}" in text

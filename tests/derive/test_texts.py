@@ -7,15 +7,12 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from project_files import PROJECT, cff, text
 
 import symosc
-from symosc.cli.app import main
 from symosc.derive import citation, document
 from symosc.derive.chapters import CHAPTERS
-from symosc.derive.errata import SEVERITIES, RecordsError, latex_to_unicode, read_errata
-from symosc.scenes import load_scene, scene_names
+from symosc.derive.errata import RecordsError, read_errata
 
 COMMITTED = Path(__file__).parents[2] / "derivations"
 MAIN = (COMMITTED / document.MAIN).read_text(encoding="utf-8")
@@ -52,25 +49,6 @@ def test_citation_file_and_bibtex_agree() -> None:
     assert re.findall(r"- (.+)", keywords[1]) == PROJECT["keywords"]
 
 
-def test_cite_prints_both_entries() -> None:
-    result = CliRunner().invoke(main, ["--cite"])
-    assert (result.exit_code, result.stderr) == (0, "")
-    for entry, fields in zip(result.stdout.split("\n\n"), (citation.SYMOSC, citation.PAPER), strict=True):
-        assert dict(re.findall(r"^  (\w+) += \{(.*)\},$", entry, re.M)) == fields
-        assert entry.count("{") == entry.count("}")
-    assert f"Version {symosc.__version__}" in result.stdout
-
-
-def test_every_text_cites_the_same_paper() -> None:
-    start = citation.paper_reference().rpartition(",")[0]
-    for name in scene_names():
-        assert load_scene(name).source.startswith(start), name
-    readme = " ".join(text("README.md").split())
-    for name in ("title", "journal", "volume", "year"):
-        assert citation.PAPER[name] in readme, name
-    assert citation.paper_reference(r"\emph{{{}}}", "~", "--") in text("derivations/derivations.tex")
-
-
 def test_every_citation_has_an_entry_and_every_entry_is_complete() -> None:
     cited = citation.cited("".join(TEXTS) + MAIN)
     assert set(cited) == set(citation.entries())
@@ -84,40 +62,7 @@ def test_every_citation_has_an_entry_and_every_entry_is_complete() -> None:
         assert re.fullmatch(r"10\.\d+/\S+", doi), doi
 
 
-def test_one_entry_as_a_line() -> None:
-    assert citation.reference_line("luo2008") == (
-        r"A.~C.~J.~Luo, \emph{A theory for flow switchability in discontinuous dynamical systems}, "
-        r"Nonlinear Analysis: Hybrid Systems 2 (2008), 1030--1061."
-    )
-    assert citation.reference_line("hongliu2000").startswith("H.-K.~Hong and C.-S.~Liu,")
-    assert citation.reference_line("dibernardo2008").startswith("M.~di Bernardo, C.~J.~Budd,")
-    assert "Pólya" in citation.plain_line("polya1922")
-    with pytest.raises(KeyError):
-        citation.cited(r"\cite{nobody1900}")
-
-
-def test_what_is_from_memory_is_marked_in_the_source_alone() -> None:
-    """Every entry of others says what it was compared with, or that something of it was not; no print says it."""
-    for key, reference in citation.entries().items():
-        if key in ("symosc", "chen2016"):
-            continue
-        fields = dict(reference.fields)
-        doubts = [word.strip() for word in fields.pop("unchecked", "").split(",") if word.strip()]
-        assert fields.pop("checked", None) or "title" in doubts, key
-        assert set(doubts) <= set(fields), key
-    assert "unchecked" in citation.references_bib()
-    assert "not checked" not in MAIN + "".join(map(citation.plain_line, citation.entries()))
-
-
 # --- errata ---
-
-
-def test_each_erratum_is_short() -> None:
-    found = read_errata()
-    assert {erratum.severity for erratum in found} == set(SEVERITIES)
-    for erratum in (each.in_unicode() for each in found):
-        assert len(erratum.proof) <= 340, erratum.id
-        assert len(erratum.printed) + len(erratum.holds) <= 340, erratum.id
 
 
 @pytest.mark.parametrize(
@@ -140,24 +85,3 @@ def test_wrong_errata_are_refused(tmp_path: Path, change: tuple[str, str], compl
         read_errata(path)
     assert "\n" not in str(caught.value)
     assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("latex", "plain"),
-    [
-        (r"$\dot{x} - v_\lambda = F^{(\alpha)} \tau + \ldots$", "ẋ − v_λ = F⁽ᵅ⁾ τ + …"),
-        (r"$B_0\Omega/\sqrt{(k - m\Omega^2)^2 + c^2\Omega^2} = \sqrt{20}$", "B₀Ω/√((k − mΩ²)² + c²Ω²) = √20"),
-        (r"$\partial\Omega_{ij}$ in $\mathbb{R}^{n-1}$", "∂Ωᵢⱼ in Rⁿ⁻¹"),
-        (r"$F_{s1} = -\mu_1 F_N$, $\Theta^{\mathrm{cr}}$, $e^{-2\pi}$", "Fₛ₁ = −μ₁ FN, Θcr, e^(−2π)"),
-        (r"$F^{(1)} \times F^{(2)} > 0$", "F⁽¹⁾ × F⁽²⁾ > 0"),
-        ("$P_{4645}$, Fig.~10, (55)--(58)", "P₄₆₄₅, Fig. 10, (55)–(58)"),
-    ],
-)
-def test_as_unicode(latex: str, plain: str) -> None:
-    assert latex_to_unicode(latex) == plain
-
-
-@pytest.mark.parametrize("latex", [r"$\frac{1}{2}$", r"see \ref{a}", r"$x_$", r"$\foo$"])
-def test_what_it_does_not_know_is_refused(latex: str) -> None:
-    with pytest.raises(ValueError, match=r"unknown|only formulas|ends with"):
-        latex_to_unicode(latex)

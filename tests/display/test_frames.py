@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,16 +9,7 @@ import numpy as np
 import pytest
 from answers import answer
 
-from symosc import MissingExtraError
-
 TABLES = ["trajectory", "trajectory in digits", "trajectory without events", "branch", "events", "summary"]
-
-
-@pytest.mark.parametrize(("kind", "package"), [*zip(TABLES, ["pandas", "xarray"] * 3, strict=True)])
-def test_a_missing_package_is_named(kind: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(MissingExtraError, match=rf"a table of {package} needs .*symosc\[sweep\]"):
-        getattr(answer(kind), f"to_{package}")()
 
 
 @pytest.mark.parametrize("kind", TABLES[:3])

@@ -16,10 +16,8 @@ from regimes import random_sets
 from symosc import Parameters
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import (
-    PAGE,
     STATE_WIDTH,
     keep_state,
-    large_array,
     row_of,
     state_of,
 )
@@ -119,16 +117,3 @@ def test_extremes_are_those_of_mpmath(c: Any) -> None:
             values = stationary_values(p, (mpmath.mpf(t), mpmath.mpf(x), mpmath.mpf(v)), mpmath.mpf(4), which)
             assert abs(float(min(values) - low)) < 2e-14
             assert abs(float(max(values) - high)) < 2e-14
-
-
-@pytest.mark.parametrize("dtype", [np.float64, np.int32])
-@pytest.mark.parametrize("shape", [(0,), (6, 0), (6, 1), (7, 1000), (5, PAGE // 8 + 3), (PAGE,)], ids=str)
-def test_room_is_an_array_of_its_own(shape: tuple[int, ...], dtype: type) -> None:
-    room = large_array(shape, dtype)
-    assert room.shape == shape
-    assert room.dtype == dtype
-    assert room.flags.c_contiguous
-    assert room.flags.aligned
-    assert room.flags.writeable
-    room[...] = 7
-    assert np.all(room == 7)

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import ast
-import errno
 import importlib
-import inspect
 import math
 import os
 import subprocess
 import sys
-import types
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -18,48 +14,10 @@ from typing import Any
 import pytest
 
 from symosc import load_scene
-from symosc.engine.arithmetic import SOURCES, MpArithmetic, bind, compile_modules, functions_of, is_compiled
+from symosc.engine.arithmetic import SOURCES, MpArithmetic, compile_modules, functions_of, is_compiled
 from symosc.errors import CodeCacheWarning
 
 pytest.importorskip("numba")
-
-SETS: dict[str, Callable[[], dict[str, Any]]] = {
-    "fast paths": lambda: importlib.import_module("symosc.engine.arithmetic").compiled(),
-    "mappings": lambda: {"flights": importlib.import_module("symosc.mappings.compiled")._loops(4)["flights"]},
-    "windows": lambda: {"windows": importlib.import_module("symosc.grazing.window")._window_loop()},
-    "peer by scanning": lambda: importlib.import_module("symosc.bench.peers_scan").compiled(),
-    "peer by DOP853": lambda: importlib.import_module("symosc.bench.peers_numba").compiled(),
-}
-
-
-@pytest.mark.parametrize("name", SETS)
-def test_compiled_functions_show_their_own_source(name: str) -> None:
-    """numba asks for it; from Python 3.13 on `inspect` fails where file and line do not fit each other."""
-    functions = {key: value.py_func for key, value in SETS[name]().items() if hasattr(value, "py_func")}
-    assert functions
-    for key, function in functions.items():
-        original = getattr(sys.modules[function.__module__], key)
-        assert inspect.getsource(function) == inspect.getsource(original)
-        assert inspect.getsource(function).startswith((f"def {key}(", "@"))
-
-
-@pytest.mark.parametrize("outlined", [{"outer"}, {"outer", "inner"}])
-def test_a_function_is_copied_into_its_callers_only_if_it_shall_be(
-    outlined: set[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """numba hands `forceinline` on from a caller to what it calls: `inner` is called by `middle` alone."""
-    source = "def inner(x): return x + 1\ndef middle(x): return inner(x)\ndef outer(x): return middle(x)\n"
-    (tmp_path / "nested.py").write_text(source)
-    monkeypatch.syspath_prepend(str(tmp_path))
-    functions = compile_modules((importlib.import_module("nested"),), outlined)
-    monkeypatch.delitem(sys.modules, "nested")
-    assert functions["outer"](1) == 2
-    for function in (functions[name] for name in ("inner", "middle", "outer")):
-        assert function.targetoptions["nogil"]  # threads run it at once
-        assert function.stats.cache_path is not None  # and it is kept on disk
-    (code,) = functions["inner"].inspect_llvm().values()
-    assert ("alwaysinline" in code) == ("inner" not in outlined)
-
 
 CALLEE, CALLER = (
     "def inner(x):\n    return x + 1\n",
@@ -160,70 +118,7 @@ def test_without_a_folder_for_compiled_code_there_is_one_warning(
     assert len(said) == 1
 
 
-def test_what_the_administrator_has_compiled_is_used_in_a_folder_that_cannot_be_written(
-    tiny: Callable[[], Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    import numba
-    from numba.core.caching import UserProvidedCacheLocator
-
-    def read_only(*_: Any) -> None:
-        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
-
-    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
-    assert tiny()(3) == 6
-    monkeypatch.setattr(UserProvidedCacheLocator.__mro__[2], "ensure_cache_path", read_only)
-    function = tiny()
-    assert is_compiled(function)
-    assert function(4) == 8
-    assert sum(function.stats.cache_hits.values()) == 1
-    with pytest.warns(CodeCacheWarning, match="Read-only"):
-        assert function(4.5) == 9.0
-
-
-def test_a_folder_that_becomes_full_is_said(tiny: Callable[[], Any], monkeypatch: pytest.MonkeyPatch) -> None:
-    from numba.core.caching import IndexDataCacheFile
-
-    def full(*_: Any) -> None:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(IndexDataCacheFile, "_save_data", full)
-    with pytest.warns(CodeCacheWarning, match="No space left"):
-        assert tiny()(3) == 6
-
-
-def module_of(name: str, source: str) -> types.ModuleType:
-    module = types.ModuleType(name)
-    exec(compile(source, name, "exec"), vars(module))
-    return module
-
-
-def test_names_that_do_not_fit_are_refused() -> None:
-    """A constant that is no longer there would leave many digits with the one of doubles."""
-    one, two = module_of("one", "A = 1\ndef f(): return A"), module_of("two", "def f(): return 2")
-    assert bind((one,), {"A": 5})["f"]() == 5
-    with pytest.raises(ValueError, match=r"\['B'\] are no names in \['one'\]"):
-        bind((one,), {"B": 5})
-    with pytest.raises(ValueError, match="f is written in one and in two"):
-        bind((one, two), {})
-    with pytest.raises(ValueError, match="f is written in one and in two"):
-        compile_modules((one, two))
-
-
 # -- one binder for all arithmetics ------------------------------------------------------------------------------------
-
-
-def test_every_name_has_one_home() -> None:
-    """Sources are flattened into one namespace: a second function or constant of a name would replace the first."""
-    assert len(functions_of(SOURCES)) > 30  # it raises where two functions have one name
-    homes: dict[str, set[str]] = {}
-    for module in SOURCES:
-        for node in ast.parse(inspect.getsource(module)).body:
-            targets = node.targets if isinstance(node, ast.Assign) else []
-            for target in targets:
-                for name in ast.walk(target):
-                    if isinstance(name, ast.Name):
-                        homes.setdefault(name.id, set()).add(module.__name__)
-    assert {name: where for name, where in homes.items() if len(where) > 1} == {}
 
 
 def is_short(value: float) -> bool:

@@ -9,7 +9,7 @@ from regimes import random_sets
 from symosc import Parameters, load_scene, scene_names
 from symosc.engine import flow
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.constant_table import ConstantRows, table_of
+from symosc.engine.constant_table import ConstantRows
 from symosc.model import PARAMETER_NAMES
 from symosc.simulation.batch import INTERPRETED
 from symosc.simulation.problems import ParameterSets
@@ -42,10 +42,3 @@ def test_columns_of_doubles_are_the_decimals_that_they_print_as() -> None:
     part = {name: np.broadcast_to(column, 40)[7:8] for name, column in columns.items()}
     alone = ParameterSets(part).table(slice(0, 1), INTERPRETED.march_rows)
     assert alone.tobytes() == whole[7:8].tobytes()  # however a sweep is cut into calls
-
-
-def test_rows_as_cpython_takes_them_are_constants() -> None:
-    sets = random_sets(7, 3)
-    rows = ConstantRows(table_of(Arithmetic(p).K for p in sets))
-    assert [rows[i] for i in (2, 0, 1)] == [Arithmetic(sets[i]).K for i in (2, 0, 1)]
-    assert len(rows) == 3

@@ -19,10 +19,11 @@ from random_constants import constants_of
 from touches import NEIGHBOURS, Touching, at_a_seam, free, ordinary, undriven, wild
 
 from symosc import Parameters, simulate
-from symosc.engine import first_exit as exits
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.next_event import following_sign, resolve
 from symosc.engine.state import BELT, DOMAIN_ABOVE, DOMAIN_BELOW
+
+pytestmark = pytest.mark.usefixtures("interpreted")
 
 # -- starts on a boundary ----------------------------------------------------------------------------------------------
 
@@ -192,8 +193,6 @@ def test_a_vanishing_force_is_decided_by_the_next_g_function() -> None:
     assert following_sign(1.0, 0.0, 0.0, 1.0, nothing) == 0
 
 
-pytestmark = pytest.mark.usefixtures("interpreted")
-
 KINDS: dict[str, Callable[[random.Random, str], Touching]] = {
     "ordinary": ordinary,
     "wild": wild,
@@ -290,48 +289,6 @@ def test_a_touch_where_two_searches_meet(offset: float) -> None:
         assert_complete(followed(scene, digits), scene)
 
 
-# -- searches that fail ------------------------------------------------------------------------------------------------
-
-LIMITS = [
-    (exits, "MOST_STEPS", 1),
-    (exits, "MOST_STEPS", 3),
-    (exits, "MOST_STALLS", 0),
-    (exits, "MOST_DESCENTS", 1),
-    (exits, "MOST_DESCENTS", 2),
-    (exits, "MOST_HALVINGS", 1),
-    (exits, "MOST_NEWTON", 0),
-    (exits, "MOST_STICK_STEPS", 1),
-]
-ORDINARY = Parameters(m=1, c=1, k=1, A0=-15, B0=10, Omega=1, v1=1, v2=5, mu1="4/5", mu2="3/5", FN="9.81")
-
-
-def assert_part_of(found: Any, right: Any) -> None:
-    """A trajectory that could not go on shows the events before that; one that could shows them all."""
-    for event, expected in zip(found.events, right.events, strict=False):
-        assert (event.kind, event.source, event.target) == (expected.kind, expected.source, expected.target)
-        assert abs(event.t - expected.t) < 1e-12 * max(1, expected.t)
-    if found.status == "undecidable":
-        assert len(found.events) <= len(right.events)
-    else:
-        assert (found.status, len(found.events)) == (right.status, len(right.events))
-
-
-@pytest.mark.full(4)
-@pytest.mark.slow
-@pytest.mark.parametrize(("module", "name", "value"), LIMITS, ids=lambda item: str(getattr(item, "__name__", item)))
-@pytest.mark.parametrize("mapping", ["P2", "P5"])
-def test_a_search_that_fails_is_no_end(
-    mapping: str, module: Any, name: str, value: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    scenes = [make(random.Random(f"failing {mapping}"), mapping) for make in (ordinary, undriven)]
-    starts = [(scene.p, scene.x0, scene.v0, scene.t_end) for scene in scenes] + [(ORDINARY, 0, 0, 6)]
-    right = [simulate(p, t0=0, x0=x0, v0=v0, t_end=t_end) for p, x0, v0, t_end in starts]
-    monkeypatch.setattr(module, name, value)
-    for (p, x0, v0, t_end), expected in zip(starts, right, strict=True):
-        for digits in (None, 17):
-            assert_part_of(simulate(p, t0=0, x0=x0, v0=v0, t_end=t_end, digits=digits), expected)
-
-
 # -- contacts at the very end ------------------------------------------------------------------------------------------
 
 
@@ -408,26 +365,6 @@ def test_a_contact_from_beside_the_fast_manifold_is_found(flight: str, push: str
 def test_a_limit_speed_that_is_a_belts(flight: str, beyond: str, digits: int | None) -> None:
     rng = random.Random(f"limit {flight} {beyond}")
     assert_right(to_a_limit_speed(rng, flight, Fraction(beyond)), digits)
-
-
-FOUND: dict[str, tuple[dict[str, Any], tuple[Any, Any, Any]]] = {  # x0, v0, t_end
-    "k = 0": (
-        {"m": "13/20", "c": "143/10000", "k": 0, "A0": "-2011/50000", "B0": 0, "Omega": "1/1000", "v1": "-392/25",
-         "v2": "-12/5", "mu1": "77/100", "mu2": "79/100", "FN": "59/200"}, ("3261/11", "-89/10", 22730)),
-    "Omega3": (
-        {"m": "21/100", "c": "1911/5000", "k": "11319/125000", "A0": "858363/1250000", "B0": 0, "Omega": "1/1000",
-         "v1": 0, "v2": "1711/100", "mu1": "33/100", "mu2": 0, "FN": "67/50"}, ("-2171/770", "17/2", "3247/10")),
-    "transparent": (
-        {"m": "7/5", "c": "1477/2000", "k": "777/8000", "A0": "-777/8000", "B0": 0, "Omega": "3/625", "v1": 0,
-         "v2": "91/10", "mu1": 0, "mu2": 0, "FN": "151/1000"}, ("-16792/2775", "27/20", 2000)),
-    "k = 0, c large": (
-        {"m": "81/10", "c": "3483/500", "k": 0, "A0": "50479/100000", "B0": 0, "Omega": "2/25", "v1": "-167/50",
-         "v2": 0, "mu1": "61/100", "mu2": "41/50", "FN": "353/1000"}, ("-349/430", "87/100", "1163/10")),
-    "two rates": (
-        {"m": 2, "c": "98649/250000", "k": "4864453/250000000", "A0": "2809969923/1250000000", "B0": 0,
-         "Omega": "1/1000", "v1": "-19647/5000", "v2": 0, "mu1": "3/10", "mu2": 0, "FN": "761/100"},
-        ("372259/250745", "-3053/10000", 1031)),
-}  # fmt: skip
 
 
 REST = {"m": 1, "k": 1, "c": 3, "A0": 0, "B0": 0, "v1": -1, "v2": 0, "mu1": 0, "mu2": "3/10", "FN": 1}

@@ -68,24 +68,6 @@ def test_the_events_are_those_of_mpmath(count: int) -> None:
 
 
 @needs_gmpy2
-@pytest.mark.parametrize("digits", [5, 17, 36, 400])
-def test_numbers_cross_the_border_exactly(digits: int) -> None:
-    context, inner = mp_context(digits), mpfr.mpfr_context(mp_context(digits).prec)
-    dice = random.Random(digits)
-    numbers = [context.mpf(dice.uniform(-1, 1)) / 3 * context.mpf(2) ** dice.randint(-5000, 5000) for _ in range(50)]
-    before = inner.enter()
-    try:
-        for number in [*numbers, context.mpf(0), context.inf, -context.inf]:
-            there = mpfr.from_mpf(number)
-            assert there.precision == context.prec
-            back = mpfr.to_mpf(there, context)
-            assert back == number
-            assert back.context is context
-    finally:
-        inner.leave(before)
-
-
-@needs_gmpy2
 def test_the_precision_of_others_is_left_alone() -> None:
     """Whatever precision a thread has for itself, and however many digits other threads ask for at the same time."""
     scene = load_scene("fig5")
@@ -112,19 +94,6 @@ def test_the_precision_of_others_is_left_alone() -> None:
             list(pool.map(job, range(8)))
     finally:
         sys.setswitchinterval(interval)
-
-
-@needs_gmpy2
-def test_an_error_leaves_the_precision_as_it_was() -> None:
-    p, given = problem(1)
-    path, before = (
-        motion.Motion(Start(p, **{name: Fraction(value) for name, value in given.items()}), 30),
-        gmpy2.get_context(),
-    )
-    path._end = None, None  # type: ignore[assignment]
-    with pytest.raises(TypeError):
-        path.step()
-    assert gmpy2.get_context() is before
 
 
 WITHOUT = """
@@ -231,24 +200,3 @@ def test_maps_of_mpmath_numbers() -> None:
     kinds = [mpmath.mpf, mp_context(25).mpf, mp_context(40).mpf]
     jobs: list[Job] = [lambda kind=kind, i=i: job(kind, i) for kind in kinds for i in (0, 1)]
     in_threads(jobs + [lambda kind=kind: solved(kind) for kind in kinds], repeats=20)
-
-
-def test_one_arithmetic_for_all_threads() -> None:
-    """Arithmetics are kept and shared: entire functions and phases must not disturb each other."""
-    p = load_scene("fig5").parameters
-    arithmetic = MpArithmetic(p, 30)
-    basis, K, number = arithmetic.namespace["basis"], arithmetic.K, arithmetic.number
-    jobs: list[Job] = [lambda n=n: basis(number(Fraction(n, 7)), K) for n in (1, 2, 20, 30)]
-    in_threads(jobs + [lambda n=n: arithmetic.phase(Fraction(10**n, 3)) for n in (1, 9, 18)])
-
-
-def test_a_shared_context_cannot_be_changed() -> None:
-    context = mp_context(30)
-    for change in (lambda: setattr(context, "dps", 50), lambda: setattr(context, "prec", 50)):
-        with pytest.raises(AttributeError, match="fixed"):
-            change()
-    with pytest.raises(AttributeError, match="fixed"), context.workdps(50):
-        pass
-    own = context.clone()
-    own.dps = 50
-    assert (own.dps, context.dps) == (50, 30)

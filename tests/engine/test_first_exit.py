@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import math
 import random
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
-from agreement import BASE
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_constants import constants_of
 
-from symosc import Parameters, load_scene, simulate, simulate_many
+from symosc import load_scene, simulate_many
 from symosc.engine import first_exit as exits
-from symosc.engine import flow
 from symosc.engine.first_exit import (
     belt_exit,
     first_exit,
@@ -61,56 +58,10 @@ def test_no_contact_is_passed_over() -> None:
     assert hits > 30
 
 
-def counted(monkeypatch: pytest.MonkeyPatch, *functions: tuple[Any, str]) -> dict[str, int]:
-    """Count the calls of functions, given as (module, name)."""
-    counts = {name: 0 for _, name in functions}
-
-    def replaced(original: Any, name: str) -> Any:
-        def call(*arguments: Any) -> Any:
-            counts[name] += 1
-            return original(*arguments)
-
-        return call
-
-    for module, name in functions:
-        monkeypatch.setattr(module, name, replaced(getattr(module, name), name))
-    return counts
-
-
 def interpreted(name: str, most: int) -> Any:
     scene = load_scene(name)
     start = [scene.t0, scene.x0, scene.v0]
     return simulate_many(scene.parameters, start, 10**6, max_events=most, accuracy=math.inf, use_numba=False)
-
-
-@pytest.mark.parametrize(("name", "most"), [("fig5", 400), ("fig9", 400), ("fig10", 400), ("fig8", 20)])
-def test_a_flight_takes_one_evaluation_of_the_flow_and_a_stick_two_of_the_force(
-    name: str, most: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    counts = counted(monkeypatch, (exits, "state_at"), (exits, "gain"))
-    table = interpreted(name, most)
-    held = np.count_nonzero(table.kind == "slip")
-    assert counts["gain"] <= 2 * held
-    if name != "fig8":  # near its grazes the search takes smaller steps
-        assert counts["state_at"] <= 1.02 * (len(table) - held) + 10  # some more before the motion is periodic
-
-
-@pytest.mark.quick(3)
-@pytest.mark.parametrize("c", ["0.7", "0.3", "2.2"])
-@pytest.mark.parametrize("Omega", ["1e-4", "1e-5", "1e-7"])
-def test_what_a_slow_drive_costs_does_not_grow_with_its_period(
-    Omega: str, c: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Once the free oscillation is gone the steps are those of the drive, in doubles and in 36 digits."""
-    counts = counted(monkeypatch, (exits, "is_free"), (exits, "gap_bound"), (exits, "state_at"))
-    p = Parameters(
-        m="1.9", c=c, k=2, A0="-1.8", B0="18.3", Omega=Fraction(Omega), v1=-1, v2="1e-6", mu1=1, mu2="0.8", FN="13.9"
-    )
-    found = simulate(p, t0="-3/2", x0="-13/5", v0="-4/5", t_end=5 / Fraction(Omega))
-    exact = simulate(p, t0="-3/2", x0="-13/5", v0="-4/5", t_end=5 / Fraction(Omega), digits=20)
-    assert [event.kind for event in found.events] == [event.kind for event in exact.events]
-    assert found.status == "t_end"
-    assert sum(counts.values()) < 20_000
 
 
 def test_a_root_near_0_is_found_to_the_resolution() -> None:
@@ -130,31 +81,6 @@ def test_a_root_near_0_is_found_to_the_resolution() -> None:
 pytestmark = pytest.mark.usefixtures("interpreted")
 
 COEFFICIENTS = st.floats(-5, 5)
-
-
-def taylor(root: float, slope: float, bend: float) -> tuple[float, ...]:
-    """Return the coefficients p0 to p4 of slope (root - s) + bend (root - s)^2/2."""
-    return slope * root + bend * root**2 / 2, -slope - bend * root, bend / 2, 0.0, 0.0
-
-
-def test_a_root_is_near_only_if_it_is_the_only_one_there() -> None:
-    """Each guard alone says no: a slope that is not down, a loose bound, a turn before what is missing is made up."""
-    K = flow.constants(BASE)
-    assert exits.is_near(0.01, taylor(0.01, 1.0, 0.0), 4, 0.0, 1.0, K) == (True, True, True)
-    assert not exits.is_near(0.01, taylor(0.01, -1.0, 0.0), 4, 0.0, 1.0, K)[0]
-    assert not exits.is_near(0.01, taylor(0.01, 0.0, 0.0), 4, 0.0, 1.0, K)[0]
-    # missing = M4 root^4/12 against ISOLATED slope/rate
-    edge = 12 * exits.ISOLATED / (K.rate * 1.0)
-    assert exits.is_near(1.0, taylor(1.0, 1.0, 0.0), 4, 0.9 * edge, 1.0, K)[0]
-    assert not exits.is_near(1.0, taylor(1.0, 1.0, 0.0), 4, 1.1 * edge, 1.0, K)[0]
-    # 8 SHRINK root bend < slope: the slope keeps its sign on what a safe step leaves open
-    edge = 1 / (8 * exits.SHRINK)
-    assert exits.is_near(1.0, taylor(1.0, 1.0, 0.9 * edge), 4, 0.0, 1.0, K)[0]
-    assert not exits.is_near(1.0, taylor(1.0, 1.0, 1.1 * edge), 4, 0.0, 1.0, K)[0]
-    # 8 missing (bend root + slope) < slope^2 root
-    edge = 12 / (8 * (100.0 + 1.0))
-    assert exits.is_near(1.0, taylor(1.0, 1.0, 100.0), 4, 0.9 * edge, 1.0, K)[0]
-    assert not exits.is_near(1.0, taylor(1.0, 1.0, 100.0), 4, 1.1 * edge, 1.0, K)[0]
 
 
 @pytest.mark.slow

@@ -16,26 +16,21 @@ from touches import tenths
 from units import UNITS, Units
 
 from symosc import Parameters, load_scene, simulate
-from symosc.engine import first_exit as exits
 from symosc.engine import next_event
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.flow import Constants, state_at
 from symosc.engine.next_event import advance, carried_error, passing_time, time_with_errors
 from symosc.engine.start import Start, first_state, last_time, rounded
 from symosc.engine.state import (
-    CROSS,
     END,
     FAILED,
     GRAZE,
     REST,
-    SLIP,
-    STICK,
     Covariance,
     Launch,
     NextEvent,
     State,
 )
-from symosc.kernels.entire import EPS
 from symosc.simulation.motion import Motion
 
 pytestmark = pytest.mark.usefixtures("interpreted")
@@ -76,19 +71,6 @@ def test_a_covariance_is_carried_as_two_nearby_flows_part() -> None:
         assert found == pytest.approx((expected[0, 0], expected[0, 1], expected[1, 1]), abs=1e-9 * scale, rel=1e-8)
 
 
-def test_the_tolerance_of_a_gap_is_the_error_of_its_velocity() -> None:
-    rng = random.Random(5)
-    for _ in range(100):
-        K = random_constants(rng)
-        tau, correlation = 10 ** rng.uniform(-2, 0.7), rng.uniform(-1, 1)
-        start, S = Launch(0.0, 0.0, 0.0, 1.0), Covariance(4.0, correlation, 0.25)
-        now = state_at(tau, start, K)
-        expected = sqrt(carried_error(S, now, 0.0, 0.0, K).S22)
-        assert exits.tolerance(now, 0.0, start, S, K) == pytest.approx(K.sigmas * expected, rel=1e-9)
-        rounding = exits.tolerance(now, 3.0, start, Covariance(0.0, 0.0, 0.0), K._replace(fB=0.0))
-        assert rounding == pytest.approx(exits.ROUNDING * exits.EPS * 3.0, rel=1e-12, abs=0)
-
-
 # -- how long a quantity may take to pass 0 ---------------------------------------------------------------------------
 
 
@@ -115,17 +97,6 @@ def test_a_passage_is_never_underestimated() -> None:
 
 
 # -- what is handed out ------------------------------------------------------------------------------------------------
-
-
-def test_the_errors_of_an_event_are_those_at_a_fixed_time_and_of_the_clock() -> None:
-    K = Arithmetic(BASE.replace(Omega=2)).K  # a double: the clock gains nothing
-    for v in (3.0, -3.0):
-        t, t_error, x_error = next_event.time_with_errors(-1e6, 0.0, -1e6, -1e9, v, 1e-8, 4e-18, K)
-        assert (t, t_error) == (-1e6, pytest.approx(1e-8 + next_event.EPS * 1e6, rel=1e-12))
-        assert x_error == pytest.approx(3e-8 + 2e-9 + next_event.EPS * 1e9, rel=1e-12)
-        t, t_error, x_error = next_event.time_with_errors(0.0, 1e-9, -1e9, 0.0, v, 1e-8, 4e-18, K)
-        assert (t, t_error) == (1e-9, pytest.approx(1e-8 + next_event.EPS * 2.5e8, rel=1e-6))
-        assert x_error == pytest.approx(3e-8 + 2e-9)
 
 
 def test_the_clock_gives_back_what_rounding_took_from_omega() -> None:
@@ -227,34 +198,6 @@ def compared(path: Motion, state: Any, end: Any, rough: State, found: NextEvent)
 def test_steps_are_those_of_a_search_with_many_digits(seed: int) -> None:
     for step in pairs_of_steps(random_start(seed)):
         compared(*step)
-
-
-def shifted_by(found: NextEvent, part: float, rough: State) -> NextEvent:
-    state = found.state
-    return found._replace(state=state._replace(t=state.t + part * (state.t - rough.t)))
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_a_wrong_time_or_belt_is_not_believed(seed: int) -> None:
-    for path, state, end, rough, found in pairs_of_steps(random_start(seed)):
-        if found.code in (CROSS, STICK, SLIP):
-            for part in (-0.3, -1e-6, 1e-6, 0.3):
-                compared(path, state, end, rough, shifted_by(found, part, rough))
-            compared(path, state, end, rough, found._replace(decided=False))
-        if found.code in (CROSS, STICK):
-            compared(path, state, end, rough, found._replace(boundary=3 - found.boundary))
-
-
-def test_the_errors_of_sine_and_cosine_do_not_add_up() -> None:
-    """After thousands of events they are those of the phase, but for a few rounding errors."""
-    scene = load_scene("fig5")
-    arithmetic, start = Arithmetic(scene.parameters), Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
-    now, worst = first_state(start, arithmetic), 0.0
-    for _ in range(6000):
-        now = advance(now, 1e7, 0.0, arithmetic.K).state
-        worst = max(worst, abs(now.s * now.s + now.c * now.c - 1.0))
-        assert abs(now.s - sin(now.theta)) + abs(now.c - cos(now.theta)) < 32 * EPS
-    assert EPS < worst < 16 * EPS
 
 
 MOTIONS = ["fig5", "fig6", "fig8", "fig9", "fig10", "fig8-exact", "fig7-exact"]

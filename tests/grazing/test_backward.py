@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
-from itertools import pairwise
 from math import pi, sqrt
 from typing import Any
 
@@ -19,7 +18,6 @@ from symosc import Parameters, grazing_curve, grazing_start, grazing_window, loa
 from symosc.grazing.backward import (
     CONTACT,
     REACHED,
-    Arrival,
     Flights,
     Origins,
     first_root,
@@ -57,17 +55,6 @@ def test_unforced_overdamped_flow_runs_away() -> None:
 def _log_root(v: float) -> float:
     # e^{2s} - 2 e^s = v
     return float(mpmath.log(1 + sqrt(1 + v)))
-
-
-def test_search_that_is_too_short_says_so() -> None:
-    p = BASE.replace(c=0, B0=0, v1=1, k=1)  # v = cos t: on belt 1 again 2 pi earlier, by a touch
-    start = grazing_start(p, "P2", 0)
-    assert start.found
-    assert start.touch
-    assert abs(start.t + 2 * pi) < 1e-12
-    short = grazing_start(p, "P2", 0, periods=0.5)
-    assert not short.found
-    assert "periods" in str(short.reason)
 
 
 MAPS = sorted(BELT)
@@ -125,26 +112,6 @@ def test_derivatives_are_differences(mapping: str, regime: str) -> None:
         assert abs(found - slope) < 1e-24 * (1 + abs(slope)), value
 
 
-def test_a_contact_is_polished_to_all_digits() -> None:
-    p = system("0.7")
-    flights = Flights(p, "P2", 60)
-    theta, wall = flights.number(Fraction(11, 2)), p.belt(1)
-    taus = [flights.number(Fraction(n, 50)) for n in range(1, 400)]
-    gaps = [flights.instant(theta, tau).v - flights.v for tau in taus]
-    i = next(i for i in range(5, len(gaps)) if gaps[i - 1] * gaps[i] < 0)
-    near = mpmath.findroot(lambda tau: flights.instant(theta, tau).v - flights.v, (taus[i - 1], taus[i]), "anderson")
-    now = flights.instant(theta, near)
-    found = Arrival(CONTACT, 1, float(near) * (1 + 1e-12), now.dx, now.v, float(now.a), 1e-9, 1e-9)
-    refined = flights.refined(theta, found, flights.number(100))
-    assert refined is not None
-    assert refined.v == flights.number(wall)
-    assert abs(flights.instant(theta, refined.tau).v - flights.number(wall)) < 1e-55
-    assert abs(refined.tau - near) < 1e-11
-    assert flights.missing_digits(refined, 40) <= 0 < flights.missing_digits(refined, 70)
-    # Newton's method that leads elsewhere is no answer
-    assert flights.refined(theta, found._replace(tau=float(near) * 1.05), flights.number(100)) is None
-
-
 FIG9 = load_scene("fig9").parameters.replace(v2="1.5")  # low enough for P6 to graze
 
 
@@ -167,30 +134,6 @@ def test_the_flow_from_an_origin_ends_in_the_tangency(mapping: str, part: str) -
     rough = origins.arrival(theta, far=0.25)
     assert rough.kind == arrival.kind
     assert float(rough.tau) == pytest.approx(float(arrival.tau), abs=1e-12)
-
-
-def test_first_root_of_products() -> None:
-    rng = random.Random(7)
-    for _ in range(300):
-        places = sorted(rng.uniform(0.02, 1.5) for _ in range(rng.randrange(1, 6)))
-        if any(b - a < 1e-3 for a, b in pairwise(places)):
-            continue
-        p = [1.0]
-        for root in places:
-            p = [(p[i] if i < len(p) else 0.0) - (p[i - 1] / root if i else 0.0) for i in range(len(p) + 1)]
-        touch, found = first_root(p, 1e-15, 2.0**-53)
-        assert not touch
-        assert (found is None) == (places[0] > 1)
-        assert found is None or abs(found - places[0]) < 1e-9
-
-
-def test_first_root_tells_touches_and_near_misses() -> None:
-    for depth in (1e-10, 0.0, -1e-10):  # (x - 0.6)^2 + depth
-        touch, found = first_root([0.36 + depth, -1.2, 1.0], 1e-15, 2.0**-53)
-        assert touch == (depth == 0.0)
-        assert (found is None) == (depth > 0.0)
-        if depth <= 0.0:
-            assert abs(found - (0.6 - sqrt(-depth))) < 1e-8
 
 
 def least_on(p: list[float], low: float, high: float) -> float:

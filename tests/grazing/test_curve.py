@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import random
-from copy import copy
-from dataclasses import fields, replace
 from itertools import pairwise
-from math import copysign, cos, nan, pi, sin
+from math import cos, nan, pi, sin
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 import pytest
 from grazing_starts import assert_oracle_grazes
 
@@ -21,7 +18,6 @@ from symosc.grazing.curve import (
     OTHER,
     OWN,
     UNKNOWN,
-    CurvePiece,
     Sample,
     grazing_curve,
 )
@@ -96,28 +92,6 @@ def test_figure_shows_every_piece() -> None:
     assert plane.get_title()
 
 
-def test_pieces_are_equal_if_all_their_columns_and_ends_are() -> None:
-    piece = grazing_curve(load_scene("fig9").parameters, "P2", 30).pieces[0]
-    names = [each.name for each in fields(piece)]
-    values = {name: getattr(piece, name) for name in names}
-    assert piece == CurvePiece(**{name: copy(value) for name, value in values.items()})
-    for name, value in values.items():
-        other = replace(value, reason="another") if name in ("low", "high") else value + (np.arange(len(value)) == 3)
-        assert piece != CurvePiece(**values | {name: other})
-    assert piece != values
-
-
-def test_progress_tells_the_part_of_the_phases() -> None:
-    parts: list[float] = []
-    p = load_scene("fig9").parameters
-    curve = grazing_curve(p, "P2", 40, progress=lambda part, all: parts.append(part / all))
-    assert curve == grazing_curve(p, "P2", 40)
-    assert parts == [n / 40 for n in range(1, 41)]
-    parts.clear()
-    solve_grazing(p, "P2", x_i=4, n=40, progress=lambda part, all: parts.append(part / all))
-    assert parts[-1] == 1.0
-
-
 class MadeUp:
     """A tracer whose flows come from where a list of stretches says; on its own belt theta is a formula of theta_m."""
 
@@ -186,34 +160,3 @@ def test_reasons_say_what_is_beyond_each_end() -> None:
     assert first.span[1] == pytest.approx(2.5, abs=1e-12)
     (whole,) = runs_of(MadeUp([(-1, OWN, 1.0)]), (0.0, 2 * pi, True), 20)
     assert whole.reasons == ("closed", "closed")
-
-
-@pytest.mark.parametrize("slope", [0.1, 3.0, -40.0, 900.0])
-def test_a_steep_curve_is_no_jump(slope: float) -> None:
-    """Where the slopes explain the change; a jump that is larger than what the slope makes of a step is found."""
-    assert len(runs_of(MadeUp([(-1, OWN, 1.0)], slope), (0.3, 5.1, False), 20)) == 1
-    jump = -copysign(1.0 + 2.0 * abs(slope), slope)  # in the direction of the slope: it cannot cancel
-    runs = runs_of(MadeUp([(-1, OWN, 1.0), (2.2, OWN, 1.0 + jump)], slope), (0.3, 5.1, False), 20)
-    assert len(runs) == 2
-    assert runs[0].span[1] == pytest.approx(2.2, abs=1e-9)
-
-
-def test_jumps_of_flows_from_the_other_belt_are_no_edges_but_what_hides_there_is() -> None:
-    tracer = MadeUp([(-1, OTHER, 1.0), (2.5, OTHER, 3.0)])
-    assert [run.origin for run in runs_of(tracer, (0.3, 5.1, False), 20)] == [OTHER]
-    hidden = MadeUp([(-1, OTHER, 1.0), (2.5, OWN, 2.0), (2.5001, OTHER, 3.0)])
-    runs = runs_of(hidden, (0.3, 5.1, False), 20)
-    assert [run.origin for run in runs] == [OTHER, OWN, OTHER]
-    assert runs[1].span == pytest.approx((2.5, 2.5001), abs=1e-12)
-
-
-def test_phases_of_an_arc() -> None:
-    """Closed: even, both ends included. Open: inside, near its ends the closest, and none twice."""
-    assert curve._phases_of(0.0, 2 * pi, True, 8) == pytest.approx(np.arange(9) * pi / 4)
-    for n in (8, 9, 400):
-        found = curve._phases_of(1.0, 4.0, False, n)
-        assert len(found) == n
-        assert (np.diff(found) > 0).all()
-        assert (found[0] - 1, 4 - found[-1]) == pytest.approx((3e-7, 3e-7), rel=1e-6)
-        assert np.diff(found) == pytest.approx(np.diff(found)[::-1], rel=1e-6)
-        assert np.diff(found).max() < 6.0 / n * 2

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import pickle
 import random
 from fractions import Fraction
-from math import asin, cos, pi, sin
-from types import SimpleNamespace
+from math import pi, sin
 from typing import Any
 
 import mpmath
-import numpy as np
 import pytest
 import sympy
 from effort import at_most
 from oracle import flow_oracle
 
-from symosc import Parameters, grazing_curve, grazing_start, grazing_window, load_scene, solve_grazing
-from symosc.grazing.solve import CLOSE, Candidates, Point, has_value
+from symosc import Parameters, grazing_start, grazing_window, load_scene, solve_grazing
 from symosc.grazing.start import GrazingStart
 
 DOMAIN = {"P2": 1, "P3": 2, "P5": 2, "P6": 3}
@@ -242,78 +238,3 @@ def test_the_work_is_bounded() -> None:
                    if grazing_window(slow, mapping).contains(theta)]  # fmt: skip
     for start in answers:
         assert start.found or start.reason
-
-
-def test_results_compare_and_pickle() -> None:
-    p = load_scene("fig10").parameters
-    for result in (
-        grazing_curve(p, "P5", 20),
-        grazing_start(p, "P6", 4),
-        solve_grazing(p, "P6", n=20, theta_m=4),
-    ):
-        again = pickle.loads(pickle.dumps(result))
-        assert (again == result) is True
-        assert (again == 5) is False
-    curve = pickle.loads(pickle.dumps(grazing_curve(p, "P5", 20)))
-    assert curve.sample(5.0) == grazing_curve(p, "P5", 20).sample(5.0)
-    assert curve != grazing_curve(p, "P5", 21)
-
-
-def test_a_touch_is_looked_at_with_twice_the_digits() -> None:
-    p = FREE.replace(k=1, Omega=1, c=Fraction(1, 10**70))
-    assert grazing_start(p, "P2", 1).touch is False  # 60 digits leave it open
-    assert grazing_start(p.replace(c=Fraction(1, 10**200)), "P2", 1).touch is True
-
-
-@pytest.mark.parametrize(
-    ("name", "value"), [("x_i", "1000"), ("x_i", "-0.001"), ("theta_i", "2.5"), ("theta_i", "0.001")]
-)
-def test_a_value_is_met_to_the_digits_asked_for(name: str, value: str) -> None:
-    """Relative to the value, or to 1 where it is less."""
-    p, wanted, digits = load_scene("fig9").parameters.replace(Omega="1/4"), Fraction(value), 20
-    size = max(Fraction(1), abs(wanted))
-    for part, met in (("0.9", True), ("-0.9", True), ("1.1", False)):
-        off = Fraction(part) * Fraction(CLOSE) * size / 10**digits
-        found = SimpleNamespace(start={"x0": wanted + off, "t0": (wanted + off) / p.Omega})
-        assert has_value(found, p, name, wanted, digits) is met, part  # type: ignore[arg-type]
-
-
-class Wave(Candidates):
-    """Candidates on the curve x_i = 3 + sin(2 theta_m + shift), whose roots Newton's method finds from 0.05 beside."""
-
-    def __init__(self, shift: float, level: float, n: int) -> None:
-        self.shift, self.name, self.K, self.notes = shift, "x_i", SimpleNamespace(rate=1.0, Om=1.0), []
-        self.target, self.flights = mpmath.mpf(3 + level), SimpleNamespace(context=mpmath.mp)
-        self.curve: Any = SimpleNamespace(sample=lambda theta: SimpleNamespace(slope_theta=0.5))
-        self._broken, self._solutions = set(), []
-        angles = asin(max(-1.0, min(1.0, level))), pi - asin(max(-1.0, min(1.0, level)))
-        roots = {(angle + 2 * pi * turn - shift) / 2 for angle in angles for turn in range(-2, 4)}
-        self.roots = sorted(root for root in roots if 0.01 <= root <= 2.89)
-        points = [self._sampled(theta) for theta in np.linspace(0.01, 2.89, n).tolist()]
-        theta, x, slope, tau = (np.array(column) for column in zip(*points, strict=True))
-        ends = [SimpleNamespace(theta_m=end, reason="end of the window") for end in (0.0, 2.9)]
-        columns = {"theta_m": theta, "x": x, "theta": theta - tau, "slope_x": slope, "slope_theta": slope}
-        self._on_piece(SimpleNamespace(**columns, low=ends[0], high=ends[1]))  # type: ignore[arg-type]
-
-    def _sampled(self, theta_m: float) -> Point:
-        angle = 2 * theta_m + self.shift
-        return Point(theta_m, 3 + sin(angle), 2 * cos(angle), 1 + theta_m / 10)
-
-    def _newton(self, theta_m: float, tau: float, target: Any) -> tuple[Any, Any]:
-        near = min(self.roots, key=lambda root: abs(root - theta_m), default=9.9)
-        found = near if abs(near - theta_m) < 0.05 else 5.5
-        return mpmath.mpf(found), mpmath.mpf(1 + found / 10)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_all_values_of_a_curve_are_found(seed: int) -> None:
-    """Crossings, pairs of them between two samples, and touches of an extremum within rounding."""
-    rng = random.Random(seed)
-    for n in (7, 9, 12, 15, 40):
-        height = rng.choice([rng.uniform(0, 0.97), rng.uniform(0.99, 0.9999)])  # near 1 two lie between two samples
-        wave = Wave(rng.uniform(0, 1.5), rng.choice([-1, 1]) * height, n)
-        assert sorted(float(theta) for theta, _ in wave._solutions) == pytest.approx(wave.roots, abs=1e-12)
-    for beyond, taken in ((0.0, 1), (1e-12, 1), (1e-11, 0)):
-        for sign in (1, -1):
-            wave = Wave(0.8, sign * (1 + beyond), 10)
-            assert len(wave._solutions) == taken * len({round(root, 6) for root in wave.roots})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from typing import Any
 
 import mpmath
 import pytest
@@ -12,7 +11,6 @@ from mpmath import mp
 from symosc.kernels import elementary
 
 ULP = 2.0**-52
-EDGE = 1 + 2.0**-20  # rounding may put the rest of a reduction a little outside its half interval
 
 
 def errors(name: str, arguments: list[float]) -> list[tuple[float, float]]:
@@ -51,44 +49,3 @@ def test_exponentials(name: str, bound: float) -> None:
     arguments = [rng.uniform(-1, 1) for _ in range(1500)] + [rng.uniform(-708, 709) for _ in range(1500)]
     arguments += [sign * 10 ** rng.uniform(-300, 0) for sign in (-1, 1) for _ in range(500)]
     assert max(error for _, error in errors(name, arguments)) < bound
-
-
-def test_an_exponential_far_below_one_vanishes() -> None:
-    assert 0 < float(elementary.exp(-1e9)) < 1e-307
-    assert float(elementary.expm1(-1e9)) == -1.0
-
-
-def sine_rest(z: Any) -> Any:
-    r = mpmath.sqrt(z)
-    return (mpmath.sin(r) / r - 1) / z if z > mpmath.mpf("1e-12") else z / 120 - mpmath.mpf(1) / 6
-
-
-def cosine_rest(z: Any) -> Any:
-    return (mpmath.cos(mpmath.sqrt(z)) - 1 + z / 2) / z**2 if z > mpmath.mpf("1e-9") else mpmath.mpf(1) / 24 - z / 720
-
-
-def exponential_rest(r: Any) -> Any:
-    return (mpmath.expm1(r) - r) / r**2 if abs(r) > mpmath.mpf("1e-12") else mpmath.mpf(1) / 2 + r / 6
-
-
-@pytest.mark.parametrize(
-    ("letter", "count", "function"), [("S", 6, sine_rest), ("C", 6, cosine_rest), ("X", 11, exponential_rest)]
-)
-def test_the_coefficients_are_those_of_a_chebyshev_fit(letter: str, count: int, function: Any) -> None:
-    with mp.workdps(40):
-        widest = mpmath.log(2) / 2 * EDGE if letter == "X" else (mpmath.pi / 4 * EDGE) ** 2
-        fitted = mpmath.chebyfit(function, [-widest if letter == "X" else 0, widest], count)[::-1]
-    # fits over intervals that differ in a last digit differ in theirs
-    for n, coefficient in enumerate(fitted):
-        assert getattr(elementary, f"{letter}{n}") == pytest.approx(float(coefficient), rel=1e-12)
-
-
-def test_the_parts_of_the_constants_add_up() -> None:
-    with mp.workdps(60):
-        half_pi = sum(mpmath.mpf(part) for part in (elementary.HALF_PI_HIGH, elementary.HALF_PI_MIDDLE))
-        assert abs(half_pi + elementary.HALF_PI_LOW - mpmath.pi / 2) < 1e-36
-        assert abs(mpmath.mpf(elementary.LOG_2_HIGH) + elementary.LOG_2_LOW - mpmath.log(2)) < 1e-29
-    for part in (elementary.HALF_PI_HIGH, elementary.HALF_PI_MIDDLE):  # 33 bits: a product with 20 bits is exact
-        assert (part.as_integer_ratio()[0]).bit_length() <= 33
-    assert elementary.LOG_2_HIGH.as_integer_ratio()[0].bit_length() <= 42
-    assert elementary.WIDEST * elementary.TWO_OVER_PI < 2**20

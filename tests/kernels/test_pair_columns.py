@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from symosc.kernels.pair_columns import PairColumn, as_double, either, exactly, larger
+from symosc.kernels.pair_columns import PairColumn
 
 
 def column(values: list[Fraction], doubts: np.ndarray) -> PairColumn:
@@ -49,13 +49,3 @@ def test_a_difference_that_loses_its_digits_is_a_doubt() -> None:
     below = a * b < column([third + Fraction(1, 10**31), Fraction("0.01"), Fraction(8)], doubts)
     assert doubts.tolist() == [True, doubts[1], False]  # 2 * 4 is exact: no doubt
     assert not below[2]
-
-
-def test_single_numbers_and_columns_are_chosen_alike() -> None:
-    assert (either(True, 1, 2), larger(Fraction(1, 2), Fraction(1, 3))) == (1, Fraction(1, 2))
-    assert exactly(0.5) == Fraction(1, 2)
-    doubts = np.zeros(2, bool)
-    a, b = column([Fraction(1), Fraction(1, 3)], doubts), column([Fraction(1, 7), Fraction(2)], doubts)
-    assert as_double(larger(a, b)).tolist() == [1.0, 2.0]
-    assert as_double(either(np.array([True, False]), a, Fraction(9))).tolist() == [1.0, 9.0]
-    assert as_double(exactly(np.array([0.5]))).tolist() == [0.5]

@@ -6,7 +6,6 @@ import math
 import operator
 import random
 from collections.abc import Callable, Iterator
-from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
@@ -153,24 +152,3 @@ def test_ends_of_the_ranges() -> None:
     assert compiled()(-671 + 0j, 1 + 0j)[2][2] == 0
     assert compiled()(710 + 0j, 1 + 0j)[2][2].real == math.inf
     assert compiled()(-1e4 + 0j, 1 + 0j)[2][3] == -1
-
-
-def test_constants_are_rounded_once() -> None:
-    dice = random.Random(5)
-    for _ in range(200):
-        q = Fraction(dice.randint(-(10**40), 10**40), dice.randint(1, 10**40))
-        made = pairs.Pair(q)
-        assert abs(Fraction(made.hi) + Fraction(made.lo) - q) <= abs(q) * Fraction(1, 2**106)
-        assert made.hi == float(q)
-    pi = pairs.Pair(EXACT.pi)
-    assert abs(EXACT.mpf(pi.hi) + EXACT.mpf(pi.lo) - EXACT.pi) < UNIT
-
-
-def test_no_conversion_to_doubles() -> None:
-    """A function for doubles must not be chosen silently."""
-
-    def logarithm(a: Any) -> Any:
-        return math.log(pairs.from_complex(a))
-
-    with pytest.raises(numba.TypingError):
-        numba.njit(logarithm)(1 + 0j)

@@ -12,7 +12,7 @@ from mpmath import mp
 
 from symosc import ParameterError, WordError, compiled_residual, find_orbit, jacobian, load_scene, residual
 
-numba = pytest.importorskip("numba")
+pytest.importorskip("numba")
 
 
 def points_of(rng: random.Random, p: Any, count: int) -> np.ndarray:
@@ -65,28 +65,6 @@ def test_phases_beyond_our_own_sine_use_the_librarys() -> None:
 
 
 @pytest.mark.slow
-def test_a_point_has_one_value_whatever_its_neighbours_are() -> None:
-    rng = random.Random(4)
-    p = load_scene("fig9").parameters
-    z = points_of(rng, p, 700)  # several blocks, the last one not full
-    whole = np.array(compiled_residual(p, "P3")(*z))
-    f = compiled_residual(p, "P3")
-    assert np.array_equal(whole, np.transpose([np.ravel(f(*z[:, n : n + 1])) for n in range(700)]))
-    assert np.array_equal(whole[:, ::-1], f(*z[:, ::-1]))
-    assert [part.shape for part in f(*z[:, :0])] == [(0,), (0,)]
-
-
-def test_a_stick_slips_where_the_force_is_smaller_unless_told() -> None:
-    rng = random.Random(6)
-    p = load_scene("fig5").parameters
-    z = points_of(rng, p, 50)
-    for exit in (None, "below", "above"):
-        np.testing.assert_allclose(
-            compiled_residual(p, "P1", exit=exit)(*z), residual(p, "P1", z[:2], z[2:], exit), rtol=0, atol=1e-12
-        )
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(("scene", "word"), [("fig9", "P32"), ("fig10", "P4645")])
 def test_a_word_vanishes_on_its_orbit_and_its_blocks_are_those_of_its_maps(scene: str, word: str) -> None:
     p = load_scene(scene).parameters
@@ -102,25 +80,6 @@ def test_a_word_vanishes_on_its_orbit_and_its_blocks_are_those_of_its_maps(scene
     for n, label in enumerate(f.maps):
         start, end = (x[n, 0], theta[n, 0]), (x[n + 1, 0], theta[n + 1, 0])
         np.testing.assert_allclose(blocks[n, ..., 0], jacobian(p, label, start, end), rtol=0, atol=1e-11)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("label", ["P1", "P3"])
-def test_a_users_own_compiled_code_may_call_it(label: str) -> None:
-    p = load_scene("fig9").parameters.replace(m=1, c=0, k=1)
-    f, g = compiled_residual(p, label).scalar, compiled_residual(p, label, jacobian=True).scalar
-
-    @numba.njit
-    def own(x_i: float, theta_i: float, x_j: float, theta_j: float) -> Any:
-        return f(x_i, theta_i, x_j, theta_j), g(x_i, theta_i, x_j, theta_j)
-
-    point = (4.5, 0.5, -4.0, 4.0)
-    plain, (f1, f2, slopes) = own(*point)
-    assert plain == (f1, f2) == pytest.approx(residual(p, label, point[:2], point[2:]), abs=1e-13)
-    np.testing.assert_allclose(np.reshape(slopes, (2, 4)), jacobian(p, label, point[:2], point[2:]), atol=1e-12)
-    even = (4.5, 0.5, 9.0, 4 * np.pi)  # x_j = B0: the forces 3 and -3 have one size, and the one below is taken
-    assert f(*even)[1] == residual(p, label, even[:2], even[2:])[1]
-    assert label != "P1" or f(*even)[1] == 3.0
 
 
 def test_bad_input_is_named() -> None:

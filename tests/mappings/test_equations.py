@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import pickle
 import random
 from collections.abc import Iterator
@@ -18,7 +17,6 @@ from oracle import simulate_oracle
 from samples import sample_of
 
 from symosc import Parameters, load_scene, scene_names, simulate
-from symosc.errors import ParameterError
 from symosc.mappings import equations as m
 from symosc.mappings.equations import MapError, jacobian, solve_map
 from symosc.model import PARAMETER_NAMES
@@ -106,15 +104,6 @@ def test_arrays_agree_with_floats(regime: str) -> None:
                 expected = np.array(function(p, label, point[:2], point[2:]))
                 got = np.array([part[i] for part in found]) if found is f else found[(..., *i)]
                 np.testing.assert_allclose(got, expected, rtol=0, atol=1e-12 * (1 + np.abs(expected).max()))
-
-
-def test_arrays_broadcast_and_blocks_join() -> None:
-    p, n = load_scene("fig9").parameters, 2 * m.ARRAY_BLOCK + 3
-    theta = np.linspace(1, 9, n)
-    f1, f2 = m.residual(p, "P3", (4.0, 0.5), (np.array([[1.0], [2.0]]), theta))
-    assert f1.shape == f2.shape == (2, n)
-    np.testing.assert_allclose(f1[0] - f1[1], 1.0, rtol=1e-13)
-    assert f1[1, -1] == pytest.approx(m.residual(p, "P3", (4.0, 0.5), (2.0, 9.0))[0], abs=1e-13)
 
 
 def test_exit_is_the_one_whose_force_vanishes_unless_it_is_given() -> None:
@@ -206,44 +195,6 @@ def test_wrong_map_of_a_start_is_named(p: Parameters) -> None:
         solve_map(p, "P6", 4.0, 0.5)
     with pytest.raises(MapError, match="stays on belt2"):
         solve_map(p, "P5", -2.1, 3.38)
-
-
-def test_a_motion_that_never_switches(p: Parameters) -> None:
-    calm = p.replace(B0=0, c=2, v1=-12, v2=1, k=3, A0=0, mu1=0, mu2=0)
-    with pytest.raises(MapError, match="no switching ever"):
-        solve_map(calm, "P5", 5.0, 0.5)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("P9", (1, 0), (1, 1)), "one of P1"),
-        (("P3", (1, 1), (1, 0)), "unwrapped"),
-        (("P3", (1, np.ones(3)), (1, np.zeros(3))), "unwrapped"),
-        (("P3", (1, 0), (1, 1), "below"), "P3 is a flight"),
-        (("P1", (1, 0), (1, 1), "up"), '"below", "above" or None'),
-        (("P3", (1, 0, 0), (1, 1)), "a pair"),
-        (("P3", 1, 2), "a pair"),
-        (("P3", (float("nan"), 0), (1, 1)), "must be finite"),
-    ],
-)
-def test_bad_arguments(p: Parameters, arguments: Any, words: str) -> None:
-    for function in (m.residual, m.jacobian, m.parameter_jacobian):
-        with pytest.raises(ParameterError, match=words):
-            function(p, *arguments)
-
-
-@pytest.mark.parametrize("name", ["fig6", "fig9", "fig10", "fig9-orbit", "fig10-orbit"])
-def test_solve_map_follows_the_simulator(name: str) -> None:
-    scene = load_scene(name)
-    p, Omega = scene.parameters, float(scene.parameters.Omega)
-    events = simulate(scene, max_events=12).events
-    for before, after in itertools.pairwise(events):
-        label = MAP_LABELS[before.boundary, before.target, after.boundary]
-        found = solve_map(p, label, before.x, before.theta + 4 * np.pi)
-        assert found.x == pytest.approx(after.x, abs=1e-10)
-        assert found.theta - before.theta - 4 * np.pi == pytest.approx(Omega * (after.t - before.t), abs=1e-10)
-        assert (found.exit is not None) == (after.kind == "slip")
 
 
 def starts(rng: random.Random) -> Iterator[tuple[Parameters, Fraction, Fraction, str, Any]]:

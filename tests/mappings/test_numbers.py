@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import re
 from fractions import Fraction
 from typing import Any
 
@@ -18,8 +17,6 @@ from symosc import ParameterError, Parameters, grazing_start, grazing_window, is
 from symosc.kernels.multiprecision import mp_context
 from symosc.mappings.numbers import (
     ExactPhase,
-    latex_number,
-    latex_words,
     number_of,
     of_sympy,
     read_angle,
@@ -153,35 +150,6 @@ def test_signs_next_to_zero() -> None:
     assert sine_sign(Fraction(1, 2), Fraction(1), ExactPhase(Fraction(0), Fraction(7, 6))) == 0
 
 
-@pytest.mark.parametrize("text", ["1{0}*pi", "-1{0}*pi", "pi + 1{0}", "2*pi - 1{0}", "1{0}/7*pi*7"])
-def test_the_largest_phase_is_one(text: str) -> None:
-    zeros = "0" * 50
-    phase = read_phase_text("theta", text.format(zeros))
-    assert max(map(abs, phase)) == Fraction(10) ** 50
-    with pytest.raises(ParameterError, match="must be at most 1e\\+50 in size"):
-        read_phase_text("theta", text.format(zeros[:-1] + "1"))
-
-
-@pytest.mark.parametrize(
-    ("given", "value"),
-    [
-        ("3*pi/2", 3 * sympy.pi / 2),
-        ("(1 + 2)*pi/4 - 1", 3 * sympy.pi / 4 - 1),
-        (" pi ", sympy.pi),
-        ("pi*0.5", sympy.pi / 2),
-        (sympy.pi / 3, sympy.pi / 3),
-        (sympy.sqrt(2), sympy.sqrt(2)),
-        ("5/3", Fraction(5, 3)),
-        (2, Fraction(2)),
-        (0.1, Fraction(1, 10)),
-        (sympy.Rational(1, 3), Fraction(1, 3)),
-    ],
-)
-def test_forms(given: Any, value: Any) -> None:
-    assert read_angle("theta", given) == value
-    assert type(read_angle("theta", given)) is type(value) or hasattr(value, "free_symbols")
-
-
 def test_a_phase_that_was_computed_is_the_binary_number_that_it_is() -> None:
     assert read_phase("theta", 0.1) == Fraction(0.1) != Fraction(1, 10)
     assert read_phase("theta", "0.1") == Fraction(1, 10)
@@ -215,23 +183,3 @@ def test_phases_are_the_angles_less_whole_turns() -> None:
     assert reduced(Fraction(6)) == 6  # 6 < 2 pi
     assert float(reduced(Fraction(7))) == pytest.approx(7 - 2 * mpmath.pi)
     assert reduced(2 * sympy.pi) == 0
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.5, "0.5"), (-2.0, "-2"), (1 / 3, "0.3333333333"), (1.5e-7, r"1.5 \cdot 10^{-7}"),
-        (-2e20, r"-2 \cdot 10^{20}"),
-        (7, "7"), (mpmath.mpf("1.25"), "1.25"), ("1.0e-12", r"1.0 \cdot 10^{-12}"),
-    ],
-)  # fmt: skip
-def test_numbers_have_powers_of_ten_and_no_e(value: object, text: str) -> None:
-    assert latex_number(value) == text
-
-
-def test_words_are_text_and_their_signs_no_commands() -> None:
-    for words in ("the belt moves away", "a_b ^2, 5 % & #1 $x", "", None):
-        inner = re.fullmatch(r"\\text\{(.*)\}", latex_words(words))
-        assert inner is not None
-        assert re.search(r"(?<!\\)[_^%&#$]", inner[1]) is None
-        assert inner[1].replace("\\", "") == (words or "")

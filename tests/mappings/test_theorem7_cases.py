@@ -23,15 +23,9 @@ from symosc.mappings.theorem7_cases import (
     EMPTY,
     EQUALITY_UNDECIDED,
     EVERYTHING,
-    PLACES,
     WRAPPED_ARC,
-    case_label,
-    place,
     window_kind,
 )
-
-P = load_scene("fig9").parameters
-
 
 NUMBERS = [(gamma, amplitude) for gamma in (-3, -2, -1, 0, 1, 2, 3) for amplitude in (-2, 0, 2)]
 
@@ -77,32 +71,6 @@ def test_at_equality_the_full_order_takes_the_last_phase_too(side: int) -> None:
         assert window_kind(side, *signs(gamma, 2), full=False) == (ALL_BUT_ONE if graze else EMPTY)
 
 
-@pytest.mark.parametrize("mapping", PLACES)
-def test_labels_tell_all_cases_apart(mapping: str) -> None:
-    """What has one label has one kind; shifted ones are those of B0 > 0."""
-    where = place(mapping)
-    kinds: dict[str, set[int]] = {}
-    for gamma, amplitude in NUMBERS:
-        label = case_label(where, *signs(gamma, amplitude))
-        kinds.setdefault(label, set()).add(window_kind(where.side, *signs(gamma, amplitude), full=False))
-        assert label.startswith(f"({where.equation}.")
-        if amplitude < 0:
-            assert label == case_label(where, *signs(gamma, -amplitude)) + " shifted by pi"
-    assert all(len(kind) == 1 for kind in kinds.values())
-    plain = {label for label in kinds if "shifted" not in label}
-    assert {label[4:-1] for label in plain} >= {"1", "2", "3", "4", "5", "6", "b", "c"}
-
-
-def test_places_are_where_the_maps_begin_and_end() -> None:
-    from symosc.words import MAPS
-
-    for mapping, (domain, boundary, side, _) in PLACES.items():
-        row = MAPS[mapping]
-        assert (row.mode, row.start.boundary, row.end.boundary) == (domain, boundary, boundary)
-        assert side == (1 if domain == boundary else -1)
-    assert [where.equation for where in PLACES.values()] == [55, 56, 57, 58]
-
-
 FIG9 = load_scene("fig9").parameters
 
 
@@ -133,16 +101,6 @@ def test_extreme_magnitudes() -> None:
     assert found.theta_cr == pytest.approx([-math.asin(0.3)] * 4, rel=1e-14)
     assert list(grazing_windows(FIG9, "P2", k=1e50, v1=1e-300, Omega=1e-50, B0=1e-201).kind[None]) == [EVERYTHING]
     assert grazing_windows(FIG9, "P2", k=1e-300, v1=1e-300, Omega=1e50, B0=1e50).kind == WRAPPED_ARC
-
-
-def test_compiled_and_interpreted_sources_agree_to_the_bit() -> None:
-    rng = np.random.default_rng(8)
-    k, B0 = rng.uniform(0, 5, 300), rng.uniform(-2, 2, 300)
-    found = grazing_windows(FIG9, "P2", k=k, B0=B0)
-    one, third = (1.0, 0.0), (4.0, 0.0)
-    for i in range(300):
-        row = theorem7_cases.window((k[i], 0.0), one, (B0[i], 0.0), third, 1, True)
-        assert tuple(float(column[i]) for column in found) == pytest.approx(row, abs=0, rel=0, nan_ok=True)
 
 
 def test_equality_is_decided_for_doubles_and_left_open_for_anything_else() -> None:

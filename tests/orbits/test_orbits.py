@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import cmath
-import json
 import pickle
-import re
-from dataclasses import replace
 from fractions import Fraction
 
 import mpmath
@@ -19,7 +16,7 @@ from symosc import Parameters, load_scene
 from symosc.errors import ParameterError
 from symosc.mappings.equations import residual
 from symosc.orbits import find
-from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, OrbitPiece, newton
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, OrbitPiece
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import multipliers
 from symosc.words import WordError, read_word
@@ -169,16 +166,6 @@ def test_no_convergence_carries_the_best_points():
     assert error.periods == 1
     copy = pickle.loads(pickle.dumps(error))
     assert (copy.word, copy.best, copy.residual) == (error.word, error.best, error.residual)
-
-
-def test_newton_converges_quadratically():
-    """A damped method must not be a slow one: from two digits to all of them in five steps."""
-    for p, word, points in PAPER:
-        equations = ClosingEquations(p, read_word(word), 1)
-        guess = np.array([(round(float(x), 2), float(p.Omega) * round(float(t), 2)) for t, x in points])
-        solution = newton(equations, guess)
-        assert solution.converged
-        assert solution.steps <= 6
 
 
 @pytest.mark.parametrize(("p", "word"), [(FIG9, "P23"), (FIG10, "P6454"), (FIG10, "P5464")])
@@ -332,46 +319,6 @@ def test_more_than_one_period():
     assert root.periods == 3
     assert not root.admissible
     assert any("stays in Omega1" in condition.text for condition in root.failures)
-
-
-def test_as_dict_is_plain():
-    data = json.loads(json.dumps(find_orbit(FIG10, "P4645", digits=20).as_dict()))
-    assert data["points"][0]["t"].startswith("0.44364498555745564947")
-    assert data["stable"] is True
-    data = json.loads(json.dumps(find_orbit(FIG9.replace(Omega=3), "P32").as_dict()))
-    assert (data["admissible"], data["failures"][0]["event"]) == (False, "birth of a stick")
-
-
-def test_the_formula_of_an_orbit_has_all_its_numbers() -> None:
-    """Points, real and complex multipliers, with the signs of their parts, and powers of ten."""
-    rng = np.random.default_rng(7)
-    orbit = find_orbit(FIG9, "P32")
-    for _ in range(30):
-        re, im = (float(rng.choice([-1, 1]) * 10 ** rng.uniform(-7, 2)) for _ in range(2))
-        im = im if rng.random() < 0.7 else 0.0
-        text = replace(orbit, multipliers=(complex(re, im), complex(re, -im)))._repr_latex_()
-        assert text.startswith(rf"${orbit.equations().word.latex()},\quad \begin{{array}}{{lll}}")
-        for label, (t, x) in zip(orbit.labels, orbit.points, strict=True):
-            assert rf"P_{label[1:]}: & {t:.12g} & {x:.12g}" in text
-        shown = text.split(r"\lambda = ")[1].rstrip("$").split(r",\; ")
-        numbers = [re_read(each) for each in shown]
-        assert numbers == pytest.approx([complex(re, im), complex(re, -im)], rel=1e-5)
-        assert all((r"\mathrm{i}" in each) == (im != 0) for each in shown)
-
-
-def re_read(text: str) -> complex:
-    """Return the number that a formula shows."""
-    plain = re.sub(r" \\cdot 10\^\{(-?\d+)\}", r"e\1", text).replace(r"\,\mathrm{i}", "j").replace(" ", "")
-    assert re.fullmatch(r"-?[\d.]+(e-?\d+)?([+-][\d.]+(e-?\d+)?j)?", plain), text
-    return complex(plain)
-
-
-def test_guesses():
-    rough = [(0.2, 4.0), (1.0, -4.0)]
-    for guess in (rough, np.array(rough), (0.18, 4.15), (0.9, 4.15), find_orbit(FIG9, "P32")):
-        assert find_orbit(FIG9, "P32", guess).points[0].t == pytest.approx(float(P32[0][0]), abs=1e-13)
-    moved = [(t + 5 * np.pi, x) for t, x in rough]  # the first point is brought into the first period
-    assert find_orbit(FIG9, "P32", moved).points[1].t == pytest.approx(float(P32[1][0]), abs=1e-12)
 
 
 @pytest.mark.parametrize(("name", "why"), [("fig8", "too near to a graze"), ("fig7", "without meeting a belt")])

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-import random
 import re
-import signal
 from collections.abc import Callable
 from functools import partial
-from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +21,7 @@ from symosc.derive.chapters import CHAPTERS
 from symosc.derive.errata import SEVERITIES, Erratum, read_errata
 from symosc.errors import OutputError, ParameterError
 from symosc.paper import report
-from symosc.paper.claims import CONFIRMED, NOT_AS_PRINTED, VERDICTS, Claim, read_claims
+from symosc.paper.claims import CONFIRMED, VERDICTS, Claim, read_claims
 from symosc.paper.pictures import PICTURES, Picture
 from symosc.paper.run import ERROR, Judged, Plan, Results, run
 
@@ -82,13 +79,6 @@ def test_what_goes_wrong_is_a_result(read: Any) -> None:
     assert "It is 1 &lt;2&gt;." in texts["report.html"]
 
 
-@pytest.mark.slow
-def test_a_check_that_hangs_is_stopped(read: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("symosc.paper.run.TASK_LIMIT", 0.5)
-    (judged,) = run(Plan(read(CLAIM.format(id="one", check="hangs")), {})).judged
-    assert (judged.verdict, judged.finding) == (ERROR, "no result within 0.5 s")
-
-
 @pytest.mark.quick(2)
 @pytest.mark.parametrize(
     ("check", "build", "code", "said"),
@@ -131,21 +121,6 @@ def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixt
     assert "<math" in html
     assert html.count("<source ") == 1  # the picture in the form for phones
     assert not re.search(r"<script|src=\"(?!data:)|href=\"(?!#|data:)", html)
-
-
-def test_an_interrupt_while_files_are_moved_waits_until_all_are(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    rename = os.replace
-
-    def interrupted(old: Path, new: Path) -> None:
-        signal.raise_signal(signal.SIGINT)
-        rename(old, new)
-
-    monkeypatch.setattr(os, "replace", interrupted)
-    with report.Folder(tmp_path) as folder, pytest.raises(KeyboardInterrupt):
-        folder.write({"a": "1", "b": "2"})
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "b"]
 
 
 @pytest.mark.parametrize("there", [False, True])
@@ -235,42 +210,3 @@ def test_an_erratum_stands_there_if_a_claim_has_shown_it_in_this_run(i: int) -> 
 
 
 # --- templates and formulas ---
-
-
-def test_a_text_with_signs_is_the_same_in_both_letters() -> None:
-    texts = {"where": "Eq. (1)", "printed": "a < b & c", "holds": "a <= {b}", "proof": 'say "d", not <d>'}
-    claim = CLAIMS[0]._replace(errata=("one",), verdict=NOT_AS_PRINTED)
-    both = letter(judged(claim), errata=(Erratum(1, "one", "typo", **texts),))
-    for text in texts.values():
-        assert text in both["letter.txt"]
-        assert text.replace("<=", "≤") in unescape(re.sub(r"<[^>]*>", "", both["letter.html"]))
-
-
-def test_markdown_shows_a_text_as_it_is() -> None:
-    """Each character that means something in Markdown has one backslash, so a table keeps its cells."""
-    rng = random.Random(2)
-    for _ in range(200):
-        text = "w" + "".join(rng.choice("\\`*|[]~\"' ab") for _ in range(rng.randrange(30)))
-        found = report._markdown(text).replace("\u2060", "")  # typeset keeps |x| in one line by it
-        assert not re.search(r"[`*_|\[\]~]", re.sub(r"\\.", "", found))
-        assert re.sub(r"\\(.)", r"\1", found) == " ".join(text.split())
-
-
-@pytest.mark.parametrize(
-    ("text", "html"),
-    [
-        ("F(1) F(2) >= -mu1 FN", "F<sup>(1)</sup> F<sup>(2)</sup> ≥ −μ<sub>1</sub> F<sub>N</sub>"),
-        ("F⁽¹⁾ at x₀", "F<sup>(1)</sup> at x<sub>0</sub>"),
-        ("x_{i+1}, v_lambda and Omega^2", "x<sub>i+1</sub>, v<sub>λ</sub> and Ω<sup>2</sup>"),
-        ("1.2e-05, 1e+3 and -7", "1.2·10<sup>−5</sup>, 10<sup>3</sup> and −7"),
-        ("P4645 of v1.", "P<sub>4645</sub> of v<sub>1</sub>."),
-        ("x'' + x' = 0 <b>", "ẍ + ẋ\u00a0=\u00a00 &lt;b&gt;"),
-        ("F⁽ˡᵒ⁾ at ∂Ωᵢⱼ, μ FN", "F<sup>(lo)</sup> at ∂Ω<sub>ij</sub>, μ F<sub>N</sub>"),
-        ("x0 = −3.1049009630…, −(c/m)", "x<sub>0</sub>\u00a0=\u00a0−3.1049009630…, −\u2060(c/m)"),
-        ("fig7-corrected and fig10: belt2", "Fig.\u00a07 (corrected) and Fig.\u00a010: belt\u00a02"),
-        ("|γ| = a where |F(1)| > 0", "|\u2060γ\u2060|\u00a0=\u00a0a where |\u2060F<sup>(1)</sup>\u2060| &gt; 0"),
-        ("DOP853, version v0.1, the mass's", "DOP853, version v0.1, the mass's"),
-    ],
-)
-def test_formulas_in_text(text: str, html: str) -> None:
-    assert report.typeset(text) == html

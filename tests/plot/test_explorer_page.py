@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from statistics import median
 from time import monotonic
 from typing import Any
 
@@ -15,6 +14,8 @@ from effort import PATIENCE
 from exploring import served
 
 from symosc import Scene, find_orbit, load_scene, simulate
+
+pytestmark = pytest.mark.slow
 
 # -- support ----------------------------------------------------------------------------------------------------------
 
@@ -38,7 +39,6 @@ def browser() -> Iterator[Any]:
 # -- the page ---------------------------------------------------------------------------------------------------------
 
 
-pytestmark = pytest.mark.slow
 #: What is drawn: the points of the curves, and the ranges of the axes.
 DRAWN = """() => {
   const model = name => Bokeh.documents[0].get_model_by_name(name);
@@ -59,18 +59,6 @@ WATCH = """for (const name of ["stroke", "fill"]) {
     window.drawn = performance.now();
     return draw.apply(this, all);
   };
-}"""
-#: Milliseconds from the move of a slider to the last line of the plots that it changes.
-MOVE = """async value => {
-  const curves = Bokeh.documents[0].get_model_by_name("curves"), before = curves.data;
-  const slider = document.querySelector("[data-name=k] [type=range]");
-  await new Promise(requestAnimationFrame);
-  const begin = performance.now();
-  slider.value = value;
-  slider.dispatchEvent(new Event("input", {bubbles: true}));
-  while (curves.data === before) await new Promise(done => setTimeout(done, 5));
-  await new Promise(done => setTimeout(done, 250));
-  return window.drawn - begin;
 }"""
 
 
@@ -207,25 +195,6 @@ def test_a_scene_file_is_saved_and_opened(browser: Any, address: str, tmp_path: 
         page.locator("#file", has_text="bad.toml").wait_for()
         assert "m = 'heavy'" in page.locator("#file").inner_text()
         assert word_in(page)
-
-
-def test_nothing_is_wider_than_the_window(browser: Any, address: str) -> None:
-    with opened(browser, f"{address}?scene=fig10&t0=1234567.25&x0=123456789/1000&v0=-0.33333333333333&foo=1") as page:
-        assert "foo" in page.locator("#notes").inner_text()
-        for width in (1400, 768, 360):
-            page.set_viewport_size({"width": width, "height": 900})
-            eventually(page, lambda: page.evaluate(TOO_WIDE) == [])
-            assert page.locator("canvas").first.is_visible()
-        assert page.locator("input[type=text]:not([id])").count() == 0
-
-
-@pytest.mark.campaign
-def test_it_answers_within_a_tenth_of_a_second(browser: Any, address: str) -> None:
-    """On a machine that does nothing else: other tests beside this one take most of its time."""
-    with opened(browser, address) as page:
-        page.evaluate(MOVE, 2)
-        moves = [page.evaluate(MOVE, 2.1 + i / 10) for i in range(9)]
-        assert median(moves) < 100, moves
 
 
 def test_the_start_is_dragged_undone_and_reset(browser: Any, address: str) -> None:

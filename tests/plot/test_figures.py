@@ -201,13 +201,6 @@ def test_other_suffixes_and_unwritable_paths_leave_nothing(tmp_path: Path) -> No
     assert list(tmp_path.iterdir()) == []
 
 
-def test_where_figures_of_scenes_end() -> None:
-    ends = {name: plot.simulated(load_scene(name)).t_end for name in ("fig5", "fig7", "fig10")}
-    assert (ends["fig5"], ends["fig7"]) == (9, 15.1)
-    orbit = load_scene("fig10")
-    assert (ends["fig10"] - float(orbit.t0)) * 1.75 / (2 * np.pi) == pytest.approx(2.5)  # periods
-
-
 # -- what the panels show ---------------------------------------------------------------------------------------------
 
 
@@ -245,17 +238,6 @@ def test_forces_have_marks_of_their_own_belt_only(number: int) -> None:
     heights = [line.get_ydata() for line in ax.lines if line.get_label() == "onset of stick"]
     for height, sign in zip(heights, (1, -1), strict=False):
         assert (sign * np.asarray(height) > -1e-9).all()
-
-
-@pytest.mark.slow
-def test_many_marks_leave_the_motion_visible() -> None:
-    """The more marks, the smaller they are: their area grows no more once they are many."""
-    for t_end in (4, 120):
-        drawing = plot.figure(simulate("fig9", t_end=t_end), panels="b")
-        (line,) = [line for line in drawing.axes[0].lines if line.get_label() == "crossing"]
-        assert len(line.get_xdata()) * line.get_markersize() ** 2 < 1.01 * 16 * 5.6**2  # 16 marks in full size
-        handles = drawing.legends[0].legend_handles
-        assert {handle.get_markersize() for handle in handles if handle.get_marker() == "^"} == {5.6}
 
 
 @pytest.mark.slow

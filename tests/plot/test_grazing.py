@@ -10,12 +10,10 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.contour import QuadContourSet
-from matplotlib.figure import Figure
 
 from symosc import (
     ParameterError,
     Parameters,
-    grazing_curve,
     grazing_window,
     load_scene,
     plot,
@@ -24,7 +22,7 @@ from symosc import (
     values_everything,
 )
 from symosc.mappings.theorem7_cases import EVERYTHING
-from symosc.plot.windows import INSIDE_COLOR, TURN, draw_plane
+from symosc.plot.windows import INSIDE_COLOR, TURN
 
 # -- windows and curves -----------------------------------------------------------------------------------------------
 
@@ -37,44 +35,6 @@ def parameters(rng: random.Random) -> Parameters:
     v1 = Fraction(rng.randint(-20, 20), 3)
     changes = {"B0": rng.randint(-9, 9), "k": rng.randint(0, 8), "Omega": Fraction(rng.randint(1, 30), 4)}
     return FIG9.replace(v1=v1, v2=v1 + Fraction(rng.randint(1, 30), 7), **changes)
-
-
-def given_line(ax: Axes) -> float:
-    (line,) = [line for line in ax.lines if line.get_label() == "given value"]
-    return float(line.get_xdata()[0])  # type: ignore[index]
-
-
-def test_the_given_value_is_inside_the_frame() -> None:
-    """By default, and where the range that is asked for ends at the value."""
-    rng = random.Random(3)
-    for mapping in MAPS:
-        p = parameters(rng)
-        name = rng.choice(["Omega", "B0", "k", "v1" if mapping in ("P2", "P3") else "v2"])
-        value, reach = getattr(p, name), Fraction(rng.randint(1, 20), 3)
-        for low, high in ((None, None), (value - reach, value), (value, value + reach)):
-            try:
-                (ax,) = plot.sweep_figure(p, mapping, name, low, high).axes
-            except ParameterError:  # the range leaves what Parameters allows
-                assert low is not None
-                continue
-            assert given_line(ax) == pytest.approx(float(value))
-            left, right = ax.get_xlim()
-            assert min(value - left, right - value) > 0.015 * (right - left), (p, name, low, high)
-
-
-@pytest.mark.slow
-def test_where_nothing_is_drawn_there_is_no_scale() -> None:
-    p = load_scene("fig8").parameters
-    windows = [grazing_window(p, mapping) for mapping in MAPS]
-    drawing = plot.window_figure(windows, lambda ax, w: draw_plane(ax, grazing_curve(p, w.mapping, 40)))
-    empty = 0
-    for ax in drawing.axes:
-        if not ax.lines and not ax.collections:
-            empty += 1
-            assert len(ax.get_yticks()) == 0
-            assert ax.texts[0].get_text() in ("the window is empty", "no start on this plane grazes")
-            assert ax.get_xlim() == pytest.approx((0, 2 * np.pi))
-    assert empty == 2
 
 
 @pytest.mark.quick(2)
@@ -213,14 +173,6 @@ def borders(ax: Axes) -> dict[bool, list[Any]]:
         ((_, dashes),) = each.get_linestyle()
         found[dashes is None] += [piece for piece in each.allsegs[0] if len(piece)]
     return found
-
-
-def test_an_answer_draws_itself_into_axes_of_a_users_own() -> None:
-    region = values_empty(FIG9, "P5", ("k", "v2"))
-    own = Figure().subplots()
-    assert region.plot(ax=own) is own.figure
-    assert "nowhere here" in [text.get_text() for text in own.texts]
-    assert [own.get_xlabel(), own.get_ylabel()] == ["$k$", "$v_2$"]
 
 
 def test_bad_ranges() -> None:

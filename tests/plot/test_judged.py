@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from copy import copy
-from html.parser import HTMLParser
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from answers import MAKERS, PROVEN, answer
+from answers import PROVEN
 from careful_solver import TIGHT, solve
 from excerpts import crosscheck
 from matplotlib.axes import Axes
@@ -20,7 +17,6 @@ from small_set import right, stored_set
 import symosc
 from symosc import (
     Branch,
-    OutputError,
     Parameters,
     continue_orbit,
     find_orbit,
@@ -28,7 +24,6 @@ from symosc import (
     plot,
     simulate,
 )
-from symosc.certificates.certificate import Certificate
 from symosc.plot.figures import END_MARKERS, multiplier_curves
 from symosc.plot.judged import ABSENT, FAULTY, LEAST_UNITS
 from symosc.plot.judged import crosscheck_figure as figure
@@ -133,65 +128,6 @@ def test_the_figure_marks_events_and_tolerances(tmp_path: Path) -> None:
     assert np.nanmax(np.asarray(error.get_ydata(), dtype=float)) * result.scales[0] == pytest.approx(result.max_error_x)
 
 
-# -- the page of a cross-check ----------------------------------------------------------------------------------------
-
-
-T = np.linspace(0, 12, 120)
-
-
-class Reader(HTMLParser):
-    """Says which tags are open, and what the page refers to."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.sources: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        if tag not in ("meta", "img"):
-            self.open.append(tag)
-        self.sources += [value or "" for name, value in attrs if name in ("src", "href")]
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-
-@pytest.mark.slow
-def test_the_page_is_whole_and_folded_and_needs_nothing_else(tmp_path: Path) -> None:
-    """A reader sees the first wrong steps; the rest, a page of 15,000 pixels, is one click away."""
-    p = load_scene("fig5").parameters
-    check = crosscheck(p, T, *simulate(p.replace(B0=9), t0=0, x0=0, v0=0, t_end=12)(T))
-    text = check.to_html(tmp_path / "check.html").read_text(encoding="utf-8")
-    reader = Reader()
-    reader.feed(text)
-    assert reader.open == []
-    assert len(reader.sources) == 4
-    assert all(source.startswith("data:image/svg+xml;base64,") for source in reader.sources)
-    said = re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", text))
-    for words in ("Not right", check.diagnosis[0].words, "Explains", "First wrong step", "invented", "The system"):
-        assert words in said
-    for event in check.missed:
-        assert f"{float(event.t):.10g}" in said
-    assert len(check.wrong_steps) > 40
-    unfolded = re.sub(r"<details>.*?</details>", "", text, flags=re.DOTALL)
-    assert 4 <= unfolded.count('<td class="words">') <= 10
-    assert text.count('<td class="words">') == len(check.wrong_steps)
-    hidden = len(check.wrong_steps) - unfolded.count('<td class="words">')
-    assert f"<summary>{hidden} more</summary>" in text
-
-
-@pytest.mark.slow
-def test_the_page_of_a_right_solution(tmp_path: Path) -> None:
-    check = crosscheck("fig5", T, *simulate("fig5", t_end=12)(T))
-    text = check.to_html(tmp_path / "check.html").read_text(encoding="utf-8")
-    assert "Right: every step agrees" in text
-    assert "Diagnosis" not in text
-    assert "First wrong step" not in text
-    with pytest.raises(OutputError):
-        check.to_html(tmp_path / "nowhere" / "check.html")
-    assert not (tmp_path / "nowhere").exists()
-
-
 # -- one step ---------------------------------------------------------------------------------------------------------
 
 
@@ -240,47 +176,6 @@ def test_each_case_is_where_it_belongs() -> None:
     assert [text.get_text() for text in drawing.legends[0].get_texts()] == ["good", "bad"]
     looks = {(line.get_color(), line.get_marker()) for line in ax.lines[:2]}
     assert len(looks) == 2
-
-
-# -- pages in notebooks -----------------------------------------------------------------------------------------------
-
-
-@pytest.mark.quick(4)
-@pytest.mark.parametrize("kind", sorted({*MAKERS} - {"failed check"}))
-def test_a_page_is_well_formed_and_short(kind: str) -> None:
-    page = answer(kind)._repr_html_()
-    root = ElementTree.fromstring(page)
-    assert root.attrib["class"] == "symosc"
-    assert root.find(".//strong").text == type(answer(kind)).__name__  # type: ignore[union-attr]
-    assert len(page) < 40_000
-    assert len(root.findall(".//tbody/tr")) < 30
-    assert not {"nan", "None"} & set("".join(root.itertext()).split())
-
-
-def test_listings_have_a_table() -> None:
-    motion = simulate("fig9", t_end=100)
-    for listing, what, cells in ((motion.events, "Events", "cross Omega1 Omega2"), (motion.segments, "Segments", "P3")):
-        root = ElementTree.fromstring(listing._repr_html_() or "")
-        text = " ".join(root.itertext()).split()
-        assert root.find(".//strong").text == what  # type: ignore[union-attr]
-        assert {*cells.split(), f"{len(listing)}"} <= {*text}
-        assert "None" not in text
-
-
-def test_what_is_put_in_is_escaped() -> None:
-    hostile = '<script>alert("&amp;")</script>'
-    proof = Certificate(hostile, True, hostile, ((hostile, hostile, hostile),), statement={"made_by": hostile})
-    root = ElementTree.fromstring(proof._repr_html_() or "")
-    assert root.findall(".//script") == []
-    texts = "".join(root.itertext())
-    assert texts.count(hostile) == 6
-
-
-def test_a_proof_shows_the_digits_that_are_proven() -> None:
-    texts = [cell.text for cell in ElementTree.fromstring(PROVEN._repr_html_() or "").iter("td")]
-    assert texts[3:7] == ["1.5826058214", "7.913029107", "2e-11", "1e-11"]
-    assert texts[7] == "-0.017"
-    assert texts[8] == "0.25 - 0.5 i"
 
 
 def test_a_fit_is_drawn_with_its_data_and_residuals() -> None:

@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 from answers import answer
 from bad_values import refused
-from matplotlib.colors import to_rgb
-from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from small_sweeps import made_up
 
 from symosc import Summary, plot
-from symosc.plot.sweeps import MOST_CLASSES, borders, classes_of, luminance
+from symosc.plot.sweeps import MOST_CLASSES, borders, classes_of
 
 # -- sweeps over one axis ---------------------------------------------------------------------------------------------
 
@@ -42,15 +40,6 @@ def test_numbers_are_a_curve_and_words_are_levels() -> None:
     assert np.array_equal(line.get_ydata(), dataset.stuck.values)
     axes = plot.curve_figure(dataset, "word").axes[0]
     assert [text.get_text() for text in axes.get_yticklabels()] == ["no event", "$P_{32}$"]
-
-
-def test_what_is_no_sweep() -> None:
-    dataset = made_up(ONE_AXIS | {"k": [1, 2]}, section=section, sticks=lambda cells: cells["k"].astype(int))
-    refused(lambda: plot.bifurcation_figure(dataset), "dataset")
-    refused(lambda: plot.bifurcation_figure(dataset[["sticks", "status"]].isel(k=0)), "name")
-    refused(lambda: plot.curve_figure(dataset, "sticks"), "dataset")
-    drawing = Figure()
-    assert plot.bifurcation_figure(dataset.isel(k=0), ax=drawing.add_subplot()) is drawing
 
 
 # -- sweeps over two axes ---------------------------------------------------------------------------------------------
@@ -84,16 +73,6 @@ def test_cells_have_the_class_of_their_value(seed: int) -> None:
     assert counts == sorted(counts, reverse=True)  # the rarest are the others
 
 
-def test_classes_are_told_apart_without_colours() -> None:
-    found = classes_of(np.arange(9).reshape(3, 3), np.zeros((3, 3), dtype=bool))
-    assert found.names == [str(i) for i in range(9)]  # numbers in their order
-    light = [luminance(to_rgb(color)) for color in found.colors]
-    assert np.diff(light).max() < -0.05
-    several = classes_of(np.array([[f"P{i}" for i in range(30)]]), np.zeros((1, 30), dtype=bool))
-    assert several.hatches[:-1] == [""] * (MOST_CLASSES - 1)
-    assert several.hatches[-1]
-
-
 @pytest.mark.parametrize("seed", range(2))
 def test_borders_are_where_the_class_changes(seed: int) -> None:
     codes = np.random.default_rng(seed).integers(0, 3, (6, 5))
@@ -123,18 +102,6 @@ def test_a_map_of_words() -> None:
     assert len(inside) >= 3
 
 
-def test_numbers_are_shades_with_lines() -> None:
-    dataset = made_up(OVER, stuck=lambda cells: cells["FN"] / 20)
-    drawing = plot.map_figure(dataset)
-    assert drawing.axes[1].get_ylabel() == "share of time stuck"
-    assert drawing.legends == []
-    constant = plot.map_figure(made_up(OVER, stuck=lambda cells: 0 * cells["FN"]))
-    lines = [sum(isinstance(part, QuadContourSet) for part in each.axes[0].collections) for each in (drawing, constant)]
-    assert lines == [1, 0]
-    many = made_up(OVER, events=lambda cells: (100 * cells["FN"] * cells["Omega"]).astype(int))
-    assert len(plot.map_figure(many).axes) == 2
-
-
 def test_a_basin_has_the_belts() -> None:
     dataset = made_up({"v0": "-3:3:9", "x0": "-1:1:5"}, word=lambda cells: WORDS[(cells["v0"] > 0).astype(int)])
     axes = plot.basin_figure(dataset).axes[0]
@@ -142,37 +109,6 @@ def test_a_basin_has_the_belts() -> None:
     lines = [line.get_ydata()[0] for line in axes.lines]  # type: ignore[index]
     assert lines == [1]  # belt 1 of fig9; belt 2 runs with 25
     refused(lambda: plot.basin_figure(made_up(OVER, sticks=bands)), "dataset")
-
-
-def test_what_is_no_map() -> None:
-    three = made_up(OVER | {"k": [1, 2]}, sticks=bands)
-    assert "isel" in refused(lambda: plot.map_figure(three), "dataset")
-    plot.map_figure(three.isel(k=0))
-    plot.map_figure(three.isel(k=[0]))
-    refused(lambda: plot.map_figure(three.isel(k=0, FN=0)), "dataset")
-    refused(lambda: plot.map_figure(three, "words"), "name")
-    refused(lambda: plot.map_figure({}), "dataset")  # type: ignore[arg-type]
-    refused(lambda: plot.swept_figure(three.drop_vars("status")), "dataset")
-
-
-# -- the form that fits -----------------------------------------------------------------------------------------------
-
-
-def axis_labels(over: dict[str, str], name: str | None = None) -> tuple[str, str]:
-    dataset = made_up(
-        over,
-        sticks=lambda cells: np.arange(len(next(iter(cells.values())))) % 3,
-        section=lambda cells: np.ones((len(next(iter(cells.values()))), 2, 2)),
-    )
-    axes = plot.swept_figure(dataset, name).axes[0]
-    return axes.get_xlabel(), axes.get_ylabel()
-
-
-def test_the_form_that_fits() -> None:
-    assert axis_labels({"mu1": "0:1:5"}) == (r"$\mu_1$", "displacement $x$ at whole periods")
-    assert axis_labels({"mu1": "0:1:5"}, "sticks") == (r"$\mu_1$", "sticks")
-    assert axis_labels({"mu1": "0:1:5", "k": "1:2:3"}, "sticks") == (r"$\mu_1$", "$k$")
-    assert axis_labels({"v0": "0:1:5", "x0": "1:2:3"}, "sticks") == ("$x_0$", "$v_0$")
 
 
 # -- ensembles --------------------------------------------------------------------------------------------------------
@@ -199,15 +135,3 @@ def test_bars_count_all_motions(seed: int) -> None:
     assert len(names) == len(counts) <= 12
     assert counts[0] == max(np.unique(words, return_counts=True)[1])
     assert ("others" in names[-1]) == (len(set(words)) > 12)
-
-
-@pytest.mark.parametrize("name", ["section", "stuck", "mode", "sticks", "events"])
-def test_every_column_is_drawn_into_given_axes(name: str) -> None:
-    axes = Figure().add_subplot()
-    assert answer("summary").plot(name=name, ax=axes) is axes.figure
-    assert axes.has_data()
-
-
-def test_what_is_no_ensemble() -> None:
-    refused(lambda: answer("summary").plot(name="words"), "name")
-    refused(lambda: Summary().plot(), "name")

@@ -7,7 +7,6 @@ import math
 import random
 import sys
 import threading
-import time
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
@@ -19,7 +18,7 @@ import problems
 import pytest
 import touches
 from effort import PATIENCE
-from samples import few, sample_of
+from samples import sample_of
 from touches import tenths
 
 from symosc import (
@@ -33,7 +32,6 @@ from symosc import (
     simulate,
     simulate_many,
 )
-from symosc.engine import batch
 from symosc.engine.batch import EventRows
 from symosc.simulation.batch import DOUBLES, PAIRS, CancelToken, in_chunks
 from symosc.simulation.tables import EventTable
@@ -198,16 +196,6 @@ def test_a_motion_that_comes_to_rest(use_numba: bool) -> None:
 
 
 @ENGINES
-def test_a_belt_for_ever(use_numba: bool) -> None:
-    """More periods than are followed, but none of them needs to be: the forces repeat."""
-    available(use_numba)
-    p = Parameters(m=1, c=1, k=0, A0=0, B0="0.5", Omega=5, v1=1, v2=2, mu1=2, mu2=2, FN=3)
-    trajectory = assert_one_engine((p, (0, 0, 1), 10**9), use_numba)
-    assert (trajectory.status, list(trajectory.events)) == ("t_end", [])
-    assert trajectory(1e9).tolist() == [1e9, 1.0]
-
-
-@ENGINES
 def test_more_periods_than_are_followed(use_numba: bool) -> None:
     """Both refuse, with the same words; unless the motion ends before."""
     available(use_numba)
@@ -264,22 +252,6 @@ def test_grazes_that_only_the_batch_once_missed(use_numba: bool) -> None:
     assert sum(event.kind == "graze" for event in trajectory.events) == 5
 
 
-@ENGINES
-@pytest.mark.parametrize("t0", [0, 10**8, -(10**8)])
-def test_where_all_is_decided_no_more_digits_are_needed(
-    t0: int, use_numba: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A late or early clock is coarse, but in proportion to t."""
-    available(use_numba)
-    monkeypatch.setattr("symosc.simulation.ensemble.in_doubles", None)
-    monkeypatch.setattr("symosc.simulation.ensemble.pair_loops", None)
-    for name in ("fig5", "fig6", "fig9", "fig10"):
-        scene = load_scene(name)
-        table = simulate_many(scene.parameters, [t0, scene.x0, scene.v0], t0 + 20, use_numba=use_numba)
-        assert len(table) >= 1
-        assert table.status == ["t_end"]
-
-
 # -- pairs of doubles, and more digits ---------------------------------------------------------------------------------
 
 
@@ -314,17 +286,6 @@ def test_events_of_pairs_are_those_of_many_digits(count: int, monkeypatch: pytes
         assert_climbs(seed, 6, accuracy=accuracy, max_events=most)
 
 
-def test_little_work_is_interpreted_in_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
-    """So little work does not wait for a compiler; it comes to the same."""
-    pytest.importorskip("numba")
-    monkeypatch.setattr(PAIRS, "events", 10_000)
-    monkeypatch.setattr("symosc.simulation.ensemble.pairs_are_compiled", lambda: False)
-    monkeypatch.setattr("symosc.simulation.batch.is_compiled", lambda loop: False)
-    monkeypatch.setattr("symosc.simulation.ensemble.in_doubles", None)
-    assert_climbs(0, 2, accuracy=3e-16, max_events=9)
-    assert 0 < PAIRS.events < 10_000
-
-
 @pytest.mark.compiled("pairs")
 @pytest.mark.slow
 def test_what_pairs_leave_open_is_left_to_more_digits() -> None:
@@ -340,19 +301,6 @@ def test_what_pairs_leave_open_is_left_to_more_digits() -> None:
     for number in (0, 1):
         assert_same(table, number, simulate(scene))
     assert "graze" in table.kind.tolist()
-
-
-def test_faint_errors_leave_no_trace() -> None:
-    """What is rounded to a double is the same for any number of digits that are enough."""
-    for x in (1.0, -3e-8, 7e20):
-        assert batch.rounding_error(1e-30 * abs(x), x) == batch.rounding_error(0.0, x) == 2.0**-53 * abs(x)
-        assert batch.rounding_error(1e-20 * abs(x), x) > 2.0**-53 * abs(x)
-        for v in (2.0, -1e-3):
-            faint = (1e-60 * x * x, 1e-60 * x * v, 1e-60 * v * v)
-            for at in (0, 1):
-                assert batch.rounded_covariance(at, x, v, *faint) == batch.rounded_covariance(at, x, v, 0, 0, 0)
-                assert batch.rounded_covariance(at, x, v, 1e-40 * x * x, 0.0, 0.0)[0] > (2.0**-53 * x) ** 2
-    assert batch.rounding_error(1e-30, 0.0) == 1e-30
 
 
 def test_accuracy_asks_for_more_digits_or_none() -> None:
@@ -371,17 +319,6 @@ def test_accuracy_asks_for_more_digits_or_none() -> None:
     assert in_t < in_x  # the position alone is reason enough
     by_x = simulate_many(scene.parameters, start, scene.t_end, accuracy=math.sqrt(in_t * in_x))
     assert by_x.x.tolist() == [event.x for event in finer.events]
-
-
-@pytest.mark.parametrize("accuracy", few([0, -1e-13, float("nan"), "much"], 0))
-def test_accuracy_is_a_positive_number(accuracy: Any) -> None:
-    scene = load_scene("fig5")
-    with pytest.raises(ParameterError, match=r"accuracy.*> 0"):
-        simulate(scene, accuracy=accuracy)
-    with pytest.raises(ParameterError, match=r"accuracy.*> 0"):
-        simulate_many(scene.parameters, [0, 0, 0], 1, accuracy=accuracy)
-    with pytest.raises(ParameterError, match=r"accuracy.*digits = 30"):
-        simulate(scene, accuracy=1e-9, digits=30)
 
 
 # -- columns, tables and threads ---------------------------------------------------------------------------------------
@@ -429,24 +366,6 @@ def test_a_table_has_its_trajectories_by_number(tmp_path: Path, monkeypatch: pyt
     assert dataset["status"].values.tolist() == table.status
 
 
-@pytest.mark.parametrize("threads", [1, 2, 5])
-def test_results_are_in_order_and_buffers_are_not_shared(threads: int) -> None:
-    used: set[int] = set()
-
-    def work(rows: slice, room: EventRows, cancel: CancelToken) -> list[int]:
-        assert id(room) not in used
-        used.add(id(room))
-        time.sleep(0.001)
-        used.remove(id(room))
-        return list(range(rows.start, rows.stop))
-
-    seen: list[tuple[int, int]] = []
-    found = in_chunks(53, work, threads, lambda done, of: seen.append((done, of)))
-    assert [row for part in found for row in part] == list(range(53))
-    assert [done for done, _ in seen] == sorted(done for done, _ in seen)
-    assert seen[-1] == (53, 53)
-
-
 @pytest.mark.parametrize("where", ["chunk", "caller"])
 def test_an_interrupt_ends_all_threads(where: str) -> None:
     running, begun = threading.Event(), []
@@ -469,12 +388,3 @@ def test_an_interrupt_ends_all_threads(where: str) -> None:
         in_chunks(40, work, 3, interrupted)
     assert len(begun) <= 4 < 14  # chunks: the thread that failed may take another one before the others are stopped
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("symosc")]
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [({"workers": 0}, "workers = 0"), ({"workers": 1.5}, "workers = 1.5"), ({"progress": 3}, "progress = 3")],
-)
-def test_bad_workers(given: Any, message: str) -> None:
-    with pytest.raises(ParameterError, match=message):
-        simulate_many(load_scene("fig9").parameters, (0, 0, 0), 1, **given)

@@ -8,20 +8,17 @@ import re
 from fractions import Fraction
 from typing import Any
 
-import fuzz
-import numpy as np
 import pytest
 from agreement import BASE, assert_agrees
 from aimed import aimed, text
 from oracle import simulate_oracle
-from touches import ordinary, tenths
+from touches import ordinary
 
 from symosc import Parameters, load_scene, simulate
-from symosc.engine import first_exit, flow, start
-from symosc.engine.arithmetic import interpreted_pairs
+from symosc.engine import start
 from symosc.engine.start import Start
 from symosc.simulation import motion
-from symosc.simulation.motion import FinerMotion, Motion, MotionInDoubles, digits_to_confirm_graze
+from symosc.simulation.motion import Motion, digits_to_confirm_graze
 
 pytestmark = pytest.mark.usefixtures("interpreted")
 
@@ -68,54 +65,6 @@ def test_digits_are_raised_until_events_are_known_to_them() -> None:
     assert max(event.t_error / event.t for event in found.events) < 1e-19
 
 
-def test_a_finer_motion_is_followed_only_as_far_as_it_is_needed() -> None:
-    scene = load_scene("fig8")
-    one = FinerMotion(Start(scene.parameters, scene.t0, scene.x0, scene.v0, Fraction(30)))
-    doubts = iter([0, 5, 0, 10**6])
-    assert one.reach(3, lambda *_: next(doubts))
-    assert one.count == 3
-    assert one.reach(2, lambda *_: next(doubts))
-    assert one.count == 5
-    assert one.reach(5, lambda *_: next(doubts))
-    assert one.ended
-
-
-@pytest.mark.parametrize(("t_end", "accuracy"), [(30, None), (45, None), (22, 1e-15)])
-def test_pairs_and_many_digits_hand_the_same_doubles_out(
-    t_end: int, accuracy: float | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A single motion goes through pairs only where their compiled loop is loaded: that must not show."""
-    scene, outcomes, used = load_scene("fig8"), [], []
-
-    def counted() -> Any:
-        used.append(1)
-        return interpreted_pairs()
-
-    for loaded in (False, True):
-        monkeypatch.setattr("symosc.simulation.simulate.pairs_are_loaded", lambda loaded=loaded: loaded)
-        monkeypatch.setattr(motion, "compiled_pairs", counted)
-        for shift in (0, Fraction(1, 10)):
-            found = simulate(scene, x0=scene.x0 + shift, t_end=t_end, accuracy=accuracy)
-            times = [float(found.t_start) + n / 7 for n in range(100)]
-            outcomes.append((found.status, list(found.events), found(times).tolist()))
-    assert used
-    assert outcomes[:2] == outcomes[2:]
-
-
-@pytest.mark.parametrize(("family", "number"), [("aimed", 3), ("aimed", 20), ("digits", 9)])
-def test_they_do_so_from_a_start_time_that_is_no_double(
-    family: str, number: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    scene, outcomes = fuzz.scene_of(family, 77, number), []
-    monkeypatch.setattr(motion, "compiled_pairs", interpreted_pairs)
-    for loaded in (False, True):
-        monkeypatch.setattr("symosc.simulation.simulate.pairs_are_loaded", lambda loaded=loaded: loaded)
-        found = simulate(scene.p, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end)
-        times = np.linspace(float(found.t_start), float(found.t_end), 23)[1:-1]
-        outcomes.append((list(found.events), found(times).tolist()))
-    assert outcomes[0] == outcomes[1]
-
-
 def test_how_many_digits_a_graze_takes() -> None:
     """Gaps shrink like exp(-rate t): e^-(h t) without oscillation of the roots, else by the fast root, or the slow."""
 
@@ -137,16 +86,6 @@ def test_how_many_digits_a_graze_takes() -> None:
     for push, few in ((Fraction(0), True), (Fraction(1, 10**30), False)):
         one = Motion(Start(scene.p, Fraction(0), scene.x0 + push, scene.v0, scene.t_end), 40)
         assert (digits_to_confirm_graze(one, elapsed, 40) == 3 * 40) is few
-
-
-@pytest.mark.parametrize("digits", [None, 20])
-def test_rest_is_taken_back_to_the_start(digits: int | None) -> None:
-    """On the fast manifold rounding decides at first; rational numbers say that no contact comes."""
-    p = Parameters(m=1, c=3, k=2, A0=0, B0=0, Omega=1, v1=-9, v2=0, mu1=0, mu2=0, FN=1)  # roots -1, -2
-    found = simulate(p, t0=0, x0="1/2", v0=-1, t_end=1000, digits=digits)
-    assert (found.status, list(found.events)) == ("equilibrium", [])
-    for t in (0.0, 1.0, 10.0):
-        assert found(t) == pytest.approx((0.5 * math.exp(-2 * t), -math.exp(-2 * t)), rel=1e-12)
 
 
 def test_what_settles_in_rational_numbers() -> None:
@@ -171,62 +110,6 @@ def test_what_settles_in_rational_numbers() -> None:
     assert settles("-1/2", v0=1, q=mirrored)
     assert not settles(-Fraction(1, 2) + tiny, v0=1, q=mirrored)
     assert not settles("-50", v0=1, q=mirrored)
-
-
-def counted_flow(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    count, original = [0], flow.state_at
-
-    def counting(*arguments: Any) -> Any:
-        count[0] += 1
-        return original(*arguments)
-
-    monkeypatch.setattr(first_exit, "state_at", counting)
-    return count
-
-
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("spring", [True, False])
-def test_a_light_mass_and_a_slow_drive_take_little_work(spring: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Rates that differ by 1e9 and more: once 20,000 evaluations of the flow for every event."""
-    count, rng = counted_flow(monkeypatch), random.Random(f"light {spring}")
-    for _ in range(8):
-        k = Fraction(f"{10 ** rng.uniform(-3, 0):.3g}") if spring else Fraction(0)
-        m, c, Omega = (Fraction(f"{10 ** rng.uniform(*limits):.3g}") for limits in ((-7, -5), (-2, 1), (-6, -5)))
-        v1 = tenths(rng, -30, -1)
-        p = Parameters(
-            m=m, c=c, k=k, A0=tenths(rng, -20, 20), B0=tenths(rng, 5, 60), Omega=Omega, v1=v1,
-            v2=v1 + tenths(rng, 1, 40), mu1=tenths(rng, 0, 10), mu2=tenths(rng, 0, 10), FN=tenths(rng, 1, 50),
-        )  # fmt: skip
-        count[0] = 0
-        found = simulate(p, t0=0, x0=tenths(rng, -30, 30), v0=tenths(rng, -30, 30), t_end=20 / Omega, max_events=25)
-        assert found.status != "undecidable"
-        assert count[0] <= 100 * (len(found.events) + 2), p
-
-
-def test_a_settled_motion_takes_no_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    count = counted_flow(monkeypatch)
-    p = BASE.replace(B0="0.1", v1=-5, v2=5)
-    for t_end in (10**3, 10**7):
-        count[0] = 0
-        found = simulate(p, t0=0, x0=0, v0=0, t_end=t_end)
-        assert (found.status, list(found.events)) == ("t_end", [])
-        assert count[0] <= 20
-
-
-@pytest.mark.slow
-def test_a_motion_moves_on_where_nothing_happens() -> None:
-    """A search is no longer than its chunk: the state in between is that of the flow, and the phase goes along."""
-    p = Parameters(m=1, c=0, k=400, A0=0, B0=400, Omega="0.1", v1="-20.06", v2="20.06", mu1=1, mu2=1, FN=1)
-    one = MotionInDoubles(Start(p, Fraction(0), Fraction(2), Fraction(0), Fraction(60)))
-    one.follow(1, math.inf)
-    _, theta, _, x, v, _, t = one.pieces()[:, 1].tolist()
-    assert t == pytest.approx(one.K.chunk)
-    assert theta == pytest.approx(0.1 * one.K.chunk)
-    whole = simulate(p, t0=0, x0=2, v0=0, t_end=60)
-    assert whole.events[0].t > one.K.chunk
-    before = whole(t - 1e-9)  # from the piece before
-    assert (x, v) == pytest.approx((before[0] + 1e-9 * before[1], before[1]), abs=1e-5)
-    assert x == pytest.approx(before[0] + 1e-9 * before[1], abs=1e-11)
 
 
 def test_a_graze_is_decided_by_what_is_behind_the_digits() -> None:

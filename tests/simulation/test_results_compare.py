@@ -14,7 +14,7 @@ import sympy
 from samples import few
 
 import symosc
-from symosc import Event, EventTable, Trajectory, load_scene, simulate, simulate_many
+from symosc import EventTable, Trajectory, load_scene, simulate, simulate_many
 
 P = load_scene("fig5").parameters
 FIG9 = load_scene("fig9").parameters
@@ -35,33 +35,6 @@ def test_results_compare_copy_and_pickle(make: Callable[[int], Trajectory | Even
         assert (copied == one) is True
     if isinstance(one, Trajectory):
         assert hash(one) == hash(same)
-
-
-def test_events_compare_copy_and_pickle() -> None:
-    event = TRAJECTORY.events[0]
-    assert isinstance(event, Event)
-    assert (event == simulate("fig5", t_end=5).events[0]) is True
-    assert (event == TRAJECTORY.events[1]) is False
-    for copied in (copy.copy(event), copy.deepcopy(event), pickle.loads(pickle.dumps(event))):
-        assert (copied == event) is True
-
-
-def test_trajectories_with_digits_compare_and_copy() -> None:
-    one, same, rougher = (simulate("fig5", t_end=5, digits=digits) for digits in (20, 20, 25))
-    assert (one == same) is True
-    assert (one == rougher) is False
-    assert (copy.deepcopy(one) == one) is True
-
-
-def test_dir_shows_the_api_alone() -> None:
-    names = dir(symosc)
-    assert names == sorted(symosc.__all__)
-    assert {"simulate", "plot", "Trajectory"} < set(names)
-    assert not {"engine", "lazy_loader", "numpy"} & set(names)
-    for name in names:
-        assert getattr(symosc, name) is not None
-    with pytest.raises(AttributeError, match="no_such_name"):
-        symosc.no_such_name  # noqa: B018
 
 
 SYMBOLS = sympy.symbols("gamma amplitude", real=True)

@@ -16,7 +16,6 @@ from agreement import assert_agrees, assert_event_agrees
 from oracle import OracleRun, simulate_oracle
 
 from symosc import load_scene, simulate
-from symosc.simulation import simulate as simulate_module
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 TARGETS = {"1": "Omega1", "2": "Omega2", "3": "Omega3"}
@@ -49,15 +48,6 @@ def test_every_event_of_the_references(name: str, count: int) -> None:
             assert (event.kind, event.target) == ("slip", TARGETS[kind[-1]])
             assert event.source == f"belt{event.boundary}"
         assert float(scene.parameters.belt(event.boundary)) == v
-
-
-@pytest.mark.parametrize(("name", "milliseconds"), [("fig8", 2.6), ("fig7-corrected", 0.9)])
-def test_printed_starts_show_their_micro_sticks(name: str, milliseconds: float) -> None:
-    onset, end = simulate(load_scene(name)).events[:2]
-    length = float(reference(name)[1][0] - reference(name)[0][0])
-    assert length == pytest.approx(milliseconds / 1000, abs=5e-5)
-    assert (onset.kind, end.kind, onset.boundary) == ("stick", "slip", 1)
-    assert end.t - onset.t == pytest.approx(length, abs=2e-12)
 
 
 @pytest.mark.quick(4)
@@ -142,17 +132,6 @@ def test_forty_digits_are_forty_digits(name: str) -> None:
     trajectory = simulate(scene, digits=40)
     run = simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, 70)
     assert_agrees(trajectory, run, 1e-39)
-
-
-def test_many_digits_end_after_fewer_events(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A t_end that is far away is no wait without an end."""
-    monkeypatch.setattr(simulate_module, "MOST_EXACT_EVENTS", 7)
-    monkeypatch.setattr(simulate_module, "MOST_EVENTS", 9)
-    for digits, most in ((20, 7), (None, 9)):
-        found = simulate("fig9", t_end="1e10", digits=digits)
-        assert (found.status, len(found.events)) == ("max_events", most)
-        assert f"max_events = {most}" in found.message
-    assert len(simulate("fig9", t_end="1e10", digits=20, max_events=8).events) == 8
 
 
 @pytest.mark.parametrize("digits", [None, 30])

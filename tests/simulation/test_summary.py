@@ -12,8 +12,6 @@ import pytest
 from slow_summary import slow_summary
 
 from symosc import ParameterError, Parameters, load_scene, simulate, simulate_many
-from symosc.engine import summary
-from symosc.simulation import batch
 from symosc.simulation.tables import Summary
 
 FIG9 = load_scene("fig9").parameters
@@ -82,27 +80,6 @@ def test_orbits_repeat(word: str, periods: int) -> None:
     assert found.word[0] == word
 
 
-@pytest.mark.parametrize("name", ["fig9", "fig10"])
-def test_flights_that_repeat_are_not_searched_again(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Once a motion has settled; the extremes change by their slack at most."""
-    one, searched, extremes = load_scene(name), [0], []
-    search, repeats = summary.flight_extremes, summary.repeats_flight
-
-    def counted(*arguments: Any) -> Any:
-        searched[-1] += 1
-        return search(*arguments)
-
-    monkeypatch.setattr(summary, "flight_extremes", counted)
-    for rule in (repeats, lambda *_: False):
-        monkeypatch.setattr(summary, "repeats_flight", rule)
-        given: Any = {"record": ("events", "x_min", "x_max", "v_min", "v_max"), "use_numba": False}
-        found = simulate_many(one.parameters, (0, 1, Fraction(1, 2)), one.t_end + 200, **given)
-        extremes.append([getattr(found, column)[0] for column in given["record"]])
-        searched.append(0)
-    assert searched[0] < 0.3 * searched[1]
-    assert extremes[0] == pytest.approx(extremes[1], rel=0, abs=1e-13)
-
-
 def test_flights_of_a_drifting_mass_do_not_repeat() -> None:
     """Without a spring the velocity repeats to the last bit, and the mass goes on: its turning points do not repeat."""
     p = Parameters(m=1, c=0, k=0, A0=0, B0=8, Omega=2, v1=-1, v2="-0.5", mu1=0, mu2=0, FN=1)
@@ -135,54 +112,9 @@ def test_ends_that_are_whole_periods_count_however_they_are_rounded() -> None:
     assert not np.isnan(found.section).any()
 
 
-def test_a_word_that_is_longer_than_its_buffer() -> None:
-    """A free swing through two belts without friction, many times in a period of a slow drive."""
-    p = Parameters(m=1, c=0, k=4, A0=0, B0=1, Omega="0.1", v1=-1, v2=1, mu1=0, mu2=0, FN=1)
-    found = simulate_many(p, (0, 3, 0), 130, record="summary", use_numba=False)[0]
-    labels = "".join(label[1:] for label in simulate(p, t0=0, x0=3, v0=0, t_end=130).word)
-    assert len(found["word"]) > 70
-    assert found["word"][2:] in labels[::-1]
-
-
 def many() -> tuple[list[Parameters], list[tuple[Any, ...]], list[Fraction]]:
     sets, starts, ends = zip(*map(scene, range(30)), strict=True)
     return list(sets), list(starts), list(ends)
-
-
-@pytest.mark.slow
-@pytest.mark.compiled("pairs")
-def test_compiled_or_not_and_in_any_parts_it_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("numba")
-    monkeypatch.setattr(batch.PAIRS, "events", 0)
-    sets, starts, ends = many()
-    given: Any = {"record": "summary", "sections": 2}
-    whole = simulate_many(sets, starts, ends, use_numba=True, workers=1, **given)
-    for workers in (2, 3):
-        assert simulate_many(sets, starts, ends, use_numba=True, workers=workers, **given) == whole
-    plain = simulate_many(sets, starts, ends, use_numba=False, **given)
-    for name, column in whole.columns().items():
-        if column.dtype.kind == "f":
-            np.testing.assert_allclose(column, getattr(plain, name), rtol=1e-11, atol=1e-11, err_msg=name)
-        else:
-            assert column.tolist() == getattr(plain, name).tolist(), name
-
-
-@pytest.mark.slow
-@pytest.mark.compiled("pairs")
-def test_pairs_count_as_many_digits_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Double-double numbers, compiled, against motions that are followed one by one."""
-    pytest.importorskip("numba")
-    one = load_scene("fig8")
-    starts = [(one.t0, one.x0 + Fraction(n, 50), one.v0) for n in range(6)]
-    given: Any = {"record": "summary", "sections": 2, "accuracy": 5e-16}
-    monkeypatch.setattr(batch.PAIRS, "events", 0)
-    pairs = simulate_many(one.parameters, starts, 25, use_numba=True, **given)
-    alone = simulate_many(one.parameters, starts, 25, use_numba=False, **given)
-    for name, column in pairs.columns().items():
-        if column.dtype.kind == "f":
-            np.testing.assert_allclose(column, getattr(alone, name), rtol=1e-12, atol=1e-12, err_msg=name)
-        else:
-            assert column.tolist() == getattr(alone, name).tolist(), name
 
 
 def test_each_column_alone_is_that_of_all() -> None:
@@ -225,10 +157,3 @@ def test_tables_of_other_packages() -> None:
 def test_bad_questions_are_refused(given: Any, message: str) -> None:
     with pytest.raises(ParameterError, match=message):
         simulate_many(FIG9, [(0, 0, 0), (0, 1, 0)], 3, **given)
-
-
-@pytest.mark.parametrize(("name", "value"), [("skip", 1), ("skip", np.zeros(1)), ("sections", 2)])
-def test_what_only_summaries_take_is_refused_for_events(name: str, value: Any) -> None:
-    given: Any = {name: value}
-    with pytest.raises(ParameterError, match=f"{name} = .* is for summaries"):
-        simulate_many(load_scene("fig9").parameters, (0, 0, 0), 3, **given)

@@ -9,7 +9,7 @@ from typing import Any
 
 from effort import PATIENCE
 
-from symosc.bench.solvers import HANG, OURS, Outcome, Solver, Worker, multiprecision
+from symosc.bench.solvers import HANG, OURS, Outcome, Solver, Worker
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
@@ -58,26 +58,6 @@ def failing_later(scene: Scene, tolerance: float) -> Callable[[], list[FoundEven
     if scene.t_end > 20:
         raise ArithmeticError("too far")
     return list
-
-
-def moody(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
-    """Prepare a solver that behaves as the scene's name says."""
-    if scene.name == "refuses":
-        raise ValueError("not this one")
-
-    def run() -> list[FoundEvents]:
-        found = list(multiprecision(scene, 1e-20)())
-        if scene.name == "dies":
-            os._exit(3)
-        if scene.name == "chatters":
-            raise RuntimeError("chatters between Omega1 and belt1")
-        if scene.name == "misses":
-            del found[1]
-        if scene.name == "invents":
-            found.insert(1, found[0]._replace(t=found[0].t + 1e-3))
-        return [event._replace(x=event.x + tolerance) for event in found]
-
-    return run
 
 
 FAKES = (

@@ -2,34 +2,22 @@
 
 from __future__ import annotations
 
-import pickle
-from dataclasses import replace
 from fractions import Fraction
-from math import pi
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from bad_values import NO_NUMBERS, refused
-from small_sweeps import OPTIONS, OVER, SCENE, identical, made_up
+from small_sweeps import OPTIONS, OVER, identical
 
 import symosc
 from symosc import load_scene, sweep
-from symosc.quantities import QUANTITIES
-from symosc.simulation.tables import SUMMARY_COLUMNS
-from symosc.sweeps import plan as plans
 from symosc.sweeps.plan import (
-    SWEPT_NAMES,
     SweepPlan,
-    compute,
-    cycles,
-    kernels_hash,
     read_axis,
     read_duration,
     read_grid,
     read_plan,
-    read_record,
 )
 
 pytest.importorskip("xarray")
@@ -80,21 +68,8 @@ def test_what_is_no_number(value: Any) -> None:
     refused(lambda: read_grid(FIG9, [{"FN": value}]), "FN")
 
 
-BAD_AXES: list[Any] = ["1:6", "1:6:1", "1:6:2.5", "6:1:5", "a:2:3", "1:2:٣", [], 5, [1, 2, 1], np.zeros((2, 2)), {1: 2}]
-
-
-@pytest.mark.parametrize("values", [*BAD_AXES, "1:2:9999999999"], ids=lambda value: repr(value)[:20])
-def test_what_is_no_axis(values: Any) -> None:
-    refused(lambda: read_axis("FN", values), "FN")
-
-
 BAD_OVER: list[Any] = [None, {}, [], 5, "Omega=1:6:5", {"omega": [1]}, {"t_end": [1]}, [{}], [{"FN": 1}, {"k": 1}]]
 BAD_OVER += [dict.fromkeys(("m", "c", "k", "FN"), "1:2:2"), dict.fromkeys(("m", "c", "k"), np.arange(1.0, 2000.0))]
-
-
-@pytest.mark.parametrize("over", BAD_OVER, ids=lambda value: repr(value)[:20])
-def test_what_cannot_be_swept(over: Any) -> None:
-    refused(lambda: read_grid(FIG9, over), "over")
 
 
 @pytest.mark.parametrize(
@@ -124,64 +99,6 @@ def test_what_are_no_starts(starts: Any) -> None:
 def planned(scene: Any = FIG9, over: Any = None, **options: Any) -> SweepPlan:
     grid = read_grid(scene, over or {"FN": [1, 2], "Omega": "3:4:3"}, options.pop("starts", None))
     return read_plan(scene, grid, *({"record": "word", "t_end": "9T", "skip": 0} | options).values())
-
-
-def test_the_name_is_that_of_the_content() -> None:
-    same = [planned(), planned(over={"FN": ["1", 2.0], "Omega": [3, 3.5, 4]}), planned(t_end=" 9 T"), planned(skip="0")]
-    same += [planned(replace(FIG9, name="mine", t_end=1000, source="another"))]
-    assert len({plan.key for plan in same}) == 1
-    others = [
-        planned(over={"FN": [1, 3], "Omega": "3:4:3"}),
-        planned(over={"Omega": "3:4:3", "FN": [1, 2]}),
-        planned(over={"FN": [2, 1], "Omega": "3:4:3"}),
-        planned(over={"FN": [1, 2], "k": "3:4:3"}),
-        planned(starts=[(0, 0, 0), (0, 1, 0)]),
-        planned(replace(FIG9, x0="4.5448")),
-        planned(replace(FIG9, parameters=FIG9.parameters.replace(k="3.0000000000000000001"))),
-        planned(replace(FIG9, start_error="1e-9")),
-        planned(record=("word", "events")),
-        planned(record="section:3"),
-        planned(record="section:4"),
-        planned(t_end=9),
-        planned(t_end="9.5T"),
-        planned(skip="1T"),
-        planned(skip=1),
-    ]
-    keys = {plan.key for plan in [same[0], *others]}
-    assert len(keys) == len(others) + 1
-
-
-def test_changed_sources_and_versions_make_another_plan(monkeypatch: pytest.MonkeyPatch) -> None:
-    root = Path(symosc.__file__).parent
-    assert all((root / name).exists() for name in plans.DECISIVE)
-    before = planned().key
-    monkeypatch.setattr(plans, "kernels_hash", lambda: "another")
-    changed = planned().key
-    monkeypatch.setattr("symosc.__version__", "99")
-    assert len({before, changed, planned().key}) == 3
-
-
-def test_the_call_of_a_chunk_has_the_exact_scene_and_the_cells() -> None:
-    call = planned(t_end="9T", skip="4T").call(2, 5)
-    assert call["parameters"]["k"] == FIG9.parameters.k
-    assert call["parameters"]["FN"].tolist() == [1, 2, 2]
-    assert call["parameters"]["Omega"].tolist() == [4, 3, 3.5]
-    assert call["starts"] == {"t0": FIG9.t0, "x0": FIG9.x0, "v0": FIG9.v0}
-    period = 2 * pi / np.array([4, 3, 3.5])
-    assert call["t_end"] == pytest.approx(float(FIG9.t0) + 9 * period, rel=1e-15)
-    assert call["skip"] == pytest.approx(4 * period, rel=1e-15)
-    assert planned(t_end="1/3", skip="0.1").call(0, 1)["t_end"] == Fraction(1, 3)
-
-
-def test_a_call_can_be_sent_and_cut_anywhere() -> None:
-    whole = planned(over={"FN": "1:20:9"}, record=tuple(SUMMARY_COLUMNS), t_end="5T", skip="3T")
-    columns, seconds = compute(pickle.loads(pickle.dumps(whole.call(2, 6))), kernels_hash())
-    assert {*columns} == {*SUMMARY_COLUMNS}
-    assert seconds > 0
-    parts = [compute(whole.call(begin, begin + 1), kernels_hash())[0] for begin in range(2, 6)]
-    for name, column in columns.items():
-        assert column.tobytes() == np.concatenate([part[name] for part in parts]).astype(column.dtype).tobytes(), name
-        assert column.dtype.kind in "Uif"
 
 
 @pytest.mark.parametrize(
@@ -221,41 +138,6 @@ def test_what_is_refused(options: Any, name: str) -> None:
     refused(lambda: planned(**options), name)
 
 
-def test_a_section_has_a_number_of_points() -> None:
-    assert read_record("section:64") == (("section",), 64)
-    assert read_record(["x", "section"])[1] > 1
-    assert read_record("word") == (("word",), 0)
-
-
-@pytest.mark.parametrize("word", ["P32", "P4645", "P3212", "P1", "P112233", ""])
-def test_a_cycle_has_one_word(word: str) -> None:
-    labels = word[1:]
-    rotations = [word[:1] + labels[i:] + labels[:i] for i in range(max(len(labels), 1))]
-    found = cycles(np.array([*rotations, "P7"]))
-    assert len({*found[:-1]}) == 1
-    assert found[0] in rotations
-    assert found[-1] == "P7"
-
-
-def test_words_that_are_no_rotations_stay_apart() -> None:
-    words = np.array(["P3212", "P3221", "P32", "P3232", ""])
-    assert len({*cycles(words)}) == len(words)
-    assert cycles(np.array(["P23", "P12"])).tolist() == ["P32", "P21"]
-
-
-def test_coordinates_names_and_units() -> None:
-    assert {*QUANTITIES} - {"t_end"} == {*SWEPT_NAMES}
-    found = sweep(SCENE, OVER, **OPTIONS)
-    assert found.word.dims == ("Omega", "FN")
-    assert found.section.dims == ("Omega", "FN", "period", "component")
-    assert found.component.values.tolist() == ["x", "v"]
-    assert found.period.values.tolist() == [-2, -1]
-    assert found.FN.values.tolist() == [5, 10, 12.5, 15]
-    assert found.FN.attrs == {"long_name": "normal force", "dimension": "force"}
-    assert found.events.attrs == {"long_name": "number of events", "units": "1"}
-    assert "status" in found
-
-
 def again(found: Any) -> Any:
     """Return what the attribute `call` of a result gives."""
     names = {name: getattr(symosc, name) for name in ("Parameters", "Scene", "sweep")}
@@ -280,13 +162,6 @@ def test_the_call_gives_the_same_bits(over: Any, options: Any) -> None:
     identical(again(found), found)
 
 
-def test_the_call_refers_to_coordinates_that_are_too_long_to_be_written(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("symosc.sweeps.output.MOST_WRITTEN", 5)
-    found = sweep("fig9", {"FN": np.linspace(1, 2, 7)}, record="x", t_end=2)
-    assert "dataset['FN'].values" in found.attrs["call"]
-    assert again(found).x.values.tolist() == found.x.values.tolist()
-
-
 def test_the_scenes_exact_numbers_and_error_are_in_the_call() -> None:
     scene = load_scene("fig7-exact")
     found = sweep(scene, {"FN": [float(scene.parameters.FN)]}, t_end="1T")
@@ -294,8 +169,3 @@ def test_the_scenes_exact_numbers_and_error_are_in_the_call() -> None:
     assert scene.start_error is not None
     assert "start_error=" in found.attrs["call"]
     identical(again(found), found)
-
-
-def test_a_result_of_columns_alone() -> None:
-    found = made_up({"k": "1:2:3", "x0": "0:1:2"}, word=lambda cells: np.where(cells["k"] > 1, "P32", "P2"))
-    assert found.word.values.tolist() == [["P2", "P2"], ["P32", "P32"], ["P32", "P32"]]

@@ -8,9 +8,7 @@ import shlex
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from math import cos, pi, sin, sqrt, tan
 from multiprocessing import get_context
 from pathlib import Path
@@ -18,19 +16,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bad_values import refused
 from cli_runs import good
 from effort import PATIENCE
 from samples import sample_of
 from scipy.optimize import minimize_scalar
 from small_sweeps import OPTIONS, OVER, SCENE, identical, in_small_chunks
 
-from symosc import OutputError, Parameters, Scene, SweepError, simulate, sweep, sweep_status
-from symosc.errors import MissingExtraError, brief
+from symosc import Parameters, Scene, SweepError, simulate, sweep, sweep_status
+from symosc.errors import brief
 from symosc.scenes import load_scene
 from symosc.sweeps import sweep as chunks
-from symosc.sweeps.store import Store
-from symosc.sweeps.sweep import Here, carried_out, dask_client, planned, read_executor
+from symosc.sweeps.sweep import dask_client
 
 pytest.importorskip("xarray")
 
@@ -38,17 +34,6 @@ pytest.importorskip("xarray")
 @pytest.fixture(scope="module")
 def whole() -> Any:
     return sweep(SCENE, OVER, **OPTIONS)
-
-
-class Stopped(BaseException):
-    """What stands for the end of the program."""
-
-
-@pytest.mark.slow
-def test_chunks_do_not_change_the_result(whole: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    for motions in (1, 5, 7):
-        in_small_chunks(monkeypatch, motions)
-        identical(sweep(SCENE, OVER, **OPTIONS, workers=1), whole)
 
 
 @pytest.mark.quick(1)
@@ -62,50 +47,6 @@ def test_a_finished_output_is_read_and_not_computed_again(
     assert sweep_status(SCENE, OVER, **OPTIONS, path=path) == (str(path), 24, 24, True)
     monkeypatch.setattr(chunks, "compute", None)
     identical(sweep(SCENE, OVER, **OPTIONS, path=path), whole)
-
-
-def stopped_at(call: int, function: Callable[..., Any], after: bool) -> Callable[..., Any]:
-    """Return a function that stops the program at its n-th call, before or after it has done its work."""
-    calls = 0
-
-    def stopping(*args: Any, **kwargs: Any) -> Any:
-        nonlocal calls
-        calls += 1
-        if calls == call and not after:
-            raise Stopped
-        result = function(*args, **kwargs)
-        if calls == call:
-            raise Stopped
-        return result
-
-    return stopping
-
-
-@pytest.mark.quick(2)
-@pytest.mark.parametrize("after", [False, True])
-@pytest.mark.parametrize("target", ["os.replace", "os.mkdir", "numpy.savez", "symosc.sweeps.sweep.compute"])
-def test_wherever_it_is_stopped_it_goes_on_to_the_same_bits(
-    whole: Any, target: str, after: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Stopped at each call of what makes files, in turn: each run gets a little farther."""
-    in_small_chunks(monkeypatch, 5)
-    path, stops, done = tmp_path / "map.nc", 0, [0]
-    for call in [1, 2, 1, 3, 2, 1, 4, 1, 2, 99]:
-        with monkeypatch.context() as patch:
-            module, _, name = target.rpartition(".")
-            patch.setattr(target, stopped_at(call, getattr(sys.modules[module], name), after))
-            try:
-                found = sweep(SCENE, OVER, **OPTIONS, path=path)
-            except Stopped:
-                stops += 1
-                done.append(sweep_status(SCENE, OVER, **OPTIONS, path=path).done)
-                continue
-        identical(found, whole)
-        break
-    assert stops
-    assert done == sorted(done)  # what is finished is kept
-    identical(sweep(SCENE, OVER, **OPTIONS, path=path), whole)
-    assert [each.name for each in tmp_path.iterdir()] == ["map.nc"]
 
 
 KILLED = """
@@ -161,21 +102,6 @@ def test_an_output_of_another_sweep_is_not_touched(whole: Any, tmp_path: Path) -
     assert sweep(SCENE, {"k": [3]}, path=path).sizes == {"k": 1}
 
 
-def test_chunks_of_another_sweep_are_not_touched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    in_small_chunks(monkeypatch, 5)
-    path = tmp_path / "map.nc"
-    with monkeypatch.context() as patch:
-        patch.setattr(chunks, "compute", stopped_at(3, chunks.compute, False))
-        with pytest.raises(Stopped):
-            sweep(SCENE, OVER, **OPTIONS, path=path)
-    there = sweep_status(SCENE, OVER, **OPTIONS, path=path)
-    assert there == (str(path), 10, 24, False)
-    for call in (sweep, sweep_status):
-        with pytest.raises(SweepError, match="chunks of another sweep"):
-            call(SCENE, {"k": [3]}, path=path)
-    assert sweep_status(SCENE, OVER, **OPTIONS, path=path) == there
-
-
 LIMITED = """
 import resource, sys
 sys.path[:0] = [{support!r}]
@@ -208,18 +134,6 @@ def test_a_disk_that_the_output_fills_keeps_all_chunks(whole: Any, suffix: str, 
     assert sweep_status(SCENE, OVER, **OPTIONS, path=path) == (str(path), 24, 24, False)
     identical(sweep(SCENE, OVER, **OPTIONS, path=path), whole)
     assert [each.name for each in tmp_path.iterdir()] == [path.name]
-
-
-def test_an_output_is_on_the_disk_before_its_chunks_are_removed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Not only in the system's memory, which a power failure empties."""
-    path, synced = tmp_path / "map.nc", list[tuple[int, bool]]()
-    monkeypatch.setattr(
-        os, "fsync", lambda handle: synced.append((os.fstat(handle).st_ino, bool(Store(path).ranges())))
-    )
-    sweep(SCENE, {"k": [3]}, t_end=1, path=path)
-    assert synced == [(path.stat().st_ino, True), (tmp_path.stat().st_ino, True)]
 
 
 @pytest.mark.parametrize("resume", [True, False])
@@ -281,63 +195,7 @@ def test_a_table_of_sets() -> None:
     assert found.x.values.tolist() == [grid.x.values[0, 0], grid.x.values[1, 1]]
 
 
-def test_without_xarray_one_line_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "xarray", None)
-    with pytest.raises(MissingExtraError, match=r"symosc\[sweep\]"):
-        sweep(SCENE, OVER)
-
-
-@pytest.mark.parametrize(
-    ("options", "name"),
-    [({"resume": 1}, "resume"), ({"workers": 0}, "workers"), ({"executor": 5}, "executor"), ({"path": 5}, "path")],
-)
-def test_what_is_refused(options: dict[str, Any], name: str) -> None:
-    refused(lambda: sweep(SCENE, OVER, **options), name)
-
-
-@pytest.mark.parametrize("path", ["map.txt", "map", "-", "no/such/folder/map.nc", "map.png"])
-def test_what_is_no_output(path: str) -> None:
-    with pytest.raises(OutputError):
-        sweep(SCENE, OVER, path=path)
-
-
 # -- who computes ---
-
-
-class Delayed(ThreadPoolExecutor):
-    """Begins each chunk after a random delay, so that they are done in another order."""
-
-    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
-        delay = np.random.default_rng(self._work_queue.qsize()).uniform(0, 0.05)
-
-        def later() -> Any:
-            time.sleep(delay)
-            return fn(*args, **kwargs)
-
-        return super().submit(later)
-
-
-def test_the_order_of_the_chunks_does_not_matter(whole: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    in_small_chunks(monkeypatch, 2)
-    with Delayed(3) as threads:
-        identical(sweep(SCENE, OVER, **OPTIONS, executor=threads, workers=3), whole)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_every_cell_is_computed_once(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever the chunks' times and whatever is there already."""
-    rng = np.random.default_rng(seed)
-    plan, _ = planned(SCENE, {"Omega": "1:6:50", "FN": "1:20:40"}, "word", 3, 0, None)
-    cuts = np.sort(rng.choice(2000, 8, replace=False)).tolist()
-    gaps = [(cuts[i], cuts[i + 1]) for i in range(0, 8, 2)]
-    monkeypatch.setattr(chunks, "compute", lambda *_, **__: ({}, float(rng.exponential(3))))
-    seen = np.zeros(2000, dtype=int)
-    for begin, end, _ in carried_out(plan, gaps, Here(1), int(rng.integers(1, 4))):
-        seen[begin:end] += 1
-    expected = np.zeros(2000, dtype=int)
-    for begin, end in gaps:
-        expected[begin:end] = 1
-    assert seen.tolist() == expected.tolist()
 
 
 @pytest.mark.slow
@@ -360,22 +218,6 @@ def test_a_worker_that_dies_loses_nothing_that_is_finished(
             sweep(SCENE, OVER, **OPTIONS, path=path, executor=pool)
     with ThreadPoolExecutor(2) as threads:
         identical(sweep(SCENE, OVER, **OPTIONS, path=path, executor=threads), whole)
-
-
-def test_an_error_of_a_worker_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(*_: Any, **__: Any) -> None:
-        raise ZeroDivisionError("of\nsome kind")
-
-    monkeypatch.setattr(chunks, "compute", broken)
-    with pytest.raises(SweepError) as caught:
-        sweep(SCENE, OVER)
-    assert str(caught.value) == "a worker failed: ZeroDivisionError: of some kind"
-
-
-def test_a_worker_with_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("symosc.sweeps.sweep.kernels_hash", lambda: "another")
-    with pytest.raises(SweepError, match="another version of symosc"):
-        sweep(SCENE, OVER)
 
 
 @pytest.mark.slow
@@ -402,18 +244,6 @@ def test_a_cluster_of_which_a_worker_is_killed_loses_nothing(
         with dask_client(cluster.scheduler_address) as again, again.get_executor() as executor:
             few = {"Omega": [3], "FN": [5, 10]}
             identical(sweep(SCENE, few, **OPTIONS, executor=executor, workers=2), sweep(SCENE, few, **OPTIONS))
-
-
-@pytest.mark.parametrize("executor", [5, "dask", object(), ThreadPoolExecutor])
-def test_what_is_no_executor(executor: Any) -> None:
-    refused(lambda: read_executor(executor, None), "executor")
-
-
-def test_no_scheduler_answers(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    pytest.importorskip("distributed")
-    monkeypatch.setattr(chunks, "CONNECT_SECONDS", 0.2)
-    refused(lambda: dask_client("tcp://127.0.0.1:9"), "executor")
-    refused(lambda: dask_client(str(tmp_path / "none.json")), "executor")
 
 
 # -- the page, and a published map ---

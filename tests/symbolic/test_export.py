@@ -148,20 +148,6 @@ def test_c_with_the_parameters_of_a_regime(tmp_path: Path, regime: str) -> None:
 
 
 @pytest.mark.slow
-def test_c_header_is_for_c_plus_plus_too(tmp_path: Path) -> None:
-    write_export(tmp_path, "P4645", "c", name="made")
-    (tmp_path / "user.c").write_text(
-        '#include "made.h"\nint main(void)\n{\n    made_constants K;\n    double z[10] = {0}, f[8], J[4][2][4];\n'
-        "    made_setup(&K, 1, 1, 1, 0, 1, 1, -1, 1, 0.5, 0.5, 1);\n    made_residual(z, &K, f);\n"
-        "    made_jacobian(z, &K, J);\n    return f[0] != 0 || J[0][0][2] != -1;\n}\n"
-    )
-    command = [*COMPILER[:-1], str(tmp_path / "user.c"), str(tmp_path / "made.c"), "-o", str(tmp_path / "user"), "-lm"]
-    subprocess.run(command, check=True)
-    assert subprocess.run([str(tmp_path / "user")]).returncode == 0
-    assert 'extern "C"' in (tmp_path / "made.h").read_text()
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("language", ["python", "numpy"])
 def test_python_agrees_with_mpmath_in_every_regime(language: str) -> None:
     evaluate = python(ALL, language)
@@ -220,22 +206,6 @@ def test_numpy_takes_numbers_and_arrays_that_broadcast(fix: Parameters | None) -
                 assert f1.shape == f2.shape == (2, 1)
 
 
-@pytest.mark.slow
-def test_nothing_in_a_julia_module_is_called_like_it() -> None:
-    words = [f"P{digit}" for digit in range(1, 9)] + ["P32", "P4645", ALL]
-    cases = [(word, None) for word in words] + [
-        ("P32", name) for name in ("p2", "p3", "P2_jacobian", "constants", "main")
-    ]
-    for word, name in cases:
-        for fix in (None, load_scene("fig9").parameters):
-            (text,) = export(word, "julia", fix, name).values()
-            (module,) = re.findall(r"^module (\w+)$", text, re.MULTILINE)
-            inside = re.findall(r"^(?:function|struct|const) (\w+)", text, re.MULTILINE)
-            assert module[0].isupper()
-            assert module not in [*inside, "Main", "Base", "Core"]
-            assert "residual" in inside
-
-
 def test_julia_source_has_balanced_blocks() -> None:
     for fix in (None, load_scene("fig9").parameters):
         text = export(ALL, "julia", fix, "made")["made.jl"]
@@ -263,20 +233,6 @@ def test_julia_agrees_with_mpmath(tmp_path: Path) -> None:
             return f, np.array(J).reshape(-1, 2, 4)
 
         check(evaluate, word, fix or REGIMES["underdamped"], 2)
-
-
-@pytest.mark.slow
-def test_only_what_the_word_needs_is_there() -> None:
-    text = export("P32", "c", name="made")["made.h"]
-    assert "double A1;" in text
-    assert "double A2;" in text
-    assert "A3" not in text
-    assert "double v2;" not in text
-    text = export("P6", "python")["p6.py"]
-    assert "K.A3" in text
-    assert "K.A2" not in text
-    assert "stick" not in text
-    assert "flight" not in export("P1", "python")["p1.py"]
 
 
 def test_fixing_parameters_cuts_the_branches_that_they_decide() -> None:
@@ -328,21 +284,6 @@ def test_errors(tmp_path: Path) -> None:
             write_export(folder, "P32")  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize(
-    ("language", "names"),
-    [
-        ("python", ["for", "class", "None", "match", "math", "collections", "numpy"]),
-        ("numpy", ["lambda", "math", "numpy"]),
-        ("c", ["for", "double", "restrict", "math", "stdlib"]),
-        ("julia", ["end", "module", "begin", "Main", "Base"]),
-    ],
-)
-def test_words_of_the_language_are_no_names(language: str, names: list[str]) -> None:
-    for name in names:
-        with pytest.raises(ParameterError, match=f"^name = '{name}': is a word or a library"):
-            export("P32", language, name=name)
-
-
 @pytest.mark.slow
 def test_a_file_with_another_content_stays(tmp_path: Path) -> None:
     (path,) = write_export(tmp_path, "P32", "python")
@@ -361,14 +302,6 @@ def test_a_file_with_another_content_stays(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"p32\.c"):
         write_export(tmp_path, "P32", "c")
     assert not (tmp_path / "p32.h").exists()
-
-
-def test_of_two_files_none_is_written_where_one_cannot_be(tmp_path: Path) -> None:
-    (tmp_path / "p32.c").mkdir()
-    for force in (False, True):
-        with pytest.raises(OutputError, match="is a folder"):
-            write_export(tmp_path, "P32", "c", force=force)
-    assert [path.name for path in tmp_path.iterdir()] == ["p32.c"]
 
 
 def printed(text: str) -> np.ndarray:

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import pytest
 import sympy as sp
 
-from symosc.scenes import load_scene
-from symosc.symbolic import maps as derived
 from symosc.symbolic import solution as s
 
 REGIMES = pytest.mark.parametrize("regime", s.REGIMES.values(), ids=lambda regime: regime.name)
@@ -35,18 +31,6 @@ def test_the_closed_forms_solve_the_equation_of_motion(regime: s.Regime) -> None
     residuals = s.prove(regime)
     assert {"equation of motion", "x at t_i", "v at t_i", *(f"{f}'" for f in s.BASIS)} < residuals.keys()
     assert left_over(residuals) == {}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("field", s.Flow._fields)
-def test_the_proof_sees_every_sign(field: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    right = s.flow()
-    terms = sp.Add.make_args(getattr(right, field))
-    assert len(terms) >= 3
-    for term in terms:
-        wrong = right._replace(**{field: getattr(right, field) - 2 * term})
-        monkeypatch.setattr(s, "flow", lambda regime=None, wrong=wrong: wrong)
-        assert left_over(s.prove()), f"nobody noticed the sign of {term}"
 
 
 def test_friction_enters_only_through_the_acceleration_at_the_start() -> None:
@@ -87,20 +71,7 @@ def test_regimes_join_continuously(join: s.Join) -> None:
     assert left_over(gaps) == {}
 
 
-def test_the_joins_reach_every_regime() -> None:
-    reached, borders = {"free"}, {frozenset((join.source, join.target)) for join in s.JOINS}
-    for _ in s.REGIMES:
-        reached |= {name for border in borders if border & reached for name in border}
-    assert reached == set(s.REGIMES)
-
-
-@pytest.mark.slow
-def test_a_join_that_is_none_shows_a_gap() -> None:
-    wrong = s.Join("underdamped", "critical", s.h, {})
-    assert left_over(s.gaps(wrong))
-
-
-@pytest.mark.full(2)
+@pytest.mark.full(3)
 @pytest.mark.slow
 @REGIMES
 def test_one_power_series_for_all_regimes(regime: s.Regime) -> None:
@@ -112,21 +83,6 @@ def test_one_power_series_for_all_regimes(regime: s.Regime) -> None:
             special = closed.diff(s.tau, order).xreplace({s.tau: sp.Integer(0)})
             assert sp.simplify(special - universal) == 0, (f, order)
             derivative = sp.expand(s.time_derivative(derivative))
-
-
-def test_force_constants_are_those_of_the_model() -> None:
-    parameters = load_scene("fig5").parameters
-    values = {s.A0: parameters.A0, s.mu1: parameters.mu1, s.mu2: parameters.mu2, s.FN: parameters.FN}
-    exact = {symbol: sp.Rational(value.numerator, value.denominator) for symbol, value in values.items()}
-    for alpha in (1, 2, 3):
-        assert Fraction(str(s.force_constant(alpha).xreplace(exact))) == parameters.A(alpha)
-    assert sp.expand(s.force_constant(1) - s.force_constant(2) - 2 * s.mu1 * s.FN) == 0
-    assert sp.expand(s.force_constant(2) - s.force_constant(3) - 2 * s.mu2 * s.FN) == 0
-
-
-def test_acceleration_in_the_papers_letters() -> None:
-    paper = (s.A + s.B0 * sp.cos(s.Omega * s.t) - s.k * s.x - s.c * s.v) / s.m
-    assert sp.expand(s.in_paper_letters(s.acceleration()) - paper) == 0
 
 
 def test_first_g_function_is_the_papers() -> None:
@@ -164,10 +120,3 @@ def test_force_on_a_belt() -> None:
     rate = s.in_paper_letters(on_belt.diff(s.tau))
     paper = -(s.k * s.v + s.B0 * s.Omega * sp.sin(s.Omega * s.t_i + s.Omega * s.tau)) / s.m
     assert sp.expand(rate - paper) == 0
-
-
-@pytest.mark.slow
-def test_proof() -> None:
-    residuals = derived.prove()
-    assert len(residuals) == 14
-    assert {name: residual for name, residual in residuals.items() if residual != 0} == {}

@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 import math
-import random
-import re
-from fractions import Fraction
 from typing import Any
 
 import pytest
 import sympy as sp
-from latex_reader import Reader
 from sympy import Interval, Rational, S, asin, pi
 
 from symosc import (
-    grazing_window,
-    load_scene,
     theorem7,
 )
 from symosc.errors import ParameterError
-from symosc.symbolic.theorem7 import CIRCLE, Case, sign_of
+from symosc.symbolic.theorem7 import CIRCLE, sign_of
 
 MAPS = ("P2", "P3", "P5", "P6")
 
@@ -188,25 +182,6 @@ def test_exactly_one_case_holds_everywhere(mapping: str, order: str) -> None:
     assert used == {case.label for case in cases}  # none is superfluous
 
 
-def test_symbols_with_assumptions_leave_the_cases_that_can_hold() -> None:
-    k, v, B0, Omega, m = sp.symbols("k v_1 B_0 Omega m", positive=True)
-    cases = theorem7("P2", k * v / m, B0 * Omega / m)
-    assert [case.label for case in cases] == ["(55.1)", "(55.2)", "(55.3)"]
-    cut = asin(k * v / (B0 * Omega))
-    assert cases[0].phases.args[0] == Interval.Ropen(0, pi + cut)
-    assert cases[0].phases.args[1] == Interval.open(2 * pi - cut, 2 * pi)
-
-
-def test_one_symbol_and_one_number() -> None:
-    g = sp.Symbol("g")
-    cases = printed("P3", g, 5)
-    assert [case.label for case in cases] == ["(56.1)", "(56.2)", "(56.3)", "(56.4)", "(56.5)", "(56.6)"]
-    held = [case for case in cases if case.condition.subs(g, -5) == sp.true]
-    assert [case.phases for case in held] == [NO_TOP]
-    assert isinstance(held[0], Case)
-    assert len(theorem7("P3", g, 0)) == 2
-
-
 @pytest.mark.parametrize(
     ("level", "amplitude", "expected"),
     [
@@ -239,16 +214,6 @@ def test_signs_that_need_many_digits() -> None:
     assert sign_of(sp.sin(asin(Rational(1, 3)) + asin(Rational(2, 3))) - (sp.sqrt(5) + 4 * sp.sqrt(2)) / 9) == 0
 
 
-@pytest.mark.slow
-def test_end_points_are_the_zeros_of_the_sign_function() -> None:
-    for mapping in MAPS:
-        for level in (-9, -8, -5, -2, 0, 1, 4, 8, 9):  # halves, the equality with 4 among them
-            for amplitude in (-7, -4, 4, 7):
-                found = theorem7(mapping, Fraction(level, 2), amplitude)
-                for end in found.boundary - sp.FiniteSet(0, 2 * pi) if found else ():
-                    assert sp.expand(sp.sin(end) * amplitude + Rational(level, 2)) == 0
-
-
 @pytest.mark.parametrize(
     "bad", ["abc", "", None, float("nan"), float("inf"), sp.oo, sp.nan, sp.zoo, sp.I, 1 + sp.I, True]
 )
@@ -264,66 +229,7 @@ def _label(mapping: str, level: int, amplitude: int) -> str:
     return next(case.label for case in cases if case.condition.subs({gamma: level, a: amplitude}) == sp.true)
 
 
-FIG9 = load_scene("fig9").parameters
-
-
 GAMMA, A = sp.symbols("gamma a", real=True)
-
-
-INTERVAL = re.compile(r"\\left(?P<low>[\[(])(?P<a>.*?), (?P<b>.*?)\\right(?P<high>[\])])(?= \\cup|$)")
-
-
-def read_set(text: str, values: dict[str, complex]) -> list[tuple[bool, float, float, bool]]:
-    """Return the intervals that printed phases say, read as a human reads them."""
-    if text == r"\varnothing":
-        return []
-    found = list(INTERVAL.finditer(text))
-    assert " \\cup ".join(each.group() for each in found) == text, text
-    return [
-        (each["low"] == "[", *(Reader(_plain(each[end]), values).value().real for end in "ab"), each["high"] == "]")
-        for each in found
-    ]
-
-
-def _plain(text: str) -> str:
-    """Return a formula without the braces around arguments, which the reader takes for groups of its own."""
-    return text.replace(r"{\left(", r"\left(").replace(r"\right)}", r"\right)")
-
-
-def intervals(phases: Any) -> list[tuple[bool, float, float, bool]]:
-    parts = phases.args if phases.is_Union else [] if phases.is_empty else [phases]
-    return [(not part.left_open, float(part.start), float(part.end), not part.right_open) for part in parts]
-
-
-@pytest.mark.parametrize("mapping", MAPS)
-def test_printed_windows_say_what_the_windows_are(mapping: str) -> None:
-    rng = random.Random(mapping)
-    for _ in range(20):
-        v1 = Fraction(rng.randint(-9, 9), 2)
-        p = FIG9.replace(v1=v1, v2=v1 + rng.randint(1, 5), B0=rng.randint(-4, 4), Omega=rng.randint(1, 3))
-        window = grazing_window(p, mapping)
-        shown = window.latex().partition(r"\in ")[2]
-        printed = read_set(shown, {r"\pi": complex(sp.pi)})
-        for one, other in zip(printed, intervals(window.phases), strict=True):
-            assert one == pytest.approx(other, abs=1e-12)
-
-
-@pytest.mark.full(3)
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("mapping", MAPS)
-@pytest.mark.parametrize("order", ["full", "paper"])
-def test_the_table_has_every_case(mapping: str, order: str) -> None:
-    cases = theorem7(mapping, order=order)
-    lines = cases.latex().splitlines()
-    assert lines[0] == r"\begin{array}{lll}"
-    assert lines[-1] == r"\end{array}"
-    rows = [line.removesuffix(r" \\").split(" & ") for line in lines[2:-1]]
-    assert [row[0].partition(r"\text")[0] for row in rows] == [case.label.partition(" ")[0] for case in cases]
-    for row, case in zip(rows, cases, strict=True):
-        numbers = next(each for each in POINTS if case.condition.subs(each) == sp.true)
-        values = {r"\gamma": float(numbers[GAMMA]), "a": float(numbers[A]), r"\pi": complex(sp.pi)}
-        for one, other in zip(read_set(row[2], values), intervals(case.phases.subs(numbers)), strict=True):
-            assert one == pytest.approx(other, abs=1e-12)
 
 
 #: Values of gamma and a in each cell of their plane.
@@ -331,15 +237,3 @@ POINTS = [{GAMMA: g, A: a} for g in range(-3, 4) for a in range(-3, 4)]
 
 
 POINTS += [{GAMMA: sp.Rational(g, 2), A: a} for g in (-1, 1) for a in (-2, 2)]
-
-
-@pytest.mark.full(3)
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("mapping", MAPS)
-@pytest.mark.parametrize("order", ["full", "paper"])
-def test_the_piecewise_is_the_theorem(mapping: str, order: str) -> None:
-    piecewise = theorem7(mapping, GAMMA, A, order).piecewise()
-    assert isinstance(piecewise, sp.Piecewise)
-    for point in POINTS:
-        expected = theorem7(mapping, point[GAMMA], point[A], order)
-        assert intervals(piecewise.subs(point)) == intervals(expected)
