@@ -7,7 +7,7 @@ that of scipy.optimize.least_squares; its Jacobian is `symosc.sensitivities`. Wh
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,7 @@ class Measured:
     t: np.ndarray
     kinds: np.ndarray | None
     states: np.ndarray | None  # (1 or 2, n)
+    weighted: bool = False  # whether their standard deviations are known
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -139,7 +140,7 @@ def fit(
         for name in given_names:
             if name not in known:
                 raise ParameterError(argument, name, f"must be of {', '.join(known)}{meant(str(name), known)}")
-    measured, scale = _read(data), _sigma(sigma)
+    measured, scale = replace(_read(data), weighted=sigma is not None), _sigma(sigma)
     last = float(measured.t.max())
     given = {"t0": None, "x0": None, "v0": None, "t_end": None}
     scene = read_start(what, given | ({"t_end": last + 1.0} if isinstance(what, Parameters) else {}), None)

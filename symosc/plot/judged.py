@@ -161,9 +161,9 @@ def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None)
                     part = found.residuals[n * count : (n + 1) * count]
                     label = None if measured.states is None or len(measured.states) < 2 else name
                     axes.plot(measured.t[: len(part)], part, marker, ms=4, mew=0.8, color=color, label=label)
-                for level, width in ((0, 0.8), (-2, 0.6), (2, 0.6)):
+                for level, width in ((0, 0.8), (-2, 0.6), (2, 0.6))[: 3 if measured.weighted else 1]:
                     axes.axhline(level, color="0.4", lw=width, ls="-" if not level else (0, (1, 2)), zorder=0)
-                axes.set_ylabel(r"residual / $\sigma$")
+                axes.set_ylabel(r"residual / $\sigma$" if measured.weighted else "residual")
             axes.set_xlim(times[0], times[-1])
         row[-1].set_xlabel("time $t$")
         add_legend(drawing, ax, legend_entries(row), 5, handlelength=1.8, columnspacing=1.4)

@@ -184,6 +184,8 @@ def test_a_fit_is_drawn_with_its_data_and_residuals() -> None:
     found = symosc.fit("fig5", data, "mu1", sigma=1e-3)
     above, below = found.plot().axes
     labels = [line.get_label() for line in above.lines]
+    assert below.get_ylabel() == r"residual / $\sigma$"
+    assert symosc.fit("fig5", data, "mu1").plot(panels="b").axes[0].get_ylabel() == "residual"
     assert labels == ["fitted motion", "measured stick", "measured slip"]
     np.testing.assert_allclose(below.lines[0].get_ydata(), found.residuals)
     t = np.linspace(0, 7, 40)
