@@ -140,6 +140,9 @@ def fit(
         for name in given_names:
             if name not in known:
                 raise ParameterError(argument, name, f"must be of {', '.join(known)}{meant(str(name), known)}")
+    for name in start or {}:
+        if name not in names:
+            raise ParameterError("start", name, f"is a first value of what is not free; free are {', '.join(names)}")
     measured, scale = replace(_read(data), weighted=sigma is not None), _sigma(sigma)
     last = float(measured.t.max())
     given = {"t0": None, "x0": None, "v0": None, "t_end": None}
@@ -205,6 +208,9 @@ def _result(
             for row in rows[free]
         ]
         message = f"the data do not determine {', '.join(unknown)} (in units of their first values: {'; '.join(parts)})"
+    elif estimated and len(residuals) <= len(names):
+        errors = np.full(len(names), np.inf)
+        message += "; from no more residuals than numbers no errors can be estimated: give sigma"
     elif not found.success:
         message = f"not converged: {found.message}"
     return Fit(
@@ -254,17 +260,27 @@ def _read(data: Any) -> Measured:
     except (TypeError, ValueError, KeyError):  # of what is no table
         columns = {}
     if not columns.get("t") or not ("kind" in columns or "x" in columns):
-        allowed = "must have the columns t and kind, or t and x, or t, x and v"
-        raise ParameterError("data", brief(type(data).__name__), allowed)
+        allowed = "must have the columns t and kind, or t and x, or t, x and v, or be rows of these"
+        if isinstance(data, str):
+            allowed += ", not the name of a file (the command symosc fit reads CSV files)"
+        names = list(data) if isinstance(data, Mapping) else list(getattr(data, "columns", ()))
+        shown = f"columns {', '.join(map(str, names))}" if names else data if isinstance(data, str) else repr(data)
+        raise ParameterError("data", brief(shown), allowed)
     if len({len(column) for column in columns.values()}) > 1:
         raise ParameterError("data", len(columns["t"]), "must have columns of one length")
-    t = np.array([float(read_exact("t", each)) for each in columns["t"]])
+    t = np.array([float(read_exact(f"t[{row}]", each)) for row, each in enumerate(columns["t"])])
     if "kind" in columns:
-        for kind in columns["kind"]:
+        for row, kind in enumerate(columns["kind"]):
             if not isinstance(kind, str) or kind not in KINDS:
-                raise ParameterError("kind", kind, f"must be one of {', '.join(KINDS)}{meant(str(kind), KINDS)}")
+                raise ParameterError(
+                    f"kind[{row}]", kind, f"must be one of {', '.join(KINDS)}{meant(str(kind), KINDS)}"
+                )
         return Measured(t, np.array(columns["kind"], dtype=object), None)
-    states = [[float(read_exact(name, each)) for each in columns[name]] for name in ("x", "v") if name in columns]
+    states = [
+        [float(read_exact(f"{name}[{row}]", each)) for row, each in enumerate(columns[name])]
+        for name in ("x", "v")
+        if name in columns
+    ]
     return Measured(t, None, np.array(states))
 
 

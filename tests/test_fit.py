@@ -64,10 +64,20 @@ def test_what_the_data_do_not_determine_is_said() -> None:
 def test_what_is_wrong_is_said() -> None:
     data = measured(1, 1e-3)
     assert "did you mean" in refused(lambda: fit("fig5", data, "mu"), "free")
-    assert "did you mean" in refused(lambda: fit("fig5", [(1.0, "stik")], "mu1"), "kind")
+    assert "did you mean" in refused(lambda: fit("fig5", [(1.0, "stik")], "mu1"), "kind[0]")
     refused(lambda: fit("fig5", [], "mu1"), "data")
     refused(lambda: fit("fig5", {"t": [1.0]}, "mu1"), "data")
     refused(lambda: fit("fig5", data, "mu1", sigma=0), "sigma")
+    assert "free are mu1" in refused(lambda: fit("fig5", data, "mu1", start={"c": 1}), "start")
+    assert "time, kind" in refused(lambda: fit("fig5", {"time": [1.0], "kind": ["stick"]}, "mu1"), "data")
+    assert "name of a file" in refused(lambda: fit("fig5", "stops.csv", "mu1"), "data")
+
+
+def test_as_many_data_as_numbers_tell_no_errors() -> None:
+    found = fit("fig5", [(1.221, "slip")], "mu1")
+    assert found.errors == {"mu1": np.inf}
+    assert "give sigma" in found.message
+    assert fit("fig5", [(1.221, "slip")], "mu1", sigma=1e-3).errors["mu1"] < 1
     refused(lambda: fit("fig5", [(1, 2, 3, 4)], "mu1"), "data")
 
 

@@ -20,6 +20,7 @@ from symosc.cli.common import (
     write_json,
 )
 from symosc.display.tables import plain_table
+from symosc.errors import ParameterError
 from symosc.model import PARAMETER_NAMES
 
 
@@ -83,7 +84,13 @@ def fit(
     widths = None if sigma is None else sigma.split(",") if "," in sigma else sigma
     names = [name.strip() for name in free.split(",")]
     starts = dict(each.partition("=")[::2] for each in first)
-    found = fitted(problem, _columns(file), names, sigma=widths, start=starts)
+    try:
+        found = fitted(problem, _columns(file), names, sigma=widths, start=starts)
+    except ParameterError as error:
+        if error.name.partition("[")[0] not in ("data", "t", "kind", "x", "v"):
+            raise
+        rows = " (rows from 0, without the line of names)" if "[" in error.name else ""
+        raise click.BadParameter(f"{file.name}: {error}{rows}", param_hint="FILE") from None
     if picture is not None:
         from symosc import plot
 
