@@ -69,6 +69,9 @@ from .mappings.equations import solve_map as solve_map
 from .mappings.theorem7_cases import Place as Place
 from .model import Parameters as Parameters
 from .orbits.admissibility import Condition as Condition
+from .orbits.border import Border as Border
+from .orbits.border import BorderError as BorderError
+from .orbits.border import continue_border as continue_border
 from .orbits.branch import Branch as Branch
 from .orbits.branch import BranchEnd as BranchEnd
 from .orbits.branch import BranchError as BranchError
