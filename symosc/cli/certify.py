@@ -16,6 +16,7 @@ from symosc.cli.common import (
     optional_scene,
     read_error,
     read_span,
+    reduced_scene,
     scene_with,
     set_option,
     start_error_option,
@@ -93,7 +94,7 @@ def certify(
         raise click.UsageError("Missing argument 'SCENE'.")
     if (word or span or mapping) and (t_end or start_error):
         raise click.UsageError("--t-end and --start-error are for the motion of a scene, not for its orbit or a window")
-    problem = scene_with(scene, settings, {"t_end": t_end})
+    problem = reduced_scene(scene_with(scene, settings, {"t_end": t_end}))
     certificate = _proof(problem, start_error, word, span, mapping)
     if certificate is None:
         return FAILED

@@ -33,7 +33,7 @@ from symosc.crosschecks.velocities import fastest_rate, with_velocities
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.model import Parameters
-from symosc.scenes import Scene, load_scene
+from symosc.scenes import Scene, load_scene, other_model
 from symosc.simulation.batch import read_workers
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
@@ -129,6 +129,8 @@ def crosscheck(
     True
     """
     scene = scene if isinstance(scene, (Scene, Parameters)) else load_scene(scene)
+    if isinstance(scene, Scene) and scene.original is not None:
+        raise other_model(scene)
     allowed = _positive("tolerance", tolerance)
     limit = None if global_tolerance is None else _positive("global_tolerance", global_tolerance)
     judge = Judge(scene, allowed, limit, own_start, partial)

@@ -22,7 +22,8 @@ from symosc.engine.state import FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNI
 from symosc.errors import ParameterError
 from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read_start_error, show, whole_number
 from symosc.model import Parameters
-from symosc.scenes import Scene, end_time, load_scene, start_numbers
+from symosc.reductions import OtherModel
+from symosc.scenes import Original, Scene, end_time, load_scene, moved_scene, other_model, start_numbers
 from symosc.simulation.motion import (
     FinerMotion,
     Motion,
@@ -34,6 +35,7 @@ from symosc.simulation.motion import (
     fits_pairs,
     rounded_event,
 )
+from symosc.simulation.moved import MovedTrajectory
 from symosc.simulation.trajectory import Trajectory
 
 ACCURACY = 1e-13
@@ -46,7 +48,7 @@ MOST_WORKING = 12
 
 @public
 def simulate(
-    scene: Scene | Parameters | SceneName,
+    scene: Scene | Parameters | OtherModel | SceneName,
     *,
     t0: NumberLike | None = None,
     x0: NumberLike | None = None,
@@ -62,8 +64,9 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene, str or Parameters
-        A scene or the name of one (t0, x0, v0 and t_end then replace the scene's own), or parameters.
+    scene : Scene, str, Parameters or OtherModel
+        A scene or the name of one (t0, x0, v0 and t_end then replace the scene's own), or parameters. Of another model
+        start, end and answer are in its coordinates.
     t0, x0, v0, t_end : number
         Start and end, read exactly like parameters; in the parameters' units. With parameters t0, x0 and v0 are 0
         unless they are given. "10T" as an end is ten periods of the drive after t0.
@@ -101,28 +104,47 @@ def simulate(
     >>> print(simulate("fig8-exact", digits=30).events[0].t)
     3.14159265358979323846264338328
     """
-    start = read_start(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
+    start, original = read_problem(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
     default = MOST_EVENTS if digits is None else MOST_EXACT_EVENTS
     most = default if max_events is None else whole_number("max_events", max_events, 1)
     if digits is None:
         asked = read_accuracy(accuracy)
         with late_bar(progress, "simulate", "events") as advance:
-            return in_doubles(start, most, asked, advance)
+            motion = in_doubles(start, most, asked, advance)
+        return motion if original is None else MovedTrajectory(motion, original)
     digits = whole_number("digits", digits, LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS)
     if accuracy is not None:
         raise ParameterError("accuracy", accuracy, f"is for double precision: leave it out with digits = {digits}")
     with late_bar(progress, f"simulate, {digits} digits", "events") as advance:
-        return _with_digits(start, most, digits, advance)
+        motion = _with_digits(start, most, digits, advance)
+    return motion if original is None else MovedTrajectory(motion, original)
 
 
 def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any) -> Start:
-    """Return the initial value problem from a scene or keyword arguments."""
-    if not isinstance(scene, Scene | Parameters):
+    """Return the initial value problem from a scene or keyword arguments; refuse one of another model."""
+    start, original = read_problem(scene, given, start_error)
+    if original is not None:
+        raise other_model(scene)
+    return start
+
+
+def read_problem(scene: Any, given: dict[str, Any], start_error: Any) -> tuple[Start, Original | None]:
+    """Return the initial value problem from a scene or keyword arguments, and what it is in another model."""
+    if not isinstance(scene, Scene | Parameters | OtherModel):
         scene = load_scene(scene)
+    if isinstance(scene, OtherModel):
+        if given["t_end"] is None:
+            raise ParameterError("t_end", None, "is needed with a model")
+        given = {name: 0 if value is None else value for name, value in given.items()}
+        end = end_time(given["t_end"], scene.parameters, given["t0"])
+        scene, given = Scene("model", scene, **given | {"t_end": end}), {}  # type: ignore[arg-type]
     if isinstance(scene, Scene):
         scene = scene.started({name: value for name, value in given.items() if value is not None})
+        if start_error is not None and scene.original is not None:
+            scene, start_error = moved_scene(scene, scene.original, start_error=start_error), None
         error = scene.start_error if start_error is None else read_start_error(start_error)
-        return Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, error)
+        start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, error)
+        return start, scene.original
     if given["t_end"] is None:
         raise ParameterError("t_end", None, "is needed with parameters")
     given = given | {"t_end": end_time(given["t_end"], scene, given["t0"] or 0)}
@@ -130,7 +152,7 @@ def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], sta
     start = Start(scene, **numbers, start_error=rounding if start_error is None else read_start_error(start_error))
     if start.t_end <= start.t0:
         raise ParameterError("t_end", show(start.t_end), f"must be later than t0 = {show(start.t0)}")
-    return start
+    return start, None
 
 
 def read_accuracy(value: Any) -> float:
