@@ -145,8 +145,7 @@ def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]
         for line, entry in content:
             yield name or entry.get("case", ""), line, entry
     elif table is not None:
-        names, column = table
-        columns = {what: np.ravel(column(own)) for what, own in _columns(names, name is None).items()}
+        columns = {what: np.ravel(table[own]) for what, own in _columns([*table], name is None).items()}
         if len({len(each) for each in columns.values()}) > 1:
             raise _wrong("has columns of several lengths")
         for number, row in enumerate(zip(*columns.values(), strict=True), 1):
