@@ -84,17 +84,18 @@ def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by
 
 
 def piece_changes(start, t, turn, codes, deep, letters, K, work):
-    """Write derivatives of x and v at the fixed time t into `work`, where the phase has gone on by `turn`.
+    """Write derivatives of x and v at the fixed time t into `work`, and return the acceleration there.
 
-    `deep` says whether any column needs the functions of repeated roots: those by m, c, k and Omega.
+    The phase has gone on by `turn`. `deep` says whether any column needs the functions of repeated roots: those by m,
+    c, k and Omega.
     """
     if start.mode > ON_BELT:
         belt = V1 + start.mode - ON_BELT - 1
         for j in range(len(codes)):
             work[END_V, j] = 1.0 + 0.0 * t if codes[j] == belt else 0.0 * t
-            work[END_X, j] = work[DX, j] + work[END_V, j] * (t - start.t) - start.v * work[DT, j]
+            work[END_X, j] = work[DX, j] + work[END_V, j] * (turn / K.Om) - start.v * work[DT, j]
             work[SIZE, j] = work[END_V, j]
-        return
+        return 0.0 * t
     A, tau, zero = constant_force(start.mode, K), turn / K.Om, 0.0 * turn
     E0, E1, E2, R2, I2, s, c = basis(tau, K)
     a0 = acceleration(start.x, start.v, start.c, A, K.cm, K.w0sq, K.f0)
@@ -104,17 +105,17 @@ def piece_changes(start, t, turn, codes, deep, letters, K, work):
     U0, U1, U2, V, W, P, Q = zero, zero, zero, zero, zero, zero, zero
     if deep:
         U0, U1, U2, V, W, P, Q = repeated(tau, E0, E1, E2, R2, I2, s, c, K)
-    x_m, v_m, x_c, v_c, x_k, v_k, x_A, v_A, x_B, v_B, x_Om, v_Om, x_v0, v_v0 = flight_parameters(
+    x_m, v_m, x_c, v_c, x_k, v_k, x_A, v_A, x_B, v_B, x_Om, v_Om, x_v0, _ = flight_parameters(
         start.x, start.v, a0, start.s, start.c, letters.m,
         K.cm, K.w0sq, K.f0, K.Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q,
     )  # fmt: skip
     x_Om, v_Om = x_Om + x_ph * start.t, v_Om + v_ph * start.t
     fill_parameters(work, BY_X, start.mode, letters, x_m, x_c, x_k, x_A, x_B, x_Om)
     fill_parameters(work, BY_V, start.mode, letters, v_m, v_c, v_k, v_A, v_B, v_Om)
-    x_t0, v_t0, v_v0 = x_th0 * K.Om, v_th0 * K.Om, 1.0 + v_v0
+    x_t0, v_t0 = x_th0 * K.Om, v_th0 * K.Om
     for j in range(len(codes)):
         dt, dx, dv0 = work[DT, j], work[DX, j], work[DV, j]
-        of_x, of_t, of_v = v_x0 * dx, v_t0 * dt, v_v0 * dv0
+        of_x, of_t, of_v = v_x0 * dx, v_t0 * dt, E0 * dv0  # 1 + v_v0 = E0, which may be small
         work[END_X, j] = x_x0 * dx + x_t0 * dt + x_v0 * dv0
         work[END_V, j] = of_x + of_t + of_v
         work[SIZE, j] = abs(of_x) + abs(of_t) + abs(of_v)
@@ -122,6 +123,7 @@ def piece_changes(start, t, turn, codes, deep, letters, K, work):
             work[END_X, j] += work[BY_X, codes[j]]
             work[END_V, j] += work[BY_V, codes[j]]
             work[SIZE, j] += abs(work[BY_V, codes[j]])
+    return a
 
 
 def force(domain, now, K):
@@ -163,24 +165,26 @@ def vanishing_times(domain, now, codes, letters, K, work):
     return not flat
 
 
-def contact_times(domain, other, belt, now, codes, K, work):
-    """Write the derivatives of the time at which a flight reaches a belt into row DT; return why there are none."""
-    F, flat = force(domain, now, K)
+def contact_times(domain, other, belt, now, a, codes, K, work):
+    """Write the derivatives of the time at which a flight reaches a belt into row DT; return why there are none.
+
+    `a` is the acceleration that the flight arrives with: the balance of forces at a rounded point may know it worse.
+    """
     for j in range(len(codes)):
         own = 1.0 if codes[j] == belt else 0.0
-        work[DT, j] = (own - work[END_V, j]) / (1.0 if F == 0.0 else F)
-    if flat:
+        work[DT, j] = (own - work[END_V, j]) / (1.0 if a == 0.0 else a)
+    if force(domain, now, K)[1]:
         return FLAT_CONTACT
     return NO_FORCE if force(other, now, K)[1] else REGULAR
 
 
-def kinks(above, belt, codes, marks, n, regular, work):
+def kinks(above, belt, codes, marks, n, regular, before, work):
     """Mark the columns that move a touch by the side on which it opens, and return whether there are any."""
     found = False
     for j in range(len(regular)):
         own = 1.0 if codes[j] == belt else 0.0
         moved = work[END_V, j] - own
-        if abs(moved) > UNMOVED * (work[SIZE, j] + own):
+        if abs(moved) > UNMOVED * (work[SIZE, j] + before[SIZE, j] + own):
             marks[n, j] = OPENS_ABOVE if (moved > 0.0) == above else OPENS_BELOW
             regular[j], found = False, True
     return found
@@ -209,17 +213,18 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
             turn = phase_between(start, now.t, theta, K)
             boundary, kind = boundaries[n], kinds_[n]
             belt, kept, touched = V1 + boundary - 1, work, False
+            if kind == GRAZE:  # what is usual on the way there is the scale of what vanishes
+                piece_changes(start, start.t + 0.6 * (now.t - start.t), 0.6 * turn, codes, deep, mine, K, work)
+                kept = work[: SIZE + 1].copy()
+            a = piece_changes(start, now.t, turn, codes, deep, mine, K, work)
             if kind == GRAZE:
-                kept = work[: DV + 1].copy()
-            piece_changes(start, now.t, turn, codes, deep, mine, K, work)
-            if kind == GRAZE:
-                touched = kinks(start.mode != boundary, belt, codes, marks, n, regular, work)
+                touched = kinks(start.mode != boundary, belt, codes, marks, n, regular, kept, work)
                 vanishing_times(start.mode, now, codes, mine, K, work)
                 why = KINK if touched else REGULAR
             elif start.mode > ON_BELT:
                 why = REGULAR if vanishing_times(now.mode, now, codes, mine, K, work) else NO_SLOPE
             else:
-                why = contact_times(start.mode, boundary + (start.mode == boundary), belt, now, codes, K, work)
+                why = contact_times(start.mode, boundary + (start.mode == boundary), belt, now, a, codes, K, work)
             reasons[n] = why
             for j in range(len(codes)):
                 work[DX, j] = work[END_X, j] + now.v * work[DT, j]
@@ -230,7 +235,7 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
                 if not touched or marks[n, j] == 0:
                     marks[n, j] = 1 if regular[j] else 0
             if kind == GRAZE:
-                work[: DV + 1] = kept
+                work[: SIZE + 1] = kept
                 continue
             if len(codes) > count:
                 grow(i, start, now, kind, turn, growth, count, len(codes), K, work)

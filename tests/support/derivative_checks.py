@@ -13,6 +13,7 @@ import time
 from collections import Counter
 from dataclasses import dataclass
 from fractions import Fraction
+from random import Random
 from typing import Any
 
 import fuzz
@@ -21,6 +22,7 @@ from scene_families import FuzzScene
 from verdicts import label
 
 from symosc import ParameterError, sensitivities, simulate
+from symosc.model import PARAMETER_NAMES
 from symosc.simulation.tangents import NAMES
 
 STEP, SMALL_STEP, DIGITS = Fraction(1, 10**11), Fraction(1, 10**25), 60
@@ -111,7 +113,27 @@ def judged(scene: FuzzScene, names: tuple[str, ...] = NAMES) -> list[Judged]:
         exact = sensitivities(scene.p, names, **start, digits=30)
         for row in found:
             row.clear = row.event < len(exact.dt) and bool(exact.regular[row.event, names.index(row.name)])
+    wrong = [row for row in found if row.verdict == "wrong"]
+    if wrong:
+        rounded(scene, s, names, wrong)
     return found
+
+
+def rounded(scene: FuzzScene, s: Any, names: tuple[str, ...], rows: list[Judged]) -> None:
+    """Set the errors that are allowed to those which relative errors of EPS in all numbers make, times ROUNDINGS."""
+    start, dice = {each: getattr(scene, each) for each in ("t0", "x0", "v0")}, Random(1)
+    exact, *beside = (
+        sensitivities(
+            scene.p.replace(**{each: getattr(scene.p, each) * off() for each in PARAMETER_NAMES}),
+            names, **{each: value * off() for each, value in start.items()}, t_end=scene.t_end, digits=30,
+        )
+        for off in (lambda: 1, *[lambda: 1 + Fraction(dice.choice((-1, 1)), 10**16)] * 3)
+    )  # fmt: skip
+    for row in rows:
+        j, n = names.index(row.name), row.event
+        scale = max(1.0, float(abs(exact.dt[: n + 1, j]).max()), float(abs(exact.dx[: n + 1, j]).max()))
+        off = [abs(getattr(each, axis)[n, j] - getattr(exact, axis)[n, j]) for each in beside for axis in ("dt", "dx")]
+        row.allowed = ROUNDINGS * float(max(off)) / scale
 
 
 def column(scene: FuzzScene, s: Any, j: int, name: str, base: Any, digits: int | None) -> list[Judged]:
