@@ -80,10 +80,11 @@ def flight_by_parameters(x_i, theta_i, theta_j, v_i, A, m, K):
     U0, U1, U2, V, W, P, Q = repeated(tau, E0, E1, E2, R2, I2, s, c, K)
     a0 = acceleration(x_i, v_i, c0, A, K.cm, K.w0sq, K.f0)
     _, dv, a = motion(v_i, a0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-    v = v_i + dv
-    return flight_parameters(
-        x_i, v_i, a0, s0, c0, v, a, tau, m, K.cm, K.w0sq, K.f0, K.Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q
+    *letters, x_Om, v_Om, x_v0, v_v0 = flight_parameters(
+        x_i, v_i, a0, s0, c0, m, K.cm, K.w0sq, K.f0, K.Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q
     )
+    sooner = -tau / K.Om  # by which the end moves, as theta_j is fixed
+    return *letters, x_Om + (v_i + dv) * sooner, v_Om + a * sooner, x_v0, v_v0
 
 
 def stick(x_i, theta_i, x_j, theta_j, v, A, K):
