@@ -55,9 +55,9 @@ CONSTANTS = (bool, int, float, complex, str)
 # Functions that are called from several places and rarely: not worth a copy in each.
 OUTLINED = """
     advance_near apart_from_walls behind_flat_start careful closest_approach cell_within creeps_for_ever cut_at
-    flight_extremes flown follow_all finish_tally march_rows newton_root next_undecided no_contact parts_again periods
-    point_at_end resolve rest_stretches search_row searched section series settle slow_passing_time
-    stationary stays_closed stepped stiff_derivatives tally_stretch tolerance graze_belt within
+    doubt_row flight_extremes flown follow_all finish_tally march_rows newton_root next_undecided no_contact
+    parts_again periods point_at_end resolve rest_stretches search_row searched section series settle
+    slow_passing_time stationary stays_closed stepped stiff_derivatives tally_stretch tolerance graze_belt within
 """
 
 
@@ -376,11 +376,12 @@ class MpArithmetic(Arithmetic):
         found: Constants = self.inward(self.K)
         return found
 
-    def outward(self, value: Any) -> Any:
-        """Convert a number, or the numbers in a tuple, to mpmath numbers with all their digits."""
+    def outward(self, value: Any, context: Any = None) -> Any:
+        """Convert a number, or the numbers in a tuple, to mpmath numbers of this arithmetic's context or another."""
+        context = context or self.context
         if self._mpfr is None:
-            return value
-        mpfr, to_mpf, context = self._mpfr.mpfr, self._mpfr.to_mpf, self.context
+            return value if context is self.context else converted(value, context.mpf)
+        mpfr, to_mpf = self._mpfr.mpfr, self._mpfr.to_mpf
         if type(value) is tuple:  # the numbers of an event
             return tuple([to_mpf(entry, context) for entry in value])
         return converted(value, lambda entry: to_mpf(entry, context) if type(entry) is mpfr else entry)

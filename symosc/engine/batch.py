@@ -258,6 +258,11 @@ def search_row(states, table):
     return code, boundary, decided, t_error
 
 
+def doubt_row(states, count, most, accuracy, table):
+    """Return `next_undecided` for the state in the first row, which follows `count` events."""
+    return next_undecided(state_of(states, 0), count, states[0], most, accuracy, table[0])
+
+
 def next_undecided(state, count, row, most, accuracy, K):
     """Return the number of the next event that `follow_all` cannot decide; 0 if there is none soon.
 
@@ -338,8 +343,8 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
     wanted : (n,) events to come to, in all.
     pairs : (n, STATE_WIDTH) complex array, updated: states in pairs.
     batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING, END,
-        REST, or UNDECIDED for a contact that pairs cannot decide, and for an event that they know worse than
-        `limits.noise` says.
+        REST, or UNDECIDED before a contact that pairs cannot decide, or an event that they know worse than
+        `limits.noise` says: the states are the last ones that they are sure of.
     out : EventRows that hold all events to come.
     pieces : as `follow_all` takes it; a motion that has filled it is RUNNING.
     K : Constants of complex numbers
@@ -364,28 +369,30 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
                 goal = next_undecided_in_doubles(rounded, counts[i], states[i], last, limits.accuracy, plain)
                 if goal == 0:
                     break
-            before, rough = rounded, searched_in_doubles(rounded, states[i], careful)
+            rough = searched_in_doubles(rounded, states[i], careful)
             found = advance_near(state, rounded, rough, t_end, t_end_low, K)
-            state, step = found.state, found.code
-            rounded = in_doubles(state, t0, plain)
+            step, then = found.code, in_doubles(found.state, t0, plain)
+            plainly = NextEvent(step, found.boundary, True, found.t_error.hi, then)
             if step == FAILED or not found.decided:
                 code = UNDECIDED
-            elif step <= GRAZE:
-                x, v, S11 = state.x, state.v, state.S.S11
-                t, t_error, x_error = time_with_errors(state.t, state.t_low, t0, x, v, found.t_error, S11, K)
-                if rows < out.floats.shape[1]:  # there is none where tallies are kept
-                    clock = t.hi, rounding_error(t_error.hi, t.hi), rounding_error(x_error.hi, x.hi)
-                    plainly = NextEvent(step, found.boundary, True, found.t_error.hi, rounded)
-                    write_event_in_doubles(out, rows, i, before, plainly, clock, plain)
+                break
+            if step <= GRAZE:
+                x, v, S11 = found.state.x, found.state.v, found.state.S.S11
+                t, t_low = found.state.t, found.state.t_low
+                t, t_error, x_error = time_with_errors(t, t_low, t0, x, v, found.t_error, S11, K)
                 if not (is_below(limits.noise, t_error.hi, t.hi) and is_below(limits.noise, x_error.hi, x.hi)):
                     code = UNDECIDED
+                    break
+                if rows < out.floats.shape[1]:  # there is none where tallies are kept
+                    clock = t.hi, rounding_error(t_error.hi, t.hi), rounding_error(x_error.hi, x.hi)
+                    write_event_in_doubles(out, rows, i, rounded, plainly, clock, plain)
                 rows += 1
                 counts[i] += 1
             elif step in (END, REST):
                 code = step
-            if tallied and code != UNDECIDED and code != REST:
-                plainly = NextEvent(step, found.boundary, True, found.t_error.hi, rounded)
-                tally_step(i, before, plainly, t0.hi, tally, plain)
+            if tallied and code != REST:
+                tally_step(i, rounded, plainly, t0.hi, tally, plain)
+            state, rounded = found.state, then
             if recorded and code == RUNNING:
                 elapsed = ((state.t - t0.hi) + state.t_low).hi
                 write_piece_in_doubles(pieces, parts, rounded, elapsed)

@@ -432,6 +432,23 @@ def first_exit(tau_max, start, walls, S, K):
     Its code is NOTHING (at tau_max), HIT, TANGENCY or STALLED. A contact is returned even if the last correction moved
     it past tau_max. `start` is a Launch, `walls` are Walls, S is the Covariance of the errors of the start.
     """
+    now, flat, thin, margin = search_begin(tau_max, start, walls, S, K)
+    v0 = start.v
+    if K.apart and not flat:
+        now, M4, side, there = march(tau_max, v0, now, walls, margin, K)
+        if side != 0:
+            return polish(between(now, there, side, v0, walls, K), now.tau, there.tau, side, start, walls, K)
+    else:
+        M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
+    return stepped(tau_max, now, M4, thin, margin, start, walls, S, K)
+
+
+def search_begin(tau_max, start, walls, S, K):
+    """Return the point from which a search along a flight begins, whether it is behind a flat start, thin and margin.
+
+    A gap whose square is below `thin` is compared with its error. The margin is what the error of the start can do to a
+    gap; where that is less than rounding, `tolerance` includes it.
+    """
     v0, F0, s0, c0 = start
     zero = 0.0 * tau_max
     G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
@@ -443,20 +460,12 @@ def first_exit(tau_max, start, walls, S, K):
         now = Flown(zero, zero, zero, F0, zero, G2, G3, s0, c0, 1.0 + zero, zero, zero)
         if abs(G2) <= ROUNDING * sqrt(EPS) * abs(K.fB) * K.Om:
             now, flat = behind_flat_start(tau_max, G2, G3, start, K), True
-    # A gap whose square is below `thin` is compared with its error. The margin is what the error of the start can do to
-    # a gap; where that is less than rounding, `tolerance` includes it.
     speed = THIN * (abs(v0) + (abs(F0) + abs(K.f0)) * K.moment)
     variance = K.sigmas * K.sigmas * (S.S22 + K.w0sq * S.S11)
     thin, margin = 4.0 * variance + speed * speed, 0.0 * variance
     if variance > FAINT * speed * speed:
         margin = sqrt(variance)
-    if K.apart and not flat:
-        now, M4, side, there = march(tau_max, v0, now, walls, margin, K)
-        if side != 0:
-            return polish(between(now, there, side, v0, walls, K), now.tau, there.tau, side, start, walls, K)
-    else:
-        M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
-    return stepped(tau_max, now, M4, thin, margin, start, walls, S, K)
+    return now, flat, thin, margin
 
 
 def behind_flat_start(tau_max, G2, G3, start, K):

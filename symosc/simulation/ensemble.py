@@ -228,8 +228,7 @@ class Chunk:
         again = self._in_pairs(self._remove_undecided()) if task.loops.in_threads else {}
         for i in self._remove_undecided():
             cancel.check()
-            known = int(self.batch.counts[i]) if task.loops.in_threads else 0
-            self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy, known=known)
+            self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy)
         again |= {i: rows_of(i, trajectory.events) for i, trajectory in self.alone.items()}
         self.rows = spliced(self.rows, again) if again else self.rows
         self.status = self._statuses()

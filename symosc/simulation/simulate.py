@@ -9,14 +9,13 @@ known to that many digits.
 from __future__ import annotations
 
 from fractions import Fraction
-from functools import partial
 from math import inf, isinf
 from typing import Any
 
 from symosc.aliases import Number, NumberLike, Progress, SceneName, StartError
 from symosc.arguments import public
 from symosc.display.progress import Advance, late_bar
-from symosc.engine.arithmetic import mp_context, pairs_are_loaded
+from symosc.engine.arithmetic import mp_context
 from symosc.engine.start import Start, settles
 from symosc.engine.state import FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNING, UNDECIDED, State
 from symosc.errors import ParameterError
@@ -28,12 +27,8 @@ from symosc.simulation.motion import (
     FinerMotion,
     Motion,
     MotionInDoubles,
-    MotionInPairs,
     check_reached,
-    cut_event,
     digits_to_confirm_graze,
-    fits_pairs,
-    rounded_event,
 )
 from symosc.simulation.moved import MovedTrajectory
 from symosc.simulation.trajectory import Trajectory
@@ -175,31 +170,21 @@ def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction]
     return inf if start_error and max(start_error) > accuracy else accuracy
 
 
-def in_doubles(
-    start: Start, most: int, accuracy: float, advance: Advance = None, known: int | None = None
-) -> Trajectory:
-    """Follow a motion in doubles, with more digits where these are undecided; see `simulate`.
-
-    After `known` events pairs are known to be undecided; None: not yet.
-    """
+def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None) -> Trajectory:
+    """Follow a motion in doubles, with more digits where these are undecided; see `simulate`."""
     needed = attainable(accuracy, start.start_error)
     motion = MotionInDoubles(start, isinf(accuracy))
-    pairs = finer = None
+    finer: FinerMotion | None = None
     if settles(start):
         motion.code = REST
     while motion.code == RUNNING:
         motion.follow(most, needed)
         if motion.code in NEEDS_DIGITS:
-            wanted = motion.count + (motion.code == UNDECIDED)
-            if known is None and finer is None and pairs_are_loaded() and (pairs or fits_pairs(start)):
-                pairs = pairs or MotionInPairs(motion, needed, most)
-                if not pairs.reach(wanted):
-                    known = pairs.count
-            if known is not None or not pairs:
-                finer = finer or FinerMotion(start)
-                if not finer.reach(max(wanted, known or 0), partial(motion.next_doubt, accuracy=needed, most=most)):
-                    return _undecidable(finer)
-            motion.take_over(finer or pairs)  # type: ignore[arg-type]
+            finer = finer or FinerMotion(motion, needed, most)
+            decided = finer.reach(motion.count + (motion.code == UNDECIDED))
+            motion.take_over(finer)
+            if not decided:
+                return _in_columns(motion, "undecidable", _open_contact(finer.open_at, finer.open_in), finer.open_at)
         if advance:
             advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
     if motion.code == FULL:
@@ -218,17 +203,21 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
     working = digits + 10 + start.spare_digits
     if settles(start):
         motion = Motion(start, working)
-        return _in_digits(motion, *_ended(start, REST, motion.state), digits)
+        last = motion.arithmetic.number(start.t_end)
+        return _in_digits(motion, *_ended(start, REST, motion.state), last, digits)
+    asked_at = inf  # the number of the event before a contact that took more digits
     while True:
         motion, limit, undecided = Motion(start, working), MOST_WORKING * (digits + start.spare_digits), False
-        while not motion.ended and len(motion.events) < most and not undecided:
-            before = len(motion.events)
+        while not motion.ended and motion.count < most and not undecided:
+            before = motion.count
             motion.step()
             if advance:
-                advance(_part_done(start, motion.elapsed, len(motion.events), most), len(motion.events))
+                advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
             if not motion.decided and motion.code != FAILED and not start.start_error:
-                needed = digits_to_confirm_graze(motion, motion.elapsed, digits)
+                least = 2 * working if before > asked_at else 0
+                needed = digits_to_confirm_graze(motion, motion.elapsed, digits, least)
                 undecided = needed is None or working < needed
+                asked_at = before if undecided else inf if before >= asked_at else asked_at
                 limit = max(limit, needed or 0)
         undecided = undecided or motion.code == FAILED
         # The error of a start that is known to so much only stays whatever the digits.
@@ -236,12 +225,13 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
         if not undecided and missing <= 0:
             break
         if working >= limit:
-            del motion.events[before:]
-            return _undecidable(motion, digits)
+            last, message = motion.time, _open_contact(float(motion.time), working, digits)
+            motion.undo()
+            return _in_digits(motion, "undecidable", message, last, digits)
         working = min(limit, 3 * working if undecided else working + missing + 2)
     if not motion.ended:
-        return _in_digits(motion, "max_events", f"stopped after max_events = {most} events", digits)
-    return _in_digits(motion, *_ended(start, motion.code, motion.state), digits)
+        return _in_digits(motion, "max_events", f"stopped after max_events = {most} events", motion.time, digits)
+    return _in_digits(motion, *_ended(start, motion.code, motion.state), motion.arithmetic.number(start.t_end), digits)
 
 
 def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
@@ -264,11 +254,10 @@ def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
     return status, message
 
 
-def _undecidable(motion: Motion, asked: int | None = None) -> Trajectory:
-    """Return a trajectory that ends at the undecided contact which a motion has come to."""
-    hint = f"ask for more digits, such as digits={2 * (asked or motion.digits)}"
-    message = f"the contact near t = {float(motion.time)!r} cannot be decided with {motion.digits} digits; {hint}"
-    return _in_digits(motion, "undecidable", message, asked)
+def _open_contact(t: float, used: int, asked: int | None = None) -> str:
+    """Return the message about a contact that is open with all digits that were used."""
+    hint = f"ask for more digits, such as digits={2 * (asked or used)}"
+    return f"the contact near t = {t!r} cannot be decided with {used} digits; {hint}"
 
 
 def _in_columns(motion: MotionInDoubles, status: str, message: str, last: float) -> Trajectory:
@@ -278,15 +267,9 @@ def _in_columns(motion: MotionInDoubles, status: str, message: str, last: float)
     return Trajectory(start.parameters, motion.events(), motion.pieces(), status, message, span, motion.first_at)
 
 
-def _in_digits(motion: Motion, status: str, message: str, digits: int | None) -> Trajectory:
-    """Return a motion with many digits as a Trajectory with fewer; None for doubles."""
-    start, t0 = motion.start, motion.t0
-    last = motion.time if status in ("undecidable", "max_events") else motion.arithmetic.number(start.t_end)
-    if digits is None:
-        span, events = (float(start.t0), float(last)), list(map(rounded_event, motion.events))
-    else:
-        context = mp_context(digits)
-        span = context.convert(t0), context.convert(last)
-        events = [cut_event(each, context) for each in motion.events]
-    about = (start.parameters, events, motion.columns(), status, message, span, motion.first_at)
+def _in_digits(motion: Motion, status: str, message: str, last: Number, digits: int) -> Trajectory:
+    """Return a motion with many digits, which ends at a time, as a Trajectory with fewer."""
+    context = mp_context(digits)
+    span, events = (context.convert(motion.t0), context.convert(last)), motion.events_in(context)
+    about = (motion.start.parameters, events, motion.columns(), status, message, span, motion.first_at)
     return Trajectory(*about, digits)
