@@ -36,6 +36,7 @@ from symosc.orbits.border_system import (
     Zero,
     is_symmetric,
     names_of,
+    symmetrised,
     zero_values,
     zeros_of,
 )
@@ -56,7 +57,8 @@ SHORTEST = 1e-9  # of a step, as a part of the ranges
 SHARPEST_TURN = 0.98  # cosine of the angle between neighbouring tangents
 FARTHEST = 0.1  # of a correction, as a part of the step
 CHECKED = 8  # points per check of the inequalities
-LOCATED = 1e-12  # as a part of the ranges, to which a change on the way is bisected
+# To what length a change on the way is bisected, and how often at most.
+LOCATED, MOST_HALVINGS = 1e-12, 50
 MOST_SECANTS, FIRST_SECANT = 8, 1e-9  # for a fold; the first change of a parameter
 NEAR = 1e-3  # so far from where it is looked for a point is accepted
 BESIDE = (1e-6, 1e-5, 1e-7)  # distances from a border at which its words are looked at, as parts of the ranges
@@ -481,7 +483,9 @@ class Tracer:
     def _codimension_two(self, good: Node, bad: Node, condition: Condition) -> tuple[Node, SpecialPoint]:
         """Return the point between two nodes at which an inequality vanishes: a last node, and what it is."""
         system = self.system
-        while (length := float(np.linalg.norm(bad.z - good.z))) > LOCATED:
+        for _ in range(MOST_HALVINGS):
+            if np.linalg.norm(bad.z - good.z) < LOCATED:
+                break
             middle = self.system.node(between(good, bad, 0.5), good.tangent)
             if middle is None:
                 break
@@ -491,6 +495,7 @@ class Tracer:
         found = meeting(self.plane, system.orbit(good.z), values)
         if found is None:
             message = f"{condition.text} no longer holds; the point could not be refined"
+            length = float(np.abs((bad.z - good.z)[-2:] * system.scale[-2:]).max())
             found = SpecialPoint(names_of(system)[1] or names_of(system)[0], values, message, length)
         z = good.z.copy()
         z[-2:] = np.array(found.values) / system.scale[-2:]
@@ -537,34 +542,39 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
     equations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods)
     solution = solve(equations, orbit.points)
     points = solution.points if solution.converged else orbit.points
-    orbit = orbit._replace(points=points)
+    half = len(points) // 2 if is_symmetric(points, NEAR) else 0
+    points = symmetrised(points) if half else points
     size = scales(equations, points)
-    single, pairs = list[tuple[float, Zero, list[float], str]](), list[Any]()
-    small = [c for c in conditions(equations, points) if abs(_part(c)) < NEAR]
-    for c, (zero, phases) in ((each, found) for each in small for found in zeros_of(equations, points, each)):
-        single.append((abs(_part(c)), zero, phases, c.text))
+    single, pairs = list[tuple[Zero, list[float], Condition]](), list[Any]()
+    for c in conditions(equations, points):
+        if abs(_part(c)) < NEAR:
+            single += [(zero, phases, c) for zero, phases in zeros_of(equations, points, c)]
+    for zero, phases, c in single:
         (flat,) = zero_values(equations, points, zero.bend, phases[0] if phases else 0.0)
         if abs(flat) * size.t < FLAT * size.a:
             pairs.append((-1.0 if phases else -2.0, (zero, zero.bend), phases, (c.text,)))
-    half = len(points) // 2 if is_symmetric(points) else 0
     for one, two in combinations(single, 2):
-        if one[1].kind != two[1].kind or two[1].piece - one[1].piece != half:  # two that are one by symmetry
-            pairs.append((max(one[0], two[0]), (one[1], two[1]), one[2] + two[2], (one[3], two[3])))
+        if one[0].kind != two[0].kind or two[0].piece - one[0].piece != half:  # two that are one by symmetry
+            found = (max(abs(_part(one[2])), abs(_part(two[2]))), (one[0], two[0]), one[1] + two[1])
+            pairs.append((*found, (one[2].text, two[2].text)))
     for _, zeros, phases, texts in sorted(pairs, key=lambda pair: pair[0]):
-        system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit, zeros)
-        z = np.array([*points.ravel(), *phases, *values]) / system.scale
-        polished = system.polish(z)
-        at = [] if polished is None else [float(value) for value in polished[0][-2:]]
-        if polished is None or (np.abs(np.subtract(at, values)) > NEAR * plane.widths).any():
-            continue
-        kind = " and ".join(
-            sorted({sliding or what for what, sliding in (names_of(system, zero) for zero in zeros[: len(texts)])})
-        )
-        message = " and ".join(f"{text} just fails" for text in texts)
-        if len(texts) == 1:
-            kind = f"degenerate {kind}" if zeros[0].kind != AT_ARRIVAL else kind
-            message += REGULAR[zeros[0].kind]
-        return SpecialPoint(kind, (at[0], at[1]), f"{message} ({orbit.cycle})", 2 * EPS * max(map(abs, at)))
+        mirrored = [other for other in single for zero in zeros if half and other[0].mirrors(zero, half)]
+        added = [each for other in mirrored for each in ((other[0], other[0].bend) if len(texts) == 1 else other[:1])]
+        more = [phase for other in mirrored for phase in other[1]]
+        # The equations of one half of a symmetric orbit may leave the other half undetermined: then both are solved.
+        for all_zeros, all_phases in ((zeros, phases), ([*zeros, *added], [*phases, *more])):
+            system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit._replace(points=points), all_zeros)
+            polished = system.polish(np.array([*points.ravel(), *all_phases, *values]) / system.scale)
+            at = [] if polished is None else [float(value) for value in polished[0][-2:]]
+            if polished is None or (np.abs(np.subtract(at, values)) > NEAR * plane.widths).any():
+                continue
+            names = [names_of(system, zero) for zero in zeros[: len(texts)]]
+            kind = " and ".join(sorted({sliding or what for what, sliding in names}))
+            message = " and ".join(f"{text} just fails" for text in texts)
+            if len(texts) == 1:
+                kind = f"degenerate {kind}" if zeros[0].kind != AT_ARRIVAL else kind
+                message += REGULAR[zeros[0].kind]
+            return SpecialPoint(kind, (at[0], at[1]), f"{message} ({orbit.cycle})", 2 * EPS * max(map(abs, at)))
     return None
 
 

@@ -69,6 +69,10 @@ class Zero(NamedTuple):
     piece: int
     place: int
 
+    def mirrors(self, other: Zero, half: int) -> bool:
+        """Return whether it is the other one, half a period later or before."""
+        return self.kind == other.kind and abs(self.piece - other.piece) == half
+
     @property
     def bend(self) -> Zero:
         """What vanishes too where this is no simple zero."""
@@ -222,7 +226,9 @@ class BorderSystem:
                 if inverse is None:
                     values, matrix = self._linearised(u)
                     matrix *= self.scale
-                    inverse = np.linalg.inv(matrix if row is None else np.vstack([matrix, row]))
+                    matrix = matrix if row is None else np.vstack([matrix, row])
+                    square = len(matrix) == len(z)  # of too many equations, none contradicts the others
+                    inverse = np.linalg.inv(matrix) if square else np.linalg.pinv(matrix)
                 else:
                     values = np.array(self.residuals(u))
                 right = values if row is None else np.append(values, row @ (z - start))
@@ -397,13 +403,21 @@ def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Num
     return [gap / tau**roots, (a - roots * gap / tau) / tau**roots]
 
 
-def is_symmetric(points: np.ndarray) -> bool:
+def is_symmetric(points: np.ndarray, part: float = NOTHING) -> bool:
     """Return whether the second half of an orbit mirrors the first: x(t + T/2) + x(t) is constant."""
-    half, odd = divmod(len(points), 2)
-    if odd:
+    if len(points) % 2:
         return False
-    x, theta = points[half:, 0] + points[:half, 0], points[half:, 1] - points[:half, 1] - pi
-    return bool(np.ptp(x) < NOTHING * np.abs(points[:, 0]).max() and np.abs(theta).max() < NOTHING)
+    away = symmetrised(points) - points
+    return bool(np.abs(away[:, 0]).max() < part * np.abs(points[:, 0]).max() and np.abs(away[:, 1]).max() < part)
+
+
+def symmetrised(points: np.ndarray) -> np.ndarray:
+    """Return the points of the symmetric orbit nearest to one with an even number of them."""
+    half = len(points) // 2
+    x, theta = points[:half, 0] - points[half:, 0], points[:half, 1] + points[half:, 1]
+    mean = points[:, 0].mean()
+    first = np.column_stack([mean + x / 2, (theta - pi) / 2])
+    return np.vstack([first, np.column_stack([mean - x / 2, (theta + pi) / 2])])
 
 
 def kind_of(condition: Condition) -> str:
