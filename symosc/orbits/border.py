@@ -561,8 +561,8 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
         mirrored = [other for other in single for zero in zeros if half and other[0].mirrors(zero, half)]
         added = [each for other in mirrored for each in ((other[0], other[0].bend) if len(texts) == 1 else other[:1])]
         more = [phase for other in mirrored for phase in other[1]]
-        # The equations of one half of a symmetric orbit may leave the other half undetermined: then both are solved.
-        for all_zeros, all_phases in ((zeros, phases), ([*zeros, *added], [*phases, *more])):
+        # The equations of one half of a symmetric orbit may leave the other half undetermined: both are tried first.
+        for all_zeros, all_phases in (([*zeros, *added], [*phases, *more]), (zeros, phases))[not added :]:
             system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit._replace(points=points), all_zeros)
             polished = system.polish(np.array([*points.ravel(), *all_phases, *values]) / system.scale)
             at = [] if polished is None else [float(value) for value in polished[0][-2:]]

@@ -58,6 +58,7 @@ NOTHING = 1e-7  # a margin below this part of its terms is 0 on a border
 MOST_CORRECTIONS = 12
 CONVERGED, NOT_CONVERGED = 1e-10, 1e-6  # a correction, in scaled unknowns, after which the next one is rounding
 MOST_POLISHING, FINE = 30, 1e-30
+SINGULAR = 1e6  # entries of the inverse, in scaled unknowns, beyond which a point is not isolated
 LEAST_SIZE = 0.1
 POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters in lengths
 
@@ -257,7 +258,7 @@ class BorderSystem:
             row = np.zeros(len(z))
             row[fixed[0]] = 1.0
         got = self.correct(z, row)
-        if got is None:
+        if got is None or (fixed is None and np.abs(got[1]).max() > SINGULAR):
             return None
         number = ClosingEquations(self.fixed, self.word, self.periods, FINE_DIGITS).arithmetic.number
         convert: Any = lambda value: number(Fraction(float(value)))  # noqa: E731
