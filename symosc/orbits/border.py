@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, pairwise
 from math import cos, inf, pi, sin
 from typing import Any, NamedTuple
 
@@ -25,9 +25,8 @@ from symosc.kernels.entire import EPS
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.admissibility import Condition, conditions, failures, scales
 from symosc.orbits.border_system import (
-    AT_BEND,
+    AT_ARRIVAL,
     AT_FAR,
-    AT_FLAT,
     AT_HOLD,
     AT_TOUCH,
     NOTHING,
@@ -35,14 +34,16 @@ from symosc.orbits.border_system import (
     Node,
     Orbit,
     Zero,
+    is_symmetric,
     names_of,
-    zero_of,
+    symmetrised,
     zero_values,
+    zeros_of,
 )
 from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, solve
 from symosc.orbits.curve import orbit_of
-from symosc.orbits.find import SETTLING_EVENTS, follow
+from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow
 from symosc.words import Word, cycle
 
 
@@ -56,7 +57,8 @@ SHORTEST = 1e-9  # of a step, as a part of the ranges
 SHARPEST_TURN = 0.98  # cosine of the angle between neighbouring tangents
 FARTHEST = 0.1  # of a correction, as a part of the step
 CHECKED = 8  # points per check of the inequalities
-LOCATED = 1e-12  # as a part of the ranges, to which a change on the way is bisected
+# To what length a change on the way is bisected, and how often at most.
+LOCATED, MOST_HALVINGS = 1e-12, 50
 MOST_SECANTS, FIRST_SECANT = 8, 1e-9  # for a fold; the first change of a parameter
 NEAR = 1e-3  # so far from where it is looked for a point is accepted
 BESIDE = (1e-6, 1e-5, 1e-7)  # distances from a border at which its words are looked at, as parts of the ranges
@@ -67,8 +69,17 @@ SHORTEST_SEGMENT = 1e-9
 AWAY = (1e-7, 1e-6, 1e-5)  # distances from a branch's end at which its border is looked for, as parts of the range
 SECOND = 1e-4  # distance of the second point that tells which inequalities are 0 all along
 MOST_CANDIDATES = 6
+FLAT = 0.1  # a derivative below this part of its terms may be 0 at a point that is known as well as a curve shows it
+REGULAR = {
+    AT_FAR: ", and G^(1) of that domain is 0 there",
+    AT_ARRIVAL: ", and G^(1) of that domain is 0 there: a cubic tangency",
+    AT_TOUCH: " in an extremum at which v'' is 0 too",
+    AT_HOLD: " in an extremum at which F'' is 0 too",
+}
+SHIFTS = (1e-9, 1e-8, 1e-7, 1e-6)  # distances from a border at which a narrow region behind it is looked for
 SHORT_PIECE = 1e-3  # a phase: a piece this short at a point of codimension two may have no length there
-LONGEST_STEP = 0.1
+STEP, LONGEST_STEP, MOST_POINTS = 0.002, 0.1, 5000
+SAME_POINT, SAME_BORDER = 1e-6, 1e-4  # as parts of the ranges
 
 
 class BorderEnd(NamedTuple):
@@ -122,6 +133,10 @@ class Plane(NamedTuple):
         """Return the parameters at a point of the plane."""
         return self.fixed.replace(**dict(zip(self.names, values, strict=True)))
 
+    def near(self, a: Sequence[float], b: Sequence[float]) -> bool:
+        """Return whether two points are the same within errors."""
+        return bool((np.abs(np.subtract(a, b)) < SAME_POINT * self.widths).all())
+
     @property
     def widths(self) -> np.ndarray:
         """The widths of the ranges."""
@@ -166,7 +181,7 @@ class Border(Drawable):
     """
 
     def __init__(self, plane: Plane, system: BorderSystem, nodes: list[Node], ends: Any, special: Any) -> None:
-        self._plane, self._system, self._nodes = plane, system, nodes
+        self.plane, self._system, self._nodes = plane, system, nodes
         self.parameters, self.fixed, self.ends, self.special = plane.names, plane.fixed, ends, tuple(special)
         self.points = np.array([node.z[-2:] * system.scale[-2:] for node in nodes])
         self.errors = np.array([node.error for node in nodes])
@@ -178,7 +193,7 @@ class Border(Drawable):
         """Find the words on both sides of the middle point, and on which side the border's own word is."""
         own, middle = cycle(str(self._system.word)), len(self._nodes) // 2
         for distance in BESIDE:
-            found = [motion_at(p, self._system.orbit(self._nodes[middle].z)) for p in self.beside(middle, distance)]
+            found = [motion_at(p, self.orbit(middle)) for p in self.beside(middle, distance)]
             words = [None if each is None else cycle(str(each.word)) for each in found]
             if words[0] != own and own in words:
                 self._side = -self._side
@@ -193,6 +208,10 @@ class Border(Drawable):
             self.words, self._side, self.kind = self.words[::-1], -self._side, kind or self.kind
         return self
 
+    def orbit(self, i: int) -> Orbit:
+        """Return the orbit on the border at its i-th point: the word with fewer pieces, and the points (x, theta)."""
+        return self._system.orbit(self._nodes[i].z)
+
     @public
     def beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[Parameters, Parameters]:
         """Return the parameters on both sides of the i-th point, in the order of `words`.
@@ -203,7 +222,7 @@ class Border(Drawable):
         along = node.tangent[-2:] / np.linalg.norm(node.tangent[-2:])
         away = self._side * float(read_exact("distance", distance)) * np.array([-along[1], along[0]])
         here = node.z[-2:] * self._system.scale[-2:]
-        first, second = (self._plane.parameters((here + way * away * self._plane.widths).tolist()) for way in (1, -1))
+        first, second = (self.plane.parameters((here + way * away * self.plane.widths).tolist()) for way in (1, -1))
         return first, second
 
     @public
@@ -424,14 +443,16 @@ class Tracer:
     def _fold(self, here: Node, node: Node, j: int) -> tuple[Node, SpecialPoint] | None:
         """Return the fold between two nodes in which parameter j turns back, by secants for its slope."""
         system, other, index = self.system, 1 - j, len(here.z) - 1 - j
+        z = here.z
         for _ in range(3):  # in doubles first
             part = here.tangent[-2 + j] / (here.tangent[-2 + j] - node.tangent[-2 + j])
-            middle = self.system.node(between(here, node, float(part)), here.tangent)
+            middle = system.node(between(here, node, float(part)), here.tangent)
             if middle is None:
                 return None
+            z = middle.z
             here, node = (middle, node) if middle.tangent[-2 + j] * here.tangent[-2 + j] > 0 else (here, middle)
         tried: list[tuple[float, float]] = []
-        q, z = float(middle.z[-2 + other] * system.scale[-2 + other]), middle.z
+        q = float(z[-2 + other] * system.scale[-2 + other])
         for _ in range(MOST_SECANTS):
             polished = system.polish(z, (index, Fraction(q)))
             if polished is None:
@@ -462,7 +483,9 @@ class Tracer:
     def _codimension_two(self, good: Node, bad: Node, condition: Condition) -> tuple[Node, SpecialPoint]:
         """Return the point between two nodes at which an inequality vanishes: a last node, and what it is."""
         system = self.system
-        while (length := float(np.linalg.norm(bad.z - good.z))) > LOCATED:
+        for _ in range(MOST_HALVINGS):
+            if np.linalg.norm(bad.z - good.z) < LOCATED:
+                break
             middle = self.system.node(between(good, bad, 0.5), good.tangent)
             if middle is None:
                 break
@@ -472,6 +495,7 @@ class Tracer:
         found = meeting(self.plane, system.orbit(good.z), values)
         if found is None:
             message = f"{condition.text} no longer holds; the point could not be refined"
+            length = float(np.abs((bad.z - good.z)[-2:] * system.scale[-2:]).max())
             found = SpecialPoint(names_of(system)[1] or names_of(system)[0], values, message, length)
         z = good.z.copy()
         z[-2:] = np.array(found.values) / system.scale[-2:]
@@ -517,53 +541,41 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
     """Return the point near some values where two inequalities of this word vanish."""
     equations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods)
     solution = solve(equations, orbit.points)
-    if not solution.converged:
-        return None
-    orbit, points = orbit._replace(points=solution.points), solution.points
+    points = solution.points if solution.converged else orbit.points
+    half = len(points) // 2 if is_symmetric(points, NEAR) else 0
+    points = symmetrised(points) if half else points
     size = scales(equations, points)
-    single, pairs = list[tuple[float, Zero, list[float], str]](), list[Any]()
+    single, pairs = list[tuple[Zero, list[float], Condition]](), list[Any]()
     for c in conditions(equations, points):
-        found = zero_of(equations, points, c) if abs(_part(c)) < NEAR else None
-        if found is None:
-            continue
-        zero, phases = found
-        single.append((abs(_part(c)), zero, phases, c.text))
-        bend = zero._replace(kind=AT_FLAT if zero.kind == AT_FAR else AT_BEND)
-        (flat,) = zero_values(equations, points, bend, phases[0] if phases else 0.0)
-        if abs(flat) * size.t < NEAR * size.a:
-            pairs.append((-2.0 if zero.kind == AT_FAR else -1.0, (zero, bend), phases, (c.text,)))
-    half = len(points) // 2 if is_symmetric(points) else 0
-    for a, b in combinations(single, 2):
-        if a[1].kind != b[1].kind or b[1].piece - a[1].piece != half:  # two that are one by symmetry
-            pairs.append((max(a[0], b[0]), (a[1], b[1]), a[2] + b[2], (a[3], b[3])))
+        if abs(_part(c)) < NEAR:
+            single += [(zero, phases, c) for zero, phases in zeros_of(equations, points, c)]
+    for zero, phases, c in single:
+        (flat,) = zero_values(equations, points, zero.bend, phases[0] if phases else 0.0)
+        if abs(flat) * size.t < FLAT * size.a:
+            pairs.append((-1.0 if phases else -2.0, (zero, zero.bend), phases, (c.text,)))
+    for one, two in combinations(single, 2):
+        if one[0].kind != two[0].kind or two[0].piece - one[0].piece != half:  # two that are one by symmetry
+            found = (max(abs(_part(one[2])), abs(_part(two[2]))), (one[0], two[0]), one[1] + two[1])
+            pairs.append((*found, (one[2].text, two[2].text)))
     for _, zeros, phases, texts in sorted(pairs, key=lambda pair: pair[0]):
-        system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit, zeros)
-        z = np.array([*points.ravel(), *phases, *values]) / system.scale
-        polished = system.polish(z)
-        if polished is None or np.abs(np.array([float(v) for v in polished[0][-2:]]) - values).max() > NEAR:
-            continue
-        a, b = (float(value) for value in polished[0][-2:])
-        one = f"degenerate {names_of(system)[1] or names_of(system)[0]}"
-        kind = one if len(texts) == 1 else " and ".join(sorted(_name(system, zero) for zero in zeros))
-        regular = {AT_FAR: "G^(1) of the far domain is 0 there", AT_TOUCH: "v'' is 0 there", AT_HOLD: "F'' is 0 there"}
-        message = "; ".join([*(f"{text} just fails" for text in texts), *[regular[zeros[0].kind]] * (len(texts) == 1)])
-        return SpecialPoint(kind, (a, b), f"{message} ({cycle(str(orbit.word))})", 2 * EPS * max(abs(a), abs(b)))
+        mirrored = [other for other in single for zero in zeros if half and other[0].mirrors(zero, half)]
+        added = [each for other in mirrored for each in ((other[0], other[0].bend) if len(texts) == 1 else other[:1])]
+        more = [phase for other in mirrored for phase in other[1]]
+        # The equations of one half of a symmetric orbit may leave the other half undetermined: both are tried first.
+        for all_zeros, all_phases in (([*zeros, *added], [*phases, *more]), (zeros, phases))[not added :]:
+            system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit._replace(points=points), all_zeros)
+            polished = system.polish(np.array([*points.ravel(), *all_phases, *values]) / system.scale)
+            at = [] if polished is None else [float(value) for value in polished[0][-2:]]
+            if polished is None or (np.abs(np.subtract(at, values)) > NEAR * plane.widths).any():
+                continue
+            names = [names_of(system, zero) for zero in zeros[: len(texts)]]
+            kind = " and ".join(sorted({sliding or what for what, sliding in names}))
+            message = " and ".join(f"{text} just fails" for text in texts)
+            if len(texts) == 1:
+                kind = f"degenerate {kind}" if zeros[0].kind != AT_ARRIVAL else kind
+                message += REGULAR[zeros[0].kind]
+            return SpecialPoint(kind, (at[0], at[1]), f"{message} ({orbit.cycle})", 2 * EPS * max(map(abs, at)))
     return None
-
-
-def is_symmetric(points: np.ndarray) -> bool:
-    """Return whether the second half of an orbit mirrors the first: x(t + T/2) + x(t) is constant."""
-    half, odd = divmod(len(points), 2)
-    if odd:
-        return False
-    x, theta = points[half:, 0] + points[:half, 0], points[half:, 1] - points[:half, 1] - pi
-    return bool(np.ptp(x) < NOTHING * np.abs(points[:, 0]).max() and np.abs(theta).max() < NOTHING)
-
-
-def _name(system: BorderSystem, zero: Zero) -> str:
-    """Return the field's name of one zero of a system."""
-    kind, sliding = names_of(system, zero)
-    return sliding or kind
 
 
 # -- finding borders ---------------------------------------------------------------------------------------------------
@@ -572,11 +584,10 @@ def _name(system: BorderSystem, zero: Zero) -> str:
 def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray) -> Iterator[tuple[BorderSystem, Node]]:
     """Yield the borders of an orbit's word that lie next to its place in this direction, the nearest first."""
     equations, points = ClosingEquations(plane.parameters(place.tolist()), orbit.word, orbit.periods), orbit.points
-    for c in sorted(conditions(equations, points), key=lambda c: abs(_part(c)))[:MOST_CANDIDATES]:
-        found = zero_of(equations, points, c)
-        if found is None:
+    nearest = sorted(conditions(equations, points), key=lambda c: abs(_part(c)))[:MOST_CANDIDATES]
+    for zero, phases in (found for c in nearest for found in zeros_of(equations, points, c)):
+        if zero.kind == AT_ARRIVAL:  # it belongs to the word with more pieces
             continue
-        zero, phases = found
         system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit, [zero])
         z, row = np.array([*np.ravel(points), *phases, *place]) / system.scale, np.zeros(len(system.scale))
         across = direction / plane.widths
@@ -609,10 +620,105 @@ def crossings(
         if length < SHORTEST_SEGMENT:
             return
         place = (low[0] + high[0]) / 2
-        orbit = motion_beside(plane, place, low[1], high[1])
-        if orbit is None:
+        middle = motion_beside(plane, place, low[1], high[1])
+        if middle is None:
             return
-        low, high = ((place, orbit), high) if orbit.cycle == word else (low, (place, orbit))
+        low, high = ((place, middle), high) if middle.cycle == word else (low, (place, middle))
+
+
+def all_crossings(
+    plane: Plane, start: tuple[np.ndarray, Orbit], stop: tuple[np.ndarray, Orbit]
+) -> Iterator[tuple[BorderSystem, Node]]:
+    """Yield borders that cross a segment of the plane, so that the words at its ends are explained, in order."""
+    for system, node in crossings(plane, start, stop):
+        way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
+        place, own = node.z[-2:] * system.scale[-2:], system.orbit(node.z)
+        for shift in SHIFTS:
+            before, after = (
+                (place + sign * shift * way, motion_beside(plane, place + sign * shift * way, own, start[1], stop[1]))
+                for sign in (-1, 1)
+            )
+            words = {end[1].cycle for end in (before, after) if end[1] is not None}
+            if len(words) == 2 and own.cycle in words:
+                break
+        if before[1] is not None and (before[0] - start[0]) @ way > 0:
+            yield from all_crossings(plane, start, (before[0], before[1]))
+        yield system, node
+        if after[1] is not None and (stop[0] - after[0]) @ way > 0:
+            yield from all_crossings(plane, (after[0], after[1]), stop)
+
+
+def borders_between(
+    a: Parameters,
+    b: Parameters,
+    parameters: tuple[str, str],
+    range: Mapping[str, tuple[NumberLike, NumberLike]],
+    **how: Any,
+) -> list[Border]:
+    """Return the borders that cross the segment between two points of the plane, found by the words of its motions.
+
+    `a` and `b` differ in the two parameters only; `how` is `step` and `max_points` of `continue_border`.
+    """
+    plane = _read_plane(a, *parameters, range)
+    ends = []
+    for p in (a, b):
+        orbit, place = find_orbit(p), np.array([float(getattr(p, name)) for name in parameters])
+        ends.append((place, Orbit(Word(orbit.labels), orbit.periods, orbit.phases())))
+    return _distinct(plane, all_crossings(plane, *ends), *_read_steps(**how))
+
+
+def borders_leaving(border: Border, special: SpecialPoint, **how: Any) -> list[Border]:
+    """Return all borders that leave one of a border's points of codimension two, that border among them.
+
+    They are found by the words of the motions on a small circle around it; a word that is on less of the circle than
+    can be told in doubles is missed. `how` is `step` and `max_points` of `continue_border`.
+    """
+    plane, nearest = border.plane, np.abs(border.points - special.values).sum(axis=1).argmin()
+    around = _circle(plane, special.values, border.orbit(int(nearest)))
+    chords = pairwise([*around, around[0]] if len(around) == ANGLES else around)
+    return _distinct(plane, (found for chord in chords for found in all_crossings(plane, *chord)), *_read_steps(**how))
+
+
+def network(border: Border, **how: Any) -> list[Border]:
+    """Return a border and all that are connected with it by points of codimension two, followed in turn.
+
+    It is complete where no end is left that is not a point of codimension two from which all borders are followed, an
+    end of the range, or "no convergence". `how` is `step` and `max_points` of `continue_border`.
+    """
+    found, done, waiting = [border], list[tuple[float, float]](), [border]
+    while waiting:
+        for end in (here := waiting.pop()).ends:
+            points = (each for each in here.special if each.kind != FOLD and here.plane.near(each.values, end.values))
+            point = next(points, None)
+            if point is None or any(here.plane.near(point.values, other) for other in done):
+                continue
+            done.append(point.values)
+            for other in borders_leaving(here, point, **how):
+                if not any(_passes(each, other.points[len(other) // 2], other.words) for each in found):
+                    found.append(other)
+                    waiting.append(other)
+    return found
+
+
+def _distinct(plane: Plane, begun: Iterator[tuple[BorderSystem, Node]], step: float, most: int) -> list[Border]:
+    """Return the borders through these nodes, each once."""
+    found = list[Border]()
+    for system, node in begun:
+        border = Tracer(plane, system, node, step, most).border()
+        if not any(_passes(each, node.z[-2:] * system.scale[-2:], border.words) for each in found):
+            found.append(border)
+    return found
+
+
+def _passes(border: Border, values: np.ndarray, words: Any) -> bool:
+    """Return whether a border between these words passes through a point of its plane, near enough for its steps."""
+    if set(border.words) != set(words):
+        return False
+    places = (border.points - values) / border.plane.widths
+    way = np.diff(places, axis=0)
+    squares = np.maximum((way * way).sum(axis=1), 1e-300)
+    part = np.clip(-(places[:-1] * way).sum(axis=1) / squares, 0, 1)
+    return bool((np.abs(places[:-1] + part[:, None] * way).max(axis=1) < SAME_BORDER).any())
 
 
 def motion_beside(plane: Plane, place: np.ndarray, *near: Orbit) -> Orbit | None:
@@ -628,8 +734,8 @@ def continue_border(
     parameter: str,
     range: tuple[NumberLike, NumberLike] | Mapping[str, tuple[NumberLike, NumberLike]],
     *,
-    step: NumberLike = 0.005,
-    max_points: int = 5000,
+    step: NumberLike = STEP,
+    max_points: int = MOST_POINTS,
 ) -> Border:
     """Follow the border on which a branch ends in a second parameter, both ways, to where another inequality vanishes.
 
@@ -673,9 +779,7 @@ def continue_border(
     index = -which
     parameters = branch.parameters(index)
     plane = _read_plane(parameters, branch.parameter, parameter, range)
-    longest, most = float(read_exact("step", step)), whole_number("max_points", max_points, 2)
-    if not 0 < longest <= LONGEST_STEP:
-        raise ParameterError("step", step, f"must be > 0 and at most {LONGEST_STEP:g}")
+    longest, most = _read_steps(step, max_points)
     values = np.array([reason.value, float(getattr(parameters, parameter))])
     inward = np.sign(branch.values[len(branch.values) // 2] - reason.value) or (1.0, -1.0)[which]
     orbit = branch.orbit(index)
@@ -690,6 +794,14 @@ def continue_border(
     raise BorderError(
         f"the border of {branch.word} at {branch.parameter} = {reason.value:.8g} was not found: {reason.message}"
     )
+
+
+def _read_steps(step: NumberLike = STEP, max_points: int = MOST_POINTS) -> tuple[float, int]:
+    """Return the longest step and the largest number of points."""
+    longest, most = float(read_exact("step", step)), whole_number("max_points", max_points, 2)
+    if not 0 < longest <= LONGEST_STEP:
+        raise ParameterError("step", step, f"must be > 0 and at most {LONGEST_STEP:g}")
+    return longest, most
 
 
 def _read_plane(parameters: Parameters, first: str, second: Any, limits: Any) -> Plane:

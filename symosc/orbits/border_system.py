@@ -22,14 +22,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from math import inf
+from math import inf, pi
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.flow import constants
+from symosc.engine.flow import constants, derivatives
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -49,7 +49,7 @@ from symosc.orbits.admissibility import (
 from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, pieces_of
 from symosc.words import Word, cycle
 
-AT_FAR, AT_FLAT, AT_HOLD, AT_TOUCH, AT_BEND = "far", "flat", "hold", "touch", "bend"
+AT_FAR, AT_ARRIVAL, AT_FLAT, AT_HOLD, AT_TOUCH, AT_BEND = "far", "arrival", "flat", "hold", "touch", "bend"
 TIMED = (AT_HOLD, AT_TOUCH)  # zeros at a phase that is an unknown
 DIFFERENCE = 1e-7  # for derivatives in doubles: Newton's method needs no more
 FINE_DIGITS, FINE_DIFFERENCE = 50, 20  # and in digits: decimal exponent of the step
@@ -58,16 +58,26 @@ NOTHING = 1e-7  # a margin below this part of its terms is 0 on a border
 MOST_CORRECTIONS = 12
 CONVERGED, NOT_CONVERGED = 1e-10, 1e-6  # a correction, in scaled unknowns, after which the next one is rounding
 MOST_POLISHING, FINE = 30, 1e-30
+SINGULAR = 1e6  # entries of the inverse, in scaled unknowns, beyond which a point is not isolated
 LEAST_SIZE = 0.1
 POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters in lengths
 
 
 class Zero(NamedTuple):
-    """What vanishes, and in which piece; `place` is the belt of a graze, or the domain of a force during a stick."""
+    """What vanishes, and in which piece; `place` is the belt of a graze, or the domain of a force."""
 
     kind: str
     piece: int
-    place: int = 0
+    place: int
+
+    def mirrors(self, other: Zero, half: int) -> bool:
+        """Return whether it is the other one, half a period later or before."""
+        return self.kind == other.kind and abs(self.piece - other.piece) == half
+
+    @property
+    def bend(self) -> Zero:
+        """What vanishes too where this is no simple zero."""
+        return self._replace(kind=AT_BEND if self.kind in TIMED else AT_FLAT)
 
 
 class Node(NamedTuple):
@@ -168,28 +178,26 @@ class BorderSystem:
             values += zero_values(equations, points, zero, theta)
         return values
 
-    def jacobian(self, u: list[float], values: Sequence[float]) -> np.ndarray:
-        """Return the derivatives of the residuals, whose `values` at u are known, in doubles."""
-        equations, points, _ = self.at(u)
+    def _linearised(self, u: list[float]) -> tuple[np.ndarray, np.ndarray]:
+        """Return the residuals at u and their derivatives, in doubles; those by the parameters are differences."""
+        equations, points, phases = self.at(u)
         n, size = 2 * self.n, len(u)
+        values = np.array(equations.residuals(points) + self._zeros(equations, points, phases))
         found = np.zeros((len(values), size))
         found[:n, :n] = equations.matrix(points)
-        touched = {size - 2, size - 1, *range(n, size - 2)}
-        for zero in self.zeros:
-            i = 2 * zero.piece
-            touched |= {i, i + 1, (i + 2) % n, (i + 3) % n}
-        for j in touched:
+        touched = {(2 * zero.piece + j) % n for zero in self.zeros for j in range(4)}
+        for j in (*touched, *range(n, size - 2)):
             beside = list(u)
-            beside[j] += (step := DIFFERENCE * self.scale[j] / (1 if j >= size - 2 else POINTS_WEIGHT))
-            if j >= size - 2:
-                now = self.residuals(beside)
-                found[:, j] = (np.array(now) - values) / step
-            else:
-                rows = list(zip(beside[:n:2], beside[1:n:2], strict=True))
-                found[n:, j] = (np.array(self._zeros(equations, rows, beside[n:-2])) - values[n:]) / step
-        return found
+            beside[j] += (step := DIFFERENCE * self.scale[j] / POINTS_WEIGHT)
+            now = self._zeros(equations, list(zip(beside[:n:2], beside[1:n:2], strict=True)), beside[n:-2])
+            found[n:, j] = (np.array(now) - values[n:]) / step
+        for j in (-2, -1):
+            beside = list(u)
+            beside[j] += (step := DIFFERENCE * self.scale[j])
+            found[:, j] = (np.array(self.residuals(beside)) - values) / step
+        return values, found
 
-    def fine_tangent(self, u: Sequence[Number]) -> np.ndarray:
+    def fine_tangent(self, u: Sequence[Any]) -> np.ndarray:
         """Return the unit tangent in scaled unknowns, right to nearly all digits of a double."""
         step, n = u[0].context.mpf(10) ** -FINE_DIFFERENCE, 2 * self.n
         equations, _, _ = self.at(u, FINE_DIGITS)
@@ -216,11 +224,15 @@ class BorderSystem:
         try:
             for _ in range(MOST_CORRECTIONS):
                 u = (z * self.scale).tolist()
-                values = self.residuals(u)
                 if inverse is None:
-                    matrix = self.jacobian(u, values) * self.scale
-                    inverse = np.linalg.inv(matrix if row is None else np.vstack([matrix, row]))
-                right = np.array(values if row is None else [*values, row @ (z - start)])
+                    values, matrix = self._linearised(u)
+                    matrix *= self.scale
+                    matrix = matrix if row is None else np.vstack([matrix, row])
+                    square = len(matrix) == len(z)  # of too many equations, none contradicts the others
+                    inverse = np.linalg.inv(matrix) if square else np.linalg.pinv(matrix)
+                else:
+                    values = np.array(self.residuals(u))
+                right = values if row is None else np.append(values, row @ (z - start))
                 step = inverse @ right
                 size = float(np.abs(step).max())
                 if not size < 1:  # nan too
@@ -246,7 +258,7 @@ class BorderSystem:
             row = np.zeros(len(z))
             row[fixed[0]] = 1.0
         got = self.correct(z, row)
-        if got is None:
+        if got is None or (fixed is None and np.abs(got[1]).max() > SINGULAR):
             return None
         number = ClosingEquations(self.fixed, self.word, self.periods, FINE_DIGITS).arithmetic.number
         convert: Any = lambda value: number(Fraction(float(value)))  # noqa: E731
@@ -299,16 +311,19 @@ class BorderSystem:
 
     def hide(self, curve: Sequence[np.ndarray]) -> None:
         """Find the inequalities that are 0 at these points of the border, by symmetry or as its own."""
-        found = []
+        flags, shift = list[list[bool]](), 0
         for z in curve:
             equations, points, _ = self.at((z * self.scale).tolist())
-            found.append([abs(c.value) < NOTHING * c.scale for c in conditions(equations, points)])
-        small = [i for i, flags in enumerate(zip(*found, strict=True)) if all(flags)]
-        own = [i for i, c in enumerate(conditions(equations, points)) if self._is_own(c)]
-        self.hidden = tuple({*small, *own})
+            found = conditions(equations, points)
+            flags.append([abs(c.value) < NOTHING * c.scale for c in found])
+            shift = self.n // 2 if is_symmetric(np.array(points)) else 0
+        small = [i for i, each in enumerate(zip(*flags, strict=True)) if all(each)]
+        # An extremum next to an end of its flight may be missed; by symmetry its margin is 0 too.
+        own = [(zero.kind, (zero.piece + add) % self.n) for zero in self.zeros for add in (0, shift)]
+        self.hidden = tuple({*small, *(i for i, c in enumerate(found) if (kind_of(c), c.piece) in own)})
         # Only for the inequalities: the equations would not fix an orbit that is at rest twice.
-        found = [c.piece for i, c in enumerate(conditions(equations, points)) if i in small and c.rank == PASSING]
-        self.symmetric_pieces = self._at_rest_after(found)
+        crossings = [c.piece for i, c in enumerate(found) if i in small and c.rank == PASSING]
+        self.symmetric_pieces = self._at_rest_after(crossings)
 
     def _is_own(self, condition: Condition) -> bool:
         """Return whether it is the condition of one of the zeros."""
@@ -333,8 +348,7 @@ class BorderSystem:
     ) -> Iterator[Condition]:
         """Yield the inequalities that make a zero a simple one."""
         piece, begin, end = self.pieces[zero.piece], points[zero.piece][1], equations.ends(points)[zero.piece][1]
-        bend = zero._replace(kind=AT_FLAT if zero.kind == AT_FAR else AT_BEND)
-        (value,) = zero_values(equations, points, bend, theta)
+        (value,) = zero_values(equations, points, zero.bend, theta)
         if zero.kind == AT_FAR:
             following = self.pieces[(zero.piece + 1) % self.n]
             sign, theta, text = piece.side, end, f"G^(1) of the far domain at the end of {piece.label} keeps its sign"
@@ -366,11 +380,11 @@ def left_over(zero: Zero, timed: Sequence[Zero], phases: Any) -> Any:
 def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Number) -> list[Number]:
     """Return what vanishes, at the phase `theta` of an extremum for zeros that have one."""
     K, piece, start = equations.K, equations.pieces[zero.piece], points[zero.piece]
-    if zero.kind in (AT_FAR, AT_FLAT):
+    if zero.kind in (AT_FAR, AT_ARRIVAL, AT_FLAT):
         x, end = equations.ends(points)[zero.piece]
         v = equations.belt(piece.end).v
-        F = equations.force(piece.mode + piece.side, x, v, end)
-        return [F] if zero.kind == AT_FAR else [next_derivative(F, v, K.fB * equations.sin(end), K.cm, K.w0sq)]
+        F = equations.force(zero.place, x, v, end)
+        return [F] if zero.kind != AT_FLAT else [next_derivative(F, v, K.fB * equations.sin(end), K.cm, K.w0sq)]
     tau = (theta - start[1]) / K.Om
     if piece.sticks:
         belt = equations.belt(piece.start)
@@ -390,31 +404,59 @@ def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Num
     return [gap / tau**roots, (a - roots * gap / tau) / tau**roots]
 
 
+def is_symmetric(points: np.ndarray, part: float = NOTHING) -> bool:
+    """Return whether the second half of an orbit mirrors the first: x(t + T/2) + x(t) is constant."""
+    if len(points) % 2:
+        return False
+    away = symmetrised(points) - points
+    return bool(np.abs(away[:, 0]).max() < part * np.abs(points[:, 0]).max() and np.abs(away[:, 1]).max() < part)
+
+
+def symmetrised(points: np.ndarray) -> np.ndarray:
+    """Return the points of the symmetric orbit nearest to one with an even number of them."""
+    half = len(points) // 2
+    x, theta = points[:half, 0] - points[half:, 0], points[:half, 1] + points[half:, 1]
+    mean = points[:, 0].mean()
+    first = np.column_stack([mean + x / 2, (theta - pi) / 2])
+    return np.vstack([first, np.column_stack([mean - x / 2, (theta + pi) / 2])])
+
+
 def kind_of(condition: Condition) -> str:
-    """Return the kind of zero of an inequality that vanishes; "" if it does so in the word with more pieces only."""
-    if condition.rank == PASSING or (condition.rank == HOLD and "onset" in condition.text):
+    """Return the kind of zero of an inequality that vanishes; "" if a piece loses its length with it."""
+    if condition.rank == PASSING or " at the onset of " in condition.text:
         return AT_FAR
     if condition.rank == HOLD:
         return AT_HOLD
+    if " meets v" in condition.text:
+        return AT_ARRIVAL
     return AT_TOUCH if condition.rank == STAYS_INSIDE and "stays in" in condition.text else ""
 
 
-def zero_of(equations: ClosingEquations, points: Any, condition: Condition) -> tuple[Zero, list[float]] | None:
-    """Return the zero of a condition that is about to vanish, and the phase where it has one."""
+def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> list[tuple[Zero, list[float]]]:
+    """Return the zeros that a condition which is about to vanish may stand for, with the phase where one has one."""
     kind, i = kind_of(condition), condition.piece
-    if kind == AT_FAR:
-        return Zero(AT_FAR, i), []
-    if kind == "":
-        return None
     piece, start, end = equations.pieces[i], points[i], equations.ends(points)[i]
+    if kind == AT_FAR:
+        found: list[tuple[Zero, list[float]]] = [(Zero(AT_FAR, i, piece.mode + piece.side), [])]
+        j, v, K = (i + 1) % len(points), equations.belt(piece.end).v, equations.K
+        G1, G2, _ = derivatives(v, condition.value * piece.side, equations.sin(end[1]), equations.cos(end[1]), K)
+        if piece.side * G1 < 0 < piece.side * G2 and not equations.pieces[j].sticks:
+            # The flight behind the crossing turns back at once: a graze so near that no sample would show it. There
+            # the velocity a0 + b0 tau/2 + c0 tau^2/6, times tau, has a double root.
+            found.append((Zero(AT_TOUCH, j, piece.end), [float(points[j][1] - 1.5 * G1 / G2 * K.Om)]))
+        return found
+    if kind in ("", AT_ARRIVAL):
+        return [(Zero(kind, i, piece.mode), [])] if kind else []
     tau = (end[1] - start[1]) / equations.K.Om
-    found = min((gaps if kind == AT_TOUCH else holds)(equations, piece, start, tau), default=None)
-    return None if found is None else (Zero(kind, i, found[2]), [float(found[1])])
+    rows = sorted((gaps if kind == AT_TOUCH else holds)(equations, piece, start, tau))[:1]
+    return [(Zero(kind, i, place), [float(theta)]) for _, theta, place in rows]
 
 
 def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
     """Return what happens at a border, as a `BranchEnd.kind` of its word with fewer pieces, and the field's name."""
     zero = zero or system.zeros[0]
+    if zero.kind == AT_ARRIVAL:  # a cubic tangency: a graze, and a stick that is left at once, begin there
+        return GRAZING, "adding-sliding and grazing-sliding"
     if zero.kind == AT_HOLD:
         return SLIP_BIRTH, "adding-sliding"
     if zero.kind == AT_TOUCH:
