@@ -7,11 +7,9 @@ import os
 import re
 from base64 import b64encode
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import asdict
 from datetime import date
 from html import escape
-from os.path import exists
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from textwrap import fill
@@ -28,6 +26,7 @@ from symosc.derive.citation import paper_reference
 from symosc.derive.errata import SEVERITIES
 from symosc.derive.mathml import font_style
 from symosc.errors import OutputError
+from symosc.files import DRAFT_PREFIX
 from symosc.paper.claims import (
     CONFIRMED,
     CORRECTED,
@@ -185,39 +184,19 @@ def letter(results: Results) -> dict[str, str]:
     return {f"letter.{kind}": render(f"letter.{kind}.j2", context) for kind in ("html", "txt")}
 
 
-class Folder:
-    """A folder for a report: created and tested before the work, filled at the end, else removed."""
-
-    def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
-        self._made = [each for each in (self.path, *self.path.parents) if not exists(each)]
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-            self._draft = TemporaryDirectory(prefix=".symosc-", dir=self.path)
-        except OSError as error:
-            raise OutputError(str(path), error.strerror or str(error)) from None
-
-    def __enter__(self) -> Folder:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._draft.cleanup()
-        for made in self._made:
-            with suppress(OSError):  # it is full
-                made.rmdir()
-
-    def write(self, texts: Mapping[str, str]) -> None:
-        """Write the files; only when all are on the disk are they moved to their places."""
-        draft = Path(self._draft.name)
-        try:
+def write(folder: Path, texts: Mapping[str, str]) -> None:
+    """Write the files of a report; only when all are on the disk are they moved to their places."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(prefix=DRAFT_PREFIX, dir=folder) as draft:
             for name, text in texts.items():
-                (draft / name).parent.mkdir(exist_ok=True)
-                (draft / name).write_text(text, encoding="utf-8")
+                (Path(draft) / name).parent.mkdir(exist_ok=True)
+                (Path(draft) / name).write_text(text, encoding="utf-8")
             for name in texts:
-                (self.path / name).parent.mkdir(exist_ok=True)
-                os.replace(draft / name, self.path / name)
-        except OSError as error:
-            raise OutputError(str(self.path), error.strerror or str(error)) from None
+                (folder / name).parent.mkdir(exist_ok=True)
+                os.replace(Path(draft) / name, folder / name)
+    except OSError as error:
+        raise OutputError(str(folder), error.strerror or str(error)) from None
 
 
 # --- templates ---
