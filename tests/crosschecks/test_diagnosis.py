@@ -329,7 +329,6 @@ MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {
 }
 
 
-@pytest.mark.full(3)
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("what", MEASURED)
 def test_the_number_of_a_fault_is_measured(what: str) -> None:
