@@ -133,7 +133,7 @@ def names_text(names: Iterable[str]) -> str:
 
 # -- objects -----------------------------------------------------------------------------------------------------------
 
-#: A table as columns by name.
+#: A table as columns by name; those of an array package, perhaps not yet in memory.
 Table = dict[str, Any]
 #: The problem that a function or a solver solves; None if it is not known.
 Problem = Scene | Parameters | None
@@ -278,7 +278,7 @@ def as_table(source: Any) -> Table | None:
         return {str(name): column for name, column in source.items()}
     if package == "pyarrow":
         names = getattr(getattr(source, "schema", None), "names", None)
-        return None if names is None else {name: np.asarray(source.column(i)) for i, name in enumerate(names)}
+        return None if names is None else {name: source.column(i) for i, name in enumerate(names)}
     columns = getattr(source, "columns", None)  # polars
     if isinstance(columns, list) and hasattr(source, "__getitem__"):
         return {str(name): source[name] for name in columns}
@@ -298,7 +298,7 @@ def _of_pandas(frame: Any) -> Table:
 def _of_xarray(data: Any) -> Table:
     """Return a Dataset as a table; two dimensions are several trajectories, the shorter one the rows."""
     if max((len(variable.dims) for variable in data.variables.values()), default=0) <= 1:
-        return {str(name): variable.values for name, variable in data.variables.items()}
+        return {str(name): variable for name, variable in data.variables.items()}
     frame = data.to_dataframe().reset_index()
     times = [name for name, variable in data.variables.items() if plain(str(name)) in USUAL_NAMES["t"]]
     along = data.variables[times[0]].dims if times else ()
