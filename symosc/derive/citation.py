@@ -31,7 +31,7 @@ PAPER = {
 CITATION = re.compile(r"\\cite(?:\[([^\]]*)\])?\{([^{}]*)\}")
 _ENTRY = re.compile(r"@(\w+)\{(\w+),\n(.*?)\n\}", re.DOTALL)
 _FIELD = re.compile(r"^\s*(\w+)\s*=\s*\{(.*)\},?$", re.MULTILINE)
-_ACCENTS = {r"{\'o}": "ó", r"{\'a}": "á", r"{\'e}": "é"}
+_ACCENTS = {r"{\'o}": "ó", r"{\'a}": "á", r"{\'e}": "é", r"{\"o}": "ö"}
 
 
 def bibtex() -> str:
