@@ -51,8 +51,8 @@ $G^{(j)}$, $\Sigma^j$, $x^{(i)}$, $\partial\Omega_{ij}$, $\varphi_{ij}$ & in the
   one domain or belt; a boundary and its equation & Chapter~\ref{sec:errata} \\
 $q$, $t_q$, $x_q$, $v_q$, $F_q$, $\delta x$, $\dot{F}$ & a parameter or part of the start; derivatives by it of an
   event, a belt's speed, a force; of $x$ at a fixed time; rate of a force & Theorem~\ref{thm:exponents-events} \\
-$\Lambda_j$, $\Lambda_1$, $\Lambda_2$, $\chi_j$, $h_\epsilon$ & Lyapunov exponents, ratios of accelerations, entropy at a
-  scale & Theorem~\ref{thm:exponents-lyapunov} \\
+$\Lambda_j$, $\Lambda_1$, $\Lambda_2$, $\chi_j$, $h_\epsilon$ & Lyapunov exponents, ratios of accelerations, entropy at
+  a scale & Theorem~\ref{thm:exponents-lyapunov} \\
 $A_n$, $B_n$ & points where borders meet & Proposition~\ref{thm:literature-points} \\
 $P$, $F$, $x_f$, $r$ & amplitude of the drive, friction, $F/k$, $\Omega\sqrt{m/k}$ & Chapter~\ref{sec:literature} \\
 $Q$, $G$, $H$, $p_0$, $q_0$, $T$, $D$, $U$, $S$, $B$, $\chi$, $T_h$, $D_h$, $\Delta x$, $L$, $\bar{x}$, $Y$, $s'$ &

@@ -7,6 +7,7 @@ from `find_orbit` and `simulate`. The chapter `literature`, the page docs/litera
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cache, partial
@@ -27,6 +28,7 @@ from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.reference.cases import wall
+from symosc.sensitivities import sensitivities
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 from symosc.symbolic import coulomb, solution
@@ -296,7 +298,7 @@ def inversion(F: Any, height: Callable[[Any, Any], Any]) -> float:
 def stops(parameters: Parameters) -> int | None:
     """Return how many stops the motion from rest at 0 has per cycle when it has settled; None: it does not settle."""
     turn = 2 * pi / float(parameters.Omega)
-    for cycles in (8, 30, 120, 480):
+    for cycles in (8, 30, 120, 480, 1920):
         path = from_rest(parameters, cycles + 2)
         before, after = path((cycles + 0.5) * turn), path((cycles + 1.5) * turn)
         if np.abs(after - before).max() < 1e-12 * (1 + np.abs(after).max()):
@@ -435,6 +437,20 @@ def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, fl
         peaks = np.flatnonzero((speeds[1:-1] > speeds[:-2]) & (speeds[1:-1] >= speeds[2:])) + 1
         candidates += [(-float(speeds[i]), "graze", j, float(times[i] - start.t)) for i in peaks]
     return [(float(p.Omega) * start.t, end.t - start.t) for start, end in slides], candidates
+
+
+# --- exponents ---
+
+
+def largest_exponent(count: int, seed: int = 0) -> float:
+    """Return the largest Lyapunov exponent of random oscillators over 60 periods; m = k = 1, where it is never > 0."""
+    dice = random.Random(seed)
+    found = []
+    for _ in range(count):
+        F, Omega = f"{dice.uniform(0.01, 1):.3f}", f"{dice.uniform(0.05, 3):.3f}"
+        p = wall(F, Omega, f"{dice.choice((0, dice.uniform(0, 1))):.3f}")
+        found.append(sensitivities(p, "x0", t0=0, x0=dice.uniform(-2, 2), v0=0, t_end="60T").lyapunov[0])
+    return float(max(found))
 
 
 # --- the tables ---
