@@ -26,9 +26,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from math import factorial
 from typing import NamedTuple
 
-from flint import arb, arb_mat, arb_series, ctx
+from flint import acb, acb_series, arb, arb_mat, arb_series, ctx
 
 from symosc.certificates.balls import Ball, Undecided, ball
 from symosc.certificates.flow import Jet, Oscillator
@@ -45,6 +46,11 @@ SHORTER = 0.95
 MOST_CUTS = 12
 #: The directions in a box in which series are computed.
 DIRECTIONS = ((1, 0), (0, 1), (1, 1), (1, -1))
+
+#: Where (exp(z) - 1)/z is computed by its series: |z| at most, its terms, and a bound of those that are left out.
+NEAR = 3.0
+EXP_TERMS = [1 / arb(factorial(n)) for n in range(30)]
+EXP_REST = 2 / arb(factorial(30))
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
 
@@ -131,18 +137,14 @@ class Flights:
         """Return a flight; `u` are balls or power series."""
         piece, (phase, *place, tau) = leg.piece, u[leg.at : leg.at + 3 - leg.piece.after_stick]
         speed = o.speed[piece.start]
-        s0, c0 = phase.sin_cos()
-        s1, c1 = (phase + o.Omega * tau).sin_cos()
         if place:
-            x0, a0 = place[0], (o.A[piece.mode] + o.B0 * c0 - o.k * place[0] - o.c * speed) / o.m
+            x0, a0 = place[0], (o.A[piece.mode] + o.B0 * phase.cos() - o.k * place[0] - o.c * speed) / o.m
         else:
-            x0, a0 = (o.A[piece.mode] + o.B0 * c0 - o.c * speed) / o.k, arb(0)
-        E, E1, phi = o.entire(tau)
-        P, R = o.steady_c, o.steady_s
-        free_v, free_a = speed - P * c0 - R * s0, a0 - o.Omega * (R * c0 - P * s0)
-        v = P * c1 + R * s1 + free_v * phi + free_a * E
-        a = o.Omega * (R * c1 - P * s1) - o.km * E * free_v + free_a * E1
-        x = x0 + (o.B0 * (c1 - c0) - o.c * (v - speed) - o.m * (a - a0)) / o.k
+            x0, a0 = (o.A[piece.mode] + o.B0 * phase.cos() - o.c * speed) / o.k, arb(0)
+        there = Drive(o, phase, tau)
+        v = speed * there.phi + a0 * there.E - o.drive * there.sine
+        a = a0 * there.E1 - speed * o.km * there.E - o.drive * there.sine1
+        x = x0 + (o.B0 * there.change - o.c * (v - speed) - o.m * (a - a0)) / o.k
         return Flown(x0, a0, x, v, a)
 
     def onto(self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]) -> tuple[Ball, Ball]:
@@ -167,15 +169,11 @@ class Flights:
     def slopes(self, o: Oscillator, leg: Leg, u: Values, part: float = 1) -> dict[str, Values]:
         """Return the derivatives of the numbers of `fly` by the unknowns of a flight, followed for a part of it."""
         piece, (phase, *place, tau) = leg.piece, u[leg.at : leg.at + 3 - leg.piece.after_stick]
-        s0, c0 = phase.sin_cos()
-        s1, c1 = (phase + o.Omega * tau * part).sin_cos()
-        E, E1, phi = o.entire(tau * part)
-        P, R, there = o.steady_c, o.steady_s, self.fly(o, leg, [*u[: leg.at], phase, *place, tau * part])
-        jerk = -o.cm * there.a - o.km * there.v - o.drive * s1
+        s0, s1, d = phase.sin(), (phase + o.Omega * tau * part).sin(), Drive(o, phase, tau * part)
+        there = self.fly(o, leg, [*u[: leg.at], phase, *place, tau * part])
+        jerk, E, E1, phi = -o.cm * there.a - o.km * there.v - o.drive * s1, d.E, d.E1, d.phi
         x0, a0 = (arb(0), -o.B0 * s0 / o.m) if place else (-o.B0 * s0 / o.k, arb(0))
-        free_v, free_a = P * s0 - R * c0, a0 + o.Omega * (R * s0 + P * c0)
-        v = R * c1 - P * s1 + free_v * phi + free_a * E
-        a = -o.Omega * (R * s1 + P * c1) - o.km * E * free_v + free_a * E1
+        v, a = a0 * E - o.drive * d.cosine, a0 * E1 - o.drive * d.cosine1
         x = x0 - (o.B0 * (s1 - s0) + o.c * v + o.m * (a - a0)) / o.k
         rows = {"x0": [x0], "x": [x], "v": [v], "a": [a]}
         if place:
@@ -184,8 +182,9 @@ class Flights:
         last = {"x0": arb(0), "x": there.v * part, "v": there.a * part, "a": jerk * part}
         return {name: [*row, last[name]] for name, row in rows.items()}
 
-    def jacobian(self, o: Oscillator, u: Values, slopes: Sequence[dict[str, Values]]) -> arb_mat:
-        """Return the derivatives of the residuals."""
+    def jacobian(self, o: Oscillator, u: Values) -> tuple[list[dict[str, Values]], list[Values]]:
+        """Return the slopes of the flights, and the derivatives of the residuals; balls, or power series."""
+        slopes = [self.slopes(o, leg, u) for leg in self.legs]
         rows = list[Values]()
         for i, (leg, by) in enumerate(zip(self.legs, slopes, strict=True)):
             last, follows = i + 1 == len(self.legs), (i + 1) % len(self.legs)
@@ -209,7 +208,7 @@ class Flights:
                 meeting[tau] += o.Omega
                 meeting[then] -= 1
                 rows += [meets, joins, meeting]
-        return arb_mat(rows)
+        return slopes, rows
 
     # -- the inequalities ----------------------------------------------------------------------------------------------
 
@@ -367,6 +366,76 @@ class Flights:
         return gap
 
 
+class Drive:
+    """The free motion after a time, and the response E * sin(theta) and E * cos(theta) to the drive from a phase on.
+
+    With lambda = -h + i omega_d and X(lambda) = int exp(lambda (tau - s) + i Omega s) ds the response to exp(i Omega s)
+    is the difference quotient of X at lambda and its conjugate. Near resonance the first X is an entire function.
+    """
+
+    def __init__(self, o: Oscillator, phase: Ball, tau: Ball) -> None:
+        begins, turned, free = imaginary(phase).exp(), imaginary(o.Omega * tau).exp(), None
+        if o.damping < 0:
+            root = complexed(-o.h) + imaginary(o.omega_d)
+            free, rate = (root * complexed(tau)).exp(), imaginary(o.Omega) - root
+            other = complexed(-o.h) - imaginary(o.omega_d)
+            z = rate * complexed(tau)
+            middle = z[0] if isinstance(z, acb_series) else z
+            near = float(abs(middle).upper()) < NEAR
+            X = free * complexed(tau) * slope_of_exp(z) if near else (turned - free) / rate
+            Y = (turned - (other * complexed(tau)).exp()) / (imaginary(o.Omega) - other)
+            quotient = imaginary(2 * o.omega_d)
+            Z, Z1 = (X - Y) / quotient, (root * X - other * Y) / quotient
+            self.E, self.E1 = part(free, 1) / o.omega_d, part(root * free, 1) / o.omega_d
+        else:
+            self.E, self.E1, _ = o.entire(tau)
+            pull = complexed(o.km - o.Omega * o.Omega) + imaginary(o.cm * o.Omega)
+            E, E1, Omega = complexed(self.E), complexed(self.E1), imaginary(o.Omega)
+            Z = (turned - E1 - (complexed(o.cm) + Omega) * E) / pull
+            Z1 = (Omega * turned + complexed(o.km) * E - Omega * E1) / pull
+        self.phi = self.E1 + o.cm * self.E
+        Z, Z1 = begins * Z, begins * Z1
+        self.sine, self.cosine, self.sine1, self.cosine1 = part(Z, 1), part(Z, 0), part(Z1, 1), part(Z1, 0)
+        #: cos(theta) at the end less that at the start.
+        self.change = part(begins * (turned - 1), 0)
+
+
+def complexed(value: Ball) -> Ball:
+    """Return a real ball or series as a complex one."""
+    return acb_series(value) if isinstance(value, arb_series) else acb(value)
+
+
+def imaginary(value: Ball) -> Ball:
+    """Return i times a real ball or series."""
+    return acb_series(value) * acb_series([acb(0, 1)]) if isinstance(value, arb_series) else acb(0, value)
+
+
+def part(value: Ball, imaginary: int) -> Ball:
+    """Return the real or the imaginary part."""
+    if not isinstance(value, acb_series):
+        return value.imag if imaginary else value.real
+    return arb_series([each.imag if imaginary else each.real for each in value], prec=value.prec)
+
+
+def slope_of_exp(z: Ball) -> Ball:
+    """Return (exp(z) - 1)/z, an entire function, of a complex ball or series whose size is less than NEAR."""
+    middle = z[0] if isinstance(z, acb_series) else z
+    rest = acb(*2 * (arb(0, abs(middle).upper() ** len(EXP_TERMS) * EXP_REST),))
+    found = []
+    for k in range(z.prec if isinstance(z, acb_series) else 1):  # its k-th derivative
+        total = rest
+        for n, term in reversed(list(enumerate(EXP_TERMS))):
+            total = total * middle + term / (n + k + 1)
+        found.append(total)
+    if not isinstance(z, acb_series):
+        return found[0]
+    change = acb_series([0, *list(z)[1:]], prec=z.prec)
+    total = acb_series([found[-1]], prec=z.prec)
+    for k in range(z.prec - 1, 0, -1):
+        total = acb_series([found[k - 1]], prec=z.prec) + total * change / k
+    return total
+
+
 class Plan(NamedTuple):
     """How the inequalities are proven: the turns in the stick after each flight, and where each flight is cut."""
 
@@ -421,7 +490,7 @@ class Surface:
         o = self.oscillator(self.middle)
         for _ in range(MOST_NEWTON):
             flown, r = flights.residuals(o, self.u)
-            self.J = flights.jacobian(o, self.u, [flights.slopes(o, leg, self.u) for leg in flights.legs])
+            self.J = arb_mat(flights.jacobian(o, self.u)[1])
             self.Y = self.J.mid().inv().mid()
             step = [each.mid() for each in (self.Y * column(r)).entries()]
             self.u = [(each - change).mid() for each, change in zip(self.u, step, strict=True)]
@@ -439,6 +508,12 @@ class Surface:
         """Return the oscillator with values of both parameters."""
         return Oscillator(self.p, dict(zip(self.names, values, strict=True)))
 
+    def directed(self, d: tuple[int, int], count: int, wide: bool) -> Oscillator:
+        """Return the oscillator as series from the middle, or from everywhere in the box, in one direction."""
+        ctx.cap = count
+        base = self.range if wide else self.middle
+        return self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in zip(base, self.half, d, strict=True)])
+
     def at(self, a: Ball, b: Ball) -> Values:
         """Return the unknowns at a place in the box."""
         if not self.slopes:
@@ -448,9 +523,7 @@ class Surface:
 
     def series(self, d: tuple[int, int], rows: Sequence[Values], count: int, wide: bool = False) -> Along:
         """Return the flights from the middle, or from all places in the box, in one direction; as power series."""
-        ctx.cap = count
-        base = self.range if wide else self.middle
-        o = self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in zip(base, self.half, d, strict=True)])
+        o = self.directed(d, count, wide)
         u = [arb_series(list(each), prec=count) for each in zip(*rows, strict=True)]
         return Along(o, u, *self.flights.residuals(o, u))
 
@@ -523,14 +596,22 @@ class Surface:
         flights, tube = self.flights, [INFLATION * each for each in pushed]
         for _ in range(MOST_INFLATIONS):
             tube = [(INFLATION * each).mid() for each in tube]
-            whole = [each + arb(0, r) for each, r in zip(surface, tube, strict=True)]
-            slopes = [flights.slopes(wide, leg, whole) for leg in flights.legs]
-            apart = (unit_matrix(flights.count) - self.Y * flights.jacobian(wide, whole, slopes)).tolist()
+            around = [arb(0, each) for each in tube]
+            thin = flights.jacobian(self.oscillator(self.middle), [a + b for a, b in zip(self.u, around, strict=True)])[1]
+            parts = [unit_matrix(flights.count) - self.Y * arb_mat(thin)]
+            for d in DIRECTIONS[:2]:
+                ctx.cap = 2
+                u = [[a + b, slope] for a, b, slope in zip(surface, around, self._derivatives(d, arb(0, 1))[0], strict=True)]
+                o = self.directed(d, 2, True)
+                slopes, rows = flights.jacobian(o, [arb_series(each, prec=2) for each in u])
+                parts.append(self.Y * arb_mat([[_part(each, 1) for each in row] for row in rows]))
+            apart = [[sum(map(abs, each), arb(0)) for each in zip(*rows, strict=True)] for rows in zip(*(each.tolist() for each in parts), strict=True)]
             image = [
-                p + sum((abs(entry) * r for entry, r in zip(row, tube, strict=True)), arb(0))
+                p + sum((entry * r for entry, r in zip(row, tube, strict=True)), arb(0))
                 for p, row in zip(pushed, apart, strict=True)
             ]
             if all(each < r for each, r in zip(image, tube, strict=True)):
+                slopes = [{name: [_part(each, 0) for each in row] for name, row in by.items()} for by in slopes]
                 return tube, slopes
             tube = [each.upper() for each in image]
             if not all(each < 10 for each in tube):
