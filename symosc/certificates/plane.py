@@ -24,7 +24,9 @@ other. On a belt with the speed 0 the mass may rest where mu FN >= |B0|, and onl
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from fractions import Fraction
 from math import factorial
 from typing import NamedTuple
@@ -34,7 +36,7 @@ from flint import acb, acb_series, arb, arb_mat, arb_series, ctx
 from symosc.certificates.balls import Ball, Undecided, ball
 from symosc.certificates.flow import Jet, Oscillator
 from symosc.certificates.orbit import Margin, Values, column, prove_positive, unit_matrix
-from symosc.model import Parameters
+from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.words import Word
 
@@ -47,19 +49,20 @@ MOST_CUTS = 12
 #: The directions in a box in which series are computed.
 DIRECTIONS = ((1, 0), (0, 1), (1, 1), (1, -1))
 
-#: Where (exp(z) - 1)/z is computed by its series: |z| at most, its terms, and a bound of those that are left out.
-NEAR = 3.0
-EXP_TERMS = [1 / arb(factorial(n)) for n in range(30)]
-EXP_REST = 2 / arb(factorial(30))
+#: Where (exp(z) - 1)/z is computed by its series: |z| at most, and the terms of exp and of its derivatives.
+NEAR, EXP_ERROR = 3.0, 1e-18
+EXP_TERMS = [1 / arb(factorial(n)) for n in range(40)]
+EXP_OVER = [[term / (n + k + 1) for n, term in enumerate(EXP_TERMS)] for k in range(4)]
+_kept: deque[tuple[Ball, list[Ball]]] = deque(maxlen=4)
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
 
 
 class NotInBox(Exception):
-    """Raised if a box is not proven: `along` is the side along which to divide it; `wrong`: the word is another one."""
+    """Raised if a box is not proven: the side along which to divide it, and that it is so many times too large."""
 
-    def __init__(self, what: str, along: int = 0, wrong: bool = False) -> None:
-        self.what, self.along, self.wrong = what, along, wrong
+    def __init__(self, what: str, along: int | None = None, excess: float = 1) -> None:
+        self.what, self.along, self.excess = what, along, excess
         super().__init__(what)
 
 
@@ -79,6 +82,7 @@ class Flown(NamedTuple):
     x: Ball
     v: Ball
     a: Ball
+    drive: Drive
 
 
 def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
@@ -121,16 +125,26 @@ class Flights:
         self.count = at
 
     def unknowns(self, Omega: float, points: Sequence[tuple[float, float]]) -> list[float]:
-        """Return the unknowns of an orbit by its switching points (t, x), those of `labels`."""
-        times, found = [t * Omega for t, _ in points], list[float]()
-        period = 2 * float(arb.pi())
-        for i in range(1, len(times)):
-            times[i] += period * ((times[i] < times[i - 1]) * 1)
-        times.append(times[0] + period)
+        """Return the unknowns of an orbit by its switching points (phase, x), those of `labels`."""
+        times, found, period = [phase for phase, _ in points], list[float](), 2 * float(arb.pi())
+        times = [*(each + period * (each < times[0]) for each in times), times[0] + period]
         flights = [i for i, piece in enumerate(pieces_of(Word(self.labels))) if not piece.sticks][: len(self.legs)]
         for i, leg in zip(flights, self.legs, strict=True):
             found += [times[i]] + ([] if leg.piece.after_stick else [points[i][1]])
             found.append((times[i + 1] - times[i]) / Omega)
+        return found
+
+    def points(self, o: Oscillator, u: Values) -> list[tuple[float, float]]:
+        """Return phase and position at the switchings of `labels`."""
+        found = list[tuple[float, float]]()
+        for leg in self.legs:
+            there = self.fly(o, leg, u)
+            found.append((float(u[leg.at]), float(there.x0)))
+            if leg.stick:
+                found.append((float(u[leg.at] + o.Omega * u[leg.at + 2 - leg.piece.after_stick]), float(there.x)))
+        if self.mirrored:
+            twice = float((o.A[1] + o.A[3]) / o.k)
+            found += [(phase + float(arb.pi()), twice - x) for phase, x in found]
         return found
 
     def fly(self, o: Oscillator, leg: Leg, u: Values) -> Flown:
@@ -145,7 +159,7 @@ class Flights:
         v = speed * there.phi + a0 * there.E - o.drive * there.sine
         a = a0 * there.E1 - speed * o.km * there.E - o.drive * there.sine1
         x = x0 + (o.B0 * there.change - o.c * (v - speed) - o.m * (a - a0)) / o.k
-        return Flown(x0, a0, x, v, a)
+        return Flown(x0, a0, x, v, a, there)
 
     def onto(self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]) -> tuple[Ball, Ball]:
         """Return phase and position at the start of the flight after flight i."""
@@ -169,8 +183,9 @@ class Flights:
     def slopes(self, o: Oscillator, leg: Leg, u: Values, part: float = 1) -> dict[str, Values]:
         """Return the derivatives of the numbers of `fly` by the unknowns of a flight, followed for a part of it."""
         piece, (phase, *place, tau) = leg.piece, u[leg.at : leg.at + 3 - leg.piece.after_stick]
-        s0, s1, d = phase.sin(), (phase + o.Omega * tau * part).sin(), Drive(o, phase, tau * part)
+        s0, s1 = phase.sin(), (phase + o.Omega * tau * part).sin()
         there = self.fly(o, leg, [*u[: leg.at], phase, *place, tau * part])
+        d = there.drive
         jerk, E, E1, phi = -o.cm * there.a - o.km * there.v - o.drive * s1, d.E, d.E1, d.phi
         x0, a0 = (arb(0), -o.B0 * s0 / o.m) if place else (-o.B0 * s0 / o.k, arb(0))
         v, a = a0 * E - o.drive * d.cosine, a0 * E1 - o.drive * d.cosine1
@@ -214,7 +229,7 @@ class Flights:
 
     def turn(self, o: Oscillator, belt: int, index: int) -> Ball:
         """Return the phase of a turn of the forces on a belt; after those of even index B0 sin theta rises above it."""
-        if o.p.belt(belt) == 0:
+        if isinstance(o.speed[belt], arb) and o.speed[belt].is_zero():
             return index * arb.pi()
         angle = (-o.k * o.speed[belt] / o.drive / o.m).asin()
         return index * arb.pi() + (-angle if index % 2 else angle)
@@ -244,7 +259,9 @@ class Flights:
         cuts = [phase, *turns, end]
         side, signs = 1 if leg.piece.mode > belt else -1, []
         for a, b in zip(cuts[:-1], cuts[1:], strict=True):
-            value = self.drift(o, belt, (a.mid() + b.mid()) / 2)
+            value = self.drift(o, belt, ((a + b) / 2).mid())
+            if not abs(value) > 0:
+                return None
             signs.append(-side if value > 0 else side)
         return signs, [arb(0), *((each - phase) / o.Omega for each in turns), tau]
 
@@ -322,7 +339,7 @@ class Flights:
                     changes = [s * self.drift(o, belt, phase) / (o.Omega * o.m)] if slopes else []
                     add(f"{leg.stick.label} holds", force, (then, changes))
                     add(f"{leg.stick.label} holds", jump - force, (then, [-each for each in changes]))
-            elif not (o.p.FN == 0 or getattr(o.p, f"mu{belt}") == 0):
+            else:
                 add(f"{piece.label} crosses belt {belt}", -side * there.a - jump, (leg.at, speed))
             for part in plan.cuts[i] or ():
                 cut = [*u[: leg.at + n - 1], tau * part] if slopes else [*u[: leg.at + 2 - piece.after_stick], tau * part]
@@ -419,21 +436,32 @@ def part(value: Ball, imaginary: int) -> Ball:
 
 def slope_of_exp(z: Ball) -> Ball:
     """Return (exp(z) - 1)/z, an entire function, of a complex ball or series whose size is less than NEAR."""
-    middle = z[0] if isinstance(z, acb_series) else z
-    rest = acb(*2 * (arb(0, abs(middle).upper() ** len(EXP_TERMS) * EXP_REST),))
-    found = []
-    for k in range(z.prec if isinstance(z, acb_series) else 1):  # its k-th derivative
-        total = rest
-        for n, term in reversed(list(enumerate(EXP_TERMS))):
-            total = total * middle + term / (n + k + 1)
-        found.append(total)
     if not isinstance(z, acb_series):
-        return found[0]
+        return _derivatives_of_slope(z, 1)[0]
+    found = _derivatives_of_slope(z[0], z.prec)
     change = acb_series([0, *list(z)[1:]], prec=z.prec)
     total = acb_series([found[-1]], prec=z.prec)
     for k in range(z.prec - 1, 0, -1):
         total = acb_series([found[k - 1]], prec=z.prec) + total * change / k
     return total
+
+
+def _derivatives_of_slope(z: Ball, count: int) -> list[Ball]:
+    """Return the first derivatives of (exp(z) - 1)/z; what was computed last is kept."""
+    for known, found in _kept:
+        if len(found) >= count and known.contains(z) and z.contains(known):
+            return found
+    size = abs(z).upper()
+    n = next(n for n in range(4, len(EXP_TERMS)) if float(size) ** n * float(EXP_TERMS[n]) < EXP_ERROR)
+    rest = 2 * arb(0, size**n * EXP_TERMS[n])  # the terms fall by more than a half from there on
+    found = []
+    for k in range(count):
+        total = acb(0)
+        for j in range(n - 1, -1, -1):
+            total = total * z + EXP_OVER[k][j]
+        found.append(total + acb(rest, rest))
+    _kept.append((z, found))
+    return found
 
 
 class Plan(NamedTuple):
@@ -461,14 +489,13 @@ def longest_part(o: Oscillator) -> float:
     return float((arb.pi() / square.sqrt()).lower()) * (1 - 1e-12) if square > 0 else float("inf")
 
 
-def prove_box(p: Parameters, names: Sequence[str], box: Rectangle, flights: Flights, near: Sequence[float]) -> Surface:
-    """Prove the word for all parameters of a box; `near`: the unknowns at its middle, nearly. NotInBox if it is not."""
-    before, ctx.cap = ctx.cap, 4
+@contextmanager
+def box_arithmetic() -> Iterator[None]:
+    """Work with the precision for boxes; what cannot be decided is NotInBox."""
+    before = ctx.cap
     try:
         with ctx.workprec(BOX_BITS):
-            surface = Surface(p, names, box, flights, near)
-            surface.prove()
-            return surface
+            yield
     except (Undecided, ZeroDivisionError) as undecided:
         raise NotInBox(str(undecided)) from None
     finally:
@@ -476,12 +503,16 @@ def prove_box(p: Parameters, names: Sequence[str], box: Rectangle, flights: Flig
 
 
 class Surface:
-    """The roots for all parameters of a box, nearly: polynomials of degree 2 in the place in the box."""
+    """The roots for all parameters of a box, nearly: polynomials of degree 2 in the place in the box.
+
+    NotInBox if the orbit near the unknowns `near` at the middle does not have the word.
+    """
 
     def __init__(
         self, p: Parameters, names: Sequence[str], box: Rectangle, flights: Flights, near: Sequence[float]
     ) -> None:
         self.p, self.names, self.flights = p, names, flights
+        self.fixed = {name: ball(getattr(p, name)) for name in PARAMETER_NAMES}
         self.middle = [ball((low + high) / 2) for low, high in box]
         self.half = [ball((high - low) / 2) for low, high in box]
         self.range = [ball(low).union(ball(high)) for low, high in box]
@@ -500,13 +531,13 @@ class Surface:
             if size < CONVERGED:
                 worst = min(flights.margins(o, self.u, flown, flights.plan(o, self.u)), key=lambda each: float(each.value))
                 if worst.value < 0:
-                    raise NotInBox(worst.text, wrong=True)
+                    raise NotInBox(worst.text)
                 return
-        raise NotInBox("a root of the closing equations", wrong=True)
+        raise NotInBox("a root of the closing equations")
 
     def oscillator(self, values: Sequence[Ball]) -> Oscillator:
         """Return the oscillator with values of both parameters."""
-        return Oscillator(self.p, dict(zip(self.names, values, strict=True)))
+        return Oscillator(self.p, self.fixed | dict(zip(self.names, values, strict=True)))
 
     def directed(self, d: tuple[int, int], count: int, wide: bool) -> Oscillator:
         """Return the oscillator as series from the middle, or from everywhere in the box, in one direction."""
@@ -514,10 +545,16 @@ class Surface:
         base = self.range if wide else self.middle
         return self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in zip(base, self.half, d, strict=True)])
 
+    def near(self, a: float, b: float) -> tuple[float, ...]:
+        """Return the unknowns at a place in the box, nearly."""
+        return tuple(float(each) for each in (self.at(arb(a), arb(b)) if self.slopes else self.u))
+
+    def points(self) -> list[tuple[float, float]]:
+        """Return phase and position of the switchings at the middle of the box."""
+        return self.flights.points(self.oscillator(self.middle), self.u)
+
     def at(self, a: Ball, b: Ball) -> Values:
         """Return the unknowns at a place in the box."""
-        if not self.slopes:
-            return self.u
         rows = zip(self.u, *self.slopes, *self.squares, strict=True)
         return [u + a * (da + a * aa + b * ab) + b * (db + b * bb) for u, da, db, aa, ab, bb in rows]
 
@@ -613,10 +650,11 @@ class Surface:
             if all(each < r for each, r in zip(image, tube, strict=True)):
                 slopes = [{name: [_part(each, 0) for each in row] for name, row in by.items()} for by in slopes]
                 return tube, slopes
+            excess = max(sum(float(e) * float(r) for e, r in zip(row, pushed, strict=True)) / float(p) for row, p in zip(apart, pushed, strict=True))
             tube = [each.upper() for each in image]
-            if not all(each < 10 for each in tube):
+            if not excess < 1 or not all(each < 10 for each in tube):
                 break
-        raise NotInBox("one root for all parameters", along)
+        raise NotInBox("one root for all parameters", along, excess)
 
 
 class Along(NamedTuple):
