@@ -16,6 +16,7 @@ from __future__ import annotations
 import builtins
 import hashlib
 import inspect
+import math
 import sys
 import types
 from collections.abc import Callable, Iterable
@@ -32,12 +33,12 @@ from symosc.engine.batch import PairLimits
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.flow import Constants, constants, with_march
 from symosc.errors import MissingExtraError
-from symosc.kernels import _generated, double_double, entire, mapping
+from symosc.kernels import _generated, double_double, elementary, entire, mapping
 from symosc.model import Parameters
 
 SOURCES = (_generated, entire, state, flow, first_exit, next_event, events, batch)
 # Summaries are of doubles only.
-IN_DOUBLES_ONLY = (double_double, summary)
+IN_DOUBLES_ONLY = (double_double, elementary, summary)
 
 # What decisions must exceed with many digits, instead of `first_exit.ROUNDING` and `flow.SIGMAS`: digits are cheap
 # there, wrong decisions are not.
@@ -266,16 +267,19 @@ def compiled() -> dict[str, Any]:
     """Return the source for doubles compiled by numba; raise MissingExtraError if numba is not installed."""
     try:
         from symosc.kernels.borrowed import borrowed
+        from symosc.kernels.lane_types import power_of_two
     except ImportError:
         raise MissingExtraError("compiling", "fast") from None
-    return compile_modules((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED.split(), {"borrowed": borrowed})
+    callees = {"borrowed": borrowed, "power_of_two": power_of_two}
+    return compile_modules((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED.split(), callees)
 
 
 @lru_cache(maxsize=1)
 def compiled_tangents() -> dict[str, Any]:
     """Return the source of derivatives compiled by numba; raise MissingExtraError if numba is not installed."""
     outlined = {"tangents", "changes_at", "divided_difference", "difference_by_series", "repeated"}
-    return compile_modules((mapping, tangent), outlined, compiled())
+    callees = {name: function for name, function in compiled().items() if name != "exp"}  # theirs is of complex numbers
+    return compile_modules((mapping, tangent), outlined, callees)
 
 
 # --- any number of digits ---
@@ -458,7 +462,8 @@ def compiled_pairs() -> PairLoops:
     callees |= {"min": numba.njit(least), "max": numba.njit(greatest), "float": numba.njit(pairs.as_pair)}
     callees["two_product"] = numba.njit(product_and_zero)
     outlined = functions_of(SOURCES).keys() - functions_of((_generated,)).keys() - {"derivatives"}
-    replaced = _pair_constants() | {"from_complex": pairs.from_complex}
+    replaced = _pair_constants() | {name: getattr(math, name) for name in pairs.FUNCTIONS}
+    replaced["from_complex"] = pairs.from_complex
     beside = (pairs, double_double, summary)
     functions = compile_modules(SOURCES, outlined, callees, replaced, pairs.Pair, beside)
     return PairLoops(*(functions[name] for name in PairLoops._fields))

@@ -8,7 +8,6 @@ is the rounding, unless their own is not negligible beside it: so the same doubl
 from __future__ import annotations
 
 import math
-from math import cos, sin
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,6 +34,7 @@ from symosc.engine.state import (
 )
 from symosc.engine.summary import Tally, finish_tally, tally_step
 from symosc.kernels._generated import acceleration
+from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS
 
 # A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_end_low, t0, s, c, theta_low.

@@ -45,7 +45,7 @@ All functions are scalar and run on floats (CPython, numba) and, with other glob
 
 from __future__ import annotations
 
-from math import acos, cos, sin, sqrt
+from math import acos, sqrt
 from typing import NamedTuple
 
 from symosc.aliases import Number
@@ -62,6 +62,7 @@ from symosc.engine.state import (
     Walls,
 )
 from symosc.kernels._generated import next_derivative, stick_acceleration
+from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS, SIXTH
 
 PI = acos(-1.0)

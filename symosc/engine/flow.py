@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from math import atan2, exp, inf, pi, sqrt
+from math import atan2, inf, pi, sqrt
 from typing import Any, NamedTuple
 
 from symosc.aliases import Number
 from symosc.engine.state import Flown
 from symosc.kernels._generated import motion, next_derivative
+from symosc.kernels.elementary import exp
 from symosc.kernels.entire import SIXTH, basis
 from symosc.kernels.pair_columns import either, exactly, larger
 from symosc.model import Parameters

@@ -25,7 +25,7 @@ All functions are scalar and run on floats (CPython, numba) and, with other glob
 
 from __future__ import annotations
 
-from math import acos, cos, sin, sqrt
+from math import acos, sqrt
 
 from symosc.engine.first_exit import (
     MARCH_SLACK,
@@ -69,6 +69,7 @@ from symosc.engine.state import (
 )
 from symosc.kernels._generated import acceleration, next_derivative
 from symosc.kernels.double_double import two_product
+from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS, SERIES_BELOW, SIXTH
 
 TWO_PI = 2.0 * acos(-1.0)
