@@ -163,7 +163,9 @@ def power_of_two(n):
 def select(typingctx: Any, condition: Any, one: Any, other: Any) -> Any:
     """Return `one` in lanes where a condition holds, else `other`; also for scalars."""
     if isinstance(condition, LanesType):
-        flags = {each.flags if isinstance(each, LanesType) else each == types.boolean for each in (one, other)}
+        flags = {
+            each.flags if isinstance(each, LanesType) else isinstance(each, types.Boolean) for each in (one, other)
+        }
         wanted = LanesType(condition.width, flags == {True})
     else:
         wanted = typingctx.unify_types(one, other)

@@ -200,7 +200,7 @@ def _loops(kind: int) -> dict[str, Any]:
         return compile_modules((mapping,), outlined | {"flight", "flight_slopes"}, compiled())
     series = compile_modules((entire_array,), ())["series"]
     power = {"power_of_two": compiled()["power_of_two"]}
-    short = compile_modules((elementary,), (), power)
+    short = compile_modules((elementary,), (), power, {"select": compiled()["select"]})
     plain = power | {name: short[name] for name in ("exp", "expm1")}
     plain |= {name: short[f"short_{name}"] for name in ("sin", "cos")}  # without a branch
     basis = compile_modules((_generated, entire, formulas), (), plain | {"all_terms": series})[FORMULAS[kind]]
