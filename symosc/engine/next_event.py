@@ -25,7 +25,7 @@ All functions are scalar and run on floats (CPython, numba) and, with other glob
 
 from __future__ import annotations
 
-from math import acos, cos, sin, sqrt
+from math import acos, sqrt
 
 from symosc.engine.first_exit import (
     MARCH_SLACK,
@@ -74,6 +74,7 @@ from symosc.engine.state import (
 )
 from symosc.kernels._generated import acceleration, next_derivative
 from symosc.kernels.double_double import two_product
+from symosc.kernels.elementary import cos, select, sin
 from symosc.kernels.entire import EPS, SERIES_BELOW, SIXTH
 
 TWO_PI = 2.0 * acos(-1.0)
@@ -254,11 +255,11 @@ def flight_noise(state, now, K):
     """Return the rounding errors of x and v that accumulate on a flight from `state` to `now`."""
     tau, v0, F0, S = now.tau, state.v, state.Fb, state.S
     speed = abs(v0) + velocity_scale(tau, v0, F0, K)
-    reach = tau if tau < K.swing else K.swing
+    reach = select(tau < K.swing, tau, K.swing)
     # terms of the acceleration; behind a stick friction's jump was one of them
     forces = abs(F0) + abs(constant_force(state.mode, K)) + abs(K.f0)
-    if state.at > 0 and F0 == 0.0:
-        forces = forces + (K.belt1.J if state.at == 1 else K.belt2.J)
+    jump = select(state.at == 1, K.belt1.J, K.belt2.J)
+    forces = forces + select((state.at > 0) & (F0 == 0.0), jump, 0.0 * jump)
     x_noise = 1.25 * EPS * (abs(state.x) + (speed + forces * reach) * reach + abs(v0) * tau)
     turned = 0.5 * K.w0 * tau * (abs(now.E0) + K.w0 * abs(now.E1))  # phase of the free oscillation, as far as it lasts
     v_noise = 1.25 * EPS * ((2.0 + turned) * speed + forces * reach)
@@ -429,12 +430,7 @@ def later(n, theta, theta_low, tau, K):
     """Return the phase `tau` later in two parts, so that rounding errors do not accumulate in the time."""
     if tau == K.period:  # exactly
         return n + 1, theta, theta_low
-    turn = K.Om * tau
-    total = theta + turn
-    part = total - theta
-    low = (theta - (total - part)) + (turn - part)
-    _, rest = two_product(K.Om, tau)
-    theta, theta_low = total, theta_low + (low + rest if abs(rest) < 1.0 else low)  # else out of the range of doubles
+    theta, theta_low = phase_after(theta, theta_low, tau, K)
     if theta >= MANY_TURNS * TWO_PI:  # without a drive, see `symosc.engine.flow`
         turns = int(theta / TWO_PI) - 1
         theta = (theta - turns * TWO_PI) - turns * TWO_PI_REST
@@ -442,17 +438,29 @@ def later(n, theta, theta_low, tau, K):
     while theta >= TWO_PI:
         theta, theta_low = theta - TWO_PI, theta_low - TWO_PI_REST
         n = n + 1
+    return n, *in_two_parts(theta, theta_low)
+
+
+def phase_after(theta, theta_low, tau, K):
+    """Return a phase `tau` later in two parts, without taking away turns."""
+    turn = K.Om * tau
+    total = theta + turn
+    part = total - theta
+    low = (theta - (total - part)) + (turn - part)
+    _, rest = two_product(K.Om, tau)
+    return total, theta_low + select(abs(rest) < 1.0, low + rest, low)  # else out of the range of doubles
+
+
+def in_two_parts(theta, theta_low):
+    """Return a phase as the nearest number and the rest; below 0, by the rest of 2 pi, as 0 and the rest."""
     total = theta + theta_low
     theta_low = theta_low - (total - theta)
-    if total < 0.0:  # by the rest of 2 pi
-        return n, 0.0 * total, theta_low + total
-    return n, total, theta_low
+    return select(total < 0.0, 0.0 * total, total), select(total < 0.0, theta_low + total, theta_low)
 
 
 def added(t, t_low, tau, K):
     """Return t + t_low + tau in two parts (Knuth's sum)."""
-    if tau == K.period:
-        t_low = t_low + K.period_low
+    t_low = select(tau == K.period, t_low + K.period_low, t_low)
     total = t + tau
     part = total - t
     low = t_low + ((t - (total - part)) + (tau - part))
@@ -462,10 +470,15 @@ def added(t, t_low, tau, K):
 
 def passing_time(error, first, second, third, K):
     """Return the time within which a quantity passes 0, given its error and its derivatives there."""
-    speed = abs(first)
-    if error * abs(second) < 1e-3 * speed * speed and error * error * abs(third) < 1e-3 * speed * speed * speed:
-        return error / speed
+    if passes_at_once(error, abs(first), second, third):
+        return error / abs(first)
     return slow_passing_time(error, first, second, third, K)
+
+
+def passes_at_once(error, speed, second, third):
+    """Return whether the first derivative alone says within which time a quantity passes 0."""
+    limit = 1e-3 * speed * speed
+    return (error * abs(second) < limit) & (error * error * abs(third) < limit * speed)
 
 
 def slow_passing_time(error, first, second, third, K):

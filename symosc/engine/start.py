@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, cos, log10, sin
+from math import ceil, log10
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -21,6 +21,7 @@ from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, constant_force
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
 from symosc.kernels._generated import acceleration
+from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS
 from symosc.kernels.pair_columns import each
 from symosc.model import PARAMETER_NAMES, Parameters

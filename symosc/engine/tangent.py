@@ -11,7 +11,7 @@ derivatives has a code: the number of a parameter in `symosc.model.PARAMETER_NAM
 
 from __future__ import annotations
 
-from math import cos, floor, inf, log, pi, sin
+from math import floor, inf, log, pi
 from typing import NamedTuple
 
 from symosc.aliases import Number
@@ -26,6 +26,7 @@ from symosc.kernels._generated import (
     stick_jacobian,
     stick_parameters,
 )
+from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS, basis
 from symosc.kernels.mapping import repeated
 

@@ -23,7 +23,6 @@ it cannot know of arrays that a caller gives.
 from __future__ import annotations
 
 from cmath import exp
-from math import cos, sin
 
 import numpy as np
 
@@ -38,7 +37,7 @@ from symosc.kernels._generated import (
     stick_parameters,
     stick_residual,
 )
-from symosc.kernels.elementary import WIDEST
+from symosc.kernels.elementary import WIDEST, cos, sin
 from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, basis
 
 # From this time on, times w0, roots and drive that are apart are so for derivatives by parameters too.
@@ -49,7 +48,7 @@ FAR_NODES = 3.0
 NEAR_ZERO = 0.5
 BLOCK = 256
 
-# What evaluates the entire functions at a point: the formulas of `symosc.kernels.elementary`, in their order.
+# What evaluates the entire functions at a point: the formulas of `symosc.kernels.formulas`, in their order.
 CLOSED_FORM, DIVISION, MIXED, SERIES = range(4)
 WIDE = 4  # `symosc.kernels.entire.basis`, with the C library's functions
 BACKWARD = 5  # nothing: theta_j < theta_i
