@@ -26,24 +26,35 @@ STARTS = ("t0", "x0", "v0")
 NUMBERS = {name: mode for mode, name in MODE_NAMES.items()}
 
 
+def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
+    """Return by which numbers derivatives can be enclosed, if nothing touches and no force is 0 at the start."""
+    belts = {f"v{n}" for n in (1, 2) if v0 == p.belt(n)}
+    left_out = belts | ({"v0"} if belts else set())
+    left_out |= (
+        {"k"} if p.k == 0 else {"m", "c", "k", "Omega"} if p.c == 0 and p.k == p.m * p.Omega**2 and p.B0 else set()
+    )
+    left_out |= {"c"} if p.k == p.c == 0 else set()
+    return tuple(name for name in (*PARAMETER_NAMES, *STARTS) if name not in left_out)
+
+
 def event_changes(
     p: Parameters, start: Sequence[Fraction], mode: int, events: Sequence[ProvenEvent], name: str
 ) -> list[Change]:
     """Return enclosures of dt and dx of all events by one number, or raise Undecided."""
-    belts = [f"v{n}" for n in (1, 2) if start[2] == p.belt(n)]
-    if belts and name in ("v0", *belts):
-        raise Undecided(f"a derivative by {name} of a start on a belt")
-    if (name == "k" or (name == "c" and p.k == 0)) and getattr(p, name) == 0:
-        raise Undecided(f"a derivative by {name} where it is 0")
+    if name not in provable(p, start[2]):
+        on_belt = start[2] in (p.v1, p.v2) and name[0] == "v"
+        raise Undecided(
+            f"a derivative by {name} {'of a start on a belt' if on_belt else 'at resonance or where it is 0'}"
+        )
     found: list[Change] = []
-    # Series cannot be divided by what may be 0: at resonance, and at critical damping.
+    # Series cannot be divided by what may be 0.
     with suppress(ZeroDivisionError, ValueError):
         for event, change in zip(events, _changes(p, start, mode, events, name), strict=True):
             if not all(each.is_finite() for each in change):
                 raise Undecided(f"a derivative by {name} of an event", event.t)
             found.append(change)
         return found
-    raise Undecided(f"a derivative by {name} at critical damping or resonance")
+    raise Undecided(f"a derivative by {name} at critical damping")
 
 
 def _changes(
