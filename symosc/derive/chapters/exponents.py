@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import sympy as sp
@@ -257,7 +257,7 @@ def _events_table() -> Table:
     for n, event in enumerate(ran["x0"].trajectory.events[:EVENTS]):
         cells: list[Any] = [str(n + 1), event.kind]
         for q, found in exact.items():
-            cells.append(decimal("z", ran[q].dt[n, 0], 24, Close(lambda value=found[n]: value, 24)))
+            cells.append(decimal("z", ran[q].dt[n, 0], 24, Close(partial(CONTEXT.mpf, found[n]), 24)))
         rows.append(tuple(cells))
     return Table(
         "tab:exponents-events",
@@ -289,7 +289,7 @@ def _exponents_table() -> Table:
     values = ((r"$\Lambda_1 + \Lambda_2$ of $P_{32}$", decay, total), (r"$\Lambda_1$ of $P_{4645}$", largest, rate))
     rows: list[Any] = []
     for name, exact, run in values:
-        agrees = Close(lambda value=exact: value, 11)
+        agrees = Close(partial(CONTEXT.mpf, exact), 11)
         rows.append((name, decimal("z", exact, 11), decimal("z", number(run), 11, agrees)))
     rows.append((r"$\Lambda_2$ of $P_{4645}$", r"$-\infty$", r"$-\infty$"))
     return Table(
