@@ -1,9 +1,9 @@
 """`simulate`: one motion, in doubles with automatic precision escalation or with any number of digits.
 
 In double precision each step brings an estimate of its error along. When a contact is undecided, or an event is known
-to less than `accuracy`, the same problem is followed with more digits from the exact start up to there, and takes over;
-the double path goes on from its rounded result. With `digits` the working precision is raised until every event is
-known to that many digits.
+to less than `accuracy`, the same problem is followed with more digits from the exact start up to there, and on as long
+as doubles are in doubt (`symosc.simulation.motion.FinerMotion`); they go on from its rounded result. With `digits` the
+working precision is raised until every event is known to that many digits.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 from symosc.aliases import Number, NumberLike, Progress, SceneName, StartError
 from symosc.arguments import public
 from symosc.display.progress import Advance, late_bar
-from symosc.engine.arithmetic import mp_context
+from symosc.engine.arithmetic import PairLoops, mp_context
 from symosc.engine.start import Start, settles
 from symosc.engine.state import FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNING, UNDECIDED, State
 from symosc.errors import ParameterError
@@ -23,7 +23,9 @@ from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read
 from symosc.model import Parameters
 from symosc.scenes import Scene, end_time, load_scene, start_numbers
 from symosc.simulation.motion import (
+    PAIR_NOISE,
     FinerMotion,
+    Limits,
     Motion,
     MotionInDoubles,
     check_reached,
@@ -148,9 +150,15 @@ def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction]
     return inf if start_error and max(start_error) > accuracy else accuracy
 
 
-def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None) -> Trajectory:
-    """Follow a motion in doubles, with more digits where these are undecided; see `simulate`."""
+def in_doubles(
+    start: Start, most: int, accuracy: float, advance: Advance = None, loops: PairLoops | None = None
+) -> Trajectory:
+    """Follow a motion in doubles, with more digits where these are undecided; see `simulate`.
+
+    Given `loops` in pairs, these come first whatever is loaded, with the noise that `simulate_many` allows.
+    """
     needed = attainable(accuracy, start.start_error)
+    limits = Limits(most, needed, PAIR_NOISE) if loops else Limits(most, needed)
     motion = MotionInDoubles(start, isinf(accuracy))
     finer: FinerMotion | None = None
     if settles(start):
@@ -158,7 +166,7 @@ def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None
     while motion.code == RUNNING:
         motion.follow(most, needed)
         if motion.code in NEEDS_DIGITS:
-            finer = finer or FinerMotion(motion, needed, most)
+            finer = finer or FinerMotion(motion, limits, loops)
             decided = finer.reach(motion.count + (motion.code == UNDECIDED))
             motion.take_over(finer)
             if not decided:
