@@ -493,7 +493,7 @@ class MotionInDigits(Motion):
 class FinerMotion:
     """The same problem in more precise numbers, followed only as far as doubles require; all in doubles comes out.
 
-    Pairs follow it, by `loops` or where this process has their loop, else FINER_DIGITS digits. Past a contact that these
+    Pairs follow it, by `loops` or where this process has their loop, else FINER_DIGITS digits. Past a contact that they
     leave open as many go on as confirm a graze (`digits_to_confirm_graze`): from the state before it with its error,
     or, if that is what leaves it open, from t0. They decide it, or it is a graze. Where they did decide, the next one
     takes twice as many: where sticks get shorter, so do gaps.
