@@ -142,7 +142,7 @@ def _settled(parameters: Parameters, digits: int | None) -> PeriodicOrbit:
             tried.append(word)
             last = simulate_many(parameters, (0, 0, 0), end).t[-len(word) :]
             if np.diff(last).min(initial=inf) <= SAME_TIME * end:
-                reason = f"the motion from rest comes too near to a graze: no length is left to sticks at t = {last[0]:.6g}"
+                reason = f"the motion from rest comes too near to a graze: no stick has a length from t = {last[0]:.6g}"
                 break
             found = find_orbit(parameters, word, digits=digits)
             if found.admissible:

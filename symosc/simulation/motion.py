@@ -79,8 +79,9 @@ PAIR_SPARE = 8
 MOST_MORE = 64
 # Error estimates are standard errors; digits that are promised must hold.
 SAFETY = 100
-# The working precision where doubles do not decide, or are not accurate enough.
-FINER_DIGITS = 36
+# The working precision where doubles do not decide, or are not accurate enough: what these leave open comes before an
+# event whose errors are not negligible beside its rounding to doubles.
+FINER_DIGITS = 44
 # A contact that is undecided with this many times the digits may be a graze.
 GRAZE_TIMES, GRAZE_SPARE = 3, 20
 # Digits up to which also the fast root of an overdamped system counts, and up to which grazes are confirmed.

@@ -71,7 +71,7 @@ def simulate(
         max(1, |value|), as far as the error estimates tell.
     accuracy : float, optional
         For double precision (default 1e-13). An event whose time or position has a larger error than this, relative to
-        max(1, |value|), for times also to |t0|, is computed once more with 36 digits. With ``math.inf`` the path that
+        max(1, |value|), for times also to |t0|, is computed once more with 44 digits. With ``math.inf`` the path that
         doubles compute is followed as it is: only contacts that their rounding leaves open get more digits.
     start_error : number or three numbers, optional
         Half-widths to which t0, x0 and v0 are known; one number serves for all. None: that of the scene, or exact. A

@@ -79,8 +79,18 @@ def test_a_scene_file(tmp_path: Path) -> None:
 
 
 def test_what_double_precision_cannot_decide_is_said_and_exits_1() -> None:
-    limit = ["c=1", "k=0", "A0=-0.999999999999999999999999999999", "B0=0", "v1=1", "v2=5", "mu1=0.5", "mu2=0.5", "FN=2"]
-    command = ["simulate", "fig5", "--t-end", "80", *(word for each in limit for word in ("--set", each))]
+    limit = [
+        "c=1",
+        "k=0",
+        "A0=-0.9999999999999999999999999999999999999999",
+        "B0=0",
+        "v1=1",
+        "v2=5",
+        "mu1=0.5",
+        "mu2=0.5",
+        "FN=2",
+    ]
+    command = ["simulate", "fig5", "--t-end", "100", *(word for each in limit for word in ("--set", each))]
     result = run(*command)
     assert result.exit_code == 1
     assert result.stderr.startswith("symosc: undecidable: ")

@@ -96,7 +96,7 @@ def fig8_oracle(periods: int) -> OracleRun:
 @pytest.mark.slow
 @pytest.mark.parametrize("periods", [20, pytest.param(50, marks=pytest.mark.campaign)])
 def test_fig8_in_doubles_has_all_events(periods: int) -> None:
-    """Also where pairs, and 36 digits, do not decide a contact any more: from t = 48.7 and 62.8 on."""
+    """Also where pairs, and 44 digits, do not decide a contact any more."""
     scene = load_scene("fig8")
     trajectory = simulate(scene, t_end=end_of(periods))
     assert trajectory.status == "t_end"
