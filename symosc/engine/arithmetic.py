@@ -56,9 +56,10 @@ CONSTANTS = (bool, int, float, complex, str)
 # Functions that are called from several places and rarely: not worth a copy in each.
 OUTLINED = """
     advance_near apart_from_walls behind_flat_start block careful closest_approach cell_within creeps_for_ever cut_at
-    doubt_row flight_extremes flown follow_all follow_group follow_lanes follow_one finish_tally march_rows newton_root
-    next_undecided no_contact parts_again periods point_at_end resolve rest_stretches search_row searched section series
-    settle slow_passing_time stationary stays_closed stepped stiff_derivatives tally_stretch tolerance graze_belt within
+    doubt_row flight_extremes flown follow_all follow_group follow_lanes follow_one finish_tally free_time march_rows
+    newton_root next_undecided no_contact parts_again periods point_at_end resolve rest_stretches search_row searched
+    section series settle slow_passing_time stationary stays_closed stepped stiff_derivatives tally_stretch tolerance
+    graze_belt within
 """
 
 
@@ -423,6 +424,7 @@ PLAIN_IN_PAIRS = {
     "end_in_doubles": "end_by_phase",
     "searched_in_doubles": "searched",
     "next_undecided_in_doubles": "next_undecided",
+    "open_free_time_in_doubles": "open_free_time",
     "write_event_in_doubles": "write_event",
     "write_piece_in_doubles": "write_piece",
     **{name: name for name in ("is_below", "rounding_error", "rounded_covariance", "tally_step", "finish_tally")},

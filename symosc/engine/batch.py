@@ -15,7 +15,7 @@ import numpy as np
 from symosc.aliases import Number
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS, event_codes, event_numbers
 from symosc.engine.flow import clock_time, constant_force
-from symosc.engine.next_event import advance, advance_near, time_with_errors
+from symosc.engine.next_event import advance, advance_near, free_time, time_with_errors
 from symosc.engine.state import (
     END,
     FAILED,
@@ -266,10 +266,16 @@ def searched(state, row, K):
 
 
 def search_row(states, table):
-    """Advance the state in the first row to its next event; return code, belt, decided and t_error (NextEvent)."""
-    code, boundary, decided, t_error, state = searched(state_of(states, 0), states[0], table[0])
-    keep_state(states, 0, state)
-    return code, boundary, decided, t_error
+    """Advance the state in the first row; return code, belt, decided and t_error (NextEvent), and `open_free_time`."""
+    before = state_of(states, 0)
+    found = searched(before, states[0], table[0])
+    keep_state(states, 0, found.state)
+    return found.code, found.boundary, found.decided, found.t_error, open_free_time(found, before, table[0])
+
+
+def open_free_time(found, state, K):
+    """Return the time during which a flight from a state meets no wall, where the event found is open; else 0."""
+    return free_time(state, K) if found.boundary > 0 and not found.decided else 0.0
 
 
 def doubt_row(states, count, most, accuracy, table):
@@ -319,6 +325,7 @@ def write_piece(pieces, row, state, elapsed):
 
 # In loops that are bound to pairs these names stay functions of doubles.
 end_in_doubles, searched_in_doubles, next_undecided_in_doubles = end_by_phase, searched, next_undecided
+open_free_time_in_doubles = open_free_time
 write_event_in_doubles, write_piece_in_doubles = write_event, write_piece
 
 
@@ -384,7 +391,8 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
                 if goal == 0:
                     break
             rough = searched_in_doubles(rounded, states[i], careful)
-            found = advance_near(state, rounded, rough, t_end, t_end_low, K)
+            free = open_free_time_in_doubles(rough, rounded, careful)
+            found = advance_near(state, rounded, rough, free, t_end, t_end_low, K)
             step, then = found.code, in_doubles(found.state, t0, plain)
             plainly = NextEvent(step, found.boundary, True, found.t_error.hi, then)
             if step == FAILED or not found.decided:

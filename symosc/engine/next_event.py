@@ -34,6 +34,7 @@ from symosc.engine.first_exit import (
     belt_exit,
     first_exit,
     force_noise,
+    fourth_derivative_bound,
     gain,
     gap_to,
     local_root,
@@ -46,7 +47,15 @@ from symosc.engine.first_exit import (
     slopes,
     tolerance,
 )
-from symosc.engine.flow import clock_time, constant_force, derivatives, speeds_around, state_at, velocity_scale
+from symosc.engine.flow import (
+    clock_time,
+    constant_force,
+    derivatives,
+    fifth_derivative,
+    speeds_around,
+    state_at,
+    velocity_scale,
+)
 from symosc.engine.state import (
     BELT,
     CROSS,
@@ -506,7 +515,7 @@ def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
 # --- with many digits: doubles search, and only the last step and its results take the digits ---
 
 
-def advance_near(state, rough, found, t_end, t_end_low, K):
+def advance_near(state, rough, found, free, t_end, t_end_low, K):
     """Advance as `advance` does, from the same state, near the result already found in doubles.
 
     Doubles decide by more than the rounding of their start and their own. Where they are sure which contact is the
@@ -514,7 +523,7 @@ def advance_near(state, rough, found, t_end, t_end_low, K):
     method or two with the exact flow, and go on as after a search of their own. Where doubles see a touch they begin
     there too (`contact_at_dip`). They search themselves where the end found so is not the one expected, where doubles
     cannot decide otherwise, and where the end of the search is the question. `rough` is the state in doubles, with the
-    rounding as its error, `found` the NextEvent of `advance` in doubles.
+    rounding as its error, `found` the NextEvent of `advance` in doubles, `free` their `free_time` if that is a touch.
     """
     code, boundary, decided, t_error, there = found
     tau = (there.t - rough.t) + (there.t_low - rough.t_low)
@@ -534,7 +543,7 @@ def advance_near(state, rough, found, t_end, t_end_low, K):
         if decided:
             end = contact_near(tau, uncertainty, side, start, walls, K)
         else:
-            end = contact_at_dip(tau, remaining, side, start, walls, state.S, K)
+            end = contact_at_dip(tau, free + 0.0 * tau, side, start, walls, state.S, K)
         if end.code == HIT:
             return after_flight(state, end, start, remaining, K)
     elif decided and state.mode <= ON_BELT and code in (MOVED, END) and tau < USUAL_LENGTH * K.chunk:
@@ -545,41 +554,53 @@ def advance_near(state, rough, found, t_end, t_end_low, K):
     return advance(state, t_end, t_end_low, K)
 
 
-def contact_at_dip(tau, tau_max, side, start, walls, S, K):
+def free_time(state, K):
+    """Return a time during which a flight certainly meets no wall: that of its march, 0 where there is none."""
+    if state.mode > ON_BELT or not K.apart:
+        return 0.0 * state.v
+    start, walls = launched(state, K)
+    begin, flat, _, margin = search_begin(K.chunk, start, walls, state.S, K)
+    return 0.0 * state.v if flat else march(K.chunk, start.v, begin, walls, margin, K).now.tau
+
+
+def contact_at_dip(tau, free, side, start, walls, S, K):
     """Return the contact of a gap that dips below 0 near `tau`, if it is surely the first one; STALLED if not.
 
-    It is if the march comes near it, and the polynomial bound of the gap to each wall, taken backward from the contact,
-    is positive on the rest of the way.
+    It is if the polynomial bound of the gap to each wall, taken backward from it, is positive as far as the flight is
+    not known to be `free`.
     """
-    begin, flat, _, margin = search_begin(tau_max, start, walls, S, K)
-    stalled = FlightEnd(STALLED, side, begin)
-    if flat or not K.apart:
-        return stalled
-    begin, M4, met, _ = march(tau_max, start.v, begin, walls, margin, K)
-    allowed, start_gap = 0.0 * tau, walls.below if side < 0 else walls.above
+    now = state_at(tau, start, K)
     for _ in range(MOST_CORRECTIONS):
-        now = state_at(tau, start, K)
-        gap, slope, bend = gap_to(side, now, walls), -side * now.F, -side * now.G1
-        allowed = tolerance(now, start_gap, start, S, K)
-        shift = -slope / bend if bend > 0.0 else 0.0 * bend
-        if gap < -2.0 * allowed or abs(slope * shift) <= allowed:
+        third, fourth = SIXTH * now.G3, 0.25 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
+        shift = 0.0 * tau
+        for _ in range(3):  # Newton's method on the polynomial of the acceleration
+            rise = now.F + (now.G1 + (0.5 * now.G2 + (third + fourth * shift) * shift) * shift) * shift
+            slope = now.G1 + (now.G2 + (3.0 * third + 4.0 * fourth * shift) * shift) * shift
+            shift = shift - rise / slope if slope != 0.0 else shift
+        if not NEAR <= abs(shift) * K.rate < 1.0:
             break
         tau = tau + shift
-    if met != 0 or not (gap < -2.0 * allowed and bend > 0.0):
-        return stalled
-    over, before = (gap if side < 0 else -gap), -(slope + sqrt(slope * slope - 2.0 * gap * bend)) / bend
-    before = newton_root(before, over, now.F, now.G1, now.G2, now.G3, EPS * tau)
+        now = state_at(tau, start, K)
+    dip, bend = shifted(now, shift, start.v, K), -side * now.G1
+    depth = -gap_to(side, dip, walls)
+    allowed = tolerance(dip, walls.below if side < 0 else walls.above, start, S, K)
+    if not (abs(shift) * K.rate < NEAR and free > 0.0 and bend > 0.0 and depth > 2.0 * allowed):
+        return FlightEnd(STALLED, side, now)
+    gap, before = gap_to(side, now, walls), shift - sqrt(2.0 * depth / bend)
+    before = newton_root(before, gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
     if abs(before) * K.rate < NEAR:
         end = FlightEnd(HIT, side, shifted(now, before, start.v, K))
     else:
         end = contact_near(tau + before, 0.5 * abs(before), side, start, walls, K)
-    now, back = end.now, end.now.tau - begin.tau
+    now, back = end.now, end.now.tau - free
+    G1, G2, G3 = derivatives(start.v, start.F, start.s, start.c, K)
+    top = -0.25 * SIXTH * fourth_derivative_bound(G2, G3, start.s, start.c, K)
     G1, G2, _ = derivatives(start.v + now.dv, now.F, now.s, now.c, K)
-    rise, half, third, top = side * now.F, -0.5 * side * G1, side * SIXTH * G2, -0.25 * SIXTH * M4
-    free = back > 0.0 and positive_on(back, (rise, half, third, top, 0.0 * top))
-    if free and walls.has_below and walls.has_above:
-        free = positive_on(back, (gap_to(-side, now, walls), -rise, -half, -third, top))
-    return end if free else stalled
+    rise, half, third = side * now.F, -0.5 * side * G1, side * SIXTH * G2
+    first = back > 0.0 and positive_on(back, (rise, half, third, top, 0.0 * top))
+    if first and walls.has_below and walls.has_above:
+        first = positive_on(back, (gap_to(-side, now, walls), -rise, -half, -third, top))
+    return end if first else FlightEnd(STALLED, side, now)
 
 
 def contact_near(tau, uncertainty, side, start, walls, K):

@@ -242,7 +242,7 @@ def rounded(state: State, start: Start) -> State:
     return State(*state[:3], theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
 
 
-def continued(state: State, eps: Fraction | Number, arithmetic: MpArithmetic) -> State:
+def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
     """Return a state of mpmath numbers in an arithmetic with more digits, with their rounding `eps` in its error.
 
     Phase and time have the rounding too: it is an error of x and v that such a part of a period makes.
@@ -250,7 +250,7 @@ def continued(state: State, eps: Fraction | Number, arithmetic: MpArithmetic) ->
     K, rounded, S = arithmetic.K, arithmetic.rounded, state.S
     theta, t, x, v = rounded(state.theta) + state.theta_low, rounded(state.t) + state.t_low, rounded(state.x), state.v
     v = (K.belt1 if state.at == 1 else K.belt2).v if state.at else rounded(v)
-    phase, part = sine_and_cosine(theta, arithmetic), K.period * float(eps)
+    phase, part = sine_and_cosine(theta, arithmetic), K.period * arithmetic.number(eps)
     below, above = (state.at, state.at + 1) if state.mode > ON_BELT else (state.mode, state.mode)
     Fb, Fa = (
         acceleration(x, v, phase[1], constant_force(domain, K), K.cm, K.w0sq, K.f0) if force != 0 else 0 * x

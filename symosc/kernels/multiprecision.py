@@ -148,8 +148,8 @@ class BasisMP:
         self.inverses: tuple[Any, ...] = tuple(1 / gap if gap != 0 else None for gap in gaps)
         # For the closed form, if the roots are complex and no nodes are the same.
         h, w0sq, Om = (_number(q, self.for_differences) for q in (self.h, self.w0sq, self.Om))
-        closed = self.w0sq > self.h * self.h and None not in self.inverses
-        self.closed = (h, l1.imag, w0sq, Om, w0sq - Om * Om, 2 * h * Om) if closed else None
+        self.has_closed_form = self.w0sq > self.h * self.h and None not in self.inverses
+        self.closed = h, l1.imag, w0sq, Om, w0sq - Om * Om, 2 * h * Om
         self.for_differences.leave(before)
 
     def _roots(self, context: Context) -> tuple[Mpf, Mpf, Mpf]:
@@ -174,7 +174,9 @@ class BasisMP:
         inner = self.for_series if short else self.for_differences
         before = inner.enter()
         try:
-            compute = self._series if short else self._closed_form if self.closed else self._divided_differences
+            compute = (
+                self._series if short else self._closed_form if self.has_closed_form else self._divided_differences
+            )
             values = compute(inner.own(tau))
         finally:
             inner.leave(before)

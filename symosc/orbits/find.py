@@ -42,6 +42,8 @@ LEAST_RUN_EVENTS = 60
 SETTLING_EVENTS, SETTLED = 400, 1e-6
 #: Forcing periods by which the motion from rest may have settled.
 SETTLING_PERIODS = (50, 1_000, 20_000)
+# Events that are nearer to each other than this part of the time are one in doubles.
+SAME_TIME = 2.0**-50
 
 
 @public
@@ -138,6 +140,10 @@ def _settled(parameters: Parameters, digits: int | None) -> PeriodicOrbit:
             break
         if word not in tried:
             tried.append(word)
+            last = simulate_many(parameters, (0, 0, 0), end).t[-len(word) :]
+            if np.diff(last).min(initial=inf) <= SAME_TIME * end:
+                reason = f"the motion from rest comes too near to a graze: no stick has a length from t = {last[0]:.6g}"
+                break
             found = find_orbit(parameters, word, digits=digits)
             if found.admissible:
                 return found

@@ -80,7 +80,7 @@ from symosc.simulation.batch import (
     joined,
     read_workers,
 )
-from symosc.simulation.motion import MOST_MORE, check_reached, fits_pairs
+from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, check_reached, fits_pairs
 from symosc.simulation.problems import NumberColumn, Problems
 from symosc.simulation.simulate import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
 from symosc.simulation.tables import SUMMARY_COLUMNS, EventTable, Summary, rows_of, table_from
@@ -91,8 +91,6 @@ __all__ = ["EventTable", "Summary", "simulate_many"]
 
 # A gap between a start and a belt that pairs have digits to spare for (`symosc.simulation.motion.fits_pairs`).
 FAR_OFF = 2e-8
-# The errors of an event that pairs may have beside its rounding to doubles, as a part of that.
-PAIR_NOISE = 0.25
 # Motions that are followed in interpreted pairs until it is asked again whether to compile.
 TOGETHER = 8
 # A force on a belt that is this small beside others is computed from the exact start.
@@ -229,7 +227,9 @@ class Chunk:
         again = self._in_pairs(self._remove_undecided()) if task.loops.in_threads else {}
         for i in self._remove_undecided():
             cancel.check()
-            self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy)
+            loops = pair_loops(int(self.batch.counts[i])) if task.loops.in_threads else None
+            PAIRS.events -= int(self.batch.counts[i])
+            self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy, loops=loops)
         again |= {i: rows_of(i, trajectory.events) for i, trajectory in self.alone.items()}
         self.rows = spliced(self.rows, again) if again else self.rows
         self.status = self._statuses()

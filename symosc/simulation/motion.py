@@ -2,16 +2,16 @@
 
 In doubles `MotionInDoubles` calls the loop of `simulate_many`, compiled where this process has loaded it or the motion
 is long, else run by CPython, with the same bits. With many digits (`Motion`) doubles search first, and only the last
-step to an event takes the digits (`symosc.engine.next_event`).
+step to an event takes the digits (`symosc.engine.next_event`). `FinerMotion` takes over where doubles are in doubt. It
+hands out doubles with no error but their rounding, so they are the same whichever numbers they come from.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from functools import partial
 from math import ceil, inf, log, nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from symosc.engine.arithmetic import (
     ROUNDED_FROM,
     Arithmetic,
     MpArithmetic,
+    PairLoops,
     compiled_pairs,
     is_compiled,
     many_digits,
@@ -70,18 +71,23 @@ from symosc.simulation.batch import FOLLOW, TURN, chosen_loops, joined, loaded_l
 
 # Events of the first block of a motion and of the largest one.
 FIRST_BLOCK, LARGEST_BLOCK = 64, 1 << 15
+# The errors of an event that pairs may have in `simulate_many`, beside its rounding to doubles, as a part of that.
+PAIR_NOISE = 0.25
 # Digits between a start and a belt, or of its error, that pairs have to spare.
 PAIR_SPARE = 8
 # Events that a motion is followed farther in pairs, at most, if doubles would not decide again.
 MOST_MORE = 64
 # Error estimates are standard errors; digits that are promised must hold.
 SAFETY = 100
-# The working precision where doubles do not decide, or are not accurate enough.
-FINER_DIGITS = 36
+# The working precision where doubles do not decide, or are not accurate enough: what these leave open comes before an
+# event whose errors are not negligible beside its rounding to doubles.
+FINER_DIGITS = 44
 # A contact that is undecided with this many times the digits may be a graze.
 GRAZE_TIMES, GRAZE_SPARE = 3, 20
 # Digits up to which also the fast root of an overdamped system counts, and up to which grazes are confirmed.
 MOST_FAST, MOST_GRAZE = 600, 2500
+# Digits for gaps that get smaller and smaller: fig8 takes them at t = 800, and a millisecond an event.
+MOST_SHRINKING = 450
 
 
 def check_reached(start: Start, periods: int) -> None:
@@ -124,20 +130,20 @@ class SearchInDoubles:
         self._search, self._doubt = found if compiled else plain
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (arithmetic.K, K))
 
-    def next_event(self, state: State) -> NextEvent | None:
-        """Return the next event, or None outside the range of doubles."""
+    def next_event(self, state: State) -> tuple[NextEvent, float] | None:
+        """Return the next event and, if it is open, how long no wall is met; None outside the range of doubles."""
         keep_state(self._rows, 0, state)
         try:
-            code, boundary, decided, t_error = self._search(self._rows, self._careful)
-            return NextEvent(code, boundary, decided, t_error, state_of(self._rows, 0))
+            code, boundary, decided, t_error, free = self._search(self._rows, self._careful)
+            return NextEvent(code, boundary, decided, t_error, state_of(self._rows, 0)), free
         except (ArithmeticError, ValueError):
             return None
 
-    def next_doubt(self, state: State, count: int, accuracy: float, most: int) -> int:
+    def next_doubt(self, state: State, count: int, limits: Limits) -> int:
         """Return the number of the next event that doubles, from a state after `count` events, leave in doubt, or 0."""
         keep_state(self._rows, 0, state)
         try:
-            return int(self._doubt(self._rows, count, most, accuracy, self._K))
+            return int(self._doubt(self._rows, count, limits.most, limits.accuracy, self._K))
         except (ArithmeticError, ValueError):
             return 0
 
@@ -237,6 +243,7 @@ class Motion:
         self._before, self._worst = self._state, 0.0
         self._events, self._columns = list[tuple[Any, tuple[int, ...]]](), list[tuple[Any, ...]]()
         self.code, self.decided, self.grazes_only = 0, True, True
+        self._rough: State | None = None  # the state in doubles
         self._record_piece(0.0)
 
     def missing_digits(self, digits: int) -> int:
@@ -278,7 +285,7 @@ class Motion:
 
     def undo(self) -> None:
         """Go back to before the last step."""
-        self._state = self._before
+        self._state, self._rough = self._before, None
         del self._columns[-1]
         if self.code <= GRAZE:
             del self._events[-1]
@@ -322,13 +329,14 @@ class Motion:
 
     def _next(self, state: State) -> NextEvent:
         """Return the next event with many digits, searched in doubles where possible."""
-        rough = rounded(state, self.start) if self._search else None
+        rough = self.rounded_state() if self._search else None
         ahead = self._search.next_event(rough) if self._search and rough else None
+        self._rough = None
         if ahead is None:
             self._search = None
             found: NextEvent = self.arithmetic.advance(state, *self._end, self.K)
         else:
-            found = self.arithmetic.advance_near(state, rough, ahead, *self._end, self.K)
+            found = self.arithmetic.advance_near(state, rough, *ahead, *self._end, self.K)
         return found
 
     def _elapsed(self) -> Number:
@@ -338,11 +346,13 @@ class Motion:
 
     def rounded_state(self) -> State:
         """Return the current state in doubles."""
-        entered = self.arithmetic.enter()
-        try:
-            return rounded(self._state, self.start)
-        finally:
-            self.arithmetic.leave(entered)
+        if self._rough is None:
+            entered = self.arithmetic.enter()
+            try:
+                self._rough = rounded(self._state, self.start)
+            finally:
+                self.arithmetic.leave(entered)
+        return self._rough
 
     @property
     def state(self) -> State:
@@ -364,17 +374,25 @@ class Motion:
         return self.arithmetic.outward(self._state.t)
 
 
+class Limits(NamedTuple):
+    """Accuracy and limits of a motion with more digits."""
+
+    most: int  # events
+    accuracy: float  # what doubles are asked for
+    noise: float = NEGLIGIBLE  # the errors of an event beside its rounding to doubles, as a part of that
+
+
 class MotionInPairs:
     """A motion in double-double numbers, by compiled code, followed only as far as doubles require.
 
     Before an event that pairs do not decide, or know too little of, it stops.
     """
 
-    def __init__(self, doubles: MotionInDoubles, accuracy: float, most: int) -> None:
+    def __init__(self, doubles: MotionInDoubles, limits: Limits, loops: PairLoops) -> None:
         start, exact = doubles.start, many_digits(doubles.start.parameters, ROUNDED_FROM)
-        state, plain = first_state(start, exact), Arithmetic(start.parameters).K
-        self._follow, self._K, table = compiled_pairs().follow_pairs, pair_constants(start.parameters), [doubles.K]
-        self._limits = PairLimits(most, accuracy, MOST_MORE, NEGLIGIBLE, table_of(table), table_of([plain]))
+        state, tables = first_state(start, exact), (table_of([K]) for K in (doubles.K, Arithmetic(start.parameters).K))
+        self._follow, self._K = loops.follow_pairs, pair_constants(start.parameters)
+        self._limits = PairLimits(limits.most, limits.accuracy, MOST_MORE, limits.noise, *tables)
         self._pairs = np.array([pairs_as_complex(tuple(row_of(state, *last_time(start, exact))))])
         self._batch = batch_of(np.array([doubles.row(rounded(state, start))]))
         self._rows, self._pieces = list[EventRows](), list[np.ndarray]()
@@ -417,19 +435,17 @@ class MotionInPairs:
 class MotionInDigits(Motion):
     """A motion with digits whose events are recorded in doubles; it may go on from where `other` stopped.
 
-    One that did is sure of an event only if what is not known of its first state makes no difference to the doubles.
+    One that did is not sure of an event that it knows worse than the limits say.
     """
 
     def __init__(
-        self,
-        start: Start,
-        digits: int,
-        next_doubt: Callable[[State, int], int],
-        other: MotionInPairs | MotionInDigits | None = None,
+        self, doubles: MotionInDoubles, limits: Limits, digits: int, other: MotionInPairs | MotionInDigits | None = None
     ) -> None:
-        super().__init__(start, digits, other.last_sure(many_digits(start.parameters, digits)) if other else None)
+        begin = other.last_sure(many_digits(doubles.start.parameters, digits)) if other else None
+        super().__init__(doubles.start, digits, begin)
         self.from_start, self.is_known, self._skipped = other is None, True, other.count if other else 0
-        self.grazes_only, self._next_doubt = other is None or other.grazes_only, next_doubt
+        self.grazes_only = other is None or other.grazes_only
+        self._limits, self._doubts = limits, SearchInDoubles(doubles.start, doubles.K)
 
     @property
     def count(self) -> int:
@@ -439,12 +455,11 @@ class MotionInDigits(Motion):
     def reach(self, count: int) -> bool:
         """Follow the motion to `count` events or to its end; return False after a step that is open.
 
-        It goes on to what `next_doubt` says of the state in doubles, and the number of events: the next event that
-        doubles do not decide or know well enough.
+        It goes on to the next event that doubles do not decide or know well enough.
         """
         while not self.ended:
             if self.count >= count:
-                count = self._next_doubt(self.rounded_state(), self.count)
+                count = self._doubts.next_doubt(self.rounded_state(), self.count, self._limits)
                 if count == 0:
                     break
             self.step()
@@ -456,7 +471,8 @@ class MotionInDigits(Motion):
         """Store an event in doubles."""
         t, t_error, x_error = map(float, clock)
         x = float(found.state.x)
-        self.is_known = self.from_start or (is_below(NEGLIGIBLE, t_error, t) and is_below(NEGLIGIBLE, x_error, x))
+        noise = self._limits.noise
+        self.is_known = self.from_start or (is_below(noise, t_error, t) and is_below(noise, x_error, x))
         told = t, rounding_error(t_error, t), rounding_error(x_error, x)
         numbers = self.arithmetic.event_numbers(before, found, told, self.K)
         self._events.append((tuple(map(float, numbers)), event_codes(before, found)))
@@ -478,23 +494,22 @@ class MotionInDigits(Motion):
 class FinerMotion:
     """The same problem in more precise numbers, followed only as far as doubles require; all in doubles comes out.
 
-    Pairs follow it where this process has their loop, else FINER_DIGITS digits. Past a contact that these leave open as
-    many go on as confirm a graze (`digits_to_confirm_graze`): from the state before it with its error, or, if that is
-    what leaves it open, from t0. They decide it, or it is a graze. Where they did decide, the next one takes twice as
-    many: with sticks that get shorter, so do gaps.
+    Pairs follow it, by `loops` or where this process has their loop, else FINER_DIGITS digits. Past a contact that they
+    leave open as many go on as confirm a graze (`digits_to_confirm_graze`): from the state before it with its error,
+    or, if that is what leaves it open, from t0. They decide it, or it is a graze. Where they did decide, the next one
+    takes twice as many: where sticks get shorter, so do gaps.
     """
 
-    def __init__(self, doubles: MotionInDoubles, accuracy: float, most: int) -> None:
-        self.start, search = doubles.start, SearchInDoubles(doubles.start, doubles.K)
-        self._doubt = partial(search.next_doubt, accuracy=accuracy, most=most)
+    def __init__(self, doubles: MotionInDoubles, limits: Limits, loops: PairLoops | None = None) -> None:
+        self.start, self._doubles, self._limits = doubles.start, doubles, limits
         self._least, self._asked_at = FINER_DIGITS + self.start.spare_digits, inf
         self.rows, self.pieces = list[EventRows](), list[np.ndarray]()
         self.open_at, self.open_in = nan, 0  # the time of a contact that cannot be decided, and with how many digits
         self._now: MotionInPairs | MotionInDigits
-        if fits_pairs(self.start) and pairs_are_loaded():
-            self._now = MotionInPairs(doubles, accuracy, most)
+        if fits_pairs(self.start) and (loops or pairs_are_loaded()):
+            self._now = MotionInPairs(doubles, limits, loops or compiled_pairs())
         else:
-            self._now = MotionInDigits(self.start, self._least, self._doubt)
+            self._now = MotionInDigits(doubles, limits, self._least)
 
     @property
     def count(self) -> int:
@@ -536,6 +551,7 @@ class FinerMotion:
         at, span = now.count - (now.code <= GRAZE), self.start.t_end - self.start.t0
         base, least = 2 * self._least // GRAZE_TIMES, 2 * now.digits if at > self._asked_at else 0
         needed, whole = (digits_to_confirm_graze(now, each, base, least) or inf for each in (now.elapsed, span))
+        needed = inf if least > MOST_SHRINKING else needed
         if now.from_start and now.code != FAILED and now.digits >= needed:
             self._asked_at = inf
             return True
@@ -544,13 +560,14 @@ class FinerMotion:
         if now.code == FAILED or now.digits >= needed or needed == inf or not now.is_known:
             return not now.from_start and self._go_on(now.digits)
         self._asked_at = at
-        return self._go_on(int(max(needed, min(whole, MOST_GRAZE, GRAZE_TIMES * needed))), now)
+        most = needed if least else min(whole, MOST_GRAZE, GRAZE_TIMES * needed)
+        return self._go_on(int(max(needed, most)), now)
 
     def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
         """Follow the motion with so many digits, from where `other` stopped, or from t0 to where it is now."""
         self._take()
         count, steps = self.count, sum(pieces.shape[1] for pieces in self.pieces)
-        self._now = now = MotionInDigits(self.start, digits, self._doubt, other)
+        self._now = now = MotionInDigits(self._doubles, self._limits, digits, other)
         if not other:
             for _ in range(steps):
                 if not now.ended:

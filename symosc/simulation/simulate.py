@@ -1,9 +1,9 @@
 """`simulate`: one motion, in doubles with automatic precision escalation or with any number of digits.
 
 In double precision each step brings an estimate of its error along. When a contact is undecided, or an event is known
-to less than `accuracy`, the same problem is followed with more digits from the exact start up to there, and takes over;
-the double path goes on from its rounded result. With `digits` the working precision is raised until every event is
-known to that many digits.
+to less than `accuracy`, the same problem is followed with more digits from the exact start up to there, and on as long
+as doubles are in doubt (`symosc.simulation.motion.FinerMotion`); they go on from its rounded result. With `digits` the
+working precision is raised until every event is known to that many digits.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 from symosc.aliases import Number, NumberLike, Progress, SceneName, StartError
 from symosc.arguments import public
 from symosc.display.progress import Advance, late_bar
-from symosc.engine.arithmetic import mp_context
+from symosc.engine.arithmetic import PairLoops, mp_context
 from symosc.engine.start import Start, settles
 from symosc.engine.state import FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNING, UNDECIDED, State
 from symosc.errors import ParameterError
@@ -24,7 +24,9 @@ from symosc.model import Parameters
 from symosc.reductions import OtherModel
 from symosc.scenes import Original, Scene, end_time, load_scene, moved_scene, other_model, start_numbers
 from symosc.simulation.motion import (
+    PAIR_NOISE,
     FinerMotion,
+    Limits,
     Motion,
     MotionInDoubles,
     check_reached,
@@ -72,7 +74,7 @@ def simulate(
         max(1, |value|), as far as the error estimates tell.
     accuracy : float, optional
         For double precision (default 1e-13). An event whose time or position has a larger error than this, relative to
-        max(1, |value|), for times also to |t0|, is computed once more with 36 digits. With ``math.inf`` the path that
+        max(1, |value|), for times also to |t0|, is computed once more with 44 digits. With ``math.inf`` the path that
         doubles compute is followed as it is: only contacts that their rounding leaves open get more digits.
     start_error : number or three numbers, optional
         Half-widths to which t0, x0 and v0 are known; one number serves for all. None: that of the scene, or exact. A
@@ -170,9 +172,15 @@ def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction]
     return inf if start_error and max(start_error) > accuracy else accuracy
 
 
-def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None) -> Trajectory:
-    """Follow a motion in doubles, with more digits where these are undecided; see `simulate`."""
+def in_doubles(
+    start: Start, most: int, accuracy: float, advance: Advance = None, loops: PairLoops | None = None
+) -> Trajectory:
+    """Follow a motion in doubles, with more digits where these are undecided; see `simulate`.
+
+    Given `loops` in pairs, these come first whatever is loaded, with the noise that `simulate_many` allows.
+    """
     needed = attainable(accuracy, start.start_error)
+    limits = Limits(most, needed, PAIR_NOISE) if loops else Limits(most, needed)
     motion = MotionInDoubles(start, isinf(accuracy))
     finer: FinerMotion | None = None
     if settles(start):
@@ -180,7 +188,7 @@ def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None
     while motion.code == RUNNING:
         motion.follow(most, needed)
         if motion.code in NEEDS_DIGITS:
-            finer = finer or FinerMotion(motion, needed, most)
+            finer = finer or FinerMotion(motion, limits, loops)
             decided = finer.reach(motion.count + (motion.code == UNDECIDED))
             motion.take_over(finer)
             if not decided:

@@ -18,6 +18,7 @@ from units import UNITS, Units
 from symosc import Parameters, load_scene, simulate
 from symosc.engine import next_event
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
+from symosc.engine.batch import open_free_time
 from symosc.engine.flow import Constants, state_at
 from symosc.engine.next_event import advance, carried_error, passing_time, time_with_errors
 from symosc.engine.start import Start, first_state, last_time, rounded
@@ -185,9 +186,10 @@ def assert_alike(near: NextEvent, full: NextEvent) -> None:
 
 def compared(path: Motion, state: Any, end: Any, rough: State, found: NextEvent) -> NextEvent:
     """Check a step against one that searches with many digits, and return it."""
+    free = open_free_time(found, rough, Arithmetic(path.start.parameters).K)
     before = path.arithmetic.enter()
     try:
-        near: NextEvent = path.arithmetic.advance_near(state, rough, found, *end, path.K)
+        near: NextEvent = path.arithmetic.advance_near(state, rough, found, free, *end, path.K)
         assert_alike(near, path.arithmetic.advance(state, *end, path.K))
     finally:
         path.arithmetic.leave(before)

@@ -88,7 +88,7 @@ def test_errors_of_numbers_that_are_cut_to_their_digits(digits: int) -> None:
 
 
 def test_errors_of_events_taken_over_from_more_digits() -> None:
-    """fig8's events are computed with 36 digits and rounded: off by up to half a unit of their last digit."""
+    """fig8's events are computed with 44 digits and rounded: off by up to half a unit of their last digit."""
     scene = load_scene("fig8")
     found, exact = simulate(scene, t_end=30), simulate(scene, t_end=30, digits=60)
     assert min(event.t_error / event.t for event in found.events[3:]) < 2e-16
