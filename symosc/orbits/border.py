@@ -61,7 +61,7 @@ CHECKED = 8  # points per check of the inequalities
 LOCATED, MOST_HALVINGS = 1e-12, 50
 MOST_SECANTS, FIRST_SECANT = 8, 1e-9  # for a fold; the first change of a parameter
 NEAR = 1e-3  # so far from where it is looked for a point is accepted
-BESIDE = (1e-6, 1e-5, 1e-7)  # distances from a border at which its words are looked at, as parts of the ranges
+BESIDE = (1e-6, 1e-5, 1e-4, 1e-7)  # distances from a border at which its words are looked at, as parts of the ranges
 RADIUS, ANGLES = 1e-3, 24  # of the circle around a point, as a part of the ranges, and points on it
 # A change of words on a segment is bisected to this part of it, or of the ranges, before the equations are solved.
 SHORT_SEGMENT, NEAREST = 1e-3, 1e-6
@@ -77,6 +77,7 @@ REGULAR = {
     AT_HOLD: " in an extremum at which F'' is 0 too",
 }
 SHIFTS = (1e-9, 1e-8, 1e-7, 1e-6)  # distances from a border at which a narrow region behind it is looked for
+LEVEL = 1e-6  # change of a slope that is more than rounding
 SHORT_PIECE = 1e-3  # a phase: a piece this short at a point of codimension two may have no length there
 STEP, LONGEST_STEP, MOST_POINTS = 0.002, 0.1, 5000
 SAME_POINT, SAME_BORDER = 1e-6, 1e-4  # as parts of the ranges
@@ -302,10 +303,12 @@ def motion_at(parameters: Parameters, orbit: Orbit) -> Orbit | None:
     solution = solve(equations, orbit.points)
     if solution.converged and not failures(equations, solution.points):
         return orbit._replace(points=solution.points)
-    x, theta = (float(value) for value in orbit.points[0])
-    passages, _ = follow(equations, x, theta % (2 * pi), equations.pieces[0].start, SETTLING_EVENTS)
-    found = orbit_of(equations, passages, float(np.abs(orbit.points[:, 0]).max()))
-    return None if found is None else Orbit(found[0].word, found[0].periods, found[1])
+    for piece, (x, theta) in zip(equations.pieces, orbit.points.tolist(), strict=True):
+        passages, _ = follow(equations, x, theta % (2 * pi), piece.start, SETTLING_EVENTS)
+        found = orbit_of(equations, passages, float(np.abs(orbit.points[:, 0]).max()))
+        if found is not None:
+            return Orbit(found[0].word, found[0].periods, found[1])
+    return None
 
 
 # -- along a border ----------------------------------------------------------------------------------------------------
@@ -351,7 +354,8 @@ class Tracer:
             if outside is not None:
                 node = self._at_bound(here, node, *outside)
             for j in (0, 1):
-                if node.tangent[-2 + j] * here.tangent[-2 + j] < 0:
+                slopes = np.array([here.tangent[-2 + j], node.tangent[-2 + j]])
+                if slopes.prod() < 0 and np.ptp(slopes) > LEVEL:  # rounding alone on a line along an axis
                     fold = self._fold(here, node, j)
                     if fold is not None:
                         path.append(fold[0])
@@ -473,12 +477,10 @@ class Tracer:
             q += change
         values = self._values(z)
         error = max(abs(change), *(2 * EPS * abs(value) for value in values))
-        name, along = self.plane.names[j], here.tangent * float(np.sign(tangent @ here.tangent))
+        name, tangent = self.plane.names[j], tangent * float(np.sign(tangent @ here.tangent))
         bend = "largest" if here.tangent[-2 + j] > 0 else "smallest"
         message = f"{name} is {bend} along the border"
-        return Node(z, tangent * float(np.sign(tangent @ along)), np.full(2, error)), SpecialPoint(
-            FOLD, values, message, error
-        )
+        return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
 
     def _codimension_two(self, good: Node, bad: Node, condition: Condition) -> tuple[Node, SpecialPoint]:
         """Return the point between two nodes at which an inequality vanishes: a last node, and what it is."""
