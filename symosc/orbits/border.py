@@ -191,17 +191,26 @@ class Border(Drawable):
         self.words: tuple[str | None, str | None] = self._find_words()
 
     def _find_words(self) -> tuple[str | None, str | None]:
-        """Find the words on both sides of the middle point, and on which side the border's own word is."""
-        own, middle = cycle(str(self._system.word)), len(self._nodes) // 2
+        """Return the words on both sides of the middle point; find on which side the border's own word is."""
+        own = cycle(str(self._system.word))
         for distance in BESIDE:
-            found = [motion_at(p, self.orbit(middle)) for p in self.beside(middle, distance)]
-            words = [None if each is None else cycle(str(each.word)) for each in found]
+            words = self.words_beside(len(self) // 2, distance)
             if words[0] != own and own in words:
-                self._side = -self._side
-                words.reverse()
+                self._side, words = -self._side, words[::-1]
             if words[0] == own and words[1] != own:
-                return words[0], words[1]
+                return words
         return own, None
+
+    @public
+    def words_beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[str | None, str | None]:
+        """Return the words on both sides of the i-th point, in the order of `words`, as `beside` says where.
+
+        Each is the word of an orbit that the engine has followed there; None if none was found. With c > 0 it is that
+        of the settled motion.
+        """
+        found = [motion_at(p, self.orbit(i)) for p in self.beside(i, distance)]
+        first, second = (None if each is None else each.cycle for each in found)
+        return first, second
 
     def seen_from(self, word: str, kind: str = "") -> Border:
         """Return the border with this word first, and with the kind of the end of its branch."""
@@ -211,7 +220,11 @@ class Border(Drawable):
 
     def orbit(self, i: int) -> Orbit:
         """Return the orbit on the border at its i-th point: the word with fewer pieces, and the points (x, theta)."""
-        return self._system.orbit(self._nodes[i].z)
+        return self._system.orbit(self._nodes[self._index(i)].z)
+
+    def _index(self, i: int) -> int:
+        """Return a nonnegative index for i."""
+        return whole_number("i", i, -len(self), len(self) - 1)
 
     @public
     def beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[Parameters, Parameters]:
@@ -219,12 +232,21 @@ class Border(Drawable):
 
         `distance` is a part of the ranges; the way there is at a right angle to the border, in units of the ranges.
         """
-        node = self._nodes[whole_number("i", i, -len(self._nodes), len(self._nodes) - 1)]
+        node = self._nodes[self._index(i)]
         along = node.tangent[-2:] / np.linalg.norm(node.tangent[-2:])
         away = self._side * float(read_exact("distance", distance)) * np.array([-along[1], along[0]])
         here = node.z[-2:] * self._system.scale[-2:]
         first, second = (self.plane.parameters((here + way * away * self.plane.widths).tolist()) for way in (1, -1))
         return first, second
+
+    @public
+    def network(self, *, step: NumberLike = STEP, max_points: int = MOST_POINTS) -> list[Border]:
+        """Return this border and all that are connected with it by points of codimension two, followed in turn.
+
+        The borders that leave such a point are found on a small circle around it, by the words of the motions there:
+        what takes less of the circle than doubles can tell is missed. `step` and `max_points` as for `continue_border`.
+        """
+        return network(self, step=step, max_points=max_points)
 
     @public
     def at(self, **value: NumberLike) -> tuple[float, ...]:
@@ -249,15 +271,23 @@ class Border(Drawable):
         places = np.array([node.z[-2 + j] for node in self._nodes]) - target
         found = []
         for i in np.flatnonzero(places[:-1] * places[1:] <= 0).tolist():
-            part = places[i] / (places[i] - places[i + 1]) if places[i] != places[i + 1] else 0.0
-            guess = between(self._nodes[i], self._nodes[i + 1], part)
+            a, b = self._nodes[i : i + 2]
+            low, high = (0.0, 1.0) if places[i] <= places[i + 1] else (1.0, 0.0)
+            for _ in range(MOST_HALVINGS):  # next to a fold the curve is far from its chord
+                part = (low + high) / 2
+                low, high = (part, high) if between(a, b, part)[-2 + j] < target else (low, part)
+            guess = between(a, b, low)
             guess[-2 + j] = target
             polished = self._system.polish(guess, (index, exact))
-            if polished is None:
-                raise ConvergenceError(
-                    str(self._system.word), (), self._system.periods, inf, "the border is singular there"
-                )
-            found.append(float(polished[0][-1 - j]))
+            if polished is not None:
+                found.append(float(polished[0][-1 - j]))
+                continue
+            fold = [point.values for point in self.special if point.kind == FOLD]
+            at_fold = [values[1 - j] for values in fold if abs(values[j] - float(exact)) <= 4 * EPS * abs(values[j])]
+            if not at_fold:
+                word = str(self._system.word)
+                raise ConvergenceError(word, (), self._system.periods, inf, "the border is singular there")
+            found += at_fold
         return tuple(sorted(set(found)))
 
     def __len__(self) -> int:
@@ -571,7 +601,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
             if polished is None or (np.abs(np.subtract(at, values)) > NEAR * plane.widths).any():
                 continue
             names = [names_of(system, zero) for zero in zeros[: len(texts)]]
-            kind = " and ".join(sorted({sliding or what for what, sliding in names}))
+            kind = " and ".join(sorted(sliding or what for what, sliding in names))
             message = " and ".join(f"{text} just fails" for text in texts)
             if len(texts) == 1:
                 kind = f"degenerate {kind}" if zeros[0].kind != AT_ARRIVAL else kind

@@ -470,6 +470,7 @@ def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, 
         axes.set_ylabel(PARAMETER_LABELS[second])
         axes.margins(0.06)
         if len(borders) == 1:
+            drawing.draw_without_rendering()  # the limits of the axes decide which way is across
             _words_beside(axes, borders[0])
         for point in {each.values: (each, b) for b in borders for each in b.special}.values():
             _mark_special(axes, *point, names)
@@ -479,7 +480,6 @@ def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, 
 
 def _words_beside(ax: Axes, border: Border) -> None:
     """Write the two words beside that of a few points of a border which is farthest from the frame."""
-    ax.figure.draw_without_rendering()  # the limits of the axes decide which way is across
 
     def room(i: int) -> float:
         within = ax.transAxes.inverted().transform(ax.transData.transform(border.points[i]))

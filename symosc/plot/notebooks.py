@@ -148,7 +148,7 @@ def border_page(border: Border) -> str:
     first, second = border.parameters
     rows = [[*border.points[i], f"{border.errors[i].max():.0e}"] for i in ends(len(border))]
     marks = [(float(point.values[0]), float(point.values[1])) for point in border.special]
-    drawn = curve(f"{second} against {first}", *border.points.T, marks)
+    drawn = curve(f"{second} against {first}", border.points[:, 0], border.points[:, 1], marks)
     about = {
         f"{side} end": f"{end.kind} at {first} = {end.values[0]:.10g}, {second} = {end.values[1]:.10g}: {end.message}"
         for side, end in zip(("first", "last"), border.ends, strict=True)
