@@ -212,14 +212,15 @@ class Border(Drawable):
         first, second = (None if each is None else each.cycle for each in found)
         return first, second
 
-    def seen_from(self, word: str, kind: str = "") -> Border:
+    def _seen_from(self, word: str, kind: str = "") -> Border:
         """Return the border with this word first, and with the kind of the end of its branch."""
         if self.words[1] == word:
             self.words, self._side, self.kind = self.words[::-1], -self._side, kind or self.kind
         return self
 
+    @public
     def orbit(self, i: int) -> Orbit:
-        """Return the orbit on the border at its i-th point: the word with fewer pieces, and the points (x, theta)."""
+        """Return the orbit on the border at its i-th point: its word with fewer pieces, its periods, its points."""
         return self._system.orbit(self._nodes[self._index(i)].z)
 
     def _index(self, i: int) -> int:
@@ -822,7 +823,7 @@ def continue_border(
         if inside is None or outside is None:
             continue
         for system, node in crossings(plane, (values + shift, inside), (values - shift, outside)):
-            return Tracer(plane, system, node, longest, most).border().seen_from(cycle(branch.word), reason.kind)
+            return Tracer(plane, system, node, longest, most).border()._seen_from(cycle(branch.word), reason.kind)
     raise BorderError(
         f"the border of {branch.word} at {branch.parameter} = {reason.value:.8g} was not found: {reason.message}"
     )
