@@ -1,7 +1,8 @@
 """Find periodic orbits of any word, verify them with the engine, and continue them in a parameter.
 
 closing_equations finds roots; admissibility says which of them are orbits; floquet has their multipliers; find and
-branch find orbits and follow them, the latter along a curve. May import: kernels to simulation.
+branch find orbits and follow them, the latter along a curve. border follows the ends of branches in a second parameter;
+its equations are in border_system. May import: kernels to simulation.
 
 To add a reason for a branch to end, add its margin to admissibility and its mark to plot.figures.
 """

@@ -61,7 +61,7 @@ CHECKED = 8  # points per check of the inequalities
 LOCATED, MOST_HALVINGS = 1e-12, 50
 MOST_SECANTS, FIRST_SECANT = 8, 1e-9  # for a fold; the first change of a parameter
 NEAR = 1e-3  # so far from where it is looked for a point is accepted
-BESIDE = (1e-6, 1e-5, 1e-7)  # distances from a border at which its words are looked at, as parts of the ranges
+BESIDE = (1e-6, 1e-5, 1e-4, 1e-7)  # distances from a border at which its words are looked at, as parts of the ranges
 RADIUS, ANGLES = 1e-3, 24  # of the circle around a point, as a part of the ranges, and points on it
 # A change of words on a segment is bisected to this part of it, or of the ranges, before the equations are solved.
 SHORT_SEGMENT, NEAREST = 1e-3, 1e-6
@@ -77,6 +77,7 @@ REGULAR = {
     AT_HOLD: " in an extremum at which F'' is 0 too",
 }
 SHIFTS = (1e-9, 1e-8, 1e-7, 1e-6)  # distances from a border at which a narrow region behind it is looked for
+LEVEL = 1e-6  # change of a slope that is more than rounding
 SHORT_PIECE = 1e-3  # a phase: a piece this short at a point of codimension two may have no length there
 STEP, LONGEST_STEP, MOST_POINTS = 0.002, 0.1, 5000
 SAME_POINT, SAME_BORDER = 1e-6, 1e-4  # as parts of the ranges
@@ -190,27 +191,41 @@ class Border(Drawable):
         self.words: tuple[str | None, str | None] = self._find_words()
 
     def _find_words(self) -> tuple[str | None, str | None]:
-        """Find the words on both sides of the middle point, and on which side the border's own word is."""
-        own, middle = cycle(str(self._system.word)), len(self._nodes) // 2
+        """Return the words on both sides of the middle point; find on which side the border's own word is."""
+        own = cycle(str(self._system.word))
         for distance in BESIDE:
-            found = [motion_at(p, self.orbit(middle)) for p in self.beside(middle, distance)]
-            words = [None if each is None else cycle(str(each.word)) for each in found]
+            words = self.words_beside(len(self) // 2, distance)
             if words[0] != own and own in words:
-                self._side = -self._side
-                words.reverse()
+                self._side, words = -self._side, words[::-1]
             if words[0] == own and words[1] != own:
-                return words[0], words[1]
+                return words
         return own, None
 
-    def seen_from(self, word: str, kind: str = "") -> Border:
+    @public
+    def words_beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[str | None, str | None]:
+        """Return the words on both sides of the i-th point, in the order of `words`, as `beside` says where.
+
+        Each is the word of an orbit that the engine has followed there; None if none was found. With c > 0 it is that
+        of the settled motion.
+        """
+        found = [motion_at(p, self.orbit(i)) for p in self.beside(i, distance)]
+        first, second = (None if each is None else each.cycle for each in found)
+        return first, second
+
+    def _seen_from(self, word: str, kind: str = "") -> Border:
         """Return the border with this word first, and with the kind of the end of its branch."""
         if self.words[1] == word:
             self.words, self._side, self.kind = self.words[::-1], -self._side, kind or self.kind
         return self
 
+    @public
     def orbit(self, i: int) -> Orbit:
-        """Return the orbit on the border at its i-th point: the word with fewer pieces, and the points (x, theta)."""
-        return self._system.orbit(self._nodes[i].z)
+        """Return the orbit on the border at its i-th point: its word with fewer pieces, its periods, its points."""
+        return self._system.orbit(self._nodes[self._index(i)].z)
+
+    def _index(self, i: int) -> int:
+        """Return a nonnegative index for i."""
+        return whole_number("i", i, -len(self), len(self) - 1)
 
     @public
     def beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[Parameters, Parameters]:
@@ -218,12 +233,21 @@ class Border(Drawable):
 
         `distance` is a part of the ranges; the way there is at a right angle to the border, in units of the ranges.
         """
-        node = self._nodes[whole_number("i", i, -len(self._nodes), len(self._nodes) - 1)]
+        node = self._nodes[self._index(i)]
         along = node.tangent[-2:] / np.linalg.norm(node.tangent[-2:])
         away = self._side * float(read_exact("distance", distance)) * np.array([-along[1], along[0]])
         here = node.z[-2:] * self._system.scale[-2:]
         first, second = (self.plane.parameters((here + way * away * self.plane.widths).tolist()) for way in (1, -1))
         return first, second
+
+    @public
+    def network(self, *, step: NumberLike = STEP, max_points: int = MOST_POINTS) -> list[Border]:
+        """Return this border and all that are connected with it by points of codimension two, followed in turn.
+
+        The borders that leave such a point are found on a small circle around it, by the words of the motions there:
+        what takes less of the circle than doubles can tell is missed. `step` and `max_points` as for `continue_border`.
+        """
+        return network(self, step=step, max_points=max_points)
 
     @public
     def at(self, **value: NumberLike) -> tuple[float, ...]:
@@ -248,15 +272,23 @@ class Border(Drawable):
         places = np.array([node.z[-2 + j] for node in self._nodes]) - target
         found = []
         for i in np.flatnonzero(places[:-1] * places[1:] <= 0).tolist():
-            part = places[i] / (places[i] - places[i + 1]) if places[i] != places[i + 1] else 0.0
-            guess = between(self._nodes[i], self._nodes[i + 1], part)
+            a, b = self._nodes[i : i + 2]
+            low, high = (0.0, 1.0) if places[i] <= places[i + 1] else (1.0, 0.0)
+            for _ in range(MOST_HALVINGS):  # next to a fold the curve is far from its chord
+                part = (low + high) / 2
+                low, high = (part, high) if between(a, b, part)[-2 + j] < target else (low, part)
+            guess = between(a, b, low)
             guess[-2 + j] = target
             polished = self._system.polish(guess, (index, exact))
-            if polished is None:
-                raise ConvergenceError(
-                    str(self._system.word), (), self._system.periods, inf, "the border is singular there"
-                )
-            found.append(float(polished[0][-1 - j]))
+            if polished is not None:
+                found.append(float(polished[0][-1 - j]))
+                continue
+            fold = [point.values for point in self.special if point.kind == FOLD]
+            at_fold = [values[1 - j] for values in fold if abs(values[j] - float(exact)) <= 4 * EPS * abs(values[j])]
+            if not at_fold:
+                word = str(self._system.word)
+                raise ConvergenceError(word, (), self._system.periods, inf, "the border is singular there")
+            found += at_fold
         return tuple(sorted(set(found)))
 
     def __len__(self) -> int:
@@ -302,10 +334,12 @@ def motion_at(parameters: Parameters, orbit: Orbit) -> Orbit | None:
     solution = solve(equations, orbit.points)
     if solution.converged and not failures(equations, solution.points):
         return orbit._replace(points=solution.points)
-    x, theta = (float(value) for value in orbit.points[0])
-    passages, _ = follow(equations, x, theta % (2 * pi), equations.pieces[0].start, SETTLING_EVENTS)
-    found = orbit_of(equations, passages, float(np.abs(orbit.points[:, 0]).max()))
-    return None if found is None else Orbit(found[0].word, found[0].periods, found[1])
+    for piece, (x, theta) in zip(equations.pieces, orbit.points.tolist(), strict=True):
+        passages, _ = follow(equations, x, theta % (2 * pi), piece.start, SETTLING_EVENTS)
+        found = orbit_of(equations, passages, float(np.abs(orbit.points[:, 0]).max()))
+        if found is not None:
+            return Orbit(found[0].word, found[0].periods, found[1])
+    return None
 
 
 # -- along a border ----------------------------------------------------------------------------------------------------
@@ -351,7 +385,8 @@ class Tracer:
             if outside is not None:
                 node = self._at_bound(here, node, *outside)
             for j in (0, 1):
-                if node.tangent[-2 + j] * here.tangent[-2 + j] < 0:
+                slopes = np.array([here.tangent[-2 + j], node.tangent[-2 + j]])
+                if slopes.prod() < 0 and np.ptp(slopes) > LEVEL:  # rounding alone on a line along an axis
                     fold = self._fold(here, node, j)
                     if fold is not None:
                         path.append(fold[0])
@@ -473,12 +508,10 @@ class Tracer:
             q += change
         values = self._values(z)
         error = max(abs(change), *(2 * EPS * abs(value) for value in values))
-        name, along = self.plane.names[j], here.tangent * float(np.sign(tangent @ here.tangent))
+        name, tangent = self.plane.names[j], tangent * float(np.sign(tangent @ here.tangent))
         bend = "largest" if here.tangent[-2 + j] > 0 else "smallest"
         message = f"{name} is {bend} along the border"
-        return Node(z, tangent * float(np.sign(tangent @ along)), np.full(2, error)), SpecialPoint(
-            FOLD, values, message, error
-        )
+        return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
 
     def _codimension_two(self, good: Node, bad: Node, condition: Condition) -> tuple[Node, SpecialPoint]:
         """Return the point between two nodes at which an inequality vanishes: a last node, and what it is."""
@@ -569,7 +602,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
             if polished is None or (np.abs(np.subtract(at, values)) > NEAR * plane.widths).any():
                 continue
             names = [names_of(system, zero) for zero in zeros[: len(texts)]]
-            kind = " and ".join(sorted({sliding or what for what, sliding in names}))
+            kind = " and ".join(sorted(sliding or what for what, sliding in names))
             message = " and ".join(f"{text} just fails" for text in texts)
             if len(texts) == 1:
                 kind = f"degenerate {kind}" if zeros[0].kind != AT_ARRIVAL else kind
@@ -790,7 +823,7 @@ def continue_border(
         if inside is None or outside is None:
             continue
         for system, node in crossings(plane, (values + shift, inside), (values - shift, outside)):
-            return Tracer(plane, system, node, longest, most).border().seen_from(cycle(branch.word), reason.kind)
+            return Tracer(plane, system, node, longest, most).border()._seen_from(cycle(branch.word), reason.kind)
     raise BorderError(
         f"the border of {branch.word} at {branch.parameter} = {reason.value:.8g} was not found: {reason.message}"
     )

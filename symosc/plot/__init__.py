@@ -34,6 +34,7 @@ DRAWN_BY = {
     "symosc.simulation.tables.Summary": "summary_figure",
     "symosc.orbits.periodic_orbit.PeriodicOrbit": "orbit_figure",
     "symosc.orbits.branch.Branch": "branch_figure",
+    "symosc.orbits.border.Border": "border_figure",
     "symosc.grazing.window.GrazingWindow": "window_figure",
     "symosc.grazing.curve.GrazingCurve": "figure_grazing_curve",
     "symosc.symbolic.inverse.ParameterRegion": "region_figure",

@@ -2,6 +2,7 @@
 from .drawing import check_suffix as check_suffix
 from .drawing import save as save
 from .figures import MOST_DRAWN_EVENTS as MOST_DRAWN_EVENTS
+from .figures import border_figure as border_figure
 from .figures import branch_figure as branch_figure
 from .figures import check_panels as check_panels
 from .figures import default_panels as default_panels

@@ -1,4 +1,4 @@
-"""Figures of motions and of periodic orbits, in the form of the paper's Figs. 5 to 10, and of branches of orbits."""
+"""Figures of motions and periodic orbits in the form of the paper's Figs. 5 to 10, of branches and of borders."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ from symosc.plot.drawing import (
     add_legend,
     figure_of,
     legend_entries,
+    one_axes,
     own_style,
     panel_axes,
     read_panels,
@@ -37,6 +38,7 @@ from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
 if TYPE_CHECKING:
+    from symosc.orbits.border import Border, SpecialPoint
     from symosc.orbits.branch import Branch
     from symosc.orbits.periodic_orbit import PeriodicOrbit
 
@@ -416,3 +418,87 @@ def _branch_legend(row: Sequence[Axes], branch: Branch) -> Record:
         if name in states:
             entries[name] = Line2D([], [], color="black", ls=style, lw=1.2)
     return entries | unit
+
+
+# -- borders -----------------------------------------------------------------------------------------------------------
+
+#: Line styles of borders by their names: they differ without colours.
+BORDER_STYLES: Record = {
+    "crossing-sliding": {"color": "#000000", "ls": "-"},
+    "grazing-sliding": {"color": "#0072b2", "ls": "--"},
+    "switching-sliding": {"color": "#d55e00", "ls": "-."},
+    "adding-sliding": {"color": "#009e73", "ls": ":"},
+}
+WORD_OFFSET = 11.0  # of the words beside a border, in points
+
+
+@public
+def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, **style: Any) -> Figure:
+    """Draw borders in their plane of two parameters, with the special points, and the words on both sides.
+
+    The words stand beside a single border, and in the legend where there are several.
+
+    Parameters
+    ----------
+    border : Border, or several of them
+        Several must have the same two parameters, in either order.
+    ax, **style : optional
+        As for `symosc.plot.figure`.
+
+    Examples
+    --------
+    >>> from symosc import continue_border, continue_orbit, load_scene, plot
+    >>> branch = continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.2, 4))
+    >>> drawing = plot.border_figure(continue_border(branch, 0, "FN", (9, 11), step="0.05"))
+    >>> drawing.axes[0].get_ylabel()
+    '$F_N$'
+    """
+    borders = list(border) if isinstance(border, Sequence) else [border]
+    if not borders or any(set(each.parameters) != set(borders[0].parameters) for each in borders):
+        raise ParameterError("border", border, "must be one border or several of the same two parameters")
+    first, second = names = borders[0].parameters
+    given = read_style(style)
+    with style_for(ax):
+        drawing, axes = one_axes(ax, (4.6, 3.4))
+        for each in borders:
+            columns = [each.parameters.index(name) for name in names]
+            name = each.sliding or each.kind
+            label = name if len(borders) == 1 else f"{' | '.join(sorted(map(str, each.words)))}, {name}"
+            look = {"lw": 1.3, "color": "0.4", "label": label} | BORDER_STYLES.get(name, {}) | given
+            axes.plot(*each.points[:, columns].T, **look)
+        axes.set_xlabel(PARAMETER_LABELS[first])
+        axes.set_ylabel(PARAMETER_LABELS[second])
+        axes.margins(0.06)
+        if len(borders) == 1:
+            drawing.draw_without_rendering()  # the limits of the axes decide which way is across
+            _words_beside(axes, borders[0])
+        for point in {each.values: (each, b) for b in borders for each in b.special}.values():
+            _mark_special(axes, *point, names)
+        add_legend(drawing, ax, legend_entries([axes]), 3 if len(borders) == 1 else 2)
+    return drawing
+
+
+def _words_beside(ax: Axes, border: Border) -> None:
+    """Write the two words beside that of a few points of a border which is farthest from the frame."""
+
+    def room(i: int) -> float:
+        within = ax.transAxes.inverted().transform(ax.transData.transform(border.points[i]))
+        return float(min(*within, *(1 - within)))
+
+    i = max((len(border) * part // 8 for part in range(1, 8)), key=room)
+    for word, beside in zip(border.words, border.beside(i, "1e-3"), strict=True):
+        there = [float(getattr(beside, name)) for name in border.parameters]
+        way = ax.transData.transform(there) - ax.transData.transform(border.points[i])
+        x, y = WORD_OFFSET * way / np.linalg.norm(way)
+        style: Record = {"textcoords": "offset points", "fontsize": 8, "va": "center"}
+        side = "center" if abs(x) < WORD_OFFSET / 2 else "left" if x > 0 else "right"
+        ax.annotate(word or "no word", border.points[i], (x, y), ha=side, **style)
+
+
+def _mark_special(ax: Axes, point: SpecialPoint, border: Border, names: tuple[str, str]) -> None:
+    """Draw a special point: an open circle for a fold, else a filled one."""
+    x, y = (point.values[border.parameters.index(name)] for name in names)
+    fold = point.kind == "fold"
+    style: Record = {"marker": "o", "ms": 4.5, "mec": "black", "mew": 0.8, "zorder": 5, "linestyle": "none"}
+    label = "fold" if fold else "codimension two"
+    ax.plot(x, y, mfc="white" if fold else "black", label=label, **style)

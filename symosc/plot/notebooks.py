@@ -21,6 +21,7 @@ from symosc.display.drawable import Listing, register
 from symosc.display.html import MOST_POINTS, curve, ends, facts, page, shown, table
 from symosc.exact import show
 from symosc.grazing.window import GrazingWindow
+from symosc.orbits.border import Border
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.quantities import QUANTITIES, unit_of
@@ -142,6 +143,23 @@ def branch_page(branch: Branch) -> str:
     return page("Branch", line, table(heads, rows, len(branch.values)), drawn, facts(reasons))
 
 
+def border_page(border: Border) -> str:
+    """Return the page of a border: some of its points, its special points, why it ends, and its curve."""
+    first, second = border.parameters
+    rows = [[*border.points[i], f"{border.errors[i].max():.0e}"] for i in ends(len(border))]
+    marks = [(float(point.values[0]), float(point.values[1])) for point in border.special]
+    drawn = curve(f"{second} against {first}", border.points[:, 0], border.points[:, 1], marks)
+    about = {
+        f"{side} end": f"{end.kind} at {first} = {end.values[0]:.10g}, {second} = {end.values[1]:.10g}: {end.message}"
+        for side, end in zip(("first", "last"), border.ends, strict=True)
+    }
+    for i, point in enumerate(border.special):
+        where = f"{first} = {point.values[0]:.10g}, {second} = {point.values[1]:.10g}"
+        about[f"special point {i + 1}"] = f"{point.kind} at {where}: {point.message}"
+    line = f"{border.words[0]} | {border.words[1] or 'no word'}: {border.sliding or border.kind}, {len(border)} points"
+    return page("Border", line, table((first, second, "error"), rows, len(border)), drawn, facts(about))
+
+
 def window_page(window: GrazingWindow) -> str:
     """Return the page of a grazing window: its intervals and its case."""
     place = window.place
@@ -222,6 +240,7 @@ PAGES: dict[type, Callable[..., str | None]] = {
     Summary: summary_page,
     PeriodicOrbit: orbit_page,
     Branch: branch_page,
+    Border: border_page,
     GrazingWindow: window_page,
     CrossCheck: crosscheck_page,
     Certificate: certificate_page,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from excerpts import crosscheck
 
-from symosc import continue_orbit, find_orbit, grazing_window, load_scene, simulate, simulate_many
+from symosc import continue_border, continue_orbit, find_orbit, grazing_window, load_scene, simulate, simulate_many
 from symosc.certificates.certificate import Certificate
 
 P = load_scene("fig9").parameters
@@ -40,6 +40,7 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "trajectory in digits": lambda: simulate("fig8-exact", digits=30, t_end=6),
     "orbit": lambda: find_orbit(P, "P32"),
     "branch": lambda: continue_orbit(P, "P32", "Omega", (3.9, 4.1)),
+    "border": lambda: continue_border(continue_orbit(P, "P32", "Omega", (3.2, 4)), 0, "FN", (9, 11), step="0.1"),
     "window": lambda: grazing_window(P, "P2"),
     "empty window": lambda: grazing_window(P.replace(k=0, B0=0), "P2"),
     "check": lambda: _check(0.0),

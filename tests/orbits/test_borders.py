@@ -1,0 +1,294 @@
+"""Borders in a plane of two parameters: against formulas, published numbers, and the ODE in 40 digits on both sides."""
+
+from __future__ import annotations
+
+import random
+from functools import cache
+from time import process_time
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from oracle import simulate_oracle
+from samples import sample_of
+
+from symosc import (
+    Border,
+    BorderError,
+    ParameterError,
+    Parameters,
+    continue_border,
+    continue_orbit,
+    find_orbit,
+    load_scene,
+)
+from symosc.orbits.border import borders_between, borders_leaving
+from symosc.orbits.branch import Branch
+from symosc.words import cycle
+
+#: One belt at rest, the other one out of reach: the oscillator of Den Hartog, and the plane of the tests.
+COULOMB = Parameters(m=1, c="0.1", k=1, A0=0, B0=1, Omega="0.9", v1=0, v2=1000, mu1=1, mu2=0, FN="0.4")
+PLANE = {"Omega": (0.25, 2), "FN": (0.02, 1)}
+MAPS = {(1, "Omega1", 1): "2", (1, "Omega2", 1): "3", (1, "belt1", 1): "1", (2, "belt2", 2): "4"}
+MAPS |= {(2, "Omega2", 2): "5", (2, "Omega3", 2): "6", (2, "Omega2", 1): "7", (1, "Omega2", 2): "8"}
+
+
+def named(borders: list[Border], *words: str) -> Border:
+    """Return the only border between these words."""
+    (found,) = [border for border in borders if set(border.words) == set(words)]
+    return found
+
+
+@cache
+def main_border(c: str, step: str = "0.005") -> Border:
+    """Return the border on which P32 loses to sticks, from the end of a branch."""
+    branch = continue_orbit(COULOMB.replace(c=c), "P32", "FN", (0.3, 0.99))
+    return continue_border(branch, 1, "Omega", PLANE, step=step)
+
+
+def den_hartog(r: Any) -> Any:
+    """Return the largest F/P without stops at c = 0, with 30 digits: the formula of Den Hartog, and Hong and Liu."""
+    r = mpmath.mpf(r)
+    U, V = mpmath.tan(mpmath.pi / (2 * r)) / r, 1 / (1 - r * r)
+
+    def shape(u: Any) -> Any:
+        return r * r * (mpmath.sin(u / r) / r + U * (mpmath.cos(u) - mpmath.cos(u / r))) / mpmath.sin(u)
+
+    grid = [mpmath.pi * n / 300 for n in range(1, 300)]
+    best = max(grid, key=shape)
+    S = mpmath.mpf(1)
+    if shape(best) > 1:
+        S = max(S, shape(mpmath.findroot(lambda u: mpmath.diff(shape, u), best)))
+    return abs(V) / mpmath.sqrt(U * U + (S / r**2) ** 2)
+
+
+def test_twenty_points_of_den_hartogs_border() -> None:
+    undamped = COULOMB.replace(c=0)
+    graze = continue_orbit(undamped.replace(Omega="0.4", FN="0.1"), "P32", "FN", (0.05, 0.3))
+    graze = continue_border(graze, 1, "Omega", {"FN": (0.01, 1), "Omega": (0.2, 0.7)}, step="0.02")
+    stick = continue_orbit(undamped, "P32", "FN", (0.3, 0.99))
+    stick = continue_border(stick, 1, "Omega", {"FN": (0.01, 1), "Omega": (0.3, 3)}, step="0.02")
+    assert (graze.sliding, stick.sliding) == ("grazing-sliding", "crossing-sliding")
+    with mpmath.workdps(30):
+        for r in (
+            0.34,
+            0.36,
+            0.38,
+            0.4,
+            0.42,
+            0.44,
+            0.46,
+            0.48,
+            0.52,
+            0.55,
+            0.6,
+            0.7,
+            0.8,
+            0.9,
+            0.97,
+            1.1,
+            1.3,
+            1.5,
+            2,
+            2.8,
+        ):
+            (value,) = (graze if r < 0.5 else stick).at(Omega=r)
+            assert abs(value - den_hartog(str(r))) < 1e-15
+    # Both end where the formula's two forms meet: the first codimension-two point of Guardia, Hogan and Seara.
+    for border in (graze, stick):
+        (point,) = [point for point in border.special if point.kind == "degenerate crossing-sliding"]
+        assert sorted(point.values) == pytest.approx([1 / 3, 1 / 2], abs=1e-14)
+
+
+def test_the_numbers_of_the_plane() -> None:
+    border = main_border("0.1")
+    assert border.words == ("P32", "P3121")
+    assert (border.kind, border.sliding) == ("birth of a stick", "crossing-sliding")
+    point, fold = border.special
+    assert fold.kind == "fold"
+    assert fold.values == pytest.approx((0.74589922, 0.87820196), abs=1e-8)
+    assert point.values == pytest.approx((0.2482868963, 0.4759318789), abs=1e-10)
+    assert [end.kind for end in border.ends] == ["codimension two", "end of the range"]
+    # Just below the fold there are two values, above it there is none.
+    low, high = border.at(FN=fold.values[0] - 1e-10)
+    assert low < fold.values[1] < high
+    assert high - low < 1e-4
+    assert border.at(FN=fold.values[0] + 1e-10) == ()
+    assert border.at(FN=fold.values[0]) == pytest.approx([fold.values[1]] * len(border.at(FN=fold.values[0])), abs=1e-7)
+    point = main_border("0.001", "0.02").special[0]
+    assert (point.values[0], 1 / point.values[1]) == pytest.approx((0.33243, 2.00085), abs=1e-5)
+
+
+def test_the_points_of_pwsdde_cont() -> None:
+    p = COULOMB.replace(B0="1.5", FN=1)
+    branch = continue_orbit(p, "P32", "Omega", (0.6, 1.4))
+    border = continue_border(branch, 0, "FN", (0.9, 1.2), step="0.02")
+    assert border.at(FN=1) == pytest.approx((0.72267919443828, 1.23574715232190), abs=1e-12)
+    for end, x in zip(branch.ends, (2.0120729528, 0.6709113787), strict=True):
+        assert end.points[0].x == pytest.approx(x, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_the_borders_that_leave_points_of_codimension_two() -> None:
+    borders = main_border("0.1").network(step="0.01")
+    graze, switch = named(borders, "P32", "P321231"), named(borders, "P3121", "P321231")
+    assert (graze.sliding, switch.sliding) == ("grazing-sliding", "switching-sliding")
+    # A cusp: both borders join the same two points, along one direction at each of them.
+    ends = np.array([sorted(end.values for end in border.ends) for border in (graze, switch)])
+    assert ends[0] == pytest.approx(ends[1], abs=1e-10)
+    assert ends[0][1] == pytest.approx([0.2482868963, 0.4759318789], abs=1e-10)
+    (one,), (other,) = (border.at(FN="0.248") for border in (graze, switch))
+    assert 0 < one - other < 1e-7
+    assert len(borders) == 4
+    again = borders_leaving(graze, graze.special[0], step="0.02")
+    assert {frozenset(border.words) for border in again} == {frozenset(border.words) for border in borders}
+
+
+@pytest.mark.slow
+def test_a_slip_in_a_stick_and_a_graze_meet_in_a_cubic_tangency() -> None:
+    high, low = (COULOMB.replace(Omega="0.3", FN=FN) for FN in ("0.2", "0.02"))
+    found = borders_between(high, low, ("Omega", "FN"), PLANE, step="0.01")
+    add, graze = (border for border in found if set(border.words) == {"P3121", "P31312121"})
+    assert {add.sliding, graze.sliding} == {"adding-sliding", "grazing-sliding"}
+    for border in (add, graze):
+        point = border.special[-1]
+        assert point.kind == "adding-sliding and grazing-sliding"
+        # v = v' = v'' = 0 at v1 = 0: Omega t = pi there, and the force that vanishes is the lower one.
+        Omega, FN = point.values
+        at = simulate_oracle(COULOMB.replace(Omega=Omega, FN=FN), *_arrival(border, Omega), dps=40).events[0]
+        assert abs(float(at.x) - (FN - 1)) < 1e-6
+        assert abs(float(at.t) * Omega % (2 * np.pi) - np.pi) < 1e-3  # the cube root of the error of doubles
+
+
+def _arrival(border: Border, Omega: float) -> Any:
+    """Return start and end of the flight that arrives in a cubic tangency, for the oracle."""
+    orbit = border.orbit(-1)
+    i = orbit.word.labels.index("P2")
+    x, theta = orbit.points[i].tolist()
+    return theta / Omega + 1e-9, x, -1e-12, theta / Omega + 20
+
+
+FAMILIES = [("Omega", "FN"), ("FN", "A0"), ("B0", "v1"), ("Omega", "c"), ("mu1", "Omega"), ("A0", "B0")]
+
+
+def random_border(seed: int) -> tuple[Branch, Border] | None:
+    """Return a border at an end of a random branch over random parameters of two belts, None if there is none."""
+    rng = random.Random(seed)
+    v1 = round(rng.uniform(-1, 1), 2)
+    given = {name: round(rng.uniform(*limits), 2) for name, limits in {"A0": (-1, 1), "B0": (0.5, 4)}.items()}
+    given |= {name: round(rng.uniform(0.1, 1), 2) for name in ("c", "mu1", "mu2")}
+    given |= {
+        "k": round(rng.uniform(0.5, 2), 2),
+        "Omega": round(rng.uniform(0.4, 2), 2),
+        "FN": round(rng.uniform(0.2, 2), 2),
+    }
+    p = Parameters(m=1, v1=v1, v2=v1 + rng.choice([0.5, 1, 2, 5]), **given)
+    names = rng.choice(FAMILIES)
+    ranges = {}
+    for name in names:
+        value, least = float(getattr(p, name)), 0.02 if name in ("Omega", "FN", "c", "mu1") else -9.0
+        reach = 0.3 * max(abs(value), 0.3)
+        ranges[name] = (max(least, value - reach), value + reach)
+    try:
+        orbit = find_orbit(p)
+        branch = continue_orbit(p, orbit.word, names[0], ranges[names[0]], orbit)
+    except ArithmeticError:
+        return None
+    for which in (0, 1):
+        if branch.ends[which].beyond is not None and len(branch.labels) < 9:
+            return branch, continue_border(branch, which, names[1], ranges, step="0.02")
+    return None
+
+
+@sample_of(3, 60)
+def test_the_ode_changes_its_word_at_random_borders(count: int) -> None:
+    seed = done = 0
+    while done < count:
+        seed += 1
+        found = random_border(seed)
+        if found is None:
+            continue
+        done += 1
+        branch, border = found
+        assert border.words[0] == cycle(branch.word), seed
+        i = len(border) // 3
+        assert border.words_beside(i, "1e-5") == border.words, seed
+        # The motion from the border's orbit, in 30 digits from the ODE alone, after many periods.
+        for word, p in zip(border.words, border.beside(i, "1e-7"), strict=True):
+            assert word_of_the_ode(p, border.orbit(i)) == word, (seed, border)
+        assert (border.errors < 1e-11).all(), seed
+
+
+def word_of_the_ode(p: Parameters, orbit: Any, periods: int = 25) -> str:
+    """Return the word of the last period of the motion from an orbit's first point, integrated by the oracle."""
+    piece, (x, theta) = orbit.word.maps[0], orbit.points[0].tolist()
+    v, T, Omega = p.belt(piece.start.boundary), 2 * np.pi / float(p.Omega), float(p.Omega)
+    run = simulate_oracle(p, theta / Omega, x, v, theta / Omega + periods * T, dps=30)
+    events = [event for event in run.events if event.kind != "graze"]
+    last = [i for i, event in enumerate(events) if float(events[-1].t - event.t) < T * (1 - 1e-9)]
+    labels = [MAPS[events[i - 1].boundary, events[i - 1].target, events[i].boundary] for i in last]
+    return cycle("P" + "".join(reversed(labels)))
+
+
+def test_errors_are_estimates_of_the_errors() -> None:
+    border = main_border("0.1")
+    for i in range(5, len(border), 40):
+        FN, Omega = border.points[i]
+        exact = min(border.at(Omega=Omega), key=lambda value: abs(value - FN))
+        assert abs(FN - exact) <= border.errors[i].sum() + 2 * np.spacing(FN)
+        assert border.errors[i].max() < 1e-13
+    assert max(point.error for point in border.special) < 1e-14
+
+
+def test_an_end_of_the_word_with_more_pieces_is_the_same_border() -> None:
+    p = COULOMB.replace(FN="0.9")
+    branch = continue_orbit(p, "P3121", "FN", (0.5, "0.95"))
+    border = continue_border(branch, 0, "Omega", PLANE, step="0.02")
+    assert border.words == ("P3121", "P32")
+    assert border.kind == branch.ends[0].kind == "vanishing of a stick"
+    assert border.sliding == "crossing-sliding"
+    assert border.at(Omega="1.5") == main_border("0.1").at(Omega="1.5")
+
+
+@pytest.mark.slow
+def test_a_thousand_points_take_less_than_a_second_of_one_core() -> None:
+    branch, times = continue_orbit(COULOMB, "P32", "FN", (0.3, 0.99)), []
+    for _ in range(2):
+        before = process_time()
+        border = continue_border(branch, 1, "Omega", PLANE, step="0.0012")
+        times.append((process_time() - before) / len(border))
+    assert len(border) > 1000
+    assert min(times) < 2e-3  # 0.8 ms on a quiet machine
+
+
+def test_what_cannot_be_continued_says_so() -> None:
+    branch = continue_orbit(COULOMB, "P32", "FN", (0.3, 0.99))
+    with pytest.raises(
+        ParameterError, match="end = 0: must be an end at a border; the branch ends there with 'end of the"
+    ):
+        continue_border(branch, 0, "Omega", (0.3, 2))
+    with pytest.raises(ParameterError, match="end = 2: must be a whole number from 0 to 1"):
+        continue_border(branch, 2, "Omega", (0.3, 2))
+    with pytest.raises(ParameterError, match="parameter = 'FN': must be one of m, c"):
+        continue_border(branch, 1, "FN", (0.3, 2))
+    with pytest.raises(ParameterError, match=r"range = '1:2': must be low < high, with the value Omega = 0.9"):
+        continue_border(branch, 1, "Omega", (1, 2))
+    with pytest.raises(ParameterError, match=r"step = 0: must be > 0 and at most 0\.1"):
+        continue_border(branch, 1, "Omega", (0.3, 2), step=0)
+    with pytest.raises(ParameterError, match="at = 'c': must be one of FN and Omega"):
+        main_border("0.1").at(c=1)
+    free = COULOMB.replace(c="0.5", B0="1.5", Omega=1, v1=-1000, v2="1.9", mu2=1, FN=1)
+    with pytest.raises(BorderError, match="meets no belt any more"):
+        continue_border(continue_orbit(free, "P45", "B0", (0.9, 2)), 0, "Omega", (0.5, 2))
+
+
+def test_a_figure_and_a_page_show_the_border() -> None:
+    border = continue_border(
+        continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.2, 4)), 0, "FN", (9, 11), step="0.05"
+    )
+    (axes,) = border.plot().axes
+    assert {text.get_text() for text in axes.texts} == set(border.words)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$\Omega$", "$F_N$")
+    assert border.words[1] in border._repr_html_()
+    assert border.as_dict()["words"] == list(border.words)
