@@ -28,6 +28,7 @@ from tabulate import tabulate
 
 from symosc.aliases import Number, Record
 from symosc.bench import machine, sentence
+from symosc.engine.arithmetic import MpArithmetic
 from symosc.fit import fit
 from symosc.grazing.window import grazing_window, grazing_windows
 from symosc.mappings.compiled import compiled_residual
@@ -35,9 +36,10 @@ from symosc.mappings.equations import residual
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.reference.compare import REFERENCE_DIGITS
-from symosc.scenes import load_scene
+from symosc.scenes import Scene, load_scene
 from symosc.simulation.ensemble import simulate_many
-from symosc.simulation.simulate import simulate
+from symosc.simulation.motion import Motion
+from symosc.simulation.simulate import read_start, simulate
 from symosc.simulation.tangents import NAMES
 
 FLOOR_EVALUATIONS = 30_000
@@ -211,10 +213,20 @@ def _single_motions(most: int) -> Iterator[Call]:
         far = replace(fig5, t_end=fig5.t0 + 10**7)
         yield Call(f"fig5, {count:,} events", "event", partial(simulate, far, max_events=count), count)
     yield Call("fig5 by its name, 16 events", "call", partial(simulate, "fig5"))
-    yield Call("fig5, 30 digits", "event", partial(simulate, fig5, digits=30), len(simulate(fig5).events))
+    soft = len(simulate(fig5).events)
+    yield Call("fig5, 30 digits", "event", partial(simulate, fig5, digits=30), soft)
+    yield Call("fig5, as many digits, all by mpmath", "event", partial(_in_mpmath, fig5, 40), soft)
     hard = len(simulate(fig8).events)
     yield Call("fig8", "event", partial(simulate, fig8), hard)
     yield Call("fig8, accuracy=1e-9", "event", partial(simulate, fig8, accuracy=1e-9), hard)
+
+
+def _in_mpmath(scene: Scene, digits: int) -> None:
+    """Follow a motion in mpmath's numbers, which search for its events too."""
+    given = dict.fromkeys(("t0", "x0", "v0", "t_end"))
+    motion = Motion(read_start(scene, given, None), MpArithmetic(scene.parameters, digits, fast=False))
+    while not motion.ended:
+        motion.step()
 
 
 def _shrinking_sticks(ends: int, motions: int) -> Iterator[Call]:

@@ -86,8 +86,8 @@ FINER_DIGITS = 44
 GRAZE_TIMES, GRAZE_SPARE = 3, 20
 # Digits up to which also the fast root of an overdamped system counts, and up to which grazes are confirmed.
 MOST_FAST, MOST_GRAZE = 600, 2500
-# Digits for gaps that get smaller and smaller: fig8 takes them at t = 800, and a millisecond an event.
-MOST_SHRINKING = 450
+# Digits for gaps that get smaller and smaller.
+MOST_SHRINKING = 600
 
 
 def check_reached(start: Start, periods: int) -> None:

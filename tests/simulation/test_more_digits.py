@@ -39,18 +39,8 @@ def test_more_digits_take_over_and_doubles_go_on() -> None:
 
 #: Without a spring v tends to a speed that is 1e-40 above that of belt 1, and is there at t = 92.
 LIMIT = Parameters(
-    m=1,
-    c=1,
-    k=0,
-    A0="-0.9999999999999999999999999999999999999999",
-    B0=0,
-    Omega=1,
-    v1=1,
-    v2=5,
-    mu1="0.5",
-    mu2="0.5",
-    FN=2,
-)
+    m=1, c=1, k=0, A0=f"-0.{'9' * 40}", B0=0, Omega=1, v1=1, v2=5, mu1="0.5", mu2="0.5", FN=2
+)  # fmt: skip
 
 
 def test_a_contact_that_stays_open_ends_the_motion_and_says_what_to_ask_for() -> None:
@@ -59,7 +49,7 @@ def test_a_contact_that_stays_open_ends_the_motion_and_says_what_to_ask_for() ->
     near, digits, advice = re.findall(
         r"near t = (\S+) cannot be decided with (\d+) digits; .*digits=(\d+)", found.message
     )[0]
-    assert found.t_end == float(near) == pytest.approx(90, abs=3)
+    assert 40 < found.t_end == float(near) < 40 * math.log(10)
     assert int(advice) == 2 * int(digits)
     (event,) = simulate(LIMIT, t_end=100, digits=int(advice)).events
     assert float(event.t) == pytest.approx(40 * math.log(10), rel=1e-9)
@@ -71,7 +61,7 @@ def test_more_digits_than_anybody_waits_for_are_not_taken(monkeypatch: pytest.Mo
     monkeypatch.setattr(motion, "MOST_GRAZE", 60)
     found, whole = simulate("fig8", t_end=160), simulate("fig8", t_end=160, digits=150)
     assert (found.status, whole.status) == ("undecidable", "t_end")
-    assert 120 < found.t_end < 155
+    assert 140 < found.t_end < 160
     assert "with 87 digits" in found.message
     for event, right in zip(found.events, whole.events, strict=False):
         assert (event.kind, event.target, event.t, event.x) == (
