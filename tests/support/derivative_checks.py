@@ -155,6 +155,16 @@ def column(scene: FuzzScene, s: Any, j: int, name: str, base: Any, digits: int |
     return rows
 
 
+def scene_of(family: str, seed: int, number: int, most_events: int) -> FuzzScene:
+    """Return a scene of the fuzzer, up to so many events."""
+    scene = fuzz.scene_of(family, seed, number)
+    motion = simulate(scene.p, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end)
+    if len(motion.events) <= most_events:
+        return scene
+    cut = Fraction(float(motion.events[most_events].t)).limit_denominator(10**6)
+    return fuzz.plain.with_digits(scene, t_end=cut, truth=None)
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=float, default=600)
@@ -166,12 +176,8 @@ def main() -> int:
     begin, number, counts, families = time.perf_counter(), options.first, Counter[str](), Counter[Any]()
     while time.perf_counter() - begin < options.seconds:
         for family in options.family or fuzz.FAMILIES:
-            scene = fuzz.scene_of(family, options.seed, number)
             try:
-                motion = simulate(scene.p, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end)
-                if len(motion.events) > options.most_events:
-                    cut = Fraction(float(motion.events[options.most_events].t)).limit_denominator(10**6)
-                    scene = fuzz.plain.with_digits(scene, t_end=cut, truth=None)
+                scene = scene_of(family, options.seed, number, options.most_events)
                 rows = judged(scene)
             except Exception as error:
                 print(f"# {family} {number}: {type(error).__name__}: {error}", flush=True)
