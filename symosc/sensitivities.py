@@ -35,6 +35,8 @@ from symosc.simulation.trajectory import Trajectory, read_times
 STARTS = ("t0", "x0", "v0")
 #: Digits beside those that are asked for, and of the phase of a start in doubles.
 SPARE, PHASE_DIGITS = 10, 40
+#: Digits of derivatives that lose too many of those of doubles.
+MORE_DIGITS = 30
 #: So many events and times are worth looking for compiled code on disk.
 MANY = 2_000
 #: What a derivative does not exist for, by the reason's code.
@@ -108,6 +110,7 @@ class Sensitivities:
         given = read_times(t)
         self.trajectory(given)  # which checks their range
         changes = self._motion.at_times(given.ravel(), self.wrt, self.dt, self.dx)
+        changes = changes.astype(float) if self.trajectory.digits is None else changes
         return changes.reshape((2, *given.shape, len(self.wrt)))
 
     def __eq__(self, other: object) -> bool:
@@ -262,6 +265,12 @@ def sensitivities(
     motion = simulate(start.parameters, **about, max_events=max_events, digits=digits)
     columns = _Columns(motion, start)
     dt, dx, marks, why, *_ = columns.changes(names, len(names))
+    if digits is None and (why >= tangent.ROUGH).any():
+        exact = simulate(start.parameters, **about, max_events=max_events, digits=MORE_DIGITS)
+        if [event.kind for event in exact.events] == [event.kind for event in motion.events]:
+            columns = _Columns(exact, start)
+            dt, dx, marks, why, *_ = columns.changes(names, len(names))
+            dt, dx = dt.astype(float), dx.astype(float)
     reasons = _reasons(motion, names, marks, why, _kink_at_start(columns, names, marks))
     return Sensitivities(motion, names, dt, dx, marks == 1, reasons, columns)
 
@@ -293,6 +302,8 @@ def _reasons(
     found: list[str | None] = [None] * len(codes)
     for n in np.flatnonzero(codes).tolist():
         event = motion.events[n]
+        if codes[n] == tangent.ROUGH:
+            continue
         if codes[n] == tangent.KINK:
             words = {tangent.OPENS_ABOVE: "larger", tangent.OPENS_BELOW: "smaller"}
             sides = [f"{name} {words[mark]}" for name, mark in zip(wrt, marks[n].tolist(), strict=True) if mark > 1]

@@ -7,9 +7,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import fuzz
 import numpy as np
 import pytest
 from bad_values import refused
+from derivative_checks import judged, scene_of
 from oracle import simulate_oracle
 
 from symosc import Parameters, Trajectory, find_orbit, load_scene, sensitivities, simulate, simulate_many
@@ -81,6 +83,15 @@ def test_derivatives_are_those_of_differences(seed: int) -> None:
             slopes = (np.asarray(wide[0](times)) - np.asarray(wide[1](times))) / 2e-6
             scale = 1 + abs(slopes).max()
             np.testing.assert_allclose(found(times)[:, :, i], slopes, rtol=0, atol=1e-4 * scale, err_msg=name)
+
+
+@pytest.mark.full(6)
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("family", [name for name in fuzz.FAMILIES if name not in ("aimed", "creep", "settle")])
+def test_random_scenes_of_the_fuzzer(family: str) -> None:
+    """More of them, and all families: tests/support/derivative_checks.py."""
+    rows = judged(scene_of(family, 1000, 0, 6), ("m", "Omega", "v1", "mu1", "t0", "v0"))
+    assert not [row for row in rows if row.verdict in ("wrong", "kink missed", "said to be a kink")]
 
 
 @pytest.mark.slow

@@ -35,13 +35,15 @@ TWO_PI = 2.0 * pi
 UNMOVED = 1e-9
 # What decides an event vanishes where it is smaller than so many roundings of its terms.
 VANISHES = 1e4
+# Where it is smaller than so many, derivatives keep less than ten digits.
+SMALL = 1e10
 # Codes of columns.
 M, C, K_, A0, B0, OMEGA, V1, V2, MU1, MU2, FN, T0, X0, V0 = range(14)
 PARAMETERS = 11
 # Marks of a derivative beside 1, regular, and 0: at a graze, whether it opens for larger or for smaller values.
 OPENS_ABOVE, OPENS_BELOW = 2, 3
-# Why a derivative does not exist from an event on.
-REGULAR, KINK, NO_SLOPE, FLAT_CONTACT, NO_FORCE = range(5)
+# Why a derivative does not exist from an event on; ROUGH: it does, but what it is divided by is small.
+REGULAR, KINK, ROUGH, NO_SLOPE, FLAT_CONTACT, NO_FORCE = range(6)
 # Rows of `work`: derivatives of t, x and v at the launch; of x and v at a fixed time at the end, with the size of the
 # latter's terms; and derivatives of both by the parameters alone.
 DT, DX, DV, END_X, END_V, SIZE, BY_X, BY_V = range(8)
@@ -128,10 +130,16 @@ def piece_changes(start, t, turn, codes, deep, letters, K, work):
 
 
 def force(domain, now, K):
-    """Return the acceleration in a domain at a point (a Launch), and whether it vanishes."""
+    """Return the acceleration in a domain at a point (a Launch), and the roundings of its terms."""
     A = constant_force(domain, K)
     F = acceleration(now.x, now.v, now.c, A, K.cm, K.w0sq, K.f0)
-    return F, abs(F) <= VANISHES * EPS * (abs(A) + abs(K.cm * now.v) + abs(K.w0sq * now.x) + abs(K.f0))
+    return F, EPS * (abs(A) + abs(K.cm * now.v) + abs(K.w0sq * now.x) + abs(K.f0))
+
+
+def vanishes(domain, now, K):
+    """Return whether the acceleration in a domain is 0 up to rounding."""
+    F, rounding = force(domain, now, K)
+    return abs(F) <= VANISHES * rounding
 
 
 def force_changes(domain, now, codes, letters, K, work):
@@ -139,8 +147,8 @@ def force_changes(domain, now, codes, letters, K, work):
 
     Rows END_X and END_V have the derivatives of x and v at this time.
     """
-    F, vanishes = force(domain, now, K)
-    F = 0.0 * F if vanishes else F
+    F, rounding = force(domain, now, K)
+    F = 0.0 * F if abs(F) <= VANISHES * rounding else F
     of_c, of_k, of_A, of_B, of_v, of_m, _, _ = stick_parameters(
         now.v, 0.0 * now.t, now.x, now.c, F, letters.m, K.cm, K.Om
     )
@@ -154,16 +162,16 @@ def force_changes(domain, now, codes, letters, K, work):
 
 
 def vanishing_times(domain, now, codes, letters, K, work):
-    """Write the derivatives of the time at which the acceleration of a domain vanishes into row DT; return if they are.
+    """Write the derivatives of the time at which the acceleration of a domain vanishes into row DT; return why not.
 
     Rows END_X and END_V have the derivatives of x and v at this fixed time.
     """
     of_way, of_drive = force_changes(domain, now, codes, letters, K, work)
-    rate = of_way + of_drive
-    flat = abs(rate) <= VANISHES * EPS * (abs(of_way) + abs(K.f0 * K.Om))
+    rate, rounding = of_way + of_drive, EPS * (abs(of_way) + abs(K.f0 * K.Om))
+    flat = abs(rate) <= VANISHES * rounding
     for j in range(len(codes)):
         work[DT, j] = -work[SIZE, j] / (1.0 if flat else rate)
-    return not flat
+    return NO_SLOPE if flat else ROUGH if abs(rate) <= SMALL * rounding else REGULAR
 
 
 def contact_times(domain, other, belt, now, a, codes, K, work):
@@ -174,9 +182,10 @@ def contact_times(domain, other, belt, now, a, codes, K, work):
     for j in range(len(codes)):
         own = 1.0 if codes[j] == belt else 0.0
         work[DT, j] = (own - work[END_V, j]) / (1.0 if a == 0.0 else a)
-    if force(domain, now, K)[1]:
+    F, rounding = force(domain, now, K)
+    if abs(F) <= VANISHES * rounding:
         return FLAT_CONTACT
-    return NO_FORCE if force(other, now, K)[1] else REGULAR
+    return NO_FORCE if vanishes(other, now, K) else ROUGH if abs(F) <= SMALL * rounding else REGULAR
 
 
 def kinks(above, belt, codes, marks, n, regular, before, work):
@@ -223,7 +232,7 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
                 vanishing_times(start.mode, now, codes, mine, K, work)
                 why = KINK if touched else REGULAR
             elif start.mode > ON_BELT:
-                why = REGULAR if vanishing_times(now.mode, now, codes, mine, K, work) else NO_SLOPE
+                why = vanishing_times(now.mode, now, codes, mine, K, work)
             else:
                 why = contact_times(start.mode, boundary + (start.mode == boundary), belt, now, a, codes, K, work)
             reasons[n] = why
@@ -231,7 +240,7 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
                 work[DX, j] = work[END_X, j] + now.v * work[DT, j]
                 work[DV, j] = 1.0 + 0.0 * now.t if codes[j] == belt else 0.0 * now.t
             for j in range(count):
-                regular[j] = regular[j] and why in (REGULAR, KINK)
+                regular[j] = regular[j] and why <= ROUGH
                 dts[n, j], dxs[n, j] = work[DT, j], work[DX, j]
                 if not touched or marks[n, j] == 0:
                     marks[n, j] = 1 if regular[j] else 0
@@ -278,7 +287,7 @@ def begin(start, codes, count, letters, K, work):
         for j in range(count):
             regular[j] = codes[j] != V0 and codes[j] != belt
         for domain in (boundary, boundary + 1):
-            if not force(domain, start, K)[1]:
+            if not vanishes(domain, start, K):
                 continue
             for j in range(count):
                 work[END_X, j], work[END_V, j] = work[DX, j], 0.0 * start.t

@@ -17,6 +17,7 @@ from random import Random
 from typing import Any
 
 import fuzz
+from fast_oracle import DIGITS as QUADRUPLE
 from fast_oracle import simulate_fast
 from scene_families import FuzzScene
 from verdicts import label
@@ -98,7 +99,7 @@ def judged(scene: FuzzScene, names: tuple[str, ...] = NAMES) -> list[Judged]:
     bases: dict[Any, Any] = {}
     found: list[Judged] = []
     for j, name in enumerate(names):
-        for digits in (None, DIGITS):
+        for digits in (None, DIGITS) if scene.dps <= QUADRUPLE else (DIGITS,):
             if digits not in bases:
                 bases[digits] = moved(scene, "", Fraction(0), digits)
             try:
@@ -122,13 +123,15 @@ def judged(scene: FuzzScene, names: tuple[str, ...] = NAMES) -> list[Judged]:
 def rounded(scene: FuzzScene, s: Any, names: tuple[str, ...], rows: list[Judged]) -> None:
     """Set the errors that are allowed to those which relative errors of EPS in all numbers make, times ROUNDINGS."""
     start, dice = {each: getattr(scene, each) for each in ("t0", "x0", "v0")}, Random(1)
-    exact, *beside = (
-        sensitivities(
-            scene.p.replace(**{each: getattr(scene.p, each) * off() for each in PARAMETER_NAMES}),
-            names, **{each: value * off() for each, value in start.items()}, t_end=scene.t_end, digits=30,
-        )
-        for off in (lambda: 1, *[lambda: 1 + Fraction(dice.choice((-1, 1)), 10**16)] * 3)
-    )  # fmt: skip
+    belt = next((each for each in ("v1", "v2") if getattr(scene.p, each) == scene.v0), "")
+
+    def nearby(by: Fraction) -> Any:
+        p = scene.p.replace(**{q: getattr(scene.p, q) * (1 + dice.choice((-1, 1)) * by) for q in PARAMETER_NAMES})
+        moved = {each: value * (1 + dice.choice((-1, 1)) * by) for each, value in start.items()}
+        moved |= {"v0": getattr(p, belt)} if belt else {}  # a start on a belt stays there
+        return sensitivities(p, names, **moved, t_end=scene.t_end, digits=30)
+
+    exact, *beside = map(nearby, (Fraction(0), *[Fraction(1, 10**16)] * 3))
     for row in rows:
         j, n = names.index(row.name), row.event
         scale = max(1.0, float(abs(exact.dt[: n + 1, j]).max()), float(abs(exact.dx[: n + 1, j]).max()))
@@ -155,6 +158,16 @@ def column(scene: FuzzScene, s: Any, j: int, name: str, base: Any, digits: int |
     return rows
 
 
+def scene_of(family: str, seed: int, number: int, most_events: int) -> FuzzScene:
+    """Return a scene of the fuzzer, up to so many events."""
+    scene = fuzz.scene_of(family, seed, number)
+    motion = simulate(scene.p, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end)
+    if len(motion.events) <= most_events:
+        return scene
+    cut = Fraction(float(motion.events[most_events].t)).limit_denominator(10**6)
+    return fuzz.plain.with_digits(scene, t_end=cut, truth=None)
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=float, default=600)
@@ -166,12 +179,8 @@ def main() -> int:
     begin, number, counts, families = time.perf_counter(), options.first, Counter[str](), Counter[Any]()
     while time.perf_counter() - begin < options.seconds:
         for family in options.family or fuzz.FAMILIES:
-            scene = fuzz.scene_of(family, options.seed, number)
             try:
-                motion = simulate(scene.p, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end)
-                if len(motion.events) > options.most_events:
-                    cut = Fraction(float(motion.events[options.most_events].t)).limit_denominator(10**6)
-                    scene = fuzz.plain.with_digits(scene, t_end=cut, truth=None)
+                scene = scene_of(family, options.seed, number, options.most_events)
                 rows = judged(scene)
             except Exception as error:
                 print(f"# {family} {number}: {type(error).__name__}: {error}", flush=True)
@@ -191,9 +200,10 @@ def main() -> int:
                     flush=True,
                 )
         number += 1
+        print(f"{number - options.first} scenes of each family: {dict(counts)}", flush=True)
     for key, count in sorted(families.items()):
         print(*key, count)
-    print(dict(counts), f"{number - options.first} scenes of each family, {time.perf_counter() - begin:.0f} s")
+    print(f"{time.perf_counter() - begin:.0f} s")
     return int(bool(counts["wrong"] or counts["kink missed"]))
 
 
