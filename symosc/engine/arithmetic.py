@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 from symosc.aliases import Number
 from symosc.engine import batch, events, first_exit, flow, lanes, next_event, state, summary, tangent
 from symosc.engine.batch import PairLimits
-from symosc.engine.constant_table import ConstantRows
+from symosc.engine.constant_table import NESTED, ConstantRows
 from symosc.engine.flow import Constants, constants, with_march
 from symosc.errors import MissingExtraError
 from symosc.kernels import _generated, double_double, elementary, entire, mapping
@@ -55,11 +55,11 @@ CONSTANTS = (bool, int, float, complex, str)
 
 # Functions that are called from several places and rarely: not worth a copy in each.
 OUTLINED = """
-    advance_near apart_from_walls behind_flat_start block careful closest_approach cell_within creeps_for_ever cut_at
-    doubt_row flight_extremes flown follow_all follow_group follow_lanes follow_one finish_tally free_time march_rows
-    newton_root next_undecided no_contact parts_again periods point_at_end resolve rest_stretches search_row searched
-    section series settle slow_passing_time stationary stays_closed stepped stiff_derivatives tally_stretch tolerance
-    graze_belt within
+    advance_near apart_from_walls behind_flat_start block block_of_sets careful cell_within closest_approach
+    creeps_for_ever cut_at doubt_row finish_tally flight_extremes flown follow_all follow_group follow_lanes
+    follow_one free_time graze_belt march_rows newton_root next_undecided no_contact parts_again periods
+    point_at_end resolve rest_stretches search_row searched section series settle slow_passing_time stationary
+    stays_closed stepped stiff_derivatives tally_stretch tolerance within
 """
 
 
@@ -92,7 +92,12 @@ def bind(
     modules = tuple(modules)
     shared: dict[str, Any] = {}
     for module in modules:
-        shared |= {name: value for name, value in vars(module).items() if not name.startswith("__")}
+        seen = {name: value for name, value in vars(module).items() if not name.startswith("__")}
+        twice = [name for name in seen.keys() & shared.keys() if isinstance(seen[name], CONSTANTS)]
+        clashes = sorted(name for name in twice if name not in replaced and seen[name] != shared[name])
+        if clashes:
+            raise ValueError(f"{clashes} have another value in {module.__name__}")
+        shared |= seen
     unknown = sorted(name for name in replaced if name not in shared and not hasattr(builtins, name))
     if unknown:
         raise ValueError(f"{unknown} are no names in {[module.__name__ for module in modules]}")
@@ -277,13 +282,15 @@ def compiled() -> dict[str, Any]:
 def compiled_with(width: int) -> dict[str, Any]:
     """Return what `compiled` returns, for a number of lanes."""
     try:
-        from symosc.kernels.borrowed import borrowed
         from symosc.kernels import lane_types
+        from symosc.kernels.borrowed import borrowed
     except ImportError:
         raise MissingExtraError("compiling", "fast") from None
     callees = {"borrowed": borrowed, "power_of_two": lane_types.power_of_two}
-    replaced = {name: getattr(lane_types, name) for name in ("any_of", "bits_of", "select", "store")}
+    flags = frozenset(name for name, hint in Constants.__annotations__.items() if "bool" in str(hint))
+    replaced = {name: getattr(lane_types, name) for name in ("any_of", "bits_of", "number_in", "select", "store")}
     replaced |= {"load": lane_types.loader(width), "LANES": width}
+    replaced["load_constants"] = lane_types.tuple_loader(width, Constants, NESTED, flags)
     return compile_modules((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED.split(), callees, replaced, beside=(lane_types,))
 
 

@@ -23,12 +23,8 @@ NESTED = {"belt1": BeltConstants, "belt2": BeltConstants, "march": MarchConstant
 
 
 def _row_type(kind: Any) -> np.dtype[Any]:
-    """Return the numpy row type for a NamedTuple of numbers, flags and nested tuples."""
-    fields = [
-        (name, _row_type(NESTED[name]) if name in NESTED else np.bool_ if hint == "bool" else np.float64)
-        for name, hint in kind.__annotations__.items()
-    ]
-    return np.dtype(fields, align=True)
+    """Return the numpy row type for a NamedTuple of numbers, flags (0.0 or 1.0) and nested tuples."""
+    return np.dtype([(name, _row_type(NESTED[name]) if name in NESTED else np.float64) for name in kind._fields])
 
 
 ROW = _row_type(Constants)

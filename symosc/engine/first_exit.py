@@ -617,7 +617,7 @@ def part_to_root(now, there, side, walls):
     rest = 1.0 - part
     steeper, flatter = gap + beyond - side * h * now.F, gap + beyond - side * h * there.F
     better = part + part * rest * (rest * steeper - part * flatter) * inverse
-    return select((0.0 < better) & (better < 1.0), better, part)
+    return select((better > 0.0) & (better < 1.0), better, part)
 
 
 def sharpened(root, side, now, walls, K):

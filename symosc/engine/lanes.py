@@ -26,6 +26,7 @@ from symosc.engine.batch import (
     is_inexact,
     state_of,
 )
+from symosc.engine.constant_table import ROW
 from symosc.engine.first_exit import (
     FAINT,
     NEAR,
@@ -87,14 +88,20 @@ any_of: Any = None
 bits_of: Any = None
 load: Any = None
 store: Any = None
+load_constants: Any = None
+number_in: Any = None
 LANES = 0
 
 # Rows of the results beside those of a state: code, belt, and the standard error of the event's time.
-CODE, BOUNDARY, T_ERROR = STATE_WIDTH, STATE_WIDTH + 1, STATE_WIDTH + 2
+KIND, BELT_THERE, T_ERROR = STATE_WIDTH, STATE_WIDTH + 1, STATE_WIDTH + 2
 # A block with fewer motions than this part of the lanes is slower than the scalar loop.
 LEAST_PART = 4
 # Steps after which the scalar loop goes on if not more than this part of them was on the common path.
 PROBE = 1024
+# With so many motions per lane of one parameter set these go alone, with the constants in registers.
+FEW = 4
+# Numbers of a parameter set.
+NUMBERS = ROW.itemsize // 8
 # How often a root is evaluated before the scalar loop goes on: on the common path once, or twice.
 MOST_EVALUATIONS = 3
 
@@ -122,7 +129,21 @@ def belts(boundary, K):
 
 def suits_lanes(K):
     """Return whether motions with these constants may go side by side."""
-    return K.apart and not K.slow_drive and (K.omega_d + K.Om) * K.chunk < 0.5 * WIDEST
+    return K.apart != 0 and K.slow_drive == 0 and (K.omega_d + K.Om) * K.chunk < 0.5 * WIDEST
+
+
+def end_of_group(begin, sets, table):
+    """Return the end of the motions from `begin` on that may go side by side, and whether they have one set."""
+    end, count, K = begin + 1, sets.shape[0], table[sets[begin]]
+    if not suits_lanes(K):
+        return end, True
+    while end < count and sets[end] == sets[begin]:
+        end += 1
+    if end == count or end - begin >= FEW * LANES:
+        return end, True
+    while end < count and suits_lanes(table[sets[end]]) and table[sets[end]].lasting == K.lasting:
+        end += 1
+    return end, False
 
 
 # --- flights ---
@@ -227,7 +248,7 @@ def march_side_by_side(tau_max, v0, now, walls, margin, K):
             ends = stuck & ~long & near
             renewed = stuck & (ends | (since < now.tau))
             if any_of(renewed):
-                G1, G2, G3 = derivatives(v0 + now.dv, now.F, now.s, now.c, K)
+                _, G2, G3 = derivatives(v0 + now.dv, now.F, now.s, now.c, K)
                 G2, G3 = select(renewed, G2, now.G2), select(renewed, G3, now.G3)
                 now = Flown(now.tau, now.dx, now.dv, now.F, now.G1, G2, G3, now.s, now.c, now.E0, now.E1, now.E2)
                 M4 = select(renewed, fourth_derivative_bound(G2, G3, now.s, now.c, K), M4)
@@ -310,7 +331,7 @@ def phase_later(n, theta, theta_low, s, c, tau, K):
 
 def slip(state, remaining, K):
     """Return (good, code, boundary, t_error, state) at the ends of sticks, as `advance` does; see the module."""
-    mode, _, n, theta, x, v, Fb, Fa, S, t, t_low, s0, c0, theta_low = state
+    mode, _, n, theta, x, v, Fb, _, S, t, t_low, _, _, theta_low = state
     boundary = mode - ON_BELT
     belt = belts(boundary, K)
     good, force, side, low, high, Delta, s, c = end_of_stick(state, belt, K)
@@ -441,6 +462,16 @@ def gain_side_by_side(tau, s0, c0, belt, K):
 
 def block(flights, given, found, accuracy, K):
     """Advance the states in the columns of `given` to their next events, in `found`; return which results hold."""
+    return advance_side_by_side(flights, given, found, accuracy, K)
+
+
+def block_of_sets(flights, given, found, accuracy, constants):
+    """Return what `block` does, with the constants of each lane in a column."""
+    return advance_side_by_side(flights, given, found, accuracy, load_constants(constants))
+
+
+def advance_side_by_side(flights, given, found, accuracy, K):
+    """Return what `block` does, with constants that are the same for all lanes, or lanes."""
     S = Covariance(load(given, 8), load(given, 9), load(given, 10))
     mode, at, n, theta = load(given, 0), load(given, 1), load(given, 2), load(given, 3)
     x, v, Fb, Fa = load(given, 4), load(given, 5), load(given, 6), load(given, 7)
@@ -455,8 +486,8 @@ def block(flights, given, found, accuracy, K):
     clock = time_with_errors(after.t, after.t_low, t0, after.x, after.v, t_error, after.S.S11, K)
     good = good & ~is_inexact(clock[0], clock[1], after.x, clock[2], t0, accuracy)
     keep_lanes(found, after)
-    store(found, CODE, code)
-    store(found, BOUNDARY, boundary)
+    store(found, KIND, code)
+    store(found, BELT_THERE, boundary)
     store(found, T_ERROR, t_error)
     return bits_of(good)
 
@@ -481,21 +512,6 @@ def keep_lanes(found, state):
     store(found, 18, state.theta_low)
 
 
-def lane_state(found, lane):
-    """Return the state in a column."""
-    S = Covariance(found[8, lane], found[9, lane], found[10, lane])
-    mode, at, n, theta = int(found[0, lane]), int(found[1, lane]), int(found[2, lane]), found[3, lane]
-    x, v, Fb, Fa, t, t_low = (
-        found[4, lane],
-        found[5, lane],
-        found[6, lane],
-        found[7, lane],
-        found[11, lane],
-        found[12, lane],
-    )
-    return State(mode, at, n, theta, x, v, Fb, Fa, S, t, t_low, found[16, lane], found[17, lane], found[18, lane])
-
-
 def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
     """Follow trajectories as `follow_all` does, those of one parameter set side by side where that is possible.
 
@@ -506,16 +522,29 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
     _, sets, _, codes = batch
     out, pieces, tally, table = borrowed_rows(out), borrowed(pieces), borrowed_tally(tally), borrowed(table)
     side_by_side = tally.floats.shape[0] > 0 and pieces.shape[1] == 0
-    given, found = np.zeros((STATE_WIDTH, LANES)), np.zeros((STATE_WIDTH + 3, LANES))
-    queue = np.zeros((2, 2 * LANES), np.int64)  # numbers of motions in flight, and on a belt
-    given, found, queue = borrowed(given), borrowed(found), borrowed(queue)
+    # Numbers of motions in flight and on a belt; their states, constants and results, one column for each lane.
+    queue, given = np.zeros((2, 2 * LANES), np.int64), np.zeros((STATE_WIDTH, LANES))
+    constants, found = np.zeros((NUMBERS, LANES)), np.zeros((STATE_WIDTH + 3, LANES))
     while begin < count:
-        end = begin + 1
-        if side_by_side and suits_lanes(table[sets[begin]]):
-            while end < count and sets[end] == sets[begin]:
-                end += 1
+        end, alike = end_of_group(begin, sets, table) if side_by_side else (begin + 1, True)
         if end - begin >= LANES // LEAST_PART:
-            rows = follow_group(begin, end, rows, batch, most, accuracy, out, pieces, tally, table, given, found, queue)
+            rows = follow_group(
+                begin,
+                end,
+                alike,
+                rows,
+                batch,
+                most,
+                accuracy,
+                out,
+                pieces,
+                tally,
+                table,
+                queue,
+                given,
+                constants,
+                found,
+            )
         else:
             end = begin + 1
             if codes[begin] == RUNNING:
@@ -527,8 +556,11 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
     return begin, rows, parts
 
 
-def follow_group(begin, end, rows, batch, most, accuracy, out, pieces, tally, table, given, found, queue):
-    """Follow the trajectories of one parameter set from `begin` to `end`; return the number of rows."""
+def follow_group(
+    begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, queue, given, constants, found
+):
+    """Follow the trajectories from `begin` to `end`, `alike` where they have one set; return the number of rows."""
+    queue, given, constants, found = borrowed(queue), borrowed(given), borrowed(constants), borrowed(found)
     states, sets, counts, codes = batch
     asked = tally.asked.extent or tally.asked.stuck or tally.asked.ring > 0
     K, fullest = table[sets[begin]], out.floats.shape[1]
@@ -558,18 +590,24 @@ def follow_group(begin, end, rows, batch, most, accuracy, out, pieces, tally, ta
             i = queue[which, first + (lane if lane < taken else 0)]
             for n in range(STATE_WIDTH):
                 given[n, lane] = states[i, n]
-        good = block(which == 0, given, found, accuracy, K)
+            if not alike:
+                for n in range(NUMBERS):
+                    constants[n, lane] = number_in(table, sets[i], n)
+        if alike:
+            good = block(which == 0, given, found, accuracy, K)
+        else:
+            good = block_of_sets(which == 0, given, found, accuracy, constants)
         tried += taken
         for lane in range(taken):
             i = queue[which, first + lane]
             if (good >> lane) & 1 and counts[i] < most:
                 if asked:
-                    step, boundary = int(found[CODE, lane]), int(found[BOUNDARY, lane])
-                    event = NextEvent(step, boundary, True, found[T_ERROR, lane], lane_state(found, lane))
-                    tally_step(i, state_of(states, i), event, states[i, 15], tally, K)
+                    step, boundary = int(found[KIND, lane]), int(found[BELT_THERE, lane])
+                    event = NextEvent(step, boundary, True, found[T_ERROR, lane], state_of(found.T, lane))
+                    tally_step(i, state_of(states, i), event, states[i, 15], tally, table[sets[i]])
                 elif (found[11, lane] - states[i, 15]) + found[12, lane] >= tally.floats[i, SKIPPED]:
                     tally.ints[i, EVENTS_SO_FAR] += 1
-                    tally.ints[i, STICKS] += found[CODE, lane] == STICK
+                    tally.ints[i, STICKS] += found[KIND, lane] == STICK
                 for n in range(STATE_WIDTH):
                     if n < 13 or n > 15:
                         states[i, n] = found[n, lane]

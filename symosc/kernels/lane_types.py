@@ -1,4 +1,4 @@
-"""Lanes: numba types of several doubles, or flags, side by side in registers; each lane computes as a double alone does.
+"""Lanes: numba types of several doubles, or flags, side by side in registers; each computes as a double alone does.
 
 A number of lanes goes with floats in all operators; comparisons give flags, which go with `&`, `|`, `^`, `~` and
 `select`. No operation is contracted or reordered: results have the same bits in any lane, at any width, and on any
@@ -10,10 +10,11 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable
+from itertools import count
 from typing import Any
 
 import numba
-from llvmlite import binding
+from llvmlite import binding  # type: ignore[import-untyped]
 from numba.core import cgutils, types
 from numba.core.cgutils import ir
 from numba.core.typeconv import Conversion
@@ -197,7 +198,7 @@ def bits_of(typingctx: Any, flags: Any) -> Any:
     return types.int64(flags), code
 
 
-def _place(context: Any, builder: Any, array: Any, value: Any, row: Any, kind: Any) -> Any:
+def _place(context: Any, builder: Any, array: Any, kind: Any, value: Any, row: Any) -> Any:
     """Return LLVM code for the address of a row of an array with as many columns as there are lanes."""
     data = context.make_array(array)(context, builder, value=value).data
     begin = builder.mul(row, ir.Constant(LONG, kind.count))
@@ -209,7 +210,7 @@ def loader(width: int) -> Any:
 
     def load(typingctx: Any, array: Any, row: Any) -> Any:
         def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-            place = _place(context, builder, array, *arguments, ir.VectorType(DOUBLE, width))
+            place = _place(context, builder, array, ir.VectorType(DOUBLE, width), *arguments)
             return builder.load(place, align=8)
 
         return LanesType(width)(array, types.int64), code
@@ -222,10 +223,59 @@ def store(typingctx: Any, array: Any, row: Any, value: Any) -> Any:
     """Store lanes as a row of an array (n, width) of doubles."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-        place = _place(context, builder, array, *arguments[:2], arguments[2].type)
+        place = _place(context, builder, array, arguments[2].type, *arguments[:2])
         builder.store(arguments[2], place, align=8)
 
     return types.void(array, types.int64, value), code
+
+
+@intrinsic
+def number_in(typingctx: Any, table: Any, row: Any, n: Any) -> Any:
+    """Return number n of a row of a table whose fields are doubles."""
+
+    def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
+        data = context.make_array(table)(context, builder, value=arguments[0]).data
+        data = builder.bitcast(data, DOUBLE.as_pointer())
+        begin = builder.mul(arguments[1], ir.Constant(LONG, table.dtype.size // 8))
+        return builder.load(builder.gep(data, [builder.add(begin, arguments[2])]))
+
+    return types.float64(table, types.int64, types.int64), code
+
+
+def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset[str]) -> Any:
+    """Return the function that loads a NamedTuple of lanes, some of them tuples again, from rows of an array.
+
+    Of the fields that are `alike` in all lanes it is a number.
+    """
+
+    def typed(of: Any, outer: bool = True) -> Any:
+        def entry(name: str) -> Any:
+            if outer and name in nested:
+                return typed(nested[name], False)
+            return types.float64 if outer and name in alike else LanesType(width)
+
+        return types.NamedTuple([entry(name) for name in of._fields], of)
+
+    wanted = typed(kind)
+
+    def load_tuple(typingctx: Any, array: Any) -> Any:
+        def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
+            rows = count()
+
+            def made(of: Any) -> Any:
+                if isinstance(of, types.BaseTuple):
+                    return context.make_tuple(builder, of, [made(each) for each in list(iter(of))])
+                of_llvm = ir.VectorType(DOUBLE, width)
+                place = _place(context, builder, array, of_llvm, arguments[0], ir.Constant(LONG, next(rows)))
+                if of == types.float64:
+                    place = builder.bitcast(place, DOUBLE.as_pointer())
+                return builder.load(place, align=8)
+
+            return made(wanted)
+
+        return wanted(array), code
+
+    return intrinsic(load_tuple)
 
 
 def usual_width() -> int:
