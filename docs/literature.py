@@ -165,7 +165,10 @@ def page() -> str:
         OPENING,
         f"![Left: the largest F/P without stops against r, two curves with the borders found by running on "
         f"them. Right: the amplitude against r, curves with the orbits on them.]({FIGURE})\n",
-        f"## Sources\n\n{_sources()}",
+        f"## Sources\n\n{_sources()}\n"
+        "Luo and Gegg 2006 (one belt, `mu2 = 0`) is contained too, but no numbers of it were at hand. Not contained: "
+        "two degrees of freedom (Pascal 2014), friction that depends on the speed (Galvanetto and Bishop, Leine), "
+        "static friction above kinetic friction (Csernák 2021).\n",
         f"## Figures drawn anew\n\n![Number of stops per cycle in the plane of frequency and friction; borders in the "
         f"plane of 1/Ω and friction; transmissibility with its inversion points; two limit cycles.]({MAPS})\n\n"
         "Top left: stops per cycle, c = 0 (Hong and Liu 2000); white: not settled after 100 periods. Top right: the "
