@@ -288,7 +288,7 @@ def items(scope: Scope) -> Items:
 def _meetings() -> Items:
     """Return where borders meet, and the ends of a branch."""
     n, j = (sp.Symbol(name, integer=True, positive=True) for name in "nj")
-    ratio, inverse, next_sine = named("F/P"), named("1/U"), sp.sin((j + 1) * phi)
+    ratio, inverse, next_sine = named("F/P"), named("1/U"), sp.sin(j * phi + phi)
     at = {r: 1 / (2 * n), LARGEST: 1, U: 0}
     odd = sp.cos(sp.expand(sp.pi * (2 * n + 1) / 2)) / ((2 * n + 1) * sp.sin(sp.expand(sp.pi * (2 * n + 1) / 2)))
     return (
