@@ -54,25 +54,38 @@ symosc finds by running. What is not named is 1 ($m$, $k$, $P$, $F_N$) or 0 ($c$
 The model's own paper, Chen and Fan 2016, is judged claim by claim: `symosc reproduce`, and
 [where it does not hold](explanation/paper.md).
 """
-#: Of each source what is reproduced, and what could not be confirmed.
+#: Of each source its model, what is reproduced, and what could not be confirmed.
 SOURCES = {
-    "denhartog1930": ("amplitude, border, decay", "its charts were not at hand: the formulas are derived here"),
-    "denhartog1931": ("amplitude", "likewise"),
-    "shaw1986": ("multipliers", "its text beyond the abstract"),
-    "hongliu2000": ("border, counts of stops, their map", "its map: the abstract names the counts"),
-    "csernak2007": ("continuum; its end in closed form", "its text beyond the abstract"),
-    "kowalczyk2008": ("borders in the plane of 1/Ω and F", "its figure was not at hand: drawn anew, not compared"),
-    "guardia2010": ("points A_n, B_n", "its text was not at hand: the points are derived here"),
+    "denhartog1930": (
+        "c ≥ 0",
+        "amplitude, border, decay",
+        "its charts were not at hand: the formulas are derived here",
+    ),
+    "denhartog1931": ("c ≥ 0", "amplitude", "likewise"),
+    "shaw1986": ("c ≥ 0", "multipliers", "its text beyond the abstract"),
+    "hongliu2000": ("c = 0", "border, counts of stops, their map", "its map: the abstract names the counts"),
+    "csernak2007": ("c = 0", "continuum; its end in closed form", "its text beyond the abstract"),
+    "kowalczyk2008": (
+        "c = 0",
+        "borders in the plane of 1/Ω and F",
+        "its figure was not at hand: drawn anew, not compared",
+    ),
+    "guardia2010": ("c = 0", "points A_n, B_n", "its text was not at hand: the points are derived here"),
     "iklodi2024": (
+        "c = 0.1",
         "ends of the branch P32",
         "its demo has these parameters, but static friction 1.1 times the kinetic one, and prints no numbers",
     ),
-    "butikov2015": ("growth, decay, asymmetric motions", "its text beyond the abstract"),
-    "feeny1996": ("decrements", "its text was not at hand: the formula is derived here"),
-    "papangelo2015": ("stops and peaks of slow drives", "its text beyond the abstract, which has no numbers"),
-    "murari2026": ("two limit cycles", "the paper prints parameters; the places of the stops are ours"),
-    "marino2019": ("inversion point", "its text beyond the abstract, which has no number"),
-    "marino2020": ("inversion point", "its experiments: real friction is not this model"),
+    "butikov2015": ("c = 0", "growth, decay, asymmetric motions", "its text beyond the abstract"),
+    "feeny1996": ("no drive", "decrements", "its text was not at hand: the formula is derived here"),
+    "papangelo2015": (
+        "c ≥ 0, slow drive",
+        "stops and peaks of slow drives",
+        "its text beyond the abstract, which has no numbers",
+    ),
+    "murari2026": ("c = 0.1", "two limit cycles", "the paper prints parameters; the places of the stops are ours"),
+    "marino2019": ("base and wall move", "inversion point", "its text beyond the abstract, which has no number"),
+    "marino2020": ("base and wall move", "inversion point", "its experiments: real friction is not this model"),
 }
 #: What contradicts the theorem that there is no chaos, or seems to: where, what it says, and what follows.
 JUDGED = (
@@ -152,7 +165,10 @@ def page() -> str:
         OPENING,
         f"![Left: the largest F/P without stops against r, two curves with the borders found by running on "
         f"them. Right: the amplitude against r, curves with the orbits on them.]({FIGURE})\n",
-        f"## Sources\n\n{_sources()}",
+        f"## Sources\n\n{_sources()}\n"
+        "Luo and Gegg 2006 (one belt, `mu2 = 0`) is contained too, but no numbers of it were at hand. Not contained: "
+        "two degrees of freedom (Pascal 2014), friction that depends on the speed (Galvanetto and Bishop, Leine), "
+        "static friction above kinetic friction (Csernák 2021).\n",
         f"## Figures drawn anew\n\n![Number of stops per cycle in the plane of frequency and friction; borders in the "
         f"plane of 1/Ω and friction; transmissibility with its inversion points; two limit cycles.]({MAPS})\n\n"
         "Top left: stops per cycle, c = 0 (Hong and Liu 2000); white: not settled after 100 periods. Top right: the "
@@ -170,15 +186,15 @@ def page() -> str:
 
 def _sources() -> str:
     """Return the table of sources, with the largest difference of their tables."""
-    rows = ["| source | reproduced | differences | not confirmed |", "| --- | --- | ---: | --- |"]
-    for key, (what, missing) in SOURCES.items():
+    rows = ["| source | model | reproduced | differences | not confirmed |", "| --- | --- | --- | ---: | --- |"]
+    for key, (model, what, missing) in SOURCES.items():
         reference, order = entries()[key].fields, -12
         for name, (_, sources, _) in TABLES.items():
             if key in sources:
                 order = max(order, *(_above(abs(value.difference)) for value in table(name)))
         people = [_markdown(plain_text(person.split(",")[0])) for person in reference["author"].split(" and ")]
         names = f"{', '.join(people[:-1])} and {people[-1]}" if len(people) > 1 else people[0]
-        rows.append(f"| {names} {reference['year']} | {what} | < 1e{order} | {missing} |")
+        rows.append(f"| {names} {reference['year']} | {model} | {what} | < 1e{order} | {missing} |")
     return "".join(f"{row}\n" for row in rows)
 
 

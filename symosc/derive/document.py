@@ -272,7 +272,7 @@ def main_document(chapters: list[Checked], scope: Scope) -> str:
     if len(chapters) > 1:
         rows = "\n".join(" & ".join(row) + r" \\" for row in NOTATION)
         notation = resolved(front.NOTATION_TABLE.replace("ROWS", rows), numbers_of(chapters))
-        out += [r"{\setlength{\parskip}{0pt}\tableofcontents}", notation]
+        out += [r"\medskip{\setlength{\parskip}{0pt}\renewcommand{\addvspace}[1]{}\tableofcontents}", notation]
     for chapter in chapters:
         out.append(rf"\newchapter{{{chapter.number - 1}}}" + f"\n\\input{{{CHAPTER_FOLDER}/{chapter.key}}}")
     references = reference_list(cited(head + notation + _texts(chapters)))

@@ -178,12 +178,12 @@ def _no_chaos() -> Items:
         r"and no torus is born; for $c > 0$ there is no fold of periodic motions either;\item[(iv)] for $c > 0$ all "
         r"motions tend to one, or each to a rest (Theorem~\ref{thm:orbits-unique}), and then the rests of two motions "
         r"are no farther apart than their starts.\end{enumerate}\end{theorem}",
+        r"\begin{proof} $\|\cdot\|$ is a norm, since $k > 0$ and $m > 0$.",
         facts(*(step(form[i, i], ">", 0, Sign()) for i in (0, 1))),
-        r"\begin{proof} $\|\cdot\|$ is a norm, since $k > 0$ and $m > 0$, and along the difference of two motions its "
-        r"square does not grow by \eqref{eq:motion-energy} and Lemma~\ref{thm:motion-monotone}. (i) Cover a compact "
-        r"invariant set with $N$ balls of the radius $\epsilon/2$. Two states in one ball stay closer than $\epsilon$ "
-        r"under all iterates, so $N$ orbits of the length $n$ represent all others to within $\epsilon$, for every "
-        r"$n$. The entropy at this scale is",
+        r"Along the difference of two motions its square does not grow by \eqref{eq:motion-energy} and "
+        r"Lemma~\ref{thm:motion-monotone}. (i) Cover a compact invariant set with $N$ balls of the radius "
+        r"$\epsilon/2$. Two states in one ball stay closer than $\epsilon$ under all iterates, so $N$ orbits of the "
+        r"length $n$ represent all others to within $\epsilon$, for every $n$. The entropy at this scale is",
         equation(entropy, 0, {entropy: sp.limit(sp.log(count) / n, n, sp.oo)}, "entropy"),
         r"for all $\epsilon > 0$, while a horseshoe has at least",
         step(horseshoe, ">", 0, Sign({horseshoe: sp.log(2)}), "horseshoe"),

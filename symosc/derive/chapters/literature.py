@@ -288,7 +288,7 @@ def items(scope: Scope) -> Items:
 def _meetings() -> Items:
     """Return where borders meet, and the ends of a branch."""
     n, j = (sp.Symbol(name, integer=True, positive=True) for name in "nj")
-    ratio, inverse, next_sine = named("F/P"), named("1/U"), sp.sin((j + 1) * phi)
+    ratio, inverse, next_sine = named("F/P"), named("1/U"), sp.sin(j * phi + phi)
     at = {r: 1 / (2 * n), LARGEST: 1, U: 0}
     odd = sp.cos(sp.expand(sp.pi * (2 * n + 1) / 2)) / ((2 * n + 1) * sp.sin(sp.expand(sp.pi * (2 * n + 1) / 2)))
     return (
@@ -296,7 +296,7 @@ def _meetings() -> Items:
         r"\begin{proposition}[points of codimension two]\label{thm:literature-points} "
         r"For $c = 0$ and $n = 1, 2, \ldots$ the border of the motions without stops passes through the points "
         r"\cite{guardia2010}\begin{enumerate}"
-        r"\item[$A_n$:] $r = 1/(2n)$, $F/P = 1/(4 n^2 - 1)$, where it comes from both turning points;"
+        r"\item[$A_n$:] $r = 1/(2n)$, $F/P = 1/(4 n^2 - 1)$, where $S_*$ is the limit at both turning points;"
         r"\item[$B_n$:] $r = 1/(2n + 1)$, $F/P = 0$.\end{enumerate}\end{proposition}",
         r"\begin{proof} First, $|\sin j\varphi| \le j\sin\varphi$ for $0 < \varphi < \pi$, by induction with",
         equation(
@@ -312,7 +312,8 @@ def _meetings() -> Items:
         equation(inverse, 0, {inverse: odd}, "B"),
         r"and the border, which is not above $|V/U|$, is at 0.\end{proof}",
         r"With damping $A_1$ becomes a point where crossing-sliding meets a graze next to the turning point: "
-        r"$\ddot{x}_+ = 0$ while the drive is largest, \eqref{eq:borders-rest}. Its row for $c = 0.001$ is near $A_1$.",
+        r"$\ddot{x}_+ = 0$ while the drive is largest, \eqref{eq:borders-rest}. In Table~\ref{tab:literature-points} "
+        r"it is near $A_1$ for $c = 0.001$.",
         _numbers(
             "points",
             r"Where borders meet. $A_n$: bisected in the friction, by whether the symmetric motion stops. With "
