@@ -13,7 +13,7 @@ nox.options.default_venv_backend = "uv|virtualenv"
 nox.options.reuse_venv = "yes"
 PROJECT = nox.project.load_toml("pyproject.toml")["project"]
 PYTHONS = ["3.11", "3.12", "3.13"]
-EXTRAS = ["fast", "bench", "sweep", "certify", "units", "tables", "explore", "jax", "docs"]
+EXTRAS = ["fast", "bench", "sweep", "certify", "units", "tables", "explore", "jax", "gradients", "docs"]
 
 
 @nox.session

@@ -1,4 +1,4 @@
-"""The page docs/literature.md and its figure: published results beside what this package computes.
+"""The page docs/literature.md and its figures: published results beside what this package computes.
 
 Write them anew with ``python docs/literature.py``.
 """
@@ -12,9 +12,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symosc.derive.citation import plain_line
+from symosc import simulate, sweep
+from symosc.derive.citation import entries, plain_line, plain_text
 from symosc.derive.latex import latex
-from symosc.derive.published import MP, TABLES, Formulas, Value, find_border, number, slide_orbit, table, wall
+from symosc.derive.published import (
+    MP,
+    TABLES,
+    Formulas,
+    Value,
+    find_border,
+    inversion,
+    largest_exponent,
+    number,
+    slide_orbit,
+    table,
+    transmissibility,
+    transmissibility_by_running,
+    wall,
+)
 from symosc.derive.steps import rounded
 from symosc.files import write_text
 
@@ -22,9 +37,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DOCS = Path(__file__).parent
-PAGE, FIGURE = "literature.md", "literature.svg"
-#: Points of a curve in the figure, and the r at which something is found by running.
-FINE, RATIOS = 120, (0.42, 0.6, 0.7, 0.8, 0.9, 1.1, 1.25, 1.5, 1.75)
+PAGE, FIGURE, MAPS = "literature.md", "literature.svg", "literature_maps.svg"
+#: Cells of maps, points of a curve, and the r at which something is found by running.
+CELLS, FINE, RATIOS = (180, 120), 120, (0.42, 0.6, 0.7, 0.8, 0.9, 1.1, 1.25, 1.5, 1.75)
 
 OPENING = r"""# Published results, recomputed
 
@@ -35,7 +50,61 @@ With `A0 = 0`, `B0 = P`, `v1 = 0`, `mu1 = F/FN`, `mu2 = 0` and a `v2` that no ve
 oscillator with Coulomb friction, $m \ddot{x} + c \dot{x} + k x = P \cos\Omega t - F \operatorname{sgn} \dot{x}$. The
 first number of a row comes from a formula, or from equations that are solved with 50 digits; the second one is what
 symosc finds by running. What is not named is 1 ($m$, $k$, $P$, $F_N$) or 0 ($c$). Differences are relative.
+
+The model's own paper, Chen and Fan 2016, is judged claim by claim: `symosc reproduce`, and
+[where it does not hold](explanation/paper.md).
 """
+#: Of each source what is reproduced, and what could not be confirmed.
+SOURCES = {
+    "denhartog1930": ("amplitude, border, decay", "its charts were not at hand: the formulas are derived here"),
+    "denhartog1931": ("amplitude", "likewise"),
+    "shaw1986": ("multipliers", "its text beyond the abstract"),
+    "hongliu2000": ("border, counts of stops, their map", "its map: the abstract names the counts"),
+    "csernak2007": ("continuum; its end in closed form", "its text beyond the abstract"),
+    "kowalczyk2008": ("borders in the plane of 1/Ω and F", "its figure was not at hand: drawn anew, not compared"),
+    "guardia2010": ("points A_n, B_n", "its text was not at hand: the points are derived here"),
+    "iklodi2024": (
+        "ends of the branch P32",
+        "its demo has these parameters, but static friction 1.1 times the kinetic one, and prints no numbers",
+    ),
+    "butikov2015": ("growth, decay, asymmetric motions", "its text beyond the abstract"),
+    "feeny1996": ("decrements", "its text was not at hand: the formula is derived here"),
+    "papangelo2015": ("stops and peaks of slow drives", "its text beyond the abstract, which has no numbers"),
+    "murari2026": ("two limit cycles", "the paper prints parameters; the places of the stops are ours"),
+    "marino2019": ("inversion point", "its text beyond the abstract, which has no number"),
+    "marino2020": ("inversion point", "its experiments: real friction is not this model"),
+}
+#: What contradicts the theorem that there is no chaos, or seems to: where, what it says, and what follows.
+JUDGED = (
+    (
+        "J. Vib. Control, doi:10.1177/1077546315616281",
+        "Announces chaotic motions of a harmonically excited mass with Coulomb friction, found with an implicit scheme "
+        "of Newmark's kind and a complementarity problem at each step.",
+        "**Contradicts the theorem** if spring and damper are linear and friction has one coefficient; the abstract "
+        "says Coulomb. Only the abstract and the beginning of the introduction could be had: no equation, parameter or "
+        "figure. So none of its results is judged.",
+    ),
+    (
+        "E. I. Butikov 2015 (above)",
+        "Several asymmetric motions at subharmonic frequencies.",
+        "Agrees for c = 0: the continua below. With a damper there is one motion, and they are transients.",
+    ),
+    (
+        "S. W. Shaw 1986 (above)",
+        "Unstable symmetric motions, and motions with two frequencies.",
+        "No contradiction: the abstract has a coefficient of its own for static friction, and negative damping.",
+    ),
+    (
+        '"Chaos in a simply formulated dry-friction oscillator" (abstract)',
+        "Chaos of a block on a spring, driven periodically.",
+        "No contradiction: the coefficients of sticking and sliding differ.",
+    ),
+    (
+        "Z.-X. Li, Q.-J. Cao and A. Léger, Chin. Phys. B 25 (2016), 010502",
+        "Stick-slip chaos on a moving belt with Coulomb friction.",
+        "No contradiction: the spring of that oscillator is not linear.",
+    ),
+)
 NOTES = {
     "amplitude": 'Run: the highest point of the orbit that `find_orbit(p, "P32", digits=30)` finds.',
     "stability": "Run: the multipliers of that orbit.",
@@ -51,6 +120,25 @@ NOTES = {
         "Run: orbits that `find_orbit` calls marginal (`stable` is None). d* is the end of the continuum: a motion "
         "from a little farther away stops once per cycle, shorter each time, and tends to this end."
     ),
+    "points": (
+        "A_n: F/P = 1/(4n² − 1) at Ω = 1/(2n); B_n: 0 at Ω = 1/(2n + 1). Run, A_n: bisection of the friction, by "
+        "whether the symmetric motion stops. With damping A_1 becomes a point where P32 turns at a peak of the drive "
+        "and begins to stick; run: from the switching points of `find_orbit` alone."
+    ),
+    "ends": (
+        "c = 0.1, P = 1.5, F = 1. Run: `continue_orbit` in Ω. With the demo's static friction the mass would stop "
+        "between Ω = 0.7487 and 0.7227, and between 1.2062 and 1.2357, too."
+    ),
+    "decrements": "c = 0.2, F = 0.1, P = 0. Run: turning points of a motion from x = 1.5; it stays at the last one.",
+    "slow": (
+        "F = 0.5, so that the quasi-static peak is 0.5. Formula: the equations of all slides of half a cycle. Run: the "
+        "settled motion."
+    ),
+    "cycles": "c = 0.1, F = 0.5. Formula: the equations of all slides of half a cycle. Run: the orbit of `find_orbit`.",
+    "inversion": (
+        "Base and wall move with cos Ωt, so that P = Ω² for the relative motion. Above this r friction makes the "
+        "absolute motion larger than 1/(r² − 1), its amplitude without friction. For weak friction r = √2."
+    ),
     "rests": (
         "m = c = k = Ω = FN = mu1 = 1, A0 = v1 = 0, B0 = mu2 = 1/10, v2 = 10: the exception to the uniqueness of "
         "periodic motions. Run: `rest_positions`, and where simulated motions are at t = 60."
@@ -64,11 +152,48 @@ def page() -> str:
         OPENING,
         f"![Left: the largest F/P without stops against r, two curves with the borders found by running on "
         f"them. Right: the amplitude against r, curves with the orbits on them.]({FIGURE})\n",
+        f"## Sources\n\n{_sources()}",
+        f"## Figures drawn anew\n\n![Number of stops per cycle in the plane of frequency and friction; borders in the "
+        f"plane of 1/Ω and friction; transmissibility with its inversion points; two limit cycles.]({MAPS})\n\n"
+        "Top left: stops per cycle, c = 0 (Hong and Liu 2000); white: not settled after 100 periods. Top right: the "
+        "same in the plane of Kowalczyk and Piiroinen 2008, with Den Hartog's border by its name, and the points A_n "
+        "and B_n of Guardia, Hogan and Seara 2010. Bottom left: absolute amplitude of base and wall in joint motion, "
+        "curves by formula, points by running, crosses at the inversion (Marino, Cicirello and Hills 2019). Bottom "
+        "right: the limit cycles of the parameters of Murari et al.\n",
+        f"## Papers that announce chaos, or several motions\n\n{_judged()}",
     ]
     for key, (title, sources, _) in TABLES.items():
         cited = "".join(f"- {_markdown(plain_line(source))}\n" for source in sources)
         parts.append(f"## {title}\n\n{cited}\n{NOTES[key]}\n\n{_table(table(key))}")
     return "\n".join(part.replace("\n\n\n", "\n\n") for part in parts)
+
+
+def _sources() -> str:
+    """Return the table of sources, with the largest difference of their tables."""
+    rows = ["| source | reproduced | differences | not confirmed |", "| --- | --- | ---: | --- |"]
+    for key, (what, missing) in SOURCES.items():
+        reference, order = entries()[key].fields, -12
+        for name, (_, sources, _) in TABLES.items():
+            if key in sources:
+                order = max(order, *(_above(abs(value.difference)) for value in table(name)))
+        people = [_markdown(plain_text(person.split(",")[0])) for person in reference["author"].split(" and ")]
+        names = f"{', '.join(people[:-1])} and {people[-1]}" if len(people) > 1 else people[0]
+        rows.append(f"| {names} {reference['year']} | {what} | < 1e{order} | {missing} |")
+    return "".join(f"{row}\n" for row in rows)
+
+
+def _judged() -> str:
+    """Return the table of papers that seem to contradict the theorem, and what was computed on it."""
+    count = 200
+    assert largest_exponent(count) < 0
+    rows = ["| where | what it says | verdict |", "| --- | --- | --- |", *(f"| {' | '.join(row)} |" for row in JUDGED)]
+    text = (
+        "No motion of this model is chaotic: its period map moves no two states apart (proof: `symosc derive "
+        f"exponents`, in short [here](explanation/possible.md)). Of {count} random oscillators with m = k = P = 1, c "
+        "from 0 to 1, Ω from 0.05 to 3 and F from 0.01 to 1, over 60 periods each, no exponent is above 0. "
+        "Papers are judged by what could be read of them."
+    )
+    return "\n".join([text, "", *rows, ""])
 
 
 def _markdown(text: str) -> str:
@@ -125,14 +250,82 @@ def figure() -> Figure:
     return fig
 
 
+def maps() -> Figure:
+    """Return the figures of other papers, drawn anew."""
+    from matplotlib.figure import Figure
+
+    fig = Figure(figsize=(9, 7.6), layout="constrained")
+    (counts, borders), (gains, cycles) = fig.subplots(2, 2)
+    Omegas, forces = np.geomspace(0.03, 2, CELLS[0]), np.linspace(0.005, 0.995, CELLS[1])
+    shown = counts.pcolormesh(Omegas, forces, _stops(Omegas, forces).T, **_greys(), rasterized=True)
+    counts.set(xscale="log", xlabel="r = Ω/ω₀", ylabel="F/P", title="Stops per cycle, c = 0")
+    fig.colorbar(shown, ax=counts, ticks=range(0, 17, 2))
+    inverse, weak = np.linspace(0.5, 7, CELLS[0]), np.linspace(0.002, 0.6, CELLS[1])
+    borders.pcolormesh(inverse, weak, _stops(1 / inverse, weak).T, **_greys(), alpha=0.5, rasterized=True)
+    grid = [value for value in np.linspace(0.52, 6.98, 2 * FINE) if abs(value - round(value)) > 0.01]
+    found = [Formulas(wall(1, _short(1 / value))) for value in grid]
+    ends = np.array([float(each.largest_force_ratio()) for each in found])
+    turning = np.array([each.largest_slide_bound()[1] == 0 for each in found])
+    for name, line, where in (("crossing-sliding", "-", turning), ("grazing-sliding", "--", ~turning)):
+        borders.plot(grid, np.where(where, ends, np.nan), line, color="0", lw=1.4, label=name)
+    for n in (1, 2, 3):
+        for name, x, y in ((f"$A_{n}$", 2 * n, 1 / (4 * n * n - 1)), (f"$B_{n}$", 2 * n + 1, 0)):
+            borders.plot(x, y, "o", color="0", mfc="1", ms=5, clip_on=False)
+            borders.annotate(name, (x, y), xytext=(3, 5), textcoords="offset points")
+    borders.set(xlabel="1/Ω", ylabel="F", title="Borders of motions without stops", xlim=(0.5, 7.2), ylim=(0, 0.6))
+    for F, line, marker in (("0.1", "-", "o"), ("0.5", "--", "s"), ("1", ":", "^")):
+        ratios = [r for r in np.linspace(1.15, 2, 40) if float(_border_of_base(r)) > float(F)]
+        heights = [float(transmissibility(F, _short(r))) for r in ratios]
+        gains.plot(ratios, heights, line, color="0", lw=1.2, label=f"F/(kY) = {F}")
+        gains.plot(
+            ratios[::6], [transmissibility_by_running(F, _short(r)) for r in ratios[::6]], marker, color="0", mfc="1"
+        )
+        r = inversion(F, transmissibility)
+        gains.plot(r, 1 / (r * r - 1), "x", color="0", ms=9, mew=2)
+    free = np.linspace(1.15, 2, 100)
+    gains.plot(free, 1 / (free**2 - 1), color="0.6", lw=2, zorder=0, label="no friction")
+    gains.set(xlabel="r = Ω/ω₀", ylabel="X/Y", title="Base and wall together", ylim=(0, 3.2))
+    for Omega, line in (("0.3", "-"), ("0.15", "--")):
+        p = wall("0.5", Omega, "0.1")
+        t = np.linspace(20, 21, 2000) * 2 * np.pi / float(p.Omega)
+        cycles.plot(*simulate(p, t0=0, x0=0, v0=0, t_end="22T")(t), line, color="0", lw=1.2, label=f"Ω = {Omega}")
+    cycles.set(xlabel="x", ylabel="x'", title="c = 0.1, F = 0.5")
+    for axes in (borders, gains, cycles):
+        axes.legend(fontsize=8, frameon=False)
+    for axes in fig.axes:
+        axes.spines[["top", "right"]].set_visible(False)
+    return fig
+
+
+def _greys() -> dict[str, Any]:
+    """Return a colour for each count, alternating so that neighbours differ."""
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    colors = ["0.97", "0.62", "0.85", "0.5", "0.78", "0.4", "0.7", "0.3", "0.6"]
+    return {"cmap": ListedColormap(colors).with_extremes(bad="1"), "norm": BoundaryNorm(np.arange(-1, 18, 2), 9)}
+
+
+def _stops(Omegas: Any, forces: Any) -> Any:
+    """Return the stops per cycle of motions from rest (frequencies, friction) after 100 periods, nan if not settled."""
+    found = sweep(
+        wall("0.5", 1), {"Omega": Omegas, "mu1": forces}, record=("sticks", "multiplicity"), t_end="120T", skip="100T"
+    )
+    return np.where(found.multiplicity == 1, found.sticks / 20, np.nan)
+
+
+def _border_of_base(r: float) -> Any:
+    """Return the largest F/(kY) without stops, c = 0."""
+    return Formulas(wall(1, _short(r))).largest_force_ratio() * r * r
+
+
 def _short(r: float) -> str:
     return f"{r:.6g}"
 
 
 def _border_near(r: float, c: str) -> float:
-    """Return the border that is found by running between 0.95 and 1.05 times the formula's."""
+    """Return the border that is found by running between 0.98 and 1.02 times the formula's."""
     formula = Fraction(float(Formulas(wall(1, _short(r), c)).largest_force_ratio()))
-    return find_border(formula * Fraction(19, 20), formula * Fraction(21, 20), _short(r), c).middle
+    return find_border(formula * Fraction(98, 100), formula * Fraction(102, 100), _short(r), c).middle
 
 
 def _slides(r: float, F: str) -> bool:
@@ -141,16 +334,18 @@ def _slides(r: float, F: str) -> bool:
 
 
 def write(folder: Path = DOCS) -> list[Path]:
-    """Write page and figure into a folder and return their paths."""
+    """Write page and figures into a folder and return their paths."""
     import io
 
     from matplotlib import rc_context
 
-    buffer = io.StringIO()
-    with rc_context({"svg.hashsalt": "symosc"}):
-        figure().savefig(buffer, format="svg", metadata={"Date": None})
-    drawing = re.sub(r"[ \t]+\n", "\n", buffer.getvalue())
-    return [write_text(folder / FIGURE, drawing), write_text(folder / PAGE, page())]
+    paths = [write_text(folder / PAGE, page())]
+    for name, fig in ((FIGURE, figure()), (MAPS, maps())):
+        buffer = io.StringIO()
+        with rc_context({"svg.hashsalt": "symosc"}):
+            fig.savefig(buffer, format="svg", dpi=120, metadata={"Date": None})
+        paths.append(write_text(folder / name, re.sub(r"[ \t]+\n", "\n", buffer.getvalue())))
+    return paths
 
 
 if __name__ == "__main__":

@@ -69,6 +69,9 @@ from .mappings.equations import solve_map as solve_map
 from .mappings.theorem7_cases import Place as Place
 from .model import Parameters as Parameters
 from .orbits.admissibility import Condition as Condition
+from .orbits.border import Border as Border
+from .orbits.border import BorderError as BorderError
+from .orbits.border import continue_border as continue_border
 from .orbits.branch import Branch as Branch
 from .orbits.branch import BranchEnd as BranchEnd
 from .orbits.branch import BranchError as BranchError
@@ -87,9 +90,11 @@ from .orbits.periodic_orbit import (
 from .orbits.periodic_orbit import (
     SwitchingPoint as SwitchingPoint,
 )
+from .reductions import OtherModel as OtherModel
 from .reference.case import KnownEvent as KnownEvent
 from .reference.case import ReferenceCase as ReferenceCase
 from .reference.cases import reference_cases as reference_cases
+from .scenes import Original as Original
 from .scenes import Scene as Scene
 from .scenes import load_scene as load_scene
 from .scenes import scene_names as scene_names
@@ -98,6 +103,7 @@ from .sensitivities import sensitivities as sensitivities
 from .simulation.ensemble import EventTable as EventTable
 from .simulation.ensemble import Summary as Summary
 from .simulation.ensemble import simulate_many as simulate_many
+from .simulation.moved import MovedTrajectory as MovedTrajectory
 from .simulation.simulate import simulate as simulate
 from .simulation.trajectory import Segment as Segment
 from .simulation.trajectory import Trajectory as Trajectory

@@ -139,7 +139,7 @@ KINDS: dict[str, Kind | str] = {
     "ParametersLike": "Parameters | ParametersSource",
     "ParametersSource": Kind(
         "a Scene, or the name or file of one",
-        lambda kind: issubclass(kind, str) or hasattr(kind, "__fspath__") or _inherits("Scene")(kind),
+        lambda kind: issubclass(kind, str) or hasattr(kind, "__fspath__") or _inherits("Scene", "OtherModel")(kind),
         converted="parameters",
     ),
     "Axes": Kind("axes of matplotlib, such as plt.subplots() makes", _inherits("Axes")),
@@ -158,6 +158,7 @@ KINDS |= {
         "EventTable": "simulate_many(...)",
         "GrazingCurve": "grazing_curve(...)",
         "GrazingWindow": "grazing_window(...)",
+        "OtherModel": "OtherModel(m=..., k=..., Omega=..., FN=...)",
         "ParameterRegion": "values_containing(...) for two parameters",
         "PeriodicOrbit": "find_orbit(...)",
         "Scene": "load_scene(...)",

@@ -68,6 +68,15 @@ def check_folder_of(path: str | Path) -> None:
         raise OutputError(str(path), "Permission denied")
 
 
+def check_new_folder(folder: Path, wanted: str = "must name a folder") -> None:
+    """Raise OutputError unless files can be written into a folder, which need not exist; `wanted` ends the reason."""
+    above = next(each for each in (folder, *folder.absolute().parents) if os.path.exists(each))
+    if not above.is_dir():
+        raise OutputError(str(folder), f"{above} is a file, and {wanted}")
+    if not os.access(above, os.W_OK):
+        raise OutputError(str(folder), "Permission denied")
+
+
 def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
     """Write to standard output."""
     with tempfile.TemporaryDirectory() as folder:

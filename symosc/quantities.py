@@ -46,6 +46,14 @@ QUANTITIES = {
     "x0": Quantity("start position", "length", "x_0"),
     "v0": Quantity("start velocity", "length/time", "v_0"),
     "t_end": Quantity("end time", "time", r"t_\mathrm{end}", "later than t0"),
+    # of other models (`symosc.reductions`)
+    "phase": Quantity("phase of the excitation", "angle", r"\varphi"),
+    "Y": Quantity("amplitude of the base", "length", "Y"),
+    "Y_phase": Quantity("phase of the base", "angle", r"\varphi_Y"),
+    "W": Quantity("amplitude of the belts' speeds", "length/time", "W"),
+    "W_phase": Quantity("phase of the belts' speeds", "angle", r"\varphi_W"),
+    "g": Quantity("gravity", "length/time^2", "g"),
+    "angle": Quantity("slope down which x is counted", "angle", r"\alpha"),
 }
 
 
@@ -57,7 +65,7 @@ def least(name: str) -> Fraction | None:
 #: The unit of each dimension in scene files where a number has one; plain numbers of such a file are in these too.
 UNITS = {
     "mass": "kg", "mass/time": "kg/s", "mass/time^2": "N/m", "force": "N", "angle/time": "rad/s", "length/time": "m/s",
-    "1": "1", "time": "s", "length": "m",
+    "1": "1", "time": "s", "length": "m", "angle": "rad", "length/time^2": "m/s^2",
 }  # fmt: skip
 
 
@@ -75,7 +83,7 @@ def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
     if not is_quantity(text):
         return read_expression(name, text)
     number, exact = read_quantity(name, text)
-    return (number if exact else _rounded(number)), exact
+    return (number if exact else rounded(number)), exact
 
 
 # --- expressions ---
@@ -143,7 +151,7 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
     low, high = (read_exact(name, _end(end)) for end in (found.a, found.b))
     if (high - low) * 10 ** (KNOWN_DIGITS + 5) > min(abs(low), abs(high)):
         raise refused(f"is not known to {KNOWN_DIGITS} digits, as they cancel; write it as a number, 0 if it is that")
-    return _rounded((low + high) / 2), False
+    return rounded((low + high) / 2), False
 
 
 def _limited(value: Any) -> Any:
@@ -176,7 +184,7 @@ def _end(end: Any) -> Any:
     return mp.make_mpf(end._mpi_[0])
 
 
-def _rounded(value: Fraction) -> Fraction:
+def rounded(value: Fraction) -> Fraction:
     """Return a number with 40 digits."""
     context = Context(prec=KNOWN_DIGITS, rounding=ROUND_HALF_EVEN)
     return Fraction(context.divide(Decimal(value.numerator), Decimal(value.denominator)))

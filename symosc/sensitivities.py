@@ -39,9 +39,9 @@ SPARE, PHASE_DIGITS = 10, 40
 MANY = 2_000
 #: What a derivative does not exist for, by the reason's code.
 REASONS = {
-    tangent.NO_SLOPE: "the force that ends the stick at t = {t:.6g} has no slope there",
-    tangent.FLAT_CONTACT: "the contact at t = {t:.6g} has no slope",
-    tangent.NO_FORCE: "a force on belt {belt} vanishes at t = {t:.6g}",
+    tangent.NO_SLOPE: "the force that ends the stick at t = {t:.6g} has no slope there, up to rounding",
+    tangent.FLAT_CONTACT: "the contact at t = {t:.6g} has no slope, up to rounding",
+    tangent.NO_FORCE: "a force on belt {belt} vanishes at t = {t:.6g}, up to rounding",
 }
 
 
@@ -262,20 +262,28 @@ def sensitivities(
     motion = simulate(start.parameters, **about, max_events=max_events, digits=digits)
     columns = _Columns(motion, start)
     dt, dx, marks, why, *_ = columns.changes(names, len(names))
-    reasons = _reasons(motion, names, marks, why, _kink_at_start(columns, names))
+    reasons = _reasons(motion, names, marks, why, _kink_at_start(columns, names, marks))
     return Sensitivities(motion, names, dt, dx, marks == 1, reasons, columns)
 
 
-def _kink_at_start(columns: _Columns, wrt: tuple[str, ...]) -> str | None:
-    """Return by what a motion is not differentiable at its start: by what takes a flight off the belt it starts on."""
+def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -> str | None:
+    """Return by what a motion is not differentiable at its start on a belt."""
     mode, _, _, _, v = columns.starts[0]
-    on = [
-        f"v{n}"
-        for n in (1, 2)
-        if mode <= ON_BELT and v == columns.numbers.number(columns.trajectory.parameters.belt(n))
-    ]
-    moved = [name for name in wrt if on and name in ("v0", *on)]
-    return f"the start is on a belt: by {', '.join(moved)} for starts on the side of the flight" if moved else None
+    p, number = columns.trajectory.parameters, columns.numbers.number
+    on = [name for n, name in ((1, "v1"), (2, "v2")) if v == number(p.belt(n))]
+    if not on or not len(marks):
+        return None
+    off = [name for name in wrt if name in ("v0", *on)]
+    moved = [name for name, mark in zip(wrt, marks[0].tolist(), strict=True) if not mark and name not in off]
+    said = []
+    if off:
+        names = ", ".join(off)
+        said.append(
+            f"for other {names} a stick begins first" if mode > ON_BELT else f"by {names} on the flight's side only"
+        )
+    if moved:
+        said.append(f"a force there is 0, and {', '.join(moved)} may move it")
+    return f"the start is on a belt: {'; '.join(said)}" if said else None
 
 
 def _reasons(

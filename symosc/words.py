@@ -132,6 +132,12 @@ class Word(NamedTuple):
         return "P" + "".join(label[1] for label in reversed(self.labels))
 
 
+def cycle(word: str) -> str:
+    """Return the text of a word so that all rotations, such as P32 and P23, are equal: the largest in text order."""
+    digits = word[1:]
+    return "P" + max(digits[i:] + digits[:i] for i in range(len(digits))) if digits else ""
+
+
 #: A list of labels is printed whole up to this length, and a repeated part is looked for up to that one.
 MOST_PRINTED, LONGEST_PART = 40, 64
 

@@ -19,7 +19,7 @@ LEVELS = [
     {"arguments", "exact", "files", "display"},
     {"quantities"},
     {"model"},
-    {"words"},
+    {"words", "reductions"},
     {"scenes"},
     {"kernels"},
     {"engine"},

@@ -77,6 +77,7 @@ def test_the_orbit_that_the_motion_settles_to() -> None:
         symosc.find_orbit(P.replace(c=0))
 
 
+@pytest.mark.slow
 def test_texts_of_answers_are_short() -> None:
     t = np.linspace(float(SCENE.t0), 60, 4_000)
     x, v = simulate("fig9", t_end=60)(t)

@@ -134,7 +134,7 @@ def test_a_graze_is_a_kink_and_says_its_side(name: str) -> None:
 def test_a_start_on_a_belt_is_a_kink() -> None:
     found = sensitivities("fig9", ("v0", "v1", "x0"))
     assert found.regular[0].tolist() == [False, False, True]
-    assert "the start is on a belt: by v0, v1" in str(found.reasons[0])
+    assert "the start is on a belt: by v0, v1 on the flight's side" in str(found.reasons[0])
     assert found.reasons[1] is None
 
 

@@ -73,6 +73,7 @@ def run(
     solvers: Sequence[Solver] | None = None,
     cases: Sequence[ReferenceCase] | None = None,
     limit: float = CASE_LIMIT,
+    with_derivatives: bool = False,
 ) -> Record:
     """Run solvers (None: all) on cases (None: all) and judge their events.
 
@@ -86,7 +87,8 @@ def run(
     able = [solver for solver in solvers if not solver.missing]
     steps = iter(progress(range(len(chosen) * (1 + len(able)))))
     chunks = [
-        [Job((KNOWN, i), stored, (chosen[i],)) for i in range(k, len(chosen), PROCESSES)] for k in range(PROCESSES)
+        [Job((KNOWN, i), stored, (chosen[i], with_derivatives)) for i in range(k, len(chosen), PROCESSES)]
+        for k in range(PROCESSES)
     ]
     known = {i: _value(outcome) for (_, i), outcome in in_parallel(chunks, FIRST_LIMIT, None, steps).items()}
     jobs = [[Job((s.name, i), found_by, (s, case, limit)) for i, case in enumerate(chosen)] for s in able]
@@ -131,10 +133,10 @@ def _result(outcome: Outcome, limit: float) -> CaseResult:
         return CaseResult(note=f"> {limit:g} s")
     if outcome.failure:
         return CaseResult(note="chatters" if "chatters" in outcome.failure else "gives up")
-    finite = [row for row in outcome.value if isfinite(row[0]) and isfinite(row[1])]
+    finite = sorted((row for row in outcome.value if isfinite(row[0]) and isfinite(row[1])), key=lambda row: row[:2])
     if len(finite) < len(outcome.value):
         return CaseResult(note="not finite")
-    return CaseResult([GivenEvent(Fraction(t), Fraction(x), *words) for t, x, *words in sorted(finite)])
+    return CaseResult([GivenEvent(Fraction(t), Fraction(x), *words) for t, x, *words in finite])
 
 
 def _value(outcome: Outcome) -> Any:

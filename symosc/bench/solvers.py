@@ -75,20 +75,23 @@ class Solver:
         The module that must be importable, "" if it comes with symosc.
     note : str
         What its precautions are.
+    extra : str
+        The extra that installs what it needs.
     """
 
     name: str
-    prepare: Callable[[Scene, float], Callable[[], Sequence[FoundEvents]]]
+    prepare: Callable[[Scene, float], Callable[[], Sequence[Any]]]
     tolerances: tuple[float, ...]
     needs: str = ""
     note: str = ""
+    extra: str = "bench"
 
     @property
     def missing(self) -> str:
         """Say why the solver cannot run here; "" if it can."""
         if not self.needs or find_spec(self.needs) is not None:
             return ""
-        return f"{self.needs} is not installed (extra `bench`)"
+        return f"{self.needs} is not installed (extra `{self.extra}`)"
 
 
 def compiled(scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:

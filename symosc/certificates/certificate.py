@@ -40,6 +40,8 @@ class Certificate(Drawable):
         Of an orbit: whether it is stable; None if that is undecided.
     statement : dict
         What the file says: exact input as rational numbers, enclosures as decimals.
+    derivatives : tuple
+        With ``certify(wrt=...)``: for each event enclosures of its dt and of its dx by all names.
 
     Examples
     --------
@@ -59,6 +61,7 @@ class Certificate(Drawable):
     multipliers: tuple[Any, ...] = ()
     stable: bool | None = None
     statement: Record = field(default_factory=dict)
+    derivatives: tuple[Any, ...] = ()
 
     def as_dict(self) -> Record:
         """Return the contents of the file written by `to_json`."""
@@ -89,6 +92,11 @@ def confirmed(certificate: Certificate) -> Certificate:
 def events_of(rows: Sequence[Record]) -> tuple[Any, ...]:
     """Return rows of a file as `Certificate.events`."""
     return tuple((row["kind"], row["source"], row["target"], tuple(row["t"]), tuple(row["x"])) for row in rows)
+
+
+def changes_of(rows: Sequence[Record]) -> tuple[Any, ...]:
+    """Return the derivatives of a file as `Certificate.derivatives`."""
+    return tuple(tuple(tuple(map(tuple, row[name])) for name in ("dt", "dx")) for row in rows)
 
 
 def proven_rows(certificate: Certificate) -> list[Record]:

@@ -5,7 +5,7 @@ So the name is there without python-flint too: `from symosc import *` and comple
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,7 @@ from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene, from_rest, load_scene
+from symosc.simulation.tangents import read_wrt
 
 #: A motion of a scene with a structure that lasts longer, in radians of the drive, may settle on the orbit.
 SETTLES_AFTER = 6000
@@ -36,6 +37,7 @@ def certify(
     t_end: NumberLike | None = None,
     start_error: StartError | None = None,
     digits: int | None = None,
+    wrt: str | Sequence[str] | None = None,
     progress: Callable[[float], None] | bool | None = None,
 ) -> Certificate:
     """Prove a motion: every event until t_end, that it is the next one, of its kind, and what follows it.
@@ -57,6 +59,9 @@ def certify(
         proof is for every start within them; where a contact may be a graze for some of them: one that grazes.
     digits : int, optional
         Digits of a scene's enclosures; default 25, and more where events are closer to each other.
+    wrt : str or sequence of str, optional
+        Names of parameters, and t0, x0, v0: the derivatives of all events by them are enclosed too. For exact starts,
+        and motions without a graze.
     progress : bool or callable, optional
         For a branch. True: a bar on stderr, on a terminal. Or a function of the part of it that is proven.
 
@@ -81,6 +86,9 @@ def certify(
     '5 events until t = 7'
     >>> certify(find_orbit(load_scene("fig9").parameters, "P32")).points[0][0]
     ('0.181670397924320463014137', '0.18167039792432046301414')
+    >>> dt, dx = certify("fig5", t_end=1, wrt="mu1").derivatives[0]
+    >>> dt[0][0][:12]
+    '-0.148289299'
     """
     if isinstance(what, str | Path):
         what = load_scene(what)
@@ -88,13 +96,13 @@ def certify(
         if t_end is None:
             raise ParameterError("t_end", None, "is needed with parameters")
         what = from_rest(what, t_end)
-    for name, value in (("t_end", t_end), ("start_error", start_error), ("digits", digits)):
+    for name, value in (("t_end", t_end), ("start_error", start_error), ("digits", digits), ("wrt", wrt)):
         if value is not None and isinstance(what, PeriodicOrbit | Branch | GrazingWindow):
             raise ParameterError(name, value, f"is for a scene only, not for a {type(what).__name__}")
     import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
 
     if isinstance(what, Scene):
-        return _motion(what, t_end, start_error, digits)
+        return _motion(what, t_end, start_error, digits, () if wrt is None else read_wrt(wrt))
     if isinstance(what, PeriodicOrbit):
         from symosc.certificates.orbit import certify_orbit
 
@@ -110,7 +118,7 @@ def certify(
     raise ParameterError("what", what, "give a Scene or its name or path, a PeriodicOrbit, a Branch or a window")
 
 
-def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any) -> Certificate:
+def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[str, ...]) -> Certificate:
     """Prove the motion of a scene."""
     from symosc.certificates.settled import prove_settled
     from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_trajectory
@@ -121,8 +129,10 @@ def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any) -> Certific
         scene = replace(scene, start_error=start_error)
     errors = read_start_error(scene.start_error) or EXACT
     wanted = read_digits(digits, MOST_PROVEN_DIGITS) or DIGITS
-    task = ToProve(scene.parameters, (scene.t0, scene.x0, scene.v0), errors, scene.t_end, wanted)
-    if scene.structure and scene.parameters.Omega * (scene.t_end - scene.t0) > SETTLES_AFTER:
+    if wrt and any(errors):
+        raise ParameterError("wrt", wrt, "is for a start that is known exactly")
+    task = ToProve(scene.parameters, (scene.t0, scene.x0, scene.v0), errors, scene.t_end, wanted, wrt)
+    if not wrt and scene.structure and scene.parameters.Omega * (scene.t_end - scene.t0) > SETTLES_AFTER:
         try:
             settled = prove_settled(task, find_orbit(scene.parameters, scene.structure))
         except ConvergenceError:  # there is no such orbit

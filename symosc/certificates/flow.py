@@ -77,12 +77,13 @@ class Oscillator:
         self.speed = {1: b["v1"], 2: b["v2"]}
         #: The jump of the acceleration at each belt, F^(below) - F^(above).
         self.jump = {boundary: 2 * b[f"mu{boundary}"] * b["FN"] / self.m for boundary in (1, 2)}
-        self.resonant = not ranges and p.c == 0 and p.k == p.m * p.Omega**2 and p.B0 != 0
+        driven, tuned = p.B0 != 0 or "B0" in ranges, not ranges.keys() & {"m", "c", "k", "Omega"}
+        self.resonant = driven and tuned and p.c == 0 and p.k == p.m * p.Omega**2
         if self.resonant:
             self.growth = self.B0 / (2 * self.m * self.Omega)
-        elif p.B0 == 0 and "B0" not in ranges:
+        elif not driven:
             self.steady_c = self.steady_s = arb(0)
-        elif not ranges:
+        elif tuned and "B0" not in ranges:
             pull, drag = p.k / p.m - p.Omega**2, p.c * p.Omega / p.m
             gain = p.B0 * p.Omega / p.m / (pull * pull + drag * drag)
             self.steady_c, self.steady_s = ball(gain * drag), ball(-gain * pull)

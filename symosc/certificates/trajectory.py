@@ -33,7 +33,8 @@ from symosc.certificates.balls import (
     outward,
     size,
 )
-from symosc.certificates.certificate import Certificate, confirmed, events_of
+from symosc.certificates.certificate import Certificate, changes_of, confirmed, events_of
+from symosc.certificates.derivatives import NUMBERS, Change, event_changes
 from symosc.certificates.flow import Flight, Jet, Oscillator
 from symosc.certificates.motion import Moving, ProvenEvent, begin, belts_around, fenced, first_zero, next_event
 from symosc.exact import show
@@ -46,19 +47,21 @@ MOST_PROVEN_EVENTS = 20_000
 #: Enclosures of events have this many digits, and more where events are closer to each other.
 DIGITS, DIGITS_BEYOND = 25, 8
 EXACT = (Fraction(0),) * 3
+WIDE = "the digits of a derivative"
 #: Numbers of the start that may be left free, in this order: the first one that is known to an error.
 FREE = (("x0", 1), ("v0", 2), ("t0", 0))
 MOST_SECANTS, MOST_NARROWINGS = 12, 60
 
 
 class ToProve(NamedTuple):
-    """The motion to prove: parameters, t0, x0, v0, their errors, t_end, and the digits of the enclosures."""
+    """The motion to prove: parameters, t0, x0, v0, their errors, t_end, the digits of the enclosures, and `wrt`."""
 
     p: Parameters
     start: tuple[Fraction, Fraction, Fraction]
     errors: tuple[Fraction, Fraction, Fraction]
     t_end: Fraction
     digits: int = DIGITS
+    wrt: tuple[str, ...] = ()
 
     @property
     def exact(self) -> bool:
@@ -69,13 +72,14 @@ class ToProve(NamedTuple):
 class Proof(NamedTuple):
     """The initial mode, proven events, the undecided question, and the free number of a start that grazes.
 
-    The last is its name and the two fractions between which it is.
+    The last is its name and the two fractions between which it is. `changes` are dt and dx of all events by each name.
     """
 
     mode: str
     events: list[ProvenEvent]
     undecided: Undecided | None = None
     free: tuple[str, Fraction, Fraction] | None = None
+    changes: list[list[Change]] | None = None
 
 
 def prove_trajectory(task: ToProve) -> Certificate:
@@ -85,8 +89,10 @@ def prove_trajectory(task: ToProve) -> Certificate:
         with ctx.workprec(bits):
             proof = _follow(task)
             if proof.undecided is None:
-                return _certificate(task, proof, bits)
-            if proof.undecided.graze is not None and not task.exact:
+                proof = _differentiated(task, proof)
+                if proof.undecided is None or proof.undecided.what != WIDE or bits >= MOST_BITS:
+                    return _certificate(task, proof, bits)
+            elif proof.undecided.graze is not None and not task.exact:
                 with ctx.workprec(2 * bits):
                     grazing = _with_a_graze(task, proof, proof.undecided.graze)
                 if grazing.undecided is None:
@@ -123,6 +129,21 @@ def _follow(task: ToProve) -> Proof:
     except Undecided as undecided:
         return Proof(mode, events, undecided)
     return Proof(mode, events)
+
+
+def _differentiated(task: ToProve, proof: Proof) -> Proof:
+    """Return a proof with the derivatives that are wanted, or with what is undecided of them."""
+    changes, mode = [], NUMBERS[proof.mode]
+    try:
+        for name in task.wrt:
+            changes.append(event_changes(task.p, task.start, mode, proof.events, name))
+        wanted = 10.0 ** (-task.digits - 1)
+        for value in (value for column in changes for change in column for value in change):
+            if not size(value.rad()) < wanted * max(1.0, size(value)):
+                raise Undecided(WIDE)
+    except Undecided as undecided:
+        return proof._replace(undecided=undecided)
+    return proof._replace(changes=changes)
 
 
 def _events(o: Oscillator, state: Moving, task: ToProve) -> Iterator[tuple[ProvenEvent, Moving]]:
@@ -305,11 +326,22 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
         "mode": proof.mode,
         "events": rows,
     }
+    if proof.changes:
+        ends = [
+            [[list(outward(each, _known(each, task.digits))) for each in change] for change in column]
+            for column in proof.changes
+        ]
+        derivatives = [
+            {name: [change[i] for change in row] for i, name in enumerate(("dt", "dx"))}
+            for row in zip(*ends, strict=True)
+        ]
+        statement |= {"wrt": list(task.wrt), "derivatives": derivatives}
     if proof.free is not None:
         name, low, high = proof.free
         statement["free"] = {"name": name, "low": show(low), "high": show(high)}
     if proof.undecided is None:
-        return confirmed(Certificate("trajectory", True, "", events_of(rows), statement=statement))
+        changes = changes_of(statement.get("derivatives", ()))
+        return confirmed(Certificate("trajectory", True, "", events_of(rows), statement=statement, derivatives=changes))
     count = f"{len(rows)} event{'' if len(rows) == 1 else 's'}"
     message = f"{proof.undecided.what}{proof.undecided.place()} is not decided with {bits} bits, after {count}"
     if proof.undecided.graze is not None and task.exact:

@@ -25,7 +25,10 @@ certificates" has the equation of motion, what each kind of file states, and the
    that comes into B has them again and again. If D contains the derivatives of P over B and |D| e <= q e, q < 1, P is a
    contraction: it has one fixed point c + u in B, u = (1 - D)^-1 (P(c) - c). After n cycles a motion is within 2 q^n e
    of it. `may_stick_until`: all starts leave the belt to one side, where F falls to 0, before that time.
-7. "window": with f = f' = 0 at a contact, m f'' = s, s = side (k v + B0 Omega sin theta), side = 1 below the belt, -1
+7. Derivatives by a number q, of exact starts without a graze: z_q' = M z_q + M_q z at fixed times behind an event,
+   where x_q = dx - v dt, v_q = dv - v' dt. The next event has dt = -(row_q z + row z_q)/f', dx = x_q + v dt. They
+   exist, as f' and the forces behind an event are not 0 (3 above), nor is a force on the belt where a motion begins.
+8. "window": with f = f' = 0 at a contact, m f'' = s, s = side (k v + B0 Omega sin theta), side = 1 below the belt, -1
    above it. It grazes where s > 0, not where s < 0. At a zero of s with cos theta != 0 the motion passes. Where |k v| =
    |B0| Omega, s = 0 at one phase, and there f'''' has the sign of side k v, which decides in the "full" order.
 """
@@ -124,6 +127,8 @@ MOTION = {"parameters": dict.fromkeys(NAMES, number), "start": dict.fromkeys(STA
 MOTION |= {"start_error": (number,) * 3, "mode": mode_number, "events": EVENTS}
 SHAPES = {
     "trajectory": MOTION | {"starts": {"all"}},
+    "derivatives": MOTION
+    | {"starts": {"all"}, "wrt": [{*NAMES, *START}], "derivatives": [{"dt": [interval], "dx": [interval]}]},
     "some": MOTION | {"starts": {"some"}, "free": {"name": set(START), "low": number, "high": number}},
     "settled": MOTION
     | {"may_stick_until": lambda value, where: None if value is None else number(value, where)}
@@ -491,6 +496,59 @@ def question(data, source):
     return start, errors, about(source["parameters"], *shown) + f"; it begins in {source['mode']}"
 
 
+def varied(problem, number, name):
+    """Return the derivatives of M and of the rows of a mode by a number; all are affine in each but m, and in 1/m."""
+    if name in START:
+        return fmpq_mat(5, 5), fmpq_mat(2, 5)
+    p = problem.p
+    by, factor = (p["m"], 2 / p["m"]) if name == "m" else (fmpq(1), fmpq(1))
+    mode, other = problem.mode(number), Mode(p | {name: p[name] + by}, number)
+    return (other.exact - mode.exact) * factor, (other.row - mode.row) * factor
+
+
+def changes(problem, motions, rows, name):
+    """Return enclosures of dt and dx of all events by a number (7 above)."""
+    dt, dx, dv = (arb(int(name == each)) for each in START)
+    found = []
+    for motion, row, after in zip(motions, rows, motions[1:], strict=False):
+        problem.step(5)
+        mode, z = motion.mode, motion.first
+        N, by_row = (arb_mat(each) for each in varied(problem, mode.number, name))
+        rate, turned = mode.M * z, motion.t if name == "Omega" else arb(0)
+        launched = [dx - rate[0, 0] * dt, dv - rate[1, 0] * dt, arb(0), -z[4, 0] * turned, z[3, 0] * turned]
+        both = arb_mat(10, 10)
+        for i in range(5):
+            for j in range(5):
+                both[i, j], both[i, 5 + j], both[5 + i, 5 + j] = mode.M[i, j], N[i, j], mode.M[i, j]
+        zq = ((after.t - motion.t) * both).exp() * arb_mat([[each] for each in [*launched, *z.entries()]])
+        zq, belt = arb_mat([[zq[i, 0]] for i in range(5)]), row["boundary"]
+        i = mode.ends.index(belt if mode.flies else row["target"])
+        there = arb_mat([[after.x], [problem.p[f"v{belt}"]], [1], *([after.first[i, 0]] for i in (3, 4))])
+        slope = (mode.rows[1] * there)[i, 0]
+        require(abs(slope), "the slope at an event")
+        dt = -((by_row * there)[i, 0] + (mode.rows[0] * zq)[i, 0]) / slope
+        dx, dv = zq[0, 0] + problem.p[f"v{belt}"] * dt, arb(int(name == f"v{belt}"))
+        found.append((dt, dx))
+    return found
+
+
+def differentiated(problem, data, motions):
+    """Prove the stated derivatives of all events (7 above)."""
+    first, names, stated = motions[0], data["wrt"], data["derivatives"]
+    check(not any(data["start_error"]), "derivatives of a start that is not exact", BAD)
+    check(names and len({*names}) == len(names), "wrt: no names, or one twice", BAD)
+    right = len(stated) == len(data["events"]) and all(len(row[d]) == len(names) for row in stated for d in row)
+    check(right, "derivatives: not as many as events and names", BAD)
+    check(all(row["kind"] != "graze" for row in data["events"]), "derivatives behind a graze")
+    on = [f"v{n}" for n in (1, 2) if data["start"]["v0"] == problem.p[f"v{n}"]]
+    check(not {"v0", *on} & {*names} or not on, "a derivative by what takes the start off its belt")
+    check(max(first.leaves.values(), default=0) <= first.mode.flies, "derivatives where a force is 0 at the start")
+    for j, name in enumerate(names):
+        for found, row in zip(changes(problem, motions, data["events"], name), stated, strict=True):
+            for value, ends in zip(found, (row["dt"][j], row["dx"][j]), strict=True):
+                inside(value, ends)
+
+
 def trajectory(data, source, limits):
     """Prove that a motion has the stated events, and no others until t_end."""
     problem = Problem(data["parameters"], limits)
@@ -506,14 +564,23 @@ def trajectory(data, source, limits):
         shown += "; {name} is between {low} and {high}, and one value between them touches".format(**source["free"])
     motion, *others = [begin(problem, *each, None if i == 0 < len(starts) - 1 else []) for i, each in enumerate(starts)]
     check(data["mode"] == motion.mode.number, f"the motion begins in {MODES[motion.mode.number]}")
+    motions = [motion]
     for row in data["events"]:
         motion = motion.behind(row, others).within(row)
         others = [] if row["kind"] == "graze" else [each.behind(row) for each in others]
+        motions.append(motion)
     check(not others, "a graze that only one start has, and no graze is stated")
     motion.positive(arb(data["t_end"]).upper())
-    count = len(data["events"])
+    count, lines = len(data["events"]), []
+    if "wrt" in data:
+        differentiated(problem, data, motions)
+        suffix = f", with derivatives by {', '.join(data['wrt'])}"
+        for i, row in enumerate(source["derivatives"], 1):
+            for name, *ends in zip(data["wrt"], row["dt"], row["dx"], strict=True):
+                parts = (f"{low} < d{what}/d{name} < {high}" for what, (low, high) in zip("tx", ends, strict=True))
+                lines.append(f"{i}: {'; '.join(parts)}")
     first = f"{count} event{'s' * (count != 1)} until t = {source['t_end']}{suffix}"
-    return [first, shown, *table(source["events"])]
+    return [first, shown, *table(source["events"]), *lines]
 
 
 def follow(problem, rows, box, kind=Motion):
@@ -599,7 +666,7 @@ def keeps(bias, swing, low, high, problem):
 
 
 def window(data, source, limits):
-    """Prove at which phases a contact with F = 0 grazes (7 above)."""
+    """Prove at which phases a contact with F = 0 grazes (8 above)."""
     problem, where, ends = Problem(data["parameters"], limits), data["grazes"], data["ends"]
     p, (belt, side) = problem.p, {"P2": (1, 1), "P3": (1, -1), "P5": (2, 1), "P6": (2, -1)}[data["map"]]
     bias, swing, circle = side * p["k"] * p[f"v{belt}"], side * p["B0"] * p["Omega"], (arb(0), 2 * arb.pi())
@@ -665,7 +732,8 @@ def prove(data, limits):
     more = f" {BESIDE[kind]} proves it" if kind in BESIDE else ""
     check(kind in KINDS, f"{kind[:20]!r}: of that kind this checker proves none.{more}", BAD)
     source = {key: each for key, each in data.items() if key not in ("format", "kind", "proven", "message", "made_by")}
-    shape = SHAPES["some" if kind == "trajectory" and data.get("starts") == "some" else kind]
+    some, derived = data.get("starts") == "some", "derivatives" if "wrt" in data else kind
+    shape = SHAPES[kind if kind != "trajectory" else "some" if some else derived]
     counted = sum(len(each) for each in source.values() if type(each) is list)
     check(counted <= limits["events"], f"more than {limits['events']} events and boxes (--events)")
     content, limits["left"] = read(source, shape, kind), limits["steps"]

@@ -26,8 +26,15 @@ from symosc.errors import MissingExtraError
 )
 @click.option("--results", "readme", metavar="README", help="Run everything, and write it between the README's marks.")
 @click.option("--scores", "page", metavar="FILE", help="Score all solvers on the reference cases: a Markdown page.")
+@click.option("--gradients", "slopes", metavar="FILE", help="Score ways to differentiate the events: a Markdown page.")
 def bench(
-    quick: bool, hard_cases: bool, as_json: bool, output: str | None, readme: str | None, page: str | None
+    quick: bool,
+    hard_cases: bool,
+    as_json: bool,
+    output: str | None,
+    readme: str | None,
+    page: str | None,
+    slopes: str | None,
 ) -> int:
     """Measure speed beside error, of symosc and of other solvers.
 
@@ -40,6 +47,8 @@ def bench(
     --scores lets all solvers follow all reference cases (`symosc cases`), which takes some minutes, and writes what
     `symosc score` says of them, with a picture beside it.
 
+    --gradients lets other tools (extras bench, jax and gradients) differentiate the events of these cases.
+
     --results writes into a README that has the lines '<!-- results: begin -->' and '<!-- results: end -->'. Pictures
     and full tables go to docs/results beside it.
 
@@ -50,15 +59,17 @@ def bench(
       symosc bench --hard
       symosc bench --results README.md
       symosc bench --scores docs/results/scores.md
+      symosc bench --gradients docs/results/gradients.md
     """
     piped = goes_to_stdout(output, "--output", as_json)
     from symosc import plot
     from symosc.bench import cases, error_map, results, speed, work
 
-    if page is not None:
-        if quick or hard_cases or as_json or output is not None or readme is not None:
-            raise click.UsageError("--scores is a run of its own: leave out the other options")
-        return _scores(page)
+    alone = [(name, path) for name, path in (("--scores", page), ("--gradients", slopes)) if path is not None]
+    if alone:
+        if quick or hard_cases or as_json or output is not None or readme is not None or len(alone) > 1:
+            raise click.UsageError(f"{alone[0][0]} is a run of its own: leave out the other options")
+        return _scores(*alone[0])
     if readme is not None and (hard_cases or output is not None):
         raise click.UsageError("--results runs everything and draws its own pictures: leave out --hard and -o")
     check_picture(output)
@@ -103,15 +114,16 @@ def _speed(quick: bool) -> Record:
     }
 
 
-def _scores(page: str) -> int:
-    from symosc.bench import cases
+def _scores(option: str, page: str) -> int:
+    from symosc.bench import cases, gradients
     from symosc.files import check_folder_of
 
     if not page.endswith(".md"):
-        raise click.BadParameter(f"{page!r} must end in .md", param_hint="--scores")
+        raise click.BadParameter(f"{page!r} must end in .md", param_hint=option)
     check_folder_of(page)  # before the work
-    result = cases.run(progress=partial(_bar, "reference cases"))
-    for path in cases.write(page, result, f"symosc bench --scores {Path(page).as_posix()}"):
+    runs = cases if option == "--scores" else gradients
+    result = runs.run(partial(_bar, "reference cases"))
+    for path in runs.write(page, result, f"symosc bench {option} {Path(page).as_posix()}"):
         write(wrote(path))
     return 0
 

@@ -16,6 +16,7 @@ from symosc.cli.common import (
     optional_scene,
     read_error,
     read_span,
+    reduced_scene,
     scene_with,
     set_option,
     start_error_option,
@@ -38,6 +39,12 @@ if TYPE_CHECKING:
 @optional_scene
 @click.option("--t-end", metavar="T", help="End time in place of the scene's; 10T: after 10 periods.")
 @start_error_option
+@click.option(
+    "--wrt",
+    metavar="NAMES",
+    shell_complete=complete(PARAMETER_NAMES, ","),
+    help="Enclose the derivatives of all events too, by parameters and t0, x0, v0, such as mu1,x0.",
+)
 @click.option("--orbit", "word", metavar="WORD", help="Prove the periodic orbit with this structure, such as P32.")
 @click.option(
     "--branch",
@@ -62,6 +69,7 @@ def certify(
     *,
     t_end: str | None,
     start_error: str | None,
+    wrt: str | None,
     word: str | None,
     span: str | None,
     mapping: str | None,
@@ -81,6 +89,7 @@ def certify(
     Examples:
       symosc certify fig5
       symosc certify fig8 --t-end 12 -o fig8.json
+      symosc certify fig5 --wrt mu1,x0
       symosc certify fig9 --orbit P32
       symosc certify fig9 --branch Omega=3:6
     """
@@ -91,10 +100,10 @@ def certify(
         return _prove_list()
     if scene is None:
         raise click.UsageError("Missing argument 'SCENE'.")
-    if (word or span or mapping) and (t_end or start_error):
-        raise click.UsageError("--t-end and --start-error are for the motion of a scene, not for its orbit or a window")
-    problem = scene_with(scene, settings, {"t_end": t_end})
-    certificate = _proof(problem, start_error, word, span, mapping)
+    if (word or span or mapping) and (t_end or start_error or wrt):
+        raise click.UsageError("--t-end, --start-error and --wrt are for motions, not for an orbit, branch or window")
+    problem = reduced_scene(scene_with(scene, settings, {"t_end": t_end}))
+    certificate = _proof(problem, start_error, wrt, word, span, mapping)
     if certificate is None:
         return FAILED
     if output is not None:
@@ -109,7 +118,12 @@ def certify(
 
 
 def _proof(
-    problem: Scene, start_error: str | None, word: str | None, span: str | None, mapping: str | None
+    problem: Scene,
+    start_error: str | None,
+    wrt: str | None,
+    word: str | None,
+    span: str | None,
+    mapping: str | None,
 ) -> Certificate | None:
     """Return the certificate that is asked for; None, after a line that says so, if there is no such orbit."""
     from symosc.certificates.certify import certify as prove
@@ -119,7 +133,8 @@ def _proof(
 
         return prove(grazing_window(problem.parameters, mapping))
     if word is None and span is None:
-        return prove(problem, start_error=read_error(start_error))
+        names = None if wrt is None else [name.strip() for name in wrt.split(",")]
+        return prove(problem, start_error=read_error(start_error), wrt=names)
     found = _orbit(problem, word)
     if found is None or span is None:
         return None if found is None else prove(found)
@@ -154,6 +169,11 @@ def _report(certificate: Certificate) -> None:
     rows = [[common_digits(*t), common_digits(*x), kind, f"{old} -> {new}"] for kind, old, new, t, x in timed]
     if rows:
         write_table(rows, ["t", "x", "kind", "from -> to"])
+        write("")
+    if certificate.derivatives:
+        names = certificate.statement["wrt"]
+        changes = [[common_digits(*each) for each in (*dt, *dx)] for dt, dx in certificate.derivatives]
+        write_table(changes, [f"d{of}/d{name}" for of in "tx" for name in names])
         write("")
     for i, multiplier in enumerate(certificate.multipliers, 1):
         write(f"multiplier {i}: {common_complex(*multiplier)}")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -215,13 +214,21 @@ def scene_with(scene: str | Scene, settings: tuple[str, ...], start: dict[str, s
     scene = load_scene(scene) if isinstance(scene, str) else scene
     for line in scene.notes:
         note(f"{scene.name}: {line}")
-    scene = replace(scene, parameters=scene.parameters.replace(**read_parameters(settings)))
+    scene = scene.changed(**read_parameters(settings))
     for name, text in start.items():
         if text is not None and name != "t_end":
             read_typed(name, text)
     end = start.get("t_end")
     known: dict[str, Any] = {name: text for name, text in start.items() if text is not None}
     return scene.started(known if end is None else known | {"t_end": read_duration("t_end", end)})
+
+
+def reduced_scene(scene: Scene) -> Scene:
+    """Return the scene in the coordinates of symosc's model; a note says so of one of another model."""
+    if scene.original is not None:
+        changed = scene.parameters.as_dict()
+        note(f"{scene.name}: of another model; this is about the oscillator that it is, with B0 = {changed['B0']}")
+    return scene.reduced()
 
 
 def read_duration(name: str, text: str) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from os.path import exists
@@ -32,7 +31,7 @@ from symosc.cli.common import (
 from symosc.derive.chapters import CHAPTERS
 from symosc.display.progress import VERBOSE, bar, level
 from symosc.errors import OutputError, ParameterError, SymoscError, meant
-from symosc.files import write_text
+from symosc.files import check_new_folder, write_text
 from symosc.symbolic.export import LANGUAGES
 
 FILES = (".tex", ".pdf", ".txt", ".csv", ".json", ".html")
@@ -186,16 +185,9 @@ def _chapters(subject: str, scene: str | None, output: str | None, form: str, as
 
 def _check_folder(folder: Path) -> None:
     """Refuse what is not a folder before the work, which may take minutes."""
-    above = next(each for each in (folder, *folder.absolute().parents) if exists(each))
-    if not above.is_dir():
-        reason = f"{above} is a file, and --output names a folder"
-    elif not os.access(above, os.W_OK):
-        reason = "Permission denied"
-    elif folder.suffix.lower() in FILES and not exists(folder):
-        reason = "is named like a file, and --output names a folder"
-    else:
-        return
-    raise OutputError(str(folder), reason)
+    check_new_folder(folder, "--output names a folder")
+    if folder.suffix.lower() in FILES and not exists(folder):
+        raise OutputError(str(folder), "is named like a file, and --output names a folder")
 
 
 @contextmanager

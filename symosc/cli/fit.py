@@ -89,8 +89,8 @@ def fit(
     except ParameterError as error:
         if error.name.partition("[")[0] not in ("data", "t", "kind", "x", "v"):
             raise
-        rows = " (rows from 0, without the line of names)" if "[" in error.name else ""
-        raise click.BadParameter(f"{file.name}: {error}{rows}", param_hint="FILE") from None
+        note = " (rows from 0, without the line of names)" if "[" in error.name else ""
+        raise click.BadParameter(f"{file.name}: {error}{note}", param_hint="FILE") from None
     if picture is not None:
         from symosc import plot
 

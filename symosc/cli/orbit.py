@@ -17,6 +17,7 @@ from symosc.cli.common import (
     goes_to_stdout,
     json_option,
     read_span,
+    reduced_scene,
     scene_argument,
     scene_with,
     set_option,
@@ -83,6 +84,10 @@ def orbit(
 
     piped = goes_to_stdout(output, "--output", as_json)
     problem = scene_with(scene, settings, {})
+    if span is not None and problem.original is not None:
+        reason = f"{problem.name} is of another model, whose drive changes with its parameters: no branch is followed"
+        raise click.BadParameter(reason, param_hint="--continue")
+    problem = reduced_scene(problem)
     structure = problem.structure if structure is None else structure  # None: that of the settled motion
     check_picture(output)
     try:

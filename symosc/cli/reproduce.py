@@ -11,6 +11,7 @@ import click
 
 from symosc.cli.common import FAILED, folder_name, json_option, write, write_json, write_table
 from symosc.display.progress import bar
+from symosc.files import check_new_folder
 
 if TYPE_CHECKING:
     from symosc.paper.run import Plan, Results
@@ -51,12 +52,11 @@ def carry_out(plan: Plan, output: Path, as_json: bool = False, workers: int | No
     from symosc.paper import report
     from symosc.paper.run import run
 
-    with report.Folder(output) as folder:
-        parts = count(1)
-        with bar("reproducing", len(plan), "parts") as report_part:
-            results = run(plan, lambda: report_part(next(parts), len(plan)), workers)
-        texts = report.files(results)
-        folder.write(texts)
+    check_new_folder(output)
+    parts = count(1)
+    with bar("reproducing", len(plan), "parts") as report_part:
+        results = run(plan, lambda: report_part(next(parts), len(plan)), workers)
+    report.write(output, report.files(results))
     if as_json:
         write_json(report.data(results))
     else:

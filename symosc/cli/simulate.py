@@ -20,6 +20,7 @@ from symosc.cli.common import (
     json_option,
     read_duration,
     read_error,
+    reduced_scene,
     scene_argument,
     scene_with,
     set_option,
@@ -169,7 +170,7 @@ def explore(scene: str, settings: tuple[str, ...], port: int | None, no_browser:
       symosc explore
       symosc explore fig9 --set Omega=3.5
     """
-    problem = scene_with(scene, settings, {})
+    problem = reduced_scene(scene_with(scene, settings, {}))
     from symosc.plot.explorer.server import PORT, ExplorerServer
 
     with ExplorerServer(problem, PORT if port is None else port) as server:

@@ -186,11 +186,11 @@ def explain(
         gaps = np.array([steps.flight(domain, since, until) - steps.states[until] for domain in (1, 2, 3)])
         misses.append(np.max(np.abs(gaps / allowed[since]), axis=2))
     found = []
-    for k, i in enumerate(since.tolist()):
-        reason, words = _guess(steps, i, modes, sizes, allowed, near, np.array([each[:, k] for each in misses]))
-        dx, dv = (float(value) for value in steps.defects[i])
+    for k, i in enumerate(chosen):
+        reason, words = _guess(steps, i, modes, sizes, allowed, near[i], misses[0][:, k], misses[1][:, k])
+        (t, t_next), (dx, dv) = steps.t[i : i + 2].tolist(), steps.defects[i].tolist()
         expected, mode = MODE_NAMES[int(steps.last[i])], MODE_NAMES.get(int(modes[i + 1]), "")
-        found.append(Fault(i, float(steps.t[i]), float(steps.t[i + 1]), dx, dv, expected, mode, reason, words))
+        found.append(Fault(i, t, t_next, dx, dv, expected, mode, reason, words))
     return tuple(found)
 
 
@@ -200,46 +200,46 @@ def _guess(
     modes: np.ndarray,
     sizes: np.ndarray,
     allowed: np.ndarray,
-    near: np.ndarray,
-    misses: np.ndarray,
+    near: float,
+    to_next: np.ndarray,
+    over_next: np.ndarray,
 ) -> tuple[str, str]:
-    """Return a reason and its text; `misses` are those to the next sample, and to the one after, for each domain."""
+    """Return a reason and its text; of each domain's force, the misses to the next sample and to the one after."""
     if not np.isfinite(sizes[i]):
         return "undecidable", "the exact motion over the step cannot be decided in double precision"
     if steps.t[i + 1] == steps.t[i]:
         return "jump", f"samples {i} and {i + 1} are at one time and differ"
     first, last, found = int(steps.first[i]), int(steps.last[i]), int(modes[i + 1])
-    rows = steps.events.rows(i, i)
-    targets, times = steps.events.target[rows], steps.events.t[rows]
-    boundaries = steps.events.boundary[rows]
-    limit = max(1.0, EXPLAINS * float(sizes[i]))
-
-    fitting = [domain for domain in (1, 2, 3) if misses[0, domain - 1] <= limit]
+    rows, limit = steps.events.rows(i, i), max(1.0, EXPLAINS * float(sizes[i]))
+    times = steps.events.t[rows]
+    fitting = (1 + np.flatnonzero(to_next <= limit)).tolist()
+    at_once = len(times) and times[0] - steps.t[i] <= 1e-6 * steps.K.period
     gaps = steps.v[i : i + 2] - np.array([[steps.K.belt1.v], [steps.K.belt2.v]])
     nearest = int(np.argmin(np.abs(gaps[:, 0]))) + 1
     here = f"v - v{nearest} = {gaps[nearest - 1, 0]:.2g} at its start"
-    near_start = abs(gaps[nearest - 1, 0]) <= near[i]
+    near_start = abs(gaps[nearest - 1, 0]) <= near
     if last > 3 and found == last and abs(gaps[last - 4, 1]) > 0.0 and abs(steps.defects[i, 0]) <= allowed[i, 0]:
         return "drift on the belt", f"v should be v{last - 3} in the stick and is off by {gaps[last - 4, 1]:.2g}"
     if fitting and not len(times) and first <= 3:
         return "wrong force", f"the force of Omega{fitting[0]} explains the step, which lies in Omega{first}"
     if first > 3 and found <= 3:
         return "event at the start", f"the mass sticks to belt {first - 3} here, the samples leave it ({here})"
-    if fitting and near_start and (not len(times) or times[0] - steps.t[i] <= 1e-6 * steps.K.period):
+    if fitting and near_start and (not len(times) or at_once):
         return "event at the start", f"the force of Omega{fitting[0]} explains the step ({here})"
-    if found <= 3 and first <= 3 and len(times) and times[0] - steps.t[i] <= 1e-6 * steps.K.period:
+    if found <= 3 and first <= 3 and at_once:
         return "sign tolerance", f"{here}: the step begins on the wrong side of the belt"
     if found > 3 and last <= 3 and modes[i] == found:
         return "sign tolerance", f"the mass leaves belt {found - 3}, the samples stay on it ({here})"
     if len(times) and last == first and found == first:
-        what = f"the motion meets belt {boundaries[0]} at t = {times[0]:.10g} and is back at t = {times[-1]:.10g}"
-        return "double root", f"{what}; signs at the ends of the step do not show it"
-    if not len(times) and i + 2 < len(steps.t) and first <= 3 and misses[1, first - 1] <= limit:
-        part = "is right" if misses[1, first - 1] <= 1.0 else f"is off by {misses[1, first - 1] / sizes[i]:.0e} of that"
+        what = f"the motion meets belt {steps.events.boundary[rows][0]} at t = {times[0]:.10g} and is back at t ="
+        return "double root", f"{what} {times[-1]:.10g}; signs at the ends of the step do not show it"
+    if not len(times) and i + 2 < len(steps.t) and first <= 3 and over_next[first - 1] <= limit:
+        left = over_next[first - 1]
+        part = "is right" if left <= 1.0 else f"is off by {left / sizes[i]:.0e} of that"
         return "outlier", f"without sample {i + 1} the step from {i} to {i + 2} {part}"
     if len(times):
         force = f"; the force of Omega{fitting[0]} was kept" if fitting else ""
-        what = f"{MODE_NAMES[first]} -> {MODE_NAMES[int(targets[0])]} at t = {times[0]:.10g}"
+        what = f"{MODE_NAMES[first]} -> {MODE_NAMES[int(steps.events.target[rows][0])]} at t = {times[0]:.10g}"
         return "crossing inside the step", what + force
     what = f"no event in the step, motion in {MODE_NAMES[first]}: tolerances of the method, or another model"
     return "local error", what
@@ -251,12 +251,9 @@ def _guess(
 MOST_TRIED_STEPS, STEPS_BEFORE = 3_000, 300
 # A fitted model is followed over all steps if it leaves this part of the defects; its numbers are named at this part.
 LEFT_OVER, FITS = 0.1, 1e-3
-FIT_ROUNDS = 8
 # Others that explain nearly as much as the best one are its alternatives. A change that makes all steps right is sure.
 AS_GOOD = 0.02
 SURE = 1.0 + AS_GOOD
-# Steps that miss by this many times the median are left out of the next round.
-TRIM = 5.0
 
 
 class Fit(NamedTuple):
@@ -274,69 +271,34 @@ def tried_samples(check: Any) -> slice:
     return slice(low, low + MOST_TRIED_STEPS + 1)
 
 
-@dataclass(frozen=True)
 class Case:
     """Samples that disagree with the exact motion, and the exact motion over their steps.
 
     `offset` is the number of the first of them among all samples of the `check`; `near` are distances from a belt that
-    count as on it.
+    count as on it; `sizes` the defects in units of the allowed ones; `moving_wrong` the wrong steps in which time
+    passes; `domain` that of each sample, 0 at a belt; `inside` the steps in one domain, for the samples and the exact
+    motion, and `inside_wrong` and `flights_wrong` those of them that are wrong, and their fraction.
     """
 
-    steps: ExactSteps
-    offset: int
-    allowed: np.ndarray
-    scales: np.ndarray
-    near: np.ndarray
-    check: Any
-
-    @classmethod
-    def of(cls, check: Any) -> Case:
-        """Return the case of a `CrossCheck`: all samples, or many beginning shortly before the first wrong step."""
+    def __init__(self, check: Any) -> None:
+        """Take all samples of a `CrossCheck`, or many beginning shortly before the first wrong step."""
         part = tried_samples(check)
-        allowed, scales = check.allowed[part.start : part.stop - 1], np.array(check.scales)
-        near = np.append(allowed[:1, 1], allowed[:, 1])
-        steps = follow_steps(check.trajectory.parameters, check.t[part], check.x[part], check.v[part], near, scales)
-        return cls(steps, part.start, allowed, scales, near, check)
-
-    @property
-    def parameters(self) -> Parameters:
-        """The parameters of the exact motion."""
-        return self.steps.parameters
-
-    @cached_property
-    def sizes(self) -> np.ndarray:
-        """Defects in units of the allowed ones, one per step."""
-        return np.max(np.abs(self.steps.defects) / self.allowed, axis=1)
-
-    @cached_property
-    def wrong(self) -> np.ndarray:
-        """Which steps are wrong."""
-        return np.asarray(~(self.sizes <= 1.0))
-
-    @cached_property
-    def moving_wrong(self) -> np.ndarray:
-        """The wrong steps in which time passes."""
-        return np.flatnonzero(self.wrong & (np.diff(self.steps.t) > 0.0))
-
-    @cached_property
-    def domain(self) -> np.ndarray:
-        """The domain of each sample, 0 at a belt."""
-        v, K = self.steps.v, self.steps.K
-        at = np.minimum(np.abs(v - K.belt1.v), np.abs(v - K.belt2.v)) <= self.near
-        return np.where(at, 0, 1 + (v > K.belt1.v) + (v > K.belt2.v))
-
-    @cached_property
-    def inside(self) -> np.ndarray:
-        """Which steps lie in one domain, for the samples and the exact motion."""
+        self.check, self.offset, self.parameters = check, part.start, check.trajectory.parameters
+        self.allowed, self.scales = check.allowed[part.start : part.stop - 1], np.array(check.scales)
+        self.near = np.append(self.allowed[:1, 1], self.allowed[:, 1])
+        s = follow_steps(self.parameters, check.t[part], check.x[part], check.v[part], self.near, self.scales)
+        self.steps, self.sizes = s, np.max(np.abs(s.defects) / self.allowed, axis=1)
+        self.wrong = ~(self.sizes <= 1.0)
+        moving = np.diff(s.t) > 0.0
+        self.moving_wrong = np.flatnonzero(self.wrong & moving)
+        at_belt = np.min(np.abs(s.v[:, None] - s.belts), axis=1) <= self.near
+        self.domain = np.where(at_belt, 0, 1 + (s.v > s.K.belt1.v) + (s.v > s.K.belt2.v))
         before, after = self.domain[:-1], self.domain[1:]
-        inside = (before > 0) & (before == after) & (self.steps.first == before) & (self.steps.last == before)
-        inside[np.unique(self.steps.events.step)] = False
-        return np.flatnonzero(inside & (np.diff(self.steps.t) > 0.0) & np.isfinite(self.sizes))
-
-    @property
-    def inside_wrong(self) -> np.ndarray:
-        """Which steps inside a domain are wrong."""
-        return self.inside[self.wrong[self.inside]]
+        inside = (before > 0) & (before == after) & (s.first == before) & (s.last == before)
+        inside[s.events.step] = False
+        self.inside = np.flatnonzero(inside & moving & np.isfinite(self.sizes))
+        self.inside_wrong = self.inside[self.wrong[self.inside]]
+        self.flights_wrong = float(np.mean(self.wrong[self.inside])) if len(self.inside) else 0.0
 
     @cached_property
     def sticks(self) -> bool:
@@ -347,11 +309,6 @@ class Case:
         same = np.abs(np.diff(s.v)) <= self.near[1:] + self.near[:-1]
         stays = np.flatnonzero(on[1:] & on[:-1] & same & (np.diff(s.t) > 0.0))
         return bool(np.any(np.diff(stays) == 1))
-
-    @property
-    def flights_wrong(self) -> float:
-        """The fraction of the steps inside a domain that are wrong; 0 if there are none."""
-        return float(np.mean(self.wrong[self.inside])) if len(self.inside) else 0.0
 
     def limits(self, part: float = EXPLAINS) -> np.ndarray:
         """Return the largest defects, in units of the allowed ones, at which an alternative explains the steps."""
@@ -397,7 +354,7 @@ class Case:
 
     def followed_some(self, p: Parameters, chosen: np.ndarray) -> np.ndarray:
         """Return the defects of a few steps with other parameters, in allowed units, shape (steps, 2)."""
-        begin = np.column_stack([self.steps.t, self.steps.x, self.steps.v])[chosen]
+        begin = np.column_stack([self.steps.t, self.steps.states])[chosen]
         return self.between(begin, chosen + 1, self.near[chosen], p) / self.allowed[chosen]
 
     def between(
@@ -407,13 +364,13 @@ class Case:
 
         No row may begin before the one before ends.
         """
-        end = np.column_stack([self.steps.t, self.steps.x, self.steps.v])[until]
+        end = np.column_stack([self.steps.t, self.steps.states])[until]
         found = begin[:, 1:] - end[:, 1:]
         moving = begin[:, 0] < end[:, 0]
         if np.any(moving):
             t, x, v = np.stack([begin, end], axis=1)[moving].reshape(-1, 3).T
-            p = self.parameters if p is None else p
-            found[moving] = follow_steps(p, t, x, v, np.repeat(near[moving], 2), self.scales).defects[::2]
+            steps = follow_steps(p or self.parameters, t, x, v, np.repeat(near[moving], 2), self.scales)
+            found[moving] = steps.defects[::2]
         return np.asarray(found)
 
     def flown(self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None) -> np.ndarray:
@@ -430,23 +387,21 @@ def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks:
     """
     value = np.array(start, dtype=float)
     kept, error = None, np.zeros(len(value))
-    for _ in range(FIT_ROUNDS):
+    for _ in range(8):
         here = misses(value)
         slopes = [(misses(value + tick) - misses(value - tick)) / (2.0 * np.max(tick)) for tick in np.diag(ticks)]
         J = np.stack(slopes, axis=-1)
         finite = np.all(np.isfinite(here), axis=1) & np.all(np.isfinite(J), axis=(1, 2))
-        if kept is None:
-            kept = finite
-            change = _median_change(here[finite], J[finite])
-        else:
-            change = _least_squares(here[kept & finite], J[kept & finite])
+        first, kept = kept is None, finite if kept is None else kept & finite
+        change = (_median_change if first and len(value) == 1 else _least_squares)(here[kept], J[kept])
         if change is None:
             return None
         value, error = value + change[0], change[1]
         sizes = np.max(np.abs(misses(value)), axis=1)
         if np.all(np.isnan(sizes)):  # there is no such system
             return None
-        kept = sizes <= max(1.0, TRIM * float(np.nanmedian(sizes)))
+        # Steps that miss by much more than the others are left out of the next round.
+        kept = sizes <= max(1.0, 5.0 * float(np.nanmedian(sizes)))
         if np.all(np.abs(change[0]) <= 1e-3 * error):
             break
     rest = np.sqrt(np.mean(misses(value)[kept] ** 2)) if np.any(kept) else np.inf
@@ -454,9 +409,7 @@ def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks:
 
 
 def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the median change of one number over the steps; of several numbers, the least-squares one."""
-    if J.shape[-1] > 1:
-        return _least_squares(here, J)
+    """Return the weighted median over the steps of the change of one number, and its standard deviation."""
     slopes = J[..., 0]
     weights = np.sum(slopes * slopes, axis=1)
     if not np.sum(weights) > 0.0:
@@ -479,3 +432,25 @@ def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndar
         return None
     change = np.linalg.lstsq(matrix / units, right, rcond=None)[0] / units
     return change, np.sqrt(np.diag(np.linalg.inv(normal))) / units
+
+
+def best_between(
+    misses: Callable[[np.ndarray], np.ndarray], low: np.ndarray, high: np.ndarray, points: int, enough: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the numbers between two limits, one per step, at which the steps miss least, and what is left there.
+
+    A grid of so many points is made finer around the best one, at most 8 times or until all misses are small enough.
+    """
+    best, leaves = low.copy(), np.full(len(low), np.inf)
+    begin, end = low, high
+    for _ in range(8):
+        for part in np.linspace(0.0, 1.0, points):
+            tried = begin + part * (end - begin)
+            left = misses(tried)
+            better = left < leaves
+            best, leaves = np.where(better, tried, best), np.where(better, left, leaves)
+        width = (end - begin) / (points - 1)
+        begin, end = np.maximum(best - width, low), np.minimum(best + width, high)
+        if np.all(leaves <= enough):
+            break
+    return best, leaves

@@ -30,8 +30,6 @@ FEWEST, FEWEST_ALONE = 8, 60
 # Noise makes the defects of neighbouring steps opposite: their correlation is about -0.5.
 NOISE_CORRELATION, FEW_NOISY = -0.25, 12
 Columns = tuple[np.ndarray, np.ndarray, np.ndarray]
-# Cause, subject, words, the change in words, its number, and the function that makes the change.
-Transform = tuple[str, str, str, str, float | None, Callable[..., Columns]]
 POSITIONS_ALONE = Change("with positions alone", columns=lambda t, x, v: (t, x, None))
 
 
@@ -47,54 +45,49 @@ def other_columns(case: Case) -> Iterator[Candidate]:
 
 
 def changed_columns(p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Iterator[Candidate]:
-    """Yield the column changes of the table; other units only if x agrees with the integral of v."""
-    for cause, subject, words, change, value, make in (*_signs_and_places(p), *_units(p)):
-        if value is None or 1.0 / SAME_WAY < _path_ratio(*make(t, x, v)) < SAME_WAY:
-            found = Diagnosis(cause, subject, words, "", value, None if value is None else 0.0)
-            yield Candidate(found, Change(change, columns=make))
-
-
-def _path_ratio(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
-    """Return the path length from x divided by that from v."""
-    way = float(np.sum(np.abs(v[1:] + v[:-1]) * np.abs(np.diff(t))) / 2.0)
-    return float(np.sum(np.abs(np.diff(x)))) / way if way else np.inf
-
-
-def _signs_and_places(p: Parameters) -> Iterator[Transform]:
-    """Yield columns with other signs or in another order."""
-    yield "sign", "x", "x has the wrong sign", "with -x", None, lambda t, x, v: (t, -x, v)
-    yield "sign", "v", "v has the wrong sign", "with -v", None, lambda t, x, v: (t, x, -v)
-    yield "sign", "x and v", "x and v have the wrong sign", "with -x, -v", None, lambda t, x, v: (t, -x, -v)
-    yield "columns", "x and v", "the columns x and v are swapped", "swapped", None, lambda t, x, v: (t, v, x)
+    """Yield columns with other signs, in another order, and in other units if x agrees with the integral of v."""
+    table: list[tuple[str, str, str, str, float | None, Callable[..., Columns]]] = [
+        ("sign", "x", "x has the wrong sign", "with -x", None, lambda t, x, v: (t, -x, v)),
+        ("sign", "v", "v has the wrong sign", "with -v", None, lambda t, x, v: (t, x, -v)),
+        ("sign", "x and v", "x and v have the wrong sign", "with -x, -v", None, lambda t, x, v: (t, -x, -v)),
+        ("columns", "x and v", "the columns x and v are swapped", "swapped", None, lambda t, x, v: (t, v, x)),
+    ]
     for boundary in (1, 2):
-        speed = float(p.belt(boundary))
-        if speed:
-            yield ("columns", "v", f"v is the velocity relative to belt {boundary}", f"with v + v{boundary}", speed,
-                   lambda t, x, v, speed=speed: (t, x, v + speed))  # fmt: skip
-    yield ("columns", "v", "v is one sample late", "with v of the next sample", None,
-           lambda t, x, v: (t[:-1], x[:-1], v[1:]))  # fmt: skip
-    yield ("columns", "v", "v is one sample early", "with v of the sample before", None,
-           lambda t, x, v: (t[1:], x[1:], v[:-1]))  # fmt: skip
-
-
-def _units(p: Parameters) -> Iterator[Transform]:
-    """Yield columns in other units."""
+        if speed := float(p.belt(boundary)):
+            table.append((
+                "columns", "v", f"v is the velocity relative to belt {boundary}", f"with v + v{boundary}", speed,
+                lambda t, x, v, speed=speed: (t, x, v + speed),
+            ))  # fmt: skip
+    table += [
+        ("columns", "v", "v is one sample late", "with v of the next sample", None,
+         lambda t, x, v: (t[:-1], x[:-1], v[1:])),
+        ("columns", "v", "v is one sample early", "with v of the sample before", None,
+         lambda t, x, v: (t[1:], x[1:], v[:-1])),
+    ]  # fmt: skip
     m, Om = float(p.m), float(p.Omega)
-    rows = [
+    units = [
         (name, factor, f"{name} {'are' if ' ' in name else 'is'} {size}: other units")
         for factor, size in ((1000.0, "1000 times too large"), (100.0, "100 times too large"),
                              (0.01, "100 times too small"), (0.001, "1000 times too small"))
         for name in ("x", "v", "x and v", "t")
     ]  # fmt: skip
-    rows += [
+    units += [
         ("v", m, "v is the momentum, m times the velocity"), ("v", 1.0 / Om, "v is dx/d(Omega t)"),
         ("t", Om, "t is the phase Omega t of the drive"), ("t", Om / (2 * pi), "t is in periods of the drive"),
         ("t", Om * 180 / pi, "t is the phase of the drive in degrees"), ("t", 1 / 60, "t is in minutes"),
     ]  # fmt: skip
-    for name, factor, words in rows:
+    for name, factor, words in units:
         if factor != 1.0:
             change = f"with {name} divided by {factor:.17g}"
-            yield "columns", name, words, change, factor, partial(_divided, name.split(" and "), factor)
+            table.append(("columns", name, words, change, factor, partial(_divided, name.split(" and "), factor)))
+    for cause, subject, words, change, value, make in table:
+        if value is not None:  # the path from x must be as long as that from v
+            times, places, velocities = make(t, x, v)
+            way = float(np.sum(np.abs(velocities[1:] + velocities[:-1]) * np.abs(np.diff(times))) / 2.0)
+            if not 1.0 / SAME_WAY < (float(np.sum(np.abs(np.diff(places)))) / way if way else np.inf) < SAME_WAY:
+                continue
+        yield Candidate(Diagnosis(cause, subject, words, "", value, None if value is None else 0.0),
+                        Change(change, columns=make))  # fmt: skip
 
 
 def _divided(names: list[str], factor: float, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
@@ -114,18 +107,10 @@ def no_motion(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Diagnosis | None:
     return Diagnosis("columns", "x and v", words, evidence)
 
 
-def column_faults(case: Case) -> Iterator[Candidate]:
-    """Yield faults in the generation of the columns."""
-    if len(case.steps.t) >= FEWEST:
-        yield from _velocity_column(case)
-        yield from _frozen(case)
-        yield from _resampled(case)
-
-
-def _velocity_column(case: Case) -> Iterator[Candidate]:
+def velocity_column(case: Case) -> Iterator[Candidate]:
     """Yield wrong velocities at right positions: differences, or values between the samples."""
     s, h = case.steps, np.diff(case.steps.t)
-    if np.any(h <= 0.0):
+    if len(s.t) < FEWEST or np.any(h <= 0.0):
         return
     slopes = np.diff(s.x) / h
     made = {
@@ -184,7 +169,7 @@ def _at_other_times(case: Case, first: int, v: np.ndarray, part: float) -> np.nd
     return np.append(np.nan, found) if part > 0.0 else np.append(found, np.nan)
 
 
-def _frozen(case: Case) -> Iterator[Candidate]:
+def frozen_positions(case: Case) -> Iterator[Candidate]:
     """Yield positions that stay constant during a stick although the belt moves."""
     s, speeds = case.steps, (float(case.parameters.v1), float(case.parameters.v2))
 
@@ -197,7 +182,7 @@ def _frozen(case: Case) -> Iterator[Candidate]:
 
     x = moved(s.t, s.x, s.v)[1]
     still = np.flatnonzero((x != s.x)[1:])
-    if not len(still) or not any(speeds):
+    if len(s.t) < FEWEST or not len(still) or not any(speeds):
         return
     words = f"x stands still in {len(still)} samples of sticks, where the belt carries the mass along"
     share = case.share_of(s.t, x, s.v)
@@ -209,7 +194,7 @@ def _frozen(case: Case) -> Iterator[Candidate]:
     yield Candidate(Diagnosis("columns", "x", words, f"{inside:.0%} of the wrong steps are such", share=inside))
 
 
-def _resampled(case: Case) -> Iterator[Candidate]:
+def resampled(case: Case) -> Iterator[Candidate]:
     """Yield samples interpolated linearly between fewer samples."""
     s = case.steps
 
@@ -228,7 +213,7 @@ def _resampled(case: Case) -> Iterator[Candidate]:
     bent = bends(s.t, s.x, s.v)
     flat = np.diff(s.v)[:-1] == 0.0  # on a belt a line is right
     straight = int(np.sum(~bent & ~flat))
-    if straight < COLLINEAR * np.sum(~flat) or straight < FEWEST // 2:
+    if len(s.t) < FEWEST or straight < COLLINEAR * np.sum(~flat) or straight < FEWEST // 2:
         return
     count = int(np.sum(bent)) + 2
     words = f"the samples lie on straight lines between {count} others: linear interpolation"
@@ -241,18 +226,11 @@ def _resampled(case: Case) -> Iterator[Candidate]:
 # -- the clock ---------------------------------------------------------------------------------------------------------
 
 
-def other_times(case: Case) -> Iterator[Candidate]:
-    """Yield wrong times: deviations from an even grid, or single precision."""
-    if len(case.steps.t) >= FEWEST:
-        yield from _even_times(case)
-        yield from _single_times(case)
-
-
-def _even_times(case: Case) -> Iterator[Candidate]:
+def even_times(case: Case) -> Iterator[Candidate]:
     """Yield times of an even grid that were rounded or accumulated with few digits."""
     t = case.steps.t
     h, step = np.diff(t), float((t[-1] - t[0]) / (len(t) - 1))
-    if np.ptp(h) == 0.0 or not np.max(np.abs(h - step)) <= NEARLY_EVEN * step:
+    if len(t) < FEWEST or np.ptp(h) == 0.0 or not np.max(np.abs(h - step)) <= NEARLY_EVEN * step:
         return
     off = float(np.max(np.abs(t - np.linspace(t[0], t[-1], len(t)))))
     if off <= 16.0 * np.spacing(np.max(np.abs(t))):
@@ -277,12 +255,11 @@ def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
     return np.asarray(float(f"{t[0]:.6g}") + step * np.arange(len(t)))
 
 
-def _single_times(case: Case) -> Iterator[Candidate]:
+def single_times(case: Case) -> Iterator[Candidate]:
     """Yield times in single precision, or with single errors: a shift of each explains its step."""
     s, chosen = case.steps, case.inside
-    if not np.array_equal(s.t.astype(np.float32).astype(float), s.t) or np.array_equal(s.t, np.rint(s.t)):
-        return
-    if not len(chosen):
+    single = np.array_equal(s.t.astype(np.float32).astype(float), s.t) and not np.array_equal(s.t, np.rint(s.t))
+    if len(s.t) < FEWEST or not single or not len(chosen):
         return
     force = np.array([s.K.A1, s.K.A2, s.K.A3])[case.domain[chosen] - 1]
     v = s.v[chosen + 1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial as partial_of
 from itertools import pairwise
 from typing import Any
 
@@ -18,22 +19,30 @@ from symosc.crosschecks.events import (
     FoundEvent,
     Match,
     Matcher,
-    Matching,
     Reach,
     find_events,
     given_events,
     labels,
 )
 from symosc.crosschecks.files import read_solutions
-from symosc.crosschecks.objects import SolverTask, dense_note, of_function
+from symosc.crosschecks.objects import dense_note, of_function
 from symosc.crosschecks.report import CrossCheck, CrossChecks, check_all
-from symosc.crosschecks.samples import Rounding, Samples, check_joints, checked, checked_events, find_rounding
+from symosc.crosschecks.samples import (
+    SAMPLE_COLUMNS,
+    Digits,
+    Samples,
+    check_joints,
+    checked,
+    checked_events,
+    fastest_rate,
+    find_rounding,
+)
 from symosc.crosschecks.steps import ExactSteps, double_rounding, follow_steps, propagated, sample_errors
-from symosc.crosschecks.velocities import fastest_rate, with_velocities
+from symosc.crosschecks.velocities import with_velocities
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.model import Parameters
-from symosc.scenes import Scene, load_scene
+from symosc.scenes import Scene, load_scene, other_model
 from symosc.simulation.batch import read_workers
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
@@ -129,13 +138,15 @@ def crosscheck(
     True
     """
     scene = scene if isinstance(scene, (Scene, Parameters)) else load_scene(scene)
+    if isinstance(scene, Scene) and scene.original is not None:
+        raise other_model(scene)
     allowed = _positive("tolerance", tolerance)
     limit = None if global_tolerance is None else _positive("global_tolerance", global_tolerance)
-    judge = Judge(scene, allowed, limit, own_start, partial)
+    judge = partial_of(verdict, scene=scene, tolerance=allowed, given_limit=limit, own_start=own_start, partial=partial)
     if x is None and v is None:
-        found = read_solutions(t, columns, SolverTask.of(scene))
+        found = read_solutions(t, columns, scene)
     elif callable(x) and not hasattr(x, "__array__"):
-        found = [of_function(x, SolverTask.of(scene), t)]
+        found = [of_function(x, scene, t)]
     else:
         found = [checked(t, x, v, events)]
     if events is not None:
@@ -154,26 +165,28 @@ def _positive(name: str, value: object) -> float:
     return number
 
 
+def verdict(samples: Samples, scene: Scene | Parameters, tolerance: float, **options: Any) -> CrossCheck:
+    """Return the verdict on one solution; velocities that were not given are computed."""
+    p = scene if isinstance(scene, Parameters) else scene.parameters
+    if samples.lacks_v:
+        samples = with_velocities(samples, scene, tolerance)
+    t0 = None if isinstance(scene, Parameters) else float(scene.t0)
+    rounding = find_rounding(samples, (float(p.v1), float(p.v2)), t0)
+    return Task(scene, p, samples, rounding, tolerance, **options).verdict()
+
+
 @dataclass(frozen=True)
-class Judge:
-    """The exact motion and the tolerances for a comparison; calling it with samples returns the verdict."""
+class Task:
+    """Samples with their rounding, and the exact motion and the tolerances that they are compared with."""
 
     scene: Scene | Parameters
+    parameters: Parameters
+    samples: Samples
+    rounding: dict[str, Digits]
     tolerance: float
     given_limit: float | None
     own_start: bool
     partial: bool
-
-    @property
-    def parameters(self) -> Parameters:
-        """Parameters of the exact motion."""
-        return self.scene if isinstance(self.scene, Parameters) else self.scene.parameters
-
-    @property
-    def start(self) -> tuple[float, float, float] | None:
-        """Start t0, x0, v0 of the scene; None for Parameters."""
-        scene = self.scene
-        return None if isinstance(scene, Parameters) else (float(scene.t0), float(scene.x0), float(scene.v0))
 
     @property
     def limit(self) -> float:
@@ -181,57 +194,23 @@ class Judge:
         usual = max(self.tolerance, min(GLOBAL_FACTOR * self.tolerance, MOST_GLOBAL))
         return usual if self.given_limit is None else self.given_limit
 
-    def global_part(self, scales: np.ndarray, loose: np.ndarray, rounded: bool) -> np.ndarray:
-        """Return the allowed global errors of x and v in addition to rounding."""
-        part = self.limit * scales
-        if self.given_limit is not None or not rounded:
-            return part
-        places = LAST_PLACES * 2.0 * np.max(loose, axis=0)
-        few = np.maximum(places, ROUNDED_FACTOR * self.tolerance * scales)
-        return np.where(places > 0.0, np.minimum(part, few), part)
-
-    def __call__(self, samples: Samples) -> CrossCheck:
-        """Return the verdict on one solution; velocities that were not given are computed."""
-        p, scene = self.parameters, self.scene
-        if samples.lacks_v:
-            samples = with_velocities(samples, scene, self.tolerance)
-        rounding = find_rounding(samples, (float(p.v1), float(p.v2)), self.start[0] if self.start else None)
-        return Task(self, p, samples, rounding).verdict()
-
-
-@dataclass(frozen=True)
-class Task:
-    """Samples and the Judge that compares them."""
-
-    by: Judge
-    parameters: Parameters
-    samples: Samples
-    rounding: Rounding
-
     def verdict(self) -> CrossCheck:
-        """Judge the samples, and whether they continue to the end of the motion."""
-        result = self._judged()
-        early = self._early_end(result.trajectory)
-        if not early:
-            return result
-        if self.by.partial:
-            return replace(result, notes=(*result.notes, early))
-        return replace(result, ok=False, early_end=early)
-
-    def _judged(self) -> CrossCheck:
-        """Judge the samples with all digits; if they fail and have few, again at their precision."""
+        """Judge the samples with all digits; if they fail and have few, again at their precision; and their end."""
         samples, rounding = self.samples, self.rounding
-        units, listed = rounding.units(len(samples.t)), rounding.of_events(len(samples.events or ()))
-        jump = max(SAMPLE_JUMP, self.by.tolerance)
+        units = np.array([rounding[c].units if c in rounding else 0.0 * samples.t for c in SAMPLE_COLUMNS])
+        listed = rounding["events"].units if "events" in rounding else np.zeros(len(samples.events or ()))
+        jump = max(SAMPLE_JUMP, self.tolerance)
         check_joints(samples, jump, *sample_errors(self.parameters, samples, units).T)
         result = self.judge(np.broadcast_to(0.0, units.shape), np.zeros_like(listed))
-        if result.ok or not rounding.texts:
-            return result
-        half = units * (0.5 + 1e-9)
-        result = self.judge(half, listed)
-        if result.ok:
-            return result
-        return self._cut(half, listed, result) or self._coarser(half, listed, result)
+        if not result.ok and rounding:
+            half = units * (0.5 + 1e-9)
+            result = self.judge(half, listed)
+            if not result.ok:
+                result = self._cut(half, listed, result) or self._coarser(half, listed, result)
+        early = self._early_end(result.trajectory)
+        if early and self.partial:
+            return replace(result, notes=(*result.notes, early))
+        return replace(result, ok=result.ok and not early, early_end=early)
 
     def _cut(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck | None:
         """Return the verdict on samples that are right if their last digits were truncated, not rounded."""
@@ -263,38 +242,66 @@ class Task:
 
     def judge(self, rounding: np.ndarray, listed: np.ndarray) -> CrossCheck:
         """Compare the samples with the exact motion."""
-        samples, p, tolerance = self.samples, self.parameters, self.by.tolerance
-        notes = self._notes(rounding, listed)
+        samples, p, tolerance = self.samples, self.parameters, self.tolerance
+        notes, columns = (
+            list(samples.notes),
+            ", ".join(f"{name} to {each.text}" for name, each in self.rounding.items()),
+        )
+        if columns:
+            at_it = "; they are judged at that precision" if np.any(rounding) or np.any(listed) else ""
+            notes.append(f"the samples are rounded: {columns}{at_it}")
         loose = sample_errors(p, samples, rounding)
         start, other_start = self._start(loose[0], rounding[:, 0])
         trajectory = self._simulate(float(samples.t[-1]), start)
-        errors, scales = _global_errors(trajectory, samples)
-        limits = self.by.global_part(scales, loose, bool(np.any(rounding))) + loose
-        limits = limits + propagated(p, loose[0], samples.t - samples.t[0])
-        notes += self._about(trajectory)
-        notes += [other_start] if other_start and self.by.own_start else []
+        until = float(trajectory.t_end)
+        # Global errors, NaN after the end of the exact motion, and how large they may be.
+        inside = samples.t <= until
+        exact = trajectory(np.clip(samples.t[inside], float(trajectory.t_start), until))
+        scales, errors = _scales(p, exact), np.full((len(samples.t), 2), np.nan)
+        errors[inside] = np.column_stack([samples.x, samples.v])[inside] - exact.T
+        limits = self.limit * scales
+        if self.given_limit is None and np.any(rounding):
+            places = LAST_PLACES * 2.0 * np.max(loose, axis=0)
+            few = np.minimum(limits, np.maximum(places, ROUNDED_FACTOR * tolerance * scales))
+            limits = np.where(places > 0.0, few, limits)
+        limits = limits + loose + propagated(p, loose[0], samples.t - samples.t[0])
+        if until < samples.t[-1]:
+            notes.append(
+                f"the exact motion ends at t = {until:.10g} ({trajectory.message}); later only steps are compared"
+            )
+        notes += [] if samples.dense is None else [dense_note(trajectory, samples.dense, until)]
+        notes += [other_start] if other_start and self.own_start else []
         near = tolerance * scales[1] + loose[:, 1]
         allowed = double_rounding(p, samples.t, scales) + tolerance * scales
         allowed = allowed + loose[1:] + propagated(p, loose[:-1], np.diff(samples.t))
         steps = follow_steps(p, samples.t, samples.x, samples.v, near, allowed)
-        sizes = np.maximum(*(np.abs(steps.defects[:, i]) / allowed[:, i] for i in (0, 1)))
+        sizes = np.max(np.abs(steps.defects) / allowed, axis=1)
         wrong = ~(sizes <= 1.0)
         spans = self._wrong_spans(loose, near, scales)
         label = labels(steps, near, np.maximum(near, DRIFT * scales[1]))
         found, modes = find_events(steps, label, wrong)
-        reach = Reach(steps, _within(errors, limits) + loose, tolerance * float(scales[1]), tolerance, listed)
+        # Of the errors of the samples so much counts as allowed; 0 after the end of the exact motion.
+        within = np.where(np.isnan(errors), 0.0, np.fmin(np.abs(errors), limits))
+        reach = Reach(steps, within + loose, tolerance * float(scales[1]), tolerance, listed)
         matching = self._match(trajectory, start, found, reach, label, wrong)
         faults = _faults(steps, modes, sizes, allowed, near, matching)
-        disorder = _disorder(samples.events or (), notes)
-        greatest = [float(np.nanmax(np.abs(column))) for column in errors.T]
-        within = not np.any(np.abs(errors) > limits)
-        refused = "" if self.by.own_start else other_start
-        notes += [ADDED_UP] if not within and not wrong.any() and not len(spans) and not other_start else []
+        ordered = True
+        for (before, _), (time, kind) in pairwise(samples.events or ()):
+            if ordered and time < before:
+                ordered = False
+                what = f"{kind} at t = {time:.10g} comes after t = {before:.10g}"
+                notes.append(f"the list is not in order of time: {what}")
+        close = not np.any(np.abs(errors) > limits)
+        refused = "" if self.own_start else other_start
+        notes += [ADDED_UP] if not close and not wrong.any() and not len(spans) and not other_start else []
+        faulty = wrong.any() or len(spans) or matching.missed or matching.invented
+        own = None
+        if isinstance(self.scene, Scene):
+            own = float(self.scene.t0), float(self.scene.x0), float(self.scene.v0)
         return CrossCheck(
-            ok=within
-            and not (wrong.any() or len(spans) or matching.missed or matching.invented or disorder or refused),
-            max_error_x=greatest[0],
-            max_error_v=greatest[1],
+            ok=bool(close and ordered and not faulty and not refused),
+            max_error_x=float(np.nanmax(np.abs(errors[:, 0]))),
+            max_error_v=float(np.nanmax(np.abs(errors[:, 1]))),
             errors=errors,
             limits=limits,
             defects=steps.defects,
@@ -309,19 +316,19 @@ class Task:
             faults=faults,
             first_wrong=faults[0] if faults else None,
             first_switching=next((fault for fault in faults if fault.reason not in ("local error", "outlier")), None),
-            compared_until=min(float(trajectory.t_end), float(samples.t[-1])),
+            compared_until=min(until, float(samples.t[-1])),
             tolerance=tolerance,
-            global_tolerance=self.by.limit,
+            global_tolerance=self.limit,
             scales=(float(scales[0]), float(scales[1])),
-            rounded=self.rounding.texts,
+            rounded={name: digits.text for name, digits in self.rounding.items()},
             notes=(*notes, *matching.notes),
             modes=modes,
             t=samples.t,
             x=samples.x,
             v=samples.v,
             trajectory=trajectory,
-            own_start=self.by.start,
-            _task=replace(self, samples=replace(self.samples, dense=None)),
+            own_start=own,
+            _task=replace(self, samples=replace(samples, dense=None)),
             wrong_start=refused,
         )
 
@@ -330,7 +337,7 @@ class Task:
 
         That is {} for the scene's own start, which may have more digits than the sample, or the first sample.
         """
-        scene, samples, limit = self.by.scene, self.samples, self.by.limit
+        scene, samples, limit = self.scene, self.samples, self.limit
         start = {"t0": float(samples.t[0]), "x0": float(samples.x[0]), "v0": float(samples.v[0])}
         if isinstance(scene, Parameters):
             return start, ""
@@ -356,7 +363,7 @@ class Task:
 
     def _early_end(self, trajectory: Trajectory) -> str:
         """Return a note if the solution ends before the motion does, else ""."""
-        scene, t = self.by.scene, self.samples.t
+        scene, t = self.scene, self.samples.t
         if isinstance(scene, Parameters) or trajectory.status == "equilibrium":
             return ""
         last, t_end = float(t[-1]), float(scene.t_end)
@@ -377,7 +384,7 @@ class Task:
         while length < count and np.any(loose):
             ends = np.unique([*range(0, count, length), count - 1])
             t = samples.t[ends]
-            of_steps = np.minimum(np.diff(ends)[:, None] * self.by.tolerance, self.by.limit) * scales
+            of_steps = np.minimum(np.diff(ends)[:, None] * self.tolerance, self.limit) * scales
             allowed = double_rounding(p, t, scales) + loose[ends[1:]]
             allowed = allowed + propagated(p, loose[ends[:-1]] + of_steps, np.diff(t))
             defects = follow_steps(p, t, samples.x[ends], samples.v[ends], near[ends], allowed).defects
@@ -387,23 +394,6 @@ class Task:
             length *= SPAN_FACTOR
         return best
 
-    def _about(self, trajectory: Trajectory) -> list[str]:
-        """Return notes on the end of the exact motion, and on the solver's function between the samples."""
-        until, notes = float(trajectory.t_end), list[str]()
-        if until < self.samples.t[-1]:
-            notes.append(
-                f"the exact motion ends at t = {until:.10g} ({trajectory.message}); later only steps are compared"
-            )
-        if self.samples.dense is not None:
-            notes.append(dense_note(trajectory, self.samples.dense, until))
-        return notes
-
-    def _notes(self, units: np.ndarray, listed: np.ndarray) -> list[str]:
-        """Return the notes on the samples and on their rounding."""
-        columns = ", ".join(f"{name} to {text}" for name, text in self.rounding.texts.items())
-        at_it = "; they are judged at that precision" if np.any(units) or np.any(listed) else ""
-        return [*self.samples.notes, *([f"the samples are rounded: {columns}{at_it}"] if columns else [])]
-
     def _match(
         self,
         trajectory: Trajectory,
@@ -412,7 +402,7 @@ class Task:
         reach: Reach,
         label: np.ndarray,
         wrong: np.ndarray,
-    ) -> Matching:
+    ) -> Matcher:
         """Match the exact events with those of the samples or the list."""
         events, until, times = self.samples.events, float(trajectory.t_end), list[float]()
         if events and not any(kind for _, kind in events):  # a solver's list of times
@@ -420,50 +410,31 @@ class Task:
         ended = until < self.samples.t[-1]  # where the exact motion has ended there is nothing to match
         if events is None:
             found = [event for event in found if float(self.samples.t[event.step]) <= until]
-            matcher = Matcher(trajectory, trajectory.events, found, False, reach, label, wrong)
-            return matcher.with_times(matcher.match(), [t for t in times if t <= until])
+            matching = Matcher(trajectory, trajectory.events, found, False, reach, label, wrong)
+            if times:
+                matching.match_times([t for t in times if t <= until])
+            return matching
         order = sorted((i for i, (t, _) in enumerate(events) if not ended or t <= until), key=lambda i: events[i][0])
         pairs, reach = [events[i] for i in order], replace(reach, listed=reach.listed[order])
         exact = [*trajectory.events, *self._later_events(trajectory, start, pairs)]
-        return Matcher(trajectory, exact, given_events(reach.steps, pairs), True, reach, label, wrong).match()
+        return Matcher(trajectory, exact, given_events(reach.steps, pairs), True, reach, label, wrong)
 
     def _later_events(self, trajectory: Trajectory, start: Record, pairs: Sequence[tuple[float, str]]) -> list[Event]:
         """Return exact events just after the last sample, if the list has events near there."""
         t_end, span = float(trajectory.t_end), WINDOW * 2.0 * np.pi / float(self.parameters.Omega)
         if trajectory.status != "t_end" or not pairs or pairs[-1][0] < t_end - span:
             return []
-        longer = self._simulate(t_end + span, start)
-        return list(longer.events[len(trajectory.events) :])
+        return list(self._simulate(t_end + span, start).events[len(trajectory.events) :])
 
     def _simulate(self, t_end: float, start: Record) -> Trajectory:
         """Return the exact motion from a start to t_end."""
         # So many more events than samples cannot be meant.
         most = FEW_EVENTS + EVENTS_PER_SAMPLE * len(self.samples.t)
-        return simulate(self.by.scene, t_end=t_end, max_events=most, **start)
-
-
-def _global_errors(trajectory: Trajectory, samples: Samples) -> tuple[np.ndarray, np.ndarray]:
-    """Return the samples minus the exact motion, shape (n, 2), NaN after its end; and the units of x and v."""
-    times, until = samples.t, float(trajectory.t_end)
-    inside = times <= until
-    exact = trajectory(np.clip(times[inside], float(trajectory.t_start), until))
-    scales, errors = _scales(trajectory.parameters, exact), np.full((2, len(times)), np.nan)
-    for row, values, given in zip(errors, exact, (samples.x, samples.v), strict=True):
-        row[inside] = given[inside] - values
-    return errors.T, scales
-
-
-def _disorder(events: Sequence[tuple[float, str]], notes: list[str]) -> bool:
-    """Return whether a list of events is out of time order, and note where."""
-    for (before, _), (time, kind) in pairwise(events):
-        if time < before:
-            notes.append(f"the list is not in order of time: {kind} at t = {time:.10g} comes after t = {before:.10g}")
-            return True
-    return False
+        return simulate(self.scene, t_end=t_end, max_events=most, **start)
 
 
 def _faults(
-    steps: ExactSteps, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray, matching: Matching
+    steps: ExactSteps, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray, matching: Matcher
 ) -> tuple[Fault, ...]:
     """Return the first wrong steps with guessed causes, and all wrong ones with a missed or invented event."""
     wrong = ~(sizes <= 1.0)
@@ -480,9 +451,3 @@ def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:
     reach = np.array([np.max(np.abs(row)) for row in exact])
     speed = max(float(reach[1]), abs(float(p.v1)), abs(float(p.v2)))
     return np.array([max(float(reach[0]), speed / fastest_rate(p)), speed])
-
-
-def _within(errors: np.ndarray, limits: np.ndarray) -> np.ndarray:
-    """Return the sizes of the errors in units of the allowed ones; 0 without data."""
-    sizes = np.abs(errors)
-    return np.fmin(sizes, limits, where=~np.isnan(sizes), out=np.zeros_like(sizes))

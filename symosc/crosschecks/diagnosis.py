@@ -39,9 +39,9 @@ MOST_KEPT = 0.9
 OF_STICKS = {"stick left early", "stick left late", "drift", "chatter"}
 #: The alternatives, stage by stage, the cheapest first.
 STAGES: tuple[tuple[Callable[[Case], Iterable[Candidate | Diagnosis]], ...], ...] = (
-    (columns.outliers, columns.noise, columns.other_columns, columns.other_times),
+    (columns.outliers, columns.noise, columns.other_columns, columns.even_times, columns.single_times),
     (models.other_systems, models.phases_of_drive),
-    (columns.column_faults,),
+    (columns.velocity_column, columns.frozen_positions, columns.resampled),
     (methods.double_roots, models.coefficients),
     (models.far_coefficients,),
     (methods.repeated, methods.interpolated),
@@ -66,27 +66,18 @@ def diagnose(check: Any) -> tuple[Diagnosis, ...]:
     if check.coarser is not None:
         return diagnose(check.coarser)
     if not len(check.wrong_steps):
-        return (
-            (*columns.event_list_faults(check), *few_digits)
-            if check.missed or check.invented
-            else (*_start(check), *few_digits)
-        )
+        found = columns.event_list_faults(check) if check.missed or check.invented else _start(check)
+        return (*found, *few_digits)
     constant = columns.no_motion(check.t, check.x, check.v)
     t = check.t[tried_samples(check)]
     periods = (t[-1] - t[0]) * float(check.trajectory.parameters.Omega) / TWO_PI
     if constant or periods > max(UNSEEN_PERIODS, len(t)):
-        return (constant or _other_times(check) or _unknown(check), *few_digits)
+        units = columns.changed_columns(check.trajectory.parameters, check.t, check.x, check.v)
+        tried = (with_evidence(one, check) for one in units if not constant and one.diagnosis.subject == "t")
+        right = next((found for found in tried if found is not None and found.share >= ENOUGH), None)
+        return (constant or right or _unknown(check), *few_digits)
     with np.errstate(all="ignore"):  # what cannot be computed explains nothing
-        return (*_best(Case.of(check), check), *few_digits)
-
-
-def _other_times(check: Any) -> Diagnosis | None:
-    """Return the unit of time in which the steps are right, if there is one."""
-    for one in columns.changed_columns(check.trajectory.parameters, check.t, check.x, check.v):
-        found = with_evidence(one, check) if one.diagnosis.subject == "t" else None
-        if found is not None and found.share >= ENOUGH:
-            return found
-    return None
+        return (*_best(Case(check), check), *few_digits)
 
 
 def _best(case: Case, check: Any) -> tuple[Diagnosis, ...]:
@@ -157,9 +148,9 @@ def repeated_check(check: Any, change: Change) -> Any:
     samples = replace(samples, events=None, dense=None)
     try:
         if samples.lacks_v:
-            samples = with_velocities(samples, p, task.by.tolerance)
+            samples = with_velocities(samples, p, task.tolerance)
         rounding = find_rounding(samples, (float(p.v1), float(p.v2)))
-        return replace(task, by=replace(task.by, scene=p), parameters=p, samples=samples, rounding=rounding).verdict()
+        return replace(task, scene=p, parameters=p, samples=samples, rounding=rounding).verdict()
     except ParameterError:
         return None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, sin, sqrt
 
@@ -258,12 +258,11 @@ class Reach:
 
     def of_near_graze(self, trajectory: Trajectory, time: float) -> float | None:
         """Return the duration of a near graze of the exact motion at a time, or None."""
-        if not float(trajectory.t_start) <= time <= float(trajectory.t_end):
-            return None
-        K, mode = self.steps.K, MODES[trajectory.mode(time)]
+        inside = float(trajectory.t_start) <= time <= float(trajectory.t_end)
+        mode = MODES[trajectory.mode(time)] if inside else 4
         if mode > 3:
             return None
-        x, v = (float(value) for value in trajectory(time))
+        K, (x, v) = self.steps.K, (float(value) for value in trajectory(time))
         # The phase of the samples' clock does not lose digits at large times.
         step = self.steps.at(time)[0]
         theta = float(self.steps.theta[step] + K.Om * (time - self.steps.t[step]))
@@ -304,21 +303,11 @@ class Reach:
 # -- matching ----------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Matching:
-    """Matched and unmatched events; the terms are those of `CrossCheck`."""
-
-    matched: list[Match] = field(default_factory=list)
-    missed: list[Event] = field(default_factory=list)
-    invented: list[FoundEvent] = field(default_factory=list)
-    unresolved: list[Event | FoundEvent] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-
-
 class Matcher:
-    """A matcher of exact events with those of the samples, or of a solver's list (`given`).
+    """Exact events matched with those of the samples, or of a solver's list (`given`).
 
     `exact` may have events shortly after the last sample too; `label` are the codes of `labels`; `wrong` marks steps.
+    The results `matched`, `missed`, `invented`, `unresolved` and `notes` are those of `CrossCheck`.
     """
 
     def __init__(
@@ -339,20 +328,17 @@ class Matcher:
         self.local = [self._local(event, time) for event, time in zip(exact, self.times.tolist(), strict=True)]
         # Numbers of the exact events and of those found that have no partner yet.
         self.exact_free, self.found_free = set(range(len(exact))), set(range(len(found)))
-        self.result = Matching()
-
-    def match(self) -> Matching:
-        """Match the events, and classify the unmatched ones."""
+        self.matched, self.missed, self.invented = list[Match](), list[Event](), list[FoundEvent]()
+        self.unresolved, self.notes = list[Event | FoundEvent](), list[str]()
         self._pair()
-        if self.given:
+        if given:
             self._allow_start()
             self._allow_events_of_the_samples()
             self._allow_close_events()
             self._allow_near_grazes()
         self._judge_exact()
         self._judge_found()
-        self.result.matched.sort(key=lambda match: float(match.event.t))
-        return self.result
+        self.matched.sort(key=lambda match: float(match.event.t))
 
     def _local(self, event: Event, time: float) -> int | None:
         """Return the index of this event in the exact motion over a right step, or None."""
@@ -382,7 +368,7 @@ class Matcher:
         for i, j in in_order(pairs):
             self.exact_free.remove(i)
             self.found_free.remove(j)
-            self.result.matched.append(Match(self.exact[i], self.found[j].t, self.found[j]))
+            self.matched.append(Match(self.exact[i], self.found[j].t, self.found[j]))
 
     def _allow_start(self) -> None:
         """Allow one event at a start on a belt: it is no event, but solvers list it."""
@@ -393,7 +379,7 @@ class Matcher:
         time = self.found[first].t
         if abs(time - float(self.steps.t[0])) <= self.reach.of_start(boundary) + self.reach.listed[first]:
             self.found_free.remove(first)
-            self.result.notes.append(f"the list's event at t = {time:.10g} is the start on belt {boundary}")
+            self.notes.append(f"the list's event at t = {time:.10g} is the start on belt {boundary}")
 
     def _allow_events_of_the_samples(self) -> None:
         """Ignore listed events that occur only on the samples' own path."""
@@ -403,25 +389,20 @@ class Matcher:
             event = self.found[j]
             low, high = np.searchsorted(events.t, [event.t - self.window, event.t + self.window])
             for row in range(int(low), int(high)):
-                own = events.kind[row] == CODES[event.kind] and row not in used and not self._is_exact(row)
-                if own and not self.wrong[events.step[row]]:
-                    distance = abs(float(events.t[row]) - event.t)
-                    if distance <= self.reach.of_row(row) + self.reach.listed[j]:
+                if events.kind[row] == CODES[event.kind] and row not in used and not self.wrong[events.step[row]]:
+                    distance, reach = abs(float(events.t[row]) - event.t), self.reach.of_row(row)
+                    near = np.flatnonzero(np.abs(self.times - events.t[row]) <= self.reaches + reach).tolist()
+                    kind = event.kind, events.boundary[row]
+                    is_exact = any((self.exact[i].kind, self.exact[i].boundary) == kind for i in near)
+                    if not is_exact and distance <= reach + self.reach.listed[j]:
                         used.add(row)
                         self.found_free.remove(j)
-                        self.result.unresolved.append(event)
+                        self.unresolved.append(event)
                         break
-
-    def _is_exact(self, row: int) -> bool:
-        """Return whether an event over a step is an exact one, and so no other event of the samples' path."""
-        events = self.steps.events
-        near = np.flatnonzero(np.abs(self.times - events.t[row]) <= self.reaches + self.reach.of_row(row))
-        kind, boundary = events.kind[row], events.boundary[row]
-        return any(CODES[self.exact[i].kind] == kind and self.exact[i].boundary == boundary for i in near.tolist())
 
     def _allow_close_events(self) -> None:
         """Ignore differences within the tolerance where exact events at one belt cannot be resolved."""
-        partner = {id(match.event): match.found for match in self.result.matched}
+        partner = {id(match.event): match.found for match in self.matched}
         index = {id(event): j for j, event in enumerate(self.found)}
         clusters: list[list[int]] = []
         for i, event in enumerate(self.exact):
@@ -439,7 +420,12 @@ class Matcher:
                 continue
             own = [partner[id(self.exact[i])] for i in cluster if id(self.exact[i]) in partner]
             there = sorted([*loose, *(index[id(event)] for event in own)])
-            if tuple(self.found[j].kind for j in there) in _equivalents([self.exact[i] for i in cluster]):
+            source, target = self.exact[cluster[0]].source, self.exact[cluster[-1]].target
+            if source.startswith("belt"):
+                alike = STAYS if source == target else set()
+            else:
+                alike = set() if target.startswith("belt") else RETURNS if source == target else PASSES
+            if tuple(self.found[j].kind for j in there) in alike:
                 self._set_aside(loose, self.exact_free & set(cluster))
 
     def _allow_near_grazes(self) -> None:
@@ -466,7 +452,7 @@ class Matcher:
         exact, found = sorted(exact), sorted(found)
         self.exact_free -= set(exact)
         self.found_free -= set(found)
-        self.result.unresolved.extend([self.exact[i] for i in exact] + [self.found[j] for j in found])
+        self.unresolved.extend([self.exact[i] for i in exact] + [self.found[j] for j in found])
 
     def _is_wrong(self, low: float, high: float) -> bool:
         """Return whether a step between two times is wrong."""
@@ -480,18 +466,18 @@ class Matcher:
             if time > end:
                 continue
             if self.given and (time >= end - reach or time <= start + reach):  # it may be outside the samples
-                self.result.unresolved.append(own)
+                self.unresolved.append(own)
                 continue
             first, last = self.steps.at(time, slack)
             inside = self._inside(i, first, last, slack)
             near = inside is not None and abs(inside - time) <= self.window
             if self.wrong[first : last + 1].any() or (self.given and near and own.kind != "graze"):
                 if own.kind != "graze":  # nothing changes at a graze: it cannot be missed
-                    self.result.missed.append(own)
+                    self.missed.append(own)
             elif near and inside is not None:
-                self.result.matched.append(Match(own, inside, None))
+                self.matched.append(Match(own, inside, None))
             else:
-                self.result.unresolved.append(own)
+                self.unresolved.append(own)
 
     def _inside(self, i: int, first: int, last: int, slack: float) -> float | None:
         """Return the time of this event in the exact motion over right steps, or None."""
@@ -511,21 +497,18 @@ class Matcher:
             same = self.steps.events.kind[rows] == CODES[event.kind]
             same &= (self.steps.events.boundary[rows] == event.boundary) | (event.boundary == 0)
             if self.given or self.wrong[event.step : event.last_step + 1].any():
-                self.result.invented.append(event)
+                self.invented.append(event)
             elif same.any() or not len(same):
                 # Otherwise several events in a step, which are matched one by one, look like this from outside.
-                self.result.unresolved.append(event)
+                self.unresolved.append(event)
 
-    def with_times(self, matching: Matching, times: Sequence[float]) -> Matching:
-        """Return a matching with the exact events at the times of a solver's list without kinds.
+    def match_times(self, times: Sequence[float]) -> None:
+        """Match the exact events with the times of a solver's list without kinds.
 
         Such a list need not be complete. An exact event that is not in it is judged by the samples; a time at which
         there is no event is invented.
         """
-        if not len(times):
-            return matching
-        matched = {id(match.event): match for match in matching.matched}
-        used, invented = set[int](), list(matching.invented)
+        matched, used = {id(match.event): match for match in self.matched}, set[int]()
         for time in times:
             gaps = np.abs(self.times - time)
             nearest = int(np.argmin(gaps)) if len(gaps) else -1
@@ -543,25 +526,11 @@ class Matcher:
             elif not close and abs(time - float(self.steps.t[0])) > max(map(self.reach.of_start, (1, 2))):
                 step = self.steps.at(time)[0]
                 kind = self.exact[nearest].kind if near else "cross"
-                invented.append(FoundEvent(time, kind, 0, "", "", step, step))
+                self.invented.append(FoundEvent(time, kind, 0, "", "", step, step))
         ids = {id(self.exact[i]) for i in used}
-        return replace(
-            matching,
-            matched=sorted(matched.values(), key=lambda match: float(match.event.t)),
-            missed=[event for event in matching.missed if id(event) not in ids],
-            invented=invented,
-            unresolved=[event for event in matching.unresolved if id(event) not in ids],
-        )
-
-
-def _equivalents(cluster: Sequence[Event]) -> set[tuple[str, ...]]:
-    """Return the kinds of events that a list may contain instead of events too close to resolve."""
-    source, target = cluster[0].source, cluster[-1].target
-    if source.startswith("belt"):
-        return STAYS if source == target else set()
-    if target.startswith("belt"):
-        return set()
-    return RETURNS if source == target else PASSES
+        self.matched = sorted(matched.values(), key=lambda match: float(match.event.t))
+        self.missed = [event for event in self.missed if id(event) not in ids]
+        self.unresolved = [event for event in self.unresolved if id(event) not in ids]
 
 
 def in_order(pairs: Iterable[tuple[int, int, float]]) -> list[tuple[int, int]]:

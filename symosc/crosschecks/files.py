@@ -15,6 +15,7 @@ import re
 import struct
 import sys
 import zlib
+from array import array
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -23,7 +24,7 @@ from functools import partial
 from importlib import import_module
 from itertools import chain, islice
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import IO, Any
 
 import numpy as np
 
@@ -31,7 +32,7 @@ from symosc.aliases import Record
 from symosc.crosschecks.objects import (
     ID_COLUMN,
     Asked,
-    SolverTask,
+    Problem,
     find_columns,
     is_wanted,
     names_text,
@@ -45,32 +46,25 @@ from symosc.files import STDOUT, read_path
 
 TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".out", ".asc")
 PACKED: dict[str, Callable[[Any], Any]] = {".gz": gzip.open, ".bz2": bz2.open, ".xz": lzma.open}
-PACKED_BEGINNINGS = ((b"\x1f\x8b", ".gz"), (b"BZh", ".bz2"), (b"\xfd7zXZ", ".xz"))
 #: How files without a suffix begin, standard input above all.
-BEGINNINGS = (
-    (b"PK\x03\x04", ".npz"), (b"\x93NUMPY", ".npy"), (b"PAR1", ".parquet"), (b"ARROW1", ".feather"),
-    (b"\x89HDF", ".h5"), (b"MATLAB", ".mat"), (b"{", ".json"), (b"[", ".json"),
-)  # fmt: skip
+BEGINNINGS = {
+    b"\x1f\x8b": ".gz", b"BZh": ".bz2", b"\xfd7zXZ": ".xz",
+    b"PK\x03\x04": ".npz", b"\x93NUMPY": ".npy", b"PAR1": ".parquet", b"ARROW1": ".feather",
+    b"\x89HDF": ".h5", b"MATLAB": ".mat", b"{": ".json", b"[": ".json",
+}  # fmt: skip
 # A text that Octave's `save` has written, under any suffix; an HDF5 file, which MATLAB puts behind a block of text.
 OCTAVE_SIGN, HDF5_SIGN, MATLAB_BLOCK = b"# Created by Octave", b"\x89HDF\r\n\x1a\n", 512
 #: The largest unpacked size, and the largest file that must be in memory as a whole.
 MOST_BYTES = 2_000_000_000
 EXAMPLE = '{"t": [...], "x": [...], "v": [...]}'
-# Groups of an HDF5 file that are entered, one inside the other; values inside values of Octave and MATLAB.
-DEEPEST_GROUP, DEEPEST_VALUE = 8, 50
 #: Choose the columns of a table by their names: {"t": "Time (s)", ...}.
 Choose = Callable[[list[str]], dict[str, str]]
-
-
-class Kind(NamedTuple):
-    """A file format: the name if a library reads it, and a function of (file, wanted columns or None, location)."""
-
-    library: str
-    read: Callable[[IO[bytes], Any, str], Any]
+#: Return the content of a file: (file, wanted columns or None for all, its name for messages).
+Reader = Callable[[IO[bytes], Any, str], Any]
 
 
 def read_solutions(
-    source: Any, columns: Mapping[str, str | None] | None = None, problem: SolverTask | None = None
+    source: Any, columns: Mapping[str, str | None] | None = None, problem: Problem = None
 ) -> list[Samples]:
     """Read solutions from a file, standard input ("-"), a list of files, or any object of docs/checking.md.
 
@@ -91,11 +85,20 @@ def read_solutions(
 
 
 def read_content(path: str | Path, choose: Choose) -> Any:
-    """Return the contents of a file: columns, an array, JSON values with Decimals, or text rows (`read_cells`)."""
-    return _read(path, str(path), None, lambda file, _, where: read_cells(file, choose, where))
+    """Return the contents of a file: columns, an array, JSON values with Decimals, or lines of text.
+
+    A line is its place in the file, and its cells that are not empty by the names that `choose` gives them.
+    """
+
+    def cells_by_name(file: IO[bytes], asked: Any, where: str) -> list[tuple[str, dict[str, str]]]:
+        _, columns, rows = _table(file, choose, where)
+        found = ((f"line {number}", {name: cells[i] for name, i in columns.items()}) for number, cells in rows)
+        return [(line, {name: cell for name, cell in row.items() if cell}) for line, row in found]
+
+    return _read(path, str(path), None, cells_by_name)
 
 
-def _read(path: str | Path, where: str, asked: Asked | None, text: Callable[..., Any]) -> Any:
+def _read(path: str | Path, where: str, asked: Asked | None, text: Reader) -> Any:
     """Return the contents of a file; convert any library error into a one-line ParameterError."""
     library = ""
     try:
@@ -162,7 +165,7 @@ def _opened(path: str | Path, where: str) -> io.BufferedReader:
     if path == STDOUT:
         data = _whole(sys.stdin.buffer, where)
         file: Any = io.BytesIO(data)
-        packed = next((suffix for sign, suffix in PACKED_BEGINNINGS if data.startswith(sign)), "")
+        packed = _suffix_of_content(data)
     else:
         file = Path(read_path(path))
         if file.is_dir():
@@ -173,19 +176,24 @@ def _opened(path: str | Path, where: str) -> io.BufferedReader:
     return io.BufferedReader(file) if path == STDOUT else file.open("rb")
 
 
-def _kind(path: str | Path, file: io.BufferedReader, where: str, text: Callable[..., Any]) -> Kind:
-    """Return the format of a file by its suffix, or by its first bytes without one."""
-    kinds = {**dict.fromkeys(TEXT_SUFFIXES, Kind("", text)), **FILE_KINDS}
+def _suffix_of_content(beginning: bytes) -> str:
+    """Return the suffix of a file that begins in this way, ".txt" if no format does."""
+    return next((suffix for sign, suffix in BEGINNINGS.items() if beginning.startswith(sign)), ".txt")
+
+
+def _kind(path: str | Path, file: io.BufferedReader, where: str, text: Reader) -> tuple[str, Reader]:
+    """Return the format of a file that a library reads ("" for others), and a function that reads it."""
+    kinds: dict[str, tuple[str, Reader]] = {**dict.fromkeys(TEXT_SUFFIXES, ("", text)), **FILE_KINDS}
     suffix = "" if path == STDOUT else suffix_of(path)
     if suffix and suffix not in kinds:
         raise ParameterError("file", where, f"must end in {', '.join(kinds)}, and perhaps {', '.join(PACKED)}")
     beginning = file.peek(32).lstrip()[:32]
     if beginning.startswith(OCTAVE_SIGN) and suffix in ("", ".mat", *TEXT_SUFFIXES):
-        return Kind("a file of Octave", read_octave)
-    kind = kinds[suffix or next((suffix for sign, suffix in BEGINNINGS if beginning.startswith(sign)), ".txt")]
-    if not (kind.library and isinstance(file.raw, _Unpacked)):
-        return kind
-    return Kind(kind.library, lambda file, asked, where: kind.read(io.BytesIO(_whole(file, where)), asked, where))
+        return "a file of Octave", read_octave
+    library, read = kinds.get(suffix or _suffix_of_content(beginning), ("", text))
+    if library and isinstance(file.raw, _Unpacked):
+        return library, lambda file, asked, where: read(io.BytesIO(_whole(file, where)), asked, where)
+    return library, read
 
 
 def suffix_of(path: str | Path) -> str:
@@ -200,9 +208,6 @@ COMMENT_SIGNS = ("#", "%", "//", "!", "sep=")
 LONGEST_LINE = MOST_EMPTY_LINES = 1_000_000
 # The header is looked for in so many lines.
 HEAD_LINES = 1000
-# Characters of a line without data.
-EMPTY = " \t\n\r\v\f,;"
-QUOTED = re.compile('"[^"]*"')
 #: Exponents of Fortran, 1.5D-03.
 FORTRAN = re.compile(r"([\d.])[dD]([+-]?\d)")
 
@@ -215,34 +220,8 @@ class TextColumns(dict[str, np.ndarray]):
 Line = tuple[int, str, bool]
 
 
-class Layout(NamedTuple):
-    """The layout of a text table: delimiter (None: blanks), number of cells, and the column numbers to read."""
-
-    delimiter: str | None
-    width: int
-    columns: dict[str, int]
-
-    def check_width(self, width: int, number: int, where: str) -> None:
-        """Raise ParameterError for a line with too few or too many cells."""
-        if width != self.width:
-            raise ParameterError("file", where, f"row {number} has {width} entries, the header {self.width}")
-
-    def plain(self, line: str, number: int, where: str) -> str:
-        """Return a line of unquoted numbers, with decimal points and exponents with e."""
-        delimiter = self.delimiter
-        if '"' in line:
-            sign = delimiter or " "
-            line = sign.join(cell.replace(sign, " ") if delimiter else cell for cell in _split_cells(line, delimiter))
-        if delimiter != "," and "," in line:
-            line = line.replace(",", ".")
-        if "D" in line or "d" in line:
-            line = FORTRAN.sub(r"\1e\2", line)
-        self.check_width(line.count(delimiter) + 1 if delimiter else len(line.split()), number, where)
-        return line
-
-
 def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
-    """Return the columns t, x, and v and id if present; numpy reads line by line."""
+    """Return the columns t, x, and v and id if present."""
 
     def choose(names: list[str]) -> dict[str, str]:
         if names != [str(i + 1) for i in range(len(names))] or set(asked.values()) & set(names):
@@ -253,47 +232,29 @@ def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
         numbers = dict(zip(SAMPLE_COLUMNS, names, strict=False))
         return {name: numbers[column] for name, column in find_columns([*numbers], asked, where).items()}
 
-    layout, lines = _table(file, choose, where)
-    wanted = {name: i for name, i in layout.columns.items() if name != ID_COLUMN}
-    id_column, ids, known = layout.columns.get(ID_COLUMN), list[str](), dict[str, str]()
-    row, number, line = -1, 0, ""  # the last that numpy has asked for
-
-    def plain_lines() -> Iterator[str]:
-        nonlocal row, number, line
-        for row, (number, text, _) in enumerate(lines):  # noqa: B007
-            line = layout.plain(text, number, where)
-            if id_column is not None:
-                cell = _split_cells(line, layout.delimiter)[id_column]
-                ids.append(known.setdefault(cell, cell))
-            yield line
-
-    rest = plain_lines()
-    first = next(rest, None)
-    if first is None:
-        return TextColumns((name, np.empty(0)) for name in layout.columns)
-    try:
-        table = np.loadtxt(
-            chain([first], rest), delimiter=layout.delimiter, usecols=[*wanted.values()], ndmin=2, comments=None
-        )
-    except ValueError:
-        cells = _split_cells(line, layout.delimiter)
-        for name, i in wanted.items():
-            if not _is_number(cells[i], ","):
+    delimiter, columns, rows = _table(file, choose, where)
+    id_column, ids, known = columns.pop(ID_COLUMN, None), list[str](), dict[str, str]()
+    values = {name: array("d") for name in columns}
+    for row, (number, cells) in enumerate(rows):
+        for name, i in columns.items():
+            try:
+                values[name].append(_number(cells[i], delimiter))
+            except ValueError:
                 raise ParameterError(f"{name}[{row}]", short(cells[i]), f"is not a number (line {number})") from None
-        raise
-    columns = {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(wanted)}
-    return TextColumns(columns if id_column is None else columns | {ID_COLUMN: np.array(ids)})
+        if id_column is not None:
+            ids.append(known.setdefault(cells[id_column], cells[id_column]))  # one string for all rows of an id
+    found = TextColumns((name, np.array(column)) for name, column in values.items())
+    return found if id_column is None else TextColumns({**found, ID_COLUMN: np.array(ids)})
 
 
-def read_cells(file: IO[bytes], choose: Choose, where: str) -> list[tuple[str, dict[str, str]]]:
-    """Return the rows of a text table with their line numbers, without empty cells."""
-    layout, lines = _table(file, choose, where)
-    found = []
-    for number, text, _ in lines:
-        cells = _split_cells(text, layout.delimiter)
-        layout.check_width(len(cells), number, where)
-        found.append((f"line {number}", {name: cells[i] for name, i in layout.columns.items() if cells[i]}))
-    return found
+def _number(cell: str, delimiter: str | None) -> float:
+    """Return a number as a float, also one with a decimal comma unless commas separate, or an exponent of Fortran."""
+    try:
+        return float(cell) if "_" not in cell and cell.isascii() else number_of(cell)
+    except ValueError:
+        if delimiter == "," and "," in cell:
+            raise
+        return number_of(plain_number(cell))
 
 
 def plain_number(cell: str) -> str:
@@ -301,22 +262,41 @@ def plain_number(cell: str) -> str:
     return FORTRAN.sub(r"\1e\2", cell.replace(",", "."))
 
 
-def _table(file: IO[bytes], choose: Choose, where: str) -> tuple[Layout, Iterator[Line]]:
-    """Return the layout of a table, and its lines with data."""
+def _table(
+    file: IO[bytes], choose: Choose, where: str
+) -> tuple[str | None, dict[str, int], Iterator[tuple[int, list[str]]]]:
+    """Return the delimiter of a table, the places of the chosen columns, and its rows with their line numbers."""
     lines = _lines(file, where)
     head = list(islice(lines, HEAD_LINES))
-    layout, header = _layout(head, choose, where)
-    return layout, (line for line in chain(head[header:], lines) if line[2])
+    data = [i for i, (_, _, has_data) in enumerate(head) if has_data]
+    comments = head[: data[0]] if data else head  # one may be the header: numpy.savetxt writes such
+    if not data and not comments:
+        raise ParameterError("file", where, "is empty; its first line must name the columns, such as t,x,v")
+    # The second line shows the delimiter better than a header.
+    samples = [head[i][1] for i in data[1::-1]] or [comments[-1][1]]
+    delimiter = next((sign for sign in map(_delimiter, samples) if sign), None)
+    names, columns, begin = _header([head[i][1] for i in data[:1]], comments, delimiter, choose, where)
+
+    def rows() -> Iterator[tuple[int, list[str]]]:
+        for number, text, has_data in chain(head[begin:], lines):
+            if has_data:
+                cells = _split_cells(text, delimiter)
+                if len(cells) != len(names):
+                    what = f"row {number} has {len(cells)} entries, the header {len(names)}"
+                    raise ParameterError("file", where, what)
+                yield number, cells
+
+    return delimiter, columns, rows()
 
 
 def _lines(file: IO[bytes], where: str) -> Iterator[Line]:
-    """Return the lines of a text file."""
+    """Yield the lines of a text file that hold something."""
     empty = 0
     with io.TextIOWrapper(file, "utf-8-sig", newline=None) as text:
         for number, line in enumerate(iter(partial(text.readline, LONGEST_LINE), ""), 1):
             if len(line) >= LONGEST_LINE or (number <= 10 and "\0" in line):
                 raise ParameterError("file", where, "cannot be read: it is not text in lines")
-            content = line.strip(EMPTY)
+            content = line.strip(" \t\n\r\v\f,;")
             has_data = bool(content) and not content.startswith(COMMENT_SIGNS)
             empty += not has_data
             if empty > MOST_EMPTY_LINES and empty > 0.9 * number:
@@ -325,28 +305,23 @@ def _lines(file: IO[bytes], where: str) -> Iterator[Line]:
                 yield number, line.strip("\n"), has_data
 
 
-def _layout(head: list[Line], choose: Choose, where: str) -> tuple[Layout, int]:
-    """Return the layout of a text table, and the number of header lines."""
-    data = [i for i, (_, _, has_data) in enumerate(head) if has_data]
-    comments = head[: data[0]] if data else head  # one may be the header: numpy.savetxt writes such
-    if not data and not comments:
-        raise ParameterError("file", where, "is empty; its first line must name the columns, such as t,x,v")
-    # The second line shows the delimiter better than a header.
-    samples = [head[i][1] for i in data[1::-1]] or [comments[-1][1]]
-    delimiter = next((sign for sign in map(_delimiter, samples) if sign), None)
+def _header(
+    data: list[str], comments: list[Line], delimiter: str | None, choose: Choose, where: str
+) -> tuple[list[str], dict[str, int], int]:
+    """Return the names of all columns, the places of the chosen ones, and the number of lines of the header."""
 
-    def layout(names: list[str]) -> Layout:
+    def places(names: list[str]) -> dict[str, int]:
         found = choose(names)
         for name in found.values():
             if names.count(name) > 1:
                 raise ParameterError("file", where, f"has {short(name)!r} twice; there are: {names_text(names)}")
-        return Layout(delimiter, len(names), {name: names.index(column) for name, column in found.items()})
+        return {name: names.index(column) for name, column in found.items()}
 
-    first = _split_cells(head[data[0]][1], delimiter) if data else []
+    first = _split_cells(data[0], delimiter) if data else []
     wrong = None
     if data and not all(_is_number(cell, delimiter) for cell in first):
         try:
-            return layout(first), data[0] + 1
+            return first, places(first), len(comments) + 1
         except ParameterError as error:  # it may be a row with words, below a header that is a comment
             wrong = error
     for _, line, _ in comments[::-1]:
@@ -354,15 +329,16 @@ def _layout(head: list[Line], choose: Choose, where: str) -> tuple[Layout, int]:
         if all(_is_number(name, None) for name in names) or (data and len(names) != len(first)):
             continue
         with suppress(ParameterError):  # it is only a comment
-            return layout(names), len(comments)
+            return names, places(names), len(comments)
     if wrong is not None:
         raise wrong
-    return layout([str(i) for i in range(1, len(first) + 1)]), len(comments)
+    names = [str(i) for i in range(1, len(first) + 1)]
+    return names, places(names), len(comments)
 
 
 def _delimiter(line: str) -> str | None:
-    """Return the delimiter of a line."""
-    line = QUOTED.sub("", line)
+    """Return the delimiter of a line; None if its cells stand between blanks."""
+    line = re.sub('"[^"]*"', "", line)
     cells = line.split()
     if ";" in line or "\t" in line:
         return ";" if ";" in line else "\t"
@@ -374,17 +350,16 @@ def _split_cells(line: str, delimiter: str | None) -> list[str]:
     if delimiter is None:
         return line.replace('"', " ").split()
     if '"' not in line:
-        return [cell.strip() for cell in line.split(delimiter)]
+        return line.split(delimiter) if " " not in line else [cell.strip() for cell in line.split(delimiter)]
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
 
 
 def _is_number(cell: str, delimiter: str | None) -> bool:
     """Return whether a cell is a number."""
-    try:
-        number_of(FORTRAN.sub(r"\1e\2", cell) if delimiter == "," else plain_number(cell))
-    except (TypeError, ValueError):
-        return False
-    return True
+    with suppress(ValueError):
+        _number(cell, delimiter)
+        return True
+    return False
 
 
 # -- JSON, arrays, tables of pyarrow -----------------------------------------------------------------------------------
@@ -461,48 +436,49 @@ def _unwrapped(found: Record) -> Any:
 
 
 def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the datasets of an HDF5 or netCDF 4 file: those of the first group that has some."""
+    """Return the datasets of an HDF5 or netCDF 4 file: those of the outermost group that has some."""
     h5py = _library("h5py", "an HDF5 file")
-    with h5py.File(file, "r") as group:
-        for _ in range(DEEPEST_GROUP):
-            # MATLAB keeps the targets of references in a group of its own, "#refs#".
-            inner = [each for name, each in group.items() if isinstance(each, h5py.Group) and not name.startswith("#")]
-            if len(inner) != 1 or _is_octave(inner[0]) or any(isinstance(e, h5py.Dataset) for e in group.values()):
-                break
-            group = inner[0]
-        found = {name: e for name, e in group.items() if isinstance(e, h5py.Dataset) or _is_octave(e)}
-        alone = len(found) == 1
-        return _unwrapped({n: _hdf5_value(e) if alone or is_wanted(n, asked) else None for n, e in found.items()})
+    groups: dict[str, Record] = {}
+
+    def visit(path: str, item: Any) -> None:
+        """Note a dataset by its group and name; the cells of an array of Octave as a mapping of their numbers."""
+        # MATLAB keeps the targets of references in a group "#refs#", Octave x as x/type and x/value.
+        octave = "OCTAVE_NEW_FORMAT" in item.parent.attrs
+        if not isinstance(item, h5py.Dataset) or path.startswith("#") or (octave and path.endswith("/type")):
+            return
+        path = path.removesuffix("/value") if octave else path
+        cell = re.fullmatch(r"(.*)/value/_(\d+)", path)
+        group, _, name = (cell[1] if cell else path).rpartition("/")
+        if cell:
+            groups.setdefault(group, {}).setdefault(name, {})[int(cell[2])] = item
+        else:
+            groups.setdefault(group, {})[name] = item
+
+    with h5py.File(file, "r") as root:
+        root.visititems(visit)
+        found = groups[min(groups, key=lambda group: len(group.split("/")) if group else 0)] if groups else {}
+        wanted = {name: len(found) == 1 or is_wanted(name, asked) for name in found}
+        return _unwrapped({name: _hdf5_value(item) if wanted[name] else None for name, item in found.items()})
 
 
-def _is_octave(group: Any) -> bool:
-    """Return whether an HDF5 group was written by Octave."""
-    return "OCTAVE_NEW_FORMAT" in group.attrs
-
-
-def _hdf5_value(item: Any, depth: int = 0) -> Any:
-    """Return the value of a dataset, or of an Octave variable: a group with type and value."""
-    if not _is_octave(item):
-        values = item[()]
-        if isinstance(values, np.ndarray) and values.dtype.kind == "O":
-            values = np.array([each.decode() if isinstance(each, bytes) else each for each in values.ravel().tolist()])
-        return np.squeeze(values) if isinstance(values, np.ndarray) and values.ndim > 1 else values
-    kind, value = item["type"][()].decode(), item["value"]
-    if depth > DEEPEST_VALUE:
-        raise RecursionError("values inside values")
-    if kind == "cell":
-        return [_hdf5_value(value[f"_{i}"], depth + 1) for i in range(len(value) - 1)]
-    if kind.endswith("struct"):
-        return {name: _hdf5_value(each, depth + 1) for name, each in value.items()}
-    if kind.endswith("range"):
-        base, limit, increment = value[()].tolist()
-        return _octave_range(base, limit, increment, int(value.attrs["OCTAVE_RANGE_NELEM"]))
-    if "OCTAVE_EMPTY_MATRIX" in item.attrs:
+def _hdf5_value(item: Any) -> Any:
+    """Return the value of a dataset, or the values of cells."""
+    if isinstance(item, dict):
+        return [_hdf5_value(item[i]) for i in sorted(item)]
+    values, octave = item[()], "OCTAVE_NEW_FORMAT" in item.parent.attrs
+    if "base" in (item.dtype.names or ()):
+        base, limit, increment = values.tolist()
+        return _octave_range(base, limit, increment, int(item.attrs["OCTAVE_RANGE_NELEM"]))
+    if not isinstance(values, np.ndarray):
+        return values
+    if octave and "OCTAVE_EMPTY_MATRIX" in item.parent.attrs:
         return np.empty(0)
-    if kind.endswith("string"):
-        texts = [bytes(row.astype(np.uint8)).decode("utf-8", "replace").strip() for row in np.atleast_2d(value[()].T)]
+    if octave and item.parent["type"][()].decode().endswith("string"):
+        texts = [bytes(row.astype(np.uint8)).decode("utf-8", "replace").strip() for row in np.atleast_2d(values.T)]
         return texts[0] if len(texts) == 1 else texts
-    return np.squeeze(value[()].T)
+    if values.dtype.kind == "O":
+        values = np.array([each.decode() if isinstance(each, bytes) else each for each in values.ravel().tolist()])
+    return np.squeeze(values.T if octave else values) if values.ndim > 1 else values
 
 
 def _octave_range(base: float, limit: float, increment: float, count: int) -> np.ndarray:
@@ -512,33 +488,29 @@ def _octave_range(base: float, limit: float, increment: float, count: int) -> np
 
 
 def read_octave(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the variables of a text file written by Octave's `save`."""
+    """Return the numbers and strings in a text of Octave's `save`: variables, and fields of structs, by their names."""
     lines = iter(_whole(file, where).decode("utf-8-sig", "replace").splitlines())
-    return _unwrapped({line[8:]: _octave_value(lines) for line in lines if line.startswith("# name: ")})
+    found, name, cells = dict[str, Any](), "", list[Any]()
+    for line in lines:
+        name = line[8:] if line.startswith("# name: ") else name
+        kind = line.removeprefix("# type: ") if line.startswith("# type: ") else ""
+        if kind == "cell":
+            found[name] = cells = []
+        elif kind and not re.search("complex|sparse|diagonal|struct", kind):
+            value = _octave_value(kind, lines)
+            if name == "<cell-element>":
+                cells.append(value)
+            else:
+                found[name] = value
+    return _unwrapped(found)
 
 
-def _octave_value(lines: Iterator[str], depth: int = 0) -> Any:
-    """Return the next value; None if it cannot hold samples."""
-    if depth > DEEPEST_VALUE:
-        raise RecursionError("values inside values")
+def _octave_value(kind: str, lines: Iterator[str]) -> Any:
+    """Return the next value; None if it is of an unknown kind."""
 
-    def number(name: str) -> int:
-        return int(next(lines).removeprefix(f"# {name}: "))
+    def number(name: str, line: str = "") -> int:
+        return int((line or next(lines)).removeprefix(f"# {name}: "))
 
-    def inner() -> tuple[str, Any]:
-        name = next(line for line in lines if line.startswith("# name: "))
-        return name.removeprefix("# name: "), _octave_value(lines, depth + 1)
-
-    def sizes() -> tuple[list[int], bool]:
-        """Return the size in each dimension, and whether a line is a row (else it is a number)."""
-        line = next(lines)
-        if line.startswith("# ndims: "):
-            return [int(size) for size in next(lines).split()], False
-        return [int(line.removeprefix("# rows: ")), number("columns")], True
-
-    kind = next(lines).removeprefix("# type: ")
-    if kind.startswith("complex") or "sparse" in kind or "diagonal" in kind:
-        return None
     if kind.endswith("range"):
         next(lines)
         base, limit, increment = map(float, next(lines).split())
@@ -546,17 +518,15 @@ def _octave_value(lines: Iterator[str], depth: int = 0) -> Any:
     if kind.endswith("string"):
         texts = [next(lines).strip() if number("length") else "" for _ in range(number("elements"))]
         return texts[0] if len(texts) == 1 else texts
-    if kind == "cell":
-        return [inner()[1] for _ in range(int(np.prod(sizes()[0])))]
-    if kind == "scalar struct":
-        sizes()
-        return dict(inner() for _ in range(number("length")))
     if not kind.endswith("matrix"):
         return float(next(lines)) if kind.endswith(("scalar", "bool")) else None
-    shape, by_rows = sizes()
-    rows = islice(lines, shape[0] if by_rows else int(np.prod(shape)))
-    values = np.array(" ".join(rows).split(), dtype=float)
-    return np.squeeze(values.reshape(shape, order="C" if by_rows else "F"))
+    sizes = next(lines)
+    if sizes.startswith("# ndims: "):  # a number in each line
+        shape = [int(size) for size in next(lines).split()]
+        values = np.array(list(islice(lines, int(np.prod(shape)))), dtype=float)
+        return np.squeeze(values.reshape(shape, order="F"))
+    rows, columns = number("rows", sizes), number("columns")
+    return np.squeeze(np.array(" ".join(islice(lines, rows)).split(), dtype=float).reshape(rows, columns))
 
 
 # -- MATLAB ------------------------------------------------------------------------------------------------------------
@@ -619,7 +589,7 @@ def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: i
         own, complex_too = flags & 0xFF, flags >> 11 & 1
         if own in NUMBER_CLASSES and len(parts) != 4 + complex_too + 2 * (own == SPARSE):
             return False
-    return depth <= DEEPEST_VALUE and all(_is_sound(data, order, *part, depth + 1) for part in parts)
+    return depth <= 50 and all(_is_sound(data, order, *part, depth + 1) for part in parts)
 
 
 def _tags(data: bytes, order: str, at: int, end: int, inside: bool) -> Iterator[tuple[int, int, int]]:
@@ -638,12 +608,12 @@ def _tags(data: bytes, order: str, at: int, end: int, inside: bool) -> Iterator[
 
 
 #: The formats other than text, by suffix.
-FILE_KINDS: dict[str, Kind] = {
-    ".json": Kind("", read_json),
-    **dict.fromkeys((".npz", ".npy"), Kind("an npz file", _read_numpy)),
-    ".mat": Kind("a MATLAB file", _read_mat),
-    **dict.fromkeys((".parquet", ".pq"), Kind("a parquet file", _read_parquet)),
-    **dict.fromkeys((".feather", ".arrow"), Kind("a feather file", _read_feather)),
-    **dict.fromkeys((".h5", ".hdf5", ".hdf", ".nc"), Kind("an HDF5 file", _read_hdf5)),
+FILE_KINDS: dict[str, tuple[str, Reader]] = {
+    ".json": ("", read_json),
+    **dict.fromkeys((".npz", ".npy"), ("an npz file", _read_numpy)),
+    ".mat": ("a MATLAB file", _read_mat),
+    **dict.fromkeys((".parquet", ".pq"), ("a parquet file", _read_parquet)),
+    **dict.fromkeys((".feather", ".arrow"), ("a feather file", _read_feather)),
+    **dict.fromkeys((".h5", ".hdf5", ".hdf", ".nc"), ("an HDF5 file", _read_hdf5)),
 }
 SUFFIXES = (*TEXT_SUFFIXES, *FILE_KINDS)

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.crosschecks.causes import Case, Diagnosis, fitted
-from symosc.crosschecks.methods import DELAY_GRID, DELAY_LEAVES, DELAY_ZOOMS, MOST_DELAYS
+from symosc.crosschecks.causes import Case, Diagnosis, best_between, fitted
+from symosc.crosschecks.methods import DELAY_GRID, DELAY_LEAVES, MOST_DELAYS
 from symosc.crosschecks.models import rounded
 from symosc.crosschecks.steps import follow_steps
 from symosc.engine.state import SLIP
@@ -88,7 +88,13 @@ def at_belts(case: Case) -> Iterator[Diagnosis]:
     gap = s.v[steps + 1] - belts[boundary - 1]
     curves = _widths_in_sticks(case, steps, boundary, gap)
     name, width, error, spread = min(curves, key=lambda curve: curve[3])
-    rate, same, count = _rates(case, steps, boundary, gap)
+    # The growth rate of the gap in steps at or near the belt, and its relative spread.
+    before = s.v[steps] - belts[boundary - 1]
+    near = np.isin(steps - 1, steps) | (np.abs(before) <= case.near[steps])
+    count, rate, same = int(np.sum(near)), 0.0, np.inf
+    if count >= 2:
+        rate, deviation = _median_and_deviation(((gap - before) / (s.t[steps + 1] - s.t[steps]))[near])
+        same = deviation / abs(rate) if rate else np.inf
     if spread <= SAME_WIDTH and spread < same and width <= WIDEST * (belts[1] - belts[0]):
         evidence = f"in sticks v creeps off the belt by the {name} of the needed friction, {len(steps)} samples"
         yield _smoothed(name, width, error, evidence, 1.0)
@@ -149,18 +155,6 @@ def _widths_in_sticks(
     return found
 
 
-def _rates(case: Case, steps: np.ndarray, boundary: np.ndarray, gap: np.ndarray) -> tuple[float, float, int]:
-    """Return the mean growth rate of the gap in steps at or near the belt, its spread, and the number of steps."""
-    s = case.steps
-    before = s.v[steps] - s.belts[boundary - 1]
-    inside = np.isin(steps - 1, steps) | (np.abs(before) <= case.near[steps])
-    if np.sum(inside) < 2:
-        return 0.0, np.inf, 0
-    rates = ((gap - before) / (s.t[steps + 1] - s.t[steps]))[inside]
-    rate, spread = _median_and_deviation(rates)
-    return rate, spread / abs(rate) if rate else np.inf, len(rates)
-
-
 # -- smoothed friction in flights --------------------------------------------------------------------------------------
 
 
@@ -173,10 +167,8 @@ def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
     distance = float(np.diff(case.steps.belts)[0])
     tried = []
     for name, curve in CURVES.items():
-        sizes = (
-            np.max(np.abs(_misses_with_smoothing(case, few, WIDTHS_TRIED * distance, curve)), axis=2) / case.sizes[few]
-        )
-        left = np.median(np.where(np.isfinite(sizes), sizes, np.inf), axis=1)
+        sizes = np.max(np.abs(_misses_with_smoothing(case, few, WIDTHS_TRIED * distance, curve)), axis=2)
+        left = np.median(np.fmin(sizes / case.sizes[few], np.inf), axis=1)
         best = int(np.argmin(left))
         tried.append((float(left[best]), float(WIDTHS_TRIED[best] * distance), name))
     for left_best, width, name in sorted(tried):
@@ -351,8 +343,13 @@ def stick_ends(case: Case) -> Iterator[Diagnosis]:
         yield from _kept_too_long(case)
         return
     s, there = case.steps, sticks.step
-    early = _best_exit(case, sticks, sticks.begin, sticks.end)
-    late = _best_exit(case, sticks, sticks.end, s.t[there + 1])
+
+    def misses(time: np.ndarray) -> np.ndarray:
+        return np.fmin(*(np.max(np.abs(_left_at(case, sticks, time, side)), axis=1) for side in (0, 1)))
+
+    never = np.full(len(there), -1.0)
+    early = best_between(misses, sticks.begin, sticks.end, 2 * DELAY_GRID, never)
+    late = best_between(misses, sticks.end, s.t[there + 1], 2 * DELAY_GRID, never)
     is_late = late[1] < early[1]
     time, leaves = np.where(is_late, late[0], early[0]), np.where(is_late, late[1], early[1])
     fits = leaves <= case.limits(DELAY_LEAVES)[there]
@@ -369,7 +366,12 @@ def stick_ends(case: Case) -> Iterator[Diagnosis]:
         return
     words = f"sticks are left while the belt still holds, first at t = {float(time[fits][0]):.8g}"
     evidence = f"{count} sticks end up to {float(np.max(-lasting)):.3g} too early; flights without a cause follow"
-    share = (count + _flights_without_cause(case, rest)) / total
+    # Flights with the force of one domain, right or wrong, follow from that.
+    if len(rest):
+        left = np.min([case.miss_sizes(s.flight(d, rest, rest + 1), rest) for d in (1, 2, 3)], axis=0)
+        share = (count + int(np.sum(left <= case.limits()[rest]))) / total
+    else:
+        share = count / total
     yield Diagnosis("stick left early", "", words, evidence, share=share)
 
 
@@ -385,14 +387,6 @@ def _kept_too_long(case: Case) -> Iterator[Diagnosis]:
         if np.median(held) > 1.0:
             evidence = f"{len(on)} steps go on with the belt where it does not hold any more"
             yield _late(held, evidence, len(on) / len(wrong))
-
-
-def _flights_without_cause(case: Case, steps: np.ndarray) -> int:
-    """Return how many steps are flights with the force of one domain, right or wrong."""
-    if not len(steps):
-        return 0
-    left = np.min([case.miss_sizes(case.steps.flight(d, steps, steps + 1), steps) for d in (1, 2, 3)], axis=0)
-    return int(np.sum(left <= case.limits()[steps]))
 
 
 def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
@@ -426,22 +420,6 @@ def _left_at(case: Case, sticks: StickSteps, time: np.ndarray, side: int, dx: An
     s, speed = case.steps, case.steps.belts[sticks.boundary - 1]
     x, tau = sticks.x + speed * (time - sticks.begin) + dx, s.t[sticks.step + 1] - time
     return case.misses(s.fly(sticks.boundary + side, x, speed + dv, _phase(case, sticks, time), tau), sticks.step)
-
-
-def _best_exit(case: Case, sticks: StickSteps, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the end time of a stick, between two limits, that fits best, and the remaining defect."""
-    best, leaves = low.copy(), np.full(len(low), np.inf)
-    begin, end = low, high
-    for _ in range(DELAY_ZOOMS):
-        for part in np.linspace(0.0, 1.0, 2 * DELAY_GRID):
-            tried = begin + part * (end - begin)
-            for side in (0, 1):
-                left = np.max(np.abs(_left_at(case, sticks, tried, side)), axis=1)
-                better = left < leaves
-                best, leaves = np.where(better, tried, best), np.where(better, left, leaves)
-        width = (end - begin) / (2 * DELAY_GRID - 1)
-        begin, end = np.maximum(best - width, low), np.minimum(best + width, high)
-    return best, leaves
 
 
 def drift_within_steps(case: Case) -> Iterator[Diagnosis]:

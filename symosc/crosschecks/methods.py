@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from symosc.crosschecks.causes import SURE, Case, Diagnosis
+from symosc.crosschecks.causes import SURE, Case, Diagnosis, best_between
 from symosc.engine.state import SLIP
 from symosc.kernels._generated import acceleration
 
@@ -21,8 +21,8 @@ MOST_REPEATED = 60
 REPEATED_TO, WEIGHTS_TO = 0.005, 1e-4
 IMPLICIT_ROUNDS = 60
 FEWEST_WEIGHTED = 8
-# Steps with events on which delays are tried, on a grid of so many points, which is made finer so many times.
-MOST_DELAYS, DELAY_GRID, DELAY_ZOOMS = 60, 9, 8
+# Steps with events on which delays are tried, on a grid of so many points.
+MOST_DELAYS, DELAY_GRID = 60, 9
 # A delay explains a step if it leaves this part of the defect. Too early and too late differ by little.
 DELAY_LEAVES = 0.005
 
@@ -30,36 +30,24 @@ DELAY_LEAVES = 0.005
 # -- methods with a fixed step: each returns the state after a step h, for the acceleration a(t, x, v) -----------------
 
 
-def semi_implicit(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-    """Make a semi-implicit Euler step: the new velocity moves the position."""
-    v = v + h * a(t, x, v)
-    return x + h * v, v
+def splitting(*parts: tuple[str, float, float]) -> Method:
+    """Return a method of kicks, which change v by the force at a part of the step, and drifts, which move x by v."""
 
+    def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
+        for name, part, time in parts:
+            if name == "kick":
+                v = v + part * h * a(t + time * h, x, v)
+            else:
+                x = x + part * h * v
+        return x, v
 
-def position_first(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-    """Make a semi-implicit Euler step: the new position gives the force."""
-    x = x + h * v
-    return x, v + h * a(t, x, v)
+    return step
 
 
 def taylor(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
     """Make a Taylor step with constant acceleration."""
     first = a(t, x, v)
     return x + h * v + 0.5 * h * h * first, v + h * first
-
-
-def kick_first(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-    """Make a leapfrog (Verlet) step: half a kick, a drift, half a kick."""
-    middle = v + 0.5 * h * a(t, x, v)
-    x = x + h * middle
-    return x, middle + 0.5 * h * a(t + h, x, middle)
-
-
-def drift_first(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-    """Make a leapfrog step: half a drift, a kick, half a drift."""
-    middle = x + 0.5 * h * v
-    after = v + h * a(t + 0.5 * h, middle, v)
-    return middle + 0.5 * h * after, after
 
 
 def velocity_verlet(predicted: float) -> Method:
@@ -112,15 +100,15 @@ CLASSICAL = ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0))
 FIXED_STEP_METHODS: dict[str, Method | None] = {
     "exact": None,
     "Euler": runge_kutta(((),), 1.0),
-    "semi-implicit Euler": semi_implicit,
-    "semi-implicit Euler, x first": position_first,
+    "semi-implicit Euler": splitting(("kick", 1.0, 0.0), ("drift", 1.0, 0.0)),
+    "semi-implicit Euler, x first": splitting(("drift", 1.0, 0.0), ("kick", 1.0, 0.0)),
     "constant acceleration": taylor,
     "midpoint": runge_kutta(((), (0.5,)), 0.0, 1.0),
     "Heun": runge_kutta(((), (1.0,)), 0.5, 0.5),
-    "leapfrog (velocity Verlet)": kick_first,
+    "leapfrog (velocity Verlet)": splitting(("kick", 0.5, 0.0), ("drift", 1.0, 0.0), ("kick", 0.5, 1.0)),
     "velocity Verlet with the old v": velocity_verlet(0.0),
     "velocity Verlet with a predicted v": velocity_verlet(1.0),
-    "leapfrog, x first": drift_first,
+    "leapfrog, x first": splitting(("drift", 0.5, 0.0), ("kick", 1.0, 0.5), ("drift", 0.5, 0.0)),
     "implicit Euler": implicit(1.0),
     "trapezoidal rule": implicit(0.5),
     "RK3": runge_kutta(((), (0.5,), (-1.0, 2.0)), 1 / 6, 4 / 6, 1 / 6),
@@ -290,12 +278,16 @@ def delays(case: Case) -> Iterator[Diagnosis]:
     chosen, rows, every = _first_events(case, np.ones(len(s.first), bool))
     if not len(chosen):
         return
-    delay, leaves = _best_delays(case, chosen, rows)
-    fits = leaves <= case.limits(DELAY_LEAVES)[chosen]
+    room, limits = s.t[chosen + 1] - s.events.t[rows], case.limits(DELAY_LEAVES)[chosen]
+
+    def misses(part: np.ndarray) -> np.ndarray:
+        return np.minimum(*(_with_delay(case, chosen, rows, part * room, onto) for onto in (False, True)))
+
+    part, leaves = best_between(misses, np.zeros(len(chosen)), np.ones(len(chosen)), DELAY_GRID, limits)
+    delay, fits = part * room, leaves <= limits
     if not np.any(fits) or np.all(s.events.kind[rows][fits] == SLIP):  # late ends of sticks are another cause
         return
     share = float(np.mean(fits)) * every / int(np.sum(case.wrong))
-    room = s.t[chosen + 1] - s.events.t[rows]
     unseen = int(np.sum(fits & (delay >= 0.999 * room) & (case.domain[chosen + 1] == s.first[chosen])))
     if 2 * unseen > np.sum(fits):
         words = f"belts are met and left within a step, and that is not seen ({unseen} times)"
@@ -305,24 +297,6 @@ def delays(case: Case) -> Iterator[Diagnosis]:
     evidence = f"{int(np.sum(fits))} events are late by {mean:.3g} on average (spread {spread:.2g})"
     words = f"events are not located: they happen up to {largest:.3g} late, at the end of the solver's step"
     yield Diagnosis("late events", "", words, evidence, mean, spread, share)
-
-
-def _best_delays(case: Case, chosen: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the best-fitting delay of the first event of each step, and the remaining defect."""
-    room = case.steps.t[chosen + 1] - case.steps.events.t[rows]
-    low, high = np.zeros(len(chosen)), np.ones(len(chosen))
-    best, leaves = np.ones(len(chosen)), np.full(len(chosen), np.inf)
-    for _ in range(DELAY_ZOOMS):
-        for part in np.linspace(0.0, 1.0, DELAY_GRID):
-            tried = low + part * (high - low)
-            left = np.minimum(*(_with_delay(case, chosen, rows, tried * room, onto) for onto in (False, True)))
-            better = left < leaves
-            best, leaves = np.where(better, tried, best), np.where(better, left, leaves)
-        width = (high - low) / (DELAY_GRID - 1)
-        low, high = np.maximum(best - width, 0.0), np.minimum(best + width, 1.0)
-        if np.all(leaves <= case.limits(DELAY_LEAVES)[chosen]):
-            break
-    return best * room, leaves
 
 
 def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndarray, onto: bool) -> np.ndarray:

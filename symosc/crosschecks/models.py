@@ -129,37 +129,25 @@ def _flights_of_no_system(case: Case) -> Iterator[Candidate]:
 
 def coefficients(case: Case) -> Iterator[Candidate]:
     """Yield one wrong coefficient after the other, fitted to the flights, those of belts to all steps."""
-    flights = case.some(case.inside, MOST_FLOWN)
-    before = _median(case.sizes[flights])
     for name in PARAMETER_NAMES:
-        if name in ("v1", "v2"):
-            fit = _fit_belt(case, name) if case.flights_wrong <= 0.5 else None
-        else:
-            fit = _fit_flights(case, name, flights) if len(flights) and before > 1.0 else None
-            fit = _if_good(fit, before)
-        yield from _coefficient(case, name, fit)
+        if name not in ("v1", "v2"):
+            yield from _coefficient(case, name, _fit_flights(case, name))
+        elif case.flights_wrong <= 0.5:
+            yield from _coefficient(case, name, _fit_belt(case, name))
 
 
 def far_coefficients(case: Case) -> Iterator[Candidate]:
     """Yield coefficients too far from the right one for a direct fit: the best of a grid is fitted."""
-    flights = case.some(case.inside, MOST_FLOWN)
-    before, p = _median(case.sizes[flights]), case.parameters
+    flights, p = case.some(case.inside, MOST_FLOWN), case.parameters
     if len(flights) < FEWEST_FAR or case.flights_wrong < 0.5:
         return
     few = case.some(flights, FEW_FAR)
     for name in ("m", "c", "k", "Omega"):
-        right = float(getattr(p, name))
-        values = _frequencies(case, flights) if name == "Omega" else (right or 1.0) * FAR_FACTORS
+        values = _frequencies(case, flights) if name == "Omega" else (float(getattr(p, name)) or 1.0) * FAR_FACTORS
         tried = [(_median(np.max(np.abs(case.flown(K, chosen=few)), axis=1)), value)
                  for value in values if (K := _constants(p, name, float(value))) is not None]  # fmt: skip
         if tried:
-            fit = _fit_flights(case, name, flights, float(min(tried)[1]))
-            yield from _coefficient(case, name, _if_good(fit, before))
-
-
-def _if_good(fit: Fit | None, before: float) -> Fit | None:
-    """Return a fit with small remaining defects, else None."""
-    return fit if fit is not None and _median(fit.sizes) <= max(1.0, LEFT_OVER * before) else None
+            yield from _coefficient(case, name, _fit_flights(case, name, float(min(tried)[1])))
 
 
 def _median(sizes: np.ndarray) -> float:
@@ -176,11 +164,9 @@ def _coefficient(case: Case, name: str, fit: Fit | None) -> Iterator[Candidate]:
     text = rounded(value, error)
     other = _replaced(case.parameters, **{name: float(text)})
     if other is not None and other != case.parameters:
-        words = f"the solution has {name} = {text}, which should be {right:.10g}"
+        words, evidence = f"the solution has {name} = {text}, which should be {right:.10g}", with_error(value, error)
         share = case.share(case.followed(other), part=FITS)
-        found = Diagnosis(
-            "coefficient", name, words, f"fitted: {name} = {with_error(value, error)}", value, error, share
-        )
+        found = Diagnosis("coefficient", name, words, f"fitted: {name} = {evidence}", value, error, share)
         yield Candidate(found, Change(f"with {name} = {text}", parameters=other))
 
 
@@ -214,15 +200,19 @@ def _tick(p: Parameters, name: str) -> np.ndarray:
     return np.array([TICK * (units[name] if name in units else float(getattr(p, name)) or push)])
 
 
-def _fit_flights(case: Case, name: str, flights: np.ndarray, start: float | None = None) -> Fit | None:
-    """Fit one coefficient to flights."""
-    p = case.parameters
+def _fit_flights(case: Case, name: str, start: float | None = None) -> Fit | None:
+    """Fit one coefficient to wrong flights; None if it leaves much of their defects."""
+    p, flights = case.parameters, case.some(case.inside, MOST_FLOWN)
+    before = _median(case.sizes[flights])
+    if not before > 1.0:
+        return None
 
     def misses(value: np.ndarray) -> np.ndarray:
         K = _constants(p, name, float(value[0]))
         return np.full((len(flights), 2), np.nan) if K is None else case.flown(K, chosen=flights)
 
-    return fitted(misses, np.array([float(getattr(p, name)) if start is None else start]), _tick(p, name))
+    fit = fitted(misses, np.array([float(getattr(p, name)) if start is None else start]), _tick(p, name))
+    return fit if fit is not None and _median(fit.sizes) <= max(1.0, LEFT_OVER * before) else None
 
 
 def _constants(p: Parameters, name: str, value: float) -> Constants | None:
@@ -283,13 +273,12 @@ def phases_of_drive(case: Case) -> Iterator[Candidate]:
     if not case.parameters.B0:
         return
     turn = _turn_of_flights(case, flights) if len(flights) >= FEWEST_FAR else None
-    finer = None
     if turn is not None:
-        finer = fitted(lambda q: case.flown(K, float(q[0]), flights), np.array([turn]), np.array([1e-5]))
-    elif len(case.wrong) <= MOST_FLOWN:
-        finer = _turn_of_steps(case)
-    if finer is not None:
-        yield _shift_or_phase(case, remainder(float(finer.value[0]), 2.0 * pi), float(finer.error[0]))
+        fit = fitted(lambda q: case.flown(K, float(q[0]), flights), np.array([turn]), np.array([1e-5]))
+    else:
+        fit = _turn_of_steps(case) if len(case.wrong) <= MOST_FLOWN else None
+    if fit is not None:
+        yield _shift_or_phase(case, remainder(float(fit.value[0]), 2.0 * pi), float(fit.error[0]))
 
 
 def _turn_of_flights(case: Case, flights: np.ndarray) -> float | None:

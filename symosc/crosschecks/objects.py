@@ -10,11 +10,11 @@ import sys
 import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import redirect_stdout
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from inspect import iscoroutine
-from itertools import accumulate, islice
+from itertools import accumulate, islice, pairwise
 from math import ceil, inf, isfinite, nan, pi
 from pathlib import Path
 from traceback import extract_tb
@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, checked, short, shown
+from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, checked, fastest_rate, short, shown
 from symosc.errors import ParameterError, brief
 from symosc.exact import unmasked
 from symosc.model import Parameters
@@ -133,41 +133,23 @@ def names_text(names: Iterable[str]) -> str:
 
 # -- objects -----------------------------------------------------------------------------------------------------------
 
-# Two pieces of a solution meet if their times agree to this many units of the last place.
-SAME_TIME = 4.0
-#: A table: the names of its columns, and a function that returns one.
-Table = tuple[list[str], Callable[[str], Any]]
+#: A table as columns by name; those of an array package, perhaps not yet in memory.
+Table = dict[str, Any]
+#: The problem that a function or a solver solves; None if it is not known.
+Problem = Scene | Parameters | None
 
 
-@dataclass(frozen=True)
-class SolverTask:
-    """The problem that a function or solver solves; without a scene its times are None."""
-
-    parameters: Parameters
-    t0: float | None = None
-    t_end: float | None = None
-
-    @classmethod
-    def of(cls, scene: Scene | Parameters) -> SolverTask:
-        """Return the task of a scene or of parameters alone."""
-        if isinstance(scene, Parameters):
-            return cls(scene)
-        return cls(scene.parameters, float(scene.t0), float(scene.t_end))
-
-    @property
-    def period(self) -> float:
-        """The shorter of the periods of the drive and of the free motion."""
-        return 2.0 * pi / max(float(self.parameters.Omega), float(self.parameters.k / self.parameters.m) ** 0.5)
-
-
-def solutions_in(source: Any, asked: Asked, problem: SolverTask | None = None, where: str = "") -> list[Samples]:
+def solutions_in(source: Any, asked: Asked, problem: Problem = None, where: str = "") -> list[Samples]:
     """Return the solutions in an object; `where` names it in messages.
 
     A list of objects is several solutions, or pieces of one if each begins where the one before ends.
     """
     where = where or type(source).__name__
     if isinstance(source, Trajectory):
-        return [_of_trajectory(source)]
+        events = tuple((float(event.t), event.kind) for event in source.events)
+        times = _grid(float(source.t_start), float(source.t_end), source.parameters)
+        times = np.unique([*times, *(t for t, _ in events)])
+        return [replace(checked(times, *source(times)), events=events, notes=("an exact trajectory",))]
     if isinstance(source, (list, tuple)):
         return _of_list(source, asked, problem, where)
     if not asked and not _has_column(source, "x"):
@@ -197,7 +179,7 @@ def _has_column(source: Any, column: str) -> bool:
         return False
 
 
-def _of_result(source: Any, problem: SolverTask | None) -> list[Samples] | None:
+def _of_result(source: Any, problem: Problem) -> list[Samples] | None:
     """Return the solutions in a solver result (t and y, or ts and ys), or None for another object."""
     for times, states in (("t", "y"), ("ts", "ys")):
         inside = isinstance(source, Mapping)
@@ -210,7 +192,7 @@ def _of_result(source: Any, problem: SolverTask | None) -> list[Samples] | None:
             return solutions_in({"t": t, **y}, {}, None, type(source).__name__)
         found = _of_states(np.asarray(t), y, states)
         notes = [] if getattr(source, "success", True) else [f"the solver says: {getattr(source, 'message', 'failed')}"]
-        events, more = solver_events(source, problem)
+        events, more = _solver_events(source, problem)
         if len(found) == 1:
             dense = getattr(source, "sol", None)
             dense = dense if callable(dense) else None
@@ -238,14 +220,21 @@ def _of_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
     raise ParameterError(name, y.shape, "must have two rows, x and v, so the shape (2, n); this is its shape")
 
 
-def _of_list(source: Sequence[Any], asked: Asked, problem: SolverTask | None, where: str) -> list[Samples]:
-    """Return the solutions in a list."""
+def _of_list(source: Sequence[Any], asked: Asked, problem: Problem, where: str) -> list[Samples]:
+    """Return the solutions in a list: rows of one, or several, or pieces that meet."""
     if not source:
         raise ParameterError("solution", shown(source), "is empty")
-    if all(isinstance(row, Mapping) and _is_row(row) for row in source):
-        names = list(dict.fromkeys(name for row in source for name in row))
-        return _of_table((names, lambda name: [row.get(name) for row in source]), asked, where)
-    if all(isinstance(row, (list, tuple, np.ndarray)) and _are_numbers(row) for row in source):
+    if all(
+        isinstance(row, Mapping) and all(np.ndim(value) == 0 for name, value in row.items() if name not in NO_COLUMNS)
+        for row in source
+    ):
+        names = dict.fromkeys(name for row in source for name in row)
+        return _of_table({name: [row.get(name) for row in source] for name in names}, asked, where)
+    numbers = (int, float, str, np.number)
+    if all(
+        isinstance(row, (list, tuple, np.ndarray)) and len(row) and all(isinstance(value, numbers) for value in row)
+        for row in source
+    ):
         lengths = {len(row) for row in source}
         if len(lengths) > 1:
             raise ParameterError(where, sorted(lengths), "has rows of several lengths; each must be t, x, v")
@@ -258,36 +247,19 @@ def _of_list(source: Sequence[Any], asked: Asked, problem: SolverTask | None, wh
         if isinstance(part, (str, int, float)) or part is None:
             raise ParameterError(f"{where}[{i}]", shown(part), "is no solution")
         found += solutions_in(part, asked, problem)
-    if len(found) > 1 and all(map(_meet, found, found[1:])):
-        return [_joined(found)]
-    return found
-
-
-def _is_row(row: Mapping[Any, Any]) -> bool:
-    """Return whether a mapping is a row (entries are numbers or texts), not columns."""
-    return all(value is None or np.ndim(value) == 0 for name, value in row.items() if name != "events")
-
-
-def _are_numbers(row: Any) -> bool:
-    """Return whether all entries of a row are numbers."""
-    return len(row) > 0 and all(isinstance(value, (int, float, str, np.number)) for value in row)
-
-
-def _meet(one: Samples, other: Samples) -> bool:
-    """Return whether one piece begins at another's end."""
-    end, begin = float(one.t[-1]), float(other.t[0])
-    return abs(begin - end) <= SAME_TIME * float(np.spacing(abs(end))) and one.lacks_v == other.lacks_v
-
-
-def _joined(pieces: Sequence[Samples]) -> Samples:
-    """Join pieces of a solution."""
-    columns: Record = {name: np.concatenate([getattr(each, name) for each in pieces]) for name in ("t", "x", "v")}
-    begin = np.cumsum([len(each.t) for each in pieces[:-1]])
-    columns["t"][begin] = np.maximum(columns["t"][begin], columns["t"][begin - 1])  # they agree but for rounding
-    lists = [each.events for each in pieces if each.events is not None]
+    # Two pieces meet if their times agree but for rounding.
+    gaps = [
+        float(after.t[0] - before.t[-1]) / float(np.spacing(abs(before.t[-1]))) for before, after in pairwise(found)
+    ]
+    if len(found) == 1 or max(map(abs, gaps)) > 4.0 or len({each.lacks_v for each in found}) > 1:
+        return found
+    joined: Record = {name: np.concatenate([getattr(each, name) for each in found]) for name in SAMPLE_COLUMNS}
+    begin = np.cumsum([len(each.t) for each in found[:-1]])
+    joined["t"][begin] = np.maximum(joined["t"][begin], joined["t"][begin - 1])
+    lists = [each.events for each in found if each.events is not None]
     events = tuple(pair for pairs in lists for pair in pairs) if lists else None
-    notes = dict.fromkeys(note for each in pieces for note in each.notes)
-    return Samples(**columns, events=events, notes=(*notes, f"joined from {len(pieces)} pieces"))
+    notes = dict.fromkeys(note for each in found for note in each.notes)
+    return [Samples(**joined, events=events, notes=(*notes, f"joined from {len(found)} pieces"))]
 
 
 # -- tables ------------------------------------------------------------------------------------------------------------
@@ -297,59 +269,58 @@ def as_table(source: Any) -> Table | None:
     """Return a mapping, structured array, or table of pandas, polars, xarray or pyarrow as a table, else None."""
     package = type(source).__module__.partition(".")[0]
     if isinstance(source, np.ndarray):
-        return None if source.dtype.names is None else (list(source.dtype.names), source.__getitem__)
-    if package == "pandas" and hasattr(source, "reset_index"):
+        return None if source.dtype.names is None else {name: source[name] for name in source.dtype.names}
+    if package == "pandas" and hasattr(source, "columns"):
         return _of_pandas(source)
-    if package == "xarray" and hasattr(source, "to_dataframe"):
+    if package == "xarray" and hasattr(source, "data_vars"):
         return _of_xarray(source)
     if isinstance(source, Mapping):
-        keys = {str(key): key for key in source}
-        return list(keys), lambda name: source[keys[name]]
+        return {str(name): column for name, column in source.items()}
     if package == "pyarrow":
         names = getattr(getattr(source, "schema", None), "names", None)
-        return None if names is None else (names, lambda name: np.asarray(source.column(names.index(name))))
+        return None if names is None else {name: source.column(i) for i, name in enumerate(names)}
     columns = getattr(source, "columns", None)  # polars
     if isinstance(columns, list) and hasattr(source, "__getitem__"):
-        return [str(name) for name in columns], source.__getitem__
+        return {str(name): source[name] for name in columns}
     return None
 
 
-def _of_pandas(frame: Any) -> Table | None:
+def _of_pandas(frame: Any) -> Table:
     """Return a DataFrame as a table; a named index gives columns too."""
-    if not hasattr(frame, "columns"):
-        return None
     inside = {str(name) for name in frame.columns}
     if any(name is not None and str(name) not in inside for name in frame.index.names):
         frame = frame.reset_index()
-    keys = {str(name): i for i, name in enumerate(frame.columns)}
-    if len(keys) < len(frame.columns):
+    if len({str(name) for name in frame.columns}) < len(frame.columns):
         raise ParameterError("DataFrame", list(frame.columns), "has two columns of one name")
-    return list(keys), lambda name: frame.iloc[:, keys[name]].to_numpy()
+    return {str(name): frame.iloc[:, i].to_numpy() for i, name in enumerate(frame.columns)}
 
 
-def _of_xarray(data: Any) -> Table | None:
+def _of_xarray(data: Any) -> Table:
     """Return a Dataset as a table; two dimensions are several trajectories, the shorter one the rows."""
-    if not hasattr(data, "data_vars"):
-        return None
-    if max((len(variable.dims) for variable in data.variables.values()), default=0) > 1:
-        frame = data.to_dataframe().reset_index()
-        times = [name for name, variable in data.variables.items() if plain(str(name)) in USUAL_NAMES["t"]]
-        along = data.variables[times[0]].dims if times else ()
-        inner = str(along[-1]) if along else ""
-        others = [str(name) for name in data.dims if str(name) != inner and frame[name].nunique() > 1]
-        if len(others) == 1 and ID_COLUMN not in frame:
-            frame = frame.rename(columns={others[0]: ID_COLUMN})
-        return _of_pandas(frame.dropna())
-    return [str(name) for name in data.variables], lambda name: data[name].values
+    if max((len(variable.dims) for variable in data.variables.values()), default=0) <= 1:
+        return {str(name): variable for name, variable in data.variables.items()}
+    frame = data.to_dataframe().reset_index()
+    times = [name for name, variable in data.variables.items() if plain(str(name)) in USUAL_NAMES["t"]]
+    along = data.variables[times[0]].dims if times else ()
+    inner = str(along[-1]) if along else ""
+    others = [str(name) for name in data.dims if str(name) != inner and frame[name].nunique() > 1]
+    if len(others) == 1 and ID_COLUMN not in frame:
+        frame = frame.rename(columns={others[0]: ID_COLUMN})
+    return _of_pandas(frame.dropna())
 
 
 def _of_table(table: Table, asked: Asked, where: str) -> list[Samples]:
     """Return the solutions in a table."""
-    names, column = _with_split_states(*table, asked)
-    found = find_columns(names, asked, where)
-    values: Record = {name: column(own) for name, own in found.items()}
+    if not ({plain(name) for name in table} & {"x", "position"} or "x" in asked):
+        for name in [name for name in table if name.lower() in STATE_NAMES]:  # x and v together
+            both = _array(table[name])
+            if both.ndim == 2 and 2 in both.shape:
+                x, v = both if len(both) == 2 and both.shape != (2, 2) else both.T
+                table = {each: column for each, column in table.items() if each != name} | {"x": x, "v": v}
+                break
+    values: Record = {name: table[own] for name, own in find_columns([*table], asked, where).items()}
     ids = values.pop(ID_COLUMN, None)
-    events = next((column(name) for name in names if name in NO_COLUMNS), None)
+    events = next((table[name] for name in table if name in NO_COLUMNS), None)
     if np.ndim(_array(values["x"])) > 1:
         return _of_matrices(values, where)
     ids = None if ids is None else np.ravel(np.asarray(ids)).astype(str)
@@ -366,19 +337,6 @@ def _array(values: Any) -> np.ndarray:
         return np.asarray(values)
     except ValueError:  # ragged; the check of the samples says where
         return np.empty(0)
-
-
-def _with_split_states(names: list[str], column: Callable[[str], Any], asked: Asked) -> Table:
-    """Return a table with an array of x and v split into two columns."""
-    if {plain(name) for name in names} & {"x", "position"} or "x" in asked:
-        return names, column
-    for name in names:
-        both: np.ndarray = _array(column(name)) if name.lower() in STATE_NAMES else np.empty(0)
-        if both.ndim == 2 and 2 in both.shape:
-            x, v = both if len(both) == 2 and both.shape != (2, 2) else both.T
-            columns = {each: column(each) for each in names if each != name} | {"x": x, "v": v}
-            return list(columns), columns.__getitem__
-    return names, column
 
 
 def _of_matrices(values: Record, where: str) -> list[Samples]:
@@ -425,25 +383,19 @@ TIMES_PER_PERIOD, FEWEST_TIMES, MOST_TIMES = 200, 1_000, 200_000
 AT_BELT, SAME_EVENT = 1e-6, 1e-9
 
 
-def _grid(t0: float, t_end: float, problem: SolverTask) -> np.ndarray:
-    """Return times over the scene or between two given ones."""
-    count = ceil(min((t_end - t0) / problem.period * TIMES_PER_PERIOD, float(MOST_TIMES)))
+def _grid(t0: float, t_end: float, problem: Scene | Parameters) -> np.ndarray:
+    """Return times between two given ones, so many in the shorter period of the drive and the free motion."""
+    p = problem if isinstance(problem, Parameters) else problem.parameters
+    period = 2.0 * pi / fastest_rate(p)
+    count = ceil(min((t_end - t0) / period * TIMES_PER_PERIOD, float(MOST_TIMES)))
     return np.linspace(t0, t_end, min(max(count, FEWEST_TIMES), MOST_TIMES) + 1)
 
 
-def _of_trajectory(trajectory: Trajectory) -> Samples:
-    """Return samples of an exact motion, including its events, and the list of events."""
-    t0, t_end = float(trajectory.t_start), float(trajectory.t_end)
-    events = tuple((float(event.t), event.kind) for event in trajectory.events)
-    times = np.unique([*_grid(t0, t_end, SolverTask(trajectory.parameters)), *(t for t, _ in events)])
-    return replace(checked(times, *trajectory(times)), events=events, notes=("an exact trajectory",))
-
-
-def of_function(function: Callable[..., Any], problem: SolverTask | None, times: Any = None) -> Samples:
+def of_function(function: Callable[..., Any], problem: Problem, times: Any = None) -> Samples:
     """Return samples of a function t -> (x, v) at given times, over its own interval, or over the scene."""
     if times is None:
         ends: list[Any] = [getattr(function, name, None) for name in ("t_min", "t_max")]
-        if None in ends and problem is not None:
+        if None in ends and isinstance(problem, Scene):
             ends = [problem.t0, problem.t_end]
         if None in ends or problem is None:
             what = "needs times: give crosscheck(parameters, t, function), or a scene, which says from when to when"
@@ -488,36 +440,14 @@ def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until
     low, high = max(float(trajectory.t_start), float(ends[0])), min(until, float(ends[1]))
     if not low < high:
         return "the dense output and the exact motion have no times in common"
-    times = _grid(low, high, SolverTask(trajectory.parameters))
+    times = _grid(low, high, trajectory.parameters)
     errors = np.abs(_evaluated(dense, times) - trajectory(times))
     x, v = (float(np.max(row)) for row in errors)
     worst = float(times[int(np.argmax(errors[1]))])
     return f"the dense output is off by up to {x:.2e} in x, {v:.2e} in v (at t = {worst:.10g}, of {len(times):,} times)"
 
 
-def _times(values: Any) -> list[float]:
-    """Return the times in lists of event times, checked to be finite."""
-    unmasked("t_events", values)
-    try:
-        found: list[float] = np.ravel(np.asarray(values, dtype=float)).tolist()
-    except (TypeError, ValueError):
-        found = [nan]
-    if not all(map(isfinite, found)):
-        raise ParameterError("t_events", brief(repr(values)), "must be lists of finite times")
-    return found
-
-
-def _speed(states: Any, i: int, j: int) -> float:
-    """Return the velocity in an event state."""
-    try:
-        return float(np.ravel(states[i][j])[-1])
-    except (IndexError, KeyError, TypeError, ValueError):
-        raise ParameterError("y_events", type(states).__name__, "must have x and v for each of t_events") from None
-
-
-def solver_events(
-    result: Any, problem: SolverTask | None
-) -> tuple[tuple[tuple[float, str], ...] | None, tuple[str, ...]]:
+def _solver_events(result: Any, problem: Problem) -> tuple[tuple[tuple[float, str], ...] | None, tuple[str, ...]]:
     """Return the events at a belt in scipy's `t_events` with kind "", and notes on others listed.
 
     Two functions that vanish together, such as an event that ends a piece, are one event.
@@ -525,17 +455,28 @@ def solver_events(
     lists, states = getattr(result, "t_events", None), getattr(result, "y_events", None)
     if lists is None or problem is None:
         return None, ()
-    p, found, beside = problem.parameters, [], 0
-    belts = np.array([float(p.v1), float(p.v2)])
-    for i, times in enumerate(lists if np.iterable(lists) else [nan]):
-        for j, time in enumerate(_times(times)):
-            v = belts[0] if states is None else _speed(states, i, j)
+    p = problem if isinstance(problem, Parameters) else problem.parameters
+    found, beside, belts = list[float](), 0, np.array([float(p.v1), float(p.v2)])
+    for i, values in enumerate(lists if np.iterable(lists) else [nan]):
+        unmasked("t_events", values)
+        try:
+            times = np.ravel(np.asarray(values, dtype=float)).tolist()
+        except (TypeError, ValueError):
+            times = [nan]
+        if not all(map(isfinite, times)):
+            raise ParameterError("t_events", brief(repr(values)), "must be lists of finite times")
+        for j, time in enumerate(times):
+            try:
+                v = float(belts[0] if states is None else np.ravel(states[i][j])[-1])
+            except (IndexError, KeyError, TypeError, ValueError):
+                what = "must have x and v for each of t_events"
+                raise ParameterError("y_events", type(states).__name__, what) from None
             near = np.min(np.abs(v - belts)) <= AT_BELT * max(float(np.max(np.abs(belts))), abs(v), 1e-300)
             found += [time] if near else []
             beside += not near
     kept: list[float] = []
     for time in sorted(found):
-        if not kept or time - kept[-1] > SAME_EVENT * problem.period:
+        if not kept or time - kept[-1] > SAME_EVENT * 2.0 * pi / fastest_rate(p):
             kept.append(time)
     if not kept:
         return None, ()
@@ -594,10 +535,7 @@ def _imported(name: str) -> Any:
 
 def _error_text(error: BaseException) -> str:
     """Return an error as one line, with the place where it was raised."""
-    frames = [
-        frame
-        for frame in extract_tb(error.__traceback__)
-        if "importlib" not in frame.filename and frame.filename != __file__
-    ]
+    own = ("importlib", __file__)
+    frames = [frame for frame in extract_tb(error.__traceback__) if not any(name in frame.filename for name in own)]
     place = f" (line {frames[-1].lineno} of {Path(frames[-1].filename).name})" if frames else ""
     return brief(f"{type(error).__name__}: {error}") + place

@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, fields, is_dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from math import isnan
 from typing import Any
 
@@ -188,13 +188,10 @@ class CrossCheck(Drawable, Reportable):
         if self.matched:
             late = max(self.matched, key=lambda match: abs(match.error))
             lines.append(f"largest error of an event's time: {abs(late.error):.2e} at t = {float(late.event.t):.10g}")
-        on_belt = " on belt {0.boundary}".format
         for name in ("missed", "invented"):
-            items = [
-                f"{each.kind}{on_belt(each) if each.boundary else ''} at t = {float(each.t):.10g}"
-                for each in getattr(self, name)
-            ]
-            lines += _first_lines(name, items)
+            belts = [f" on belt {event.boundary}" if event.boundary else "" for event in getattr(self, name)]
+            events = zip(getattr(self, name), belts, strict=True)
+            lines += _first_lines(name, [f"{event.kind}{belt} at t = {float(event.t):.10g}" for event, belt in events])
         if self.first_wrong:
             lines.append(f"first wrong step: {_fault_text(self.first_wrong)}")
         if self.first_switching and self.first_switching != self.first_wrong:
@@ -340,8 +337,18 @@ class CrossChecks(list[CrossCheck]):
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return the findings as columns, a row for each solution."""
-        rows = [_row(name, check) for name, check in zip(self.names, self, strict=True)]
-        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        reasons = [check.first_wrong.reason if check.first_wrong else "" for check in self]
+        rows: Record = {"solution": self.names, "ok": [check.ok for check in self]}
+        rows["samples"] = [len(check.t) for check in self]
+        rows |= {"t_first": [float(check.t[0]) for check in self], "t_last": [float(check.t[-1]) for check in self]}
+        rows |= {name: [getattr(check, name) for check in self] for name in ("max_error_x", "max_error_v")}
+        for i, name in enumerate(("max_defect_x", "max_defect_v")):
+            rows[name] = [float(np.max(np.abs(check.defects[:, i]))) for check in self]
+        for name in ("wrong_steps", *EVENT_LISTS):
+            rows[name] = [len(getattr(check, name)) for check in self]
+        rows["compared_until"] = [check.compared_until for check in self]
+        rows["first_wrong_t"] = [check.first_wrong.t if check.first_wrong else np.nan for check in self]
+        return {name: np.array(column) for name, column in {**rows, "reason": reasons}.items()}
 
     def to_pandas(self) -> Any:
         """Return a DataFrame, a row for each solution; MissingExtraError if pandas is not installed."""
@@ -355,72 +362,31 @@ class CrossChecks(list[CrossCheck]):
         return imported("xarray").Dataset(data, coords={"solution": names})
 
 
-def _row(name: str, check: CrossCheck) -> Record:
-    """Return the findings on one solution as a row."""
-    fault = check.first_wrong
-    defects = np.max(np.abs(check.defects), axis=0)
-    return {
-        "solution": name,
-        "ok": check.ok,
-        "samples": len(check.t),
-        "t_first": float(check.t[0]),
-        "t_last": float(check.t[-1]),
-        "max_error_x": check.max_error_x,
-        "max_error_v": check.max_error_v,
-        "max_defect_x": float(defects[0]),
-        "max_defect_v": float(defects[1]),
-        "wrong_steps": len(check.wrong_steps),
-        **{each: len(getattr(check, each)) for each in EVENT_LISTS},
-        "compared_until": check.compared_until,
-        "first_wrong_t": np.nan if fault is None else fault.t,
-        "reason": "" if fault is None else fault.reason,
-    }
-
-
-# A process is forked with these, or gets them once, so that a task is a number.
-_tasks: list[Callable[[int], CrossCheck]] = []
-
-
-class Judgements:
-    """The verdicts on several solutions, by their numbers; `judge` must be picklable."""
-
-    def __init__(self, judge: Callable[[Samples], CrossCheck], solutions: Sequence[Samples]) -> None:
-        self.judge, self.solutions = judge, solutions
-        self.names = [samples.name or str(i) for i, samples in enumerate(solutions)]
-
-    def __call__(self, i: int) -> CrossCheck:
-        """Judge one; a ParameterError names the solution."""
-        try:
-            return self.judge(self.solutions[i])
-        except ParameterError as error:
-            what = f"{error.allowed} (solution {self.names[i]})"
-            raise ParameterError(error.name, error.value, what) from None
-
-
-def _judged(i: int) -> CrossCheck:
-    """Return the verdict on solution i, in a worker process."""
-    return _tasks[-1](i)
+def _judged(judge: Callable[[Samples], CrossCheck], name: str, samples: Samples) -> CrossCheck:
+    """Judge one solution; a ParameterError names it."""
+    try:
+        return judge(samples)
+    except ParameterError as error:
+        raise ParameterError(error.name, error.value, f"{error.allowed} (solution {name})") from None
 
 
 def check_all(
     judge: Callable[[Samples], CrossCheck], solutions: Sequence[Samples], workers: Any, progress: Any
 ) -> CrossChecks:
     """Judge several solutions in `workers` processes (None: one per core)."""
-    count, judged = min(read_workers(workers), len(solutions)), Judgements(judge, solutions)
-    numbers, found = range(len(solutions)), list[CrossCheck]()
-    with reporting(progress or False, 0, len(solutions), "check", "solutions") as report, warnings.catch_warnings():
-        pool = None
-        if count > 1:
-            # A process that is forked needs no main module that can be imported, and nothing is sent to it.
-            forks = sys.platform == "linux" and "fork" in multiprocessing.get_all_start_methods()
-            context = multiprocessing.get_context("fork" if forks else "spawn")
-            warnings.simplefilter("ignore", DeprecationWarning)  # of forking beside threads, which are idle
-            pool = ProcessPoolExecutor(count, context, _tasks.append, (judged,))
+    count, total = min(read_workers(workers), len(solutions)), len(solutions)
+    names, found = [samples.name or str(i) for i, samples in enumerate(solutions)], list[CrossCheck]()
+    with reporting(progress or False, 0, total, "check", "solutions") as report, warnings.catch_warnings():
+        # A process that is forked needs no main module that can be imported.
+        forks = sys.platform == "linux" and "fork" in multiprocessing.get_all_start_methods()
+        warnings.simplefilter("ignore", DeprecationWarning)  # of forking beside threads, which are idle
+        context = multiprocessing.get_context("fork" if forks else "spawn")
+        pool = ProcessPoolExecutor(count, context) if count > 1 else None
         try:
-            for check in map(judged, numbers) if pool is None else pool.map(_judged, numbers):
+            for check in (map if pool is None else pool.map)(partial(_judged, judge), names, solutions):
                 found.append(check)
-                report(len(found), len(solutions))
+                report(len(found), total)
         finally:
             if pool is not None:
                 pool.shutdown(cancel_futures=True)
-    return CrossChecks(found, judged.names)
+    return CrossChecks(found, names)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from symosc.engine.events import KIND_NAMES
 from symosc.errors import ParameterError
 from symosc.exact import unmasked
+from symosc.model import Parameters
 
 SAMPLE_COLUMNS = ("t", "x", "v")
 # Squares of a sample and its products with rates must not overflow.
@@ -41,6 +42,11 @@ class Samples:
     def lacks_v(self) -> bool:
         """Whether only positions were given."""
         return bool(np.isnan(self.v[0]))
+
+
+def fastest_rate(p: Parameters) -> float:
+    """Return the larger of the frequencies of the drive and of the free motion."""
+    return max(float(p.Omega), float(p.k / p.m) ** 0.5)
 
 
 def checked(t: object, x: object, v: object = None, events: object = None) -> Samples:
@@ -184,45 +190,18 @@ OFF_GRID = 1e-6
 DOUBLE_ROUNDING = 4.0 * np.finfo(float).eps
 
 
-@dataclass(frozen=True)
-class Digits:
+class Digits(NamedTuple):
     """The rounding of a column ("6 decimals"), and one unit in the last digit of each number."""
 
     text: str
     units: np.ndarray
 
 
-@dataclass(frozen=True)
-class Rounding:
-    """The rounding of samples and listed event times; None: a column has all digits of a double."""
+def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None = None) -> dict[str, Digits]:
+    """Return the rounding of the columns "t", "x", "v" and of listed "events" that have fewer digits than a double.
 
-    t: Digits | None
-    x: Digits | None
-    v: Digits | None
-    events: Digits | None
-
-    def units(self, count: int) -> np.ndarray:
-        """Return the units of the last digits of t, x and v, shape (3, n); 0 where nothing was rounded."""
-        columns = (self.t, self.x, self.v)
-        if columns == (None, None, None):
-            return np.broadcast_to(0.0, (3, count))  # takes no memory
-        return np.array([np.zeros(count) if digits is None else digits.units for digits in columns])
-
-    def of_events(self, count: int) -> np.ndarray:
-        """Return the units of the last digits of the listed times."""
-        return np.zeros(count) if self.events is None else self.events.units
-
-    @property
-    def texts(self) -> dict[str, str]:
-        """The rounded columns, with the number of digits."""
-        return {name: digits.text for name, digits in vars(self).items() if digits is not None}
-
-
-def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None = None) -> Rounding:
-    """Return the rounding of samples; in a stick v is one of `speeds`, rounded likewise.
-
-    Times are taken as rounded only if x or v are rounded and the times are not an even grid: a time such as 0.05 is
-    exact, unless the first one is the start of the scene, rounded.
+    In a stick v is one of `speeds`, rounded likewise. Times are taken as rounded only if x or v are rounded and the
+    times are not an even grid: a time such as 0.05 is exact, unless the first one is the scene's start, rounded.
     """
     x, v = find_digits(samples.x, samples.x[:1]), find_digits(samples.v, [*speeds, samples.v[0]])
     if not samples.lacks_v:
@@ -235,8 +214,9 @@ def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None
             t = t if near else None
     listed = np.array([time for time, _ in samples.events or ()])
     # A list given with rounded samples is likely to be rounded too: one time shows it.
-    least = LEAST_SHOWN if x is None and v is None else 1
-    return Rounding(t, x, v, find_digits(listed, samples.t[:1], least))
+    events = find_digits(listed, samples.t[:1], LEAST_SHOWN if x is None and v is None else 1)
+    columns = {"t": t, "x": x, "v": v, "events": events}
+    return {name: digits for name, digits in columns.items() if digits is not None}
 
 
 def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN) -> Digits | None:

@@ -16,10 +16,9 @@ meets none of them. On a belt the same is done with the two forces: their second
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf, pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -94,8 +93,7 @@ def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.n
 # -- the exact motion over the steps -----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class StepEvents:
+class StepEvents(NamedTuple):
     """Events of the exact motion inside steps in order of step and time, with codes for kind, boundary, target."""
 
     step: np.ndarray
@@ -177,11 +175,12 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
         inner = slice(begin, part.stop - 1)
         some = SampleBlock(K, t[part], x[part], v[part], theta[part], near[part], scales[inner])
         defects[inner], modes[:, inner], events = some.follow()
-        found.append(replace(events, step=events.step + begin))
+        found.append(events._replace(step=events.step + begin))
     # A step in which no time passes has the mode in which the motion arrives, or leaves the first sample.
     for i in np.flatnonzero(np.diff(t) == 0.0).tolist():
         modes[:, i] = modes[1, i - 1] if i else modes[0, int(np.argmax(np.diff(t) > 0.0))]
-    return ExactSteps(parameters, K, t, x, v, theta, defects, modes[0], modes[1], _concatenated(found))
+    events = StepEvents(*map(np.concatenate, zip(*found, strict=True)))
+    return ExactSteps(parameters, K, t, x, v, theta, defects, modes[0], modes[1], events)
 
 
 @dataclass(frozen=True)
@@ -228,7 +227,7 @@ class SampleBlock:
         modes[1, busy], ends[busy], events = _follow(rows[busy], left[busy], self.K)
         defects = ends - np.column_stack([self.x[steps + 1], self.v[steps + 1]])
         origin = steps[busy[events.step]]
-        events = replace(events, step=origin, t=self.t[origin] + events.t)
+        events = events._replace(step=origin, t=self.t[origin] + events.t)
         return defects, modes, np.max(np.abs(defects) / self.scales[steps], axis=1), events
 
 
@@ -347,13 +346,6 @@ def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tu
 def _merged(events: StepEvents, others: StepEvents, steps: np.ndarray) -> StepEvents:
     """Return `events` with those of `steps` replaced by those in `others`."""
     kept, taken = ~np.isin(events.step, steps), np.isin(others.step, steps)
-    columns = {
-        name: np.concatenate([getattr(events, name)[kept], getattr(others, name)[taken]]) for name in vars(events)
-    }
-    order = np.lexsort((columns["t"], columns["step"]))
-    return StepEvents(**{name: column[order] for name, column in columns.items()})
-
-
-def _concatenated(parts: Sequence[StepEvents]) -> StepEvents:
-    """Concatenate events of several parts."""
-    return StepEvents(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in vars(parts[0])})
+    columns = [np.concatenate([one[kept], other[taken]]) for one, other in zip(events, others, strict=True)]
+    order = np.lexsort((columns[1], columns[0]))
+    return StepEvents(*(column[order] for column in columns))

@@ -18,7 +18,7 @@ from typing import TypeGuard
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.crosschecks.samples import Samples, find_digits
+from symosc.crosschecks.samples import Samples, fastest_rate, find_digits
 from symosc.crosschecks.steps import SampleBlock, phases
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
@@ -75,7 +75,9 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     fly = gaps <= 4.0 * allowed[1:-1]
     noise = NOISE_FACTOR * float(np.median((gaps / per_x[1:-1])[fly])) if fly.any() else tolerance * size
     noise += 8.0 * float(np.spacing(size))
-    held = _held(t, x, noise + rounded, K)
+    belts = np.array([[K.belt1.v], [K.belt2.v]])  # the velocities of steps that can be sticks
+    keeps = np.abs(np.diff(x) - belts * tau) <= (noise + rounded)[:-1] + (noise + rounded)[1:]
+    held = np.where(keeps & (tau > 0.0), belts, np.nan)
     starts, ends = np.concatenate([starts, held]), np.concatenate([ends, held])
     off = np.minimum(per_x * (noise + rounded), allowed)
     gaps, left, right = _nearest(starts, ends)
@@ -112,9 +114,8 @@ def _of_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, of
     best = misfit(motion)
     if best > GOOD_FIT:
         guesses, own = _first_guesses(p, t, x), {"t0": float(t[0]), "x0": float(x[0])}
-        for each in chain(
-            (_motion(p, t[-1], {**own, "v0": v0}) for v0 in guesses), (_fitted(p, t, x, v0) for v0 in guesses)
-        ):
+        as_guessed = (_motion(p, t[-1], {**own, "v0": v0}) for v0 in guesses)
+        for each in chain(as_guessed, (_fitted(p, t, x, v0) for v0 in guesses)):
             if (found := misfit(each)) < best:
                 motion, best = each, found
             if best <= GOOD_FIT:
@@ -151,11 +152,6 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
 
     guesses = [float(slope), float(p.v1), float(p.v2), *np.linspace(-most, most, GUESSES).tolist()]
     return sorted(guesses, key=misses)[:MOST_GUESSES]
-
-
-def fastest_rate(p: Parameters) -> float:
-    """Return the larger of the frequencies of the drive and of the free motion."""
-    return max(float(p.Omega), float(p.k / p.m) ** 0.5)
 
 
 def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajectory | None:
@@ -218,14 +214,6 @@ def _flown(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tup
     return starts, ends
 
 
-def _held(t: np.ndarray, x: np.ndarray, off: float | np.ndarray, K: Constants) -> np.ndarray:
-    """Return the belt velocities where a step can be a stick, else NaN, shape (2, n - 1)."""
-    off = np.broadcast_to(off, x.shape)
-    belts, tau = np.array([[K.belt1.v], [K.belt2.v]]), np.diff(t)
-    near = np.abs(np.diff(x) - belts * tau) <= off[:-1] + off[1:]
-    return np.where(near & (tau > 0.0), belts, np.nan)
-
-
 def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the best agreement of the two steps at each inner sample, and the two candidates."""
     inner = starts.shape[1] - 1
@@ -252,21 +240,14 @@ def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.nd
 def _continued(K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray) -> np.ndarray:
     """Return all velocities, unknown ones by the exact motion from the sample before, or a guess."""
     for _ in range(MOST_ROUNDS):
-        open_ends = np.flatnonzero(np.isnan(v[1:]) & ~np.isnan(v[:-1]))
-        if not len(open_ends):
+        steps = np.flatnonzero(np.isnan(v[1:]) & ~np.isnan(v[:-1]))
+        if not len(steps):
             break
-        v[open_ends + 1] = _after(K, t, x, v, theta, open_ends)
+        on = (v[steps] == K.belt1.v) + 2 * (v[steps] == K.belt2.v)
+        some = SampleBlock(K, t, x, np.where(np.isnan(v), 0.0, v), theta, np.zeros(len(t)), np.ones((len(t) - 1, 2)))
+        found = some.of(steps, on)[0][:, 1]
+        v[steps + 1] = np.where(np.isnan(found), v[steps], found)
     rest = np.flatnonzero(np.isnan(v))
     if len(rest):
         v[rest] = np.interp(t[rest], t[~np.isnan(v)], v[~np.isnan(v)])
     return v
-
-
-def _after(
-    K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray, steps: np.ndarray
-) -> np.ndarray:
-    """Return the velocities of the exact motion at the ends of some steps."""
-    on = (v[steps] == K.belt1.v) + 2 * (v[steps] == K.belt2.v)
-    pieces = SampleBlock(K, t, x, np.where(np.isnan(v), 0.0, v), theta, np.zeros(len(t)), np.ones((len(t) - 1, 2)))
-    found = pieces.of(steps, on)[0][:, 1]
-    return np.where(np.isnan(found), v[steps], found)

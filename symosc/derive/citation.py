@@ -31,7 +31,7 @@ PAPER = {
 CITATION = re.compile(r"\\cite(?:\[([^\]]*)\])?\{([^{}]*)\}")
 _ENTRY = re.compile(r"@(\w+)\{(\w+),\n(.*?)\n\}", re.DOTALL)
 _FIELD = re.compile(r"^\s*(\w+)\s*=\s*\{(.*)\},?$", re.MULTILINE)
-_ACCENTS = {r"{\'o}": "ó", r"{\'a}": "á", r"{\'e}": "é"}
+_ACCENTS = {r"{\'o}": "ó", r"{\'a}": "á", r"{\'e}": "é", r"{\"o}": "ö"}
 
 
 def bibtex() -> str:
@@ -75,7 +75,7 @@ def cited(text: str) -> list[str]:
 
     def place(key: str) -> tuple[str, str]:
         fields = entries()[key].fields
-        return _plain(fields["author"]).strip("{}").removeprefix("the ").split(",")[0].lower(), fields["year"]
+        return plain_text(fields["author"]).strip("{}").removeprefix("the ").split(",")[0].lower(), fields["year"]
 
     return sorted({key.strip() for _, group in CITATION.findall(text) for key in group.split(",")}, key=place)
 
@@ -116,10 +116,11 @@ def reference_list(keys: list[str]) -> str:
 
 def plain_line(key: str) -> str:
     """Return an entry for HTML and Markdown: LaTeX text without accents as commands."""
-    return re.sub(r"\{([A-Z])\}", r"\1", _plain(reference_line(key)))
+    return re.sub(r"\{([A-Z])\}", r"\1", plain_text(reference_line(key)))
 
 
-def _plain(text: str) -> str:
+def plain_text(text: str) -> str:
+    """Return LaTeX text with letters in place of the commands of accents."""
     for accent, letter in _ACCENTS.items():
         text = text.replace(accent, letter)
     return text

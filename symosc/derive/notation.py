@@ -49,9 +49,15 @@ $y$, $W$, $d$, $H_\lambda$, $\ell$ & difference of two motions, its energy, a di
   Theorem~\ref{thm:orbits-unique} \\
 $G^{(j)}$, $\Sigma^j$, $x^{(i)}$, $\partial\Omega_{ij}$, $\varphi_{ij}$ & in the list of errata, as in the paper: of
   one domain or belt; a boundary and its equation & Chapter~\ref{sec:errata} \\
+$q$, $t_q$, $x_q$, $v_q$, $F_q$, $\delta x$, $\dot{F}$ & a parameter or part of the start; derivatives by it of an
+  event, a belt's speed, a force; of $x$ at a fixed time; rate of a force & Theorem~\ref{thm:exponents-events} \\
+$\Lambda_j$, $\Lambda_1$, $\Lambda_2$, $\chi_j$, $h_\epsilon$ & Lyapunov exponents, ratios of accelerations, entropy at
+  a scale & Theorem~\ref{thm:exponents-lyapunov} \\
+$A_n$, $B_n$ & points where borders meet & Proposition~\ref{thm:literature-points} \\
 $P$, $F$, $x_f$, $r$ & amplitude of the drive, friction, $F/k$, $\Omega\sqrt{m/k}$ & Chapter~\ref{sec:literature} \\
-$Q$, $G$, $H$, $p_0$, $q_0$, $T$, $D$, $U$, $S$, $B$, $\chi$, $T_h$, $D_h$, $\Delta x$, $L$, $\bar{x}$ & there only:
-  parts of the symmetric motion and of its half period, Den Hartog's letters, a growth, a loss, a middle &
+$Q$, $G$, $H$, $p_0$, $q_0$, $T$, $D$, $U$, $S$, $B$, $\chi$, $T_h$, $D_h$, $\Delta x$, $L$, $\bar{x}$, $Y$, $s'$ &
+  there only: parts of the symmetric motion and of its half period, Den Hartog's letters, a growth, a loss, a middle,
+  motion of a base, a slope &
   Chapter~\ref{sec:literature} \\
 $f$, $P$, $X$, $B$, $J$, $Y$, $D$, $E$, $R$, $C$, $q$, $a$, $b$, $N$ & in proofs by balls, each defined where it
   stands: maps, boxes and matrices, helpers, points, periods & Chapter~\ref{sec:certificates} \\

@@ -7,24 +7,28 @@ from `find_orbit` and `simulate`. The chapter `literature`, the page docs/litera
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable, Iterator
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from math import pi
 from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
+from scipy import optimize
 
 from symosc.derive.steps import CONTEXT
 from symosc.errors import ParameterError, SymoscError
 from symosc.exact import show
 from symosc.model import Parameters
+from symosc.orbits.branch import continue_orbit
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.reference.cases import wall
+from symosc.sensitivities import sensitivities
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 from symosc.symbolic import coulomb, solution
@@ -39,8 +43,31 @@ number: Callable[[Any], Any] = MP.convert
 # --- the formulas as numbers ---
 
 
-class Formulas:
-    """The closed forms with the numbers of one problem, in mpmath numbers of 60 digits.
+class Flight:
+    """The closed forms of a flight with the numbers of one problem, in mpmath numbers of 60 digits."""
+
+    def __init__(self, p: Parameters) -> None:
+        s = solution
+        exact = {s.m: p.m, s.c: p.c, s.k: p.k, s.Omega: p.Omega, s.cm: p.c / p.m, s.w0sq: p.k / p.m}
+        exact |= {coulomb.P: abs(p.B0), x_f: p.mu1 * p.FN / p.k}
+        rationals = {letter: rational(value) for letter, value in exact.items()}
+        self.regime = next(r for r in solution.REGIMES.values() if r.condition.subs(rationals) == sp.true)
+        self.numbers = {letter: number(value) for letter, value in exact.items()}
+        self.numbers |= {letter: self.value(meaning) for letter, meaning in self.regime.letters.items()}
+
+    def value(self, expr: Any, more: dict[Any, Any] | None = None) -> Any:
+        """Return an expression in the symbols as a number."""
+        known = self.numbers | (more or {})
+        letters = sorted(sp.sympify(expr).free_symbols, key=str)
+        return _as_function(expr, tuple(letters))(*(known[letter] for letter in letters))
+
+    def basis(self, time: Any) -> dict[Any, Any]:
+        """Return E0, E1 and E2 at a time after the start."""
+        return {name: self.value(self.regime.basis()[name], {tau: time}) for name in BASIS[:3]}
+
+
+class Formulas(Flight):
+    """The closed forms of the motion without stops.
 
     ParameterError without a spring, and at undamped resonance: there is no bounded motion to compute.
     """
@@ -50,27 +77,12 @@ class Formulas:
             raise ParameterError("k", 0, "must be > 0: without a spring nothing holds the mass near the origin")
         if p.c == 0 and p.k == p.m * p.Omega**2:
             raise ParameterError("Omega", show(p.Omega), "must not be sqrt(k/m) for c = 0: the motion has no bound")
-        s = solution
-        exact = {s.m: p.m, s.c: p.c, s.k: p.k, s.Omega: p.Omega, s.cm: p.c / p.m, s.w0sq: p.k / p.m}
-        exact |= {coulomb.P: abs(p.B0), x_f: p.mu1 * p.FN / p.k}
-        rationals = {letter: rational(value) for letter, value in exact.items()}
-        self.regime = next(r for r in solution.REGIMES.values() if r.condition.subs(rationals) == sp.true)
-        self.numbers = {letter: number(value) for letter, value in exact.items()}
-        self.numbers |= {letter: self.value(meaning) for letter, meaning in self.regime.letters.items()}
-        self.half = self._basis(MP.pi / self.numbers[solution.Omega])
+        super().__init__(p)
+        self.half = self.basis(MP.pi / self.numbers[solution.Omega])
         self.numbers[Q] = self.value(sp.sqrt(coulomb.response_squared()))
         steady = [self.value(part, self.half) for part in coulomb.half_period()]
         self.numbers |= dict(zip((G, H), steady, strict=True))
         self.amplitude = self.numbers[x_0] = self.value(coulomb.amplitude())
-
-    def value(self, expr: Any, more: dict[Any, Any] | None = None) -> Any:
-        """Return an expression in the symbols as a number."""
-        known = self.numbers | (more or {})
-        letters = sorted(sp.sympify(expr).free_symbols, key=str)
-        return _as_function(expr, tuple(letters))(*(known[letter] for letter in letters))
-
-    def _basis(self, time: Any) -> dict[Any, Any]:
-        return {name: self.value(self.regime.basis()[name], {tau: time}) for name in BASIS[:3]}
 
     def trace_and_determinant(self) -> tuple[Any, Any]:
         """Return trace and determinant of one period's matrix, the square of the half period's."""
@@ -81,7 +93,7 @@ class Formulas:
     def slide_bound(self, angle: Any) -> Any:
         """Return B at an angle after the highest point."""
         angle = MP.mpf(angle)
-        return self.value(coulomb.slide_function(), self._basis(angle / self.numbers[solution.Omega]) | {phi: angle})
+        return self.value(coulomb.slide_function(), self.basis(angle / self.numbers[solution.Omega]) | {phi: angle})
 
     def largest_slide_bound(self) -> tuple[Any, Any]:
         """Return the supremum of B over (0, pi) and the angle where it is, 0 for the limit at the turning point.
@@ -171,12 +183,112 @@ def one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajec
 
 def one_sided_end(F: Any, n: int) -> float:
     """Bisect for the largest middle whose motion neither stops nor turns more than twice per cycle."""
+    return _largest(lambda middle: one_sided_path(F, n, middle, Fraction(9, 4)))
+
+
+def last_friction(n: int) -> float:
+    """Bisect for the largest friction with which the symmetric motion at Omega = 1/(2 n), c = 0 has no stops."""
+    return _largest(lambda F: one_sided_path(F, n, Fraction(0), Fraction(9, 4)))
+
+
+def _largest(path: Callable[[Fraction], Trajectory]) -> float:
     low, high = Fraction(0), Fraction(1)
     while high - low > 1e-9:
         middle = (low + high) / 2
-        kinds = [event.kind for event in one_sided_path(F, n, middle, Fraction(9, 4)).events]
-        low, high = (middle, high) if kinds == ["cross"] * 4 else (low, middle)
+        only_turns = [event.kind for event in path(middle).events] == ["cross"] * 4
+        low, high = (middle, high) if only_turns else (low, middle)
     return float(low + high) / 2
+
+
+# --- where borders meet, and where P32 ends ---
+
+
+def meeting_point(c: Any, guess: tuple[float, float]) -> tuple[Any, Any]:
+    """Return (Omega, F) where the motion without stops turns at a peak of the drive and begins to stick there."""
+
+    def conditions(Omega: Any, F: Any) -> tuple[Any, Any]:
+        formulas = Formulas(wall(MP.nstr(F, 55), MP.nstr(Omega, 55), c))
+        known = formulas.numbers
+        p, q = known[x_0] + known[G] * known[x_f], known[H] * known[x_f]
+        turned = formulas.value(coulomb.turning_acceleration(True), {coulomb.p_0: p, coulomb.q_0: q})
+        return turned, (1 - Omega**2) * q - number(Fraction(c)) * Omega * p
+
+    return tuple(MP.findroot(conditions, guess))
+
+
+def meeting_point_by_running(c: Any, guess: tuple[float, float]) -> tuple[float, float]:
+    """Return the same from the switching points of P32 alone."""
+
+    def conditions(where: Any) -> tuple[float, float]:
+        p = wall(where[1], where[0], c)
+        t, x = max(find_orbit(p, "P32").points, key=lambda point: point.x)
+        phase = where[0] * t
+        return np.cos(phase) - x + where[1], np.sin(phase)
+
+    found = optimize.root(conditions, guess, tol=1e-14, options={"eps": 1e-8})
+    return tuple(found.x.tolist())
+
+
+def end_without_stops(c: Any, P: Any, near: float) -> tuple[Any, Any]:
+    """Return the Omega near a value at which the motion without stops begins to stop for F = 1, and its amplitude."""
+
+    def formulas(Omega: Any) -> Formulas:
+        return Formulas(wall(1, MP.nstr(Omega, 55), c, P=P))
+
+    gap = lambda Omega: formulas(Omega).largest_force_ratio() * number(Fraction(P)) - 1  # noqa: E731
+    Omega = MP.findroot(gap, (near, near + 1e-4), solver="secant")
+    return Omega, formulas(Omega).amplitude
+
+
+# --- base and wall move together ---
+
+
+def base_and_wall(F: Any, Omega: Any) -> Parameters:
+    """Return a wall that moves with the base, y = cos(Omega t), m = k = 1, in the coordinate x - y."""
+    return wall(F, Omega, P=Fraction(Omega) ** 2)
+
+
+def transmissibility(F: Any, Omega: Any) -> Any:
+    """Return the largest absolute |x| by Den Hartog's motion of x - y, c = 0: y is (1 - r^2)/r^2 of its steady part."""
+    formulas = Formulas(base_and_wall(F, Omega))
+    known, r = formulas.numbers, formulas.numbers[solution.Omega]
+    p, q = known[x_0] + known[G] * known[x_f], known[H] * known[x_f]
+
+    def absolute(angle: Any) -> Any:
+        steady = (p * MP.cos(angle) + q * MP.sin(angle)) / r**2
+        free, rate = known[x_0] - p - known[x_f], -q * r
+        return known[x_f] + steady + free * MP.cos(angle / r) + rate * MP.sin(angle / r)
+
+    angles = np.linspace(0, pi, 201)
+    top = float(max(angles, key=lambda angle: abs(absolute(angle))))
+    return abs(absolute(MP.findroot(lambda angle: MP.diff(absolute, angle), top)))
+
+
+def transmissibility_by_running(F: Any, Omega: Any) -> float:
+    """Return the same from the orbit P32 and its motion over a period."""
+    p = base_and_wall(F, Omega)
+    (t0, x0), _ = slide_orbit(p).points
+    path = simulate(p, t0=Fraction(t0), x0=Fraction(x0), v0=0, t_end=Fraction(t0) + Fraction(slide_orbit(p).period))
+
+    def absolute(t: Any) -> Any:
+        return -np.abs(path(t)[0] + np.cos(float(p.Omega) * t))
+
+    times = np.linspace(path.t_start, path.t_end, 1001)[1:-1]
+    top = times[int(np.argmin(absolute(times)))]
+    step = times[1] - times[0]
+    found = optimize.minimize_scalar(
+        absolute, bounds=(top - step, top + step), method="bounded", options={"xatol": 1e-9}
+    )
+    return -float(found.fun)
+
+
+def inversion(F: Any, height: Callable[[Any, Any], Any]) -> float:
+    """Return the r at which friction leaves the absolute amplitude as it is without friction, 1/(r^2 - 1)."""
+
+    def gain(r: float) -> float:
+        return float(height(F, Fraction(r))) * (r * r - 1) - 1
+
+    return float(optimize.brentq(gain, 1.38, 1.6, xtol=1e-13))
 
 
 # --- the number of stops per cycle, by running ---
@@ -186,7 +298,7 @@ def one_sided_end(F: Any, n: int) -> float:
 def stops(parameters: Parameters) -> int | None:
     """Return how many stops the motion from rest at 0 has per cycle when it has settled; None: it does not settle."""
     turn = 2 * pi / float(parameters.Omega)
-    for cycles in (8, 30, 120, 480):
+    for cycles in (8, 30, 120, 480, 1920):
         path = from_rest(parameters, cycles + 2)
         before, after = path((cycles + 0.5) * turn), path((cycles + 1.5) * turn)
         if np.abs(after - before).max() < 1e-12 * (1 + np.abs(after).max()):
@@ -255,25 +367,57 @@ def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
     p = wall(Fraction(few), Omega)
     slides, candidates = _slides_near_border(p, count // 2)
     _, kind, j, at = min(candidates)
-    n = len(slides)
-    # A slide that starts at rest and without acceleration.
-    known = {solution.v_i: 0, solution.a_i: 0, solution.omega_0: 1, solution.f0: 1, solution.Omega: rational(p.Omega)}
-    flow = [expr.xreplace(known) for expr in solution.flow(solution.REGIMES["undamped"])]
-    x = _as_function(flow[0], (solution.x_i, solution.theta_i, tau))
-    v, a = (_as_function(expr, (solution.theta_i, tau)) for expr in flow[1:])
+    n, (_, v, a) = len(slides), _slide(p)
 
     def equations(*z: Any) -> list[Any]:
         F, phases, times = z[0], z[1 : n + 1], z[n + 1 : 2 * n + 1]
-        starts = [MP.cos(phase) + F for phase in phases]
-        ends = [*starts[1:], -starts[0]]
-        found = [v(phase, time) for phase, time in zip(phases, times, strict=True)]
-        found += [x(*slide, time) - end for *slide, time, end in zip(starts, phases, times, ends, strict=True)]
         if kind == "birth":
-            return [*found, ends[j] - F + 1]
-        return [*found, v(phases[j], z[-1]), a(phases[j], z[-1])]
+            return [*_half_cycle(p, F, phases, times), _slide_ends(F, phases)[j] - F + 1]
+        return [*_half_cycle(p, F, phases, times), v(phases[j], z[-1]), a(phases[j], z[-1])]
 
     guess = [few, *(phase for phase, _ in slides), *(time for _, time in slides)]
     return MP.findroot(equations, guess + [at] * (kind == "graze"))[0], kind
+
+
+def solve_stops(p: Parameters) -> list[Any]:
+    """Return where the mass stops in half a settled cycle, from the highest stop down, by the equations of slides.
+
+    m = k = P = 1, with or without damping.
+    """
+    slides, _ = _slides_near_border(p, (stops(p) or 0) // 2)
+    n, F = len(slides), number(p.mu1)
+    guess = [*(phase for phase, _ in slides), *(time for _, time in slides)]
+    phases = list(MP.findroot(lambda *z: _half_cycle(p, F, z[:n], z[n:]), guess))[:n]
+    return [MP.cos(phase) + F for phase in phases]
+
+
+def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
+    """Return what vanishes if each slide of half a cycle ends at rest where the next one starts."""
+    x, v, _ = _slide(p)
+    found = [v(phase, time) for phase, time in zip(phases, times, strict=True)]
+    rows = zip(phases, times, _slide_ends(F, phases), strict=True)
+    return found + [x(MP.cos(phase) + F, phase, time) - end for phase, time, end in rows]
+
+
+def _slide_ends(F: Any, phases: Any) -> list[Any]:
+    """Return where slides end: at the next one's start, x = cos(theta) + F, the last one at minus the first start."""
+    starts = [MP.cos(phase) + F for phase in phases]
+    return [*starts[1:], -starts[0]]
+
+
+@cache
+def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
+    """Return x(x_i, theta_i, tau), v(theta_i, tau) and a(theta_i, tau) of a slide from rest without acceleration."""
+    flight, known = Flight(p), {solution.v_i: 0, solution.a_i: 0, solution.f0: 1}
+    x, v, a = (expr.xreplace(known) for expr in solution.flow(flight.regime))
+
+    def place(start: Any, phase: Any, time: Any) -> Any:
+        return flight.value(x, {solution.x_i: start, solution.theta_i: phase, tau: time})
+
+    def of_time(expr: Any, phase: Any, time: Any) -> Any:
+        return flight.value(expr, {solution.theta_i: phase, tau: time})
+
+    return place, partial(of_time, v), partial(of_time, a)
 
 
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:
@@ -295,6 +439,20 @@ def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, fl
     return [(float(p.Omega) * start.t, end.t - start.t) for start, end in slides], candidates
 
 
+# --- exponents ---
+
+
+def largest_exponent(count: int, seed: int = 0) -> float:
+    """Return the largest Lyapunov exponent of random oscillators over 60 periods; m = k = 1, where it is never > 0."""
+    dice = random.Random(seed)
+    found = []
+    for _ in range(count):
+        F, Omega = f"{dice.uniform(0.01, 1):.3f}", f"{dice.uniform(0.05, 3):.3f}"
+        p = wall(F, Omega, f"{dice.choice((0, dice.uniform(0, 1))):.3f}")
+        found.append(sensitivities(p, "x0", t0=0, x0=dice.uniform(-2, 2), v0=0, t_end="60T").lyapunov[0])
+    return float(max(found))
+
+
 # --- the tables ---
 
 #: (c, F, Omega): under-, critically and overdamped too.
@@ -314,6 +472,8 @@ COUNTS = (
 )  # fmt: skip
 #: n of Omega = 1/(2 n), F, and the middles of the turning points.
 CONTINUA = ((1, "0.1", ("-0.2", "0", "0.1")), (2, "0.02", ("0", "0.04")))
+#: c, and where to look for the point at which P32 turns at a peak of the drive and begins to stick.
+MEETINGS = (("0.1", (0.4759, 0.2483)), ("0.001", (0.4998, 0.3324)))
 #: A mass that may rest on belt 1, with damping.
 RESTING = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1, mu2="1/10", FN=1)
 
@@ -374,6 +534,68 @@ def _border(case: str, formula: Any, border: Border) -> Value:
     return Value("F/P", case, formula, border.middle, 7, 1e-7, note)
 
 
+def _points() -> Iterator[Value]:
+    """Yield the points at which borders meet, without and with damping."""
+    for n in (1, 2, 3):
+        case, formula = rf"$A_{n}$: $\Omega = 1/{2 * n}$", Fraction(1, 4 * n * n - 1)
+        yield Value("F/P", case, formula, last_friction(n), 7, 1e-7)
+    near = find_border(Fraction("0.031"), Fraction("0.033"), "0.32")
+    case = r"near $B_1$: $\Omega = 0.32$"
+    yield Value("F/P", case, Formulas(wall(1, "0.32")).largest_force_ratio(), near.middle, 7, 1e-7)
+    for c, guess in MEETINGS:
+        pairs = zip(meeting_point(c, guess), meeting_point_by_running(c, guess), strict=True)
+        for name, (formula, run) in zip((r"\Omega", "F"), pairs, strict=True):
+            yield Value(name, rf"$c = {c}$", formula, run, 10, 1e-10)
+
+
+def _ends() -> Iterator[Value]:
+    """Yield where the branch of motions without stops ends in the frequency, and its highest points there."""
+    branch = continue_orbit(wall(1, 1, "0.1", P="1.5"), "P32", "Omega", ("0.6", "1.5"))
+    for end in branch.ends:
+        Omega, amplitude = end_without_stops("0.1", "1.5", end.value)
+        yield Value(r"\Omega", "", Omega, end.value, 12, 1e-12, end.kind)
+        yield Value("x_0", "there", amplitude, max(point.x for point in end.points), 10, 1e-10)
+
+
+def _cycles() -> Iterator[Value]:
+    """Yield where two limit cycles stop."""
+    for Omega in ("0.3", "0.15"):
+        p = wall("0.5", Omega, "0.1")
+        run = sorted({round(x, 12): x for _, x in find_orbit(p).points if x > 0}.values(), reverse=True)
+        found = sorted((abs(x) for x in solve_stops(p)), reverse=True)
+        for n, (formula, x) in enumerate(zip(found, run, strict=True), 1):
+            yield Value(rf"\pm x_{n}", rf"$\Omega = {Omega}$", formula, x, note=f"{stops(p)} stops per cycle")
+
+
+def _slow() -> Iterator[Value]:
+    """Yield the highest points of slowly driven motions."""
+    for c, Omega in (("0", "0.2"), ("0", "0.1"), ("0", "0.05"), ("2", "0.02")):
+        p = wall("0.5", Omega, c)
+        path, turn = from_rest(p, 60), 2 * pi / float(p.Omega)
+        highest = max(event.x for event in path.events if event.t > 58 * turn)
+        note = f"{stops(p)} stops per cycle"
+        yield Value(r"x_{\max}", rf"$c = {c}$, $\Omega = {Omega}$", max(map(abs, solve_stops(p))), highest, note=note)
+
+
+def _decrements() -> Iterator[Value]:
+    """Yield the turning points of a free motion with a damper too."""
+    p, x = wall("0.1", 1, "0.2", P=0), number(Fraction(3, 2))
+    path = simulate(p, t0=0, x0=Fraction(3, 2), v0=0, t_end=40)
+    h = number(p.c) / 2
+    left, x_f = MP.exp(-MP.pi * h / MP.sqrt(1 - h * h)), number(p.mu1)
+    for i, event in enumerate(path.events, 1):
+        x = -left * x + (1 + left) * MP.sign(x) * x_f
+        yield Value(f"x_{i}", "", x, event.x)
+
+
+def _inversions() -> Iterator[Value]:
+    """Yield the frequency ratio beyond which friction amplifies the absolute motion, base and wall moving together."""
+    for F in ("0.1", "0.5", "1"):
+        yield Value(
+            "r", f"$F = {F}$", inversion(F, transmissibility), inversion(F, transmissibility_by_running), 10, 1e-10
+        )
+
+
 def _growth() -> Iterator[Value]:
     for F, P in (("0.5", "1"), ("0.3", "0.5")):
         formula, rises = MP.pi * MP.mpf(P) - 4 * MP.mpf(F), resonance_growth(F, P)
@@ -421,10 +643,16 @@ TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], Iterator[Value]]]] = 
     "amplitude": ("Amplitude of the motion without stops", ("denhartog1930", "denhartog1931"), _amplitudes),
     "stability": ("Its multipliers", ("shaw1986",), _multipliers),
     "border": ("Where motions without stops end", ("denhartog1930", "hongliu2000"), _borders),
-    "resonance": ("Growth per cycle at resonance", ("denhartog1930",), _growth),
-    "decay": ("Turning points of a free motion", ("denhartog1930",), _decay),
+    "points": ("Where borders meet", ("guardia2010", "kowalczyk2008"), _points),
+    "ends": ("The ends of a branch", ("iklodi2024",), _ends),
+    "resonance": ("Growth per cycle at resonance", ("denhartog1930", "butikov2015"), _growth),
+    "decay": ("Turning points of a free motion", ("denhartog1930", "butikov2015"), _decay),
+    "decrements": ("Turning points of a free motion with a damper", ("feeny1996",), _decrements),
     "stops": ("Where the number of stops per cycle changes", ("hongliu2000",), _counts),
-    "continuum": (r"Motions around a middle $\bar{x}$", ("csernak2007",), _continuum),
+    "slow": ("Slow drives", ("papangelo2015",), _slow),
+    "cycles": ("Two limit cycles", ("murari2026",), _cycles),
+    "continuum": (r"Motions around a middle $\bar{x}$", ("csernak2007", "butikov2015"), _continuum),
+    "inversion": ("Where friction begins to amplify", ("marino2019", "marino2020"), _inversions),
     "rests": ("Rest positions on a belt at rest", (), _rests),
 }
 

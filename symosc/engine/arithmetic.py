@@ -16,6 +16,7 @@ from __future__ import annotations
 import builtins
 import hashlib
 import inspect
+import math
 import sys
 import types
 from collections.abc import Callable, Iterable
@@ -27,17 +28,17 @@ from time import monotonic
 from typing import Any, NamedTuple
 
 from symosc.aliases import Number
-from symosc.engine import batch, events, first_exit, flow, next_event, state, summary, tangent
+from symosc.engine import batch, events, first_exit, flow, lanes, next_event, state, summary, tangent
 from symosc.engine.batch import PairLimits
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.flow import Constants, constants, with_march
 from symosc.errors import MissingExtraError
-from symosc.kernels import _generated, double_double, entire, mapping
+from symosc.kernels import _generated, double_double, elementary, entire, mapping
 from symosc.model import Parameters
 
 SOURCES = (_generated, entire, state, flow, first_exit, next_event, events, batch)
 # Summaries are of doubles only.
-IN_DOUBLES_ONLY = (double_double, summary)
+IN_DOUBLES_ONLY = (double_double, elementary, summary, lanes)
 
 # What decisions must exceed with many digits, instead of `first_exit.ROUNDING` and `flow.SIGMAS`: digits are cheap
 # there, wrong decisions are not.
@@ -54,10 +55,10 @@ CONSTANTS = (bool, int, float, complex, str)
 
 # Functions that are called from several places and rarely: not worth a copy in each.
 OUTLINED = """
-    advance_near apart_from_walls behind_flat_start careful closest_approach cell_within creeps_for_ever cut_at
-    flight_extremes flown follow_all finish_tally march_rows newton_root next_undecided no_contact parts_again periods
-    point_at_end resolve rest_stretches search_row searched section series settle slow_passing_time
-    stationary stays_closed stepped stiff_derivatives tally_stretch tolerance graze_belt within
+    advance_near apart_from_walls behind_flat_start block careful closest_approach cell_within creeps_for_ever cut_at
+    doubt_row flight_extremes flown follow_all follow_group follow_lanes follow_one finish_tally march_rows newton_root
+    next_undecided no_contact parts_again periods point_at_end resolve rest_stretches search_row searched section series
+    settle slow_passing_time stationary stays_closed stepped stiff_derivatives tally_stretch tolerance graze_belt within
 """
 
 
@@ -265,17 +266,32 @@ def _reduced(angle: Fraction, digits: int) -> tuple[int, Any]:
 def compiled() -> dict[str, Any]:
     """Return the source for doubles compiled by numba; raise MissingExtraError if numba is not installed."""
     try:
-        from symosc.kernels.borrowed import borrowed
+        from symosc.kernels.lane_types import usual_width
     except ImportError:
         raise MissingExtraError("compiling", "fast") from None
-    return compile_modules((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED.split(), {"borrowed": borrowed})
+    functions = compiled_with(usual_width() or 8)
+    return functions | {"follow_all": functions["follow_lanes" if usual_width() else "follow_all"]}
+
+
+def compiled_with(width: int) -> dict[str, Any]:
+    """Return what `compiled` returns, for a number of lanes."""
+    try:
+        from symosc.kernels.borrowed import borrowed
+        from symosc.kernels import lane_types
+    except ImportError:
+        raise MissingExtraError("compiling", "fast") from None
+    callees = {"borrowed": borrowed, "power_of_two": lane_types.power_of_two}
+    replaced = {name: getattr(lane_types, name) for name in ("any_of", "bits_of", "select", "store")}
+    replaced |= {"load": lane_types.loader(width), "LANES": width}
+    return compile_modules((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED.split(), callees, replaced, beside=(lane_types,))
 
 
 @lru_cache(maxsize=1)
 def compiled_tangents() -> dict[str, Any]:
     """Return the source of derivatives compiled by numba; raise MissingExtraError if numba is not installed."""
     outlined = {"tangents", "changes_at", "divided_difference", "difference_by_series", "repeated"}
-    return compile_modules((mapping, tangent), outlined, compiled())
+    callees = {name: function for name, function in compiled().items() if name != "exp"}  # theirs is of complex numbers
+    return compile_modules((mapping, tangent), outlined, callees)
 
 
 # --- any number of digits ---
@@ -376,11 +392,12 @@ class MpArithmetic(Arithmetic):
         found: Constants = self.inward(self.K)
         return found
 
-    def outward(self, value: Any) -> Any:
-        """Convert a number, or the numbers in a tuple, to mpmath numbers with all their digits."""
+    def outward(self, value: Any, context: Any = None) -> Any:
+        """Convert a number, or the numbers in a tuple, to mpmath numbers of this arithmetic's context or another."""
+        context = context or self.context
         if self._mpfr is None:
-            return value
-        mpfr, to_mpf, context = self._mpfr.mpfr, self._mpfr.to_mpf, self.context
+            return value if context is self.context else converted(value, context.mpf)
+        mpfr, to_mpf = self._mpfr.mpfr, self._mpfr.to_mpf
         if type(value) is tuple:  # the numbers of an event
             return tuple([to_mpf(entry, context) for entry in value])
         return converted(value, lambda entry: to_mpf(entry, context) if type(entry) is mpfr else entry)
@@ -456,9 +473,10 @@ def compiled_pairs() -> PairLoops:
     plain = compiled()
     callees = {name: plain[function] for name, function in PLAIN_IN_PAIRS.items()}
     callees |= {"min": numba.njit(least), "max": numba.njit(greatest), "float": numba.njit(pairs.as_pair)}
-    callees["two_product"] = numba.njit(product_and_zero)
+    callees |= {"two_product": numba.njit(product_and_zero), "select": numba.njit(elementary.select)}
     outlined = functions_of(SOURCES).keys() - functions_of((_generated,)).keys() - {"derivatives"}
-    replaced = _pair_constants() | {"from_complex": pairs.from_complex}
+    replaced = _pair_constants() | {name: getattr(math, name) for name in pairs.FUNCTIONS}
+    replaced["from_complex"] = pairs.from_complex
     beside = (pairs, double_double, summary)
     functions = compile_modules(SOURCES, outlined, callees, replaced, pairs.Pair, beside)
     return PairLoops(*(functions[name] for name in PairLoops._fields))

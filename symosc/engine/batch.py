@@ -8,7 +8,6 @@ is the rounding, unless their own is not negligible beside it: so the same doubl
 from __future__ import annotations
 
 import math
-from math import cos, sin
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,6 +34,7 @@ from symosc.engine.state import (
 )
 from symosc.engine.summary import Tally, finish_tally, tally_step
 from symosc.kernels._generated import acceleration
+from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS
 
 # A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_end_low, t0, s, c, theta_low.
@@ -136,6 +136,11 @@ def borrowed(array):
     return array
 
 
+def borrowed_batch(batch):
+    """Return a batch, borrowed."""
+    return Batch(borrowed(batch.states), borrowed(batch.sets), borrowed(batch.counts), borrowed(batch.codes))
+
+
 def borrowed_rows(out):
     """Return a buffer of events, borrowed."""
     return EventRows(borrowed(out.floats), borrowed(out.ints))
@@ -190,53 +195,62 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
     (next, rows, parts)
         The trajectory to go on with, and the number of events and of pieces.
     """
-    rows, parts, recorded = 0, 0, pieces.shape[1] > 0
-    states, sets = borrowed(batch.states), borrowed(batch.sets)
-    counts, codes = borrowed(batch.counts), borrowed(batch.codes)
+    rows, parts, batch = 0, 0, borrowed_batch(batch)
     out, pieces, tally, table = borrowed_rows(out), borrowed(pieces), borrowed_tally(tally), borrowed(table)
-    tallied = tally.floats.shape[0] > 0
-    for i in range(begin, states.shape[0]):
-        before, K = state_of(states, i), table[sets[i]]
-        t_end, t_end_low, t0 = end_by_phase(states[i], K)
-        code = RUNNING
-        while code == RUNNING:
-            if counts[i] >= most:
-                code = FULL
-                break
-            if rows >= out.floats.shape[1] or (recorded and parts >= pieces.shape[1]):
-                break
-            found = advance(before, t_end, t_end_low, K)
-            step, _, decided, t_error, state = found
-            if not decided or step == FAILED:
-                code = UNDECIDED
-            elif step <= GRAZE:
-                clock = time_with_errors(state.t, state.t_low, t0, state.x, state.v, t_error, state.S.S11, K)
-                if is_inexact(clock[0], clock[1], state.x, clock[2], t0, accuracy):
-                    code = INEXACT
-                if not tallied:
-                    write_event(out, rows, i, before, found, clock, K)
-                rows += 1
-                counts[i] += 1
-            elif step != MOVED:
-                code = step
-            if tallied and code not in NEEDS_DIGITS and code != REST:
-                tally_step(i, before, found, t0, tally, K)
-            if recorded and code == RUNNING:
-                write_piece(pieces, parts, state, clock_time(state.t - t0, state.t_low, 0.0, K))
-                parts += 1
-            before = state
-        if tallied:
-            finish_tally(i, before, code, (t_end - before.t) + (t_end_low - before.t_low), t0, tally, K)
-        keep_state(states, i, before)
-        codes[i] = code
-        if code == RUNNING:
+    for i in range(begin, batch.states.shape[0]):
+        rows, parts = follow_one(i, False, rows, parts, batch, most, accuracy, out, pieces, tally, table)
+        if batch.codes[i] == RUNNING:
             return i, rows, parts
-    return states.shape[0], rows, parts
+    return batch.states.shape[0], rows, parts
+
+
+def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, table):
+    """Follow trajectory i until it ends or a buffer is full, or `once`: for one step; return (rows, parts).
+
+    Other arguments are those of `follow_all`.
+    """
+    states, sets, counts, codes = batch
+    recorded, tallied = pieces.shape[1] > 0, tally.floats.shape[0] > 0
+    before, K = state_of(states, i), table[sets[i]]
+    t_end, t_end_low, t0 = end_by_phase(states[i], K)
+    code, going = RUNNING, True
+    while code == RUNNING and going:
+        if counts[i] >= most:
+            code = FULL
+            break
+        if rows >= out.floats.shape[1] or (recorded and parts >= pieces.shape[1]):
+            break
+        found = advance(before, t_end, t_end_low, K)
+        step, _, decided, t_error, state = found
+        if not decided or step == FAILED:
+            code = UNDECIDED
+        elif step <= GRAZE:
+            clock = time_with_errors(state.t, state.t_low, t0, state.x, state.v, t_error, state.S.S11, K)
+            if is_inexact(clock[0], clock[1], state.x, clock[2], t0, accuracy):
+                code = INEXACT
+            if not tallied:
+                write_event(out, rows, i, before, found, clock, K)
+            rows += 1
+            counts[i] += 1
+        elif step != MOVED:
+            code = step
+        if tallied and code not in NEEDS_DIGITS and code != REST:
+            tally_step(i, before, found, t0, tally, K)
+        if recorded and code == RUNNING:
+            write_piece(pieces, parts, state, clock_time(state.t - t0, state.t_low, 0.0, K))
+            parts += 1
+        before, going = state, not once
+    if tallied and (code != RUNNING or not once):
+        finish_tally(i, before, code, (t_end - before.t) + (t_end_low - before.t_low), t0, tally, K)
+    keep_state(states, i, before)
+    codes[i] = code
+    return rows, parts
 
 
 def is_inexact(t, t_error, x, x_error, t0, accuracy):
     """Return whether the time or position of an event is known less accurately than `accuracy`."""
-    return t_error > accuracy * max(1.0, abs(t), abs(t0)) or x_error > accuracy * max(1.0, abs(x))
+    late = (t_error > accuracy) & (t_error > accuracy * abs(t)) & (t_error > accuracy * abs(t0))
+    return late | ((x_error > accuracy) & (x_error > accuracy * abs(x)))
 
 
 def end_by_phase(row, K):
@@ -256,6 +270,11 @@ def search_row(states, table):
     code, boundary, decided, t_error, state = searched(state_of(states, 0), states[0], table[0])
     keep_state(states, 0, state)
     return code, boundary, decided, t_error
+
+
+def doubt_row(states, count, most, accuracy, table):
+    """Return `next_undecided` for the state in the first row, which follows `count` events."""
+    return next_undecided(state_of(states, 0), count, states[0], most, accuracy, table[0])
 
 
 def next_undecided(state, count, row, most, accuracy, K):
@@ -338,8 +357,8 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
     wanted : (n,) events to come to, in all.
     pairs : (n, STATE_WIDTH) complex array, updated: states in pairs.
     batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING, END,
-        REST, or UNDECIDED for a contact that pairs cannot decide, and for an event that they know worse than
-        `limits.noise` says.
+        REST, or UNDECIDED before a contact that pairs cannot decide, or an event that they know worse than
+        `limits.noise` says: the states are the last ones that they are sure of.
     out : EventRows that hold all events to come.
     pieces : as `follow_all` takes it; a motion that has filled it is RUNNING.
     K : Constants of complex numbers
@@ -364,28 +383,30 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
                 goal = next_undecided_in_doubles(rounded, counts[i], states[i], last, limits.accuracy, plain)
                 if goal == 0:
                     break
-            before, rough = rounded, searched_in_doubles(rounded, states[i], careful)
+            rough = searched_in_doubles(rounded, states[i], careful)
             found = advance_near(state, rounded, rough, t_end, t_end_low, K)
-            state, step = found.state, found.code
-            rounded = in_doubles(state, t0, plain)
+            step, then = found.code, in_doubles(found.state, t0, plain)
+            plainly = NextEvent(step, found.boundary, True, found.t_error.hi, then)
             if step == FAILED or not found.decided:
                 code = UNDECIDED
-            elif step <= GRAZE:
-                x, v, S11 = state.x, state.v, state.S.S11
-                t, t_error, x_error = time_with_errors(state.t, state.t_low, t0, x, v, found.t_error, S11, K)
-                if rows < out.floats.shape[1]:  # there is none where tallies are kept
-                    clock = t.hi, rounding_error(t_error.hi, t.hi), rounding_error(x_error.hi, x.hi)
-                    plainly = NextEvent(step, found.boundary, True, found.t_error.hi, rounded)
-                    write_event_in_doubles(out, rows, i, before, plainly, clock, plain)
+                break
+            if step <= GRAZE:
+                x, v, S11 = found.state.x, found.state.v, found.state.S.S11
+                t, t_low = found.state.t, found.state.t_low
+                t, t_error, x_error = time_with_errors(t, t_low, t0, x, v, found.t_error, S11, K)
                 if not (is_below(limits.noise, t_error.hi, t.hi) and is_below(limits.noise, x_error.hi, x.hi)):
                     code = UNDECIDED
+                    break
+                if rows < out.floats.shape[1]:  # there is none where tallies are kept
+                    clock = t.hi, rounding_error(t_error.hi, t.hi), rounding_error(x_error.hi, x.hi)
+                    write_event_in_doubles(out, rows, i, rounded, plainly, clock, plain)
                 rows += 1
                 counts[i] += 1
             elif step in (END, REST):
                 code = step
-            if tallied and code != UNDECIDED and code != REST:
-                plainly = NextEvent(step, found.boundary, True, found.t_error.hi, rounded)
-                tally_step(i, before, plainly, t0.hi, tally, plain)
+            if tallied and code != REST:
+                tally_step(i, rounded, plainly, t0.hi, tally, plain)
+            state, rounded = found.state, then
             if recorded and code == RUNNING:
                 elapsed = ((state.t - t0.hi) + state.t_low).hi
                 write_piece_in_doubles(pieces, parts, rounded, elapsed)

@@ -45,7 +45,7 @@ All functions are scalar and run on floats (CPython, numba) and, with other glob
 
 from __future__ import annotations
 
-from math import acos, cos, sin, sqrt
+from math import acos, sqrt
 from typing import NamedTuple
 
 from symosc.aliases import Number
@@ -62,6 +62,7 @@ from symosc.engine.state import (
     Walls,
 )
 from symosc.kernels._generated import next_derivative, stick_acceleration
+from symosc.kernels.elementary import cos, select, sin
 from symosc.kernels.entire import EPS, SIXTH
 
 PI = acos(-1.0)
@@ -152,7 +153,7 @@ def safe_step(cap, P):
 
 def gap_to(side, now, walls):
     """Return the gap to the wall on a side (-1 below, 1 above) at the point `now` of a flight."""
-    return walls.below + now.dv if side < 0 else walls.above - now.dv
+    return select(side < 0, walls.below + now.dv, walls.above - now.dv)
 
 
 def gap_bound(side, now, M4, margin, walls):
@@ -206,14 +207,19 @@ def local_root(over, F, G1, G2, G3, resolution):
     """
     s = 0.0 * resolution
     if abs(over * G1) < 0.1 * F * F:
-        inverse = 1.0 / F
-        linear = over * inverse
-        B, W = 0.5 * G1 * inverse * linear, SIXTH * G2 * inverse * linear * linear
-        s = -linear * ((1.0 + B) + (2.0 * B * B - W))
-        missing = 8.0 * abs(B) * (B * B + abs(W)) + abs(G3 * inverse * linear * linear * linear)
-        if abs(linear) * missing <= resolution:
+        s, missing = root_by_series(over, F, G1, G2, G3)
+        if missing <= resolution:
             return s
     return newton_root(s, over, F, G1, G2, G3, resolution)
+
+
+def root_by_series(over, F, G1, G2, G3):
+    """Return the root of `local_root` from the inverted series, and a bound of what is missing."""
+    inverse = 1.0 / F
+    linear = over * inverse
+    B, W = 0.5 * G1 * inverse * linear, SIXTH * G2 * inverse * linear * linear
+    missing = 8.0 * abs(B) * (B * B + abs(W)) + abs(G3 * inverse * linear * linear * linear)
+    return -linear * ((1.0 + B) + (2.0 * B * B - W)), abs(linear) * missing
 
 
 def newton_root(s, over, F, G1, G2, G3, resolution):
@@ -257,13 +263,8 @@ def march(tau_max, v0, now, walls, margin, K):
 
     at the most a sixteenth of the rest of Taylor's formula from one end (`is_free`).
     """
-    v_free, F_free = v0 - (K.Ss * now.s + K.Sc * now.c), now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
-    slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
-    # The steady amplitude and the energy of the transient bound v: walls beyond that do not count.
-    energy = F_free * F_free + K.w0sq * v_free * v_free
-    far_below, far_above = walls.below - v0 - K.V0 - slack, v0 + walls.above - K.V0 - slack
-    has_below = walls.has_below and not (far_below > 0.0 and energy < K.w0sq * far_below * far_below)
-    has_above = walls.has_above and not (far_above > 0.0 and energy < K.w0sq * far_above * far_above)
+    v_free, F_free, slack, beyond_below, beyond_above = free_motion(v0, now, walls, margin, K)
+    has_below, has_above = walls.has_below and not beyond_below, walls.has_above and not beyond_above
     walls = Walls(walls.below, walls.above, has_below, has_above, walls.on_below, walls.on_above)
     M4, since, stride = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K), now.tau, K.stride.step
     wide = WIDE_GAP * 0.25 * SIXTH * (stride * stride) * (stride * stride)
@@ -272,12 +273,8 @@ def march(tau_max, v0, now, walls, margin, K):
         M = K.stride if long else K.march
         h, there, free_below, free_above = M.step, now, False, False
         if now.tau + h < tau_max:
-            v_next, F_next = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
-            s, c = M.c * now.s + M.s * now.c, M.c * now.c - M.s * now.s
-            dv, F = v_next + (K.Ss * s + K.Sc * c) - v0, F_next + K.Om * (K.Ss * c - K.Sc * s)
-            G1 = next_derivative(F, v0 + dv, K.fB * s, K.cm, K.w0sq)
-            there = Flown(now.tau + h, now.dx, dv, F, G1, now.G2, now.G3, s, c, now.E0, now.E1, now.E2)
-            lift = 0.25 * SIXTH * SIXTH * (h * h) * (h * h) * M4 + slack
+            v_next, F_next, there = marched(v_free, F_free, v0, now, M, K)
+            lift = lifted(h, M4, slack)
             free_below = not has_below or is_free(-1, now, there, lift, slack, walls)
             free_above = not has_above or is_free(1, now, there, lift, slack, walls)
         if free_below and free_above:
@@ -299,6 +296,32 @@ def march(tau_max, v0, now, walls, margin, K):
         # with the free motion gone, steps of their own length go farther
         if K.slow_drive and gaps_exceed(wide * M4, now.dv, walls):
             return Marched(now, M4, 0, now)
+
+
+def free_motion(v0, now, walls, margin, K):
+    """Return velocity and acceleration of the transient, the slack of gaps, and which walls are out of its reach."""
+    v_free, F_free = v0 - (K.Ss * now.s + K.Sc * now.c), now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
+    slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
+    # The steady amplitude and the energy of the transient bound v: walls beyond that do not count.
+    energy = F_free * F_free + K.w0sq * v_free * v_free
+    far_below, far_above = walls.below - v0 - K.V0 - slack, v0 + walls.above - K.V0 - slack
+    beyond_below = (far_below > 0.0) & (energy < K.w0sq * far_below * far_below)
+    beyond_above = (far_above > 0.0) & (energy < K.w0sq * far_above * far_above)
+    return v_free, F_free, slack, beyond_below, beyond_above
+
+
+def marched(v_free, F_free, v0, now, M, K):
+    """Return velocity and acceleration of the transient, and the point of a flight, after one fixed step."""
+    v_next, F_next = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
+    s, c = M.c * now.s + M.s * now.c, M.c * now.c - M.s * now.s
+    dv, F = v_next + (K.Ss * s + K.Sc * c) - v0, F_next + K.Om * (K.Ss * c - K.Sc * s)
+    G1 = next_derivative(F, v0 + dv, K.fB * s, K.cm, K.w0sq)
+    return v_next, F_next, Flown(now.tau + M.step, now.dx, dv, F, G1, now.G2, now.G3, s, c, now.E0, now.E1, now.E2)
+
+
+def lifted(h, M4, slack):
+    """Return what the middle coefficient of a gap must exceed in a step of length h (`is_free`)."""
+    return 0.25 * SIXTH * SIXTH * (h * h) * (h * h) * M4 + slack
 
 
 def whole(now, v0, K):
@@ -326,13 +349,22 @@ def is_free(side, now, there, lift, slack, walls):
     """
     h, gap = there.tau - now.tau, walls.below if side < 0 else walls.above
     g0, d0, g1, d1 = gap - side * now.dv, -side * h * now.F, gap - side * there.dv, -side * h * there.F
-    ends = g1 > slack and g1 - 0.25 * d1 > slack
     if now.tau == 0.0 and (walls.on_below if side < 0 else walls.on_above):
-        b0 = -side * h * h * now.G1
-        if d0 >= 0.0 and ends and 0.5 * g1 + SIXTH * (d0 - d1) > lift:
-            return True
-        return d0 == 0.0 and b0 >= 0.0 and g1 > slack and 0.125 * b0 + 0.25 * g1 > 1.5 * lift
-    return g0 > slack and g0 + 0.25 * d0 > slack and ends and 0.5 * (g0 + g1) + SIXTH * (d0 - d1) > lift
+        return opens(d0, -side * h * h * now.G1, g1, d1, lift, slack)
+    return stays_open(g0, d0, g1, d1, lift, slack)
+
+
+def stays_open(g0, d0, g1, d1, lift, slack):
+    """Return whether a gap is positive all over a step (`is_free`)."""
+    ends = (g0 > slack) & (g0 + 0.25 * d0 > slack) & (g1 > slack) & (g1 - 0.25 * d1 > slack)
+    return ends & (0.5 * (g0 + g1) + SIXTH * (d0 - d1) > lift)
+
+
+def opens(d0, b0, g1, d1, lift, slack):
+    """Return whether a gap is positive all over a step that starts on the wall (`is_free`)."""
+    steep = (d0 >= 0.0) & (g1 - 0.25 * d1 > slack) & (0.5 * g1 + SIXTH * (d0 - d1) > lift)
+    flat = (d0 == 0.0) & (b0 >= 0.0) & (0.125 * b0 + 0.25 * g1 > 1.5 * lift)
+    return (g1 > slack) & (steep | flat)
 
 
 def meets_once(side, now, there, M4, slack, walls):
@@ -340,14 +372,15 @@ def meets_once(side, now, there, M4, slack, walls):
 
     It is if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1, keeps its sign.
     """
-    if gap_to(side, there, walls) >= -slack or gap_to(side, now, walls) <= slack:
-        return False
+    meets = (gap_to(side, there, walls) < -slack) & (gap_to(side, now, walls) > slack)
     h = there.tau - now.tau
     d0, b0, d1, b1 = -side * now.F, -side * now.G1, -side * there.F, -side * there.G1
     loose = SIXTH * h * h * M4
-    falls = d0 < 0.0 and d1 < 0.0 and d0 + 2.0 * SIXTH * h * b0 < 0.0 and 2.0 * d0 + h * b0 + d1 + loose * h < 0.0
+    slopes_fall = (d0 + 2.0 * SIXTH * h * b0 < 0.0) & (2.0 * d0 + h * b0 + d1 + loose * h < 0.0)
+    falls = (d0 < 0.0) & (d1 < 0.0) & slopes_fall
     half, bend = 0.5 * (b0 + b1), 1.5 * loose
-    return falls or (b0 < 0.0 and b1 < 0.0 and half + bend < 0.0) or (b0 > 0.0 and b1 > 0.0 and half - bend > 0.0)
+    bends = ((b0 < 0.0) & (b1 < 0.0) & (half + bend < 0.0)) | ((b0 > 0.0) & (b1 > 0.0) & (half - bend > 0.0))
+    return meets & (falls | bends)
 
 
 # --- grazes: the minimum of a gap near a tangency, and how far a gap may be wrong there ---
@@ -432,6 +465,23 @@ def first_exit(tau_max, start, walls, S, K):
     Its code is NOTHING (at tau_max), HIT, TANGENCY or STALLED. A contact is returned even if the last correction moved
     it past tau_max. `start` is a Launch, `walls` are Walls, S is the Covariance of the errors of the start.
     """
+    now, flat, thin, margin = search_begin(tau_max, start, walls, S, K)
+    v0 = start.v
+    if K.apart and not flat:
+        now, M4, side, there = march(tau_max, v0, now, walls, margin, K)
+        if side != 0:
+            return polish(between(now, there, side, v0, walls, K), now.tau, there.tau, side, start, walls, K)
+    else:
+        M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
+    return stepped(tau_max, now, M4, thin, margin, start, walls, S, K)
+
+
+def search_begin(tau_max, start, walls, S, K):
+    """Return the point from which a search along a flight begins, whether it is behind a flat start, thin and margin.
+
+    A gap whose square is below `thin` is compared with its error. The margin is what the error of the start can do to a
+    gap; where that is less than rounding, `tolerance` includes it.
+    """
     v0, F0, s0, c0 = start
     zero = 0.0 * tau_max
     G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
@@ -443,20 +493,12 @@ def first_exit(tau_max, start, walls, S, K):
         now = Flown(zero, zero, zero, F0, zero, G2, G3, s0, c0, 1.0 + zero, zero, zero)
         if abs(G2) <= ROUNDING * sqrt(EPS) * abs(K.fB) * K.Om:
             now, flat = behind_flat_start(tau_max, G2, G3, start, K), True
-    # A gap whose square is below `thin` is compared with its error. The margin is what the error of the start can do to
-    # a gap; where that is less than rounding, `tolerance` includes it.
     speed = THIN * (abs(v0) + (abs(F0) + abs(K.f0)) * K.moment)
     variance = K.sigmas * K.sigmas * (S.S22 + K.w0sq * S.S11)
     thin, margin = 4.0 * variance + speed * speed, 0.0 * variance
     if variance > FAINT * speed * speed:
         margin = sqrt(variance)
-    if K.apart and not flat:
-        now, M4, side, there = march(tau_max, v0, now, walls, margin, K)
-        if side != 0:
-            return polish(between(now, there, side, v0, walls, K), now.tau, there.tau, side, start, walls, K)
-    else:
-        M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
-    return stepped(tau_max, now, M4, thin, margin, start, walls, S, K)
+    return now, flat, thin, margin
 
 
 def behind_flat_start(tau_max, G2, G3, start, K):
@@ -560,16 +602,22 @@ def between(now, there, side, v0, walls, K):
 
     A step of Newton's method from the secant's root on Hermite's cubic, with the secant's slope; then `sharpened`.
     """
+    h = there.tau - now.tau
+    part = part_to_root(now, there, side, walls)
+    if part < 0.5:
+        return now.tau + sharpened(part * h, side, now, walls, K)
+    return there.tau + sharpened((part - 1.0) * h, side, whole(there, v0, K), walls, K)
+
+
+def part_to_root(now, there, side, walls):
+    """Return the part of the way between two points at which a gap vanishes, by the estimate of `between`."""
     h, gap, beyond = there.tau - now.tau, gap_to(side, now, walls), -gap_to(side, there, walls)
     inverse = 1.0 / (gap + beyond)
     part = gap * inverse
     rest = 1.0 - part
     steeper, flatter = gap + beyond - side * h * now.F, gap + beyond - side * h * there.F
     better = part + part * rest * (rest * steeper - part * flatter) * inverse
-    part = better if 0.0 < better < 1.0 else part
-    if part < 0.5:
-        return now.tau + sharpened(part * h, side, now, walls, K)
-    return there.tau + sharpened((part - 1.0) * h, side, whole(there, v0, K), walls, K)
+    return select((0.0 < better) & (better < 1.0), better, part)
 
 
 def sharpened(root, side, now, walls, K):
@@ -580,14 +628,14 @@ def sharpened(root, side, now, walls, K):
     half, third, fourth = 0.5 * now.G1, SIXTH * now.G2, 0.25 * SIXTH * now.G3
     fifth = 0.05 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
     gap = gap_to(side, now, walls)
-    over = gap if side < 0 else -gap
+    over = select(side < 0, gap, -gap)
     square = root * root  # terms in pairs: each waits for fewer others than in Horner's order
     value = (over + now.F * root) + square * ((half + third * root) + square * (fourth + fifth * root))
     slope = (now.F + now.G1 * root) + square * ((3.0 * third + 4.0 * fourth * root) + square * (5.0 * fifth))
     half_bend = (half + 3.0 * third * root) + square * (6.0 * fourth + 10.0 * fifth * root)
     below = slope * slope - value * half_bend
-    shift = value * slope / below if below > 0.0 else 0.0 * value
-    return root - shift if abs(shift) < 0.5 * abs(root) else root
+    shift = value * slope / select(below > 0.0, below, FAR)
+    return select(abs(shift) < 0.5 * abs(root), root - shift, root)
 
 
 def polish(tau, low, high, side, start, walls, K):
@@ -631,7 +679,11 @@ def shifted(now, shift, v0, K):
 def gain(tau, s0, c0, belt, K):
     """Return Delta at tau, accurate for small tau, and the phase's sine and cosine; s0, c0: at the start."""
     half = 0.5 * K.Om * tau
-    s, c = sin(half), cos(half)
+    return gained(tau, sin(half), cos(half), s0, c0, belt, K)
+
+
+def gained(tau, s, c, s0, c0, belt, K):
+    """Return what `gain` does from sine and cosine of half the phase gained."""
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
     Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
     s_Om, c_Om = 2.0 * s * c, 1.0 - 2.0 * s * s
@@ -734,7 +786,7 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
         if exact:  # the first point is a guess, for which digits may have been lost
             if over == 0.0:
                 return StickEnd(HIT, side, tau, -force, slope, bend, s, c)
-            if abs(over * bend) < 0.1 * slope * slope:
+            if is_beside(over, slope, bend, K):
                 step = local_root(over, slope, bend, third, -Om2 * bend, EPS * tau)
                 if abs(step) * K.Om < NEAR and low - slack <= tau + step <= high + slack:
                     return slips_at(tau, step, side, -force, s, c, belt, K)
@@ -758,6 +810,11 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
         else:
             low = tau
     return StickEnd(STALLED, side, tau, -force, slope, bend, s, c)
+
+
+def is_beside(over, slope, bend, K):
+    """Return whether the end of a stick is so near that a local polynomial may place it."""
+    return (abs(over * bend) < 0.1 * slope * slope) & (abs(over) * K.Om < 2.0 * NEAR * abs(slope))
 
 
 def slips_at(tau, step, side, Delta, s, c, belt, K):

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from math import atan2, exp, inf, pi, sqrt
+from math import atan2, inf, pi, sqrt
 from typing import Any, NamedTuple
 
 from symosc.aliases import Number
 from symosc.engine.state import Flown
 from symosc.kernels._generated import motion, next_derivative
+from symosc.kernels.elementary import exp, select
 from symosc.kernels.entire import SIXTH, basis
 from symosc.kernels.pair_columns import either, exactly, larger
 from symosc.model import Parameters
@@ -253,7 +254,7 @@ def clock_time(t, t_low, t0, K):
 
 def constant_force(domain, K):
     """Return A_alpha/m of a domain."""
-    return K.A1 if domain == 1 else K.A2 if domain == 2 else K.A3
+    return select(domain == 1, K.A1, select(domain == 2, K.A2, K.A3))
 
 
 def friction_signs(domain):
@@ -327,8 +328,7 @@ def velocity_scale(tau, v0, F0, K):
     """
     rise = 0.5 * tau * tau
     drive = abs(K.fB) * rise
-    if K.steady and drive > 2.0 * K.V0:
-        drive = 2.0 * K.V0
-    if K.w0 * tau < 1.0:
-        return abs(F0) * tau + K.w0sq * abs(v0) * rise + drive
-    return abs(F0) / K.w0 + 2.0 * abs(v0) + drive
+    if K.steady:
+        drive = select(drive > 2.0 * K.V0, 2.0 * K.V0, drive)
+    early, late = abs(F0) * tau + K.w0sq * abs(v0) * rise, abs(F0) * K.swing + 2.0 * abs(v0)
+    return select(K.w0 * tau < 1.0, early, late) + drive

@@ -25,7 +25,7 @@ All functions are scalar and run on floats (CPython, numba) and, with other glob
 
 from __future__ import annotations
 
-from math import acos, cos, sin, sqrt
+from math import acos, sqrt
 
 from symosc.engine.first_exit import (
     MARCH_SLACK,
@@ -37,9 +37,14 @@ from symosc.engine.first_exit import (
     gain,
     gap_to,
     local_root,
+    march,
+    newton_root,
+    positive_on,
+    search_begin,
     shifted,
     slips_at,
     slopes,
+    tolerance,
 )
 from symosc.engine.flow import clock_time, constant_force, derivatives, speeds_around, state_at, velocity_scale
 from symosc.engine.state import (
@@ -69,6 +74,7 @@ from symosc.engine.state import (
 )
 from symosc.kernels._generated import acceleration, next_derivative
 from symosc.kernels.double_double import two_product
+from symosc.kernels.elementary import cos, select, sin
 from symosc.kernels.entire import EPS, SERIES_BELOW, SIXTH
 
 TWO_PI = 2.0 * acos(-1.0)
@@ -249,11 +255,11 @@ def flight_noise(state, now, K):
     """Return the rounding errors of x and v that accumulate on a flight from `state` to `now`."""
     tau, v0, F0, S = now.tau, state.v, state.Fb, state.S
     speed = abs(v0) + velocity_scale(tau, v0, F0, K)
-    reach = tau if tau < K.swing else K.swing
+    reach = select(tau < K.swing, tau, K.swing)
     # terms of the acceleration; behind a stick friction's jump was one of them
     forces = abs(F0) + abs(constant_force(state.mode, K)) + abs(K.f0)
-    if state.at > 0 and F0 == 0.0:
-        forces = forces + (K.belt1.J if state.at == 1 else K.belt2.J)
+    jump = select(state.at == 1, K.belt1.J, K.belt2.J)
+    forces = forces + select((state.at > 0) & (F0 == 0.0), jump, 0.0 * jump)
     x_noise = 1.25 * EPS * (abs(state.x) + (speed + forces * reach) * reach + abs(v0) * tau)
     turned = 0.5 * K.w0 * tau * (abs(now.E0) + K.w0 * abs(now.E1))  # phase of the free oscillation, as far as it lasts
     v_noise = 1.25 * EPS * ((2.0 + turned) * speed + forces * reach)
@@ -424,12 +430,7 @@ def later(n, theta, theta_low, tau, K):
     """Return the phase `tau` later in two parts, so that rounding errors do not accumulate in the time."""
     if tau == K.period:  # exactly
         return n + 1, theta, theta_low
-    turn = K.Om * tau
-    total = theta + turn
-    part = total - theta
-    low = (theta - (total - part)) + (turn - part)
-    _, rest = two_product(K.Om, tau)
-    theta, theta_low = total, theta_low + (low + rest if abs(rest) < 1.0 else low)  # else out of the range of doubles
+    theta, theta_low = phase_after(theta, theta_low, tau, K)
     if theta >= MANY_TURNS * TWO_PI:  # without a drive, see `symosc.engine.flow`
         turns = int(theta / TWO_PI) - 1
         theta = (theta - turns * TWO_PI) - turns * TWO_PI_REST
@@ -437,17 +438,29 @@ def later(n, theta, theta_low, tau, K):
     while theta >= TWO_PI:
         theta, theta_low = theta - TWO_PI, theta_low - TWO_PI_REST
         n = n + 1
+    return n, *in_two_parts(theta, theta_low)
+
+
+def phase_after(theta, theta_low, tau, K):
+    """Return a phase `tau` later in two parts, without taking away turns."""
+    turn = K.Om * tau
+    total = theta + turn
+    part = total - theta
+    low = (theta - (total - part)) + (turn - part)
+    _, rest = two_product(K.Om, tau)
+    return total, theta_low + select(abs(rest) < 1.0, low + rest, low)  # else out of the range of doubles
+
+
+def in_two_parts(theta, theta_low):
+    """Return a phase as the nearest number and the rest; below 0, by the rest of 2 pi, as 0 and the rest."""
     total = theta + theta_low
     theta_low = theta_low - (total - theta)
-    if total < 0.0:  # by the rest of 2 pi
-        return n, 0.0 * total, theta_low + total
-    return n, total, theta_low
+    return select(total < 0.0, 0.0 * total, total), select(total < 0.0, theta_low + total, theta_low)
 
 
 def added(t, t_low, tau, K):
     """Return t + t_low + tau in two parts (Knuth's sum)."""
-    if tau == K.period:
-        t_low = t_low + K.period_low
+    t_low = select(tau == K.period, t_low + K.period_low, t_low)
     total = t + tau
     part = total - t
     low = t_low + ((t - (total - part)) + (tau - part))
@@ -457,10 +470,15 @@ def added(t, t_low, tau, K):
 
 def passing_time(error, first, second, third, K):
     """Return the time within which a quantity passes 0, given its error and its derivatives there."""
-    speed = abs(first)
-    if error * abs(second) < 1e-3 * speed * speed and error * error * abs(third) < 1e-3 * speed * speed * speed:
-        return error / speed
+    if passes_at_once(error, abs(first), second, third):
+        return error / abs(first)
     return slow_passing_time(error, first, second, third, K)
+
+
+def passes_at_once(error, speed, second, third):
+    """Return whether the first derivative alone says within which time a quantity passes 0."""
+    limit = 1e-3 * speed * speed
+    return (error * abs(second) < limit) & (error * error * abs(third) < limit * speed)
 
 
 def slow_passing_time(error, first, second, third, K):
@@ -493,33 +511,75 @@ def advance_near(state, rough, found, t_end, t_end_low, K):
 
     Doubles decide by more than the rounding of their start and their own. Where they are sure which contact is the
     first and how it is met, many digits would find the same one. So these begin at its time, take a step of Newton's
-    method or two with the exact flow, and go on as after a search of their own. They search themselves where doubles
-    cannot decide, where the end found so is not the one expected, and where the end of the search is the question.
-    `rough` is the state in doubles, with the rounding as its error, `found` the NextEvent of `advance` in doubles.
+    method or two with the exact flow, and go on as after a search of their own. Where doubles see a touch they begin
+    there too (`contact_at_dip`). They search themselves where the end found so is not the one expected, where doubles
+    cannot decide otherwise, and where the end of the search is the question. `rough` is the state in doubles, with the
+    rounding as its error, `found` the NextEvent of `advance` in doubles.
     """
     code, boundary, decided, t_error, there = found
     tau = (there.t - rough.t) + (there.t_low - rough.t_low)
-    if not decided or K.creeps or not tau > 0.0:
+    if K.creeps or not tau > 0.0:
         return advance(state, t_end, t_end_low, K)
     remaining = (t_end - state.t) + (t_end_low - state.t_low)
     uncertainty = SEARCH_SIGMAS * t_error + TIME_ROUNDING * tau
     tau = 0.0 * remaining + tau  # as a number of the same kind
-    if code == SLIP:
+    if decided and code == SLIP:
         belt = K.belt1 if boundary == 1 else K.belt2
         slip = slip_near(tau, uncertainty, -1 if there.mode == boundary else 1, state, belt, K)
         if slip.code == HIT:
             return after_stick(state, slip, remaining, K)
-    elif state.mode <= ON_BELT and code in (CROSS, STICK):
+    elif state.mode <= ON_BELT and boundary > 0:
         start, walls = launched(state, K)
-        end = contact_near(tau, uncertainty, -1 if boundary < state.mode else 1, start, walls, K)
+        side = -1 if boundary < state.mode else 1
+        if decided:
+            end = contact_near(tau, uncertainty, side, start, walls, K)
+        else:
+            end = contact_at_dip(tau, remaining, side, start, walls, state.S, K)
         if end.code == HIT:
             return after_flight(state, end, start, remaining, K)
-    elif state.mode <= ON_BELT and code in (MOVED, END) and tau < USUAL_LENGTH * K.chunk:
+    elif decided and state.mode <= ON_BELT and code in (MOVED, END) and tau < USUAL_LENGTH * K.chunk:
         start, walls = launched(state, K)
         now = state_at(remaining if remaining < K.chunk else K.chunk, start, K)
         if not ends_beside_wall(state, now, K):
             return after_flight(state, FlightEnd(NOTHING, 0, now), start, remaining, K)
     return advance(state, t_end, t_end_low, K)
+
+
+def contact_at_dip(tau, tau_max, side, start, walls, S, K):
+    """Return the contact of a gap that dips below 0 near `tau`, if it is surely the first one; STALLED if not.
+
+    It is if the march comes near it, and the polynomial bound of the gap to each wall, taken backward from the contact,
+    is positive on the rest of the way.
+    """
+    begin, flat, _, margin = search_begin(tau_max, start, walls, S, K)
+    stalled = FlightEnd(STALLED, side, begin)
+    if flat or not K.apart:
+        return stalled
+    begin, M4, met, _ = march(tau_max, start.v, begin, walls, margin, K)
+    allowed, start_gap = 0.0 * tau, walls.below if side < 0 else walls.above
+    for _ in range(MOST_CORRECTIONS):
+        now = state_at(tau, start, K)
+        gap, slope, bend = gap_to(side, now, walls), -side * now.F, -side * now.G1
+        allowed = tolerance(now, start_gap, start, S, K)
+        shift = -slope / bend if bend > 0.0 else 0.0 * bend
+        if gap < -2.0 * allowed or abs(slope * shift) <= allowed:
+            break
+        tau = tau + shift
+    if met != 0 or not (gap < -2.0 * allowed and bend > 0.0):
+        return stalled
+    over, before = (gap if side < 0 else -gap), -(slope + sqrt(slope * slope - 2.0 * gap * bend)) / bend
+    before = newton_root(before, over, now.F, now.G1, now.G2, now.G3, EPS * tau)
+    if abs(before) * K.rate < NEAR:
+        end = FlightEnd(HIT, side, shifted(now, before, start.v, K))
+    else:
+        end = contact_near(tau + before, 0.5 * abs(before), side, start, walls, K)
+    now, back = end.now, end.now.tau - begin.tau
+    G1, G2, _ = derivatives(start.v + now.dv, now.F, now.s, now.c, K)
+    rise, half, third, top = side * now.F, -0.5 * side * G1, side * SIXTH * G2, -0.25 * SIXTH * M4
+    free = back > 0.0 and positive_on(back, (rise, half, third, top, 0.0 * top))
+    if free and walls.has_below and walls.has_above:
+        free = positive_on(back, (gap_to(-side, now, walls), -rise, -half, -third, top))
+    return end if free else stalled
 
 
 def contact_near(tau, uncertainty, side, start, walls, K):

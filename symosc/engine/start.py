@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, cos, log10, sin
+from math import ceil, log10
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -21,6 +21,7 @@ from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, constant_force
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
 from symosc.kernels._generated import acceleration
+from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS
 from symosc.kernels.pair_columns import each
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -239,3 +240,22 @@ def rounded(state: State, start: Start) -> State:
     theta_low = float(state.theta - theta + state.theta_low)
     S = Covariance(*rounded_covariance(state.at, x, v, *(float(value) for value in state.S)))
     return State(*state[:3], theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
+
+
+def continued(state: State, eps: Fraction | Number, arithmetic: MpArithmetic) -> State:
+    """Return a state of mpmath numbers in an arithmetic with more digits, with their rounding `eps` in its error.
+
+    Phase and time have the rounding too: it is an error of x and v that such a part of a period makes.
+    """
+    K, rounded, S = arithmetic.K, arithmetic.rounded, state.S
+    theta, t, x, v = rounded(state.theta) + state.theta_low, rounded(state.t) + state.t_low, rounded(state.x), state.v
+    v = (K.belt1 if state.at == 1 else K.belt2).v if state.at else rounded(v)
+    phase, part = sine_and_cosine(theta, arithmetic), K.period * float(eps)
+    below, above = (state.at, state.at + 1) if state.mode > ON_BELT else (state.mode, state.mode)
+    Fb, Fa = (
+        acceleration(x, v, phase[1], constant_force(domain, K), K.cm, K.w0sq, K.f0) if force != 0 else 0 * x
+        for force, domain in ((state.Fb, below), (state.Fa, above))
+    )
+    dx, dv = (abs(x) / K.period + abs(v)) * part, (abs(v) / K.period + abs(Fb)) * part
+    S = Covariance(S.S11 + dx * dx, rounded(S.S12), S.S22 + (0 if state.at else dv * dv))
+    return State(*state[:3], theta, x, v, Fb, Fa, S, t, 0 * x, *phase, 0 * x)

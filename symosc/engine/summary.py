@@ -19,7 +19,7 @@ All functions are scalar and run on floats (CPython, numba).
 from __future__ import annotations
 
 from functools import cache
-from math import cos, inf, sin, sqrt
+from math import inf, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,6 +29,7 @@ from symosc.engine.flow import clock_time, constant_force, derivatives, speeds_a
 from symosc.engine.next_event import TWO_PI, later
 from symosc.engine.state import END, GRAZE, ON_BELT, REST, STICK, Flown, Launch, State
 from symosc.kernels._generated import acceleration, motion
+from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS, SIXTH, basis_at
 from symosc.words import MAPS
 

@@ -11,7 +11,7 @@ derivatives has a code: the number of a parameter in `symosc.model.PARAMETER_NAM
 
 from __future__ import annotations
 
-from math import cos, floor, inf, log, pi, sin
+from math import floor, inf, log, pi
 from typing import NamedTuple
 
 from symosc.aliases import Number
@@ -21,18 +21,20 @@ from symosc.kernels._generated import (
     acceleration,
     flight_jacobian,
     flight_parameters,
+    flight_phase,
     motion,
     stick_jacobian,
     stick_parameters,
 )
-from symosc.kernels.entire import basis
+from symosc.kernels.elementary import cos, sin
+from symosc.kernels.entire import EPS, basis
 from symosc.kernels.mapping import repeated
 
 TWO_PI = 2.0 * pi
 # A gap is not moved by what changes it by less than this part of the terms of its derivative.
 UNMOVED = 1e-9
-# What decides an event vanishes where it is smaller than this part of its terms.
-VANISHES = 1e-12
+# What decides an event vanishes where it is smaller than so many roundings of its terms.
+VANISHES = 1e4
 # Codes of columns.
 M, C, K_, A0, B0, OMEGA, V1, V2, MU1, MU2, FN, T0, X0, V0 = range(14)
 PARAMETERS = 11
@@ -83,37 +85,38 @@ def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by
 
 
 def piece_changes(start, t, turn, codes, deep, letters, K, work):
-    """Write derivatives of x and v at the fixed time t into `work`, where the phase has gone on by `turn`.
+    """Write derivatives of x and v at the fixed time t into `work`, and return the acceleration there.
 
-    `deep` says whether any column needs the functions of repeated roots: those by m, c, k and Omega.
+    The phase has gone on by `turn`. `deep` says whether any column needs the functions of repeated roots: those by m,
+    c, k and Omega.
     """
     if start.mode > ON_BELT:
         belt = V1 + start.mode - ON_BELT - 1
         for j in range(len(codes)):
             work[END_V, j] = 1.0 + 0.0 * t if codes[j] == belt else 0.0 * t
-            work[END_X, j] = work[DX, j] + work[END_V, j] * (t - start.t) - start.v * work[DT, j]
+            work[END_X, j] = work[DX, j] + work[END_V, j] * (turn / K.Om) - start.v * work[DT, j]
             work[SIZE, j] = work[END_V, j]
-        return
+        return 0.0 * t
     A, tau, zero = constant_force(start.mode, K), turn / K.Om, 0.0 * turn
     E0, E1, E2, R2, I2, s, c = basis(tau, K)
     a0 = acceleration(start.x, start.v, start.c, A, K.cm, K.w0sq, K.f0)
     _, dv, a = motion(start.v, a0, start.s, start.c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-    v = start.v + dv
-    x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = flight_jacobian(start.v, a0, v, a, K.w0sq, K.Om, E0, E1, E2)
+    x_x0, x_th0, _, v_x0, v_th0, _ = flight_jacobian(start.v, a0, start.v + dv, a, K.w0sq, K.Om, E0, E1, E2)
+    x_ph, v_ph = flight_phase(start.s, start.c, K.f0, K.Om, E1, R2, I2)
     U0, U1, U2, V, W, P, Q = zero, zero, zero, zero, zero, zero, zero
     if deep:
         U0, U1, U2, V, W, P, Q = repeated(tau, E0, E1, E2, R2, I2, s, c, K)
-    x_m, v_m, x_c, v_c, x_k, v_k, x_A, v_A, x_B, v_B, x_Om, v_Om, x_v0, v_v0 = flight_parameters(
-        start.x, start.v, a0, start.s, start.c, v, a, tau, letters.m,
+    x_m, v_m, x_c, v_c, x_k, v_k, x_A, v_A, x_B, v_B, x_Om, v_Om, x_v0, _ = flight_parameters(
+        start.x, start.v, a0, start.s, start.c, letters.m,
         K.cm, K.w0sq, K.f0, K.Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q,
     )  # fmt: skip
-    x_Om, v_Om = x_Om + x_th0 * start.t + x_th1 * t, v_Om + v_th0 * start.t + v_th1 * t
+    x_Om, v_Om = x_Om + x_ph * start.t, v_Om + v_ph * start.t
     fill_parameters(work, BY_X, start.mode, letters, x_m, x_c, x_k, x_A, x_B, x_Om)
     fill_parameters(work, BY_V, start.mode, letters, v_m, v_c, v_k, v_A, v_B, v_Om)
-    x_t0, v_t0, v_v0 = x_th0 * K.Om, v_th0 * K.Om, 1.0 + v_v0
+    x_t0, v_t0 = x_th0 * K.Om, v_th0 * K.Om
     for j in range(len(codes)):
         dt, dx, dv0 = work[DT, j], work[DX, j], work[DV, j]
-        of_x, of_t, of_v = v_x0 * dx, v_t0 * dt, v_v0 * dv0
+        of_x, of_t, of_v = v_x0 * dx, v_t0 * dt, E0 * dv0  # 1 + v_v0 = E0, which may be small
         work[END_X, j] = x_x0 * dx + x_t0 * dt + x_v0 * dv0
         work[END_V, j] = of_x + of_t + of_v
         work[SIZE, j] = abs(of_x) + abs(of_t) + abs(of_v)
@@ -121,13 +124,33 @@ def piece_changes(start, t, turn, codes, deep, letters, K, work):
             work[END_X, j] += work[BY_X, codes[j]]
             work[END_V, j] += work[BY_V, codes[j]]
             work[SIZE, j] += abs(work[BY_V, codes[j]])
+    return a
 
 
 def force(domain, now, K):
     """Return the acceleration in a domain at a point (a Launch), and whether it vanishes."""
     A = constant_force(domain, K)
     F = acceleration(now.x, now.v, now.c, A, K.cm, K.w0sq, K.f0)
-    return F, abs(F) <= VANISHES * (abs(A) + abs(K.cm * now.v) + abs(K.w0sq * now.x) + abs(K.f0))
+    return F, abs(F) <= VANISHES * EPS * (abs(A) + abs(K.cm * now.v) + abs(K.w0sq * now.x) + abs(K.f0))
+
+
+def force_changes(domain, now, codes, letters, K, work):
+    """Write the derivatives of the acceleration of a domain at a fixed time into row SIZE; return its rate there.
+
+    Rows END_X and END_V have the derivatives of x and v at this time.
+    """
+    F, vanishes = force(domain, now, K)
+    F = 0.0 * F if vanishes else F
+    of_c, of_k, of_A, of_B, of_v, of_m, _, _ = stick_parameters(
+        now.v, 0.0 * now.t, now.x, now.c, F, letters.m, K.cm, K.Om
+    )
+    _, _, of_x, of_theta = stick_jacobian(now.v, now.s, K.w0sq, K.f0, K.Om)
+    fill_parameters(work, BY_V, domain, letters, of_m, of_c, of_k, of_A, of_B, of_theta * now.t)
+    for j in range(len(codes)):
+        work[SIZE, j] = of_x * work[END_X, j] + of_v * work[END_V, j]
+        if codes[j] < PARAMETERS:
+            work[SIZE, j] += work[BY_V, codes[j]]
+    return of_x * now.v, of_theta * K.Om
 
 
 def vanishing_times(domain, now, codes, letters, K, work):
@@ -135,40 +158,34 @@ def vanishing_times(domain, now, codes, letters, K, work):
 
     Rows END_X and END_V have the derivatives of x and v at this fixed time.
     """
-    F, _ = force(domain, now, K)
-    of_c, of_k, of_A, of_B, of_v, of_m, _, _ = stick_parameters(
-        now.v, 0.0 * now.t, now.x, now.c, F, letters.m, K.cm, K.Om
-    )
-    _, _, of_x, of_theta = stick_jacobian(now.v, now.s, K.w0sq, K.f0, K.Om)
-    fill_parameters(work, BY_V, domain, letters, of_m, of_c, of_k, of_A, of_B, of_theta * now.t)
-    rate = of_x * now.v + of_theta * K.Om
-    flat = abs(rate) <= VANISHES * (abs(of_x * now.v) + abs(K.f0 * K.Om))
+    of_way, of_drive = force_changes(domain, now, codes, letters, K, work)
+    rate = of_way + of_drive
+    flat = abs(rate) <= VANISHES * EPS * (abs(of_way) + abs(K.f0 * K.Om))
     for j in range(len(codes)):
-        change = of_x * work[END_X, j] + of_v * work[END_V, j]
-        if codes[j] < PARAMETERS:
-            change += work[BY_V, codes[j]]
-        work[DT, j] = -change / (1.0 if flat else rate)
+        work[DT, j] = -work[SIZE, j] / (1.0 if flat else rate)
     return not flat
 
 
-def contact_times(domain, other, belt, now, codes, K, work):
-    """Write the derivatives of the time at which a flight reaches a belt into row DT; return why there are none."""
-    F, flat = force(domain, now, K)
+def contact_times(domain, other, belt, now, a, codes, K, work):
+    """Write the derivatives of the time at which a flight reaches a belt into row DT; return why there are none.
+
+    `a` is the acceleration that the flight arrives with: the balance of forces at a rounded point may know it worse.
+    """
     for j in range(len(codes)):
         own = 1.0 if codes[j] == belt else 0.0
-        work[DT, j] = (own - work[END_V, j]) / (1.0 if F == 0.0 else F)
-    if flat:
+        work[DT, j] = (own - work[END_V, j]) / (1.0 if a == 0.0 else a)
+    if force(domain, now, K)[1]:
         return FLAT_CONTACT
     return NO_FORCE if force(other, now, K)[1] else REGULAR
 
 
-def kinks(above, belt, codes, marks, n, regular, work):
+def kinks(above, belt, codes, marks, n, regular, before, work):
     """Mark the columns that move a touch by the side on which it opens, and return whether there are any."""
     found = False
     for j in range(len(regular)):
         own = 1.0 if codes[j] == belt else 0.0
         moved = work[END_V, j] - own
-        if abs(moved) > UNMOVED * (work[SIZE, j] + own):
+        if abs(moved) > UNMOVED * (work[SIZE, j] + before[SIZE, j] + own):
             marks[n, j] = OPENS_ABOVE if (moved > 0.0) == above else OPENS_BELOW
             regular[j], found = False, True
     return found
@@ -190,24 +207,25 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
         mine = Letters(own[0], own[1], own[2], own[3])
         theta = starts[i, 2]
         start = Launch(int(starts[i, 0]), starts[i, 1], theta, sin(theta), cos(theta), starts[i, 3], starts[i, 4])
-        regular = begin(start, codes, count, K, work)
+        regular = begin(start, codes, count, mine, K, work)
         for n in range(cuts[i], cuts[i + 1]):
             theta = thetas[n]
             now = Launch(int(targets[n]), times[n], theta, sin(theta), cos(theta), xs[n], vs[n])
             turn = phase_between(start, now.t, theta, K)
             boundary, kind = boundaries[n], kinds_[n]
             belt, kept, touched = V1 + boundary - 1, work, False
+            if kind == GRAZE:  # what is usual on the way there is the scale of what vanishes
+                piece_changes(start, start.t + 0.6 * (now.t - start.t), 0.6 * turn, codes, deep, mine, K, work)
+                kept = work[: SIZE + 1].copy()
+            a = piece_changes(start, now.t, turn, codes, deep, mine, K, work)
             if kind == GRAZE:
-                kept = work[: DV + 1].copy()
-            piece_changes(start, now.t, turn, codes, deep, mine, K, work)
-            if kind == GRAZE:
-                touched = kinks(start.mode != boundary, belt, codes, marks, n, regular, work)
+                touched = kinks(start.mode != boundary, belt, codes, marks, n, regular, kept, work)
                 vanishing_times(start.mode, now, codes, mine, K, work)
                 why = KINK if touched else REGULAR
             elif start.mode > ON_BELT:
                 why = REGULAR if vanishing_times(now.mode, now, codes, mine, K, work) else NO_SLOPE
             else:
-                why = contact_times(start.mode, boundary + (start.mode == boundary), belt, now, codes, K, work)
+                why = contact_times(start.mode, boundary + (start.mode == boundary), belt, now, a, codes, K, work)
             reasons[n] = why
             for j in range(len(codes)):
                 work[DX, j] = work[END_X, j] + now.v * work[DT, j]
@@ -218,7 +236,7 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
                 if not touched or marks[n, j] == 0:
                     marks[n, j] = 1 if regular[j] else 0
             if kind == GRAZE:
-                work[: DV + 1] = kept
+                work[: SIZE + 1] = kept
                 continue
             if len(codes) > count:
                 grow(i, start, now, kind, turn, growth, count, len(codes), K, work)
@@ -245,19 +263,31 @@ def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out
             out[0, n, j], out[1, n, j] = work[END_X, j], work[END_V, j]
 
 
-def begin(start, codes, count, K, work):
+def begin(start, codes, count, letters, K, work):
     """Write the derivatives at the start of a motion into `work`; return by which of `count` columns it is regular.
 
-    It is not by what takes a flight off the belt that it starts on.
+    On a belt it is not by what takes the start off the belt, nor by what may move a force there that is 0.
     """
     regular = [True] * count
     for j in range(len(codes)):
-        code = codes[j]
         for row in range(DV + 1):
-            work[row, j] = 1.0 + 0.0 * start.t if code == T0 + row else 0.0 * start.t
-        for belt, speed in ((V1, K.belt1.v), (V2, K.belt2.v)):
-            if j < count and start.mode <= ON_BELT and start.v == speed and code in (V0, belt):
-                regular[j] = False
+            work[row, j] = 1.0 + 0.0 * start.t if codes[j] == T0 + row else 0.0 * start.t
+    for boundary, belt, speed in ((1, V1, K.belt1.v), (2, V2, K.belt2.v)):
+        if start.v != speed:
+            continue
+        for j in range(count):
+            regular[j] = codes[j] != V0 and codes[j] != belt
+        for domain in (boundary, boundary + 1):
+            if not force(domain, start, K)[1]:
+                continue
+            for j in range(count):
+                work[END_X, j], work[END_V, j] = work[DX, j], 0.0 * start.t
+            of_way, of_drive = force_changes(domain, start, codes[:count], letters, K, work)
+            turns = abs(of_drive) <= UNMOVED * abs(K.f0 * K.Om)  # then another t0 changes it as cos(Omega t) bends
+            for j in range(count):
+                later = codes[j] == T0 and not (turns and of_way * start.c * K.f0 <= 0.0)
+                if work[SIZE, j] != 0.0 or later:
+                    regular[j] = False
     return regular
 
 

@@ -83,7 +83,7 @@ def flight_jacobian(v0, a0, ve, ae, w0sq, Om, E0, E1, E2):
     return x_x0, x_th0, x_th1, v_x0, v_th0, v_th1
 
 
-def flight_parameters(x0, v0, a0, s0, c0, ve, ae, tau, m, cm, w0sq, f0, Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q):
+def flight_parameters(x0, v0, a0, s0, c0, m, cm, w0sq, f0, Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q):
     """Derivatives of x (x_) and v - v0 (v_) at the end by m, c, k, A_alpha, B0, Omega and v0."""
     u1 = w0sq * U1
     u2 = v0 / m
@@ -105,12 +105,19 @@ def flight_parameters(x0, v0, a0, s0, c0, ve, ae, tau, m, cm, w0sq, f0, Om, E1, 
     u10 = I2 / m
     x_B = c0 * R2 / m - s0 * u10
     v_B = c0 * (v_A - Om * u10) - s0 * Om * R2 / m
-    u11 = tau / Om
-    x_Om = -(f0 * (s0 * P + c0 * Q) + ve * u11)
-    v_Om = f0 * (s0 * (Om * Q - R2) - c0 * (I2 + Om * P)) - ae * u11
+    x_Om = -f0 * (s0 * P + c0 * Q)
+    v_Om = f0 * (s0 * (Om * Q - R2) - c0 * (I2 + Om * P))
     x_v0 = E1
     v_v0 = -(cm * E1 + w0sq * E2)
     return x_m, v_m, x_c, v_c, x_k, v_k, x_A, v_A, x_B, v_B, x_Om, v_Om, x_v0, v_v0
+
+
+def flight_phase(s0, c0, f0, Om, E1, R2, I2):
+    """Derivatives of x (x_) and v (v_) at the end by the phase of the drive."""
+    u1 = s0 * f0
+    x_ph = -(c0 * f0 * I2 + R2 * u1)
+    v_ph = s0 * f0 * Om * I2 - c0 * f0 * Om * R2 - E1 * u1
+    return x_ph, v_ph
 
 
 def stick_residual(x0, v, tau, x1, c1, A, cm, w0sq, f0):

@@ -1,8 +1,9 @@
-"""Sine, cosine, exp and expm1, and the entire functions, without a branch: loops over them become SIMD instructions.
+"""Sine, cosine, exp and expm1 as arithmetic: the same bits in CPython, in compiled loops and in lanes, everywhere.
 
-The C library's functions are calls, which no compiler turns into vector instructions. These are arithmetic only. The
-argument is reduced by a constant in two or three parts (Cody and Waite, Software Manual for the Elementary
-Functions, 1980); the rest is a polynomial that comes from a Chebyshev fit (the tests fit it again).
+The C library's functions differ from system to system, and are calls, which no compiler turns into vector instructions.
+These have no branch (`sin` and `cos` one, for angles beyond WIDEST). The argument is reduced by a constant in two or
+three parts (Cody and Waite, Software Manual for the Elementary Functions, 1980); the rest is a polynomial that comes
+from a Chebyshev fit (the tests fit it again).
 
 | function | range | largest error |
 |---|---|---|
@@ -10,21 +11,14 @@ Functions, 1980); the rest is a polynomial that comes from a Chebyshev fit (the 
 | exp | -708 to 709 | 1.4 ulp; below -708: exp(-708), about 3e-308 |
 | expm1 | -708 to 709 | 2.2 ulp, near 0 too |
 
-Beyond WIDEST a sine is wrong: the caller checks.
-
-Of the entire functions of `symosc.kernels.entire` there is a function for each formula, good where
-`symosc.kernels.entire.basis` uses that. `symosc.mappings.compiled` sorts the points and compiles the loops of
-`symosc.kernels.mapping` once for each of the four, as their `basis`.
+Numbers may be lanes (`symosc.kernels.lane_types`): then `select` and `power_of_two` are those of lanes.
 """
 
 from __future__ import annotations
 
-from math import floor
-
-import numpy as np
-
-from symosc.kernels import entire_array
-from symosc.kernels.entire import closed_form, impulse, impulse_integral, wave_integrals
+from math import cos as library_cos
+from math import ldexp
+from math import sin as library_sin
 
 # Where n pi/2 is still a sum of exact products: n has 20 bits, the parts below 33.
 WIDEST = 1.6e6
@@ -47,6 +41,16 @@ X4, X5, X6, X7 = 0.0013888888888883752, 0.00019841269874800683, 2.48015873255335
 X8, X9, X10 = 2.7557273661174726e-07, 2.5105206475334834e-08, 2.091467944897855e-09
 
 
+def select(condition, one, other):
+    """Return `one` where a condition holds, else `other`."""
+    return one if condition else other
+
+
+def power_of_two(n):
+    """Return 2^n for a whole number n as a double; compiled code has its own (`symosc.kernels.lane_types`)."""
+    return ldexp(1.0, int(n))
+
+
 def sine_cosine(x):
     """Return the sine and the cosine of an angle in radians, up to WIDEST."""
     n = (x * TWO_OVER_PI + TO_INTEGER) - TO_INTEGER
@@ -57,22 +61,37 @@ def sine_cosine(x):
     z = r * r
     half = 0.5 * z
     top = 1.0 - half
-    s = r + (z * r * (S0 + z * (S1 + z * (S2 + z * (S3 + z * (S4 + z * S5))))) + top * low)
-    c = top + (((1.0 - top) - half) + (z * z * (C0 + z * (C1 + z * (C2 + z * (C3 + z * (C4 + z * C5))))) - s * low))
-    quarter = n - 4.0 * floor(0.25 * n)
-    odd = (quarter == 1.0) | (quarter == 3.0)
-    sine, cosine = (c, s) if odd else (s, c)
-    return (-sine if quarter >= 2.0 else sine), (-cosine if (quarter == 1.0) | (quarter == 2.0) else cosine)
+    zz = z * z  # terms in pairs: each waits for fewer others than in Horner's order
+    of_s = (S0 + S1 * z) + zz * ((S2 + S3 * z) + zz * (S4 + S5 * z))
+    of_c = (C0 + C1 * z) + zz * ((C2 + C3 * z) + zz * (C4 + C5 * z))
+    s = r + (z * r * of_s + top * low)
+    c = top + (((1.0 - top) - half) + (zz * of_c - r * (1.0 + S0 * z) * low))
+    quarter = n - 4.0 * ((0.25 * n + TO_INTEGER) - TO_INTEGER)  # -2 to 2
+    odd, half_turn = abs(quarter) == 1.0, abs(quarter) == 2.0
+    sine, cosine = select(odd, c, s), select(odd, s, c)
+    return select(half_turn | (quarter == -1.0), -sine, sine), select(half_turn | (quarter == 1.0), -cosine, cosine)
+
+
+def short_sin(x):
+    """Return the sine of an angle in radians, up to WIDEST."""
+    return sine_cosine(x)[0]
+
+
+def short_cos(x):
+    """Return the cosine of an angle in radians, up to WIDEST."""
+    return sine_cosine(x)[1]
 
 
 def sin(x):
     """Return the sine of an angle in radians."""
-    return sine_cosine(x)[0]
+    near = sine_cosine(x)[0]
+    return near if abs(x) <= WIDEST else library_sin(x)
 
 
 def cos(x):
     """Return the cosine of an angle in radians."""
-    return sine_cosine(x)[1]
+    near = sine_cosine(x)[1]
+    return near if abs(x) <= WIDEST else library_cos(x)
 
 
 def exp(x):
@@ -89,45 +108,10 @@ def expm1(x):
 
 def power_and_rest(x):
     """Return 2^n and expm1(x - n log 2), with n the integer nearest to x / log 2."""
-    x = x if x > -708.0 else -708.0
-    shifted = x * LOG2_E + TO_INTEGER
-    n = shifted - TO_INTEGER
+    x = select(x > -708.0, x, -708.0)
+    n = (x * LOG2_E + TO_INTEGER) - TO_INTEGER
     r = (x - n * LOG_2_HIGH) - n * LOG_2_LOW
-    high = X5 + r * (X6 + r * (X7 + r * (X8 + r * (X9 + r * X10))))
-    rest = r + r * r * (X0 + r * (X1 + r * (X2 + r * (X3 + r * (X4 + r * high)))))
-    n_bits = np.float64(shifted).view(np.int64) + 1023
-    return np.int64(n_bits << 52).view(np.float64), rest  # 2^n: n moved to where a double keeps its exponent
-
-
-# --- the entire functions ---
-
-all_terms = entire_array.series  # with a fixed number of terms
-
-
-def by_closed_form(tau, K):
-    """Return what `basis` returns, where the system is underdamped and far from resonance and tau is not short."""
-    s, c = sin(K.Om * tau), cos(K.Om * tau)
-    E0, E1, E2, R2, I2 = closed_form(tau, s, c, K)
-    return E0, E1, E2, R2, I2, s, c
-
-
-def by_division(tau, K):
-    """Return what `basis` returns, where neither the oscillator nor the drive is slow for tau."""
-    s, c = sin(K.Om * tau), cos(K.Om * tau)
-    E0, E1 = impulse(tau, K)
-    R2, I2 = wave_integrals(tau, s, c, E1, K)
-    return E0, E1, impulse_integral(tau, E1, K), R2, I2, s, c
-
-
-def by_division_and_series(tau, K):
-    """Return what `basis` returns, where the oscillator is slow for tau and the drive is not."""
-    s, c = sin(K.Om * tau), cos(K.Om * tau)
-    E0, E1, E2, _, _ = all_terms(tau, K.cm, K.w0sq, 0.0)
-    R2, I2 = wave_integrals(tau, s, c, E1, K)
-    return E0, E1, E2, R2, I2, s, c
-
-
-def by_series(tau, K):
-    """Return what `basis` returns, where tau is short for the oscillator and for the drive."""
-    E0, E1, E2, R2, I2 = all_terms(tau, K.cm, K.w0sq, K.Om)
-    return E0, E1, E2, R2, I2, sin(K.Om * tau), cos(K.Om * tau)
+    z = r * r
+    zz = z * z
+    high = ((X4 + X5 * r) + z * (X6 + X7 * r)) + zz * ((X8 + X9 * r) + z * X10)
+    return power_of_two(n), r + z * (((X0 + X1 * r) + z * (X2 + X3 * r)) + zz * high)

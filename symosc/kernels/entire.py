@@ -21,9 +21,8 @@ Time arguments are in the parameters' unit of time. The functions are scalar: CP
 
 from __future__ import annotations
 
-from math import cos, exp, expm1, sin
-
 from symosc.kernels._generated import basis_apart
+from symosc.kernels.elementary import cos, exp, expm1, sin
 
 SERIES_BELOW = 0.8
 APART_ABOVE = 0.8

@@ -23,7 +23,6 @@ it cannot know of arrays that a caller gives.
 from __future__ import annotations
 
 from cmath import exp
-from math import cos, sin
 
 import numpy as np
 
@@ -38,7 +37,7 @@ from symosc.kernels._generated import (
     stick_parameters,
     stick_residual,
 )
-from symosc.kernels.elementary import WIDEST
+from symosc.kernels.elementary import WIDEST, cos, sin
 from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, basis
 
 # From this time on, times w0, roots and drive that are apart are so for derivatives by parameters too.
@@ -49,7 +48,7 @@ FAR_NODES = 3.0
 NEAR_ZERO = 0.5
 BLOCK = 256
 
-# What evaluates the entire functions at a point: the formulas of `symosc.kernels.elementary`, in their order.
+# What evaluates the entire functions at a point: the formulas of `symosc.kernels.formulas`, in their order.
 CLOSED_FORM, DIVISION, MIXED, SERIES = range(4)
 WIDE = 4  # `symosc.kernels.entire.basis`, with the C library's functions
 BACKWARD = 5  # nothing: theta_j < theta_i
@@ -80,10 +79,11 @@ def flight_by_parameters(x_i, theta_i, theta_j, v_i, A, m, K):
     U0, U1, U2, V, W, P, Q = repeated(tau, E0, E1, E2, R2, I2, s, c, K)
     a0 = acceleration(x_i, v_i, c0, A, K.cm, K.w0sq, K.f0)
     _, dv, a = motion(v_i, a0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-    v = v_i + dv
-    return flight_parameters(
-        x_i, v_i, a0, s0, c0, v, a, tau, m, K.cm, K.w0sq, K.f0, K.Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q
+    *letters, x_Om, v_Om, x_v0, v_v0 = flight_parameters(
+        x_i, v_i, a0, s0, c0, m, K.cm, K.w0sq, K.f0, K.Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q
     )
+    sooner = -tau / K.Om  # by which the end moves, as theta_j is fixed
+    return *letters, x_Om + (v_i + dv) * sooner, v_Om + a * sooner, x_v0, v_v0
 
 
 def stick(x_i, theta_i, x_j, theta_j, v, A, K):

@@ -69,6 +69,12 @@ class MpfrContext:
     convert = staticmethod(mpfr)
 
     @staticmethod
+    def cos_sin(angle: Any) -> tuple[Any, Any]:
+        """Return cosine and sine of an angle."""
+        s, c = gmpy2.sin_cos(angle)
+        return c, s
+
+    @staticmethod
     def expj(angle: Any) -> Any:
         """Return exp(i angle)."""
         s, c = gmpy2.sin_cos(angle)
@@ -91,8 +97,8 @@ def from_mpf(number: Any) -> Any:
 
 
 def to_mpf(number: Any, context: Any) -> Any:
-    """Return an mpfr as a number of an mpmath context, with all its digits."""
+    """Return an mpfr as a number of an mpmath context, rounded if that has fewer digits."""
     if not gmpy2.is_finite(number):
         return context.mpf(float(number))
     mantissa, exponent = number.as_mantissa_exp()
-    return context.make_mpf(from_man_exp(MPZ(mantissa), int(exponent)))
+    return context.make_mpf(from_man_exp(MPZ(mantissa), int(exponent), context.prec, "n"))

@@ -17,6 +17,7 @@ from functools import lru_cache
 from typing import Any
 
 from symosc.aliases import Context, Mpf, Number
+from symosc.kernels._generated import basis_apart
 from symosc.model import Parameters
 
 
@@ -145,6 +146,10 @@ class BasisMP:
         # For the differences over pairs of nodes; None where the nodes are the same.
         gaps = [l1 - l2, 0 * l1 - l1, i_Om - l1, 0 * l2 - l2, i_Om - l2]
         self.inverses: tuple[Any, ...] = tuple(1 / gap if gap != 0 else None for gap in gaps)
+        # For the closed form, if the roots are complex and no nodes are the same.
+        h, w0sq, Om = (_number(q, self.for_differences) for q in (self.h, self.w0sq, self.Om))
+        closed = self.w0sq > self.h * self.h and None not in self.inverses
+        self.closed = (h, l1.imag, w0sq, Om, w0sq - Om * Om, 2 * h * Om) if closed else None
         self.for_differences.leave(before)
 
     def _roots(self, context: Context) -> tuple[Mpf, Mpf, Mpf]:
@@ -169,7 +174,8 @@ class BasisMP:
         inner = self.for_series if short else self.for_differences
         before = inner.enter()
         try:
-            values = self._series(inner.own(tau)) if short else self._divided_differences(inner.own(tau))
+            compute = self._series if short else self._closed_form if self.closed else self._divided_differences
+            values = compute(inner.own(tau))
         finally:
             inner.leave(before)
         return inner.rounded(values, self.context)
@@ -195,6 +201,13 @@ class BasisMP:
                 wave = context.expj(Om * tau)
                 return E0, E1, E2, R2, I2, wave.imag, wave.real
             small_before = small  # single terms may be 0 by accident
+
+    def _closed_form(self, tau: Mpf) -> tuple[Mpf, ...]:
+        """Return the entire functions by the generated formulas in sine, cosine and exp."""
+        context, (h, w, _, Om, _, _) = self.for_differences, self.closed
+        c_w, s_w = context.cos_sin(w * tau)
+        c, s = context.cos_sin(Om * tau)
+        return *basis_apart(context.exp(-h * tau), s_w, c_w, s, c, *self.closed), s, c
 
     def _divided_differences(self, tau: Mpf) -> tuple[Mpf, ...]:
         """Return the entire functions by divided differences of exp."""

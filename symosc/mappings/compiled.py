@@ -13,7 +13,7 @@ from symosc.engine.arithmetic import compile_modules, compiled
 from symosc.engine.flow import Constants, constants
 from symosc.errors import ParameterError
 from symosc.exact import unmasked
-from symosc.kernels import _generated, elementary, entire, entire_array, mapping
+from symosc.kernels import _generated, elementary, entire, entire_array, formulas, mapping
 from symosc.kernels.mapping import BACKWARD, CLOSED_FORM, KINDS, WIDE
 from symosc.mappings.equations import EXITS, UNWRAPPED, flight_arguments, stick_arguments
 from symosc.mappings.numbers import POINT_NAMES
@@ -199,8 +199,12 @@ def _loops(kind: int) -> dict[str, Any]:
     if kind == WIDE:
         return compile_modules((mapping,), outlined | {"flight", "flight_slopes"}, compiled())
     series = compile_modules((entire_array,), ())["series"]
-    basis = compile_modules((elementary, _generated, entire), (), {"all_terms": series})[FORMULAS[kind]]
-    return compile_modules((elementary, _generated, mapping), outlined, {"basis": basis})
+    power = {"power_of_two": compiled()["power_of_two"]}
+    short = compile_modules((elementary,), (), power, {"select": compiled()["select"]})
+    plain = power | {name: short[name] for name in ("exp", "expm1")}
+    plain |= {name: short[f"short_{name}"] for name in ("sin", "cos")}  # without a branch
+    basis = compile_modules((_generated, entire, formulas), (), plain | {"all_terms": series})[FORMULAS[kind]]
+    return compile_modules((_generated, mapping), outlined, plain | {"basis": basis})
 
 
 def _scalar(row: Map, K: Constants, jacobian: bool, exit: str | None) -> Any:

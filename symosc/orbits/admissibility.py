@@ -148,22 +148,15 @@ def _flight_margins(
 ) -> Iterator[MarginRow]:
     """Return the conditions of a flight with their margins."""
     K, v_end, side = equations.K, equations.belt(piece.end).v, piece.side
-    tau, flight = (end[1] - start[1]) / K.Om, equations.start_of_flight(piece, start)
+    tau = (end[1] - start[1]) / K.Om
     short, sign, opposite = float(min(1, abs(tau) * K.rate)), "><"[side < 0], "<>"[side < 0]
     yield f"{piece.label} lasts", tau, end[1], FLIGHT_VANISHING, FLIGHT_LASTS, sizes.t
     arrival, rank, size = side * equations.force(piece.mode, end[0], v_end, end[1]), ARRIVAL, sizes.a
     if piece.zeros == 2:  # at the end of a short slip the force is lost in rounding, its change since the start is not
-        arrival = side * equations.arithmetic.namespace["state_at"](tau, flight, K).F
+        arrival = side * equations.arithmetic.namespace["state_at"](tau, equations.start_of_flight(piece, start), K).F
         rank, size = STAYS_INSIDE, sizes.a * short
     yield f"{piece.label} meets v{piece.end} with F^({piece.mode}) {sign} 0", arrival, end[1], GRAZING, rank, size
-    gap, nearest = inf, end[1]
-    for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations) if tau > 0 else ():
-        belt = piece.mode - 1 if extremum.b > 0 else piece.mode  # a minimum is turned to the belt below
-        if belt in (1, 2) and extremum.b != 0:
-            v = equations.belt(belt).v
-            clearance = extremum.v - v if extremum.b > 0 else v - extremum.v
-            if clearance < gap:
-                gap, nearest = clearance, start[1] + K.Om * extremum.tau
+    gap, nearest, _ = min(gaps(equations, piece, start, tau), default=(inf, end[1], 0))
     yield f"{piece.label} stays in Omega{piece.mode}", gap, nearest, GRAZING, STAYS_INSIDE, sizes.v * short
     far = piece.mode + side
     beyond = side * equations.force(far, end[0], v_end, end[1])
@@ -179,24 +172,44 @@ def _stick_margins(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, sizes: Scales
 ) -> Iterator[MarginRow]:
     """Return the conditions of a stick with their margins."""
-    K, belt, names = equations.K, equations.belt(piece.start), equations.arithmetic.namespace
+    K, belt = equations.K, equations.belt(piece.start)
     low, high, tau = piece.start, piece.start + 1, (end[1] - start[1]) / K.Om
-    s0, c0 = equations.sin(start[1]), equations.cos(start[1])
     yield f"{piece.label} lasts", tau, end[1], VANISHING, STICK_LASTS, sizes.t
-    below = equations.force(low, start[0], belt.v, start[1])
-    hold, nearest = inf, end[1]
-    for angle in (belt.angle, names["PI"] - belt.angle) if belt.turns else ():
-        turn = names["wrapped"](angle - names["wrapped"](start[1])) / K.Om
-        while 0 < turn < tau:
-            now = below + names["gain"](turn, s0, c0, belt, K)[0]
-            if min(now, belt.J - now) < hold:
-                hold, nearest = min(now, belt.J - now), start[1] + K.Om * turn
-            turn += K.period
+    hold, nearest, _ = min(holds(equations, piece, start, tau), default=(inf, end[1], 0))
     yield f"F^({low}) > 0 > F^({high}) during {piece.label} (Theorem 4)", hold, nearest, SLIP_BIRTH, HOLD, sizes.a
     slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
     change = f"F^({low}) falls" if piece.side < 0 else f"F^({high}) rises"
     size = float(abs(belt.drift) + abs(K.fB))
     yield f"{change} where {piece.label} ends", slope, end[1], SLIP_VANISHING, STICK_END, size
+
+
+def gaps(
+    equations: ClosingEquations, piece: OrbitPiece, start: Point, tau: Number
+) -> Iterator[tuple[Number, Number, int]]:
+    """Yield the distance from a belt at each extremum of a flight that is turned to one, its phase, and the belt."""
+    flight = equations.start_of_flight(piece, start)
+    for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations) if tau > 0 else ():
+        belt = piece.mode - 1 if extremum.b > 0 else piece.mode  # a minimum is turned to the belt below
+        if belt in (1, 2) and extremum.b != 0:
+            v = equations.belt(belt).v
+            clearance = extremum.v - v if extremum.b > 0 else v - extremum.v
+            yield clearance, start[1] + equations.K.Om * extremum.tau, belt
+
+
+def holds(
+    equations: ClosingEquations, piece: OrbitPiece, start: Point, tau: Number
+) -> Iterator[tuple[Number, Number, int]]:
+    """Yield at each turn of the forces during a stick the one nearer to 0, its phase, and its domain."""
+    K, belt, names = equations.K, equations.belt(piece.start), equations.arithmetic.namespace
+    s0, c0 = equations.sin(start[1]), equations.cos(start[1])
+    below = equations.force(piece.start, start[0], belt.v, start[1])
+    for angle in (belt.angle, names["PI"] - belt.angle) if belt.turns else ():
+        turn = names["wrapped"](angle - names["wrapped"](start[1])) / K.Om
+        while 0 < turn < tau:
+            now = below + names["gain"](turn, s0, c0, belt, K)[0]
+            hold, domain = min((now, piece.start), (belt.J - now, piece.start + 1))
+            yield hold, start[1] + K.Om * turn, domain
+            turn += K.period
 
 
 def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:

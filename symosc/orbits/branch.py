@@ -277,7 +277,7 @@ def continue_orbit(
     ['birth of a stick', 'end of the range']
     """
     read_word(word)
-    low, high = _read_range(parameters, parameter, range)
+    low, high = read_range(parameters, parameter, range)
     orbit = find_orbit(parameters, word, guess, periods=periods)
     if not orbit.admissible:
         raise BranchError(orbit)
@@ -450,7 +450,7 @@ def _switchings(curve: Curve, point: BranchPoint) -> tuple[SwitchingPoint, ...]:
     return tuple(SwitchingPoint(float(theta / Omega), float(x)) for x, theta in point.points)
 
 
-def _read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[float, float]:
+def read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[float, float]:
     """Return the limits of the parameter as numbers."""
     if not isinstance(parameter, str) or parameter not in PARAMETER_NAMES:
         known = f"must be one of {', '.join(PARAMETER_NAMES)}"

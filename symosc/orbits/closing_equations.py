@@ -127,10 +127,17 @@ def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
 class ClosingEquations:
     """The equations of one word, number of periods and parameter set, in one arithmetic."""
 
-    def __init__(self, parameters: Parameters, word: Word, periods: int, digits: int | None = None) -> None:
+    def __init__(
+        self,
+        parameters: Parameters,
+        word: Word,
+        periods: int,
+        digits: int | None = None,
+        arithmetic: Arithmetic | None = None,
+    ) -> None:
         self.parameters, self.word, self.periods = parameters, word, periods
         self.pieces = pieces_of(word)
-        self.arithmetic = Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits)
+        self.arithmetic = arithmetic or (Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits))
         self.K = self.arithmetic.K
         self.basis = self.arithmetic.namespace["basis"]
         self.turn = 2 * pi * periods if digits is None else 2 * self.arithmetic.context.pi * periods  # type: ignore[attr-defined]

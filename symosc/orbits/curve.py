@@ -356,15 +356,17 @@ def word_beyond(curve: Curve, point: BranchPoint, direction: float) -> tuple[str
             break
         x, theta = (float(value) for value in point.points[0])
         passages, rests = follow(equations, x, theta % (2 * pi), equations.pieces[0].start, SETTLING_EVENTS)
-        found = _orbit_of(equations, passages, float(np.abs(point.points[:, 0]).max()))
+        found = orbit_of(equations, passages, float(np.abs(point.points[:, 0]).max()))
         if found is not None:
-            return str(found), ""
+            return str(found[0].word), ""
         instead = instead or (resting_text(equations, passages[-1].mode) if rests else "")
     return None, instead
 
 
-def _orbit_of(equations: ClosingEquations, passages: list[Passage], size: float) -> Word | None:
-    """Return the word of an admissible orbit that a simulation approaches."""
+def orbit_of(
+    equations: ClosingEquations, passages: list[Passage], size: float
+) -> tuple[ClosingEquations, np.ndarray] | None:
+    """Return the equations and points of an admissible orbit that a simulation approaches."""
     settled = settled_word(equations, passages)
     words = ([settled] if settled else []) + _words_of_a_period(equations, passages)
     for word in dict.fromkeys(words):
@@ -373,7 +375,7 @@ def _orbit_of(equations: ClosingEquations, passages: list[Passage], size: float)
         for guess in sorted(found, key=lambda each: each.defect)[:MOST_GUESSES]:
             solution = solve(trial, guess.points)
             if solution.converged and not failures(trial, solution.points):
-                return word
+                return trial, solution.points
     return None
 
 

@@ -276,7 +276,7 @@ class PeriodicOrbit(Drawable):
         length, periods = float(self.period), None
         for span in (20, 400):  # most motions are near after a few periods
             end = float(scene.t0) + (span + 0.5) * length
-            path = simulate(scene, t_end=end)
+            path = simulate(scene.reduced(), t_end=end)
             elapsed = length * np.arange(1 + int((float(path.t_end) - float(scene.t0)) / length))
             away = np.abs(path(float(scene.t0) + elapsed) - self._at(scene, elapsed)).max(axis=0)
             far = np.flatnonzero(away > near)

@@ -85,39 +85,34 @@ def _span(contact: Contact) -> str:
 # --- captions ---
 
 
-def model_caption() -> str:
-    """Return the caption of Fig. 1."""
-    return (
-        "The mass m on a spring k and a damper c is driven by A0 + B0 cos Ωt and pressed with the force FN between "
-        "belt 1, which moves with v1, and belt 2, which moves with v2 > v1. The friction coefficients are μ1 and μ2."
-    )
+MODEL = (
+    "The mass m on a spring k and a damper c is driven by A0 + B0 cos Ωt and pressed with the force FN between "
+    "belt 1, which moves with v1, and belt 2, which moves with v2 > v1. The friction coefficients are μ1 and μ2."
+)
+FRICTION = (
+    "The friction force of both belts against the velocity of the mass: it jumps by 2 μ1 FN at v1 and by 2 μ2 FN "
+    "at v2, where it takes any value in between while the mass sticks (blue)."
+)
+DOMAINS = (
+    "The phase plane with the domains Ω1 (ẋ < v1), Ω2 (v1 < ẋ < v2) and Ω3 (ẋ > v2), and the boundaries ∂Ω12 "
+    "(ẋ = v1) and ∂Ω23 (ẋ = v2). Arrows: the direction of the motion at t = 0; blue: where the mass then sticks to "
+    "a belt (Theorem 4)."
+)
+MAPPINGS = (
+    "The mappings from one switching (circle) to the next (square): P1 and P4 are sticks, P2 and P3 return to "
+    "belt 1, P5 and P6 to belt 2, P7 leads from belt 2 to belt 1 and P8 from belt 1 to belt 2."
+)
+PRODUCTS = (
+    "The product of the forces per mass on both sides of the belt that the motion switches at: (a) Fig. 5, belt 1, "
+    "(b) Fig. 6, belt 2, (c) Fig. 9, belt 1, (d) Fig. 10, belt 2. It is positive where the mass passes (triangle), "
+    "negative while it sticks (shaded), and 0 where a stick ends (squares)."
+)
 
 
-def friction_caption() -> str:
-    """Return the caption of Fig. 2."""
-    return (
-        "The friction force of both belts against the velocity of the mass: it jumps by 2 μ1 FN at v1 and by 2 μ2 FN "
-        "at v2, where it takes any value in between while the mass sticks (blue). "
-        f"{listed_parameters(load_scene('fig5').parameters)}."
-    )
-
-
-def domains_caption() -> str:
-    """Return the caption of Fig. 3."""
-    return (
-        "The phase plane with the domains Ω1 (ẋ < v1), Ω2 (v1 < ẋ < v2) and Ω3 (ẋ > v2), and the boundaries ∂Ω12 "
-        "(ẋ = v1) and ∂Ω23 (ẋ = v2). Arrows: the direction of the motion at t = 0; blue: where the mass then sticks to "
-        f"a belt (Theorem 4). {listed_parameters(load_scene('fig5').parameters)}."
-    )
-
-
-def mappings_caption() -> str:
-    """Return the caption of Fig. 4."""
-    return (
-        "The mappings from one switching (circle) to the next (square): P1 and P4 are sticks, P2 and P3 return to "
-        "belt 1, P5 and P6 to belt 2, P7 leads from belt 2 to belt 1 and P8 from belt 1 to belt 2. "
-        f"{listed_parameters(figures.MAPPING_PARAMETERS)}."
-    )
+def with_parameters(caption: str, scene: str | None = None) -> str:
+    """Return a caption of Figs. 2 to 4 with the parameters of a scene, or of Fig. 4."""
+    p = figures.MAPPING_PARAMETERS if scene is None else load_scene(scene).parameters
+    return f"{caption} {listed_parameters(p)}."
 
 
 def stick_caption(name: str) -> str:
@@ -216,15 +211,6 @@ def orbit_caption(orbit: str) -> str:
     )
 
 
-def product_caption() -> str:
-    """Return the caption of the products of forces."""
-    return (
-        "The product of the forces per mass on both sides of the belt that the motion switches at: (a) Fig. 5, belt 1, "
-        "(b) Fig. 6, belt 2, (c) Fig. 9, belt 1, (d) Fig. 10, belt 2. It is positive where the mass passes (triangle), "
-        "negative while it sticks (shaded), and 0 where a stick ends (squares)."
-    )
-
-
 def _six_panels(view: View) -> str:
     low, high = view.domains
     sticks = any(event.kind == "stick" for event in view.trajectory.events)
@@ -280,8 +266,9 @@ def _missing_phase(mapping: str) -> str:
 # --- all pictures ---
 
 # What draws and what describes each form of figure: as a whole, or for a scene.
-FIG1, FIG2 = (figures.fig1, model_caption), (figures.fig2, friction_caption)
-FIG3, FIG4 = (figures.fig3, domains_caption), (figures.fig4, mappings_caption)
+FIG1, FIG2 = (figures.fig1, partial(str, MODEL)), (figures.fig2, partial(with_parameters, FRICTION, "fig5"))
+FIG3 = figures.fig3, partial(with_parameters, DOMAINS, "fig5")
+FIG4 = figures.fig4, partial(with_parameters, MAPPINGS)
 STICK = figures.stick_figure, stick_caption
 GRAZING_P2 = figures.grazing_figure_P2, grazing_P2_caption
 GRAZING_P3 = figures.grazing_figure_P3, grazing_P3_caption
@@ -349,7 +336,7 @@ _PRODUCTS = Picture(
     "Four curves of products, positive where the mass passes a belt and negative while it sticks to one.",
     None,
     figures.product_figure,
-    product_caption,
+    partial(str, PRODUCTS),
     partial(figures.product_figure, columns=1),
 )
 #: Every picture by its key: the paper's figures in its order, then Theorem 7.

@@ -5,15 +5,11 @@ from __future__ import annotations
 import json
 import os
 import re
-import signal
-import threading
 from base64 import b64encode
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from datetime import date
 from html import escape
-from os.path import exists
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from textwrap import fill
@@ -30,6 +26,7 @@ from symosc.derive.citation import paper_reference
 from symosc.derive.errata import SEVERITIES
 from symosc.derive.mathml import font_style
 from symosc.errors import OutputError
+from symosc.files import DRAFT_PREFIX
 from symosc.paper.claims import (
     CONFIRMED,
     CORRECTED,
@@ -161,8 +158,8 @@ def files(results: Results) -> dict[str, str]:
         "severities": SEVERITIES,
         "kinds": NAMES,
         "erratum_numbers": {erratum.id: erratum.number for erratum in results.errata},
-        "images": {key: _data_uri(each.svg) for key, each in drawn.items()},
-        "narrow": {key: _data_uri(each.narrow) for key, each in drawn.items() if each.narrow},
+        "images": {key: each.svg for key, each in drawn.items()},
+        "narrow": {key: each.narrow for key, each in drawn.items() if each.narrow},
         "proofs": {subject: Markup(each.html) for subject, each in chapters.items()},
     }
     found |= {name: render(f"{name}.j2", context) for name in ("report.md", "report.html")}
@@ -187,60 +184,19 @@ def letter(results: Results) -> dict[str, str]:
     return {f"letter.{kind}": render(f"letter.{kind}.j2", context) for kind in ("html", "txt")}
 
 
-def _data_uri(svg: str) -> str:
-    return f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}"
-
-
-@contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Delay an interrupt to the end of the block."""
-    if threading.current_thread() is not threading.main_thread():
-        yield  # only the main thread gets interrupts
-        return
-    caught: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, frame: caught.append(number))
+def write(folder: Path, texts: Mapping[str, str]) -> None:
+    """Write the files of a report; only when all are on the disk are they moved to their places."""
     try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-        if caught:
-            signal.raise_signal(signal.SIGINT)
-
-
-class Folder:
-    """A folder for a report: created and tested before the work, filled at the end, else removed."""
-
-    def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
-        self._made = [each for each in (self.path, *self.path.parents) if not exists(each)]
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-            self._draft = TemporaryDirectory(prefix=".symosc-", dir=self.path)
-        except OSError as error:
-            raise OutputError(str(path), error.strerror or str(error)) from None
-
-    def __enter__(self) -> Folder:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._draft.cleanup()
-        for made in self._made:
-            with suppress(OSError):  # it is full
-                made.rmdir()
-
-    def write(self, texts: Mapping[str, str]) -> None:
-        """Write the files; only when all are on the disk are they moved to their places."""
-        draft = Path(self._draft.name)
-        try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(prefix=DRAFT_PREFIX, dir=folder) as draft:
             for name, text in texts.items():
-                (draft / name).parent.mkdir(exist_ok=True)
-                (draft / name).write_text(text, encoding="utf-8")
-            with uninterrupted():
-                for name in texts:
-                    (self.path / name).parent.mkdir(exist_ok=True)
-                    os.replace(draft / name, self.path / name)
-        except OSError as error:
-            raise OutputError(str(self.path), error.strerror or str(error)) from None
+                (Path(draft) / name).parent.mkdir(exist_ok=True)
+                (Path(draft) / name).write_text(text, encoding="utf-8")
+            for name in texts:
+                (folder / name).parent.mkdir(exist_ok=True)
+                os.replace(Path(draft) / name, folder / name)
+    except OSError as error:
+        raise OutputError(str(folder), error.strerror or str(error)) from None
 
 
 # --- templates ---
@@ -256,19 +212,16 @@ def render(template: str, context: Mapping[str, Any]) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters |= {"typeset": lambda text: Markup(typeset(text)), "md": _markdown, "wrapped": _wrapped}
+    environment.filters["typeset"] = lambda text: Markup(typeset(text))
+    # For Markdown, in a table as well: formulas are set, other characters mean themselves.
+    special = re.compile(r"([\\`*_|\[\]~])")
+    environment.filters["md"] = lambda text: special.sub(r"\\\1", typeset(" ".join(text.split())))
+    environment.filters["wrapped"] = lambda text, indent=4: fill(  # for a mail
+        text, 78, initial_indent=" " * indent, subsequent_indent=" " * indent
+    )
+    environment.filters["data_uri"] = lambda svg: f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}"
     environment.globals["font_style"] = lambda: Markup(font_style())
     return environment.get_template(template).render(context)
-
-
-def _markdown(text: str) -> str:
-    """Return a text for Markdown, in a table as well: its formulas are set, its other characters mean themselves."""
-    return re.sub(r"([\\`*_|\[\]~])", r"\\\1", typeset(" ".join(text.split())))
-
-
-def _wrapped(text: str, indent: int = 4) -> str:
-    """Return text in indented lines for a mail."""
-    return fill(text, 78, initial_indent=" " * indent, subsequent_indent=" " * indent)
 
 
 # --- short formulas in running text, such as F(1) >= -mu1 FN or 1.2e-30, as HTML, which Markdown takes as well ---
@@ -294,7 +247,9 @@ _PLAIN: list[tuple[str, _Replacement]] = [
     (r"\|(\w[^|\s]{0,6})\|", "|\u2060\\1\u2060|"),  # nor with the first bar of an absolute value
 ]
 _MARKED: list[tuple[str, _Replacement]] = [
-    (r"\b(\d(?:\.\d+)?)e([+-]?)0*(\d+)\b", lambda found: _power_of_ten(*found.groups())),
+    (r"\b(\d(?:\.\d+)?)e([+-]?)0*(\d+)\b", lambda found: (
+        f"{'' if found[1] == '1' else f'{found[1]}·'}10<sup>{'−' if found[2] == '-' else ''}{found[3]}</sup>"
+    )),
     (_LETTER + r"\^(?:\{([^{}]+)\}|\(([^()]+)\)|(\w))", lambda found: _raised(*found.groups())),
     (_LETTER + r"((?:<sup>.*?</sup>)?)_(?:\{([^{}]+)\}|(\([^()]+\)|\w+))", lambda found: (
         f"{found[1]}{found[2]}<sub>{found[3] or found[4]}</sub>"
@@ -318,11 +273,6 @@ def typeset(text: str) -> str:
     for pattern, marked in _MARKED:
         text = re.sub(pattern, marked, text)
     return text
-
-
-def _power_of_ten(mantissa: str, sign: str, exponent: str) -> str:
-    factor = "" if mantissa == "1" else f"{mantissa}·"
-    return f"{factor}10<sup>{sign.replace('-', '−').replace('+', '')}{exponent}</sup>"
 
 
 def _raised(base: str, braced: str | None, bracketed: str | None, single: str | None) -> str:

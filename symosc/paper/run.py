@@ -56,10 +56,8 @@ class Drawn(NamedTuple):
 
 
 class Chapter(NamedTuple):
-    """Derivations on one subject; each step was checked."""
+    """The derivations of a chapter, each step of which was checked, as HTML."""
 
-    name: str
-    number: int
     steps: int
     html: str
 
@@ -159,14 +157,26 @@ def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | N
     tasks: Tasks = {("chapter", subject): partial(derive, subject) for subject in plan.chapters}
     tasks |= {("claim", claim.id): partial(judge, claim.check) for claim in reversed(plan.claims)}
     tasks |= {("picture", key): partial(draw, picture) for key, picture in plan.pictures.items()}
-    done = {}
-    with closing(_here(tasks) if workers == 0 else _in_processes(tasks, workers or _processors())) as outcomes:
+    if workers is None:
+        affinity = getattr(os, "sched_getaffinity", None)  # not on every system
+        workers = len(affinity(0)) if affinity else os.cpu_count() or 1
+    done: dict[tuple[str, str], Done] = {}
+    here = ((key, timed(task)) for key, task in tasks.items())
+    with closing(_in_processes(tasks, workers) if workers else here) as outcomes:
         for key, outcome in outcomes:
             done[key] = outcome
             if progress:
                 progress()
+    judged = []
+    for claim in plan.claims:
+        found = done["claim", claim.id]
+        if found.error:
+            judged.append(Judged(claim, ERROR, found.error, {}, found.seconds))
+        else:
+            evidence = found.value
+            judged.append(Judged(claim, evidence.verdict, evidence.finding, dict(evidence.numbers), found.seconds))
     return Results(
-        judged=tuple(_judged(claim, done["claim", claim.id]) for claim in plan.claims),
+        judged=tuple(judged),
         pictures=plan.pictures,
         drawn={key: done["picture", key] for key in plan.pictures},
         chapters={subject: done["chapter", subject] for subject in plan.chapters},
@@ -174,21 +184,6 @@ def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | N
         errata=plan.errata,
         unjudged=plan.unjudged,
     )
-
-
-def _judged(claim: Claim, done: Done) -> Judged:
-    if done.error:
-        return Judged(claim, ERROR, done.error, {}, done.seconds)
-    return Judged(claim, done.value.verdict, done.value.finding, dict(done.value.numbers), done.seconds)
-
-
-def _processors() -> int:
-    affinity = getattr(os, "sched_getaffinity", None)  # not on every system
-    return len(affinity(0)) if affinity else os.cpu_count() or 1
-
-
-def _here(tasks: Tasks) -> Generator[tuple[tuple[str, str], Done], None, None]:
-    yield from ((key, timed(task)) for key, task in tasks.items())
 
 
 def _in_processes(tasks: Tasks, workers: int) -> Generator[tuple[tuple[str, str], Done], None, None]:
@@ -237,14 +232,13 @@ def timed(task: Callable[[], Any]) -> Done:
 
 def draw(picture: Picture) -> Drawn:
     """Return a picture as SVG, and its computed caption."""
-    return Drawn(_svg(picture.build), picture.describe(), _svg(picture.narrow) if picture.narrow else "")
-
-
-def _svg(build: Callable[[], Figure]) -> str:
     from symosc import plot
 
-    with TemporaryDirectory() as scratch:
-        return plot.save(build(), Path(scratch) / "picture.svg").read_text(encoding="utf-8")
+    def svg(build: Callable[[], Figure]) -> str:
+        with TemporaryDirectory() as scratch:
+            return plot.save(build(), Path(scratch) / "picture.svg").read_text(encoding="utf-8")
+
+    return Drawn(svg(picture.build), picture.describe(), svg(picture.narrow) if picture.narrow else "")
 
 
 def derive(subject: str) -> Chapter:
@@ -255,4 +249,4 @@ def derive(subject: str) -> Chapter:
     scope = Scope()
     chapter = document.check_chapter(subject, scope)
     html = document.as_html(chapter, scope, level=4)
-    return Chapter(chapter.key, chapter.number, len(chapter.steps()), html)
+    return Chapter(len(chapter.steps()), html)

@@ -18,6 +18,7 @@ from matplotlib.axes import Axes
 
 from symosc.aliases import Record
 from symosc.model import NEIGHBOURS
+from symosc.simulation.moved import MovedTrajectory, belt_path
 from symosc.simulation.trajectory import Trajectory
 
 BELT_COLOR, MASS_COLOR = "black", "#d7191c"
@@ -57,6 +58,7 @@ BELT_STRETCH = 0.65
 NEAR_BELTS = 0.08
 # How far beyond a contact the belt's displacement is drawn, as fractions of both axes.
 BELT_REACH = 0.06, 0.15
+BELT_POINTS = 200  # of the path of a belt whose speed changes
 STICK_SHADE = "0.92"
 # Among more short sticks than have insets, those stand out that are shorter than this part of their median.
 OUTSTANDING = 0.1
@@ -109,6 +111,11 @@ class View:
     def domains(self) -> tuple[int, int]:
         """The domains below and above the boundary."""
         return NEIGHBOURS[self.boundary]
+
+    @property
+    def belts_move(self) -> bool:
+        """Whether the speeds of the belts change, as they may in another model."""
+        return isinstance(self.trajectory, MovedTrajectory) and self.trajectory.model.shift.bound() != 0
 
     def belts(self) -> list[int]:
         """Return the belts with a speed near the velocities drawn."""
@@ -187,7 +194,10 @@ def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
     style: Record = {"color": MASS_COLOR, "linewidth": 1.3 * max(view.scale, 0.5), "label": "mass"} | view.style
     ax.plot(_samples(view, across), _samples(view, up), **style)
     ax.set_ylabel(AXIS_LABELS[up])
-    (_belt_points if up == "x" else _belt_speeds)(ax, view)
+    if up == "x":
+        _belt_points(ax, view)
+    elif across == "t" or not view.belts_move:
+        _belt_speeds(ax, view)
     _dots(ax, view, view.marks, across, lambda t: view.trajectory(t)[int(up == "v")])
     _horizontal_axis(ax, view, across)
 
@@ -209,7 +219,7 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
     if across == "t":
         crossings = [mark.t for mark in marks if mark.label == "crossing"]
         ax.vlines(crossings, force(below, crossings), force(above, crossings), color="0.6", lw=0.6, zorder=0)
-    for belt in view.belts() if across == "v" else ():
+    for belt in view.belts() if across == "v" and not view.belts_move else ():
         speed = float(view.trajectory.parameters.belt(belt))
         ax.axvline(speed, color=BELT_COLOR, lw=0.6, zorder=1, label="belt")
         ax.annotate(f"$v_{belt}$", (speed, 1), (0, 2), ("data", "axes fraction"), "offset points", ha="center")
@@ -266,10 +276,11 @@ def _belt_points(ax: Axes, view: View) -> None:
     low, high = ax.get_ylim()
     reaches = view.belt_reach[0] * (view.t[-1] - view.t[0]), view.belt_reach[1] * (high - low)
     for contact in view.contacts:
-        speed, x = float(view.trajectory.parameters.belt(contact.belt)), view.trajectory(contact.since)[0]
+        path, x = partial(belt_path, view.trajectory, contact.belt), view.trajectory(contact.since)[0]
+        (begin,), (speed,) = path(np.array([contact.since]))
         reach = min(reaches[0], reaches[1] / abs(speed)) if speed else reaches[0]
-        ends = np.array([contact.since - reach, contact.until + reach])
-        ax.plot(ends, x + speed * (ends - contact.since), color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
+        t = np.linspace(contact.since - reach, contact.until + reach, BELT_POINTS if view.belts_move else 2)
+        ax.plot(t, x + path(t)[0] - begin, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
     ax.set_ylim(low, high)
 
 
@@ -281,7 +292,12 @@ def _belt_speeds(ax: Axes, view: View) -> None:
     near = float(p.v2 - p.v1) < NEAR_BELTS * (high - low)  # their names would lie over each other
     for belt in view.belts():
         speed, shift = float(p.belt(belt)), (0, -5, 5)[belt] * near
-        ax.axhline(speed, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
+        if view.belts_move:
+            speeds = belt_path(view.trajectory, belt, view.t)[1]
+            ax.plot(view.t, speeds, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
+            speed = float(speeds[-1])
+        else:
+            ax.axhline(speed, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
         ax.annotate(f"$v_{belt}$", (1, speed), (4, shift), ("axes fraction", "data"), "offset points", va="center")
 
 
@@ -350,11 +366,11 @@ def draw_insets(ax: Axes, view: View) -> None:
 def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, float, float]) -> None:
     """Draw one inset of a contact."""
     since, until, belt = contact.since, contact.until, contact.belt
-    speed = float(view.trajectory.parameters.belt(belt))
+    speed = float(belt_path(view.trajectory, belt, np.array([since]))[1, 0])
     length = until - since or SHORT_STICK * (view.t[-1] - view.t[0])
     times = np.linspace(max(since - length, view.t[0]), min(until + length, view.t[-1]), 400)
     times = np.union1d(times, [since, until])
-    away = view.trajectory(times)[1] - speed
+    away = view.trajectory(times)[1] - belt_path(view.trajectory, belt, times)[1]
     shift, scale = floor(log10(length)), floor(log10(np.abs(away).max() or 1))
     inset = ax.inset_axes(box)
     inset.plot((times - since) / 10.0**shift, away / 10.0**scale, color=MASS_COLOR, lw=1.3)

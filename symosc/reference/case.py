@@ -22,12 +22,15 @@ from typing import Any, NamedTuple
 
 from symosc.certificates.certificate import Certificate, proven_rows
 from symosc.certificates.certify import certify
+from symosc.certificates.derivatives import provable
 from symosc.engine.arithmetic import mp_context
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.reference.compare import relative_error
 from symosc.scenes import Scene
+from symosc.sensitivities import sensitivities
 from symosc.simulation.simulate import simulate
+from symosc.simulation.tangents import NAMES
 from symosc.simulation.trajectory import MAP_LABELS, Event
 
 #: Digits of the given events, and of the runs where there is no proof.
@@ -74,6 +77,29 @@ class KnownEvent(NamedTuple):
         """Time and position in the middle of the known interval."""
         t, x = ((Fraction(low) + Fraction(high)) / 2 for low, high in (self.t, self.x))
         return t, x
+
+
+class KnownChange(NamedTuple):
+    """The derivatives of an event by one number.
+
+    Attributes
+    ----------
+    dt, dx : tuple of str
+        Between which decimals the total derivatives of time and position are.
+    proven : bool
+        Whether the certificate of the case proves them; else they are of a computation with 60 digits.
+
+    Examples
+    --------
+    >>> from symosc import reference_cases
+    >>> change = reference_cases()[1].derivatives[0]["mu2"]
+    >>> change.dt[0][:12], change.proven
+    ('1.9020471815', True)
+    """
+
+    dt: tuple[str, str]
+    dx: tuple[str, str]
+    proven: bool
 
 
 @dataclass(frozen=True, repr=False)
@@ -144,7 +170,12 @@ class ReferenceCase:
 
     @cached_property
     def certificate(self) -> Certificate:
-        """The proof, or the reason why there is none."""
+        """The proof, with the derivatives that can be proven; or the reason why there is none."""
+        if not self.open and not self.periods and not any(self.scene.start_error or ()):
+            wrt = provable(self.parameters, self.v0)
+            found = certify(self.scene, digits=GIVEN_DIGITS, wrt=wrt)
+            if found.proven:
+                return found
         return certify(self.scene, digits=GIVEN_DIGITS)
 
     @property
@@ -173,6 +204,22 @@ class ReferenceCase:
             row["word"] = MAP_LABELS.get((before, row["source"], row["boundary"]), "")
             before = row["boundary"]
         return tuple(KnownEvent(**row) for row in rows)
+
+    @cached_property
+    def derivatives(self) -> tuple[dict[str, KnownChange], ...]:
+        """For each event its derivatives by parameters and by the start, those that exist; none of long runs."""
+        if self.periods:
+            return ({},) * len(self.events)
+        names, stated = self.certificate.statement.get("wrt", ()), self.certificate.derivatives
+        s = None if len(names) == len(NAMES) else sensitivities(self.scene, NAMES, digits=COMPUTED_DIGITS)
+        found = []
+        for n in range(len(self.events)):
+            row = {name: KnownChange(stated[n][0][j], stated[n][1][j], True) for j, name in enumerate(names)}
+            for j, name in enumerate(NAMES if s is not None else ()):
+                if name not in row and s is not None and s.regular[n, j]:
+                    row[name] = KnownChange(_enclosed(s.dt[n, j]), _enclosed(s.dx[n, j]), False)
+            found.append({name: row[name] for name in NAMES if name in row})
+        return tuple(found)
 
     @property
     def count(self) -> int:

@@ -1,9 +1,9 @@
 """Compare a solver's events with those of a reference: errors, missed and invented events.
 
 The two lists are aligned as sequences. An event can be matched with one of the same kind on the same boundary that is
-at most a window of time away. Matches keep the order of both lists. Of all such alignments the one with the most and
-nearest matches is taken. So one missed event does not shift all later ones, and of repeated reports of an event the
-nearest counts and the others are invented.
+at most a window of time away. Matches keep the order of both lists. Of all such alignments one with the most matches is
+taken, and of these the nearest. So one missed event does not shift all later ones, and of repeated reports of an event
+the nearest counts and the others are invented.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from math import isfinite, pi, ulp
 from typing import NamedTuple, Protocol
 
 from symosc.aliases import Number
-from symosc.crosschecks.events import WINDOW
+from symosc.crosschecks.events import WINDOW, in_order
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event
 
@@ -31,9 +31,6 @@ ROUNDING_UNIT, UNITS_ALLOWED = 1e-16, 100.0
 KIND_WINDOW = 0.005
 #: Digits of the runs that errors are measured against.
 REFERENCE_DIGITS = 40
-# A match at the border of the window counts for this part of an exact one: two far ones beat a near one.
-FAR_MATCH = 0.6
-SKIP_REFERENCE, SKIP_FOUND, MATCH = range(3)
 
 
 class FoundEvents(NamedTuple):
@@ -118,36 +115,13 @@ def relative_error(value: Number, exact: Number, start: Number = 0) -> float:
 def align(
     found: Sequence[FoundEvents], reference: Sequence[OfAKind], times: Sequence[float], window: float
 ) -> list[tuple[int, int]]:
-    """Return the pairs (reference, found) of the best alignment, in order.
+    """Return the pairs (reference, found) of the best alignment: as many as possible, and of these the nearest.
 
-    `best[j]` is the value of the best alignment of the reference up to here with the first j events found. Events found
-    outside the window cannot match. So row i of the usual table changes only in the window, and only the window is
-    visited. `best` reaches to the end of the latest window; after that it is constant.
+    `found` is in order of time; `times` are those of the reference, and no pair is farther apart than the window.
     """
-    found_times = [event.t for event in found]
-    best = [0.0]
-    rows: list[tuple[int, list[int]]] = []  # for each event of the reference: first candidate, steps of the walk back
-    for event, time in zip(reference, times, strict=True):
-        first, last = bisect_left(found_times, time - window), bisect_right(found_times, time + window)
-        best += [best[-1]] * (last + 1 - len(best))
-        steps = []
-        before = best[first]
-        for j in range(first, last):
-            old, left, match = best[j + 1], best[j], 0.0
-            if found[j].kind == event.kind and found[j].boundary == event.boundary:
-                match = before + 1.0 - (1.0 - FAR_MATCH) * abs(found_times[j] - time) / window
-            steps.append(MATCH if match > max(old, left) else SKIP_FOUND if left > old else SKIP_REFERENCE)
-            best[j + 1] = max(old, left, match)
-            before = old
-        rows.append((first, steps))
-    pairs = []
-    j = len(found)
-    for i in range(len(rows) - 1, -1, -1):
-        first, steps = rows[i]
-        j = min(j, first + len(steps))
-        while j > first and steps[j - 1 - first] == SKIP_FOUND:
-            j -= 1
-        if j > first and steps[j - 1 - first] == MATCH:
-            j -= 1
-            pairs.append((i, j))
-    return pairs[::-1]
+    found_times, pairs = [event.t for event in found], []
+    for i, (event, time) in enumerate(zip(reference, times, strict=True)):
+        for j in range(bisect_left(found_times, time - window), bisect_right(found_times, time + window)):
+            if (found[j].kind, found[j].boundary) == (event.kind, event.boundary):
+                pairs.append((i, j, abs(found_times[j] - time)))
+    return in_order(pairs)

@@ -35,6 +35,7 @@ from symosc.simulation.simulate import simulate
 
 SET_FORMAT = "symosc reference cases 1"
 MANIFEST, CASES_TABLE, EVENTS_FILE, CASE_FILE = "manifest.json", "cases.csv", "events.csv", "case.toml"
+CHANGES_FILE = "derivatives.csv"
 #: Equal steps of a trajectory, and the forcing periods after which one of a very long run ends.
 SAMPLE_STEPS, SHOWN_PERIODS = 400, 20
 #: Decimals that end before so many digits are written with all of them.
@@ -91,9 +92,23 @@ def _case_files(case: ReferenceCase) -> Record:
         for event, condition in zip(case.events, case.conditions, strict=True)
     ]
     columns = ("t_low", "t_high", "x_low", "x_high", *EVENT_WORD_COLUMNS, "condition")
+    changes = [
+        {
+            "event": i,
+            "wrt": name,
+            "dt_low": each.dt[0],
+            "dt_high": each.dt[1],
+            "dx_low": each.dx[0],
+            "dx_high": each.dx[1],
+        }
+        | {"proven": "yes" if each.proven else "no"}
+        for i, row in enumerate(case.derivatives)
+        for name, each in row.items()
+    ]
     found = {
         CASE_FILE: _toml(case),
         EVENTS_FILE: _csv(columns, events),
+        CHANGES_FILE: _csv(("event", "wrt", "dt_low", "dt_high", "dx_low", "dx_high", "proven"), changes),
         "trajectory.csv": _csv(("t", "x", "v", "mode"), _samples(case)),
         "certificate.json": json.dumps(case.certificate.as_dict(), indent=1) + "\n",
     }
@@ -216,7 +231,10 @@ def _of_an_earlier_run(folder: Path) -> set[str]:
 
 @dataclass(frozen=True)
 class StoredCase:
-    """A case as stored in files; `count` is the number of all events, if only the last period's are given."""
+    """A case as stored in files; `count` is the number of all events, if only the last period's are given.
+
+    `changes` are the derivatives of each event: (dt, dx) by name, those that exist.
+    """
 
     name: str
     group: str
@@ -227,6 +245,7 @@ class StoredCase:
     events: tuple[KnownEvent, ...]
     conditions: tuple[float, ...]
     count: int
+    changes: tuple[dict[str, tuple[float, float]], ...] = ()
 
     @cached_property
     def times(self) -> list[float]:
@@ -286,14 +305,22 @@ def _case(folder: Path, name: str, sums: Record) -> StoredCase:
     t_end = read_exact("t_end", about["t_end"])
     conditions = tuple(float(row["condition"]) for row in rows)
     reference = about["reference"]
+    changes: tuple[dict[str, tuple[float, float]], ...] = tuple({} for _ in rows)
+    if f"{name}/{CHANGES_FILE}" in sums:  # older sets have none
+        for row in csv.DictReader(io.StringIO(_text(folder, f"{name}/{CHANGES_FILE}", sums))):
+            changes[int(row["event"])][row["wrt"]] = float(row["dt_low"]), float(row["dx_low"])
     return StoredCase(
-        name, reference["group"], Omega, t0, t_end, v0 in (v1, v2), events, conditions, reference["events"]
+        name, reference["group"], Omega, t0, t_end, v0 in (v1, v2), events, conditions, reference["events"], changes
     )
 
 
-def stored(case: ReferenceCase) -> StoredCase:
+def stored(case: ReferenceCase, with_derivatives: bool = True) -> StoredCase:
     """Return a case in the form that its files would have."""
     p, on_belt = case.parameters, case.v0 in (case.parameters.v1, case.parameters.v2)
+    changes = tuple(
+        {name: (float(each.dt[0]), float(each.dx[0])) for name, each in row.items()}
+        for row in (case.derivatives if with_derivatives else ())
+    )
     return StoredCase(
-        case.name, case.group, p.Omega, case.t0, case.t_end, on_belt, case.events, case.conditions, case.count
+        case.name, case.group, p.Omega, case.t0, case.t_end, on_belt, case.events, case.conditions, case.count, changes
     )

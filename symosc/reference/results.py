@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -21,6 +21,7 @@ from symosc.crosschecks.objects import ID_COLUMN, USUAL_NAMES, as_table, plain
 from symosc.errors import ParameterError, ResultError, brief
 from symosc.exact import read_exact
 from symosc.files import read_path
+from symosc.simulation.tangents import NAMES
 
 # -- results --
 
@@ -29,6 +30,8 @@ EVENT_WORDS = ("cross", "stick", "slip", "graze")
 FOLLOWED_TO = "end"
 #: Files of a set of cases that are no results; and kinds of files with a name that must be a case's, in a folder.
 NO_RESULTS, CERTAIN = ("cases", "manifest"), (".csv", ".json")
+#: Columns of derivatives: dt_mu1, dx_mu1, ...
+CHANGES = tuple(f"d{of}_{name}" for name in NAMES for of in "tx")
 #: What the columns are called, in any case, units and signs left out.
 EVENT_COLUMNS = {
     "case": USUAL_NAMES[ID_COLUMN],
@@ -38,16 +41,18 @@ EVENT_COLUMNS = {
     "boundary": {"boundary", "belt"},
     "seconds": {"seconds"},
     **{f"{name}_{end}": {name + end} for name in "tx" for end in ("low", "high")},
+    **{name: {name.replace("_", "").lower()} for name in CHANGES},
 }
 
 
 class GivenEvent(NamedTuple):
-    """An event found by a solver; x is None and boundary 0 if not given."""
+    """An event found by a solver; x is None and boundary 0 if not given, and `changes` has the derivatives given."""
 
     t: Fraction
     x: Fraction | None
     kind: str
     boundary: int
+    changes: Mapping[str, float] = {}
 
 
 @dataclass
@@ -117,7 +122,7 @@ def _named(names: Iterable[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     there = list(map(str, names))
     for what, usual in EVENT_COLUMNS.items():
-        fitting = [name for name in there if name.strip().lower() == what]
+        fitting = [name for name in there if name.strip().lower() == what.lower()]
         fitting = fitting or [name for name in there if plain(name) in usual]
         if len(fitting) > 1:
             raise _wrong(f"has two columns named {brief(fitting[0])!r}")
@@ -145,8 +150,7 @@ def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]
         for line, entry in content:
             yield name or entry.get("case", ""), line, entry
     elif table is not None:
-        names, column = table
-        columns = {what: np.ravel(column(own)) for what, own in _columns(names, name is None).items()}
+        columns = {what: np.ravel(table[own]) for what, own in _columns([*table], name is None).items()}
         if len({len(each) for each in columns.values()}) > 1:
             raise _wrong("has columns of several lengths")
         for number, row in enumerate(zip(*columns.values(), strict=True), 1):
@@ -206,7 +210,9 @@ def _add(where: str, result: CaseResult, entry: Record) -> None:
     with suppress(ParameterError):
         boundary = int(belt) if belt in ("0", "1", "2") else read_exact("boundary", plain_number(belt))
         if boundary in (0, 1, 2):
-            result.events.append(GivenEvent(t, x, kind, int(boundary)))
+            changes = {name: _number(where, entry, name) for name in CHANGES if name in entry}
+            numbers = {name: float(value) for name, value in changes.items() if value is not None}
+            result.events.append(GivenEvent(t, x, kind, int(boundary), numbers))
             return
     raise _wrong(f"{where}: boundary is {brief(belt)!r}, and must be 1 or 2")
 

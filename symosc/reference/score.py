@@ -9,6 +9,10 @@ max(1, condition) * 1e-16: what rounding the numbers of the problem to doubles d
 1e-16 |t| if that is more. A case is right if it was followed to its end, nothing is missed, invented or of a wrong
 kind, each event has a position, and each error is at most max(tolerance, 100 units).
 
+The error of a derivative is relative to max(1, |derivative|), and may be the tolerance, or 100 times condition^2 *
+1e-16 if that is more: a derivative has about the square of the condition of its event. Those that are not given, and
+those that do not exist, are not judged.
+
 A graze is a double root: rounding turns it into two contacts or none. So one that is not listed, or stands as a stick
 and a slip or as two crossings within a time sqrt(tolerance)/Omega, is counted apart, and is no fault.
 """
@@ -19,7 +23,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from html import escape
-from math import inf, pi, sqrt
+from math import inf, isfinite, pi, sqrt
 from typing import Any, NamedTuple
 
 from tabulate import tabulate
@@ -63,7 +67,8 @@ class CaseScore:
     """The faults of results on a case: events missed, invented, of a wrong kind, `late` (with too large an error), ...
 
     `without_x` events were judged by their time alone; `stopped` is where the results end, if that is before the case
-    does; `units` is the largest error in units. Without results (not `given`) the numbers mean nothing.
+    does; `units` is the largest error in units; `derivatives` of the known ones have been judged, `error_d` is their
+    largest error. Without results (not `given`) the numbers mean nothing.
     """
 
     name: str
@@ -82,6 +87,10 @@ class CaseScore:
     error_t: float | None = None
     error_x: float | None = None
     units: float | None = None
+    known_derivatives: int = 0
+    derivatives: int = 0
+    wrong_derivatives: int = 0
+    error_d: float | None = None
     seconds: float | None = None
     note: str = ""
     wrong: list[Wrong] = field(default_factory=list)
@@ -140,6 +149,8 @@ def judge_case(case: StoredCase, result: CaseResult | None, tolerance: float) ->
     condition = max((each for each in case.conditions if each < inf), default=0.0)
     judged = CaseScore(case.name, case.group, case.count, condition, given=result is not None and not result.note)
     judged.grazes = sum(event.kind == "graze" for event in case.events)
+    regular = (row for row, condition in zip(case.changes, case.conditions, strict=False) if condition < inf)
+    judged.known_derivatives = sum(2 * len(row) for row in regular)
     if result is None or result.note:
         judged.note = "" if result is None else result.note
         return judged
@@ -235,11 +246,32 @@ class _Judge:
                 judged.error_x = max(judged.error_x or 0.0, errors[1])
             judged.units = max(judged.units or 0.0, *(e / u for e, u in zip(errors, units, strict=False)))
             allowed = [max(self.tolerance, UNITS_ALLOWED * each) for each in units]
+        self._derivatives(i, event)
         late = [pair for pair in zip(errors, allowed, strict=False) if pair[0] > pair[1]]
         if late:
             error, limit = max(late)
             what = f"{_event_text(known)}, error {error:.1e}, allowed {limit:.1e}"
             self._fault("error", float(t), what, _event_text(event))
+
+    def _derivatives(self, i: int, event: GivenEvent) -> None:
+        """Judge the given derivatives of a matched event that exist."""
+        judged, condition = self.judged, self.case.conditions[i]
+        allowed = max(self.tolerance, UNITS_ALLOWED * ROUNDING_UNIT * max(1.0, condition) ** 2)
+        worst = (0.0, "")
+        for name, exact in (self.case.changes[i] if condition < inf and self.case.changes else {}).items():
+            for of, value in zip("tx", exact, strict=True):
+                found = event.changes.get(f"d{of}_{name}")
+                if found is None:
+                    continue
+                error = abs(found - value) / max(1.0, abs(value))
+                error = error if isfinite(error) else inf
+                judged.derivatives += 1
+                judged.wrong_derivatives += error > allowed
+                judged.error_d = max(judged.error_d or 0.0, error)
+                worst = max(worst, (error, f"d{of}/d{name}"))
+        if worst[0] > allowed:
+            what = f"{worst[1]} of {_event_text(self.case.events[i])}, error {worst[0]:.1e}, allowed {allowed:.1e}"
+            judged.wrong.append(Wrong("derivative", self.case.times[i], what, ""))
 
     def _grazes(self, lost: list[int], extra: list[int], found: Sequence[GivenEvent]) -> tuple[list[int], list[int]]:
         """Remove unlisted grazes, and the contacts that replace one."""
@@ -303,6 +335,9 @@ def case_cell(case: CaseScore) -> str:
     faults = [f"{name} {count}" for name, count in counts.items() if count]
     if case.late:
         faults.append(f"error {max(case.error_t or 0.0, case.error_x or 0.0):.0e}")
+    if case.wrong_derivatives:
+        count = f"{case.wrong_derivatives} of {case.derivatives}"
+        faults.append(f"derivatives {count} wrong, {case.error_d:.0e}")
     if case.stopped is not None:
         faults.append(f"ends at t = {case.stopped:g}")
     if not faults:
@@ -340,6 +375,9 @@ def group_table(scores: Sequence[Score], form: str = "simple") -> str:
 
     counts = {"events missed": "missed", "events invented": "invented", "wrong kinds": "kinds", "large errors": "late"}
     rows += [[title, "", *(str(total(score, name)) for score in scores)] for title, name in counts.items()]
+    if any(total(score, "derivatives") for score in scores):
+        wrong = [f"{total(score, 'wrong_derivatives'):,} of {total(score, 'derivatives'):,}" for score in scores]
+        rows.append(["wrong derivatives", "", *wrong])
     grazes = [f"{total(score, 'grazes_found')} of {total(score, 'grazes')}" for score in scores]
     rows.append(["grazes reported", "", *grazes])
     times = [[case.seconds for case in score.given if case.seconds is not None] for score in scores]

@@ -11,7 +11,7 @@ from functools import cache
 from math import inf, pi
 from os.path import isfile
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from symosc.aliases import NumberLike, SceneName
 from symosc.arguments import CONVERTERS, public
@@ -20,16 +20,46 @@ from symosc.errors import ParameterError, SceneError, meant
 from symosc.exact import read_exact, read_start_error, show
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.quantities import QUANTITIES, half_unit, read_number, unit_of
+from symosc.reductions import OtherModel, reduced_start, reduced_time
 from symosc.scenes.files import MOST_CHARACTERS, read_scene_file
 from symosc.words import WordError, read_word
 
-#: Parameters; or a Scene, or the name or file of one, of which a public function takes the parameters.
+#: Parameters; or a Scene, the name or file of one, or an OtherModel, of which a public function takes the parameters.
 ParametersLike: TypeAlias = Any
 #: Half-widths of t0, x0 and v0.
 StartErrors: TypeAlias = tuple[Fraction, Fraction, Fraction]
 
 SCENES_FOLDER = Path(__file__).parent
 START_NAMES = ("t0", "x0", "v0", "t_end")
+
+
+class Original(NamedTuple):
+    """A start of another model that is this one in other coordinates, in the coordinates of the model.
+
+    Attributes
+    ----------
+    model : OtherModel
+    t0, x0, v0, t_end : Fraction
+    start_error : three Fractions or None
+
+    Examples
+    --------
+    >>> from symosc import OtherModel, Scene
+    >>> scene = Scene("mine", OtherModel(m=1, k=1, Omega=2, FN=1, Y=3, joined=True), t0=0, x0=4, v0=0, t_end=9)
+    >>> scene.x0, scene.original.x0
+    (Fraction(1, 1), Fraction(4, 1))
+    """
+
+    model: OtherModel
+    t0: Fraction
+    x0: Fraction
+    v0: Fraction
+    t_end: Fraction
+    start_error: StartErrors | None = None
+
+    def start(self) -> dict[str, Any]:
+        """Return the start and the end by name."""
+        return {name: getattr(self, name) for name in (*START_NAMES, "start_error")}
 
 
 @dataclass(frozen=True)
@@ -39,7 +69,9 @@ class Scene(Drawable):
     Parameters
     ----------
     name : str
-    parameters : Parameters
+    parameters : Parameters or OtherModel
+        Of an OtherModel the start and the end are in its coordinates. The scene then has those of the oscillator that
+        the model is, and as `original` what was given; `simulate` gives the motion of the model.
     t0, x0, v0 : number
         Start time, position and velocity, read exactly like parameters.
     t_end : number
@@ -52,6 +84,9 @@ class Scene(Drawable):
         Half-widths to which t0, x0 and v0 are known; kept as three Fractions. None: the start is exact.
     notes : tuple of str
         What is to be said about its numbers, such as that one is known to 40 digits; not compared.
+    original : Original or None
+        The model and the start that were given, if they are of another model. A copy with other numbers, such as
+        ``dataclasses.replace`` makes, has none; `started` and `changed` keep to the model.
 
     Raises
     ------
@@ -78,6 +113,7 @@ class Scene(Drawable):
     source: str = ""
     start_error: tuple[Fraction, Fraction, Fraction] | None = None
     notes: tuple[str, ...] = field(default=(), compare=False, repr=False)
+    original: Original | None = None
 
     def __post_init__(self) -> None:
         for name in ("name", "source", "structure"):
@@ -85,40 +121,90 @@ class Scene(Drawable):
             is_text = isinstance(value, str) and (name != "name" or value.strip())
             if not is_text and not (name == "structure" and value is None):
                 raise ParameterError(name, value, "must be text")
-        if not isinstance(self.parameters, Parameters):
-            raise ParameterError("parameters", self.parameters, "must be Parameters")
+        if not isinstance(self.parameters, Parameters | OtherModel):
+            raise ParameterError("parameters", self.parameters, "must be Parameters or an OtherModel")
+        if not isinstance(self.original, Original | None):
+            raise ParameterError("original", self.original, "is what a scene of an OtherModel has")
         if self.structure is not None:
             read_word(self.structure)
         if not (isinstance(self.notes, tuple) and all(isinstance(note, str) for note in self.notes)):
             raise ParameterError("notes", self.notes, "must be a tuple of texts")
-        numbers, rounding = start_numbers({name: getattr(self, name) for name in START_NAMES}, self.parameters)
+        model: Any = self.parameters
+        numbers, rounding = start_numbers({name: getattr(self, name) for name in START_NAMES}, parameters_of(model))
         error = rounding if self.start_error is None else read_start_error(self.start_error)
+        if numbers["t_end"] <= numbers["t0"]:
+            raise ParameterError("t_end", show(numbers["t_end"]), f"must be later than t0 = {show(numbers['t0'])}")
+        if isinstance(model, OtherModel):
+            given = Original(model, **numbers, start_error=error)
+            object.__setattr__(self, "original", given)
+            object.__setattr__(self, "parameters", model.parameters)
+            numbers, error = _reduced(given)
+        elif self.original and (model, numbers) != (self.original.model.parameters, _reduced(self.original)[0]):
+            object.__setattr__(self, "original", None)
         object.__setattr__(self, "start_error", error)
         for name, number in numbers.items():
             object.__setattr__(self, name, number)
-        if self.t_end <= self.t0:
-            raise ParameterError("t_end", show(self.t_end), f"must be later than t0 = {show(self.t0)}")
 
     @public
     def started(self, given: Mapping[str, NumberLike]) -> Scene:
         """Return a copy with another t0, x0, v0 or t_end; what is given is exact, whatever the scene's own error.
 
-        The end may be text such as "10T": so many periods of the drive after t0.
+        The end may be text such as "10T": so many periods of the drive after t0. Of another model they are in its
+        coordinates.
         """
         for name in given:
             if name not in START_NAMES:
                 raise ParameterError(name, given[name], f"is not of a start; give {', '.join(START_NAMES)}")
         if not given:
             return self
+        own = self if self.original is None else self.original
         if "t_end" in given:
-            given = dict(given) | {"t_end": end_time(given["t_end"], self.parameters, given.get("t0", self.t0))}
+            given = dict(given) | {"t_end": end_time(given["t_end"], self.parameters, given.get("t0", own.t0))}
         numbers, rounding = start_numbers(given, self.parameters)
-        errors = self.start_error
+        errors = own.start_error
         if errors is not None or rounding is not None:
             known = zip(START_NAMES, errors or (Fraction(0),) * 3, rounding or (Fraction(0),) * 3, strict=False)
             t0, x0, v0 = (new if name in given else old for name, old, new in known)
             errors = t0, x0, v0
-        return replace(self, **(dict[str, Any](numbers) | {"start_error": errors}))
+        start = dict[str, Any](numbers) | {"start_error": errors}
+        if self.original is None:
+            return replace(self, **start)
+        return moved_scene(self, self.original, **start)
+
+    @public
+    def changed(self, **changes: NumberLike | bool) -> Scene:
+        """Return a copy with other parameters, or numbers of its model: ``scene.changed(Omega=2)``."""
+        if self.original is None:
+            return replace(self, parameters=self.parameters.replace(**changes))
+        return moved_scene(self, self.original, parameters=self.original.model.replace(**changes))
+
+    def reduced(self) -> Scene:
+        """Return the scene without its model: the problem of the oscillator that the model is."""
+        return replace(self, original=None)
+
+
+def moved_scene(scene: Scene, original: Original, **changes: Any) -> Scene:
+    """Return a copy of a problem of another model with changes, which are in the coordinates of the model."""
+    return replace(scene, **{"parameters": original.model} | original.start() | changes)
+
+
+def _reduced(given: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
+    """Return the start and the end for the oscillator that a model is, and the half-widths of its start."""
+    model, t0, x0, v0, t_end, error = given
+    start, rounding = reduced_start(model, t0, x0, v0)
+    if error is not None:  # an error of t0 moves the belts
+        rate = model.shift.rate(model.Omega)
+        moved = Fraction(0), rate.bound() * error[0], rate.rate(model.Omega).bound() * error[0]
+        rounding = tuple(map(sum, zip(rounding, error, moved, strict=True)))  # type: ignore[assignment]
+    return dict(zip(START_NAMES, (*start, reduced_time(model, t_end)), strict=True)), rounding if any(
+        rounding
+    ) else error
+
+
+def other_model(scene: Any) -> ParameterError:
+    """Return the error of a function that does not turn its results back into the coordinates of another model."""
+    allowed = "is of another model, and this does not turn results back into its coordinates; give scene.reduced()"
+    return ParameterError("scene", scene.name if isinstance(scene, Scene) else str(scene), allowed)
 
 
 def start_numbers(given: Mapping[str, Any], p: Parameters) -> tuple[dict[str, Fraction], StartErrors | None]:
@@ -135,9 +221,11 @@ def start_numbers(given: Mapping[str, Any], p: Parameters) -> tuple[dict[str, Fr
     return numbers, ((t0, x0, v0) if t0 or x0 or v0 else None)
 
 
-def parameters_of(what: Scene | SceneName) -> Parameters:
-    """Return the parameters of a Scene, or of the scene with a name or in a file."""
-    return (what if isinstance(what, Scene) else load_scene(what)).parameters
+def parameters_of(what: Parameters | OtherModel | Scene | SceneName) -> Parameters:
+    """Return parameters, or those of a model, of a Scene, or of the scene with a name or in a file."""
+    if isinstance(what, Parameters):
+        return what
+    return (what if isinstance(what, Scene | OtherModel) else load_scene(what)).parameters
 
 
 CONVERTERS["parameters"] = parameters_of
@@ -192,7 +280,7 @@ def load_scene(name_or_path: SceneName) -> Scene:
 
     In a file a number may be an expression such as "3*pi/2", which is read to 40 digits (`Scene.notes` says so, and a
     start is then known to these only), and may have a unit, such as "2.5 cm" (extra `units`), which is converted to
-    kg, m, s, N and rad.
+    kg, m, s, N and rad. A table [model] makes the file one of an `OtherModel`.
 
     Raises
     ------
@@ -238,9 +326,11 @@ def read_scene(text: str, where: str) -> Scene:
     file = read_scene_file(text, where)
     data = file.data
     try:
+        given = data["parameters"]
+        problem = OtherModel(**given, **data["model"]) if "model" in data else Parameters(**given)
         return Scene(
             name=data.get("name", Path(where).stem),
-            parameters=Parameters(**data["parameters"]),
+            parameters=problem,  # type: ignore[arg-type]
             t_end=data["t_end"],
             structure=data.get("structure"),
             source=data.get("source", ""),
@@ -264,6 +354,10 @@ INTRODUCTION = """\
 # Where a number need not be exact it may be an expression, such as "3*pi/2": it is read to 40 digits, and symosc says
 # so. With pi, sqrt, sin, cos and exp a value is no fraction, and a start is then known to these digits only.
 """
+MODEL_COMMENT = """\
+# Another model, which symosc turns into its own. The base moves by Y cos(Omega t + Y_phase); the belts have the speeds
+# v1 and v2 and W cos(Omega t + W_phase), and joined = true moves them with the base; the force is A0 + B0 cos(Omega t +
+# phase); g and angle are gravity on a slope. What is left out is 0, mu1 is 1; without v2 there is one belt or wall."""
 START_COMMENT = "# The mass at the start. start_error = 1e-9 would say that these three may be off by so much."
 
 
@@ -279,7 +373,7 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
             return written
         meaning, _, _, allowed = QUANTITIES[name]
         unit = unit_of(name)
-        return f"{written:<16}# {meaning}{allowed and f', {allowed}'}{'' if unit == '1' else f' [{unit}]'}"
+        return f"{written:<15} # {meaning}{allowed and f', {allowed}'}{'' if unit == '1' else f' [{unit}]'}"
 
     lines = [INTRODUCTION.format(file=file)] if explained else []
     # A JSON string is a TOML string too.
@@ -287,12 +381,21 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
     lines += [f"{key} = {json.dumps(value)}" for key, value in about.items() if value]
     if explained and not scene.structure:
         lines.append('# structure = "P32"   # the periodic orbit that the scene is about, if there is one')
-    lines += [line("t_end", show(scene.t_end)), "", "[parameters]"]
-    lines += [line(name, text) for name, text in scene.parameters.as_dict().items() if name in PARAMETER_NAMES]
+    own: Scene | Original = scene if scene.original is None else scene.original
+    parameters: dict[str, Any] = scene.parameters.as_dict()
+    lines += [line("t_end", show(own.t_end)), ""]
+    if scene.original is not None:
+        parameters = scene.original.model.as_dict()
+        lines += [*([MODEL_COMMENT] if explained else []), "[model]"]
+        if parameters.pop("joined", False):
+            lines.append("joined = true")
+        lines += [line(name, parameters.pop(name)) for name in list(parameters) if name not in PARAMETER_NAMES]
+        lines.append("")
+    lines += ["[parameters]", *(line(name, text) for name, text in parameters.items())]
     lines += ["", "[start]", *([START_COMMENT] if explained else [])]
-    lines += [line(name, show(getattr(scene, name))) for name in ("t0", "x0", "v0")]
-    if scene.start_error is not None:
-        lines.append(f"start_error = [{', '.join(_number(show(each)) for each in scene.start_error)}]")
+    lines += [line(name, show(getattr(own, name))) for name in ("t0", "x0", "v0")]
+    if own.start_error is not None:
+        lines.append(f"start_error = [{', '.join(_number(show(each)) for each in own.start_error)}]")
     return "\n".join(lines)
 
 

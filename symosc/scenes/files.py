@@ -13,12 +13,21 @@ from symosc.errors import ParameterError, SceneError, SymoscError, brief, meant
 from symosc.exact import show
 from symosc.model import PARAMETER_NAMES
 from symosc.quantities import read_number
+from symosc.reductions import MODEL_NAMES
 
 #: Keys of a scene file: table, those that are needed, and those that may be there.
 TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "": (("start", "t_end", "parameters"), ("name", "structure", "source", "reference")),
     "parameters": (PARAMETER_NAMES, ()),
     "start": (("t0", "x0", "v0"), ("start_error",)),
+}
+#: Of a file with a table [model], which is about another model (`symosc.reductions`).
+NEEDED = ("m", "k", "Omega")
+MODEL_KEYS = tuple(name for name in MODEL_NAMES if name not in PARAMETER_NAMES)
+MODEL_TABLES = TABLES | {
+    "": (TABLES[""][0], (*TABLES[""][1], "model")),
+    "parameters": (NEEDED, tuple(name for name in PARAMETER_NAMES if name not in NEEDED)),
+    "model": ((), MODEL_KEYS),
 }
 #: Scene files have some 500 characters, more if numbers have thousands of digits. tomllib takes minutes and gigabytes
 #: for a key of ten thousand parts. Of notes on long numbers so many digits are shown.
@@ -37,12 +46,17 @@ class SceneFile(NamedTuple):
 
     def notes(self) -> tuple[str, ...]:
         """Return notes on numbers that are not exact."""
-        texts, notes = self.data["parameters"] | self.data["start"] | self.data, []
+        texts, notes = self.data["parameters"] | self.data["start"] | self.data.get("model", {}) | self.data, []
         for name, number in self.rounded.items():
             shown = show(number)
             shown = f"{shown[:SHOWN_PART]}…" if len(shown) > SHOWN_PART else shown
             notes.append(f"{name} = {texts[name]}: read to 40 digits, {shown}")
         return tuple(notes)
+
+    @property
+    def tables(self) -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]]:
+        """The tables that the file may have, and their keys."""
+        return MODEL_TABLES if "model" in self.data else TABLES
 
     def place(self, *path: str) -> str:
         """Return the place of a key as text."""
@@ -52,7 +66,7 @@ class SceneFile(NamedTuple):
 
     def located(self, error: ParameterError) -> SymoscError:
         """Return an error of a number with the place of that number."""
-        tables = [name for name, (required, optional) in TABLES.items() if error.name in (*required, *optional)]
+        tables = [name for name, (required, optional) in self.tables.items() if error.name in (*required, *optional)]
         place = self.place(*filter(None, [*tables[:1], error.name])) if tables else ""
         where = ", ".join(filter(None, [self.where, place]))
         return ParameterError(error.name, error.value, f"{error.allowed} ({where})")
@@ -101,15 +115,16 @@ def read_scene_file(text: str, where: str) -> SceneFile:
     if not data:
         raise SceneError(where, "is empty; `symosc scenes fig5` prints an example, `symosc new` writes one")
     file = SceneFile(text, where, data, {})
-    for table in TABLES:
+    for table in file.tables:
         _check_keys(file, table)
     for key in ("name", "structure", "source"):
         if key in data and not isinstance(data[key], str):
             raise SceneError(where, f"{file.place(key)}: {key} must be text")
     _read_number(file, data, "t_end")
-    for table in ("parameters", "start"):
-        for name in TABLES[table][0]:
-            _read_number(file, data[table], name)
+    for table in ("parameters", "start", *(["model"] if "model" in data else [])):
+        for name in data[table]:
+            if name not in ("start_error", "joined"):
+                _read_number(file, data[table], name)
     return file
 
 
@@ -117,7 +132,7 @@ def _check_keys(file: SceneFile, name: str) -> None:
     table = file.data[name] if name else file.data
     if not isinstance(table, dict):
         raise SceneError(file.where, f"{file.place(name)}: [{name}] must be a table")
-    required, optional = TABLES[name]
+    required, optional = file.tables[name]
     prefix, known = f"{name}." if name else "", (*required, *optional)
     missing = [key for key in required if key not in table]
     for key in table:  # before what is missing: that may be what was meant
@@ -129,6 +144,8 @@ def _check_keys(file: SceneFile, name: str) -> None:
     for key in missing:
         begins = f"; [{name}] begins in {file.place(name)}" if name and file.place(name) else ""
         advice = f": give it in a table [{key}]" if key in TABLES else begins
+        if name == "parameters" and key not in NEEDED and any(each in MODEL_KEYS for each in table):
+            advice += "; a model other than that of symosc has a table [model]"
         raise SceneError(file.where, f"{prefix}{key} is missing{advice}")
 
 

@@ -248,7 +248,7 @@ def warm() -> list[Warmed]:
     MissingExtraError
         If numba is not installed.
     """
-    loops, search = chosen_loops(True), compiled()["search_row"]
+    loops, search, doubt = chosen_loops(True), compiled()["search_row"], compiled()["doubt_row"]
     scene, nothing = load_scene("fig8"), np.arange(0)
     start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
     arithmetic = Arithmetic(scene.parameters)
@@ -260,7 +260,9 @@ def warm() -> list[Warmed]:
         loops.settle(no_tally(), nothing, table, np.zeros((0, 0, 2)), nothing)
 
     def alone() -> None:
-        search(np.array([row_of(first_state(start, arithmetic), *last_time(start, arithmetic))]), table)
+        rows = np.array([row_of(first_state(start, arithmetic), *last_time(start, arithmetic))])
+        search(rows, table)
+        doubt(rows, 0, 1, 1.0, table)
 
     def derivatives() -> None:
         columns, out = (np.zeros(0),) * 4 + (nothing,) * 3, (np.zeros((0, 1)),) * 2
@@ -279,7 +281,7 @@ def warm() -> list[Warmed]:
 
     works: dict[str, tuple[Callable[[], bool], Callable[[], None]]] = {
         "events in doubles": (lambda: all(map(is_compiled, loops[:3])), doubles),
-        "events of single motions": (lambda: is_compiled(search), alone),
+        "events of single motions": (lambda: is_compiled(search) and is_compiled(doubt), alone),
         "events in double-double numbers": (pairs_are_compiled, pairs),
         "derivatives of events": (lambda: is_compiled(compiled_tangents()["tangents"]), derivatives),
     }

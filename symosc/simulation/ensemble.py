@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
-from math import cos, isinf, sin
+from math import isinf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -66,6 +66,7 @@ from symosc.engine.summary import (
 from symosc.engine.tangent import Letters
 from symosc.errors import ParameterError
 from symosc.exact import read_start_error, whole_number
+from symosc.kernels.elementary import cos, sin
 from symosc.model import MODE_NAMES, Parameters
 from symosc.scenes import ParametersLike
 from symosc.simulation.batch import (
@@ -228,8 +229,7 @@ class Chunk:
         again = self._in_pairs(self._remove_undecided()) if task.loops.in_threads else {}
         for i in self._remove_undecided():
             cancel.check()
-            known = int(self.batch.counts[i]) if task.loops.in_threads else 0
-            self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy, known=known)
+            self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy)
         again |= {i: rows_of(i, trajectory.events) for i, trajectory in self.alone.items()}
         self.rows = spliced(self.rows, again) if again else self.rows
         self.status = self._statuses()

@@ -8,18 +8,16 @@ step to an event takes the digits (`symosc.engine.next_event`).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from itertools import compress
-from math import ceil, log
-from operator import itemgetter
+from math import ceil, inf, log, nan
 from typing import Any
 
 import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.arithmetic import (
+    PAIR_EPS,
     ROUNDED_FROM,
     Arithmetic,
     MpArithmetic,
@@ -28,41 +26,47 @@ from symosc.engine.arithmetic import (
     many_digits,
     mp_context,
     pair_constants,
+    pairs_are_loaded,
     pairs_as_complex,
 )
 from symosc.engine.batch import (
     NEGLIGIBLE,
     PIECE_COLUMNS,
+    STATE_WIDTH,
     EventRows,
     PairLimits,
     batch_of,
+    doubt_row,
     event_buffer,
-    next_undecided,
+    is_below,
+    keep_state,
     rounding_error,
     row_of,
     rows_between,
+    search_row,
     state_of,
     write_piece,
 )
 from symosc.engine.constant_table import table_of
-from symosc.engine.events import (
-    CODE_COLUMNS,
-    CODE_NAMES,
-    EVENT_COLUMNS,
-    EXACT_COLUMNS,
-    FLOAT_COLUMNS,
-    Event,
-    event_codes,
-)
+from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EXACT_COLUMNS, FLOAT_COLUMNS, Event, event_codes
 from symosc.engine.flow import Constants, clock_time, constants
-from symosc.engine.next_event import advance
-from symosc.engine.start import MOST_PERIODS, Start, first_state, is_steady, last_time, rounded, settles
-from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, RUNNING, UNDECIDED, NextEvent, State
+from symosc.engine.start import MOST_PERIODS, Start, continued, first_state, is_steady, last_time, rounded, settles
+from symosc.engine.state import (
+    END,
+    FAILED,
+    GRAZE,
+    ON_BELT,
+    REST,
+    RUNNING,
+    UNDECIDED,
+    Covariance,
+    NextEvent,
+    State,
+)
 from symosc.engine.summary import no_tally
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.simulation.batch import FOLLOW, TURN, chosen_loops, joined, loaded_loop
-from symosc.simulation.tables import rows_of
 
 # Events of the first block of a motion and of the largest one.
 FIRST_BLOCK, LARGEST_BLOCK = 64, 1 << 15
@@ -78,10 +82,6 @@ FINER_DIGITS = 36
 GRAZE_TIMES, GRAZE_SPARE = 3, 20
 # Digits up to which also the fast root of an overdamped system counts, and up to which grazes are confirmed.
 MOST_FAST, MOST_GRAZE = 600, 2500
-# Takes the fields of an event from its numbers and names; the names by code, and which numbers have all digits.
-IN_ORDER = itemgetter(*((*FLOAT_COLUMNS, *CODE_COLUMNS).index(name) for name in EVENT_COLUMNS))
-NAMES = [CODE_NAMES.get(name) for name in CODE_COLUMNS]
-ARE_EXACT = [name in EXACT_COLUMNS for name in FLOAT_COLUMNS]
 
 
 def check_reached(start: Start, periods: int) -> None:
@@ -108,23 +108,38 @@ def fits_pairs(start: Start) -> bool:
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
-def search_in_doubles(start: Start) -> Callable[[State], NextEvent]:
-    """Return the function that finds the next event in doubles; it is not thread-safe."""
-    arithmetic = Arithmetic(start.parameters)
-    t_end, t_end_low = last_time(start, arithmetic)
-    t0, K = float(start.t0), arithmetic.K
-    functions = loaded_loop()
-    if functions is None or not is_compiled(functions["search_row"]):
-        return partial(advance, t_end=t_end, t_end_low=t_end_low - (t_end - t0) * K.Om_gain, K=K)
-    table, search_row = table_of([K]), functions["search_row"]
+class SearchInDoubles:
+    """The search for the next events of one motion in doubles, compiled where that is loaded; not thread-safe.
 
-    def search(state: State) -> NextEvent:
-        row = np.array([row_of(state, t_end, t_end_low)])
-        row[0, 15] = t0
-        code, boundary, decided, t_error = search_row(row, table)
-        return NextEvent(code, boundary, decided, t_error, state_of(row, 0))
+    `K` are the constants by which doubles are in doubt. What they find for others exceeds the errors of a state always.
+    """
 
-    return search
+    def __init__(self, start: Start, K: Constants) -> None:
+        arithmetic, functions = Arithmetic(start.parameters), loaded_loop() or {}
+        self._rows = np.zeros((1, STATE_WIDTH))
+        self._rows[0, 13:16] = *last_time(start, arithmetic), float(start.t0)
+        plain: tuple[Any, ...] = search_row, doubt_row
+        found = tuple(functions.get(each.__name__, each) for each in plain)
+        compiled = bool(functions) and all(map(is_compiled, found))
+        self._search, self._doubt = found if compiled else plain
+        self._careful, self._K = (table_of([each]) if compiled else [each] for each in (arithmetic.K, K))
+
+    def next_event(self, state: State) -> NextEvent | None:
+        """Return the next event, or None outside the range of doubles."""
+        keep_state(self._rows, 0, state)
+        try:
+            code, boundary, decided, t_error = self._search(self._rows, self._careful)
+            return NextEvent(code, boundary, decided, t_error, state_of(self._rows, 0))
+        except (ArithmeticError, ValueError):
+            return None
+
+    def next_doubt(self, state: State, count: int, accuracy: float, most: int) -> int:
+        """Return the number of the next event that doubles, from a state after `count` events, leave in doubt, or 0."""
+        keep_state(self._rows, 0, state)
+        try:
+            return int(self._doubt(self._rows, count, most, accuracy, self._K))
+        except (ArithmeticError, ValueError):
+            return 0
 
 
 class MotionInDoubles:
@@ -186,11 +201,11 @@ class MotionInDoubles:
         self._events.append(rows_between(out, 0, rows))
         self._pieces.append(pieces[:, :parts])
 
-    def take_over(self, finer: FinerMotion | MotionInPairs) -> None:
+    def take_over(self, finer: FinerMotion) -> None:
         """Go on from the last state of a motion with more digits, whose events and pieces replace those found here."""
         self._events, self._pieces = list(finer.rows), [self._pieces[0], *finer.pieces]
-        self._batch.states[0] = self.row(finer.rounded_state())
-        self._batch.counts[0], self.code = finer.count, finer.code if finer.ended else RUNNING
+        self._batch.states[0] = self.row(finer.state)
+        self._batch.counts[0], self.code = finer.count, finer.code
 
     def row(self, state: State) -> list[Number]:
         """Return the row of a batch for this motion in a state."""
@@ -198,24 +213,15 @@ class MotionInDoubles:
         row[15] = float(self.start.t0)
         return row
 
-    def next_doubt(self, state: State, count: int, accuracy: float, most: int) -> int:
-        """Return the number of the next event that doubles, from a state after `count` events, leave in doubt, or 0."""
-        if self.start.start_error:  # more digits would not decide it
-            return 0
-        row = self.row(state)
-        return _or_none(partial(next_undecided, state, count, row, most, accuracy, self.K)) or 0
-
 
 class Motion:
     """The states and events of one initial value problem so far, with many digits.
 
     `code` is what the last step ended with, and `decided` whether the numbers at hand decide that; `first_at` is the
-    belt on which the start is, or 0.
+    belt on which the start is, or 0. `begin` is a state from which the motion goes on, known in all digits.
     """
 
-    rounds = False  # whether events are recorded in doubles
-
-    def __init__(self, start: Start, digits: MpArithmetic | int) -> None:
+    def __init__(self, start: Start, digits: MpArithmetic | int, begin: State | None = None) -> None:
         own = many_digits(start.parameters, digits) if isinstance(digits, int) else digits
         self.start, self.arithmetic, self.digits = start, own, own.digits
         state = first_state(start, own)
@@ -223,15 +229,15 @@ class Motion:
         self._t0_low = own.inward(own.number(start.t0 - Fraction(float(start.t0))))
         if start.start_error:  # rounding is far below it, and it is no standard error
             self.K = self.K._replace(sigmas=own.inward(own.number(Fraction(1))))
-        self._state, self._end = own.inward(state), own.inward(last_time(start, own))
-        self._search: Callable[[State], NextEvent] | None = None
+        self._first, self._end = own.inward(state), own.inward(last_time(start, own))
+        self._state: State = own.inward(begin) if begin else self._first
+        self._search: SearchInDoubles | None = None
         if own.advance_near and not start.start_error:
-            self._search = _or_none(partial(search_in_doubles, start))
-        self._first, self._worst = self._state, 0.0
-        self.events, self._columns = list[Event](), list[tuple[Any, ...]]()
-        self.code, self.decided = 0, True
-        self.ahead: tuple[State, NextEvent] | None = None
-        self._record(0.0)
+            self._search = SearchInDoubles(start, Arithmetic(start.parameters).K)
+        self._before, self._worst = self._state, 0.0
+        self._events, self._columns = list[tuple[Any, tuple[int, ...]]](), list[tuple[Any, ...]]()
+        self.code, self.decided, self.grazes_only = 0, True, True
+        self._record_piece(0.0)
 
     def missing_digits(self, digits: int) -> int:
         """Return how many of `digits` digits the least accurate event lacks, relative to max(1, |value|)."""
@@ -245,7 +251,39 @@ class Motion:
         """Whether the last step reached the end, a rest or a failure."""
         return self.code in (END, REST, FAILED)
 
-    def _record(self, elapsed: Number) -> None:
+    @property
+    def count(self) -> int:
+        """The number of events so far."""
+        return len(self._events)
+
+    @property
+    def events(self) -> list[Event]:
+        """The events so far, with all digits."""
+        return self.events_in(self.arithmetic.context)
+
+    def events_in(self, context: Any) -> list[Event]:
+        """Return the events with numbers of an mpmath context; the errors include the rounding to these."""
+        half, found = float(context.eps) / 2 if context is not self.arithmetic.context else 0.0, list[Event]()
+        for numbers, codes in self._events:
+            values: dict[str, Any] = dict(zip(FLOAT_COLUMNS, numbers, strict=True))
+            values |= {name: float(value) for name, value in values.items() if name not in EXACT_COLUMNS}
+            exact = self.arithmetic.outward(tuple(values[name] for name in EXACT_COLUMNS), context)
+            values |= zip(EXACT_COLUMNS, exact, strict=True)
+            for name in ("t", "x"):
+                values[f"{name}_error"] += half * abs(float(values[name]))
+            for name, code in zip(CODE_COLUMNS, codes, strict=True):
+                values[name] = CODE_NAMES[name][code] if name in CODE_NAMES else code
+            found.append(Event(**values))
+        return found
+
+    def undo(self) -> None:
+        """Go back to before the last step."""
+        self._state = self._before
+        del self._columns[-1]
+        if self.code <= GRAZE:
+            del self._events[-1]
+
+    def _record_piece(self, elapsed: Number) -> None:
         """Store the piece that begins after a step, `elapsed` after the exact t0."""
         s = self._state
         a = s.Fb if s.mode <= ON_BELT else 0.0
@@ -261,46 +299,36 @@ class Motion:
         own = self.arithmetic
         entered = own.enter()
         try:
-            before = self._state
+            before = self._before = self._state
             found = self._next(before)
             self.code, self.decided, self._state = found.code, found.decided, found.state
             if found.code in (END, REST):
                 return
-            self._record(self._elapsed())
+            self._record_piece(self._elapsed())
             if found.code <= GRAZE:
                 s = found.state
                 clock = own.time_with_errors(s.t, s.t_low, self._first.t, s.x, s.v, found.t_error, s.S.S11, self.K)
-                numbers = own.event_numbers(before, found, clock, self.K)
-                if self.rounds:
-                    event = event_from(map(float, numbers), event_codes(before, found))
-                    self.events.append(with_rounding(event))
-                    return
-                self._worst = max(self._worst, clock[1] / max(1, abs(clock[0])), clock[2] / max(1, abs(s.x)))
-                exact = iter(own.outward(tuple(compress(numbers, ARE_EXACT))))
-                numbers = [next(exact) if each else float(n) for n, each in zip(numbers, ARE_EXACT, strict=True)]
-                self.events.append(event_from(numbers, event_codes(before, found)))
+                self._record_event(before, found, clock)
+                self.grazes_only = self.grazes_only and found.code == GRAZE
         finally:
             own.leave(entered)
 
-    def search(self) -> None:
-        """Search the next event in doubles, if they reach; `ahead` is the rounded state and what is found."""
-        if self._search is None or self.ahead is not None:
-            return
-        rough = self.rounded_state()
-        found = _or_none(partial(self._search, rough))
-        if found is None:
-            self._search = None
-        else:
-            self.ahead = rough, found
+    def _record_event(self, before: State, found: NextEvent, clock: tuple[Number, ...]) -> None:
+        """Store an event, given its time with the errors of time and position."""
+        t, t_error, x_error = clock
+        self._worst = max(self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(found.state.x)))
+        numbers = self.arithmetic.event_numbers(before, found, clock, self.K)
+        self._events.append((numbers, event_codes(before, found)))
 
     def _next(self, state: State) -> NextEvent:
         """Return the next event with many digits, searched in doubles where possible."""
-        self.search()
-        if self.ahead is None:
+        rough = rounded(state, self.start) if self._search else None
+        ahead = self._search.next_event(rough) if self._search and rough else None
+        if ahead is None:
+            self._search = None
             found: NextEvent = self.arithmetic.advance(state, *self._end, self.K)
         else:
-            found = self.arithmetic.advance_near(state, *self.ahead, *self._end, self.K)
-            self.ahead = None
+            found = self.arithmetic.advance_near(state, rough, ahead, *self._end, self.K)
         return found
 
     def _elapsed(self) -> Number:
@@ -336,16 +364,11 @@ class Motion:
         return self.arithmetic.outward(self._state.t)
 
 
-def _or_none(compute: Callable[[], Any]) -> Any:
-    """Return a result in doubles, or None outside their range."""
-    try:
-        return compute()
-    except (ArithmeticError, ValueError):
-        return None
-
-
 class MotionInPairs:
-    """The same problem in double-double numbers, by compiled code, followed only as far as doubles require."""
+    """A motion in double-double numbers, by compiled code, followed only as far as doubles require.
+
+    Before an event that pairs do not decide, or know too little of, it stops.
+    """
 
     def __init__(self, doubles: MotionInDoubles, accuracy: float, most: int) -> None:
         start, exact = doubles.start, many_digits(doubles.start.parameters, ROUNDED_FROM)
@@ -354,26 +377,22 @@ class MotionInPairs:
         self._limits = PairLimits(most, accuracy, MOST_MORE, NEGLIGIBLE, table_of(table), table_of([plain]))
         self._pairs = np.array([pairs_as_complex(tuple(row_of(state, *last_time(start, exact))))])
         self._batch = batch_of(np.array([doubles.row(rounded(state, start))]))
-        self.rows, self.pieces = list[EventRows](), list[np.ndarray]()
+        self._rows, self._pieces = list[EventRows](), list[np.ndarray]()
 
-    @property
-    def code(self) -> int:
-        """What the motion ended with, or RUNNING."""
-        return int(self._batch.codes[0])
-
-    @property
-    def count(self) -> int:
-        """The number of events so far."""
-        return int(self._batch.counts[0])
-
-    @property
-    def ended(self) -> bool:
-        """Whether the end, or a rest, is reached."""
-        return self.code in (END, REST)
+    code = property(lambda self: int(self._batch.codes[0]), doc="What the motion ended with, or RUNNING.")
+    count = property(lambda self: int(self._batch.counts[0]), doc="The number of events so far.")
+    grazes_only = property(lambda self: self.count == 0, doc="Whether all events are grazes, which pairs leave open.")
 
     def rounded_state(self) -> State:
         """Return the current state in doubles."""
         return state_of(self._batch.states, 0)
+
+    def last_sure(self, arithmetic: MpArithmetic) -> State:
+        """Return the current state in an arithmetic of more digits."""
+        number = arithmetic.context.mpf
+        row = [number(z.real) + number(z.imag) for z in self._pairs[0].tolist()]
+        numbers: tuple[Any, ...] = (*map(int, row[:3]), *row[3:8], Covariance(*row[8:11]), *row[11:13], *row[16:])
+        return continued(State(*numbers), PAIR_EPS, arithmetic)
 
     def reach(self, count: int) -> bool:
         """Follow the motion to `count` events or to its end, and on while doubles are in doubt; False if pairs are."""
@@ -383,74 +402,167 @@ class MotionInPairs:
             out, pieces = event_buffer(size), np.empty((len(PIECE_COLUMNS), 2 * size))
             given = (self._pairs, self._batch, out, pieces, self._K, no_tally(), self._limits)
             rows, parts = self._follow(first, wanted, *given)
-            self.rows.append(rows_between(out, 0, rows))
-            self.pieces.append(pieces[:, :parts])
+            self._rows.append(rows_between(out, 0, rows))
+            self._pieces.append(pieces[:, :parts])
             if self.code != RUNNING or parts < pieces.shape[1]:
                 return self.code != UNDECIDED
 
+    def take(self) -> tuple[EventRows, np.ndarray]:
+        """Return the events and pieces since they were last taken."""
+        found = joined(self._rows), np.concatenate(self._pieces, axis=1)
+        self._rows, self._pieces = [], []
+        return found
 
-class FinerMotion(Motion):
-    """The same problem with FINER_DIGITS, followed only as far as doubles require.
 
-    A contact that is undecided here is followed with `digits_to_confirm_graze`. Undecided still, it is a graze. Decided
-    only there, the trajectory ends as "undecidable": from here on double precision, backed up as it is, would guess.
+class MotionInDigits(Motion):
+    """A motion with digits whose events are recorded in doubles; it may go on from where `other` stopped.
+
+    One that did is sure of an event only if what is not known of its first state makes no difference to the doubles.
     """
 
-    rounds = True
-
-    def __init__(self, start: Start) -> None:
-        super().__init__(start, FINER_DIGITS + start.spare_digits)
-        self._finest: Motion | None = None
-        self.rows, self.pieces = list[EventRows](), list[np.ndarray]()
-        self._given = 0
+    def __init__(
+        self,
+        start: Start,
+        digits: int,
+        next_doubt: Callable[[State, int], int],
+        other: MotionInPairs | MotionInDigits | None = None,
+    ) -> None:
+        super().__init__(start, digits, other.last_sure(many_digits(start.parameters, digits)) if other else None)
+        self.from_start, self.is_known, self._skipped = other is None, True, other.count if other else 0
+        self.grazes_only, self._next_doubt = other is None or other.grazes_only, next_doubt
 
     @property
     def count(self) -> int:
-        """The number of events so far."""
-        return len(self.events)
+        """The number of events so far, with those of other motions before it."""
+        return self._skipped + len(self._events)
 
-    def reach(self, count: int, next_doubt: Callable[[State, int], int]) -> bool:
-        """Follow the motion to `count` events or to its end; return False at an undecided contact.
+    def reach(self, count: int) -> bool:
+        """Follow the motion to `count` events or to its end; return False after a step that is open.
 
         It goes on to what `next_doubt` says of the state in doubles, and the number of events: the next event that
         doubles do not decide or know well enough.
         """
         while not self.ended:
             if self.count >= count:
-                count = next_doubt(self.rounded_state(), self.count)
+                count = self._next_doubt(self.rounded_state(), self.count)
                 if count == 0:
                     break
-            before = self.count
             self.step()
-            if self.code == FAILED or not (self.decided or self.start.start_error or self._is_graze(before)):
-                del self.events[before:]
+            if self.code == FAILED or not self.is_known or not (self.decided or self.start.start_error):
                 return False
-        self.rows.append(rows_of(0, self.events[self._given :]))
-        self._given = self.count
-        self.pieces = [self.columns()[:, 1:]]
         return True
 
-    def _is_graze(self, before: int) -> bool:
-        """Return whether the contact after `before` events stays undecided with many more digits; then use those."""
-        base = 2 * (self.digits or 0) // GRAZE_TIMES  # at least twice the digits
-        needed = digits_to_confirm_graze(self, self.elapsed, base)
-        if needed is None:
-            return False
-        if self._finest is None or (self._finest.digits or 0) < needed:
-            whole = digits_to_confirm_graze(self, self.start.t_end - self.start.t0, base)
-            self._finest = Motion(self.start, min(whole or MOST_GRAZE, 3 * needed))
-        finest = self._finest
-        while len(finest.events) <= before and not finest.ended:
-            finest.step()
-            if not finest.decided and len(finest.events) >= before:
-                if len(self.events) > before and len(finest.events) > before:
-                    self.events[-1] = rounded_event(finest.events[-1])
-                return finest.code != FAILED
-        return False
+    def _record_event(self, before: State, found: NextEvent, clock: tuple[Number, ...]) -> None:
+        """Store an event in doubles."""
+        t, t_error, x_error = map(float, clock)
+        x = float(found.state.x)
+        self.is_known = self.from_start or (is_below(NEGLIGIBLE, t_error, t) and is_below(NEGLIGIBLE, x_error, x))
+        told = t, rounding_error(t_error, t), rounding_error(x_error, x)
+        numbers = self.arithmetic.event_numbers(before, found, told, self.K)
+        self._events.append((tuple(map(float, numbers)), event_codes(before, found)))
+
+    def last_sure(self, arithmetic: MpArithmetic) -> State:
+        """Return the current state in an arithmetic of more digits."""
+        return continued(self.state, Fraction(1, 1 << self.arithmetic.context.prec), arithmetic)
+
+    def take(self) -> tuple[EventRows, np.ndarray]:
+        """Return the events and pieces since they were last taken."""
+        rows, pieces = event_buffer(len(self._events)), self.columns()[:, 1:]
+        for n, (numbers, codes) in enumerate(self._events):
+            rows.floats[:, n], rows.ints[:, n] = numbers, (0, *codes)
+        self._skipped = self.count
+        del self._events[:], self._columns[1:]
+        return rows, pieces
 
 
-def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int) -> int | None:
-    """Return the precision at which an undecided contact at a time counts as a graze; None if too high.
+class FinerMotion:
+    """The same problem in more precise numbers, followed only as far as doubles require; all in doubles comes out.
+
+    Pairs follow it where this process has their loop, else FINER_DIGITS digits. Past a contact that these leave open as
+    many go on as confirm a graze (`digits_to_confirm_graze`): from the state before it with its error, or, if that is
+    what leaves it open, from t0. They decide it, or it is a graze. Where they did decide, the next one takes twice as
+    many: with sticks that get shorter, so do gaps.
+    """
+
+    def __init__(self, doubles: MotionInDoubles, accuracy: float, most: int) -> None:
+        self.start, search = doubles.start, SearchInDoubles(doubles.start, doubles.K)
+        self._doubt = partial(search.next_doubt, accuracy=accuracy, most=most)
+        self._least, self._asked_at = FINER_DIGITS + self.start.spare_digits, inf
+        self.rows, self.pieces = list[EventRows](), list[np.ndarray]()
+        self.open_at, self.open_in = nan, 0  # the time of a contact that cannot be decided, and with how many digits
+        self._now: MotionInPairs | MotionInDigits
+        if fits_pairs(self.start) and pairs_are_loaded():
+            self._now = MotionInPairs(doubles, accuracy, most)
+        else:
+            self._now = MotionInDigits(self.start, self._least, self._doubt)
+
+    @property
+    def count(self) -> int:
+        """The number of events so far."""
+        return self._now.count
+
+    @property
+    def code(self) -> int:
+        """What the motion ended with, or RUNNING."""
+        return self._now.code if self._now.code in (END, REST) else RUNNING
+
+    @property
+    def state(self) -> State:
+        """The current state in doubles."""
+        return self._now.rounded_state()
+
+    def reach(self, count: int) -> bool:
+        """Follow the motion to `count` events or to its end, and on while doubles are in doubt.
+
+        Return False at a contact that cannot be decided.
+        """
+        reached = self._now.reach(count)
+        while not reached and self._settle():
+            reached = self._now.reach(count)
+        self._take()
+        return reached
+
+    def _take(self) -> None:
+        """Take over what was found."""
+        rows, pieces = self._now.take()
+        self.rows.append(rows)
+        self.pieces.append(pieces)
+
+    def _settle(self) -> bool:
+        """Let more digits go on at an open contact, or take it for a graze; return False if neither is possible."""
+        now = self._now
+        if isinstance(now, MotionInPairs):
+            return self._go_on(self._least, now)
+        at, span = now.count - (now.code <= GRAZE), self.start.t_end - self.start.t0
+        base, least = 2 * self._least // GRAZE_TIMES, 2 * now.digits if at > self._asked_at else 0
+        needed, whole = (digits_to_confirm_graze(now, each, base, least) or inf for each in (now.elapsed, span))
+        if now.from_start and now.code != FAILED and now.digits >= needed:
+            self._asked_at = inf
+            return True
+        self.open_at, self.open_in = float(now.time), now.digits
+        now.undo()
+        if now.code == FAILED or now.digits >= needed or needed == inf or not now.is_known:
+            return not now.from_start and self._go_on(now.digits)
+        self._asked_at = at
+        return self._go_on(int(max(needed, min(whole, MOST_GRAZE, GRAZE_TIMES * needed))), now)
+
+    def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
+        """Follow the motion with so many digits, from where `other` stopped, or from t0 to where it is now."""
+        self._take()
+        count, steps = self.count, sum(pieces.shape[1] for pieces in self.pieces)
+        self._now = now = MotionInDigits(self.start, digits, self._doubt, other)
+        if not other:
+            for _ in range(steps):
+                if not now.ended:
+                    now.step()
+            there = now.count == count
+            now.take()
+            return there
+        return True
+
+
+def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int, least: int = 0) -> int | None:
+    """Return the precision, `least` or more, at which an undecided contact at a time counts as a graze; None: too high.
 
     A motion that tends to one that grazes has gaps that shrink like exp(-rate t), and each of them is a near miss or a
     crossing. The rate is the larger one of the free motion, or, where that takes too many digits, the smaller one: only
@@ -461,36 +573,8 @@ def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int) -> int
     K: Constants = constants(start.parameters)
     fast, slow = (K.h, K.h) if K.under else (-K.l2, -K.l1)
     fast_digits, slow_digits = (ceil(float(elapsed) * rate / log(10)) for rate in (fast, slow))
-    if is_steady(start) and all(event.kind == "graze" for event in motion.events):
+    if is_steady(start) and motion.grazes_only:
         fast_digits = 0
     decay = fast_digits if fast_digits <= MOST_FAST else max(MOST_FAST, slow_digits)
-    needed = max(GRAZE_TIMES * digits, digits + GRAZE_SPARE + decay)
+    needed = max(GRAZE_TIMES * digits, digits + GRAZE_SPARE + decay, least)
     return needed if needed <= max(MOST_GRAZE, GRAZE_TIMES * digits) else None
-
-
-def event_from(numbers: Any, codes: Any) -> Event:
-    """Return an event from its numbers and codes (`symosc.engine.events`)."""
-    texts = [code if names is None else names[code] for names, code in zip(NAMES, codes, strict=True)]
-    return Event(*IN_ORDER((*numbers, *texts)))
-
-
-def cut_event(event: Event, context: Any) -> Event:
-    """Return an event with numbers of an mpmath context; the errors include the truncation."""
-    half = float(context.eps) / 2
-    errors = {name: getattr(event, f"{name}_error") + half * float(abs(getattr(event, name))) for name in ("t", "x")}
-    exact: dict[str, Any] = {name: +context.convert(getattr(event, name)) for name in EXACT_COLUMNS}
-    return replace(event, **exact, t_error=errors["t"], x_error=errors["x"])
-
-
-def rounded_event(event: Event) -> Event:
-    """Return an event with floats; the errors include the rounding."""
-    if isinstance(event.t, float):
-        return event
-    exact: dict[str, Any] = {name: float(getattr(event, name)) for name in EXACT_COLUMNS}
-    return with_rounding(replace(event, **exact))
-
-
-def with_rounding(event: Event) -> Event:
-    """Return an event rounded to floats, with errors that include the rounding."""
-    t_error, x_error = rounding_error(event.t_error, event.t), rounding_error(event.x_error, event.x)
-    return replace(event, t_error=t_error, x_error=x_error)

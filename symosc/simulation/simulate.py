@@ -9,31 +9,28 @@ known to that many digits.
 from __future__ import annotations
 
 from fractions import Fraction
-from functools import partial
 from math import inf, isinf
 from typing import Any
 
 from symosc.aliases import Number, NumberLike, Progress, SceneName, StartError
 from symosc.arguments import public
 from symosc.display.progress import Advance, late_bar
-from symosc.engine.arithmetic import mp_context, pairs_are_loaded
+from symosc.engine.arithmetic import mp_context
 from symosc.engine.start import Start, settles
 from symosc.engine.state import FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNING, UNDECIDED, State
 from symosc.errors import ParameterError
 from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read_start_error, show, whole_number
 from symosc.model import Parameters
-from symosc.scenes import Scene, end_time, load_scene, start_numbers
+from symosc.reductions import OtherModel
+from symosc.scenes import Original, Scene, end_time, load_scene, moved_scene, other_model, start_numbers
 from symosc.simulation.motion import (
     FinerMotion,
     Motion,
     MotionInDoubles,
-    MotionInPairs,
     check_reached,
-    cut_event,
     digits_to_confirm_graze,
-    fits_pairs,
-    rounded_event,
 )
+from symosc.simulation.moved import MovedTrajectory
 from symosc.simulation.trajectory import Trajectory
 
 ACCURACY = 1e-13
@@ -46,7 +43,7 @@ MOST_WORKING = 12
 
 @public
 def simulate(
-    scene: Scene | Parameters | SceneName,
+    scene: Scene | Parameters | OtherModel | SceneName,
     *,
     t0: NumberLike | None = None,
     x0: NumberLike | None = None,
@@ -62,8 +59,9 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene, str or Parameters
-        A scene or the name of one (t0, x0, v0 and t_end then replace the scene's own), or parameters.
+    scene : Scene, str, Parameters or OtherModel
+        A scene or the name of one (t0, x0, v0 and t_end then replace the scene's own), or parameters. Of another model
+        start, end and answer are in its coordinates.
     t0, x0, v0, t_end : number
         Start and end, read exactly like parameters; in the parameters' units. With parameters t0, x0 and v0 are 0
         unless they are given. "10T" as an end is ten periods of the drive after t0.
@@ -101,28 +99,47 @@ def simulate(
     >>> print(simulate("fig8-exact", digits=30).events[0].t)
     3.14159265358979323846264338328
     """
-    start = read_start(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
+    start, original = read_problem(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
     default = MOST_EVENTS if digits is None else MOST_EXACT_EVENTS
     most = default if max_events is None else whole_number("max_events", max_events, 1)
     if digits is None:
         asked = read_accuracy(accuracy)
         with late_bar(progress, "simulate", "events") as advance:
-            return in_doubles(start, most, asked, advance)
+            motion = in_doubles(start, most, asked, advance)
+        return motion if original is None else MovedTrajectory(motion, original)
     digits = whole_number("digits", digits, LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS)
     if accuracy is not None:
         raise ParameterError("accuracy", accuracy, f"is for double precision: leave it out with digits = {digits}")
     with late_bar(progress, f"simulate, {digits} digits", "events") as advance:
-        return _with_digits(start, most, digits, advance)
+        motion = _with_digits(start, most, digits, advance)
+    return motion if original is None else MovedTrajectory(motion, original)
 
 
 def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any) -> Start:
-    """Return the initial value problem from a scene or keyword arguments."""
-    if not isinstance(scene, Scene | Parameters):
+    """Return the initial value problem from a scene or keyword arguments; refuse one of another model."""
+    start, original = read_problem(scene, given, start_error)
+    if original is not None:
+        raise other_model(scene)
+    return start
+
+
+def read_problem(scene: Any, given: dict[str, Any], start_error: Any) -> tuple[Start, Original | None]:
+    """Return the initial value problem from a scene or keyword arguments, and what it is in another model."""
+    if not isinstance(scene, Scene | Parameters | OtherModel):
         scene = load_scene(scene)
+    if isinstance(scene, OtherModel):
+        if given["t_end"] is None:
+            raise ParameterError("t_end", None, "is needed with a model")
+        given = {name: 0 if value is None else value for name, value in given.items()}
+        end = end_time(given["t_end"], scene.parameters, given["t0"])
+        scene, given = Scene("model", scene, **given | {"t_end": end}), {}  # type: ignore[arg-type]
     if isinstance(scene, Scene):
         scene = scene.started({name: value for name, value in given.items() if value is not None})
+        if start_error is not None and scene.original is not None:
+            scene, start_error = moved_scene(scene, scene.original, start_error=start_error), None
         error = scene.start_error if start_error is None else read_start_error(start_error)
-        return Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, error)
+        start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, error)
+        return start, scene.original
     if given["t_end"] is None:
         raise ParameterError("t_end", None, "is needed with parameters")
     given = given | {"t_end": end_time(given["t_end"], scene, given["t0"] or 0)}
@@ -130,7 +147,7 @@ def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], sta
     start = Start(scene, **numbers, start_error=rounding if start_error is None else read_start_error(start_error))
     if start.t_end <= start.t0:
         raise ParameterError("t_end", show(start.t_end), f"must be later than t0 = {show(start.t0)}")
-    return start
+    return start, None
 
 
 def read_accuracy(value: Any) -> float:
@@ -153,31 +170,21 @@ def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction]
     return inf if start_error and max(start_error) > accuracy else accuracy
 
 
-def in_doubles(
-    start: Start, most: int, accuracy: float, advance: Advance = None, known: int | None = None
-) -> Trajectory:
-    """Follow a motion in doubles, with more digits where these are undecided; see `simulate`.
-
-    After `known` events pairs are known to be undecided; None: not yet.
-    """
+def in_doubles(start: Start, most: int, accuracy: float, advance: Advance = None) -> Trajectory:
+    """Follow a motion in doubles, with more digits where these are undecided; see `simulate`."""
     needed = attainable(accuracy, start.start_error)
     motion = MotionInDoubles(start, isinf(accuracy))
-    pairs = finer = None
+    finer: FinerMotion | None = None
     if settles(start):
         motion.code = REST
     while motion.code == RUNNING:
         motion.follow(most, needed)
         if motion.code in NEEDS_DIGITS:
-            wanted = motion.count + (motion.code == UNDECIDED)
-            if known is None and finer is None and pairs_are_loaded() and (pairs or fits_pairs(start)):
-                pairs = pairs or MotionInPairs(motion, needed, most)
-                if not pairs.reach(wanted):
-                    known = pairs.count
-            if known is not None or not pairs:
-                finer = finer or FinerMotion(start)
-                if not finer.reach(max(wanted, known or 0), partial(motion.next_doubt, accuracy=needed, most=most)):
-                    return _undecidable(finer)
-            motion.take_over(finer or pairs)  # type: ignore[arg-type]
+            finer = finer or FinerMotion(motion, needed, most)
+            decided = finer.reach(motion.count + (motion.code == UNDECIDED))
+            motion.take_over(finer)
+            if not decided:
+                return _in_columns(motion, "undecidable", _open_contact(finer.open_at, finer.open_in), finer.open_at)
         if advance:
             advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
     if motion.code == FULL:
@@ -196,17 +203,21 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
     working = digits + 10 + start.spare_digits
     if settles(start):
         motion = Motion(start, working)
-        return _in_digits(motion, *_ended(start, REST, motion.state), digits)
+        last = motion.arithmetic.number(start.t_end)
+        return _in_digits(motion, *_ended(start, REST, motion.state), last, digits)
+    asked_at = inf  # the number of the event before a contact that took more digits
     while True:
         motion, limit, undecided = Motion(start, working), MOST_WORKING * (digits + start.spare_digits), False
-        while not motion.ended and len(motion.events) < most and not undecided:
-            before = len(motion.events)
+        while not motion.ended and motion.count < most and not undecided:
+            before = motion.count
             motion.step()
             if advance:
-                advance(_part_done(start, motion.elapsed, len(motion.events), most), len(motion.events))
+                advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
             if not motion.decided and motion.code != FAILED and not start.start_error:
-                needed = digits_to_confirm_graze(motion, motion.elapsed, digits)
+                least = 2 * working if before > asked_at else 0
+                needed = digits_to_confirm_graze(motion, motion.elapsed, digits, least)
                 undecided = needed is None or working < needed
+                asked_at = before if undecided else inf if before >= asked_at else asked_at
                 limit = max(limit, needed or 0)
         undecided = undecided or motion.code == FAILED
         # The error of a start that is known to so much only stays whatever the digits.
@@ -214,12 +225,13 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
         if not undecided and missing <= 0:
             break
         if working >= limit:
-            del motion.events[before:]
-            return _undecidable(motion, digits)
+            last, message = motion.time, _open_contact(float(motion.time), working, digits)
+            motion.undo()
+            return _in_digits(motion, "undecidable", message, last, digits)
         working = min(limit, 3 * working if undecided else working + missing + 2)
     if not motion.ended:
-        return _in_digits(motion, "max_events", f"stopped after max_events = {most} events", digits)
-    return _in_digits(motion, *_ended(start, motion.code, motion.state), digits)
+        return _in_digits(motion, "max_events", f"stopped after max_events = {most} events", motion.time, digits)
+    return _in_digits(motion, *_ended(start, motion.code, motion.state), motion.arithmetic.number(start.t_end), digits)
 
 
 def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
@@ -242,11 +254,10 @@ def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
     return status, message
 
 
-def _undecidable(motion: Motion, asked: int | None = None) -> Trajectory:
-    """Return a trajectory that ends at the undecided contact which a motion has come to."""
-    hint = f"ask for more digits, such as digits={2 * (asked or motion.digits)}"
-    message = f"the contact near t = {float(motion.time)!r} cannot be decided with {motion.digits} digits; {hint}"
-    return _in_digits(motion, "undecidable", message, asked)
+def _open_contact(t: float, used: int, asked: int | None = None) -> str:
+    """Return the message about a contact that is open with all digits that were used."""
+    hint = f"ask for more digits, such as digits={2 * (asked or used)}"
+    return f"the contact near t = {t!r} cannot be decided with {used} digits; {hint}"
 
 
 def _in_columns(motion: MotionInDoubles, status: str, message: str, last: float) -> Trajectory:
@@ -256,15 +267,9 @@ def _in_columns(motion: MotionInDoubles, status: str, message: str, last: float)
     return Trajectory(start.parameters, motion.events(), motion.pieces(), status, message, span, motion.first_at)
 
 
-def _in_digits(motion: Motion, status: str, message: str, digits: int | None) -> Trajectory:
-    """Return a motion with many digits as a Trajectory with fewer; None for doubles."""
-    start, t0 = motion.start, motion.t0
-    last = motion.time if status in ("undecidable", "max_events") else motion.arithmetic.number(start.t_end)
-    if digits is None:
-        span, events = (float(start.t0), float(last)), list(map(rounded_event, motion.events))
-    else:
-        context = mp_context(digits)
-        span = context.convert(t0), context.convert(last)
-        events = [cut_event(each, context) for each in motion.events]
-    about = (start.parameters, events, motion.columns(), status, message, span, motion.first_at)
+def _in_digits(motion: Motion, status: str, message: str, last: Number, digits: int) -> Trajectory:
+    """Return a motion with many digits, which ends at a time, as a Trajectory with fewer."""
+    context = mp_context(digits)
+    span, events = (context.convert(motion.t0), context.convert(last)), motion.events_in(context)
+    about = (motion.start.parameters, events, motion.columns(), status, message, span, motion.first_at)
     return Trajectory(*about, digits)

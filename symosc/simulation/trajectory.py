@@ -9,7 +9,6 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, sin
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +28,7 @@ from symosc.exact import read_exact, unmasked, whole_number
 from symosc.files import write_text
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
+from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import basis_at
 from symosc.model import MODE_NAMES, Parameters
 from symosc.simulation.tables import rows_of

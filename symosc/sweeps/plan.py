@@ -29,6 +29,7 @@ from symosc.scenes import START_NAMES, Scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.tables import SUMMARY_COLUMNS
+from symosc.words import cycle
 
 SWEPT_STARTS = START_NAMES[:3]
 SWEPT_NAMES = (*PARAMETER_NAMES, *SWEPT_STARTS)
@@ -330,9 +331,7 @@ def cycles(words: np.ndarray) -> np.ndarray:
     shows borders only where the cycle itself changes.
     """
     texts, places = np.unique(words, return_inverse=True)
-    labels = [str(text)[1:] for text in texts]
-    largest = [max((each[i:] + each[:i] for i in range(len(each))), default="") for each in labels]
-    return np.array([f"P{each}" if each else "" for each in largest])[places]
+    return np.array([cycle(str(text)) for text in texts])[places]
 
 
 @cache

@@ -109,8 +109,14 @@ def kernels() -> list[Kernel]:
         _kernel(
             "flight_parameters",
             "Derivatives of x (x_) and v - v0 (v_) at the end by m, c, k, A_alpha, B0, Omega and v0.",
-            "x0 v0 a0 s0 c0 ve ae tau m cm w0sq f0 Om E1 E2 R2 I2 U0 U1 U2 V W P Q",
+            "x0 v0 a0 s0 c0 m cm w0sq f0 Om E1 E2 R2 I2 U0 U1 U2 V W P Q",
             maps.flight_parameters(),
+        ),
+        _kernel(
+            "flight_phase",
+            "Derivatives of x (x_) and v (v_) at the end by the phase of the drive.",
+            "s0 c0 f0 Om E1 R2 I2",
+            maps.flight_phase(),
         ),
         _kernel(
             "stick_residual",

@@ -140,7 +140,7 @@ def flight_jacobian() -> dict[str, Expr]:
 def flight_parameters() -> dict[str, Expr]:
     """Return the derivatives of x(tau) and of v(tau) - v_i with respect to m, c, k, A, B0, Omega and v_i.
 
-    At fixed x_i, theta_i and theta_j: tau = (theta_j - theta_i)/Omega changes with Omega.
+    At fixed x_i, theta_i and tau: where theta_j is fixed, a change of Omega moves the end as well.
     """
     flow = solution.flow()
     c0, s0 = sp.cos(theta_i), sp.sin(theta_i)
@@ -154,12 +154,18 @@ def flight_parameters() -> dict[str, Expr]:
     found = {}
     for name, response in forcing.items():
         found[f"x_{name}"], found[f"v_{name}"] = _by_cause(response), _by_cause(rate(response))
-    # d/dOmega f0 cos(theta_i + Omega t) = -f0 t sin(theta_i + Omega t), and the end moves by -tau/Omega.
+    # d/dOmega f0 cos(theta_i + Omega t) = -f0 t sin(theta_i + Omega t)
     swing = -f0 * (s0 * P + c0 * Q)
-    found["x_Om"] = _by_cause(swing) - v_end * tau / Omega
-    found["v_Om"] = _by_cause(rate(swing)) - a_end * tau / Omega
+    found["x_Om"], found["v_Om"] = _by_cause(swing), _by_cause(rate(swing))
     start = by_start()
     return found | {"x_v0": start["x_v0"], "v_v0": start["v_v0"] - 1}
+
+
+def flight_phase() -> dict[str, Expr]:
+    """Return the derivatives of x(tau) and v(tau) by theta_i at fixed x_i, v_i and tau."""
+    flow, force = solution.flow(), solution.acceleration(x_i, v_i, theta_i)
+    parts = (("x", flow.x), ("v", flow.v))
+    return {f"{name}_ph": sp.expand(e.diff(theta_i) + e.diff(a_i) * force.diff(theta_i)) for name, e in parts}
 
 
 def _by_cause(expr: Expr) -> Expr:

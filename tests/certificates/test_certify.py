@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import symosc
-from symosc import ParameterError, SceneError, certify, load_scene
+from symosc import ParameterError, SceneError, certify, find_orbit, load_scene, simulate
 from symosc.certificates.verify import verify
 
 
@@ -72,3 +72,35 @@ def test_enclosures_have_as_many_digits_as_are_asked_for(digits: int, tmp_path: 
             assert Fraction(high) - Fraction(low) < abs(Fraction(high)) / 10 ** (digits - 2)
     fine.to_json(tmp_path / "it.json")
     assert verify(str(tmp_path / "it.json"))[0] == 0
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("name", ["fig5", "fig8", "fig10"])
+def test_derivatives_are_enclosed(name: str) -> None:
+    """They contain the difference quotients of motions with 60 digits, to all digits that these have."""
+    scene, names = load_scene(name), ("m", "c", "k", "A0", "B0", "Omega", "mu1", "FN", "t0", "x0")
+    end, step = scene.t0 + 7, Fraction(1, 10**22)
+    proof = certify(scene, t_end=end, wrt=names)
+    assert proof.proven, proof.message
+    for j, each in enumerate(names):
+        runs = []
+        for by in (step, -step):
+            start = {own: getattr(scene, own) + (by if own == each else 0) for own in ("t0", "x0", "v0")}
+            p = scene.parameters
+            p = p if each in start else p.replace(**{each: getattr(p, each) + by})
+            runs.append(simulate(p, **start, t_end=end, digits=60).events)
+        for n, (a, b) in enumerate(zip(*runs, strict=True)):
+            for axis, enclosures in zip("tx", proof.derivatives[n], strict=True):
+                quotient = Fraction(str((getattr(a, axis) - getattr(b, axis)) / 2)) / step
+                low, high = map(Fraction, enclosures[j])
+                assert low - Fraction(1, 10**22) < quotient < high + Fraction(1, 10**22), (each, n, axis)
+                assert high - low < Fraction(1, 10**20) * max(1, abs(low))
+
+
+def test_derivatives_that_are_not_there_are_not_proven() -> None:
+    assert "a start on a belt" in certify("fig9", t_end=1, wrt="v0").message
+    assert not certify(load_scene("fig7"), t_end=3, wrt=("k", "x0")).derivatives  # no event, and nothing to enclose
+    with pytest.raises(ParameterError, match="known exactly"):
+        certify("fig5", t_end=1, wrt="mu1", start_error="1e-9")
+    with pytest.raises(ParameterError, match="for a scene only"):
+        certify(find_orbit("fig9"), wrt="mu1")

@@ -43,6 +43,7 @@ SETTLED = ("settled fig9-orbit", "settled fig10-orbit")
 KINDS = (
     "motion fig6",
     "motion fig7-exact",
+    "derivatives fig5 7",
     "settled fig10-orbit 4000",
     "orbit fig9",
     "branch short",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from math import cos, sin
@@ -20,7 +21,6 @@ from solution_files import COLUMNS, LISTS, RECORDS, ROWS, T, V, X, frame
 from symosc import ParameterError, load_scene, simulate
 from symosc.crosschecks.objects import (
     MOST_TIMES,
-    SolverTask,
     find_columns,
     of_function,
     run_solver,
@@ -31,7 +31,7 @@ from symosc.crosschecks.samples import Samples
 # -- objects -----------------------------------------------------------------------------------------------------------
 
 
-PROBLEM = SolverTask.of(load_scene("fig9"))
+PROBLEM = load_scene("fig9")
 
 
 @cache
@@ -214,7 +214,7 @@ FIG9 = load_scene("fig9")
 
 
 def test_functions_of_one_time_and_of_many() -> None:
-    problem = SolverTask.of(FIG9)
+    problem = FIG9
     for function in (
         lambda t: (sin(t), cos(t)),
         lambda t: np.array([np.sin(t), np.cos(t)]),
@@ -224,7 +224,7 @@ def test_functions_of_one_time_and_of_many() -> None:
         np.testing.assert_allclose(samples.x, np.sin(samples.t), rtol=0, atol=1e-15)
         np.testing.assert_allclose(samples.v, np.cos(samples.t), rtol=0, atol=1e-15)
         assert (samples.t[0], samples.t[-1]) == (float(FIG9.t0), float(FIG9.t_end))
-    long = of_function(lambda t: (t, t), SolverTask(FIG9.parameters, 0.0, 1e9))
+    long = of_function(lambda t: (t, t), replace(FIG9, t0=Fraction(0), t_end=Fraction(10**9)))
     assert len(long.t) == MOST_TIMES + 1
 
 

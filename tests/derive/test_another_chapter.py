@@ -53,7 +53,7 @@ def test_a_chapter_is_added_as_contributing_says(tmp_path: Path) -> None:
     scratch.replace("symosc/derive/references.bib", "@article{luo2008", REFERENCE + "@article{luo2008")
     # All chapters would take long.
     log = json.loads(scratch.run("symosc", "derive", "energy", "-o", "derivations", "--json"))
-    assert [(step["step"], step["kind"]) for step in log["steps"]] == [("13.1", "exact"), ("13.2", "sign")]
+    assert [(step["step"], step["kind"]) for step in log["steps"]] == [("15.1", "exact"), ("15.2", "sign")]
     assert r"\label{eq:energy-total}" in (tmp_path / "derivations/chapters/energy.tex").read_text(encoding="utf-8")
     assert r"\bibitem{newton1687}" in (tmp_path / "derivations" / "derivations.tex").read_text(encoding="utf-8")
     assert "certificates, energy, or all" in " ".join(scratch.run("symosc", "derive", "--help").split())

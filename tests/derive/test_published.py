@@ -12,8 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from chapters import table
+from scipy.integrate import solve_ivp
 
-from symosc import simulate
+from symosc import Parameters, simulate
 from symosc.derive import citation, published
 from symosc.derive.published import MP, RESTING, TABLES, Formulas, wall
 from symosc.errors import ParameterError
@@ -223,6 +224,88 @@ def test_one_stop_at_one_half_only() -> None:
     assert [published.stops(wall(F, "0.49")) for F in ("0.1", "0.4")] == [0, 2]
 
 
+# --- slides with damping, points, base and wall ---
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("Omega", "places"), [("0.3", [0.77658213]), ("0.15", [0.60303691, 0.26546352])], ids=["two stops", "four stops"]
+)
+def test_stops_known_from_elsewhere_also_by_another_solver(Omega: str, places: list[float]) -> None:
+    """The cycle is closed by slides that scipy integrates from the equation of motion."""
+    p = wall("0.5", Omega, "0.1")
+    assert published.stops(p) == 2 * len(places)
+    found = sorted((abs(float(x)) for x in published.solve_stops(p)), reverse=True)
+    assert found == pytest.approx(places, abs=6e-9)
+    path = published.from_rest(p, 40)
+    slips = [event for event in path.events if event.kind == "slip" and event.t > 60 * pi / float(p.Omega)]
+    for slip in slips[: 2 * len(places)]:
+        side = 1 if slip.target == "Omega2" else -1
+
+        def right(t: float, y: np.ndarray, side: int = side) -> list[float]:
+            return [y[1], np.cos(float(Omega) * t) - y[0] - 0.1 * y[1] - 0.5 * side]
+
+        def stopped(t: float, y: np.ndarray, begin: float = slip.t, side: int = side) -> float:
+            return side * y[1] if t > begin + 0.3 else 1.0
+
+        stopped.terminal, stopped.direction = True, -1
+        slide = solve_ivp(
+            right,
+            (slip.t, slip.t + 30),
+            [slip.x, 0],
+            method="DOP853",
+            rtol=1e-12,
+            atol=1e-13,
+            events=stopped,
+            max_step=0.1,
+        )
+        assert min(abs(abs(slide.y[0, -1]) - place) for place in places) < 1e-7
+
+
+def test_points_where_borders_meet() -> None:
+    Omega, F = published.meeting_point("0.1", (0.4759, 0.2483))
+    assert (float(Omega), float(F)) == pytest.approx((0.4759318789, 0.2482868963), abs=1e-10)
+    for n in (1, 2):
+        assert published.last_friction(n) == pytest.approx(1 / (4 * n * n - 1), abs=1e-8)
+        ratio = Formulas(wall(1, Fraction(1, 2 * n))).largest_force_ratio()
+        assert float(ratio) == pytest.approx(1 / (4 * n * n - 1), abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("near", "Omega", "x"), [(0.7227, 0.72267919443828, 2.0120729528), (1.2357, 1.23574715232190, 0.6709113787)]
+)
+def test_ends_of_a_branch_known_from_elsewhere(near: float, Omega: float, x: float) -> None:
+    found, amplitude = published.end_without_stops("0.1", "1.5", near)
+    assert (float(found), float(amplitude)) == pytest.approx((Omega, x), abs=1e-10)
+
+
+def test_friction_amplifies_beyond_the_root_of_two() -> None:
+    """Weak friction: the inversion tends to r = sqrt(2), linearly."""
+    distances = [published.inversion(F, published.transmissibility) - 2**0.5 for F in ("0.2", "0.1", "0.05")]
+    assert all(0 < after < 0.55 * before for before, after in pairwise(distances))
+
+
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("seed", range(3))
+def test_no_distance_grows(seed: int) -> None:
+    """Two motions of random double-belt oscillators, with and without a damper: their energy distance never grows."""
+    dice = random.Random(seed)
+    for _ in range(4):
+        numbers = {name: f"{dice.uniform(0.2, 2):.3f}" for name in ("m", "k", "mu1", "mu2", "FN", "Omega")}
+        p = Parameters(
+            **numbers, c=dice.choice(("0", "0.1", "0.7")), A0=0, B0=f"{dice.uniform(0.5, 5):.3f}", v1=-1, v2=2
+        )
+        t = np.linspace(0, 60, 601)
+        starts = ((dice.uniform(-3, 3), dice.uniform(-3, 3)) for _ in range(2))
+        one, other = (simulate(p, t0=0, x0=x, v0=v, t_end=60)(t) for x, v in starts)
+        energy = float(p.k) * (one[0] - other[0]) ** 2 + float(p.m) * (one[1] - other[1]) ** 2
+        assert (np.diff(energy) <= 1e-11 * energy[0]).all(), (seed, p)
+
+
+def test_no_exponent_is_positive() -> None:
+    assert published.largest_exponent(12, seed=3) <= 1e-12
+
+
 # --- the tables and their page ---
 
 
@@ -235,4 +318,6 @@ def test_the_committed_page_is_current() -> None:
     assert (folder / "literature.md").read_text(encoding="utf-8") == page(), "accept it with: python docs/literature.py"
     notes = " ".join(value.note for key in ("border", "stops") for value in table(key))
     assert {int(word) for word in notes.replace(",", "").split() if word.isdigit()} == {0, *range(2, 15, 2)}
-    assert {source for _, sources, _ in TABLES.values() for source in sources} <= set(citation.entries())
+    sources = {source for _, keys, _ in TABLES.values() for source in keys}
+    assert sources <= set(citation.entries())
+    assert sources == set(runpy.run_path(str(folder / "literature.py"))["SOURCES"])

@@ -139,10 +139,10 @@ def test_an_interrupt_leaves_the_folder_as_it_was(read: Any, tmp_path: Path, the
 
 def test_nothing_is_written_unless_all_of_it_can_be(tmp_path: Path) -> None:
     (tmp_path / "figures").touch()
-    with report.Folder(tmp_path) as folder, pytest.raises(OutputError, match="cannot write"):
-        folder.write({"figures/fig1.svg": "x", "report.html": "x"})
-    with report.Folder(tmp_path) as folder, pytest.raises(ValueError, match="null byte"):
-        folder.write({"report.html": "new", "x\0": "not a name"})
+    with pytest.raises(OutputError, match="cannot write"):
+        report.write(tmp_path, {"figures/fig1.svg": "x", "report.html": "x"})
+    with pytest.raises(ValueError, match="null byte"):
+        report.write(tmp_path, {"report.html": "new", "x\0": "not a name"})
     assert [path.name for path in tmp_path.iterdir()] == ["figures"]
 
 

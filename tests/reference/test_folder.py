@@ -39,6 +39,7 @@ def test_what_is_read_back_is_what_the_cases_say(written: Path) -> None:
         assert (found.name, found.events, found.count, found.t0) == (known.name, known.events, known.count, known.t0)
         for a, b in zip(found.conditions, known.conditions, strict=True):
             assert a == pytest.approx(b, rel=5e-3) or a == b == inf
+        assert found.changes == known.changes
 
 
 def test_a_case_is_a_scene_file_too(written: Path) -> None:

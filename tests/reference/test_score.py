@@ -7,14 +7,14 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
-from math import pi, sqrt
+from math import inf, nan, pi, sqrt
+from pathlib import Path
 
 import pytest
-from small_set import NAMES, right, stored_set
+from small_set import NAMES, right, small_set, stored_set
 
-from symosc import ParameterError, load_scene, simulate
+from symosc import ParameterError, load_scene, simulate, simulate_many
 from symosc.reference.compare import (
-    FAR_MATCH,
     KIND_WINDOW,
     SCORE_TOLERANCE,
     UNITS_ALLOWED,
@@ -24,9 +24,10 @@ from symosc.reference.compare import (
     window_of,
 )
 from symosc.reference.folder import StoredCase
-from symosc.reference.results import CaseResult, GivenEvent
+from symosc.reference.results import CaseResult, GivenEvent, read_results
 from symosc.reference.score import (
     CaseScore,
+    Score,
     as_html,
     as_markdown,
     as_text,
@@ -63,6 +64,43 @@ def test_right_results_are_right(name: str) -> None:
     assert found.right
     assert (found.units, found.grazes_found) == (0.0 if found.events else None, found.grazes)
     assert found.wrong == []
+
+
+def with_changes(case: StoredCase, factor: float = 1.0) -> list[GivenEvent]:
+    """Return right results with right derivatives, but the last one times a factor."""
+    found = []
+    for event, row in zip(right(case).events, case.changes, strict=True):
+        changes = {f"d{of}_{name}": value for name, both in row.items() for of, value in zip("tx", both, strict=True)}
+        found.append(event._replace(changes=changes))
+    last = list(found[-1].changes)[-1] if found else ""
+    return [*found[:-1], found[-1]._replace(changes=found[-1].changes | {last: found[-1].changes[last] * factor})]
+
+
+def test_derivatives_are_judged_where_they_exist() -> None:
+    for name in ("paper-fig6", "free-decay-2"):
+        case = case_of(name)
+        found = judged(case, with_changes(case))
+        assert found.right
+        assert found.derivatives == found.known_derivatives == sum(2 * len(row) for row in case.changes) > 70
+        last = abs(list(case.changes[-1].values())[-1][1])
+        for factor, error in ((1 + 1e-6, 1e-6 * min(1.0, last)), (nan, inf)):
+            wrong = judged(case, with_changes(case, factor))
+            assert (wrong.right, wrong.wrong_derivatives) == (False, 1)
+            assert wrong.error_d == pytest.approx(error, rel=1e-3)
+            assert str(wrong.wrong[0]).startswith("derivative: dx/dx0 of ")
+            assert f"1 of {found.derivatives}" in as_text([Score("mine", SCORE_TOLERANCE, [wrong])])
+    graze = case_of("graze-overdamped-P3")
+    assert [event.kind for event in graze.events] == ["graze", "stick", "slip"]
+    assert [list(row) for row in graze.changes] == [["v2"]] * 3  # belt 2 is never reached
+
+
+def test_a_table_of_derivatives_is_read_from_what_symosc_writes(tmp_path: Path) -> None:
+    case = next(each for each in small_set() if each.name == "paper-fig6")
+    start = case.t0, case.x0, case.v0
+    simulate_many(case.parameters, start, case.t_end, wrt=("mu2", "Omega", "x0")).to_csv(tmp_path / "paper-fig6.csv")
+    results = read_results(tmp_path, NAMES)
+    found = judge_case(case_of("paper-fig6"), results["paper-fig6"], SCORE_TOLERANCE)
+    assert (found.right, found.derivatives) == (True, 3 * 3 * 2)
 
 
 def changed(case: StoredCase, change: str, rng: random.Random) -> tuple[list[GivenEvent], dict[str, int], float]:
@@ -285,10 +323,10 @@ def value_of_best(found: list[FoundEvents], reference: list[FoundEvents], window
 def worth(one: FoundEvents, other: FoundEvents, window: float) -> float:
     if (one.kind, one.boundary) != (other.kind, other.boundary) or abs(one.t - other.t) > window:
         return -1.0
-    return 1 - (1 - FAR_MATCH) * abs(one.t - other.t) / window
+    return 1000.0 - abs(one.t - other.t)  # one more match is worth more than any distance
 
 
-def test_thealignment_is_the_best_one() -> None:
+def test_the_alignment_is_the_best_one() -> None:
     rng = random.Random(6)
 
     def some() -> list[FoundEvents]:

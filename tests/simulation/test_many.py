@@ -303,6 +303,7 @@ def test_what_pairs_leave_open_is_left_to_more_digits() -> None:
     assert "graze" in table.kind.tolist()
 
 
+@pytest.mark.compiled("pairs")
 def test_accuracy_asks_for_more_digits_or_none() -> None:
     """In fig8 errors grow: a double knows its 20th event to some 1e-12, and says so."""
     scene = load_scene("fig8")

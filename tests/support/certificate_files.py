@@ -31,6 +31,8 @@ BRANCHES = {
 def _made(kind: str, *names: str) -> Certificate:
     if kind == "motion":  # a scene, and its end
         return certify(names[0], t_end=names[1] if len(names) > 1 else None)
+    if kind == "derivatives":
+        return certify(names[0], t_end=names[1], wrt=("mu1", "Omega", "x0"))
     if kind == "circle":
         return certify(Scene("a motion", CIRCLE, Fraction(0), Fraction("0.2"), Fraction(-1), Fraction(4)))
     if kind == "swing":

@@ -127,7 +127,7 @@ ROWS = {"[]", "()", "[1,2]", "array", "array_0", "array_empty", "array_odd", "se
 TEXT = {"text", "text_1", "text_null", "text_long", "text_half"}
 NUMBERS = (
     "m c k A0 B0 Omega v1 v2 mu1 mu2 FN t0 x0 v0 t_end t_m x theta x_i theta_m tolerance global_tolerance within low "
-    "high skip start_error"
+    "high skip start_error phase Y Y_phase W W_phase g angle"
 )
 
 
@@ -195,6 +195,10 @@ VALID: dict[str, set[str]] = {
     "values_empty p": {"Parameters", "Scene", "None"},
     "values_everything p": {"Parameters", "Scene", "None"},
     **{f"Trajectory.{name} t": NUMBER | ROWS for name in ("__call__", "mode", "force")},
+    **{f"MovedTrajectory.{name} t": NUMBER | ROWS for name in ("__call__", "mode", "force")},
+    **{f"OtherModel.{way} {name}": NUMBER | ROWS for way in ("back", "forth") for name in "txv"},
+    "OtherModel joined": FLAG,
+    "OtherModel.replace joined": FLAG,
 }
 #: What a message may name in place of a parameter: the parts of it.
 CALLED = {
@@ -236,6 +240,7 @@ OVER = {"Omega": "3:5:3", "FN": [5, 10]}
 TWO = [(0, 0, 0), (0, 1, 0)]
 MAKERS: dict[str, Callable[[], Any]] = {
     "trajectory": lambda: symosc.simulate("fig5", t_end=3),
+    "moved": lambda: symosc.simulate(symosc.OtherModel(m=1, k=1, Omega=2, FN=1, Y=1, joined=True), t_end=3),
     "sensitivities": lambda: symosc.sensitivities("fig5", "mu1", t_end=3),
     "orbit": lambda: symosc.find_orbit(P9, "P32"),
     "branch": lambda: symosc.continue_orbit(P9, "P32", "Omega", (3.9, 4.0), max_points=5),
@@ -271,6 +276,7 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
     points = {"p": P9, "label": "P2", "start": (4.5, 0.5), "end": (-4, 4)}
     start = {"t0": 0, "x0": 0, "v0": 0, "t_end": 3}
     scene = load_scene("fig6")
+    wall = {"m": 1, "k": 1, "Omega": 2, "FN": 1, "Y": 1, "joined": True}
     swept = {"scene": "fig9", "over": {"Omega": [4]}, "record": "events", "t_end": "1"}
     return {
         "Parameters": (s.Parameters, {name: getattr(P5, name) for name in P5.as_dict()}),
@@ -278,6 +284,11 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "Parameters.A": (P5.A, {"alpha": 1}),
         "Parameters.belt": (P5.belt, {"boundary": 1}),
         "Scene": (s.Scene, {"name": "a", "parameters": P5, **start}),
+        "Scene.changed": (scene.changed, {"m": 1}),
+        "OtherModel": (s.OtherModel, wall),
+        "OtherModel.replace": (s.OtherModel(**wall).replace, {"m": 1}),
+        "OtherModel.back": (s.OtherModel(**wall).back, {"t": 0, "x": 1, "v": [1]}),
+        "OtherModel.forth": (s.OtherModel(**wall).forth, {"t": 0, "x": 1, "v": [1]}),
         "Scene.started": (scene.started, {"given": {"t0": 1}}),
         "load_scene": (s.load_scene, {"name_or_path": "fig5"}),
         "scene_names": (s.scene_names, {}),
@@ -337,6 +348,9 @@ def of_answers() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "Trajectory.__call__": (m("trajectory"), {"t": [1, 2]}),
         "Trajectory.mode": (m("trajectory").mode, {"t": 1}),
         "Trajectory.force": (m("trajectory").force, {"alpha": 1, "t": 1}),
+        "MovedTrajectory.__call__": (m("moved"), {"t": [1, 2]}),
+        "MovedTrajectory.mode": (m("moved").mode, {"t": 1}),
+        "MovedTrajectory.force": (m("moved").force, {"alpha": 1, "t": 1}),
         "Trajectory.to_csv": (m("trajectory").to_csv, nowhere),
         "Trajectory.to_json": (m("trajectory").to_json, nowhere),
         "Trajectory.plot": (m("trajectory").plot, {"panels": "a", "boundary": 1, "columns": 1}),

@@ -33,12 +33,13 @@ INDEXED = re.compile(
     r"G\^\{\([0-3]\)\}|\\Sigma(?:\^[012])?|(?:\\dot\{x\}|x)\^\{\([01i]\)\}|\\Omega_ij|\\varphi_ij|"
     r"t_\\pm|v_\\lambda\^\{[+-]\}|\\varepsilon|"
     r"(?:\\dot\{u\}|u)_0|\\d?dot\{u\}|[BSd]_\*|\\ddot\{x\}_[+-]|\\delta_[+]|\\mathrm\{d\}|x_(?:[+-]|\\max|\\min|f)|"
+    r"x\^\{\+\}|[px]_n|B_1|\\ddot\{z\}|"
     r"[fg]'{1,3}|[CSq]'{1,2}|[abcey]_[ij]|D_ij|y\^\*|P\^n|\\\||\\sum_j|\\max_i"
 )
 #: What every reader knows: numbers, operations, functions, letters that only count, and signs.
 KNOWN = re.compile(
     r"e|i|j|n|d|\\pi|s|z|\\epsilon|I|\\infty|\\mathbb\{R\}(?:\^\{?n\}?)?|T|w|\\ell"
-    r"|\\(?:sin|cos|tan|sinh|cosh|arcsin|det|lim|operatorname\{\w+\}|mathrm\{mod\}|partial|nabla|int|prod|max|min|ldots|cdots)"
+    r"|\\(?:sin|cos|tan|sinh|cosh|arcsin|ln|det|lim|operatorname\{\w+\}|mathrm\{mod\}|partial|nabla|int|prod|max|min|ldots|cdots)"
 )
 #: Commands that are no symbols: spaces, brackets, relations, layout.
 SILENT = (

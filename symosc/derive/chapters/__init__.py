@@ -15,6 +15,8 @@ CHAPTERS = {
     "grazing": "Theorem 7, all cases",
     "events": "why no event is missed",
     "orbits": "uniqueness, and fixed points of P32 and P4645",
+    "exponents": "derivatives of events, Lyapunov exponents, no chaos",
+    "borders": "borders between words, and why an atlas is complete",
     "errata": "errors and gaps of the paper",
     "literature": "published results that the model contains",
     "certificates": "why each kind of certificate proves what it says",

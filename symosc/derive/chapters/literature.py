@@ -154,7 +154,7 @@ def items(scope: Scope) -> Items:
         equation(B_0, (1 + G) * w0sq / Omega**2 + H * cm / Omega, start),
         r"Let $B_*$ be the largest value of $B$ on $0 \le \varphi < \pi$. The motion exists for $p_0 > B_* x_f$, and "
         r"ends where $p_0 = B_* x_f$, $q_0 = H x_f$:",
-        equation(P**2 / F**2, stiffness * (LARGEST**2 + H**2) / k**2, at_border),
+        equation(P**2 / F**2, stiffness * (LARGEST**2 + H**2) / k**2, at_border, "border"),
         r"For $c = 0$ and with $S = r^2 B$ this is $F/P < |V|/\sqrt{U^2 + S_*^2/r^4}$:",
         equation(S, coulomb.den_hartog_undamped()[S], {S: r**2 * closed.subs(G, 0), H: U}),
         _numbers(
@@ -163,12 +163,16 @@ def items(scope: Scope) -> Items:
             r"motion changes, bisected in the forced amplitude.",
         ),
     )
+    yield _meetings()
     growth, loss = named(r"\Delta x"), named("L")
+    left, above = named("q"), named("x_{i+1}")
+    half = coulomb.closed(1 - w0sq * E2, solution.REGIMES["underdamped"], sp.pi / solution.omega_d)
+    decay = {above: x_f + (named("x_i") - x_f) * half, left: sp.exp(-sp.pi * solution.h / solution.omega_d)}
     yield (
         r"\subsection{Resonance and free decay}",
-        r"At $r = 1$, $c = 0$ let the highest point $x_0 > x_f$ be at $\Omega t = \pi/2$, so that the drive has the "
-        r"sign of the velocity. The flow of the regime \emph{resonance} then has its next turning point half a period "
-        r"later, at $-x_0 - \frac{1}{2} \Delta x$. So a cycle raises the highest point by",
+        r"See \cite{butikov2015}. At $r = 1$, $c = 0$ let the highest point $x_0 > x_f$ be at $\Omega t = \pi/2$, so "
+        r"that the drive has the sign of the velocity. The flow of the regime \emph{resonance} then has its next "
+        r"turning point half a period later, at $-x_0 - \frac{1}{2} \Delta x$. So a cycle raises the highest point by",
         equation(
             growth, (sp.pi * P - 4 * F) / k, coulomb.resonance_growth(), note=r"and there is no bound if $F < \pi P/4$."
         ),
@@ -181,6 +185,10 @@ def items(scope: Scope) -> Items:
         r"first turning point with $|x| \le x_f$:",
         equation(loss, 2 * F / k, {loss: coulomb.free_decay(), x_f: F / k}),
         _numbers("decay", r"Turning points from $x = 0.95$; at the last one the package says \emph{equilibrium}."),
+        r"With a damper, $0 < c^2 < 4 k m$, half a cycle takes $\pi/\omega_d$ (compare \cite{feeny1996}), and from a "
+        r"highest point $x_i > x_f$, with $q = e^{-\pi h/\omega_d}$,",
+        equation(above, -left * named("x_i") + (1 + left) * x_f, Exact(decay, sp.simplify), "decrement"),
+        _numbers("decrements", r"Turning points from $x = 1.5$ for $c = 0.2$, $F = 0.1$, $P = 0$."),
         r"\subsection{Stops per cycle}",
         r"Hong and Liu \cite{hongliu2000} sort the settled motions for $c = 0$ by their number of stops per cycle: 0, "
         r"1, 2, 4, 6, $\ldots$, 14. Half a cycle with $n$ stops is $n$ slides down. Each starts where a stop ends, "
@@ -192,6 +200,14 @@ def items(scope: Scope) -> Items:
             "stops",
             r"Where the number of stops changes: these equations with 50 digits; and bisection of the forced "
             r"amplitude.",
+        ),
+        r"The slower the drive, the more often the mass stops, while its highest point tends to that of a quasi-static "
+        r"motion, $(P - F)/k$ \cite{papangelo2015}; with critical damping it stops twice and is near to it. The same "
+        r"equations, in the basis functions of any regime, hold for $c > 0$.",
+        _numbers("slow", r"The highest point of slowly driven motions, $F = 0.5$: $(P - F)/k = 0.5$."),
+        _numbers(
+            "cycles",
+            r"Where the mass stops in the two cases of the model of \cite{murari2026}, $c = 0.1$, $F = 0.5$.",
         ),
         r"\begin{proposition}[odd numbers of stops]\label{thm:literature-odd} "
         r"Let $c = 0$. A periodic motion that is not its own mirror image, and with it every motion with an odd number "
@@ -207,7 +223,8 @@ def items(scope: Scope) -> Items:
         r"At $r = 1/(2n)$ one stop per cycle is what is seen: it gets shorter from cycle to cycle, and its length "
         r"tends to 0.",
     )
-    n = sp.Symbol("n", integer=True, positive=True)
+    n, d_end = sp.Symbol("n", integer=True, positive=True), named("d_*")
+    death = {x_0: P / (k * (1 - r**2)), x_f: F / k, r: 1 / (2 * n)}
     closed = {name: coulomb.closed(name, solution.REGIMES["undamped"]) for name in BASIS[:3]}
     at = {r: 1 / (2 * n), omega_0: 2 * n * Omega, w0sq: (2 * n * Omega) ** 2}
     meaning = {E0: closed[E0].subs(at), E1: closed[E1].subs(at), E2: closed[E2].subs(at)}
@@ -218,7 +235,13 @@ def items(scope: Scope) -> Items:
     ratios = [(r**2 * x_0 + side * d - x_f) / (r**2 * x_0 + side * d + x_f) for side in (1, -1)]
     yield (
         r"\subsection{Continua of motions without stops}",
-        r"See \cite{csernak2007}. At $r = 1/(2n)$, $c = 0$ half a period is $n$ periods of the free motion, which "
+        r"\begin{proposition}[a continuum, and its death]\label{thm:literature-continuum} "
+        r"Let $c = 0$ and $r = 1/(2n)$. If $F/P < 1/(4n^2 - 1)$, the motions $x + d\cos(\varphi/r)$ have no stops for "
+        r"all $|d| < d_*$, where $x$ is the symmetric one and",
+        equation(d_end, P / (k * (4 * n**2 - 1)) - F / k, {d_end: r**2 * x_0 - x_f, **death}, "end"),
+        r"If not, there is none. So the continuum dies at $F = P/(4n^2 - 1)$, which is the point $A_n$ of "
+        r"Proposition~\ref{thm:literature-points}.\end{proposition}",
+        r"\begin{proof} See \cite{csernak2007} for the orbits. Half a period is $n$ periods of the free motion, which "
         r"comes back:",
         equation(E0, 1, meaning),
         equation(E1, 0, meaning),
@@ -228,10 +251,10 @@ def items(scope: Scope) -> Items:
         r"and a free motion $d \cos(\varphi/r)$ may be added to the symmetric one. Its turning points are then "
         r"$d + x_0$ and $d - x_0$, at the same times. On the way down",
         equation(rate, 2 * n * Omega * (x_f - d) * sp.sin(2 * n * phi) - Omega * x_0 * sp.sin(phi), exact),
-        r"and on the way up $-\dot{x}$ is the same with $x_f + d$ in place of $x_f - d$. As "
-        r"$|\sin 2 n\varphi| \le 2 n \sin\varphi$, with equality in the limit at the turning points only, there is no "
-        r"stop if and only if $|d| < r^2 x_0 - x_f$: a continuum of orbits. At its end one of the two turning points "
-        r"is a stop of no length.",
+        r"and on the way up $-\dot{x}$ is the same with $x_f + d$ in place of $x_f - d$. As $|\sin 2 n\varphi| \le 2 n "
+        r"\sin\varphi$ by \eqref{eq:literature-sine}, with equality in the limit at the turning points only, there is "
+        r"no stop if and only if $x_f + |d| < r^2 x_0$.\end{proof}",
+        r"At the end of the continuum one of the two turning points is a stop of no length.",
         r"One multiplier is 1, along the continuum. The other one is the product of the two ratios of accelerations:",
         equation(LAMBDA[1], ((r**2 * x_0 - x_f) ** 2 - d**2) / ((r**2 * x_0 + x_f) ** 2 - d**2), ratios[0] * ratios[1]),
         _numbers(
@@ -240,6 +263,7 @@ def items(scope: Scope) -> Items:
             r"Their middle $\bar{x}$ is $d$. The end $d_*$ is bisected in $d$, by whether the motion stops.",
         ),
     )
+    yield _base_and_wall()
     low, high, B0, A = named("x_-"), named("x_+"), solution.B0, solution.A0
     mu, other = solution.mu1, solution.mu2
     ends = {low: (A - (mu - other) * FN + sp.Abs(B0)) / k, high: (A + (mu + other) * FN - sp.Abs(B0)) / k}
@@ -258,25 +282,80 @@ def items(scope: Scope) -> Items:
     )
 
 
-# --- the motion without stops ---
+# --- sections ---
 
 
-# --- stability ---
+def _meetings() -> Items:
+    """Return where borders meet, and the ends of a branch."""
+    n, j = (sp.Symbol(name, integer=True, positive=True) for name in "nj")
+    ratio, inverse, next_sine = named("F/P"), named("1/U"), sp.sin((j + 1) * phi)
+    at = {r: 1 / (2 * n), LARGEST: 1, U: 0}
+    odd = sp.cos(sp.expand(sp.pi * (2 * n + 1) / 2)) / ((2 * n + 1) * sp.sin(sp.expand(sp.pi * (2 * n + 1) / 2)))
+    return (
+        r"\subsection{Where borders meet}",
+        r"\begin{proposition}[points of codimension two]\label{thm:literature-points} "
+        r"For $c = 0$ and $n = 1, 2, \ldots$ the border of the motions without stops passes through the points "
+        r"\cite{guardia2010}\begin{enumerate}"
+        r"\item[$A_n$:] $r = 1/(2n)$, $F/P = 1/(4 n^2 - 1)$, where it comes from both turning points;"
+        r"\item[$B_n$:] $r = 1/(2n + 1)$, $F/P = 0$.\end{enumerate}\end{proposition}",
+        r"\begin{proof} First, $|\sin j\varphi| \le j\sin\varphi$ for $0 < \varphi < \pi$, by induction with",
+        equation(
+            next_sine,
+            sp.sin(j * phi) * sp.cos(phi) + sp.cos(j * phi) * sp.sin(phi),
+            sp.expand_trig(sp.sin(j * phi + phi)),
+            "sine",
+        ),
+        r"and the quotient tends to $j$ in size at $\varphi = 0$ and $\pi$. At $r = 1/(2n)$ one has $U = 0$, so that "
+        r"$S = r\sin(2n\varphi)/\sin\varphi$ has the supremum $S_* = 1$, and the border is at",
+        equation(ratio, 1 / (4 * n**2 - 1), {ratio: sp.sqrt(r**4) / ((1 - r**2) * LARGEST), **at}, "A"),
+        r"At $r = 1/(2n + 1)$",
+        equation(inverse, 0, {inverse: odd}, "B"),
+        r"and the border, which is not above $|V/U|$, is at 0.\end{proof}",
+        r"With damping $A_1$ becomes a point where crossing-sliding meets a graze next to the turning point: "
+        r"$\ddot{x}_+ = 0$ while the drive is largest, \eqref{eq:borders-rest}. Its row for $c = 0.001$ is near $A_1$.",
+        _numbers(
+            "points",
+            r"Where borders meet. $A_n$: bisected in the friction, by whether the symmetric motion stops. With "
+            r"damping: two equations in $\Omega$ and $F$, in the formulas of this chapter and in the switching points "
+            r"of $P_{32}$.",
+        ),
+        _numbers(
+            "ends",
+            r"The ends in $\Omega$ of the branch $P_{32}$ for $c = 0.1$, $P = 1.5$, $F = 1$, the parameters of the "
+            r"demo of \cite{iklodi2024} but for its static friction: \eqref{eq:literature-border} with 50 digits, and "
+            r"\texttt{continue\_orbit}.",
+        ),
+    )
 
 
-# --- where it ends ---
-
-
-# --- growth, decay ---
-
-
-# --- stops ---
-
-
-# --- continua ---
-
-
-# --- rests ---
+def _base_and_wall() -> Items:
+    """Return the motion of base and wall together, and where friction begins to amplify."""
+    z, y, force = named(r"\ddot{z}"), named("z"), named("T")
+    shake, rub, slope, lag = named("Y"), named("x_f", positive=True), named("s'"), named(r"\delta")
+    top, angle = named(r"\max x"), sp.Symbol("theta", real=True)
+    still = V * shake
+    near = still * (1 - angle**2 / 2) + rub * slope * (angle - lag)
+    best = near.subs(angle, sp.solve(near.diff(angle), angle)[0])
+    turns = sp.solve(-(r**2) * still * angle + rub * slope, angle)[0]
+    gain, wave = rub**2 * slope**2 / still * (sp.Rational(1, 2) - 1 / r**2), shake * sp.cos(angle)
+    drive = {z: (-k * y + force) / m + Omega**2 * wave}
+    return (
+        r"\subsection{Base and wall in joint motion}",
+        r"Let base and wall move with $Y\cos\theta$, and let $z = x - Y\cos\theta$ be the relative motion: spring and "
+        r"friction know only $z$. As $\ddot{x} = \ddot{z} - \Omega^2 Y\cos\theta$,",
+        equation(m * z + k * y, m * Omega**2 * wave + force, drive, "base"),
+        r"which is the model with $P = m\Omega^2 Y$. Marino, Cicirello and Hills \cite{marino2019,marino2020} found a "
+        r"frequency beyond which friction amplifies the absolute motion $x$. For $c = 0$ and weak friction let $s$ be "
+        r"the response to the square wave $\operatorname{sgn}\sin\theta$ per unit of $x_f$, in angles $\theta$ from a "
+        r"peak of the base; it is odd, and $s'$ its slope at 0. The relative motion turns at",
+        equation(lag, rub * slope / (r**2 * V * shake), {lag: turns}, "lag"),
+        r"and the friction changes there, so that near its peak $x = V Y (1 - \theta^2/2) + x_f s' (\theta - \delta)$ "
+        r"up to terms of third order in $x_f$. The peak is",
+        equation(top, still + gain, {top: best, lag: turns}, "peak"),
+        r"So weak friction damps the absolute motion for $r < \sqrt{2}$ and amplifies it for $r > \sqrt{2}$; strong "
+        r"friction moves this point up.",
+        _numbers("inversion", r"The $r$ at which friction leaves the absolute amplitude unchanged, $k Y = 1$."),
+    )
 
 
 # --- pieces ---

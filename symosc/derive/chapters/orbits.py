@@ -274,7 +274,8 @@ def _followed(p: Parameters, word: str) -> Any:
     return sp.Integer("".join(label[1] for label in reversed(motion.word[: len(word) - 1])))
 
 
-_FUNCTIONS = [{name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt", "mpf")}, "mpmath"]
+#: The functions of `lambdify` in numbers of 60 digits.
+FUNCTIONS = [{name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt", "mpf")}, "mpmath"]
 
 
 def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, list[tuple[str, Any]]]]:
@@ -288,7 +289,7 @@ def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, 
         speed = number(p.belt(belt))
         for alpha, op, best, words in ((belt, ">", min, "least"), (belt + 1, "<", max, "largest")):
             expr = _substituted(scope, force(alpha, x_i, BELTS[belt], theta_i))
-            code, step = sp.lambdify((x_i, theta_i), expr, _FUNCTIONS), duration / 10**6
+            code, step = sp.lambdify((x_i, theta_i), expr, FUNCTIONS), duration / 10**6
 
             def value(at: Any, code: Any = code) -> Any:
                 return code(x + speed * at, phase + turn * at)
@@ -305,7 +306,7 @@ def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, 
     put = [
         _substituted(scope, expr.xreplace({a_i: start, v_i: BELTS[belt]}).xreplace(scope.display)) for expr in flow[1:]
     ]
-    velocity, acceleration = (sp.lambdify((tau, x_i, theta_i), expr, _FUNCTIONS) for expr in put)
+    velocity, acceleration = (sp.lambdify((tau, x_i, theta_i), expr, FUNCTIONS) for expr in put)
     limits = [(op, scope.numbers[BELTS[b]]) for op, b in ((">", row.domain - 1), ("<", row.domain)) if b in BELTS]
     words = {1: "$< v_1$", 2: "between $v_1$ and $v_2$", 3: "$> v_2$"}[row.domain]
     for at in _zeros(lambda at: acceleration(at, x, phase), duration):

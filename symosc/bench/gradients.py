@@ -1,0 +1,451 @@
+"""Ways to differentiate events, as careful users of other tools set them up, and their score on the reference cases.
+
+Where a tool has no derivatives through events, a flight has them: the Jacobian of (x, v) at its end by (x, v) at its
+start and by (m, c, k, A, B0, Omega, phase) at a fixed duration. What an event does to them is the same for all such
+tools (`through_events`): the implicit function theorem for its time, and the saltation of the state. diffrax
+differentiates through its events itself; finite differences run the motion 28 times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from functools import lru_cache, partial
+from math import cos, pi, sin
+from pathlib import Path
+from statistics import median
+from typing import Any, NamedTuple
+
+import numpy as np
+from tabulate import tabulate
+
+from symosc.aliases import Record
+from symosc.bench import cases, event_logic, peers_heyoka, peers_numba, peers_scipy, sentence
+from symosc.bench.event_logic import ONE_STEP_OFFSET, STEPS_PER_PERIOD, force, problem, runner, start_mode
+from symosc.bench.peers_numba import E3, E5, STAGE_TIMES, STAGE_WEIGHTS, STAGES, STEP_EXPONENT, STEP_SAFETY
+from symosc.bench.solvers import Solver
+from symosc.engine.arithmetic import bind
+from symosc.engine.flow import friction_signs
+from symosc.errors import ParameterError
+from symosc.files import write_text
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.reference.case import ReferenceCase
+from symosc.reference.cases import SET_VERSION, reference_cases
+from symosc.reference.compare import FoundEvents
+from symosc.reference.score import CaseScore, Score, as_markdown, by_group
+from symosc.scenes import Scene
+from symosc.simulation.ensemble import simulate_many
+from symosc.simulation.tangents import NAMES
+
+#: Tolerance of the tools, and relative step of central differences: the cube root of the error of a run, about.
+TOLERANCE, DIFFERENCE = 1e-12, 1e-4
+#: Seconds of processor time for a case.
+GRADIENT_LIMIT = 20.0
+#: ``jacobian(m, c, k, A, B, Omega, phase, x, v, duration)`` returns the derivatives of x and v, each by START and WHAT.
+Jacobian = Callable[..., tuple[np.ndarray, np.ndarray]]
+X, V, OF_M, OF_C, OF_K, OF_A, OF_B, OF_OMEGA, OF_PHASE = COLUMNS = range(9)
+
+
+class FoundChanges(NamedTuple):
+    """An event with its derivatives by the names of columns, such as dt_mu1."""
+
+    t: float
+    x: float
+    kind: str
+    boundary: int
+    changes: dict[str, float]
+
+
+def found_changes(event: FoundEvents, dt: Sequence[float], dx: Sequence[float]) -> FoundChanges:
+    """Return an event with its derivatives by NAMES; those that are no numbers are left out."""
+    rows = (("dt", dt), ("dx", dx))
+    changes = {f"{of}_{name}": float(d) for of, row in rows for name, d in zip(NAMES, row, strict=True) if d == d}
+    return FoundChanges(event.t, event.x, event.kind, event.boundary, changes)
+
+
+# -- derivatives of flights, and what events do to them ----------------------------------------------------------------
+
+
+def through_events(scene: Scene, events: Sequence[FoundEvents], jacobian: Jacobian) -> Iterator[FoundChanges]:
+    """Yield the events of a motion with their derivatives, from those of its flights."""
+    p, q = scene.parameters, problem(scene.parameters, scene.t0)
+    number = {name: float(getattr(p, name)) for name in PARAMETER_NAMES}
+    m, c, k, B0, Omega = (number[name] for name in ("m", "c", "k", "B0", "Omega"))
+    t, x, v, t0 = float(scene.t0), float(scene.x0), float(scene.v0), float(scene.t0)
+    mode, _ = start_mode(q, x, v)
+
+    def own(name: str) -> np.ndarray:
+        return np.array([float(name == each) for each in NAMES])
+
+    def drag(domain: int) -> np.ndarray:
+        """Return the derivatives of A in a domain."""
+        one, two = friction_signs(domain)
+        by_mu = one * number["FN"] * own("mu1") + two * number["FN"] * own("mu2")
+        return own("A0") + by_mu + (one * number["mu1"] + two * number["mu2"]) * own("FN")
+
+    a = force(q, mode, 0.0, x, v) if mode < 4 else 0.0
+    dx, dv = own("x0") - v * own("t0"), own("v0") - a * own("t0")  # at fixed times
+    for event in events:
+        duration, speed = event.t - t, number[f"v{event.boundary}"]
+        belt, phase = own(f"v{event.boundary}"), q.theta + Omega * (event.t - t0)
+        if mode < 4:
+            A = float(p.A(mode))
+            by_x, by_v = jacobian(m, c, k, A, B0, Omega, (q.theta + Omega * (t - t0)) % (2 * pi), x, v, duration)
+            dx, dv = (
+                d[X] * dx + d[V] * dv + d[OF_M] * own("m") + d[OF_C] * own("c") + d[OF_K] * own("k")
+                + d[OF_A] * drag(mode) + d[OF_B] * own("B0") + (d[OF_OMEGA] + t * d[OF_PHASE]) * own("Omega")
+                for d in (by_x, by_v)
+            )  # fmt: skip
+            dt = (belt - dv) / force(q, mode, event.t - t0, event.x, speed)
+            following = _behind(event, mode)
+        else:
+            dx, sides = dx + dv * duration, NEIGHBOURS[event.boundary]
+            forces = [force(q, domain, event.t - t0, event.x, speed) for domain in sides]
+            following = sides[int(abs(forces[1]) < abs(forces[0]))]
+            change = drag(following) + cos(phase) * own("B0") - B0 * event.t * sin(phase) * own("Omega")
+            change = change - event.x * own("k") - k * dx - speed * own("c") - c * belt
+            dt = change / (k * speed + B0 * Omega * sin(phase))
+        yield found_changes(event, dt, dx + speed * dt)
+        if event.kind != "graze":
+            mode, t, x, v = following, event.t, event.x, speed
+            a = force(q, mode, t - t0, x, v) if mode < 4 else 0.0
+            dv = belt - a * dt
+
+
+def _behind(event: FoundEvents, mode: int) -> int:
+    """Return the mode behind an event of a flight."""
+    if event.kind == "stick":
+        return 3 + event.boundary
+    return mode if event.kind == "graze" else 2 * event.boundary + 1 - mode
+
+
+def by_flights(
+    follow: Callable[[Scene, float], Callable[[], Sequence[FoundEvents]]],
+    jacobian_of: Callable[[float], Jacobian],
+    scene: Scene,
+    tolerance: float,
+) -> Callable[[], list[FoundChanges]]:
+    """Prepare a solver whose events are found by `follow`, and differentiated flight by flight."""
+    run, jacobian = follow(scene, tolerance), jacobian_of(tolerance)
+    return lambda: list(through_events(scene, list(run()), jacobian))
+
+
+@lru_cache(maxsize=1)
+def heyoka_jacobian(tolerance: float) -> Jacobian:
+    """Return derivatives by heyoka's variational equations."""
+    import heyoka as hy
+
+    x, v = hy.make_vars("x", "v")
+    m, c, k, A, B, Omega, phase = (hy.par[i] for i in range(7))
+    equations = [(x, v), (v, (A + B * hy.cos(Omega * hy.time + phase) - k * x - c * v) / m)]
+    system = hy.var_ode_sys(equations, hy.var_args.vars | hy.var_args.params, order=1)
+    integrator = hy.taylor_adaptive(system, [0.0, 0.0], pars=[1.0] * 7, tol=tolerance, fast_math=True)
+    begin = np.array(integrator.state)
+
+    def jacobian(*values: float) -> tuple[np.ndarray, np.ndarray]:
+        *pars, x, v, duration = values
+        integrator.time, integrator.pars[:], integrator.state[:] = 0.0, pars, begin
+        integrator.state[0], integrator.state[1] = x, v
+        integrator.propagate_until(duration)
+        found = np.array(integrator.state[2:])
+        return found[:9], found[9:]
+
+    return jacobian
+
+
+@lru_cache(maxsize=1)
+def cvodes_jacobian(tolerance: float) -> Jacobian:
+    """Return derivatives by the forward sensitivities of CVODES, called by casadi; time is scaled to 1."""
+    import casadi as ca
+
+    y, p, s = ca.SX.sym("y", 2), ca.SX.sym("p", 8), ca.SX.sym("s")
+    m, c, k, A, B, Omega, phase, duration = (p[i] for i in range(8))
+    push = A + B * ca.cos(Omega * duration * s + phase) - k * y[0] - c * y[1]
+    equations = {"x": y, "p": p, "t": s, "ode": duration * ca.vertcat(y[1], push / m)}
+    options = {"abstol": tolerance * 1e-1, "reltol": tolerance, "max_num_steps": 1_000_000}
+    integrator = ca.integrator("flight", "cvodes", equations, 0, 1, options)
+    slopes = integrator.factory("slopes", ["x0", "p"], ["jac:xf:x0", "jac:xf:p"])
+
+    def jacobian(*values: float) -> tuple[np.ndarray, np.ndarray]:
+        *pars, x, v, duration = values
+        by_start, by_parameters = map(np.array, slopes([x, v], [*pars, duration]))
+        found = np.hstack([by_start, by_parameters[:, :7]])
+        return found[0], found[1]
+
+    return jacobian
+
+
+def tangent_steps(m, c, k, A, B, Omega, phase, x, v, duration, tolerance):
+    """Return x, v and their derivatives at the end of a flight: DOP853 with the variational equations beside it."""
+    y, K, new, t = np.zeros(20), np.zeros((STAGES + 1, 20)), np.zeros(20), 0.0
+    y[0], y[1], y[2 + 2 * X], y[3 + 2 * V] = x, v, 1.0, 1.0
+    longest = duration / max(1.0, np.ceil(duration * max(Omega, np.sqrt(k / m)) * STEPS_PER_PERIOD / (2 * pi)))
+    h = longest / 4.0
+    while t < duration:
+        h = min(h, longest, duration - t)
+        for stage in range(STAGES + 1):
+            new[:] = y
+            for j in range(stage):
+                new += h * STAGE_WEIGHTS[stage, j] * K[j]
+            angle = Omega * (t + h * STAGE_TIMES[stage]) + phase
+            push = (A + B * cos(angle) - k * new[0] - c * new[1]) / m
+            K[stage, 0], K[stage, 1] = new[1], push
+            for j in range(9):
+                K[stage, 2 + 2 * j] = new[3 + 2 * j]
+                K[stage, 3 + 2 * j] = -(k * new[2 + 2 * j] + c * new[3 + 2 * j]) / m
+            K[stage, 3 + 2 * OF_M] -= push / m
+            K[stage, 3 + 2 * OF_C] -= new[1] / m
+            K[stage, 3 + 2 * OF_K] -= new[0] / m
+            K[stage, 3 + 2 * OF_A] += 1.0 / m
+            K[stage, 3 + 2 * OF_B] += cos(angle) / m
+            K[stage, 3 + 2 * OF_OMEGA] -= B * sin(angle) * (t + h * STAGE_TIMES[stage]) / m
+            K[stage, 3 + 2 * OF_PHASE] -= B * sin(angle) / m
+        third = fifth = 0.0
+        for i in range(20):
+            scale = tolerance * max(1e-3, abs(y[i]), abs(new[i]))
+            e3 = e5 = 0.0
+            for j in range(STAGES + 1):
+                e3 += E3[j] * K[j, i]
+                e5 += E5[j] * K[j, i]
+            third, fifth = third + (e3 / scale) ** 2, fifth + (e5 / scale) ** 2
+        error = 0.0 if fifth == 0.0 else h * fifth / np.sqrt((fifth + 0.01 * third) * 20.0)
+        if error < 1.0 or t + h == t:
+            t = duration if h >= duration - t else t + h
+            y[:] = new
+        h *= 5.0 if error == 0.0 else min(5.0, max(0.2, STEP_SAFETY * error**STEP_EXPONENT))
+    return y
+
+
+@lru_cache(maxsize=1)
+def dop853_jacobian(tolerance: float) -> Jacobian:
+    """Return derivatives by DOP853 with tangents, compiled by numba."""
+    from numba import njit
+
+    steps: Any = njit(tangent_steps)
+
+    def jacobian(*values: float) -> tuple[np.ndarray, np.ndarray]:
+        found = steps(*map(float, values), tolerance)
+        return found[2::2], found[3::2]
+
+    jacobian(*[1.0] * 10)  # compiles
+    return jacobian
+
+
+# -- finite differences ------------------------------------------------------------------------------------------------
+
+
+def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]:
+    """Prepare central differences of scipy's DOP853; forward ones where a number may not be less."""
+    follow = partial(peers_scipy.prepare, "DOP853")
+
+    def moved(name: str, by: float) -> list[FoundEvents] | None:
+        start = name in ("t0", "x0", "v0")
+        try:
+            value = getattr(scene if start else scene.parameters, name) + Fraction(by)
+            near = replace(scene, **{name: value}) if start else scene
+            near = near if start else replace(near, parameters=scene.parameters.replace(**{name: value}))
+            return list(follow(near, tolerance)())
+        except (ParameterError, event_logic.PeerError):
+            return None
+
+    def run() -> list[FoundChanges]:
+        events = list(follow(scene, tolerance)())
+        slopes = np.full((2, len(events), len(NAMES)), np.nan)
+        for j, name in enumerate(NAMES):
+            value = float(getattr(scene.parameters if name in PARAMETER_NAMES else scene, name))
+            h = DIFFERENCE * (abs(value) or 1.0)
+            more, less = moved(name, h), moved(name, -h)
+            low, width = (events, h) if less is None else (less, 2 * h)
+            for n, event in enumerate(events):
+                pair = (more or [])[n : n + 1], low[n : n + 1]
+                if any(
+                    [(each.kind, each.boundary) for each in side] != [(event.kind, event.boundary)] for side in pair
+                ):
+                    break
+                slopes[:, n, j] = [(a - b) / width for a, b in zip(pair[0][0][:2], pair[1][0][:2], strict=True)]
+        return [found_changes(event, *slopes[:, n]) for n, event in enumerate(events)]
+
+    return run
+
+
+# -- diffrax -----------------------------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=1)
+def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Return a function that follows a flight or stick to an event, and its derivatives through the event by JAX.
+
+    The first argument are the parameters, then t, x, v at the start and the phase at this time; then the duration, the
+    signs of the friction, whether it flies, and the event function: of v, of the force, and of both belt speeds.
+    """
+    import diffrax
+    import jax
+    import jax.numpy as jnp
+    import optimistix
+
+    jax.config.update("jax_enable_x64", True)
+
+    def rate(t: Any, y: Any, args: Any) -> Any:
+        p, phase, one, two, flies = args
+        F = (
+            p[3] + (one * p[8] + two * p[9]) * p[10] + p[4] * jnp.cos(phase + p[5] * t) - p[2] * y[0] - p[1] * y[1]
+        ) / p[0]
+        return jnp.stack([y[1], flies * F])
+
+    def piece(p, t, x, v, phase, duration, longest, one, two, flies, of_v, of_F, of_v1, of_v2):
+        phase = phase + p[5] * t - jax.lax.stop_gradient(p[5] * t)
+
+        def gap(t: Any, y: Any, args: Any, **_: Any) -> Any:
+            F = rate(t, y, (p, phase, one, two, 1.0))[1]
+            return of_v * y[1] + of_F * F + of_v1 * p[6] + of_v2 * p[7]
+
+        control = diffrax.PIDController(rtol=tolerance, atol=1e-3 * tolerance, dtmax=longest)
+        found = diffrax.diffeqsolve(
+            diffrax.ODETerm(rate), diffrax.Dopri8(), 0.0, duration, longest / 8, jnp.stack([x, v]),
+            args=(p, phase, one, two, flies), stepsize_controller=control, saveat=diffrax.SaveAt(t1=True),
+            event=diffrax.Event(gap, optimistix.Newton(1e-14, 1e-14), direction=False),
+            adjoint=diffrax.ForwardMode(), max_steps=100_000, throw=False,
+        )  # fmt: skip
+        return jnp.stack([found.ts[0], found.ys[0, 0]]), found.event_mask
+
+    return jax.jit(piece), jax.jit(jax.jacfwd(lambda *args: piece(*args)[0], argnums=(0, 1, 2, 3)))
+
+
+def _settings(p: Parameters, mode: int, side: int) -> tuple[float, ...]:
+    """Return the arguments of a piece from its friction on, for its exit on one side."""
+    if mode < 4:
+        boundary = mode if side > 0 else mode - 1
+        speeds = [side * float(boundary == n) for n in (1, 2)]
+        return *friction_signs(mode), 1.0, -float(side), 0.0, *speeds
+    domain = mode - 3 if side < 0 else mode - 2
+    return *friction_signs(domain), 0.0, 0.0, -float(side), 0.0, 0.0
+
+
+def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]:
+    """Prepare diffrax: it finds the events, and JAX differentiates each piece through them."""
+    p, (piece, slopes) = scene.parameters, diffrax_pieces(tolerance)
+    numbers = np.array([float(getattr(p, name)) for name in PARAMETER_NAMES])
+    longest, t0 = problem(p).period / STEPS_PER_PERIOD, float(scene.t0)
+
+    def leave(q: Any, s: None, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
+        best = 0, t_end, x
+        for side in peers_scipy.SIDES[mode]:
+            (tau, at), hit = piece(numbers, t, x, v, q.theta, best[1], longest, *_settings(p, mode, side))
+            if bool(hit) or best[0] == 0:
+                best = (side if bool(hit) else 0), float(tau), float(at)
+        return best
+
+    follow = runner(scene, bind((event_logic,), {"leave": leave}), None, ONE_STEP_OFFSET)
+
+    def run() -> list[FoundChanges]:
+        q, found = problem(p, scene.t0), []
+        x, v, t = float(scene.x0), float(scene.v0), 0.0
+        mode, boundary = start_mode(q, x, v)
+        at = np.eye(14)[11:]  # derivatives of t, x, v at the start of a piece by NAMES
+        for event in follow():
+            here, speed = event_logic.from_now(q, t), float(p.belt(event.boundary))
+            if mode > 3:
+                forces = [abs(force(here, n, event.t - t0 - t, event.x, speed)) for n in NEIGHBOURS[event.boundary]]
+                side = 1 if forces[1] < forces[0] else -1
+                after = NEIGHBOURS[event.boundary][(side + 1) // 2]
+            else:
+                side, after = 1 if event.boundary == mode else -1, _behind(event, mode)
+                if boundary:  # off the belt, as in `follow`
+                    v += ONE_STEP_OFFSET * max(abs(q.v1), abs(q.v2)) * (1 if mode > boundary else -1)
+            args = numbers, t0 + t, x, v, here.theta, 2 * (event.t - t0 - t) + longest, longest
+            by_p, by_t, by_x, by_v = map(np.asarray, slopes(*args, *_settings(p, mode, side)))
+            change = by_p @ np.eye(14)[:11] + np.outer(by_t, at[0]) + np.outer(by_x, at[1]) + np.outer(by_v, at[2])
+            dt, dx = at[0] + change[0], change[1]
+            found.append(found_changes(event, dt, dx))
+            if event.kind != "graze":
+                mode, boundary, t, x, v = after, event.boundary, event.t - t0, event.x, speed
+                at = np.stack([dt, dx, np.eye(14)[5 + event.boundary]])
+        return found
+
+    return run
+
+
+# -- all of them -------------------------------------------------------------------------------------------------------
+
+
+def compiled(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]:
+    """Prepare symosc; where there is no derivative it gives none."""
+    start, known = [scene.t0, scene.x0, scene.v0], scene.start_error
+
+    def run() -> list[FoundChanges]:
+        table = simulate_many(scene.parameters, start, scene.t_end, start_error=known, wrt=NAMES)
+        dt, dx = (np.where(table.regular, each, np.nan) for each in (table.dt, table.dx))
+        events = map(FoundEvents, table.t.tolist(), table.x.tolist(), table.kind.tolist(), table.boundary.tolist())
+        return [found_changes(event, *rows) for event, *rows in zip(events, dt, dx, strict=True)]
+
+    return run
+
+
+def solvers() -> tuple[Solver, ...]:
+    """Return all ways to differentiate that are compared."""
+    heyoka = partial(by_flights, peers_heyoka.prepare, heyoka_jacobian)
+    dop853 = partial(by_flights, peers_numba.prepare, dop853_jacobian)
+    cvodes = partial(by_flights, partial(peers_scipy.prepare, "Adams"), cvodes_jacobian)
+    flights = "derivatives of flights; what an event does to them is the user's"
+    return (
+        Solver("symosc", compiled, (0.0,), needs="numba"),
+        Solver("heyoka, variational", heyoka, (1e-16,), "heyoka", flights),
+        Solver("numba DOP853, tangents", dop853, (1e-14,), "numba", flights),
+        Solver("casadi, CVODES", cvodes, (TOLERANCE,), "casadi", f"{flights}; events by scikit-sundae", "gradients"),
+        Solver(
+            "diffrax, jacfwd",
+            differentiated_by_diffrax,
+            (TOLERANCE,),
+            "diffrax",
+            "JAX goes through its events",
+            "gradients",
+        ),
+        Solver("scipy DOP853, differences", differences, (TOLERANCE,), note=f"relative step {DIFFERENCE:g}"),
+    )
+
+
+def run(
+    progress: Callable[[Sequence[Any]], Iterable[Any]] = iter, chosen: Sequence[ReferenceCase] | None = None
+) -> Record:
+    """Let all ways to differentiate follow the reference cases, and judge their derivatives; see `cases.run`."""
+    some = reference_cases() if chosen is None else chosen
+    some = [case for case in some if not case.periods]
+    return cases.run(progress, solvers(), some, GRADIENT_LIMIT, with_derivatives=True)
+
+
+def table(scores: Sequence[Score]) -> str:
+    """Return a Markdown table: how many derivatives of each group are right."""
+
+    def total(found: Iterable[CaseScore], name: str) -> int:
+        return sum(getattr(case, name) for case in found)
+
+    def right(found: Sequence[CaseScore]) -> str:
+        return f"{total(found, 'derivatives') - total(found, 'wrong_derivatives'):,}"
+
+    rows = []
+    for group, first in by_group(scores[0].cases):
+        known = total(first, "known_derivatives")
+        columns = [right([case for case in score.cases if case.group == group]) for score in scores]
+        rows += [[group, f"{known:,}", *columns]] if known else []
+    rows.append(["all", f"{total(scores[0].cases, 'known_derivatives'):,}", *(right(score.cases) for score in scores)])
+    rows.append(["wrong", "", *(f"{total(score.cases, 'wrong_derivatives'):,}" for score in scores)])
+    largest = [[case.error_d for case in score.cases if case.error_d is not None] for score in scores]
+    rows.append(["largest error of a case: median", "", *(f"{median(each):.0e}" if each else "" for each in largest)])
+    return tabulate(rows, ["group", "derivatives", *(each.name for each in scores)], "github", disable_numparse=True)
+
+
+def write(path: str | Path, result: Record, command: str) -> list[Path]:
+    """Write the page of all scores."""
+    notes = "; ".join(f"{solver.name}: {solver.note}" for solver in solvers() if solver.note)
+    more = [
+        f"Made by `{command}`. Each way differentiates all events by all eleven parameters and by t0, x0, v0, with at "
+        f"most {result['limit_s']:g} s of processor time for a case. {sentence(result['machine'])}",
+        f"What is compared: {notes}.",
+        *(f"Not run: {name}: {reason}." for name, reason in result["skipped"].items()),
+        "How many derivatives are right. An error is relative to max(1, |derivative|), and may be 1e-9, or 100 * "
+        "condition^2 * 1e-16 where that is more. What is neither right nor wrong was not given.",
+        table(result["scores"]),
+    ]
+    page = as_markdown(result["scores"], "Scores of derivatives", SET_VERSION, more, with_faults=False)
+    return [write_text(path, page)]

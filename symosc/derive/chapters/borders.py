@@ -1,0 +1,173 @@
+"""Borders between words: what vanishes, the names of the literature, and why an atlas of words is complete."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from symosc.derive.latex import named
+from symosc.derive.published import wall
+from symosc.derive.scope import LOWER, UPPER, F, G, Scope, mu_lambda, v_lambda
+from symosc.derive.steps import CONTEXT, AtRoot, Items, Sign, Table, decimal, equation, number, step
+from symosc.model import Parameters
+from symosc.orbits.branch import continue_orbit
+from symosc.scenes import load_scene
+from symosc.symbolic import solution
+from symosc.symbolic.solution import B0, FN, A, Omega, c, k, m, t, theta
+
+TITLE = "Borders between words"
+RATE, CURVE = named(r"\dot{F}^{(\alpha)}"), named(r"\ddot{F}^{(\alpha)}")
+NAMES = ("grazing-sliding", "crossing-sliding", "switching-sliding", "adding-sliding")
+
+
+def items(scope: Scope) -> Items:
+    """Yield the chapter."""
+    jump = -2 * mu_lambda * FN / m
+    on_belt = solution.in_paper_letters(solution.acceleration(solution.x_i, v_lambda)).subs(Omega * t, theta)
+    first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, solution.v: v_lambda})
+    moving = solution.in_paper_letters(solution.acceleration(solution.x_i + v_lambda * t, v_lambda, Omega * t))
+    rate = moving.diff(t).subs(Omega * t, theta)
+    same = {G(1): first.subs(solution.x, solution.x_i), F(r"\alpha"): on_belt, RATE: rate}
+    touched, place = named(r"\sin\theta_m"), named("x_m")
+    still = {touched: sp.solve(rate.subs(sp.sin(theta), touched), touched)[0]}
+    found = sp.solve(on_belt, solution.x_i)[0].subs(theta, named(r"\theta_m"))
+    # The letters of a belt with friction.
+    rubs = 2 * sp.Symbol(r"\mu_\lambda", positive=True) * sp.Symbol("F_N", positive=True) / m
+    yield (
+        r"\subsection{What a border is}",
+        r"\begin{definition}[border]\label{thm:borders-border} A periodic motion with the period of the drive, one "
+        r"that is no rest, is \emph{regular} if each of its flights arrives with $F \ne 0$, each contact is a passage "
+        r"with $F^{(\lambda)} F^{(\lambda+1)} > 0$ or the onset of a stick with $F^{(\lambda)} > 0 > F^{(\lambda+1)}$, "
+        r"no flight touches a belt on its way, and each stick is held with strict signs up to its end, where one of "
+        r"the two accelerations vanishes with $\dot{F} \ne 0$. Its \emph{word} is the sequence of its mappings. A "
+        r"\emph{border} is a set of parameters for which the periodic motion is not regular.\end{definition}",
+        r"On a border the equations of a word still hold, and one of these inequalities has become an equality: in a "
+        r"plane of two parameters this is a curve. Four cases are possible (Table~\ref{tab:borders-names}). Their "
+        r"names are those of \cite{dibernardo2002,dibernardo2008,kowalczyk2008}; sliding is what is called sticking "
+        r"here. Let $F^{(\alpha)}$ be what vanishes.",
+        r"\begin{theorem}[four borders]\label{thm:borders-names} "
+        r"Let $\mu_\lambda F_N > 0$. If $F^{(\lambda)} = 0$ at a contact with belt $\lambda$, then",
+        equation(F(UPPER), jump, {F(UPPER): F(LOWER) + jump, F(LOWER): 0}, "other"),
+        r"and if $F^{(\lambda+1)} = 0$ then",
+        equation(F(LOWER), -jump, {F(LOWER): F(UPPER) - jump, F(UPPER): 0}),
+        step(rubs, ">", 0, Sign()),
+        r"so the acceleration of the other side always pushes towards the belt. Along the flow of $\Omega_\alpha$ and "
+        r"along the belt $F^{(\alpha)}$ has the same rate there,",
+        equation(G(1), RATE - c * F(r"\alpha") / m, same, "rate"),
+        r"and the sign of this rate, $-(\gamma + a\sin\theta)$ with the letters of Lemma~\ref{thm:grazing-contact}, "
+        r"decides:\begin{enumerate}\item[(i)] A flight touches a belt on its way: it grazes the boundary of the part "
+        r"of the belt that holds the mass. Beyond the border it sticks there (\emph{grazing-sliding}).\item[(ii)] A "
+        r"passage into $\Omega_\alpha$ has $F^{(\alpha)} = 0$, and the rate takes $F^{(\alpha)}$ to the side that lets "
+        r"the mass go: beyond the border there is a short stick (\emph{crossing-sliding}).\item[(iii)] A passage into "
+        r"$\Omega_\alpha$ has $F^{(\alpha)} = 0$, and the rate takes it to the side that holds: on one side of the "
+        r"border the mass sticks at once, on the other after a short flight (\emph{switching-sliding}).\item[(iv)] "
+        r"During a stick $F^{(\alpha)}$ reaches 0 and returns: beyond the border a slip divides the stick in two "
+        r"(\emph{adding-sliding} or \emph{multisliding}). Phase and place are then known beforehand:",
+        equation(touched, -k * v_lambda / (B0 * Omega), still, "phase"),
+        equation(place, (A + B0 * sp.cos(named(r"\theta_m")) - c * v_lambda) / k, found, "place"),
+        r"\end{enumerate}\end{theorem}",
+        r"\begin{proof} \eqref{eq:borders-other} is Lemma~\ref{thm:motion-jump}; so no flight that touches a belt may "
+        r"pass it, and close to a touch both sides hold the mass. \eqref{eq:borders-rate} are \eqref{eq:switching-g1} "
+        r"and \eqref{eq:sticks-rate}, and its last term vanishes. What follows a contact with a small $F^{(\alpha)}$ "
+        r"of either sign is Theorem~\ref{thm:switching-cases}, and how long it lasts \eqref{eq:exponents-graze} to "
+        r"\eqref{eq:exponents-interrupted}. In (iv) both $F^{(\alpha)}$ and its rate vanish, which fixes the phase by "
+        r"\eqref{eq:sticks-rate} and the place by \eqref{eq:motion-acceleration}.\end{proof}",
+        _names_table(),
+        r"If $\mu_\lambda F_N = 0$ there is no belt, and (i) is no border of motions. Where the mass may rest on a "
+        r"belt at rest (Theorem~\ref{thm:orbits-unique}) there is no word; the border of that region is $|B_0| = "
+        r"\mu_\lambda F_N$, and is known beforehand.",
+        _examples_table(),
+        r"Motions that are their own mirror image have their contacts in pairs. Then two inequalities become "
+        r"equalities at once on a border; it is no point of codimension two.",
+        r"\subsection{Points of codimension two}",
+        r"Where two of the four conditions hold at different contacts, two borders cross. Where they hold at one "
+        r"contact, borders end or change their name: crossing-sliding becomes switching-sliding where $F^{(\alpha)} = "
+        r"0$ and its rate vanish together. For a belt at rest, $v_\lambda = 0$, that is at",
+        equation(touched, 0, {touched: still[touched].subs(v_lambda, 0)}, "rest"),
+        r"so the mass turns when the drive is largest. For $c = 0$ these points are known in closed form "
+        r"(Proposition~\ref{thm:literature-points}).",
+    )
+    yield _atlas()
+
+
+def _names_table() -> Table:
+    """Return what this package calls the borders on their two sides."""
+    graze = "grazing", "grazing, or vanishing of a stick"
+    rows = (
+        (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", r"$\sqrt{\epsilon}$", *graze),
+        (NAMES[1], r"$F^{(\alpha)} = 0$ at a passage", r"$\epsilon$", "birth of a stick", "vanishing of a stick"),
+        (NAMES[2], r"$F^{(\alpha)} = 0$ at an onset", r"$\epsilon$", "birth of a slip", "grazing"),
+        (NAMES[3], r"$F^{(\alpha)} = 0$ in a stick", r"$\sqrt{\epsilon}$", "birth of a slip", "vanishing of a slip"),
+    )
+    return Table(
+        "tab:borders-names",
+        r"The four borders: what becomes 0; how long what is born lasts at a distance $\epsilon$ from the border; and "
+        r"how this package names the end of a branch there, on the side of the shorter and of the longer word.",
+        ("name", "what", "length", "shorter word", "longer word"),
+        rows,
+    )
+
+
+_WALL = wall("0.4", "0.4", "0.1")
+#: Where, its parameters, a word, the parameter and its range, which end, the belt; the border and the sign of the rate.
+EXAMPLES: tuple[tuple[str, Parameters, str, str, tuple[str, str], int, int, str, int], ...] = (
+    ("Fig.~9", load_scene("fig9").parameters, "P32", "Omega", ("3", "6"), 1, 2, NAMES[0], -1),
+    ("Fig.~9", load_scene("fig9").parameters, "P32", "Omega", ("3", "6"), 0, 1, NAMES[1], -1),
+    ("at a wall", _WALL, "P1312", "mu1", ("0.1", "0.5"), 0, 1, NAMES[2], -1),
+    ("Fig.~10", load_scene("fig10").parameters, "P4645", "Omega", ("0.6", "3"), 0, 2, NAMES[3], 0),
+)
+
+
+def _examples_table() -> Table:
+    """Return ends of branches of the package, with the rate at the contact that decides."""
+    rows, signs = [], []
+    for where, p, word, name, ends, which, belt, border, sign in EXAMPLES:
+        end = continue_orbit(p, word, name, ends).ends[which]
+        there, letter = p.replace(**{name: end.value}), {"Omega": r"\Omega", "mu1": r"\mu_1"}[name]
+        phase = number(there.Omega) * number(end.conditions[0].t)
+        push = number(there.k * there.belt(belt)) + number(there.B0 * there.Omega) * CONTEXT.sin(phase)
+        rate = sp.Float(CONTEXT.nstr(-push / number(there.m), 20), 20)
+        signs.append(
+            step(rate, "<", 0, AtRoot(dict)) if sign else step(sp.Abs(rate), "<", sp.Rational(1, 10**4), AtRoot(dict))
+        )
+        cell = decimal("z", end.value, 7)
+        rows.append((border, f"$P_{{{word[1:]}}}$, {where}", f"${letter}$", cell, end.kind, decimal("z", rate, 3)))
+    return Table(
+        "tab:borders-examples",
+        r"An example of each: ends of branches in one parameter, and the rate there, with belt 2 in Fig.~9 (the graze) "
+        r"and in Fig.~10, else belt 1. The wall: $m = k = B_0 = F_N = 1$, $c = \frac{1}{10}$, $\Omega = \frac{2}{5}$, "
+        r"$v_1 = \mu_2 = 0$. In the second line the mass passes downwards, so that a negative rate lets it go.",
+        ("border", "branch", "", "at", "the package says", "rate"),
+        tuple(rows),
+        tuple(signs),
+        columns="lllrlr",
+    )
+
+
+def _atlas() -> Items:
+    """Return the theorem on atlases."""
+    return (
+        r"\subsection{Why an atlas is complete}",
+        r"An \emph{atlas} is a connected region of a plane of two parameters with its borders drawn and a word named "
+        r"in each part between them.",
+        r"\begin{theorem}[atlas]\label{thm:borders-atlas} Let $c > 0$ and $k > 0$ in the region, and let no belt at "
+        r"rest have $|B_0| \le \mu_\lambda F_N$ there.\begin{enumerate}\item[(i)] For each point there is one periodic "
+        r"motion, it attracts all others, and it depends continuously on the parameters, across borders "
+        r"too.\item[(ii)] Between the borders the word is constant: one motion per part decides it, wherever it "
+        r"starts. The atlas is complete if all borders are drawn.\item[(iii)] Where a periodic motion of a word is "
+        r"proven to be regular for all parameters of a box, the box meets no border, and the word is that of the "
+        r"motion that settles at each of its points.\end{enumerate}\end{theorem}",
+        r"\begin{proof} (i) Existence, uniqueness and attraction are Theorem~\ref{thm:orbits-unique}. Let parameters "
+        r"$p_n$ tend to $p$, with the periodic motions $x_n$. These are bounded together with their first two "
+        r"derivatives, uniformly in $n$, because the ball in the proof of that theorem depends continuously on the "
+        r"parameters. So a part of them converges with the velocities, to a motion of $p$ since the right side of "
+        r"\eqref{eq:motion-newton} is closed and convex. The limit is periodic, hence the only periodic motion of $p$, "
+        r"and as every part has a part with this limit all $x_n$ tend to it. (ii) If the motion of $p$ is regular, "
+        r"each event is a simple zero of a smooth function of the state before it, and all other inequalities are "
+        r"strict. By the implicit function theorem motions that start nearby, with nearby parameters, have the same "
+        r"events over a period, and by (i) the periodic one does start nearby. So the word is constant near $p$, and "
+        r"on each connected part without borders. (iii) By Theorem~\ref{thm:orbits-unique} the proven motion is the "
+        r"one that attracts.\end{proof}",
+        r"What is left to chance is a border that nobody has met, such as a small closed curve inside a part. Boxes "
+        r"that are proven by (iii) exclude it; what they do not cover has to be given as an area. For $c = 0$ the "
+        r"theorem does not hold: several motions may exist (Proposition~\ref{thm:literature-continuum}).",
+    )

@@ -1,0 +1,594 @@
+"""Several motions side by side in the registers of a processor, one in each lane; compiled only.
+
+A lane does what `symosc.engine.next_event.advance` does, with the same formulas in the same order, on the common path:
+a flight that marches to the one step in which it meets a wall, or a stick that slips within a forcing period, and what
+Theorems 4 and 5 decide there beyond doubt. Where anything else happens, the lane's result is dropped, and the scalar
+loop makes this step. So results have the same bits, whatever the number of lanes, and whichever motions are neighbours.
+
+What the scalar functions do without a branch is called as it is; here are the loops and branches, with flags instead.
+A wall that is not there has an infinite gap. Lanes without a result may hold any numbers.
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.engine.batch import (
+    STATE_WIDTH,
+    borrowed,
+    borrowed_batch,
+    borrowed_rows,
+    borrowed_tally,
+    follow_one,
+    is_inexact,
+    state_of,
+)
+from symosc.engine.first_exit import (
+    FAINT,
+    NEAR,
+    PI,
+    ROUNDING,
+    SAME_PHASE,
+    THIN,
+    force_noise,
+    fourth_derivative_bound,
+    free_motion,
+    gained,
+    gap_to,
+    is_beside,
+    lifted,
+    marched,
+    meets_once,
+    opens,
+    part_to_root,
+    root_by_series,
+    sharpened,
+    shifted,
+    slips_at,
+    slopes,
+    stays_open,
+)
+from symosc.engine.flow import MarchConstants, constant_force, derivatives
+from symosc.engine.next_event import (
+    NEAR_FORCE,
+    PAST_END,
+    TWO_PI,
+    TWO_PI_REST,
+    added,
+    carried_error,
+    flight_noise,
+    in_two_parts,
+    passes_at_once,
+    phase_after,
+    time_with_errors,
+)
+from symosc.engine.state import (
+    CROSS,
+    ON_BELT,
+    RUNNING,
+    SLIP,
+    STICK,
+    Covariance,
+    Flown,
+    NextEvent,
+    State,
+    Walls,
+)
+from symosc.engine.summary import EVENTS_SO_FAR, SKIPPED, STICKS, tally_step
+from symosc.kernels._generated import acceleration, basis_apart, motion, stick_acceleration
+from symosc.kernels.elementary import WIDEST, exp, select, sine_cosine
+from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, SIXTH
+
+# Here these names are placeholders: compiled code has those of `symosc.kernels.lane_types`, at its width.
+any_of: Any = None
+bits_of: Any = None
+load: Any = None
+store: Any = None
+LANES = 0
+
+# Rows of the results beside those of a state: code, belt, and the standard error of the event's time.
+CODE, BOUNDARY, T_ERROR = STATE_WIDTH, STATE_WIDTH + 1, STATE_WIDTH + 2
+# A block with fewer motions than this part of the lanes is slower than the scalar loop.
+LEAST_PART = 4
+# Steps after which the scalar loop goes on if not more than this part of them was on the common path.
+PROBE = 1024
+# How often a root is evaluated before the scalar loop goes on: on the common path once, or twice.
+MOST_EVALUATIONS = 3
+
+
+class LaneBelt(NamedTuple):
+    """The constants of the belts that motions are at, one in each lane (`symosc.engine.flow.BeltConstants`)."""
+
+    v: Any
+    J: Any
+    drift: Any
+    turns: Any
+    s_cr: Any
+    c_cr: Any
+    angle: Any
+
+
+def belts(boundary, K):
+    """Return the constants of the belts with the given numbers."""
+    first, one, two = boundary == 1, K.belt1, K.belt2
+    v, J, drift = select(first, one.v, two.v), select(first, one.J, two.J), select(first, one.drift, two.drift)
+    turns = select(first, one.turns, two.turns) != 0.0
+    s_cr, c_cr = select(first, one.s_cr, two.s_cr), select(first, one.c_cr, two.c_cr)
+    return LaneBelt(v, J, drift, turns, s_cr, c_cr, select(first, one.angle, two.angle))
+
+
+def suits_lanes(K):
+    """Return whether motions with these constants may go side by side."""
+    return K.apart and not K.slow_drive and (K.omega_d + K.Om) * K.chunk < 0.5 * WIDEST
+
+
+# --- flights ---
+
+
+def fly(state, remaining, K):
+    """Return (good, code, boundary, t_error, state) at the next event of flights, as `advance` does; see the module."""
+    mode, at, n, theta, x, v0, F0, _, S, t, t_low, s0, c0, theta_low = state
+    tau_max = select(remaining <= K.chunk, remaining + PAST_END * remaining, K.chunk)
+    lower = select(mode == 1, -inf, select(mode == 2, K.belt1.v, K.belt2.v))
+    upper = select(mode == 3, inf, select(mode == 2, K.belt2.v, K.belt1.v))
+    on_below, on_above = (at > 0) & (at == mode - 1), at == mode
+    walls = Walls(v0 - lower, upper - v0, True, True, on_below, on_above)
+    zero = 0.0 * tau_max
+    G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
+    begin = Flown(zero, zero, zero, F0, G1, G2, G3, s0, c0, 1.0 + zero, zero, zero)
+    flat = (on_below | on_above) & (F0 == 0.0) & (abs(G1) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB)))
+    speed = THIN * (abs(v0) + (abs(F0) + abs(K.f0)) * K.moment)
+    variance = K.sigmas * K.sigmas * (S.S22 + K.w0sq * S.S11)
+    margin = select(variance > FAINT * speed * speed, sqrt(variance), 0.0 * variance)
+    hit, now, there, side = march_side_by_side(tau_max, v0, begin, walls, margin, K)
+    good = hit & (remaining > 0.0) & ~flat
+    if not any_of(good):
+        return good, mode, mode, mode, state
+    good, now = polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K)
+    tau = now.tau
+    good = good & (tau <= remaining)
+    # what `after_flight` does
+    x_noise, v_noise = flight_noise(state, now, K)
+    S = carried_error(S, now, x_noise, v_noise, K)
+    late, n, theta, theta_low, s, c = phase_later(n, theta, theta_low, now.s, now.c, tau, K)
+    t, t_low = added(t, t_low, tau, K)
+    x = x + now.dx
+    upward = side > 0.0
+    boundary = select(upward, mode, mode - 1.0)
+    belt = belts(boundary, K)
+    v = belt.v
+    F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
+    F = select(tau * K.rate > SERIES_BELOW, F, now.F)
+    # what `meet_belt` does
+    G1, G2, G3 = derivatives(v, F, now.s, now.c, K)
+    t_error = sqrt(S.S22) / abs(F)
+    uncertainty = 2.0 * K.sigmas * t_error
+    vague = abs(F) <= (abs(G1) + abs(G2) * uncertainty) * uncertainty
+    good = good & ~late & passes_at_once(sqrt(S.S22), abs(F), G1, G2) & ~vague
+    Fb, Fa = select(upward, F, F + belt.J), select(upward, F - belt.J, F)
+    other = select(upward, Fa, Fb)
+    small = good & (abs(other) < NEAR_FORCE * belt.J)
+    if any_of(small):
+        noise = force_noise(F, tau, S.S11, belt, K) + K.sigmas * K.cm * sqrt(S.S22)
+        good = good & ~(small & (abs(other) <= noise))
+    rises, sticks = Fa > 0.0, (Fa < 0.0) & (Fb > 0.0)
+    target = select(rises, boundary + 1.0, boundary)
+    good = good & (rises | sticks | (Fb < 0.0)) & (sticks | (target != mode))
+    out = select(rises, Fa, Fb)
+    ratio = select(sticks, 0.0, out / F)
+    S12, S22 = ratio * S.S12, ratio * ratio * S.S22
+    S = Covariance(S.S11, select(sticks, 0.0 * S.S12, S12), select(sticks, 0.0 * S.S22, S22))
+    Fb, Fa = select(sticks, Fb, out), select(sticks, Fa, out)
+    mode = select(sticks, ON_BELT + boundary, target)
+    after = State(mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
+    return good, select(sticks, STICK, CROSS), boundary, t_error, after
+
+
+def march_side_by_side(tau_max, v0, now, walls, margin, K):
+    """Return (hit, now, there, side): the step in which a wall is met, once and for sure (`march`), and its side."""
+    v_free, F_free, slack, beyond_below, beyond_above = free_motion(v0, now, walls, margin, K)
+    below, above = select(beyond_below, inf, walls.below), select(beyond_above, inf, walls.above)
+    walls = Walls(below, above, True, True, walls.on_below, walls.on_above)
+    M4, since, stride = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K), now.tau, K.stride.step
+    guess = now.dv + (now.F + 0.5 * now.G1 * stride) * stride
+    long = (below + guess > 0.0) & (above - guess > 0.0)
+    active, hit, side, end = now.tau == 0.0, now.tau < 0.0, now.tau, now
+    while any_of(active):
+        M = MarchConstants(
+            select(long, K.stride.step, K.march.step),
+            select(long, K.stride.C, K.march.C),
+            select(long, K.stride.E1, K.march.E1),
+            select(long, K.stride.D, K.march.D),
+            select(long, K.stride.E0, K.march.E0),
+            select(long, K.stride.s, K.march.s),
+            select(long, K.stride.c, K.march.c),
+        )
+        v_next, F_next, there = marched(v_free, F_free, v0, now, M, K)
+        lift, within = lifted(M.step, M4, slack), there.tau < tau_max
+        h = there.tau - now.tau
+        g0, d0, g1, d1 = below + now.dv, h * now.F, below + there.dv, h * there.F
+        free_below = stays_open(g0, d0, g1, d1, lift, slack)
+        if any_of(active & (now.tau == 0.0) & walls.on_below):
+            opening = opens(d0, h * h * now.G1, g1, d1, lift, slack)
+            free_below = select((now.tau == 0.0) & walls.on_below, opening, free_below)
+        g0, d0, g1, d1 = above - now.dv, -h * now.F, above - there.dv, -h * there.F
+        free_above = stays_open(g0, d0, g1, d1, lift, slack)
+        if any_of(active & (now.tau == 0.0) & walls.on_above):
+            opening = opens(d0, -h * h * now.G1, g1, d1, lift, slack)
+            free_above = select((now.tau == 0.0) & walls.on_above, opening, free_above)
+        go = active & within & free_below & free_above
+        stuck = active & ~go
+        if any_of(stuck):
+            last_dv = select(within, there.dv, now.dv)
+            near = (since == now.tau) | ~((below + last_dv > 0.0) & (above - last_dv > 0.0))
+            ends = stuck & ~long & near
+            renewed = stuck & (ends | (since < now.tau))
+            if any_of(renewed):
+                G1, G2, G3 = derivatives(v0 + now.dv, now.F, now.s, now.c, K)
+                G2, G3 = select(renewed, G2, now.G2), select(renewed, G3, now.G3)
+                now = Flown(now.tau, now.dx, now.dv, now.F, now.G1, G2, G3, now.s, now.c, now.E0, now.E1, now.E2)
+                M4 = select(renewed, fourth_derivative_bound(G2, G3, now.s, now.c, K), M4)
+                since = select(renewed, now.tau, since)
+            if any_of(ends):
+                towards = select(free_below, 1.0, -1.0)
+                meets = ends & within & (free_below ^ free_above) & meets_once(towards, now, there, M4, slack, walls)
+                side, hit = select(meets, towards, side), hit | meets
+                end = chosen(meets, there, end)
+            active, long = active & ~ends, long & ~stuck
+        now = chosen(go, there, now)
+        v_free, F_free = select(go, v_next, v_free), select(go, F_next, F_free)
+        guess = now.dv + (now.F + 0.5 * now.G1 * stride) * stride
+        long = select(go, (below + guess > 0.0) & (above - guess > 0.0), long)
+    return hit, now, end, side
+
+
+def chosen(which, one, other):
+    """Return the points of one march where `which` says so, else of the other."""
+    tau, dv, F = select(which, one.tau, other.tau), select(which, one.dv, other.dv), select(which, one.F, other.F)
+    G1, s, c = select(which, one.G1, other.G1), select(which, one.s, other.s), select(which, one.c, other.c)
+    return Flown(tau, other.dx, dv, F, G1, other.G2, other.G3, s, c, other.E0, other.E1, other.E2)
+
+
+def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
+    """Return (good, point): the contacts between two points (`between`, `polish`)."""
+    low, high = now.tau, there.tau
+    slack, h = 4.0 * EPS * high, high - low
+    part = part_to_root(now, there, side, walls)
+    early = part < 0.5
+    at = chosen(early, now, there)
+    G1, G2, G3 = derivatives(v0 + at.dv, at.F, at.s, at.c, K)
+    at = Flown(at.tau, at.dx, at.dv, at.F, G1, G2, G3, at.s, at.c, at.E0, at.E1, at.E2)
+    tau = at.tau + sharpened(select(early, part * h, (part - 1.0) * h), side, at, walls, K)
+    pending, done, shift = good, good & ~good, 0.0 * tau
+    for _ in range(MOST_EVALUATIONS):
+        now = flown_side_by_side(tau, v0, F0, s0, c0, K)
+        gap = gap_to(side, now, walls)
+        before = gap > 0.0
+        low, high = select(before & (tau > low), tau, low), select(~before & (tau < high), tau, high)
+        over = select(side < 0.0, gap, -gap)
+        shift, missing = root_by_series(over, now.F, now.G1, now.G2, now.G3)
+        sure = (abs(over * now.G1) < 0.1 * now.F * now.F) & (missing <= EPS * tau)
+        inside = (low - slack <= tau + shift) & (tau + shift <= high + slack)
+        pending = pending & sure & inside & (K.rate * tau >= SERIES_BELOW) & (K.w0 * tau >= APART_ABOVE)
+        near = abs(shift) * K.rate < NEAR
+        done = done | (pending & near)
+        pending = pending & ~near
+        if not any_of(pending):
+            break
+        tau = select(pending, tau + shift, tau)
+    return done, shifted(now, shift, v0, K)
+
+
+def flown_side_by_side(tau, v0, F0, s0, c0, K):
+    """Return the points of flights `tau` after their launch, by the closed form (`symosc.engine.flow.state_at`)."""
+    decay, (s_w, c_w), (s_Om, c_Om) = exp(-K.h * tau), sine_cosine(K.omega_d * tau), sine_cosine(K.Om * tau)
+    E0, E1, E2, R2, I2 = basis_apart(decay, s_w, c_w, s_Om, c_Om, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
+    dx, dv, F = motion(v0, F0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    s, c = s0 * c_Om + c0 * s_Om, c0 * c_Om - s0 * s_Om
+    G1, G2, G3 = derivatives(v0 + dv, F, s, c, K)
+    return Flown(tau, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2)
+
+
+def phase_later(n, theta, theta_low, s, c, tau, K):
+    """Return (late, n, theta, theta_low, s, c) of phases `tau` later (`later`); late: not within the next turn."""
+    theta, theta_low = phase_after(theta, theta_low, tau, K)
+    turned = theta >= TWO_PI
+    theta, theta_low = select(turned, theta - TWO_PI, theta), select(turned, theta_low - TWO_PI_REST, theta_low)
+    late = (theta >= TWO_PI) | (tau == K.period)
+    theta, theta_low = in_two_parts(theta, theta_low)
+    if any_of(turned):
+        sine, cosine = sine_cosine(theta)
+        s, c = select(turned, sine, s), select(turned, cosine, c)
+    return late, select(turned, n + 1.0, n), theta, theta_low, s, c
+
+
+# --- sticks ---
+
+
+def slip(state, remaining, K):
+    """Return (good, code, boundary, t_error, state) at the ends of sticks, as `advance` does; see the module."""
+    mode, _, n, theta, x, v, Fb, Fa, S, t, t_low, s0, c0, theta_low = state
+    boundary = mode - ON_BELT
+    belt = belts(boundary, K)
+    good, force, side, low, high, Delta, s, c = end_of_stick(state, belt, K)
+    good = good & (remaining >= K.period)
+    if not any_of(good):
+        return good, mode, mode, mode, state
+    good, tau, slope, bend, s, c = slip_side_by_side(good, force, side, low, high, Delta, s, c, state, belt, K)
+    good = good & (tau <= remaining)
+    # what `after_stick` does
+    noise, zero = EPS * (abs(x) + 2.0 * abs(v) * tau), 0.0 * Fb
+    S = Covariance(S.S11 + noise * noise, zero, zero)
+    x = x + v * tau
+    late, n, theta, theta_low, s, c = phase_later(n, theta, theta_low, s, c, tau, K)
+    t, t_low = added(t, t_low, tau, K)
+    target = select(side < 0.0, boundary, boundary + 1.0)
+    terms = abs(constant_force(target, K)) + belt.J + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
+    force_error = K.w0sq * sqrt(S.S11) + EPS * (abs(belt.drift) * tau + terms)
+    good = good & ~late & passes_at_once(force_error, abs(slope), bend, K.fB * K.Om * K.Om)
+    after = State(target, boundary, n, theta, x, v, zero, zero, S, t, t_low, s, c, theta_low)
+    return good, SLIP + zero, boundary, force_error / abs(slope), after
+
+
+def end_of_stick(held, belt, K):
+    """Return (good, force, side, low, high, Delta, s, c): the monotone piece in which a stick ends (`belt_exit`)."""
+    zero, period = 0.0 * held.theta, K.period
+    first, second = ahead_of(belt.angle - held.theta) / K.Om, ahead_of(PI - belt.angle - held.theta) / K.Om
+    swap = belt.turns & (second < first)
+    first, second = select(swap, second, first), select(swap, first, second)
+    first, second = select(belt.turns, first, period), select(belt.turns, second, period)
+    c_first = select(swap, -belt.c_cr, belt.c_cr)
+    at_period = belt.turns & ((first == 0.0) | (second == 0.0))
+    tau, Delta, s, c = zero, zero, held.s, held.c
+    force, side, low, high, from_Delta, from_s, from_c = zero, zero, zero, zero, zero, zero, zero
+    open_yet, good = zero == 0.0, zero != 0.0
+    for piece in range(3):
+        end = select(piece == 0, first, select(piece == 1, second, period + zero))
+        end = select(end > period, period, end)
+        here = open_yet & (end > tau)
+        turning = belt.turns & (end < period)
+        c_end = select(turning, select(piece == 0, c_first, -c_first), held.c)
+        Delta_end = stick_acceleration(zero, belt.v, end, c_end - held.c, K.w0sq, K.f0)
+        Delta_end = select(turning, Delta_end, belt.drift * end)
+        rising = Delta_end > Delta
+        force_here = select(rising, held.Fa, held.Fb)
+        over = select(rising, force_here + Delta_end, -force_here - Delta_end)
+        turning = (end < period) | (at_period & (end == period))
+        unclear = turning & (abs(over) <= force_noise(held.Fb, end, held.S.S11, belt, K))
+        open_yet = open_yet & ~(here & (unclear | (Delta_end == Delta)))
+        found = here & open_yet & (over >= 0.0)
+        good, open_yet = good | found, open_yet & ~found
+        force, side = select(found, force_here, force), select(found, select(rising, 1.0, -1.0), side)
+        low, high, from_Delta = select(found, tau, low), select(found, end, high), select(found, Delta, from_Delta)
+        from_s, from_c = select(found, s, from_s), select(found, c, from_c)
+        tau, Delta = select(here, end, tau), select(here, Delta_end, Delta)
+        s, c = select(here, belt.s_cr, s), select(here, c_end, c)
+    return good, force, side, low, high, from_Delta, from_s, from_c
+
+
+def wrapped_once(angle):
+    """Return an angle between -4 pi and 4 pi moved into [0, 2 pi) (`wrapped`)."""
+    angle = select(angle < 0.0, angle + 2.0 * PI, angle)
+    angle = select(angle < 0.0, angle + 2.0 * PI, angle)
+    return select(angle >= 2.0 * PI, angle - 2.0 * PI, angle)
+
+
+def ahead_of(angle):
+    """Return the distance to a phase ahead (`ahead`)."""
+    angle = wrapped_once(angle)
+    return select((angle < SAME_PHASE * EPS) | (2.0 * PI - angle < SAME_PHASE * EPS), 0.0 * angle, angle)
+
+
+def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
+    """Return (good, tau, slope, bend, s, c): the roots of the force in monotone pieces (`exit_root`)."""
+    tau, over = low, force + Delta
+    sine = select(side * K.fB < 0.0, 1.0, -1.0)
+    inflection = wrapped_once(0.5 * sine * PI - held.theta) / K.Om
+    between = (low < inflection) & (inflection < high)
+    there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
+    better = between & (abs(there) < abs(over))
+    s, c = select(better, sine + 0.0 * c, s), select(better, 0.0 * c, c)
+    tau, over = select(better, inflection, tau), select(better, there, over)
+    beyond = side * there > 0.0
+    low, high = select(between & ~beyond, inflection, low), select(between & beyond, inflection, high)
+    slope, bend = slopes(s, c, belt, K)
+    Om2, slack, step_before = K.Om * K.Om, 4.0 * EPS * high, 2.0 * (high - low)
+    pending, done, exact, shift = good, good & ~good, False, 0.0 * tau
+    for _ in range(MOST_EVALUATIONS + 1):
+        third = Om2 * (belt.drift - slope)
+        if exact:
+            fast = is_beside(over, slope, bend, K)
+            step, missing = root_by_series(over, slope, bend, third, -Om2 * bend)
+            within = (abs(step) * K.Om < NEAR) & (low - slack <= tau + step) & (tau + step <= high + slack)
+            pending = pending & (over != 0.0) & ~(fast & ~(missing <= EPS * tau))
+            ends = pending & fast & within
+            shift, done, pending = select(ends, step, shift), done | ends, pending & ~ends
+            if not any_of(pending):
+                break
+        square = slope * slope - 2.0 * over * bend
+        steepness = select(square > 0.0, side * slope + sqrt(square), 0.0 * square)
+        step = select(steepness > 0.0, -2.0 * over * side / steepness, high - low)
+        incline = slope + (bend + 0.5 * third * step) * step
+        bent = (steepness > 0.0) & (side * incline > 0.0)
+        step = select(bent, step - SIXTH * third * step * step * step / incline, step)
+        outside = (tau + step >= high) | (tau + step <= low) | (2.0 * abs(step) > step_before)
+        step = select(outside, 0.5 * (low + high) - tau, step)
+        if exact:
+            step_before = select(pending, abs(step), step_before)
+        pending = pending & (tau + step != tau)
+        tau, exact = select(pending, tau + step, tau), True
+        Delta, sine, cosine = gain_side_by_side(tau, held.s, held.c, belt, K)
+        s, c = select(pending, sine, s), select(pending, cosine, c)
+        slope, bend = slopes(s, c, belt, K)
+        over = force + Delta
+        beyond = side * over > 0.0
+        low, high = select(pending & ~beyond, tau, low), select(pending & beyond, tau, high)
+    found = slips_at(tau, shift, side, -force, s, c, belt, K)
+    return done, found.tau, found.slope, found.bend, found.s, found.c
+
+
+def gain_side_by_side(tau, s0, c0, belt, K):
+    """Return Delta, and sine and cosine of the phase (`symosc.engine.first_exit.gain`)."""
+    s, c = sine_cosine(0.5 * K.Om * tau)
+    return gained(tau, s, c, s0, c0, belt, K)
+
+
+# --- many motions ---
+
+
+def block(flights, given, found, accuracy, K):
+    """Advance the states in the columns of `given` to their next events, in `found`; return which results hold."""
+    S = Covariance(load(given, 8), load(given, 9), load(given, 10))
+    mode, at, n, theta = load(given, 0), load(given, 1), load(given, 2), load(given, 3)
+    x, v, Fb, Fa = load(given, 4), load(given, 5), load(given, 6), load(given, 7)
+    t, t_low, t_end, t_end_low, t0 = load(given, 11), load(given, 12), load(given, 13), load(given, 14), load(given, 15)
+    state = State(mode, at, n, theta, x, v, Fb, Fa, S, t, t_low, load(given, 16), load(given, 17), load(given, 18))
+    t_end_low = t_end_low - (t_end - t0) * K.Om_gain
+    remaining = (t_end - t) + (t_end_low - t_low)
+    if flights:
+        good, code, boundary, t_error, after = fly(state, remaining, K)
+    else:
+        good, code, boundary, t_error, after = slip(state, remaining, K)
+    clock = time_with_errors(after.t, after.t_low, t0, after.x, after.v, t_error, after.S.S11, K)
+    good = good & ~is_inexact(clock[0], clock[1], after.x, clock[2], t0, accuracy)
+    keep_lanes(found, after)
+    store(found, CODE, code)
+    store(found, BOUNDARY, boundary)
+    store(found, T_ERROR, t_error)
+    return bits_of(good)
+
+
+def keep_lanes(found, state):
+    """Store states in columns."""
+    store(found, 0, state.mode)
+    store(found, 1, state.at)
+    store(found, 2, state.n)
+    store(found, 3, state.theta)
+    store(found, 4, state.x)
+    store(found, 5, state.v)
+    store(found, 6, state.Fb)
+    store(found, 7, state.Fa)
+    store(found, 8, state.S.S11)
+    store(found, 9, state.S.S12)
+    store(found, 10, state.S.S22)
+    store(found, 11, state.t)
+    store(found, 12, state.t_low)
+    store(found, 16, state.s)
+    store(found, 17, state.c)
+    store(found, 18, state.theta_low)
+
+
+def lane_state(found, lane):
+    """Return the state in a column."""
+    S = Covariance(found[8, lane], found[9, lane], found[10, lane])
+    mode, at, n, theta = int(found[0, lane]), int(found[1, lane]), int(found[2, lane]), found[3, lane]
+    x, v, Fb, Fa, t, t_low = (
+        found[4, lane],
+        found[5, lane],
+        found[6, lane],
+        found[7, lane],
+        found[11, lane],
+        found[12, lane],
+    )
+    return State(mode, at, n, theta, x, v, Fb, Fa, S, t, t_low, found[16, lane], found[17, lane], found[18, lane])
+
+
+def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
+    """Follow trajectories as `follow_all` does, those of one parameter set side by side where that is possible.
+
+    Not in order: where a buffer is full, a trajectory may have ended before one of a smaller number.
+    """
+    rows, parts, count = 0, 0, batch.states.shape[0]
+    batch = borrowed_batch(batch)
+    _, sets, _, codes = batch
+    out, pieces, tally, table = borrowed_rows(out), borrowed(pieces), borrowed_tally(tally), borrowed(table)
+    side_by_side = tally.floats.shape[0] > 0 and pieces.shape[1] == 0
+    given, found = np.zeros((STATE_WIDTH, LANES)), np.zeros((STATE_WIDTH + 3, LANES))
+    queue = np.zeros((2, 2 * LANES), np.int64)  # numbers of motions in flight, and on a belt
+    given, found, queue = borrowed(given), borrowed(found), borrowed(queue)
+    while begin < count:
+        end = begin + 1
+        if side_by_side and suits_lanes(table[sets[begin]]):
+            while end < count and sets[end] == sets[begin]:
+                end += 1
+        if end - begin >= LANES // LEAST_PART:
+            rows = follow_group(begin, end, rows, batch, most, accuracy, out, pieces, tally, table, given, found, queue)
+        else:
+            end = begin + 1
+            if codes[begin] == RUNNING:
+                rows, parts = follow_one(begin, False, rows, parts, batch, most, accuracy, out, pieces, tally, table)
+        while begin < end and codes[begin] != RUNNING:
+            begin += 1
+        if begin < end:
+            break
+    return begin, rows, parts
+
+
+def follow_group(begin, end, rows, batch, most, accuracy, out, pieces, tally, table, given, found, queue):
+    """Follow the trajectories of one parameter set from `begin` to `end`; return the number of rows."""
+    states, sets, counts, codes = batch
+    asked = tally.asked.extent or tally.asked.stuck or tally.asked.ring > 0
+    K, fullest = table[sets[begin]], out.floats.shape[1]
+    flights, sticks = 0, 0  # motions in the queues
+    tried, kept = 0, 0
+    while rows < fullest and (tried < PROBE or LEAST_PART * kept > tried):
+        while begin < end and flights + sticks < 2 * LANES:
+            if codes[begin] == RUNNING:
+                if states[begin, 0] > ON_BELT:
+                    queue[1, sticks] = begin
+                    sticks += 1
+                else:
+                    queue[0, flights] = begin
+                    flights += 1
+            begin += 1
+        which = 0 if flights >= sticks else 1
+        there = flights if which == 0 else sticks
+        if there < LANES // LEAST_PART:
+            break
+        taken = min(there, LANES)
+        first = there - taken
+        if which == 0:
+            flights = first
+        else:
+            sticks = first
+        for lane in range(LANES):
+            i = queue[which, first + (lane if lane < taken else 0)]
+            for n in range(STATE_WIDTH):
+                given[n, lane] = states[i, n]
+        good = block(which == 0, given, found, accuracy, K)
+        tried += taken
+        for lane in range(taken):
+            i = queue[which, first + lane]
+            if (good >> lane) & 1 and counts[i] < most:
+                if asked:
+                    step, boundary = int(found[CODE, lane]), int(found[BOUNDARY, lane])
+                    event = NextEvent(step, boundary, True, found[T_ERROR, lane], lane_state(found, lane))
+                    tally_step(i, state_of(states, i), event, states[i, 15], tally, K)
+                elif (found[11, lane] - states[i, 15]) + found[12, lane] >= tally.floats[i, SKIPPED]:
+                    tally.ints[i, EVENTS_SO_FAR] += 1
+                    tally.ints[i, STICKS] += found[CODE, lane] == STICK
+                for n in range(STATE_WIDTH):
+                    if n < 13 or n > 15:
+                        states[i, n] = found[n, lane]
+                rows += 1
+                kept += 1
+                counts[i] += 1
+            else:
+                rows, _ = follow_one(i, True, rows, 0, batch, most, accuracy, out, pieces, tally, table)
+            if codes[i] == RUNNING:
+                if states[i, 0] > ON_BELT:
+                    queue[1, sticks] = i
+                    sticks += 1
+                else:
+                    queue[0, flights] = i
+                    flights += 1
+    for n in range(flights + sticks):
+        i = queue[0, n] if n < flights else queue[1, n - flights]
+        rows, _ = follow_one(i, False, rows, 0, batch, most, accuracy, out, pieces, tally, table)
+    for i in range(begin, end):
+        if rows < fullest and codes[i] == RUNNING:
+            rows, _ = follow_one(i, False, rows, 0, batch, most, accuracy, out, pieces, tally, table)
+    return rows

@@ -1,0 +1,42 @@
+"""The entire functions of `symosc.kernels.entire` without a branch: a function for each formula, for SIMD loops.
+
+Each is good where `symosc.kernels.entire.basis` uses it. `symosc.mappings.compiled` sorts the points and compiles the
+loops of `symosc.kernels.mapping` once for each of the four, as their `basis`.
+"""
+
+from __future__ import annotations
+
+from symosc.kernels import entire_array
+from symosc.kernels.elementary import cos, sin
+from symosc.kernels.entire import closed_form, impulse, impulse_integral, wave_integrals
+
+all_terms = entire_array.series  # with a fixed number of terms
+
+
+def by_closed_form(tau, K):
+    """Return what `basis` returns, where the system is underdamped and far from resonance and tau is not short."""
+    s, c = sin(K.Om * tau), cos(K.Om * tau)
+    E0, E1, E2, R2, I2 = closed_form(tau, s, c, K)
+    return E0, E1, E2, R2, I2, s, c
+
+
+def by_division(tau, K):
+    """Return what `basis` returns, where neither the oscillator nor the drive is slow for tau."""
+    s, c = sin(K.Om * tau), cos(K.Om * tau)
+    E0, E1 = impulse(tau, K)
+    R2, I2 = wave_integrals(tau, s, c, E1, K)
+    return E0, E1, impulse_integral(tau, E1, K), R2, I2, s, c
+
+
+def by_division_and_series(tau, K):
+    """Return what `basis` returns, where the oscillator is slow for tau and the drive is not."""
+    s, c = sin(K.Om * tau), cos(K.Om * tau)
+    E0, E1, E2, _, _ = all_terms(tau, K.cm, K.w0sq, 0.0)
+    R2, I2 = wave_integrals(tau, s, c, E1, K)
+    return E0, E1, E2, R2, I2, s, c
+
+
+def by_series(tau, K):
+    """Return what `basis` returns, where tau is short for the oscillator and for the drive."""
+    E0, E1, E2, R2, I2 = all_terms(tau, K.cm, K.w0sq, K.Om)
+    return E0, E1, E2, R2, I2, sin(K.Om * tau), cos(K.Om * tau)

@@ -1,0 +1,234 @@
+"""Lanes: numba types of several doubles, or flags, side by side in registers; each lane computes as a double alone does.
+
+A number of lanes goes with floats in all operators; comparisons give flags, which go with `&`, `|`, `^`, `~` and
+`select`. No operation is contracted or reordered: results have the same bits in any lane, at any width, and on any
+processor, whose registers LLVM uses as they come. This module needs numba.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import numba
+from llvmlite import binding
+from numba.core import cgutils, types
+from numba.core.cgutils import ir
+from numba.core.typeconv import Conversion
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic, lower_builtin, lower_cast, models, overload, register_model
+
+from symosc.kernels.elementary import TO_INTEGER
+
+BIT, LONG, DOUBLE = ir.IntType(1), ir.IntType(64), ir.DoubleType()
+
+
+class LanesType(types.Type):
+    """The numba type of `width` doubles, or flags."""
+
+    def __init__(self, width: int, flags: bool = False) -> None:
+        self.width, self.flags = width, flags
+        super().__init__(name=f"lanes({width}, {'flags' if flags else 'doubles'})")
+
+    def holds(self, other: Any) -> bool:
+        """Return whether a scalar type can stand for equal lanes."""
+        return isinstance(other, types.Boolean if self.flags else (types.Float, types.Integer))
+
+    def can_convert_from(self, typingctx: Any, other: Any) -> Any:
+        """Allow a scalar where lanes are expected."""
+        return Conversion.promote if self.holds(other) else None
+
+    def unify(self, typingctx: Any, other: Any) -> Any:
+        """Use lanes for a variable that is a scalar in another branch."""
+        return self if self.holds(other) else None
+
+
+@register_model(LanesType)
+class _LanesModel(models.PrimitiveModel):
+    """A vector of LLVM."""
+
+    def __init__(self, manager: Any, declared: Any) -> None:
+        super().__init__(manager, declared, ir.VectorType(BIT if declared.flags else DOUBLE, declared.width))
+
+
+@lower_cast(types.Float, LanesType)
+@lower_cast(types.Integer, LanesType)
+@lower_cast(types.Boolean, LanesType)
+def _spread(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
+    """Return LLVM code that puts a scalar into all lanes."""
+    value = context.cast(builder, value, given, types.boolean if wanted.flags else types.float64)
+    vector = context.get_value_type(wanted)
+    first = builder.insert_element(ir.Constant(vector, ir.Undefined), value, ir.Constant(ir.IntType(32), 0))
+    zeros = ir.Constant(ir.VectorType(ir.IntType(32), wanted.width), [0] * wanted.width)
+    return builder.shuffle_vector(first, ir.Constant(vector, ir.Undefined), zeros)
+
+
+def lanes_among(arguments: Any, flags: bool) -> Any:
+    """Return the type of lanes among argument types, if the others go with it, else None."""
+    found = [each for each in arguments if isinstance(each, LanesType)]
+    if not found or found[0].flags is not flags:
+        return None
+    return found[0] if all(each == found[0] or found[0].holds(each) for each in arguments) else None
+
+
+def _operator(name: Callable[..., Any], of_flags: bool, to_flags: bool, code: Callable[..., Any]) -> None:
+    """Define an operator."""
+
+    @infer_global(name)
+    class Typing(AbstractTemplate):
+        def generic(self, arguments: Any, keywords: Any) -> Any:
+            lanes = lanes_among(arguments, of_flags)
+            return signature(LanesType(lanes.width, to_flags), *(lanes for _ in arguments)) if lanes else None
+
+    @lower_builtin(name, *[LanesType] * (1 if name in (operator.neg, operator.invert) else 2))
+    def lowered(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
+        return code(builder, *arguments)
+
+
+def _compare(sign: str) -> Callable[..., Any]:
+    """Return what writes a comparison."""
+    return lambda b, x, y: (b.fcmp_unordered if sign == "!=" else b.fcmp_ordered)(sign, x, y)
+
+
+for _name in ("add", "sub", "mul", "truediv"):
+    _code = getattr(ir.IRBuilder, {"truediv": "fdiv"}.get(_name, f"f{_name}"))
+    _operator(getattr(operator, _name), False, False, _code)
+    _operator(getattr(operator, f"i{_name}"), False, False, _code)
+_operator(operator.neg, False, False, ir.IRBuilder.fneg)
+for _name, _sign in {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "ne": "!="}.items():
+    _operator(getattr(operator, _name), False, True, _compare(_sign))
+for _name in ("and_", "or_", "xor"):
+    _operator(getattr(operator, _name), True, True, getattr(ir.IRBuilder, _name))
+_operator(operator.invert, True, True, ir.IRBuilder.not_)
+
+
+def _of_llvm(name: str) -> Any:
+    """Return a function of lanes that LLVM has under a name."""
+
+    def function(typingctx: Any, x: Any) -> Any:
+        def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
+            kind = arguments[0].type
+            called = cgutils.get_or_insert_function(
+                builder.module, ir.FunctionType(kind, [kind]), f"llvm.{name}.v{kind.count}f64"
+            )
+            return builder.call(called, arguments)
+
+        return x(x), code
+
+    return intrinsic(function)
+
+
+_sqrt, _fabs = _of_llvm("sqrt"), _of_llvm("fabs")
+# numba compares the signatures of these with those of what they return: so no annotations.
+
+
+@overload(math.sqrt)
+def _root(x):
+    return (lambda x: _sqrt(x)) if isinstance(x, LanesType) else None
+
+
+@overload(abs)
+def _size(x):
+    return (lambda x: _fabs(x)) if isinstance(x, LanesType) else None
+
+
+@intrinsic
+def _power_of_two(typingctx: Any, n: Any) -> Any:
+    """Return 2^n: n, in the last bits of its sum with TO_INTEGER, moved to where a double keeps its exponent."""
+
+    def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
+        kind = arguments[0].type
+        many = isinstance(kind, ir.VectorType)
+        whole = ir.VectorType(LONG, kind.count) if many else LONG
+
+        def constant(of: Any, value: Any) -> Any:
+            return ir.Constant(of, [value] * kind.count if many else value)
+
+        bits = builder.bitcast(builder.fadd(arguments[0], constant(kind, TO_INTEGER)), whole)
+        bits = builder.shl(builder.add(bits, constant(whole, 1023)), constant(whole, 52))
+        return builder.bitcast(bits, kind)
+
+    return n(n), code
+
+
+@numba.njit(forceinline=True)
+def power_of_two(n):
+    """Return 2^n for whole numbers n as doubles."""
+    return _power_of_two(n)  # type: ignore[call-arg]
+
+
+@intrinsic
+def select(typingctx: Any, condition: Any, one: Any, other: Any) -> Any:
+    """Return `one` in lanes where a condition holds, else `other`; also for scalars."""
+    if isinstance(condition, LanesType):
+        flags = {
+            each.flags if isinstance(each, LanesType) else isinstance(each, types.Boolean) for each in (one, other)
+        }
+        wanted = LanesType(condition.width, flags == {True})
+    else:
+        wanted = typingctx.unify_types(one, other)
+
+    def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
+        return builder.select(*arguments)
+
+    return wanted(condition, wanted, wanted), code
+
+
+@intrinsic
+def any_of(typingctx: Any, flags: Any) -> Any:
+    """Return whether a flag is set."""
+
+    def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
+        whole = ir.IntType(flags.width)
+        return builder.icmp_unsigned("!=", builder.bitcast(arguments[0], whole), ir.Constant(whole, 0))
+
+    return types.boolean(flags), code
+
+
+@intrinsic
+def bits_of(typingctx: Any, flags: Any) -> Any:
+    """Return the flags as a whole number, that of lane 0 in its last bit."""
+
+    def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
+        return builder.zext(builder.bitcast(arguments[0], ir.IntType(flags.width)), LONG)
+
+    return types.int64(flags), code
+
+
+def _place(context: Any, builder: Any, array: Any, value: Any, row: Any, kind: Any) -> Any:
+    """Return LLVM code for the address of a row of an array with as many columns as there are lanes."""
+    data = context.make_array(array)(context, builder, value=value).data
+    begin = builder.mul(row, ir.Constant(LONG, kind.count))
+    return builder.bitcast(builder.gep(data, [begin]), kind.as_pointer())
+
+
+def loader(width: int) -> Any:
+    """Return the function that loads a row of an array (n, width) of doubles into lanes."""
+
+    def load(typingctx: Any, array: Any, row: Any) -> Any:
+        def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
+            place = _place(context, builder, array, *arguments, ir.VectorType(DOUBLE, width))
+            return builder.load(place, align=8)
+
+        return LanesType(width)(array, types.int64), code
+
+    return intrinsic(load)
+
+
+@intrinsic
+def store(typingctx: Any, array: Any, row: Any, value: Any) -> Any:
+    """Store lanes as a row of an array (n, width) of doubles."""
+
+    def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
+        place = _place(context, builder, array, *arguments[:2], arguments[2].type)
+        builder.store(arguments[2], place, align=8)
+
+    return types.void(array, types.int64, value), code
+
+
+def usual_width() -> int:
+    """Return the number of lanes that are fastest on this processor; 0: none."""
+    features = binding.get_host_cpu_features()
+    return 16 if features.get("avx512f") else 8 if features.get("avx2") else 0

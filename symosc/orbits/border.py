@@ -1,0 +1,822 @@
+"""Borders: the curves in a plane of two parameters on which branches end, and the points where they meet.
+
+A border is followed by pseudo-arclength continuation of the equations in `symosc.orbits.border_system`. It ends where
+another inequality of its orbit vanishes, where its own zero is no simple one any more, or at the end of the range.
+Those points of codimension two, and the folds of the curve, are located with many digits. The borders that leave a
+point are found on a small circle around it: the words of the settled motion are bisected along the circle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from itertools import combinations, pairwise
+from math import cos, inf, pi, sin
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.aliases import NumberLike, Record
+from symosc.arguments import public
+from symosc.display.drawable import Drawable
+from symosc.errors import ParameterError, SymoscError, meant
+from symosc.exact import read_exact, whole_number
+from symosc.kernels.entire import EPS
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.orbits.admissibility import Condition, conditions, failures, scales
+from symosc.orbits.border_system import (
+    AT_ARRIVAL,
+    AT_FAR,
+    AT_HOLD,
+    AT_TOUCH,
+    NOTHING,
+    BorderSystem,
+    Node,
+    Orbit,
+    Zero,
+    is_symmetric,
+    names_of,
+    symmetrised,
+    zero_values,
+    zeros_of,
+)
+from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, solve
+from symosc.orbits.curve import orbit_of
+from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow
+from symosc.words import Word, cycle
+
+
+class BorderError(SymoscError, ArithmeticError):
+    """Raised if a border cannot be followed from where it was to begin."""
+
+
+CODIMENSION_TWO, CLOSED, FOLD = "codimension two", "closed", "fold"
+
+SHORTEST = 1e-9  # of a step, as a part of the ranges
+SHARPEST_TURN = 0.98  # cosine of the angle between neighbouring tangents
+FARTHEST = 0.1  # of a correction, as a part of the step
+CHECKED = 8  # points per check of the inequalities
+# To what length a change on the way is bisected, and how often at most.
+LOCATED, MOST_HALVINGS = 1e-12, 50
+MOST_SECANTS, FIRST_SECANT = 8, 1e-9  # for a fold; the first change of a parameter
+NEAR = 1e-3  # so far from where it is looked for a point is accepted
+BESIDE = (1e-6, 1e-5, 1e-7)  # distances from a border at which its words are looked at, as parts of the ranges
+RADIUS, ANGLES = 1e-3, 24  # of the circle around a point, as a part of the ranges, and points on it
+# A change of words on a segment is bisected to this part of it, or of the ranges, before the equations are solved.
+SHORT_SEGMENT, NEAREST = 1e-3, 1e-6
+SHORTEST_SEGMENT = 1e-9
+AWAY = (1e-7, 1e-6, 1e-5)  # distances from a branch's end at which its border is looked for, as parts of the range
+SECOND = 1e-4  # distance of the second point that tells which inequalities are 0 all along
+MOST_CANDIDATES = 6
+FLAT = 0.1  # a derivative below this part of its terms may be 0 at a point that is known as well as a curve shows it
+REGULAR = {
+    AT_FAR: ", and G^(1) of that domain is 0 there",
+    AT_ARRIVAL: ", and G^(1) of that domain is 0 there: a cubic tangency",
+    AT_TOUCH: " in an extremum at which v'' is 0 too",
+    AT_HOLD: " in an extremum at which F'' is 0 too",
+}
+SHIFTS = (1e-9, 1e-8, 1e-7, 1e-6)  # distances from a border at which a narrow region behind it is looked for
+SHORT_PIECE = 1e-3  # a phase: a piece this short at a point of codimension two may have no length there
+STEP, LONGEST_STEP, MOST_POINTS = 0.002, 0.1, 5000
+SAME_POINT, SAME_BORDER = 1e-6, 1e-4  # as parts of the ranges
+
+
+class BorderEnd(NamedTuple):
+    """Where and why a border ends.
+
+    Attributes
+    ----------
+    kind : str
+        "codimension two", "end of the range", "closed", "no convergence" or "max_points".
+    values : tuple of two floats
+        The parameters there.
+    message : str
+    """
+
+    kind: str
+    values: tuple[float, float]
+    message: str
+
+
+class SpecialPoint(NamedTuple):
+    """A fold of a border, or a point of codimension two.
+
+    Attributes
+    ----------
+    kind : str
+        "fold", or what meets there, in the field's names: "degenerate crossing-sliding", "crossing-sliding and
+        grazing-sliding" and so on.
+    values : tuple of two floats
+        The parameters.
+    message : str
+        What vanishes there.
+    error : float
+        Estimate of the largest error of the two values; nan if they could only be bracketed by the curve's points.
+    """
+
+    kind: str
+    values: tuple[float, float]
+    message: str
+    error: float
+
+
+class Plane(NamedTuple):
+    """The plane of two parameters: the others, the names of the two, and their ranges."""
+
+    fixed: Parameters
+    names: tuple[str, str]
+    low: np.ndarray
+    high: np.ndarray
+
+    def parameters(self, values: Sequence[Any]) -> Parameters:
+        """Return the parameters at a point of the plane."""
+        return self.fixed.replace(**dict(zip(self.names, values, strict=True)))
+
+    def near(self, a: Sequence[float], b: Sequence[float]) -> bool:
+        """Return whether two points are the same within errors."""
+        return bool((np.abs(np.subtract(a, b)) < SAME_POINT * self.widths).all())
+
+    @property
+    def widths(self) -> np.ndarray:
+        """The widths of the ranges."""
+        return self.high - self.low
+
+
+class Border(Drawable):
+    """A border: the curve in a plane of two parameters on which the word of the settled motion changes.
+
+    Attributes
+    ----------
+    parameters : tuple of two str
+        Their names, the branch's first.
+    points : (n, 2) array
+        Their values along the curve.
+    errors : (n, 2) array
+        Estimates of the errors of these values.
+    kind : str
+        What happens to the orbit there, as for `BranchEnd`.
+    sliding : str
+        The field's name: "crossing-sliding", "grazing-sliding", "switching-sliding" or "adding-sliding"; "" where the
+        mass does not stick to the belt in question.
+    words : tuple of two (str or None)
+        The words on both sides, the branch's first: those of the settled motions, found by the engine beside the
+        border. None if no motion with a word was found there. Rotations are made equal: P32, not P23.
+    special : tuple of SpecialPoint
+        Folds of the curve, and points of codimension two at its ends.
+    ends : tuple of two BorderEnd
+        Why it ends at its first and its last point.
+    fixed : Parameters
+        The other nine parameters.
+
+    Examples
+    --------
+    >>> from symosc import continue_border, continue_orbit, load_scene
+    >>> branch = continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.2, 4))
+    >>> border = continue_border(branch, 0, "FN", (9, 11))
+    >>> border.words, border.sliding
+    (('P32', 'P321'), 'crossing-sliding')
+    >>> border.at(FN=10)[0] == branch.ends[0].value
+    True
+    """
+
+    def __init__(self, plane: Plane, system: BorderSystem, nodes: list[Node], ends: Any, special: Any) -> None:
+        self.plane, self._system, self._nodes = plane, system, nodes
+        self.parameters, self.fixed, self.ends, self.special = plane.names, plane.fixed, ends, tuple(special)
+        self.points = np.array([node.z[-2:] * system.scale[-2:] for node in nodes])
+        self.errors = np.array([node.error for node in nodes])
+        self.kind, self.sliding = names_of(system)
+        self._side = 1.0
+        self.words: tuple[str | None, str | None] = self._find_words()
+
+    def _find_words(self) -> tuple[str | None, str | None]:
+        """Find the words on both sides of the middle point, and on which side the border's own word is."""
+        own, middle = cycle(str(self._system.word)), len(self._nodes) // 2
+        for distance in BESIDE:
+            found = [motion_at(p, self.orbit(middle)) for p in self.beside(middle, distance)]
+            words = [None if each is None else cycle(str(each.word)) for each in found]
+            if words[0] != own and own in words:
+                self._side = -self._side
+                words.reverse()
+            if words[0] == own and words[1] != own:
+                return words[0], words[1]
+        return own, None
+
+    def seen_from(self, word: str, kind: str = "") -> Border:
+        """Return the border with this word first, and with the kind of the end of its branch."""
+        if self.words[1] == word:
+            self.words, self._side, self.kind = self.words[::-1], -self._side, kind or self.kind
+        return self
+
+    def orbit(self, i: int) -> Orbit:
+        """Return the orbit on the border at its i-th point: the word with fewer pieces, and the points (x, theta)."""
+        return self._system.orbit(self._nodes[i].z)
+
+    @public
+    def beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[Parameters, Parameters]:
+        """Return the parameters on both sides of the i-th point, in the order of `words`.
+
+        `distance` is a part of the ranges; the way there is at a right angle to the border, in units of the ranges.
+        """
+        node = self._nodes[whole_number("i", i, -len(self._nodes), len(self._nodes) - 1)]
+        along = node.tangent[-2:] / np.linalg.norm(node.tangent[-2:])
+        away = self._side * float(read_exact("distance", distance)) * np.array([-along[1], along[0]])
+        here = node.z[-2:] * self._system.scale[-2:]
+        first, second = (self.plane.parameters((here + way * away * self.plane.widths).tolist()) for way in (1, -1))
+        return first, second
+
+    @public
+    def at(self, **value: NumberLike) -> tuple[float, ...]:
+        """Return all values of the other parameter on the curve, in ascending order: ``border.at(FN="0.4")``.
+
+        Each is found with 50 digits between two points of the curve, and rounded to a double.
+
+        Raises
+        ------
+        ParameterError
+            If the name is not one of the border's two parameters.
+        ConvergenceError
+            If a value cannot be found with many digits.
+        """
+        if len(value) != 1 or next(iter(value)) not in self.parameters:
+            raise ParameterError(
+                "at", ", ".join(value), f"must be one of {' and '.join(self.parameters)}, as NAME=value"
+            )
+        (name, given), j = next(iter(value.items())), self.parameters.index(next(iter(value)))
+        exact = read_exact(name, given)
+        target, index = float(exact) / self._system.scale[-2 + j], len(self._system.scale) - 2 + j
+        places = np.array([node.z[-2 + j] for node in self._nodes]) - target
+        found = []
+        for i in np.flatnonzero(places[:-1] * places[1:] <= 0).tolist():
+            part = places[i] / (places[i] - places[i + 1]) if places[i] != places[i + 1] else 0.0
+            guess = between(self._nodes[i], self._nodes[i + 1], part)
+            guess[-2 + j] = target
+            polished = self._system.polish(guess, (index, exact))
+            if polished is None:
+                raise ConvergenceError(
+                    str(self._system.word), (), self._system.periods, inf, "the border is singular there"
+                )
+            found.append(float(polished[0][-1 - j]))
+        return tuple(sorted(set(found)))
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def __repr__(self) -> str:
+        (a, b), (first, last) = self.words, self.ends
+        name = self.sliding or self.kind
+        ends = " to ".join(f"({', '.join(f'{x:.6g}' for x in end.values)}) ({end.kind})" for end in (first, last))
+        axes = ", ".join(self.parameters)
+        return f"<Border {a} | {b or 'no word'} ({name}) over ({axes}), {len(self.points)} points, {ends}>"
+
+    def as_dict(self) -> Record:
+        """Return everything as plain values."""
+        return {
+            "parameters": list(self.parameters),
+            "fixed": self.fixed.as_dict(),
+            "kind": self.kind,
+            "sliding": self.sliding,
+            "words": list(self.words),
+            "points": self.points.tolist(),
+            "errors": self.errors.tolist(),
+            "ends": [end._asdict() for end in self.ends],
+            "special": [point._asdict() for point in self.special],
+        }
+
+
+def between(a: Node, b: Node, part: float) -> np.ndarray:
+    """Return the point of the cubic through two nodes with their tangents at a part of the way."""
+    length, r = float(np.linalg.norm(b.z - a.z)), part
+    first, second = (1 - r) ** 2 * (1 + 2 * r), r * r * (3 - 2 * r)
+    slope = length * (r * (1 - r) ** 2 * a.tangent - r * r * (1 - r) * b.tangent)
+    return np.asarray(first * a.z + second * b.z + slope)
+
+
+def motion_at(parameters: Parameters, orbit: Orbit) -> Orbit | None:
+    """Return the orbit that is admissible at some parameters near those of the given one, or None if none is found.
+
+    The given word is tried first, then those that the motion from the given orbit goes through. With c > 0 an
+    admissible orbit is the motion to which all others settle (`symosc.orbits.floquet`).
+    """
+    equations = ClosingEquations(parameters, orbit.word, orbit.periods)
+    solution = solve(equations, orbit.points)
+    if solution.converged and not failures(equations, solution.points):
+        return orbit._replace(points=solution.points)
+    x, theta = (float(value) for value in orbit.points[0])
+    passages, _ = follow(equations, x, theta % (2 * pi), equations.pieces[0].start, SETTLING_EVENTS)
+    found = orbit_of(equations, passages, float(np.abs(orbit.points[:, 0]).max()))
+    return None if found is None else Orbit(found[0].word, found[0].periods, found[1])
+
+
+# -- along a border ----------------------------------------------------------------------------------------------------
+
+
+class Tracer:
+    """Follows one border from a point on it, both ways."""
+
+    def __init__(self, plane: Plane, system: BorderSystem, first: Node, step: float, most: int) -> None:
+        self.plane, self.system, self.first, self.longest, self.most = plane, system, first, step, most
+        self.low, self.high = (bound / plane.widths for bound in (plane.low, plane.high))
+
+    def border(self) -> Border:
+        """Return the border."""
+        forward, last, special = self._follow(self.first)
+        if last.kind == CLOSED:
+            return Border(self.plane, self.system, forward, (last, last), special)
+        back = self.first._replace(tangent=-self.first.tangent)
+        backward, begin, others = self._follow(back)
+        turned = [node._replace(tangent=-node.tangent) for node in reversed(backward[1:])]
+        return Border(self.plane, self.system, turned + forward, (begin, last), [*reversed(others), *special])
+
+    def _follow(self, first: Node) -> tuple[list[Node], BorderEnd, list[SpecialPoint]]:
+        """Return the nodes in the direction of the first one's tangent, why they end, and what is special."""
+        path, special, step, bend, checked = [first], list[SpecialPoint](), self.longest, 0.0 * first.z, 0
+        self.margins: list[Condition] | None = None
+
+        def end(kind: str, message: str) -> tuple[list[Node], BorderEnd, list[SpecialPoint]]:
+            return path, BorderEnd(kind, self._values(path[-1].z), message), special
+
+        while True:
+            here = path[-1]
+            guess = here.z + step * here.tangent + 0.5 * step * step * bend
+            node = self.system.node(guess, here.tangent)
+            near = node is not None and np.linalg.norm(node.z - guess) < FARTHEST * step
+            if node is None or not near or node.tangent @ here.tangent < SHARPEST_TURN:
+                step /= 2
+                if step < SHORTEST:
+                    return end(NO_CONVERGENCE, "the steps became too short: the equations are singular there")
+                continue
+            bend = (node.tangent - here.tangent) / np.linalg.norm(node.z - here.z)
+            outside = self._outside(node)
+            if outside is not None:
+                node = self._at_bound(here, node, *outside)
+            for j in (0, 1):
+                if node.tangent[-2 + j] * here.tangent[-2 + j] < 0:
+                    fold = self._fold(here, node, j)
+                    if fold is not None:
+                        path.append(fold[0])
+                        special.append(fold[1])
+            path.append(node)
+            closed = len(path) > CHECKED and self._closes(here, node)
+            if outside is not None or closed or len(path) > self.most or len(path) - checked > CHECKED:
+                failed = self._first_failure(path, checked)
+                if failed is not None:
+                    at, condition = failed
+                    cut, point = self._codimension_two(path[at - 1], path[at], condition)
+                    del path[at:]
+                    special[:] = [each for each in special if self._before(each, path)]
+                    path.append(cut)
+                    special.append(point)
+                    return end(CODIMENSION_TWO, f"{point.kind}: {point.message}")
+                checked = len(path) - 1
+            if closed:
+                path[-1] = first
+                return end(CLOSED, "the curve is closed")
+            if outside is not None:
+                j, bound = outside
+                return end(RANGE, f"{self.plane.names[j]} = {bound * self.plane.widths[j]:.10g}; the border goes on")
+            if len(path) > self.most:
+                return end(MOST, f"stopped after {self.most} points")
+            step = min(1.5 * step, self.longest)
+
+    def _values(self, z: np.ndarray) -> tuple[float, float]:
+        """Return the two parameters."""
+        a, b = z[-2:] * self.system.scale[-2:]
+        return float(a), float(b)
+
+    def _outside(self, node: Node) -> tuple[int, float] | None:
+        """Return which parameter is outside its range, and its bound in widths; None if both are inside."""
+        values = node.z[-2:]
+        for j, (value, low, high) in enumerate(zip(values, self.low, self.high, strict=True)):
+            if not low <= value <= high:
+                return j, float(low if value < low else high)
+        return None
+
+    def _at_bound(self, here: Node, node: Node, j: int, bound: float) -> Node:
+        """Return the node between two where a parameter is at the bound of its range."""
+        row, part = np.zeros(len(here.z)), (bound - here.z[-2 + j]) / (node.z[-2 + j] - here.z[-2 + j])
+        row[-2 + j] = 1.0
+        guess = between(here, node, float(part))
+        guess[-2 + j] = bound
+        return self.system.node(guess, here.tangent, row) or here
+
+    def _closes(self, here: Node, node: Node) -> bool:
+        """Return whether the curve passes its first point between two nodes."""
+        away = self.first.z - here.z
+        along, length = node.z - here.z, float(np.linalg.norm(node.z - here.z))
+        part = away @ along / length**2
+        return bool(0 <= part <= 1 and np.linalg.norm(away - part * along) < FARTHEST * length)
+
+    def _before(self, point: SpecialPoint, path: list[Node]) -> bool:
+        """Return whether a fold is still on the path."""
+        return any(self._values(node.z) == point.values for node in path)
+
+    def _first_failure(self, path: list[Node], checked: int) -> tuple[int, Condition] | None:
+        """Return the first node after `checked` at which an inequality fails, and which; None if all hold."""
+
+        def failing(i: int) -> Condition | None:
+            return min((c for c in self.system.margins(path[i].z) if not c.value > 0), key=_part, default=None)
+
+        low, high = checked, len(path) - 1
+        at_end = self.system.margins(path[high].z)
+        failed = min((c for c in at_end if not c.value > 0), key=_part, default=None)
+        before, self.margins = self.margins, at_end
+        if failed is None:
+            # A margin may dip between two checks. How it has changed tells how far.
+            pairs = zip(before or (), at_end, strict=False)
+            steady = (
+                a.value == b.value or min(a.value, b.value) > min(abs(a.value - b.value), b.value / 2) for a, b in pairs
+            )
+            if before is None or all(steady):
+                return None
+            for i in range(low + 1, high):
+                failed = failing(i)
+                if failed is not None:
+                    return i, failed
+            return None
+        while high - low > 1:
+            middle = (low + high) // 2
+            found = failing(middle)
+            low, high, failed = (middle, high, failed) if found is None else (low, middle, found)
+        return high, failed
+
+    def _fold(self, here: Node, node: Node, j: int) -> tuple[Node, SpecialPoint] | None:
+        """Return the fold between two nodes in which parameter j turns back, by secants for its slope."""
+        system, other, index = self.system, 1 - j, len(here.z) - 1 - j
+        z = here.z
+        for _ in range(3):  # in doubles first
+            part = here.tangent[-2 + j] / (here.tangent[-2 + j] - node.tangent[-2 + j])
+            middle = system.node(between(here, node, float(part)), here.tangent)
+            if middle is None:
+                return None
+            z = middle.z
+            here, node = (middle, node) if middle.tangent[-2 + j] * here.tangent[-2 + j] > 0 else (here, middle)
+        tried: list[tuple[float, float]] = []
+        q = float(z[-2 + other] * system.scale[-2 + other])
+        for _ in range(MOST_SECANTS):
+            polished = system.polish(z, (index, Fraction(q)))
+            if polished is None:
+                return None
+            u, _ = polished
+            tangent = system.fine_tangent(u)
+            tried.append((q, float(tangent[-2 + j] / tangent[-2 + other])))
+            z = np.array([float(value) for value in u]) / system.scale
+            if len(tried) == 1:
+                change = FIRST_SECANT * float(system.scale[-2 + other])
+            elif tried[-1][1] == tried[-2][1]:
+                break
+            else:
+                (a, f), (b, g) = tried[-2:]
+                change = -g * (b - a) / (g - f)
+            if abs(change) <= 4 * EPS * abs(q):
+                break
+            q += change
+        values = self._values(z)
+        error = max(abs(change), *(2 * EPS * abs(value) for value in values))
+        name, along = self.plane.names[j], here.tangent * float(np.sign(tangent @ here.tangent))
+        bend = "largest" if here.tangent[-2 + j] > 0 else "smallest"
+        message = f"{name} is {bend} along the border"
+        return Node(z, tangent * float(np.sign(tangent @ along)), np.full(2, error)), SpecialPoint(
+            FOLD, values, message, error
+        )
+
+    def _codimension_two(self, good: Node, bad: Node, condition: Condition) -> tuple[Node, SpecialPoint]:
+        """Return the point between two nodes at which an inequality vanishes: a last node, and what it is."""
+        system = self.system
+        for _ in range(MOST_HALVINGS):
+            if np.linalg.norm(bad.z - good.z) < LOCATED:
+                break
+            middle = self.system.node(between(good, bad, 0.5), good.tangent)
+            if middle is None:
+                break
+            failed = min((c for c in system.margins(middle.z) if not c.value > 0), key=_part, default=None)
+            good, bad, condition = (middle, bad, condition) if failed is None else (good, middle, failed)
+        values = self._values(good.z)
+        found = meeting(self.plane, system.orbit(good.z), values)
+        if found is None:
+            message = f"{condition.text} no longer holds; the point could not be refined"
+            length = float(np.abs((bad.z - good.z)[-2:] * system.scale[-2:]).max())
+            found = SpecialPoint(names_of(system)[1] or names_of(system)[0], values, message, length)
+        z = good.z.copy()
+        z[-2:] = np.array(found.values) / system.scale[-2:]
+        return good._replace(z=z, error=np.full(2, found.error)), found
+
+
+def _part(condition: Condition) -> float:
+    """Return a margin as a part of its terms."""
+    return condition.value / condition.scale
+
+
+# -- points of codimension two -----------------------------------------------------------------------------------------
+
+
+def meeting(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
+    """Return the point near some values where two inequalities of a word vanish; None if none is found.
+
+    The word that has fewest pieces of those around the point has the simplest equations there: in the others a piece
+    has no length at the point.
+    """
+    durations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods).durations(orbit.points)
+    found = None if durations.min() < SHORT_PIECE else _two_zeros(plane, orbit, values)
+    if found is None:
+        around = [each for _, each in _circle(plane, values, orbit)]
+        found = _two_zeros(plane, min(around, key=lambda each: len(each.points)), values) if around else None
+    return found
+
+
+def _circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[tuple[np.ndarray, Orbit]]:
+    """Return points on a small circle around a point of the plane that are in the ranges, with the orbits there."""
+    found = []
+    for i in range(ANGLES):
+        angle = 2 * pi * (i + 0.5) / ANGLES
+        place = np.array(values) + RADIUS * plane.widths * np.array([cos(angle), sin(angle)])
+        inside = (plane.low <= place).all() and (place <= plane.high).all()
+        there = motion_at(plane.parameters(place.tolist()), orbit) if inside else None
+        if there is not None:
+            found.append((place, there))
+    return found
+
+
+def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
+    """Return the point near some values where two inequalities of this word vanish."""
+    equations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods)
+    solution = solve(equations, orbit.points)
+    points = solution.points if solution.converged else orbit.points
+    half = len(points) // 2 if is_symmetric(points, NEAR) else 0
+    points = symmetrised(points) if half else points
+    size = scales(equations, points)
+    single, pairs = list[tuple[Zero, list[float], Condition]](), list[Any]()
+    for c in conditions(equations, points):
+        if abs(_part(c)) < NEAR:
+            single += [(zero, phases, c) for zero, phases in zeros_of(equations, points, c)]
+    for zero, phases, c in single:
+        (flat,) = zero_values(equations, points, zero.bend, phases[0] if phases else 0.0)
+        if abs(flat) * size.t < FLAT * size.a:
+            pairs.append((-1.0 if phases else -2.0, (zero, zero.bend), phases, (c.text,)))
+    for one, two in combinations(single, 2):
+        if one[0].kind != two[0].kind or two[0].piece - one[0].piece != half:  # two that are one by symmetry
+            found = (max(abs(_part(one[2])), abs(_part(two[2]))), (one[0], two[0]), one[1] + two[1])
+            pairs.append((*found, (one[2].text, two[2].text)))
+    for _, zeros, phases, texts in sorted(pairs, key=lambda pair: pair[0]):
+        mirrored = [other for other in single for zero in zeros if half and other[0].mirrors(zero, half)]
+        added = [each for other in mirrored for each in ((other[0], other[0].bend) if len(texts) == 1 else other[:1])]
+        more = [phase for other in mirrored for phase in other[1]]
+        # The equations of one half of a symmetric orbit may leave the other half undetermined: both are tried first.
+        for all_zeros, all_phases in (([*zeros, *added], [*phases, *more]), (zeros, phases))[not added :]:
+            system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit._replace(points=points), all_zeros)
+            polished = system.polish(np.array([*points.ravel(), *all_phases, *values]) / system.scale)
+            at = [] if polished is None else [float(value) for value in polished[0][-2:]]
+            if polished is None or (np.abs(np.subtract(at, values)) > NEAR * plane.widths).any():
+                continue
+            names = [names_of(system, zero) for zero in zeros[: len(texts)]]
+            kind = " and ".join(sorted({sliding or what for what, sliding in names}))
+            message = " and ".join(f"{text} just fails" for text in texts)
+            if len(texts) == 1:
+                kind = f"degenerate {kind}" if zeros[0].kind != AT_ARRIVAL else kind
+                message += REGULAR[zeros[0].kind]
+            return SpecialPoint(kind, (at[0], at[1]), f"{message} ({orbit.cycle})", 2 * EPS * max(map(abs, at)))
+    return None
+
+
+# -- finding borders ---------------------------------------------------------------------------------------------------
+
+
+def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray) -> Iterator[tuple[BorderSystem, Node]]:
+    """Yield the borders of an orbit's word that lie next to its place in this direction, the nearest first."""
+    equations, points = ClosingEquations(plane.parameters(place.tolist()), orbit.word, orbit.periods), orbit.points
+    nearest = sorted(conditions(equations, points), key=lambda c: abs(_part(c)))[:MOST_CANDIDATES]
+    for zero, phases in (found for c in nearest for found in zeros_of(equations, points, c)):
+        if zero.kind == AT_ARRIVAL:  # it belongs to the word with more pieces
+            continue
+        system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit, [zero])
+        z, row = np.array([*np.ravel(points), *phases, *place]) / system.scale, np.zeros(len(system.scale))
+        across = direction / plane.widths
+        row[-2:] = np.array([-across[1], across[0]]) / np.linalg.norm(across)
+        first = system.node(z, row)
+        second = None if first is None else system.node(first.z + SECOND * first.tangent, first.tangent)
+        if first is None or second is None:
+            continue
+        system.hide([first.z, second.z])
+        if all(_part(c) > -NOTHING for c in system.margins(first.z)):
+            yield system, first
+
+
+def crossings(
+    plane: Plane, start: tuple[np.ndarray, Orbit], stop: tuple[np.ndarray, Orbit]
+) -> Iterator[tuple[BorderSystem, Node]]:
+    """Yield the first border that crosses a segment of the plane between two places with their orbits."""
+    whole, word = float(np.abs((stop[0] - start[0]) / plane.widths).max()), start[1].cycle
+    low, high = start, stop
+    while word != stop[1].cycle:
+        way = high[0] - low[0]
+        length = float(np.abs(way / plane.widths).max())
+        if length <= max(SHORT_SEGMENT * whole, NEAREST):
+            for place, orbit in sorted((low, high), key=lambda end: len(end[1].points)):
+                for system, node in starts(plane, place, orbit, way):
+                    part = (node.z[-2:] * system.scale[-2:] - low[0]) @ way / (way @ way)
+                    if -0.5 <= part <= 1.5:
+                        yield system, node
+                        return
+        if length < SHORTEST_SEGMENT:
+            return
+        place = (low[0] + high[0]) / 2
+        middle = motion_beside(plane, place, low[1], high[1])
+        if middle is None:
+            return
+        low, high = ((place, middle), high) if middle.cycle == word else (low, (place, middle))
+
+
+def all_crossings(
+    plane: Plane, start: tuple[np.ndarray, Orbit], stop: tuple[np.ndarray, Orbit]
+) -> Iterator[tuple[BorderSystem, Node]]:
+    """Yield borders that cross a segment of the plane, so that the words at its ends are explained, in order."""
+    for system, node in crossings(plane, start, stop):
+        way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
+        place, own = node.z[-2:] * system.scale[-2:], system.orbit(node.z)
+        for shift in SHIFTS:
+            before, after = (
+                (place + sign * shift * way, motion_beside(plane, place + sign * shift * way, own, start[1], stop[1]))
+                for sign in (-1, 1)
+            )
+            words = {end[1].cycle for end in (before, after) if end[1] is not None}
+            if len(words) == 2 and own.cycle in words:
+                break
+        if before[1] is not None and (before[0] - start[0]) @ way > 0:
+            yield from all_crossings(plane, start, (before[0], before[1]))
+        yield system, node
+        if after[1] is not None and (stop[0] - after[0]) @ way > 0:
+            yield from all_crossings(plane, (after[0], after[1]), stop)
+
+
+def borders_between(
+    a: Parameters,
+    b: Parameters,
+    parameters: tuple[str, str],
+    range: Mapping[str, tuple[NumberLike, NumberLike]],
+    **how: Any,
+) -> list[Border]:
+    """Return the borders that cross the segment between two points of the plane, found by the words of its motions.
+
+    `a` and `b` differ in the two parameters only; `how` is `step` and `max_points` of `continue_border`.
+    """
+    plane = _read_plane(a, *parameters, range)
+    ends = []
+    for p in (a, b):
+        orbit, place = find_orbit(p), np.array([float(getattr(p, name)) for name in parameters])
+        ends.append((place, Orbit(Word(orbit.labels), orbit.periods, orbit.phases())))
+    return _distinct(plane, all_crossings(plane, *ends), *_read_steps(**how))
+
+
+def borders_leaving(border: Border, special: SpecialPoint, **how: Any) -> list[Border]:
+    """Return all borders that leave one of a border's points of codimension two, that border among them.
+
+    They are found by the words of the motions on a small circle around it; a word that is on less of the circle than
+    can be told in doubles is missed. `how` is `step` and `max_points` of `continue_border`.
+    """
+    plane, nearest = border.plane, np.abs(border.points - special.values).sum(axis=1).argmin()
+    around = _circle(plane, special.values, border.orbit(int(nearest)))
+    chords = pairwise([*around, around[0]] if len(around) == ANGLES else around)
+    return _distinct(plane, (found for chord in chords for found in all_crossings(plane, *chord)), *_read_steps(**how))
+
+
+def network(border: Border, **how: Any) -> list[Border]:
+    """Return a border and all that are connected with it by points of codimension two, followed in turn.
+
+    It is complete where no end is left that is not a point of codimension two from which all borders are followed, an
+    end of the range, or "no convergence". `how` is `step` and `max_points` of `continue_border`.
+    """
+    found, done, waiting = [border], list[tuple[float, float]](), [border]
+    while waiting:
+        for end in (here := waiting.pop()).ends:
+            points = (each for each in here.special if each.kind != FOLD and here.plane.near(each.values, end.values))
+            point = next(points, None)
+            if point is None or any(here.plane.near(point.values, other) for other in done):
+                continue
+            done.append(point.values)
+            for other in borders_leaving(here, point, **how):
+                if not any(_passes(each, other.points[len(other) // 2], other.words) for each in found):
+                    found.append(other)
+                    waiting.append(other)
+    return found
+
+
+def _distinct(plane: Plane, begun: Iterator[tuple[BorderSystem, Node]], step: float, most: int) -> list[Border]:
+    """Return the borders through these nodes, each once."""
+    found = list[Border]()
+    for system, node in begun:
+        border = Tracer(plane, system, node, step, most).border()
+        if not any(_passes(each, node.z[-2:] * system.scale[-2:], border.words) for each in found):
+            found.append(border)
+    return found
+
+
+def _passes(border: Border, values: np.ndarray, words: Any) -> bool:
+    """Return whether a border between these words passes through a point of its plane, near enough for its steps."""
+    if set(border.words) != set(words):
+        return False
+    places = (border.points - values) / border.plane.widths
+    way = np.diff(places, axis=0)
+    squares = np.maximum((way * way).sum(axis=1), 1e-300)
+    part = np.clip(-(places[:-1] * way).sum(axis=1) / squares, 0, 1)
+    return bool((np.abs(places[:-1] + part[:, None] * way).max(axis=1) < SAME_BORDER).any())
+
+
+def motion_beside(plane: Plane, place: np.ndarray, *near: Orbit) -> Orbit | None:
+    """Return the orbit at a point of the plane, from orbits near it."""
+    found = (motion_at(plane.parameters(place.tolist()), orbit) for orbit in near)
+    return next((orbit for orbit in found if orbit is not None), None)
+
+
+@public
+def continue_border(
+    branch: Branch,
+    end: int,
+    parameter: str,
+    range: tuple[NumberLike, NumberLike] | Mapping[str, tuple[NumberLike, NumberLike]],
+    *,
+    step: NumberLike = STEP,
+    max_points: int = MOST_POINTS,
+) -> Border:
+    """Follow the border on which a branch ends in a second parameter, both ways, to where another inequality vanishes.
+
+    Parameters
+    ----------
+    branch : Branch
+    end : int
+        Which of its ends, 0 or 1.
+    parameter : str
+        The second parameter.
+    range : (low, high)
+        Of the second parameter; or a mapping of both names to their ranges. Without a range the first parameter may go
+        down to a tenth of its value at the end, and up to ten times that.
+    step : number
+        The longest step, as a part of the ranges.
+    max_points : int
+        Of each of the two directions.
+
+    Returns
+    -------
+    Border
+
+    Raises
+    ------
+    ParameterError
+        If the branch does not end at a border there, or a name or range is not allowed.
+    BorderError
+        If the border cannot be followed from there.
+
+    Examples
+    --------
+    >>> from symosc import continue_border, continue_orbit, load_scene
+    >>> branch = continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.2, 4))
+    >>> continue_border(branch, 0, "FN", (9, 11)).sliding
+    'crossing-sliding'
+    """
+    which = whole_number("end", end, 0, 1)
+    reason = branch.ends[which]
+    if reason.kind in (RANGE, NO_CONVERGENCE, MOST):
+        raise ParameterError("end", end, f"must be an end at a border; the branch ends there with {reason.kind!r}")
+    index = -which
+    parameters = branch.parameters(index)
+    plane = _read_plane(parameters, branch.parameter, parameter, range)
+    longest, most = _read_steps(step, max_points)
+    values = np.array([reason.value, float(getattr(parameters, parameter))])
+    inward = np.sign(branch.values[len(branch.values) // 2] - reason.value) or (1.0, -1.0)[which]
+    orbit = branch.orbit(index)
+    near = Orbit(Word(branch.labels), branch.periods, orbit.phases())
+    for distance in AWAY:
+        shift = np.array([inward * distance * plane.widths[0], 0.0])
+        inside, outside = (motion_beside(plane, values + way * shift, near) for way in (1, -1))
+        if inside is None or outside is None:
+            continue
+        for system, node in crossings(plane, (values + shift, inside), (values - shift, outside)):
+            return Tracer(plane, system, node, longest, most).border().seen_from(cycle(branch.word), reason.kind)
+    raise BorderError(
+        f"the border of {branch.word} at {branch.parameter} = {reason.value:.8g} was not found: {reason.message}"
+    )
+
+
+def _read_steps(step: NumberLike = STEP, max_points: int = MOST_POINTS) -> tuple[float, int]:
+    """Return the longest step and the largest number of points."""
+    longest, most = float(read_exact("step", step)), whole_number("max_points", max_points, 2)
+    if not 0 < longest <= LONGEST_STEP:
+        raise ParameterError("step", step, f"must be > 0 and at most {LONGEST_STEP:g}")
+    return longest, most
+
+
+def _read_plane(parameters: Parameters, first: str, second: Any, limits: Any) -> Plane:
+    """Return the plane of two parameters with their ranges."""
+    if not isinstance(second, str) or second not in PARAMETER_NAMES or second == first:
+        known = f"must be one of {', '.join(name for name in PARAMETER_NAMES if name != first)}"
+        raise ParameterError("parameter", second, known + meant(str(second), PARAMETER_NAMES))
+    given = dict(limits) if isinstance(limits, Mapping) else {second: limits}
+    value = getattr(parameters, first)
+    given.setdefault(first, sorted((value / 10, value * 10)) if value else (-1, 1))
+    ranges = []
+    for name in (first, second):
+        low, high = read_range(parameters, name, given.pop(name, None))
+        ranges.append((low, high))
+    if given:
+        raise ParameterError("range", ", ".join(map(str, given)), f"must be ranges of {first} and {second}")
+    low, high = np.array(ranges).T
+    return Plane(parameters, (first, second), low, high)

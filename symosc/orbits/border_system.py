@@ -1,0 +1,467 @@
+"""The equations of a border: the closing equations of one word, and the inequalities that are 0 on it.
+
+A border is followed with the word of its two that has fewer pieces: on the other side some piece is added, which has no
+length on the border. Its inequality vanishes in one of four ways (`Zero`). The field's names are those of di Bernardo,
+Kowalczyk and Nordmark (Int. J. Bifurcation Chaos 13, 2003) for what the orbit does to the belt's sticking region, the
+part of the switching plane with F^(below) > 0 > F^(above):
+
+    FAR, at a crossing   it crosses at the region's edge and a stick is born there         crossing-sliding
+    FAR, at an onset     it arrives at the edge and a slip to the far side is born         switching-sliding
+    HOLD, in a stick     it touches the edge from inside and a slip is born                adding-sliding
+    TOUCH, in a flight   it grazes the belt where the mass would stick                     grazing-sliding
+
+The force of the far domain is 0 in the first two; G^(1) of the far domain tells them apart and is 0 where they meet
+(FLAT). The phase of a turn (HOLD) or of a graze (TOUCH) is an unknown, so all equations are algebraic. A graze next to
+the start of its flight would have the start itself as a second root: it is divided out, as in the closing equations.
+
+Motions that are symmetric lose two inequalities at once. They belong to one border, and the equations take one of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from math import inf, pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.aliases import Number
+from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.flow import constants, derivatives
+from symosc.kernels._generated import motion, next_derivative
+from symosc.kernels.entire import EPS
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.orbits.admissibility import (
+    BIRTH,
+    GRAZING,
+    HOLD,
+    PASSING,
+    SLIP_BIRTH,
+    STAYS_INSIDE,
+    Condition,
+    conditions,
+    gaps,
+    holds,
+    scales,
+)
+from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, pieces_of
+from symosc.words import Word, cycle
+
+AT_FAR, AT_ARRIVAL, AT_FLAT, AT_HOLD, AT_TOUCH, AT_BEND = "far", "arrival", "flat", "hold", "touch", "bend"
+TIMED = (AT_HOLD, AT_TOUCH)  # zeros at a phase that is an unknown
+DIFFERENCE = 1e-7  # for derivatives in doubles: Newton's method needs no more
+FINE_DIGITS, FINE_DIFFERENCE = 50, 20  # and in digits: decimal exponent of the step
+SAME_PHASE = 1e-5  # an extremum this near to the one that is an unknown is that one
+NOTHING = 1e-7  # a margin below this part of its terms is 0 on a border
+MOST_CORRECTIONS = 12
+CONVERGED, NOT_CONVERGED = 1e-10, 1e-6  # a correction, in scaled unknowns, after which the next one is rounding
+MOST_POLISHING, FINE = 30, 1e-30
+SINGULAR = 1e6  # entries of the inverse, in scaled unknowns, beyond which a point is not isolated
+LEAST_SIZE = 0.1
+POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters in lengths
+
+
+class Zero(NamedTuple):
+    """What vanishes, and in which piece; `place` is the belt of a graze, or the domain of a force."""
+
+    kind: str
+    piece: int
+    place: int
+
+    def mirrors(self, other: Zero, half: int) -> bool:
+        """Return whether it is the other one, half a period later or before."""
+        return self.kind == other.kind and abs(self.piece - other.piece) == half
+
+    @property
+    def bend(self) -> Zero:
+        """What vanishes too where this is no simple zero."""
+        return self._replace(kind=AT_BEND if self.kind in TIMED else AT_FLAT)
+
+
+class Node(NamedTuple):
+    """A point of a border: scaled unknowns, unit tangent, and error estimates of the two parameters."""
+
+    z: np.ndarray
+    tangent: np.ndarray
+    error: np.ndarray
+
+
+class Orbit(NamedTuple):
+    """A word, its number of forcing periods, and the points (x, theta), (n, 2), of an orbit."""
+
+    word: Word
+    periods: int
+    points: np.ndarray
+
+    @property
+    def cycle(self) -> str:
+        """The word's text, all rotations made equal."""
+        return cycle(str(self.word))
+
+
+class Numbers:
+    """Parameters as floats: constants are derived from them a few times as fast as from fractions."""
+
+    A, belt = Parameters.A, Parameters.belt
+
+    def __init__(self, values: dict[str, float]) -> None:
+        vars(self).update(values)
+
+
+class QuickArithmetic(Arithmetic):
+    """Doubles for equations only: without the constants that following a motion takes."""
+
+    def __init__(self, parameters: Numbers) -> None:
+        self.K = constants(parameters)  # type: ignore[arg-type]
+
+
+class BorderSystem:
+    """The equations of a word with some zeros, in the unknowns u = (x, theta of each point; phases; two parameters).
+
+    With one zero they have a curve of roots, with two a point. Scaled unknowns z = u/scale are used for lengths.
+    """
+
+    def __init__(
+        self, fixed: Parameters, names: tuple[str, str], widths: Any, orbit: Orbit, zeros: Sequence[Zero]
+    ) -> None:
+        word, periods, points = orbit
+        self.fixed, self.names, self.word, self.periods = fixed, names, word, periods
+        self.widths, self.zeros = widths, tuple(zeros)
+        self.timed = [zero for zero in self.zeros if zero.kind in TIMED]
+        self.given = {name: float(getattr(fixed, name)) for name in PARAMETER_NAMES}
+        self.pieces = pieces_of(word)
+        self.n = len(self.pieces)
+        self.sizes = np.zeros(0)
+        self.hidden: tuple[int, ...] = ()  # conditions that are 0 all along, as the border's own or by symmetry
+        self.pieces = self._at_rest_after(zero.piece for zero in self.zeros if zero.kind == AT_FAR)
+        self.symmetric_pieces = self.pieces
+        size = max(np.ptp(points[:, 0]), LEAST_SIZE * np.abs(points[:, 0]).max())
+        weight = POINTS_WEIGHT * np.sqrt(2 * self.n)
+        self.scale = np.array([*[size * weight, weight] * self.n, *[weight] * len(self.timed), *widths])
+
+    def _at_rest_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
+        """Return the pieces, where flights after these crossings start with the acceleration 0, exactly."""
+        pieces = list(self.pieces)
+        for i in crossings:
+            j = (i + 1) % self.n
+            pieces[j] = replace(pieces[j], after_stick=not pieces[j].sticks)
+        return tuple(pieces)
+
+    # -- the equations -------------------------------------------------------------------------------------------------
+
+    def at(self, u: Any, digits: int | None = None) -> tuple[ClosingEquations, Any, Any]:
+        """Return the closing equations, the points and the phases at `u`."""
+        changed = dict(zip(self.names, u[-2:], strict=True))
+        values: Any = Numbers(self.given | changed) if digits is None else self.fixed.replace(**changed)
+        arithmetic = None if digits else QuickArithmetic(values)
+        equations = ClosingEquations(values, self.word, self.periods, digits, arithmetic)
+        equations.pieces = self.pieces
+        n = 2 * self.n
+        return equations, list(zip(u[:n:2], u[1:n:2], strict=True)), u[n:-2]
+
+    def orbit(self, z: np.ndarray) -> Orbit:
+        """Return the orbit on the border."""
+        return Orbit(self.word, self.periods, (z * self.scale)[: 2 * self.n].reshape(-1, 2))
+
+    def residuals(self, u: Any, digits: int | None = None) -> list[Number]:
+        """Return the closing equations and the zeros, in floats (`u` a list of them), or in digits."""
+        equations, points, phases = self.at(u, digits)
+        return equations.residuals(points) + self._zeros(equations, points, phases)
+
+    def _zeros(self, equations: ClosingEquations, points: Any, phases: Any) -> list[Number]:
+        """Return what must vanish beside the closing equations."""
+        values, left = [], list(phases)
+        for zero in self.zeros:
+            theta = left.pop(0) if zero.kind in TIMED else left_over(zero, self.timed, phases)
+            values += zero_values(equations, points, zero, theta)
+        return values
+
+    def _linearised(self, u: list[float]) -> tuple[np.ndarray, np.ndarray]:
+        """Return the residuals at u and their derivatives, in doubles; those by the parameters are differences."""
+        equations, points, phases = self.at(u)
+        n, size = 2 * self.n, len(u)
+        values = np.array(equations.residuals(points) + self._zeros(equations, points, phases))
+        found = np.zeros((len(values), size))
+        found[:n, :n] = equations.matrix(points)
+        touched = {(2 * zero.piece + j) % n for zero in self.zeros for j in range(4)}
+        for j in (*touched, *range(n, size - 2)):
+            beside = list(u)
+            beside[j] += (step := DIFFERENCE * self.scale[j] / POINTS_WEIGHT)
+            now = self._zeros(equations, list(zip(beside[:n:2], beside[1:n:2], strict=True)), beside[n:-2])
+            found[n:, j] = (np.array(now) - values[n:]) / step
+        for j in (-2, -1):
+            beside = list(u)
+            beside[j] += (step := DIFFERENCE * self.scale[j])
+            found[:, j] = (np.array(self.residuals(beside)) - values) / step
+        return values, found
+
+    def fine_tangent(self, u: Sequence[Any]) -> np.ndarray:
+        """Return the unit tangent in scaled unknowns, right to nearly all digits of a double."""
+        step, n = u[0].context.mpf(10) ** -FINE_DIFFERENCE, 2 * self.n
+        equations, _, _ = self.at(u, FINE_DIGITS)
+        values, columns = self.residuals(u, FINE_DIGITS), []
+        for j in range(len(u)):
+            beside = [value + step * (i == j) for i, value in enumerate(u)]
+            if j < len(u) - 2:
+                points = list(zip(beside[:n:2], beside[1:n:2], strict=True))
+                now = equations.residuals(points) + self._zeros(equations, points, beside[n:-2])
+            else:
+                now = self.residuals(beside, FINE_DIGITS)
+            columns.append([float((a - b) / step) for a, b in zip(now, values, strict=True)])
+        tangent: np.ndarray = np.linalg.svd(np.array(columns).T * self.scale)[2][-1]
+        return tangent
+
+    # -- Newton's method -----------------------------------------------------------------------------------------------
+
+    def correct(self, z: np.ndarray, row: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float] | None:
+        """Return the root in the plane through z with the normal `row` (None: the system is square), or None.
+
+        With it the inverse of the Jacobian of all scaled equations, and the size of the last correction.
+        """
+        start, inverse, before = z, None, inf
+        try:
+            for _ in range(MOST_CORRECTIONS):
+                u = (z * self.scale).tolist()
+                if inverse is None:
+                    values, matrix = self._linearised(u)
+                    matrix *= self.scale
+                    matrix = matrix if row is None else np.vstack([matrix, row])
+                    square = len(matrix) == len(z)  # of too many equations, none contradicts the others
+                    inverse = np.linalg.inv(matrix) if square else np.linalg.pinv(matrix)
+                else:
+                    values = np.array(self.residuals(u))
+                right = values if row is None else np.append(values, row @ (z - start))
+                step = inverse @ right
+                size = float(np.abs(step).max())
+                if not size < 1:  # nan too
+                    return None
+                z = z - step
+                if size < CONVERGED or (size < NOT_CONVERGED and size > before / 4):
+                    return z, inverse, size
+                if size > before / 16:
+                    inverse = None
+                before = size
+        except (np.linalg.LinAlgError, ZeroDivisionError, OverflowError, ValueError):
+            pass
+        return None
+
+    def polish(self, z: np.ndarray, fixed: tuple[int, Any] | None = None) -> tuple[list[Number], float] | None:
+        """Return the root u in many digits, and how far doubles were from it in scaled unknowns; None if not found.
+
+        `fixed`: the index of an unknown and its exact value, for systems with a curve of roots. The inverse in doubles
+        is good enough for corrections in digits.
+        """
+        row = None
+        if fixed is not None:
+            row = np.zeros(len(z))
+            row[fixed[0]] = 1.0
+        got = self.correct(z, row)
+        if got is None or (fixed is None and np.abs(got[1]).max() > SINGULAR):
+            return None
+        number = ClosingEquations(self.fixed, self.word, self.periods, FINE_DIGITS).arithmetic.number
+        convert: Any = lambda value: number(Fraction(float(value)))  # noqa: E731
+        u, away, before = [convert(value) for value in got[0] * self.scale], 0.0, inf
+        if fixed is not None:
+            u[fixed[0]] = number(fixed[1])
+        try:
+            for _ in range(MOST_POLISHING):
+                values = [float(value) for value in self.residuals(u, FINE_DIGITS)]
+                step = got[1] @ np.array(values if fixed is None else [*values, 0.0])
+                size = float(np.abs(step).max())
+                changes = (step * self.scale).tolist()
+                u = [value - (0 if fixed and j == fixed[0] else convert(changes[j])) for j, value in enumerate(u)]
+                away = max(away, size)
+                if size < FINE or size > before / 2:
+                    return (u, away) if size < FINE else None
+                before = size
+        except (ZeroDivisionError, ValueError):
+            pass
+        return None
+
+    def node(self, z: np.ndarray, along: np.ndarray, row: np.ndarray | None = None) -> Node | None:
+        """Return the point of the curve in the plane through z across `along`, or with this normal; None if not found.
+
+        Its tangent is oriented like `along`. Errors come from rounding in the residuals and from the last correction.
+        """
+        got = self.correct(z, along if row is None else row)
+        if got is None:
+            return None
+        z, inverse, last = got
+        if not self.sizes.size:
+            self.sizes = self._sizes((z * self.scale).tolist())
+        rounding = np.abs(inverse[-2:, : len(self.sizes)]) @ (4 * EPS * self.sizes) + 2 * EPS * np.abs(z[-2:])
+        tangent = inverse[:, -1] * np.sign(inverse[:, -1] @ along)
+        return Node(z, tangent / np.linalg.norm(tangent), (rounding + DIFFERENCE * last) * self.scale[-2:])
+
+    def _sizes(self, u: Sequence[float]) -> np.ndarray:
+        """Return the sizes of the terms of all residuals, by which their rounding errors are measured."""
+        equations, points, _ = self.at(u)
+        size, rows = scales(equations, points), []
+        largest = max(abs(x) for x, _ in points)
+        for piece, start, end in zip(self.pieces, points, equations.ends(points), strict=True):
+            tau = abs(end[1] - start[1]) / equations.K.Om
+            rows += [largest, size.a if piece.sticks else size.v * min(1.0, tau) / tau**piece.zeros]
+        for zero in self.zeros:
+            rows += [size.v, size.a / size.t] if zero.kind == AT_TOUCH else [size.a] * (2 if zero.kind in TIMED else 1)
+        return np.array(rows)
+
+    # -- the inequalities along the border -----------------------------------------------------------------------------
+
+    def hide(self, curve: Sequence[np.ndarray]) -> None:
+        """Find the inequalities that are 0 at these points of the border, by symmetry or as its own."""
+        flags, shift = list[list[bool]](), 0
+        for z in curve:
+            equations, points, _ = self.at((z * self.scale).tolist())
+            found = conditions(equations, points)
+            flags.append([abs(c.value) < NOTHING * c.scale for c in found])
+            shift = self.n // 2 if is_symmetric(np.array(points)) else 0
+        small = [i for i, each in enumerate(zip(*flags, strict=True)) if all(each)]
+        # An extremum next to an end of its flight may be missed; by symmetry its margin is 0 too.
+        own = [(zero.kind, (zero.piece + add) % self.n) for zero in self.zeros for add in (0, shift)]
+        self.hidden = tuple({*small, *(i for i, c in enumerate(found) if (kind_of(c), c.piece) in own)})
+        # Only for the inequalities: the equations would not fix an orbit that is at rest twice.
+        crossings = [c.piece for i, c in enumerate(found) if i in small and c.rank == PASSING]
+        self.symmetric_pieces = self._at_rest_after(crossings)
+
+    def _is_own(self, condition: Condition) -> bool:
+        """Return whether it is the condition of one of the zeros."""
+        return any((zero.kind, zero.piece) == (kind_of(condition), condition.piece) for zero in self.zeros)
+
+    def margins(self, z: np.ndarray) -> list[Condition]:
+        """Return all other inequalities on the border, and those that make its zero a regular one."""
+        equations, points, phases = self.at((z * self.scale).tolist())
+        equations.pieces = self.symmetric_pieces
+        found = conditions(equations, points)
+        own = [c for i, c in enumerate(found) if i in self.hidden and self._is_own(c)]
+        found = [c._replace(value=inf) if i in self.hidden else c for i, c in enumerate(found)]
+        size = scales(equations, points)
+        for zero, theta in zip(self.zeros, [*phases, *[0.0] * len(self.zeros)], strict=False):
+            found += self._regular(equations, points, zero, theta, size.a / size.t)
+        for c in own:
+            found.append(c._replace(value=self._others(equations, points, c, phases), text=f"elsewhere, {c.text}"))
+        return found
+
+    def _regular(
+        self, equations: ClosingEquations, points: Any, zero: Zero, theta: float, size: float
+    ) -> Iterator[Condition]:
+        """Yield the inequalities that make a zero a simple one."""
+        piece, begin, end = self.pieces[zero.piece], points[zero.piece][1], equations.ends(points)[zero.piece][1]
+        (value,) = zero_values(equations, points, zero.bend, theta)
+        if zero.kind == AT_FAR:
+            following = self.pieces[(zero.piece + 1) % self.n]
+            sign, theta, text = piece.side, end, f"G^(1) of the far domain at the end of {piece.label} keeps its sign"
+            sign = -sign if following.sticks else sign
+        else:  # below the domain lies its smaller number: there a minimum is turned to the border
+            low = zero.place == (piece.start if zero.kind == AT_HOLD else piece.mode - 1)
+            sign, text = 1 if low else -1, f"the extremum in {piece.label} is a regular one"
+            for away, what in ((theta - begin, "begins before"), (end - theta, "ends after")):
+                time = away / equations.K.Om
+                yield Condition(zero.piece, f"{piece.label} {what} its extremum", time, theta, "", -1, size)
+        yield Condition(zero.piece, text, float(sign * value), theta / equations.K.Om, "", -1, size)
+
+    def _others(self, equations: ClosingEquations, points: Any, own: Condition, phases: Any) -> float:
+        """Return the least margin of the own condition at other extrema than the border's."""
+        piece, start, end = self.pieces[own.piece], points[own.piece], equations.ends(points)[own.piece]
+        tau = (end[1] - start[1]) / equations.K.Om
+        if kind_of(own) not in TIMED:
+            return inf
+        found = (gaps if kind_of(own) == AT_TOUCH else holds)(equations, piece, start, tau)
+        away = [value for value, theta, _ in found if all(abs(theta - phase) > SAME_PHASE for phase in phases)]
+        return float(min(away, default=inf))
+
+
+def left_over(zero: Zero, timed: Sequence[Zero], phases: Any) -> Any:
+    """Return the phase of the extremum that a zero of its bend belongs to."""
+    return next((phases[i] for i, other in enumerate(timed) if other.piece == zero.piece), None)
+
+
+def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Number) -> list[Number]:
+    """Return what vanishes, at the phase `theta` of an extremum for zeros that have one."""
+    K, piece, start = equations.K, equations.pieces[zero.piece], points[zero.piece]
+    if zero.kind in (AT_FAR, AT_ARRIVAL, AT_FLAT):
+        x, end = equations.ends(points)[zero.piece]
+        v = equations.belt(piece.end).v
+        F = equations.force(zero.place, x, v, end)
+        return [F] if zero.kind != AT_FLAT else [next_derivative(F, v, K.fB * equations.sin(end), K.cm, K.w0sq)]
+    tau = (theta - start[1]) / K.Om
+    if piece.sticks:
+        belt = equations.belt(piece.start)
+        if zero.kind == AT_BEND:
+            return [-K.fB * K.Om * equations.cos(theta)]
+        force = equations.force(zero.place, start[0] + belt.v * tau, belt.v, theta)
+        return [force, belt.drift - K.fB * equations.sin(theta)]
+    launch = equations.start_of_flight(piece, start)
+    _, dv, a = motion(*launch, K.cm, K.w0sq, K.f0, K.Om, *equations.basis(tau, K)[:5])
+    if zero.kind == AT_BEND:
+        return [next_derivative(a, launch.v + dv, K.fB * equations.sin(theta), K.cm, K.w0sq)]
+    gap = (launch.v - equations.belt(zero.place).v) + dv
+    roots = 0 if zero.place != piece.start else 2 if piece.after_stick else 1
+    if roots == 0:
+        return [gap, a]
+    # gap = g tau^roots (1 + ...): what is left of a once the multiple of gap with the same first term is taken away.
+    return [gap / tau**roots, (a - roots * gap / tau) / tau**roots]
+
+
+def is_symmetric(points: np.ndarray, part: float = NOTHING) -> bool:
+    """Return whether the second half of an orbit mirrors the first: x(t + T/2) + x(t) is constant."""
+    if len(points) % 2:
+        return False
+    away = symmetrised(points) - points
+    return bool(np.abs(away[:, 0]).max() < part * np.abs(points[:, 0]).max() and np.abs(away[:, 1]).max() < part)
+
+
+def symmetrised(points: np.ndarray) -> np.ndarray:
+    """Return the points of the symmetric orbit nearest to one with an even number of them."""
+    half = len(points) // 2
+    x, theta = points[:half, 0] - points[half:, 0], points[:half, 1] + points[half:, 1]
+    mean = points[:, 0].mean()
+    first = np.column_stack([mean + x / 2, (theta - pi) / 2])
+    return np.vstack([first, np.column_stack([mean - x / 2, (theta + pi) / 2])])
+
+
+def kind_of(condition: Condition) -> str:
+    """Return the kind of zero of an inequality that vanishes; "" if a piece loses its length with it."""
+    if condition.rank == PASSING or " at the onset of " in condition.text:
+        return AT_FAR
+    if condition.rank == HOLD:
+        return AT_HOLD
+    if " meets v" in condition.text:
+        return AT_ARRIVAL
+    return AT_TOUCH if condition.rank == STAYS_INSIDE and "stays in" in condition.text else ""
+
+
+def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> list[tuple[Zero, list[float]]]:
+    """Return the zeros that a condition which is about to vanish may stand for, with the phase where one has one."""
+    kind, i = kind_of(condition), condition.piece
+    piece, start, end = equations.pieces[i], points[i], equations.ends(points)[i]
+    if kind == AT_FAR:
+        found: list[tuple[Zero, list[float]]] = [(Zero(AT_FAR, i, piece.mode + piece.side), [])]
+        j, v, K = (i + 1) % len(points), equations.belt(piece.end).v, equations.K
+        G1, G2, _ = derivatives(v, condition.value * piece.side, equations.sin(end[1]), equations.cos(end[1]), K)
+        if piece.side * G1 < 0 < piece.side * G2 and not equations.pieces[j].sticks:
+            # The flight behind the crossing turns back at once: a graze so near that no sample would show it. There
+            # the velocity a0 + b0 tau/2 + c0 tau^2/6, times tau, has a double root.
+            found.append((Zero(AT_TOUCH, j, piece.end), [float(points[j][1] - 1.5 * G1 / G2 * K.Om)]))
+        return found
+    if kind in ("", AT_ARRIVAL):
+        return [(Zero(kind, i, piece.mode), [])] if kind else []
+    tau = (end[1] - start[1]) / equations.K.Om
+    rows = sorted((gaps if kind == AT_TOUCH else holds)(equations, piece, start, tau))[:1]
+    return [(Zero(kind, i, place), [float(theta)]) for _, theta, place in rows]
+
+
+def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
+    """Return what happens at a border, as a `BranchEnd.kind` of its word with fewer pieces, and the field's name."""
+    zero = zero or system.zeros[0]
+    if zero.kind == AT_ARRIVAL:  # a cubic tangency: a graze, and a stick that is left at once, begin there
+        return GRAZING, "adding-sliding and grazing-sliding"
+    if zero.kind == AT_HOLD:
+        return SLIP_BIRTH, "adding-sliding"
+    if zero.kind == AT_TOUCH:
+        p = system.fixed
+        friction = (p.mu1 if zero.place == 1 else p.mu2) * p.FN
+        return GRAZING, "grazing-sliding" if friction else ""  # a belt without friction is only passed through
+    sticks = system.pieces[(zero.piece + 1) % system.n].sticks
+    return (SLIP_BIRTH, "switching-sliding") if sticks else (BIRTH, "crossing-sliding")

@@ -1,0 +1,383 @@
+"""Other oscillators of the literature that are this one in other coordinates.
+
+    m x'' + c (x' - y') + k (x - y) = A0 + m g sin(angle) + B0 cos(Omega t + phase) + friction of the belts
+    y = Y cos(Omega t + Y_phase)             the base, to which spring and damper are joined
+    v1 + w', v2 + w'                         the speeds of the belts, w' = W cos(Omega t + W_phase); joined to the base
+                                             they have its velocity y' as well
+
+Friction depends on x' - w' alone. So z = x - w obeys
+
+    m z'' + c z' + k z = A0 + m g sin(angle) + P cos(Omega t) + Q sin(Omega t) + friction of belts at v1 and v2
+
+where P cos + Q sin = B0 cos(Omega t + phase) + c y' + k y - m w'' - c w' - k w. In the time s = t - delay that is
+hypot(P, Q) cos(Omega s).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from fractions import Fraction
+from functools import cache, cached_property
+from math import ceil, isqrt, log10
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from symosc.aliases import Number, NumberLike
+from symosc.arguments import public
+from symosc.errors import ParameterError, meant
+from symosc.exact import read_exact, show, unmasked
+from symosc.model import Parameters
+from symosc.quantities import half_unit, read_number, rounded
+
+#: Digits with which what is no fraction is computed; 40 of them count.
+DIGITS = 80
+PI = Fraction("3.1415926535897932384626433832795028841971693993751058209749445923078164062862089986280348253421170680")
+#: A belt that is not there is faster, by this factor, than what the forces make of the mass in the time 1/Omega.
+FAR = 10**6
+#: Numbers, or half-widths, of t0, x0 and v0.
+Three = tuple[Fraction, Fraction, Fraction]
+
+
+class Harmonic(NamedTuple):
+    """A function C cos(Omega t) + S sin(Omega t), and whether C and S are exact."""
+
+    C: Fraction
+    S: Fraction
+    exact: bool = True
+
+    def plus(self, other: Harmonic, factor: Fraction | int = 1) -> Harmonic:
+        """Return the sum with a multiple of another one."""
+        return Harmonic(self.C + factor * other.C, self.S + factor * other.S, self.exact and other.exact)
+
+    def rate(self, Omega: Fraction) -> Harmonic:
+        """Return the derivative by time."""
+        return Harmonic(Omega * self.S, -Omega * self.C, self.exact)
+
+    def integral(self, Omega: Fraction) -> Harmonic:
+        """Return the integral by time without a mean."""
+        return Harmonic(-self.S / Omega, self.C / Omega, self.exact)
+
+    def at(self, cos: Any, sin: Any, number: Callable[[Fraction], Any] = float) -> Any:
+        """Return the value where cosine and sine of Omega t are these."""
+        return number(self.C) * cos + number(self.S) * sin
+
+    def bound(self) -> Fraction:
+        """Return what no value exceeds."""
+        return abs(self.C) + abs(self.S)
+
+
+def harmonic(size: Fraction, phase: Fraction) -> Harmonic:
+    """Return size cos(Omega t + phase)."""
+    cos, sin, exact = cos_sin(phase)
+    return Harmonic(size * cos, -size * sin, exact or size == 0)
+
+
+def cos_sin(angle: Fraction, digits: int = DIGITS) -> tuple[Fraction, Fraction, bool]:
+    """Return cosine and sine of an angle, and whether they are exact, as for 0 and for pi/2 in 40 digits."""
+    turns = round(2 * angle / PI)
+    if abs(angle - turns * PI / 2) <= (half_unit(angle) if turns else 0):
+        return Fraction((1, 0, -1, 0)[turns % 4]), Fraction((0, 1, 0, -1)[turns % 4]), True
+    context = _context(digits + len(str(abs(turns))))
+    found = context.cos_sin(context.mpf(angle.numerator) / angle.denominator)
+    cos, sin = (read_exact("angle", each) for each in found)
+    return cos, sin, False
+
+
+@cache
+def _context(digits: int) -> Any:
+    """Return a context of mpmath."""
+    from mpmath import mp
+
+    context = mp.clone()
+    context.dps = digits
+    return context
+
+
+def polar(sum: Harmonic) -> tuple[Fraction, Fraction, bool]:
+    """Return R and psi of a harmonic R cos(Omega t - psi), and whether both are exact."""
+    P, Q = sum[:2]
+    if Q == 0:
+        return P, Fraction(0), sum.exact
+    if P == 0:
+        return Q, PI / 2, False
+    context = _context(DIGITS)
+    p, q = (context.mpf(each.numerator) / each.denominator for each in (P, Q))
+    root = _root(P * P + Q * Q)
+    size = rounded(read_exact("B0", context.hypot(p, q))) if root is None or not sum.exact else root
+    return size, read_exact("phase", context.atan2(q, p)), False
+
+
+def _root(square: Fraction) -> Fraction | None:
+    """Return the root of a fraction if it is one."""
+    root = Fraction(isqrt(square.numerator), isqrt(square.denominator))
+    return root if root * root == square else None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class OtherModel:
+    """An oscillator of the literature that is this one in other coordinates: base motion, moving walls, inclines.
+
+    m x'' + c (x' - y') + k (x - y) = A0 + m g sin(angle) + B0 cos(Omega t + phase) + friction, with the base
+    y = Y cos(Omega t + Y_phase), and belts with the speeds v1 + w' and v2 + w'. Functions that take Parameters take
+    such a model too and work on the oscillator that it is, its `parameters`; `simulate` and `frequency_response` give
+    their results in the coordinates of the model.
+
+    Parameters
+    ----------
+    m, k, Omega : number
+        Mass, spring, and the angular frequency of all that oscillates.
+    FN : number, optional
+        Normal force. None: the weight m g cos(angle). It is the force of friction if mu1 is left out.
+    c, A0, B0, v1, mu1, v2, mu2 : number, optional
+        As in Parameters; 0 if left out, and mu1 = 1. Without v2 there is no second belt.
+    phase : number, optional
+        That of the force B0 cos(Omega t + phase); "-pi/2" makes it a sine.
+    Y, Y_phase : number, optional
+        Motion of the base.
+    W, W_phase : number, optional
+        What belts, or a wall, have in addition to v1 and v2: w' = W cos(Omega t + W_phase).
+    joined : bool, optional
+        Whether belts, or a wall, move with the base as well.
+    g, angle : number, optional
+        Gravity, and the slope down which x is counted.
+
+    Attributes
+    ----------
+    parameters : Parameters
+        Those of the oscillator that it is.
+    exact : bool
+        Whether these are exact. If not they, and a start, are known to 40 digits.
+    delay : Fraction
+        What the time of the oscillator is behind that of the model, to 80 digits.
+
+    Raises
+    ------
+    ParameterError
+        As for Parameters; and if FN is neither given nor a weight.
+
+    Examples
+    --------
+    >>> from symosc import OtherModel, simulate
+    >>> model = OtherModel(m=1, k=1, Omega="3/2", FN="1/2", Y=1, joined=True)  # the wall moves with the base
+    >>> model.parameters.B0, model.exact
+    (Fraction(9, 4), True)
+    >>> motion = simulate(model, t_end=8)
+    >>> [(event.kind, f"{event.t:.6f}", f"{event.x:.6f}") for event in motion.events[:2]]
+    [('cross', '1.766468', '-0.047600'), ('cross', '3.748057', '-0.800286')]
+    """
+
+    m: Fraction
+    k: Fraction
+    Omega: Fraction
+    FN: Fraction | None = None
+    c: Fraction = Fraction(0)
+    A0: Fraction = Fraction(0)
+    B0: Fraction = Fraction(0)
+    v1: Fraction = Fraction(0)
+    v2: Fraction | None = None
+    mu1: Fraction = Fraction(1)
+    mu2: Fraction = Fraction(0)
+    phase: Fraction = Fraction(0)
+    Y: Fraction = Fraction(0)
+    Y_phase: Fraction = Fraction(0)
+    W: Fraction = Fraction(0)
+    W_phase: Fraction = Fraction(0)
+    joined: bool = False
+    g: Fraction = Fraction(0)
+    angle: Fraction = Fraction(0)
+
+    def __post_init__(self) -> None:
+        joined = {"true": True, "false": False}.get(self.joined) if isinstance(self.joined, str) else self.joined
+        if not isinstance(joined, bool):
+            raise ParameterError("joined", self.joined, "must be true or false")
+        object.__setattr__(self, "joined", joined)
+        for name in NUMBER_NAMES:
+            value = getattr(self, name)
+            if value is not None or name not in ("FN", "v2"):
+                object.__setattr__(self, name, read_number(name, value)[0])
+        if self.FN is None and self.g <= 0:
+            raise ParameterError("FN", None, "is needed, or g > 0: then it is the weight m g cos(angle)")
+        if self.v2 is None and self.mu2 != 0:
+            raise ParameterError("mu2", show(self.mu2), "needs v2: without it there is no second belt")
+        self.parameters  # noqa: B018  raises errors of numbers that are out of range
+
+    @cached_property
+    def base(self) -> Harmonic:
+        """The motion y of the base."""
+        return harmonic(self.Y, self.Y_phase)
+
+    @cached_property
+    def shift(self) -> Harmonic:
+        """The motion w of the belts beyond constant speeds: x = z + w."""
+        own = harmonic(self.W, self.W_phase).integral(self.Omega)
+        return own.plus(self.base) if self.joined else own
+
+    @cached_property
+    def force(self) -> Harmonic:
+        """The force B0 cos(Omega t + phase)."""
+        return harmonic(self.B0, self.phase)
+
+    @cached_property
+    def _drive(self) -> tuple[Fraction, Fraction, bool]:
+        """The drive of the oscillator that it is: R and psi of R cos(Omega t - psi), and whether both are exact."""
+        Omega, base, shift = self.Omega, self.base, self.shift
+        sum = self.force.plus(base.rate(Omega), self.c).plus(base, self.k)
+        sum = sum.plus(shift.rate(Omega).rate(Omega), -self.m).plus(shift.rate(Omega), -self.c).plus(shift, -self.k)
+        return polar(sum)
+
+    @property
+    def delay(self) -> Fraction:
+        """The time of the model minus that of the oscillator."""
+        return self._drive[1] / self.Omega
+
+    @cached_property
+    def exact(self) -> bool:
+        """Whether the parameters and the time of the oscillator are exact."""
+        return self._drive[2] and (self.g == 0 or cos_sin(self.angle)[2])
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """The parameters of the oscillator that this model is."""
+        if self.Omega <= 0:
+            raise ParameterError("Omega", show(self.Omega), "must be > 0")
+        cos, sin, exact = cos_sin(self.angle)
+        down, press = (self.m * self.g * each for each in (sin, cos))
+        A0, FN = self.A0 + down, press if self.FN is None else self.FN
+        if not exact and self.g:
+            A0, FN = rounded(A0), FN if self.FN is not None else rounded(FN)
+        B0, v2 = self._drive[0], self.v2
+        if v2 is None and self.m > 0:
+            forces = abs(A0) + abs(B0) + abs(self.mu1 * FN) + self.m * self.Omega * (abs(self.v1) + self.shift.bound())
+            v2 = self.v1 + FAR * Fraction(10) ** ceil(log10(forces / (self.m * self.Omega) or 1))
+        same = {name: getattr(self, name) for name in ("m", "c", "k", "Omega", "v1", "mu1", "mu2")}
+        return Parameters(**same, A0=A0, B0=B0, v2=self.v1 + 1 if v2 is None else v2, FN=FN)
+
+    @public
+    def replace(self, **changes: NumberLike | bool | None) -> OtherModel:
+        """Return a copy with some numbers changed, for example ``model.replace(Omega="1/2")``."""
+        for name in changes:
+            if name not in MODEL_NAMES:
+                allowed = f"is not of the model; it has {', '.join(MODEL_NAMES)}"
+                raise ParameterError(name, changes[name], allowed + meant(name, MODEL_NAMES))
+        return OtherModel(**{name: getattr(self, name) for name in MODEL_NAMES} | changes)
+
+    @public
+    def back(self, t: ArrayLike, x: ArrayLike, v: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return times, positions and velocities of this model from those of the oscillator that it is.
+
+        Examples
+        --------
+        >>> from symosc import OtherModel, find_orbit
+        >>> model = OtherModel(m=1, k=1, c="1/10", Omega="3/2", FN="1/2", Y=1, joined=True)
+        >>> orbit = find_orbit(model)
+        >>> t, x = zip(*orbit.points)
+        >>> model.back(t, x, [0, 0])[1].round(6).tolist()
+        [0.73026, -0.73026]
+        """
+        t, x, v = _read_arrays(t=t, x=x, v=v)
+        w, rate = motion_of_belts(self, t + float(self.delay))
+        return t + float(self.delay), x + w, v + rate
+
+    @public
+    def forth(self, t: ArrayLike, x: ArrayLike, v: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return times, positions and velocities of the oscillator from those of this model, in doubles.
+
+        Examples
+        --------
+        >>> from symosc import OtherModel
+        >>> model = OtherModel(m=1, k=1, Omega=2, FN=1, B0=3, phase="-pi/2")
+        >>> s, z, u = model.forth(0, 1, 2)
+        >>> f"{s:.6f}", float(z), float(u)
+        ('-0.785398', 1.0, 2.0)
+        """
+        t, x, v = _read_arrays(t=t, x=x, v=v)
+        w, rate = motion_of_belts(self, t)
+        return t - float(self.delay), x - w, v - rate
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what differs from the defaults, as text that reads back exactly; `joined` is true or false."""
+        found: dict[str, Any] = {}
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if value != each.default:
+                found[each.name] = value if isinstance(value, bool) else show(value)
+        return found
+
+    def __repr__(self) -> str:
+        return f"OtherModel({', '.join(f'{name}={value!r}' for name, value in self.as_dict().items())})"
+
+
+def motion_of_belts(model: OtherModel, t: Any) -> tuple[Any, Any]:
+    """Return w and w' at times of the model, in doubles."""
+    cos, sin = np.cos(float(model.Omega) * t), np.sin(float(model.Omega) * t)
+    return model.shift.at(cos, sin), model.shift.rate(model.Omega).at(cos, sin)
+
+
+def event_back(
+    model: OtherModel, t: Number, x: Number, v: Number, theta: Number
+) -> tuple[Number, Number, Number, Number]:
+    """Return t, x, v and phase of an event as those of a model, in the arithmetic of the event."""
+    number, context = number_of(t), getattr(t, "context", math)
+    theta = (theta + number(model._drive[1])) % (2 * context.pi)
+    cos, sin = context.cos(theta), context.sin(theta)
+    w, rate = model.shift.at(cos, sin, number), model.shift.rate(model.Omega).at(cos, sin, number)
+    return t + number(model.delay), x + w, v + rate, theta
+
+
+def reduced_time(model: OtherModel, t: Fraction) -> Fraction:
+    """Return the time of the oscillator at a time of the model."""
+    return rounded(t - model.delay) if model.delay else t
+
+
+def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -> tuple[Three, Three]:
+    """Return a start of the oscillator from one of this model, and half-widths of what is not exact in it."""
+    p, angle, delay = model.parameters, model.Omega * t0, model.delay
+    cos, sin, exact = cos_sin(angle)
+    zero = Fraction(0)
+    s0, s_error = reduced_time(model, t0), half_unit(t0 - delay) if delay else zero
+    if model.shift.bound() == 0:
+        return (s0, x0, v0), (s_error, zero, zero)
+    w, rate = (each.at(cos, sin, Fraction) for each in (model.shift, model.shift.rate(model.Omega)))
+    if exact and model.shift.exact:
+        return (s0, x0 - w, v0 - rate), (s_error, zero, zero)
+    (z0, z_error), (u0, u_error) = (_known(a - b, abs(a) + abs(b)) for a, b in ((x0, w), (v0, rate)))
+    for belt in (p.v1, p.v2):
+        if abs(u0 - belt) <= half_unit(abs(v0) + abs(rate)):
+            u0, u_error = belt, zero
+    return (s0, z0, u0), (s_error, z_error, u_error)
+
+
+def _read_arrays(**given: Any) -> list[np.ndarray]:
+    """Return numbers, or arrays of them, as arrays of doubles; ParameterError if they are not finite or not alike."""
+    found: dict[str, np.ndarray] = {}
+    for name, value in given.items():
+        array = np.asarray(unmasked(name, value), dtype=None if hasattr(value, "dtype") else object)
+        if array.dtype.kind not in "iuf" or not np.isfinite(array).all():
+            array = np.vectorize(lambda each, name=name: float(read_exact(name, each)), otypes=[float])(array)
+        found[name] = array.astype(float)
+        try:
+            np.broadcast_shapes(*(each.shape for each in found.values()))
+        except ValueError:
+            raise ParameterError(name, array, "must have one number, or as many as the others") from None
+    return list(found.values())
+
+
+def number_of(value: Number) -> Callable[[Fraction], Number]:
+    """Return the function that makes numbers of the arithmetic of a value: floats, or those of its context."""
+    context = getattr(value, "context", None)
+    return float if context is None else lambda exact: context.mpf(exact.numerator) / exact.denominator
+
+
+def _known(value: Fraction, size: Fraction | None = None) -> tuple[Fraction, Fraction]:
+    """Return a number to 40 digits, and half a unit; a difference that is nothing beside its terms is 0."""
+    if size is not None and abs(value) < size / 10 ** (DIGITS - 20):
+        return Fraction(0), half_unit(size)
+    return rounded(value), half_unit(value)
+
+
+MODEL_NAMES = tuple(each.name for each in fields(OtherModel))
+NUMBER_NAMES = tuple(name for name in MODEL_NAMES if name != "joined")

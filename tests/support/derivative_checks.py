@@ -1,0 +1,201 @@
+"""Derivatives in the random scenes of the fuzzer: python tests/support/derivative_checks.py --seconds 600 --seed 1
+
+Each is compared with the difference quotient of motions that the independent oracle follows in quadruple precision, and
+where that differs or is not sure, of motions with 60 digits and a far smaller step. Where both sides have other events,
+or other one-sided quotients, there is no derivative, and `regular` must be False.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter
+from dataclasses import dataclass
+from fractions import Fraction
+from random import Random
+from typing import Any
+
+import fuzz
+from fast_oracle import simulate_fast
+from scene_families import FuzzScene
+from verdicts import label
+
+from symosc import ParameterError, sensitivities, simulate
+from symosc.model import PARAMETER_NAMES
+from symosc.simulation.tangents import NAMES
+
+STEP, SMALL_STEP, DIGITS = Fraction(1, 10**11), Fraction(1, 10**25), 60
+WRONG = 1e-9  # of the largest derivative of the column so far, or of 1
+KINK = 1e-3  # by which one-sided quotients differ, relative to the same
+EPS = 1e-16
+#: Relative errors of the input of so many EPS are no fault of a derivative.
+ROUNDINGS = 100.0
+
+
+@dataclass
+class Judged:
+    """A derivative: what was found, and whether it exists; `allowed` is the error that rounding the input makes."""
+
+    scene: FuzzScene
+    name: str
+    event: int
+    regular: bool
+    smooth: bool
+    error: float
+    allowed: float
+    clear: bool = False  # said to be regular by 30 digits, where doubles cannot tell
+
+    @property
+    def verdict(self) -> str:
+        if not self.smooth:
+            return "kink missed" if self.regular else "kink named"
+        if not self.regular:
+            return "not told by doubles" if self.clear else "said to be a kink"
+        return "right" if self.error <= WRONG else "right for doubles" if self.error <= self.allowed else "wrong"
+
+
+def moved(scene: FuzzScene, name: str, by: Fraction, digits: int | None) -> Any:
+    """Return the events of a scene with a changed number."""
+    start = {each: getattr(scene, each) for each in ("t0", "x0", "v0")}
+    p = scene.p
+    if name in start:
+        start[name] += by
+    elif name:
+        p = p.replace(**{name: getattr(p, name) + by})
+    if digits is None:
+        return simulate_fast(p, *start.values(), scene.t_end, scene.dps).events
+    return simulate(p, **start, t_end=scene.t_end, digits=digits).events
+
+
+def quotients(scene: FuzzScene, name: str, base: Any, digits: int | None) -> Any:
+    """Return for each event of `base` by differences dt, dx and how one-sided ones differ, or None where events do."""
+    own = getattr(scene, name) if name in ("t0", "x0", "v0") else getattr(scene.p, name)
+    h = (STEP if digits is None else SMALL_STEP) * (abs(own) or 1)
+    more, less = (moved(scene, name, sign * h, digits) for sign in (1, -1))
+    found: list[Any] = []
+    for n, event in enumerate(base):
+        if found and found[-1] is None:
+            found.append(None)
+            continue
+        same = n < min(len(more), len(less)) and label(more[n]) == label(less[n]) == label(event)
+        width = float(h)
+        found.append(
+            [
+                (float(a - c) / (2 * width), float(a - 2 * b + c) / width, float(abs(own)) or 1.0)
+                for a, b, c in ((getattr(each[n], axis) for each in (more, base, less)) for axis in ("t", "x"))
+            ]
+            if same
+            else None
+        )
+    return found
+
+
+def judged(scene: FuzzScene, names: tuple[str, ...] = NAMES) -> list[Judged]:
+    """Judge all derivatives of a scene."""
+    start = {each: getattr(scene, each) for each in ("t0", "x0", "v0", "t_end")}
+    s = sensitivities(scene.p, names, **start)
+    bases: dict[Any, Any] = {}
+    found: list[Judged] = []
+    for j, name in enumerate(names):
+        for digits in (None, DIGITS):
+            if digits not in bases:
+                bases[digits] = moved(scene, "", Fraction(0), digits)
+            try:
+                rows = column(scene, s, j, name, bases[digits], digits)
+            except ParameterError:  # a step to values that are not allowed
+                rows = []
+                break
+            if all(row.verdict in ("right", "kink named") for row in rows):
+                break
+        found += rows
+    if any(row.verdict == "said to be a kink" for row in found) and any("rounding" in (r or "") for r in s.reasons):
+        exact = sensitivities(scene.p, names, **start, digits=30)
+        for row in found:
+            row.clear = row.event < len(exact.dt) and bool(exact.regular[row.event, names.index(row.name)])
+    wrong = [row for row in found if row.verdict == "wrong"]
+    if wrong:
+        rounded(scene, s, names, wrong)
+    return found
+
+
+def rounded(scene: FuzzScene, s: Any, names: tuple[str, ...], rows: list[Judged]) -> None:
+    """Set the errors that are allowed to those which relative errors of EPS in all numbers make, times ROUNDINGS."""
+    start, dice = {each: getattr(scene, each) for each in ("t0", "x0", "v0")}, Random(1)
+    exact, *beside = (
+        sensitivities(
+            scene.p.replace(**{each: getattr(scene.p, each) * off() for each in PARAMETER_NAMES}),
+            names, **{each: value * off() for each, value in start.items()}, t_end=scene.t_end, digits=30,
+        )
+        for off in (lambda: 1, *[lambda: 1 + Fraction(dice.choice((-1, 1)), 10**16)] * 3)
+    )  # fmt: skip
+    for row in rows:
+        j, n = names.index(row.name), row.event
+        scale = max(1.0, float(abs(exact.dt[: n + 1, j]).max()), float(abs(exact.dx[: n + 1, j]).max()))
+        off = [abs(getattr(each, axis)[n, j] - getattr(exact, axis)[n, j]) for each in beside for axis in ("dt", "dx")]
+        row.allowed = ROUNDINGS * float(max(off)) / scale
+
+
+def column(scene: FuzzScene, s: Any, j: int, name: str, base: Any, digits: int | None) -> list[Judged]:
+    """Judge the derivatives of all events by one number."""
+    rows, scale = [], [1.0, 1.0]
+    for n, quotient in enumerate(quotients(scene, name, base, digits)):
+        if n >= len(s.dt) or label(s.trajectory.events[n]) != label(base[n]):
+            break
+        for axis, value in enumerate((float(s.dt[n, j]), float(s.dx[n, j]))):
+            smooth, error, allowed = quotient is not None, 0.0, 0.0
+            if quotient is not None:
+                middle, apart, size = quotient[axis]
+                scale[axis] = max(scale[axis], abs(middle))
+                h = size * float(STEP if digits is None else SMALL_STEP)
+                smooth = abs(apart) <= KINK * scale[axis]
+                error = abs(value - middle) / scale[axis]
+                allowed = ROUNDINGS * EPS * abs(apart) / h * size / scale[axis]
+            rows.append(Judged(scene, name, n, bool(s.regular[n, j]), smooth, error, allowed))
+    return rows
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seconds", type=float, default=600)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--family", choices=fuzz.FAMILIES, action="append")
+    parser.add_argument("--most-events", type=int, default=40)
+    options = parser.parse_args()
+    begin, number, counts, families = time.perf_counter(), options.first, Counter[str](), Counter[Any]()
+    while time.perf_counter() - begin < options.seconds:
+        for family in options.family or fuzz.FAMILIES:
+            scene = fuzz.scene_of(family, options.seed, number)
+            try:
+                motion = simulate(scene.p, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end)
+                if len(motion.events) > options.most_events:
+                    cut = Fraction(float(motion.events[options.most_events].t)).limit_denominator(10**6)
+                    scene = fuzz.plain.with_digits(scene, t_end=cut, truth=None)
+                rows = judged(scene)
+            except Exception as error:
+                print(f"# {family} {number}: {type(error).__name__}: {error}", flush=True)
+                counts["unjudged scenes"] += 1
+                continue
+            for row in rows:
+                counts[row.verdict] += 1
+                families[family, row.verdict] += 1
+            bad = [row for row in rows if row.verdict in ("wrong", "kink missed", "said to be a kink")]
+            for verdict in dict.fromkeys(row.verdict for row in bad):
+                mine = [row for row in bad if row.verdict == verdict]
+                names = ", ".join(dict.fromkeys(row.name for row in mine))
+                worst = max(mine, key=lambda row: row.error)
+                print(
+                    f"# {family} {number}: {verdict} {len(mine)} times by {names} from event "
+                    f"{min(row.event for row in mine)}, error {worst.error:.1e}, allowed {worst.allowed:.1e}",
+                    flush=True,
+                )
+        number += 1
+    for key, count in sorted(families.items()):
+        print(*key, count)
+    print(dict(counts), f"{number - options.first} scenes of each family, {time.perf_counter() - begin:.0f} s")
+    return int(bool(counts["wrong"] or counts["kink missed"]))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,288 @@
+"""Other models that are this one: by substitution, against their own equations, exactly, and from scene files."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import solve_ivp
+
+from symosc import OtherModel, ParameterError, Scene, SceneError, crosscheck, find_orbit, simulate, sweep
+from symosc.scenes import as_toml, read_scene
+
+TURN = 2 * np.pi
+#: What makes each model of the page: names of numbers that are drawn, and those that are given.
+KINDS: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
+    "any phase": (("B0", "phase", "c"), {}),
+    "a sine, two belts": (("B0", "A0", "v1", "v2", "mu1", "mu2"), {"phase": "-pi/2"}),
+    "base motion": (("Y", "Y_phase", "c"), {}),
+    "joined wall": (("Y", "c"), {"joined": True}),
+    "joined wall and force": (("Y", "Y_phase", "B0", "phase", "c"), {"joined": True}),
+    "oscillating belts": (("W", "W_phase", "v1", "v2", "mu1", "mu2", "B0", "c"), {}),
+    "incline": (("B0", "phase", "angle", "v1", "c"), {"FN": None, "g": "9.81", "mu1": "1/5"}),
+    "all": (("B0", "phase", "Y", "Y_phase", "W", "W_phase", "v1", "v2", "mu1", "mu2", "A0", "angle", "c"), {"g": 2}),
+}
+
+
+def drawn(kind: str, seed: int) -> OtherModel:
+    """Return a random model of a kind."""
+    dice, (names, given) = random.Random(f"{kind} {seed}"), KINDS[kind]
+
+    def number(low: float, high: float) -> Fraction:
+        return Fraction(round(1000 * dice.uniform(low, high)), 1000)
+
+    ranges = {"c": (0.05, 1), "v1": (-1, 0.5), "v2": (0.7, 2), "mu1": (0.1, 1), "mu2": (0.1, 1), "A0": (-1, 1)}
+    ranges |= {"angle": (0.05, 0.5), "B0": (0.5, 3), "Y": (0.5, 3), "W": (0.5, 3)}
+    numbers: dict[str, Any] = {name: number(*ranges.get(name, (-4, 4))) for name in names}
+    basic = {"m": number(0.5, 2), "k": number(0.5, 4), "Omega": number(0.4, 3), "FN": number(0.2, 1)}
+    return OtherModel(**basic | numbers | given)
+
+
+class Original:
+    """A model's own equation of motion in doubles, x'' = right side, with belts whose speed changes."""
+
+    def __init__(self, model: OtherModel) -> None:
+        self.n = {name: float(getattr(model, name) or 0) for name in vars(model) if name in OtherModel.__annotations__}
+        self.one_belt, self.step = model.v2 is None, TURN / 100 / max(model.Omega, (model.k / model.m) ** 0.5)
+        if model.FN is None:
+            self.n["FN"] = self.n["m"] * self.n["g"] * np.cos(self.n["angle"])
+
+    def base(self, t: float) -> tuple[float, float, float]:
+        """Return y, y' and y''."""
+        Y, Om, angle = self.n["Y"], self.n["Omega"], self.n["Omega"] * t + self.n["Y_phase"]
+        return Y * np.cos(angle), -Y * Om * np.sin(angle), -Y * Om**2 * np.cos(angle)
+
+    def belts(self, t: float) -> tuple[list[float], float]:
+        """Return the speeds of the belts, and their acceleration."""
+        n, angle = self.n, self.n["Omega"] * t + self.n["W_phase"]
+        _, rate, second = self.base(t) if n["joined"] else (0.0, 0.0, 0.0)
+        more = n["W"] * np.cos(angle) + rate
+        speeds = [n["v1"] + more] + ([] if self.one_belt else [n["v2"] + more])
+        return speeds, second - n["W"] * n["Omega"] * np.sin(angle)
+
+    def others(self, t: float, x: float, v: float) -> float:
+        """Return all forces but friction."""
+        n, (y, rate, _) = self.n, self.base(t)
+        given = n["A0"] + n["B0"] * np.cos(n["Omega"] * t + n["phase"]) + n["m"] * n["g"] * np.sin(n["angle"])
+        return float(given - n["c"] * (v - rate) - n["k"] * (x - y))
+
+    def follow(self, t: float, x: float, v: float, t_end: float) -> tuple[list[tuple[float, float, str]], Any]:
+        """Return events (t, x, kind) and the states at 200 times, by DOP853 with its own events."""
+        most = [self.n[mu] * self.n["FN"] for mu in ("mu1", "mu2")[: 1 if self.one_belt else 2]]
+        sides = [1 if v > speed else -1 for speed in self.belts(t)[0]]  # of the mass, seen from each belt
+        stuck: int | None = None
+        found, parts = [], []
+
+        def slip(t: float, z: np.ndarray) -> list[float]:
+            friction = -sum(side * force for side, force in zip(sides, most, strict=True))
+            return [z[1], (self.others(t, *z) + friction) / self.n["m"]]
+
+        def stick(t: float, z: np.ndarray) -> list[float]:
+            speeds, acceleration = self.belts(t)
+            return [speeds[stuck], acceleration]
+
+        def needed(t: float, z: np.ndarray) -> float:
+            """Return the friction of the belt that the mass is stuck to, or would be."""
+            other = -sum(side * force for i, (side, force) in enumerate(zip(sides, most, strict=True)) if i != stuck)
+            return self.n["m"] * self.belts(t)[1] - self.others(t, *z) - other
+
+        while t < t_end:
+            if stuck is None:
+                ends = [lambda t, z, i=i: z[1] - self.belts(t)[0][i] for i in range(len(sides))]
+                for end, side in zip(ends, sides, strict=True):
+                    end.terminal, end.direction = True, -side  # type: ignore[attr-defined]
+            else:
+                ends = [lambda t, z, most=most[stuck]: most - abs(needed(t, z))]
+                ends[0].terminal, ends[0].direction = True, -1  # type: ignore[attr-defined]
+            run = solve_ivp(
+                slip if stuck is None else stick, (t, t_end), [x, v], "DOP853",
+                events=ends, rtol=1e-12, atol=1e-13, max_step=self.step, dense_output=True,
+            )  # fmt: skip
+            parts.append((t, run.sol))
+            hit = next((i for i, times in enumerate(run.t_events) if len(times)), None)
+            t, (x, v) = run.t[-1], run.y[:, -1]
+            if hit is None:
+                break
+            if stuck is None:
+                stuck, way = hit, -sides[hit]
+                if abs(needed(t, np.array([x, v]))) < most[hit]:
+                    found.append((t, x, "stick"))
+                else:
+                    stuck, sides[hit] = None, way
+                    found.append((t, x, "cross"))
+            else:  # friction is at its limit: the mass is faster than the belt if it cannot be held back
+                sides[stuck] = -1 if needed(t, np.array([x, v])) > 0 else 1
+                stuck = None
+                found.append((t, x, "slip"))
+        return found, lambda t: next(part for since, part in reversed(parts) if since <= t)(t)
+
+
+@pytest.mark.parametrize("seed", range(50))
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.quick(8)
+def test_a_motion_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
+    model = drawn(kind, seed)
+    dice = random.Random(seed)
+    t0, x0, v0 = (round(dice.uniform(-2, 2), 3) for _ in range(3))
+    end = t0 + 3 * TURN / float(model.Omega)
+    motion = simulate(model, t0=t0, x0=x0, v0=v0, t_end=end)
+    events, state = Original(model).follow(t0, x0, v0, end)
+    assert [event.kind for event in motion.events] == [kind for _, _, kind in events]
+    for event, (t, x, _) in zip(motion.events, events, strict=True):
+        assert event.t == pytest.approx(t, abs=1e-9, rel=1e-9)
+        assert event.x == pytest.approx(x, abs=1e-9, rel=1e-9)
+        assert event.theta == pytest.approx((float(model.Omega) * event.t) % TURN, abs=1e-9)
+    times = np.linspace(t0, end, 200)
+    assert np.abs(motion(times) - np.array([state(t) for t in times]).T).max() < 1e-9
+
+
+def test_the_substitution_is_an_identity() -> None:
+    """Put x = z + w into each model's equation: what is left is this oscillator's, with the drive that is computed."""
+    t, m, c, k, Om, g = sp.symbols("t m c k Omega g", positive=True)
+    A0, B0, Y, W, phase, Y_phase, W_phase, angle = sp.symbols("A0 B0 Y W phase Y_phase W_phase angle", real=True)
+    friction, z = sp.Function("f"), sp.Function("z")(t)
+    for joined in (False, True):
+        y = Y * sp.cos(Om * t + Y_phase)
+        w = sp.integrate(W * sp.cos(Om * t + W_phase), t) + (y if joined else 0)
+        x = z + w
+        force = A0 + B0 * sp.cos(Om * t + phase) + m * g * sp.sin(angle)
+        rest = m * x.diff(t, 2) + c * (x - y).diff(t) + k * (x - y) - force - friction(sp.expand((x - w).diff(t)))
+        own = m * z.diff(t, 2) + c * z.diff(t) + k * z - A0 - m * g * sp.sin(angle) - friction(z.diff(t))
+        drive = sp.expand(sp.expand_trig(own - rest))
+        P, Q = (drive.coeff(part(Om * t)) for part in (sp.cos, sp.sin))
+        assert sp.simplify(drive - P * sp.cos(Om * t) - Q * sp.sin(Om * t)) == 0
+        model = drawn("all", 3).replace(joined=joined)
+        names = {Om: "Omega"} | {symbol: symbol.name for symbol in (P * Q).free_symbols - {Om}}
+        values = {symbol: sp.Rational(str(getattr(model, name))) for symbol, name in names.items()}
+        P, Q = (sp.N(each.subs(values), 60) for each in (P, Q))
+        assert abs(sp.Rational(str(model.parameters.B0)) - sp.sqrt(P**2 + Q**2)) < 1e-38
+        assert abs(sp.Rational(str(model.delay * model.Omega)) - sp.atan2(Q, P)) < 1e-38
+
+
+# -- numbers
+
+
+def test_what_is_rational_is_exact() -> None:
+    joined = OtherModel(m="1/3", c="1/7", k=2, Omega="3/2", FN=1, Y="1/5", joined=True)
+    assert joined.exact
+    assert joined.delay == 0
+    assert Fraction(1, 3) * Fraction(1, 5) * Fraction(9, 4) == joined.parameters.B0
+    sine = OtherModel(m=1, k=2, Omega=3, FN=1, Y="1/5", Y_phase="-pi/2")
+    assert Fraction(2, 5) == sine.parameters.B0
+    assert not sine.exact
+    assert abs(sine.delay * 3 - Fraction("1.5707963267948966192313216916397514420985846996875529104874723")) < 1e-60
+    base = OtherModel(m=1, c=3, k=4, Omega=1, FN=1, Y=1)  # 5 cos(t - psi)
+    assert base.parameters.B0 == 5
+    slope = OtherModel(m=2, k=1, Omega=1, g=10, angle="pi/6")
+    assert (10, Fraction("17.32050807568877293527446341505872366943")) == (slope.parameters.A0, slope.parameters.FN)
+    hung = OtherModel(m=2, k=1, Omega=1, FN=1, g=10, angle="pi/2", B0=1)
+    assert hung.parameters.A0 == 20
+    assert hung.exact
+    scene = Scene("s", joined, t0=0, x0=1, v0="1/4", t_end=3)
+    assert (scene.x0, scene.v0, scene.start_error) == (Fraction(4, 5), Fraction(1, 4), None)
+
+
+def test_the_phase_of_a_late_start_is_right() -> None:
+    """At t0 = 1e8 the position of the base has 40 digits, and a mass that rides on it does so for ever."""
+    model = OtherModel(m=1, k=1, Omega=7, FN=1000, Y=1, Y_phase="1/3", joined=True)
+    t0 = Fraction(10**8)
+    angle = sp.Integer(7 * 10**8) + sp.Rational(1, 3)
+    y, rate = (sp.N(each, 60) for each in (sp.cos(angle), -7 * sp.sin(angle)))
+    scene = Scene("s", model, t0=t0, x0=str(sp.N(y, 45)), v0=str(sp.N(rate, 45)), t_end=t0 + 2)
+    assert abs(scene.x0) < 1e-38
+    assert scene.v0 == 0
+    assert abs(sp.Rational(str(scene.t0)) - t0 + sp.Rational(str(model.delay))) < 1e-31
+    motion = simulate(scene)
+    assert set(motion.mode(np.linspace(1e8, 1e8 + 2, 9))) == {"belt1"}
+
+
+def test_digits_are_those_of_the_doubles() -> None:
+    model = drawn("joined wall", 5)
+    coarse, fine = (simulate(model, x0=1, t_end=9, digits=digits) for digits in (None, 30))
+    assert len(coarse.events) > 2
+    for a, b in zip(coarse.events, fine.events, strict=True):
+        assert all(abs(getattr(a, name) - getattr(b, name)) < 1e-13 for name in ("t", "x", "v", "theta"))
+        assert a.x_error >= abs(a.x - b.x) / 10
+    t, x, v = fine.events[-1].t, fine.events[-1].x, fine.events[-1].v
+    assert abs(v + model.Omega * model.Y * t.context.sin(model.Omega * t)) < 1e-28  # the wall's velocity
+    s, z, u = model.forth(float(t), float(x), float(v))
+    assert abs(u) < 1e-13
+    assert np.allclose(model.back(s, z, u), [float(t), float(x), float(v)], atol=1e-13)
+
+
+# -- scenes
+
+FILE = """
+name = "wall"
+t_end = 60
+[model]
+Y = 1
+Y_phase = "-pi/2"
+joined = true
+[parameters]
+m = 1
+k = 1
+c = 0.1
+Omega = 1.5
+FN = 0.5
+[start]
+t0 = 0
+x0 = 0.25
+v0 = 1.5
+"""
+
+
+def test_a_scene_file_names_a_model(tmp_path: Path) -> None:
+    scene = read_scene(FILE, "wall.toml")
+    assert scene.original is not None
+    assert scene.original.x0 == Fraction(1, 4)
+    for explained in (False, True):
+        assert read_scene(as_toml(scene, explained), "wall.toml") == scene
+    later = scene.started({"x0": 1, "t_end": "3T"})
+    assert later.original is not None
+    assert later.original.x0 == 1
+    assert later.start_error == scene.start_error
+    motion = simulate(later)
+    assert motion(0).tolist() == pytest.approx([1, 1.5])
+    assert float(motion.t_end) == pytest.approx(3 * TURN / 1.5)
+    assert scene.changed(Omega=3).parameters.B0 == 9  # m Y Omega^2
+    assert find_orbit(scene).parameters == scene.parameters
+    assert scene.reduced().original is None
+    assert scene.reduced().x0 == scene.x0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("Y = 1", "Z = 1", "line 5, [model]: model.Z is unknown"),
+        ("Y = 1", 'Y = "one"', "line 5, [model]"),
+        ("joined = true", "joined = 1", "joined = 1: must be true or false (wall.toml, line 7, [model])"),
+        ("m = 1", "m = -1", "m = '-1': must be > 0 (wall.toml, line 9, [parameters])"),
+        ("FN = 0.5", "", "FN = None: is needed, or g > 0"),
+        ("FN = 0.5", "FN = 0.5\nmu2 = 1", "mu2 = '1': needs v2"),
+        ("k = 1", "", "parameters.k is missing"),
+        ('[model]\nY = 1\nY_phase = "-pi/2"\njoined = true\n', "", "parameters.A0 is missing"),
+    ],
+)
+def test_what_is_wrong_has_its_line(old: str, new: str, message: str) -> None:
+    assert old in FILE
+    with pytest.raises((ParameterError, SceneError)) as caught:
+        read_scene(FILE.replace(old, new, 1), "wall.toml")
+    assert message in str(caught.value)
+
+
+def test_what_does_not_turn_back_says_so() -> None:
+    scene = read_scene(FILE, "wall.toml")
+    for refused in (lambda: sweep(scene, {"Omega": [1, 2]}), lambda: crosscheck(scene, lambda t: (t, t))):
+        with pytest.raises(ParameterError, match=r"is of another model.*scene\.reduced"):
+            refused()
+    with pytest.raises(ParameterError, match=r"Yphase.*did you mean Y_phase"):
+        drawn("all", 1).replace(Yphase=1)
+    for given in ({"x0": 1}, {"t_end": -1}):
+        with pytest.raises(ParameterError, match="t_end"):
+            simulate(drawn("all", 1), **given)
