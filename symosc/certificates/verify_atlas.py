@@ -54,6 +54,7 @@ base.SHAPES["atlas"] = {
     "share": number,
     "boxes": [{"word": str, "range": BOX, "phases": [number], "x": [number]}],
     "open": [BOX],
+    "found": lambda value, where: value,  # what is not proven
 }
 
 
