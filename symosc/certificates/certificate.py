@@ -80,7 +80,7 @@ class Certificate(Drawable):
 
 def confirmed(certificate: Certificate) -> Certificate:
     """Return a certificate with the message of the checker that has verified it, or one that is not proven."""
-    from symosc.certificates.verify_orbits import judge
+    from symosc.certificates.verify_atlas import judge
 
     about = {name: value for name, value in certificate.as_dict().items() if name != "message"}
     code, answer = judge(about)

@@ -14,9 +14,10 @@ The inequalities of the word follow from a few numbers (`Flights.margins`), for 
 
 - At the end of a flight the acceleration says how v meets the belt, and whether it crosses or sticks.
 - During a stick the forces are monotone between the turns (Theta_cr), so their values there suffice.
-- During a flight the gap g has m L g = drift, of one sign between the turns. On a part shorter than half a period of
-  the free motion g > 0 if it begins with g = 0 <= g', or ends with g = 0 >= g', and L g >= 0; or if g >= 0 at both of its ends
-  and L g <= 0 (Polya: there the solutions of L y = 0 have one zero at most). Where this does not do, short steps do.
+- During a flight the gap g has m L g = drift, of one sign between the turns, and on a part shorter than half a period of
+  the free motion a solution y of L y = 0 has one zero at most (Polya). So g > 0 where L g <= 0 if g >= 0 at both ends of
+  the part. Where L g >= 0, g is not below the y with the same value and slope at one point: g > 0 after a start with
+  g = 0 <= g', before an end with g = 0 >= g', and where the y of a point between them is > 0 at both ends of the part.
 
 With c > 0 an admissible orbit attracts all motions (`symosc.orbits.floquet`): a point of the box has this word and no
 other. On a belt with the speed 0 the mass may rest where mu FN >= |B0|, and only there; rational numbers decide that.
@@ -28,7 +29,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
-from math import factorial
+from math import ceil, factorial
 from typing import NamedTuple
 
 from flint import acb, acb_series, arb, arb_mat, arb_series, ctx
@@ -268,7 +269,7 @@ class Flights:
     def plan(self, o: Oscillator, u: Values) -> Plan:
         """Return the turns in each stick, and where each flight is cut; balls that contain all unknowns in a box."""
         flown = [self.fly(o, leg, u) for leg in self.legs]
-        turns, cuts = list[tuple[int, ...]](), list[tuple[float, ...] | None]()
+        turns, cuts = list[tuple[int, ...]](), list[tuple[Cut, ...] | None]()
         for i, leg in enumerate(self.legs):
             end = self.onto(o, i, u, flown)[0]
             begin = u[leg.at] + o.Omega * u[leg.at + 2 - leg.piece.after_stick]
@@ -276,34 +277,53 @@ class Flights:
             cuts.append(self.cuts(o, leg, u) if leg.piece.start == leg.piece.end else None)
         return Plan(turns, cuts)
 
-    def cuts(self, o: Oscillator, leg: Leg, u: Values) -> tuple[float, ...] | None:
-        """Return parts of a flight at which its gap has to be positive so that it is in between; None: take steps."""
+    def cuts(self, o: Oscillator, leg: Leg, u: Values) -> tuple[Cut, ...] | None:
+        """Return where a flight back to its belt is looked at; None: take steps."""
         found, longest = self.sections(o, leg, u), longest_part(o)
-        if found is None or found[0] not in PROVEN_SIGNS:
+        if found is None:
             return None
         signs, times = found
-        if signs == [1]:
-            return () if float(times[1]) < 2 * SHORTER * longest else None
-        i, parts = signs.index(-1), [float(each / times[-1]) for each in times]
-        count = int(float(times[i + 1] - times[i]) / (SHORTER * longest))
-        if count > MOST_CUTS:
+        tau, cuts, spare = float(times[-1]), list[Cut](), 2 * max(float(each.rad()) for each in times)
+        for i, sign in enumerate(signs):
+            low, high = float(times[i]), float(times[i + 1])
+            if sign < 0:
+                count = int((high - low) / (SHORTER * longest))
+                cuts += [Cut(low + j * (high - low) / (count + 1), 0.0) for j in range(1, count + 1)]
+                continue
+            low += SHORTER * longest * (i == 0)
+            high -= SHORTER * longest * (i + 1 == len(signs))
+            if low < high:
+                count = ceil(4 * (high - low) / longest)
+                half = (high - low) / count / 2
+                cuts += [Cut(low + (2 * j + 1) * half, 1.05 * half + spare + tau / 1000) for j in range(count)]
+        if len(cuts) > MOST_CUTS:
             return None
-        step = (parts[i + 1] - parts[i]) / (count + 1)
-        return tuple(round((parts[i] + j * step) * 1024) / 1024 for j in range(1, count + 1))
+        return tuple(Cut(round(cut.part / tau * 1024) / 1024, cut.reach) for cut in cuts)
 
-    def stays(self, o: Oscillator, leg: Leg, u: Values, cuts: tuple[float, ...]) -> bool:
+    def stays(self, o: Oscillator, leg: Leg, u: Values, cuts: tuple[Cut, ...]) -> bool:
         """Return whether a flight that is beyond its belt at the cuts is so all the time, by the signs of L g."""
         found, longest = self.sections(o, leg, u), longest_part(o)
-        if found is None or found[0] not in PROVEN_SIGNS:
+        if found is None:
             return False
         signs, times = found
-        if signs == [1]:
-            return not cuts and bool(times[1] < 2 * longest)
-        i, tau = signs.index(-1), times[-1]
-        falls = [times[i], *(tau * part for part in cuts), times[i + 1]]
-        most = [b - a for a, b in zip(falls[:-1], falls[1:], strict=True)]
-        most += [b - a for sign, a, b in zip(signs, times[:-1], times[1:], strict=True) if sign > 0]
-        return all(0 < each < longest for each in most)
+        tau, left = times[-1], list(cuts)
+        for i, (sign, low, high) in enumerate(zip(signs, times[:-1], times[1:], strict=True)):
+            inside = [cut for cut in left if float(tau) * cut.part < float(high)]
+            left = left[len(inside) :]
+            marks = [tau * cut.part for cut in inside]
+            if sign < 0:
+                spans = [b - a for a, b in zip([low, *marks], [*marks, high], strict=True)]
+                if any(cut.reach for cut in inside) or not all(0 < span < longest for span in spans):
+                    return False
+                continue
+            known = low + longest if i == 0 else low
+            for mark, (_, reach) in zip(marks, inside, strict=True):
+                if not (low < mark < high and mark - reach < known and 2 * reach < longest and reach > 0):
+                    return False
+                known = mark + reach
+            if not known > (high - longest if i + 1 == len(signs) else high):
+                return False
+        return not left
 
     def margins(
         self, o: Oscillator, u: Values, flown: Sequence[Flown], plan: Plan, slopes: Sequence[dict[str, Values]] = ()
@@ -341,10 +361,14 @@ class Flights:
                     add(f"{leg.stick.label} holds", jump - force, (then, [-each for each in changes]))
             else:
                 add(f"{piece.label} crosses belt {belt}", -side * there.a - jump, (leg.at, speed))
-            for part in plan.cuts[i] or ():
-                cut = [*u[: leg.at + n - 1], tau * part] if slopes else [*u[: leg.at + 2 - piece.after_stick], tau * part]
-                changes = [side * each for each in self.slopes(o, leg, u, part)["v"]] if slopes else []
-                add(f"v meets belt {belt} during {piece.label}", side * (self.fly(o, leg, cut).v - o.speed[belt]), (leg.at, changes))
+            for part, reach in plan.cuts[i] or ():
+                then_there = self.fly(o, leg, [*u[: leg.at + 2 - piece.after_stick], tau * part])
+                rates = self.slopes(o, leg, u, part) if slopes else {"v": [], "a": []}
+                for later in (reach, -reach) if reach else (0.0,):
+                    E, _, phi = o.entire(arb(later))
+                    ahead = side * ((then_there.v - o.speed[belt]) * phi + then_there.a * E)
+                    changes = [side * (v * phi + a * E) for v, a in zip(rates["v"], rates["a"], strict=True)]
+                    add(f"v meets belt {belt} during {piece.label}", ahead, (leg.at, changes))
         return found
 
     def prove_flights(self, o: Oscillator, u: Values, plan: Plan) -> None:
@@ -468,7 +492,14 @@ class Plan(NamedTuple):
     """How the inequalities are proven: the turns in the stick after each flight, and where each flight is cut."""
 
     turns: list[tuple[int, ...]]
-    cuts: list[tuple[float, ...] | None]
+    cuts: list[tuple[Cut, ...] | None]
+
+
+class Cut(NamedTuple):
+    """A part of a flight at which its gap is > 0, as is that of free motion from there, so much earlier and later."""
+
+    part: float
+    reach: float
 
 
 class Inequality(NamedTuple):
@@ -477,10 +508,6 @@ class Inequality(NamedTuple):
     text: str
     value: Ball
     by: Values
-
-
-#: The signs of L g along a flight for which it is enough to look at cuts.
-PROVEN_SIGNS = ([1], [-1], [1, -1], [-1, 1], [1, -1, 1])
 
 
 def longest_part(o: Oscillator) -> float:

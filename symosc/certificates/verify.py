@@ -710,7 +710,7 @@ def window(data, source, limits):
 
 
 KINDS = {"trajectory": trajectory, "settled": settled, "window": window}
-BESIDE = {"orbit": "verify_orbits.py", "branch": "verify_orbits.py"}
+BESIDE = {"orbit": "verify_orbits.py", "branch": "verify_orbits.py", "atlas": "verify_atlas.py"}
 
 
 # -- the answer --------------------------------------------------------------------------------------------------------
