@@ -21,8 +21,8 @@ NEEDED |= dict.fromkeys(("Certificate", "ReferenceCase", "certify", "plot.certif
 NEEDED |= {f"plot.{form}_figure": "xarray" for form in ("basin", "bifurcation", "curve", "map", "swept")}
 #: Examples that take half a second and more.
 LONG = ("Branch", "BranchEnd", "Case", "CompiledResidual", "ConvergenceError", "GrazingReport", "continue_orbit")
-LONG += ("compiled_residual",)
-LONG += ("plot.branch_figure",)
+LONG += ("Border", "BorderError", "compiled_residual", "continue_border")
+LONG += ("plot.border_figure", "plot.branch_figure")
 SECTION = re.compile(r"^ *Examples\n *--------\n *>>> ", re.MULTILINE)
 
 

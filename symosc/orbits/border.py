@@ -48,7 +48,19 @@ from symosc.words import Word, cycle
 
 
 class BorderError(SymoscError, ArithmeticError):
-    """Raised if a border cannot be followed from where it was to begin."""
+    """Raised if a border cannot be followed from where it was to begin.
+
+    Examples
+    --------
+    >>> from symosc import BorderError, Parameters, continue_border, continue_orbit
+    >>> p = Parameters(m=1, c=0.5, k=1, A0=0, B0=1.5, Omega=1, v1=-9, v2=1.9, mu1=1, mu2=1, FN=1)
+    >>> branch = continue_orbit(p, "P45", "B0", (0.9, 1.6))
+    >>> try:
+    ...     continue_border(branch, 0, "Omega", (0.5, 2))
+    ... except BorderError as error:
+    ...     print(str(error)[-44:])
+    ends up in Omega2 and meets no belt any more
+    """
 
 
 CODIMENSION_TWO, CLOSED, FOLD = "codimension two", "closed", "fold"
@@ -61,6 +73,7 @@ CHECKED = 8  # points per check of the inequalities
 LOCATED, MOST_HALVINGS = 1e-12, 50
 MOST_SECANTS, FIRST_SECANT = 8, 1e-9  # for a fold; the first change of a parameter
 NEAR = 1e-3  # so far from where it is looked for a point is accepted
+FARTHEST_BESIDE = 0.01
 BESIDE = (1e-6, 1e-5, 1e-4, 1e-7)  # distances from a border at which its words are looked at, as parts of the ranges
 RADIUS, ANGLES = 1e-3, 24  # of the circle around a point, as a part of the ranges, and points on it
 # A change of words on a segment is bisected to this part of it, or of the ranges, before the equations are solved.
@@ -177,7 +190,7 @@ class Border(Drawable):
     >>> border = continue_border(branch, 0, "FN", (9, 11))
     >>> border.words, border.sliding
     (('P32', 'P321'), 'crossing-sliding')
-    >>> border.at(FN=10)[0] == branch.ends[0].value
+    >>> abs(border.at(FN=10)[0] - branch.ends[0].value) < 1e-11
     True
     """
 
@@ -233,9 +246,11 @@ class Border(Drawable):
 
         `distance` is a part of the ranges; the way there is at a right angle to the border, in units of the ranges.
         """
-        node = self._nodes[self._index(i)]
+        node, far = self._nodes[self._index(i)], float(read_exact("distance", distance))
+        if not 0 < far <= FARTHEST_BESIDE:
+            raise ParameterError("distance", distance, f"must be > 0 and at most {FARTHEST_BESIDE:g}")
         along = node.tangent[-2:] / np.linalg.norm(node.tangent[-2:])
-        away = self._side * float(read_exact("distance", distance)) * np.array([-along[1], along[0]])
+        away = self._side * far * np.array([-along[1], along[0]])
         here = node.z[-2:] * self._system.scale[-2:]
         first, second = (self.plane.parameters((here + way * away * self.plane.widths).tolist()) for way in (1, -1))
         return first, second
@@ -718,6 +733,7 @@ def network(border: Border, **how: Any) -> list[Border]:
     It is complete where no end is left that is not a point of codimension two from which all borders are followed, an
     end of the range, or "no convergence". `how` is `step` and `max_points` of `continue_border`.
     """
+    _read_steps(**how)
     found, done, waiting = [border], list[tuple[float, float]](), [border]
     while waiting:
         for end in (here := waiting.pop()).ends:

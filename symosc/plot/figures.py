@@ -454,7 +454,8 @@ def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, 
     '$F_N$'
     """
     borders = list(border) if isinstance(border, Sequence) else [border]
-    if not borders or any(set(each.parameters) != set(borders[0].parameters) for each in borders):
+    planes = {frozenset(getattr(each, "parameters", ())) for each in borders}
+    if len(planes) != 1 or frozenset() in planes:
         raise ParameterError("border", border, "must be one border or several of the same two parameters")
     first, second = names = borders[0].parameters
     given = read_style(style)

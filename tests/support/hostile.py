@@ -150,6 +150,7 @@ VALID: dict[str, set[str]] = {
     "accuracy": NUMBER | {"inf"},
     "columns": {"{}"},
     "end": {"[1,2]", "array", "ragged", "series"},
+    "continue_border end": {"0"},
     "events": {"[]", "()", "iterator", "array_empty"},
     "given": {"{}"},
     "guess": {"[1,2]", "array", "frame", "series"},
