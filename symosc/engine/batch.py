@@ -361,7 +361,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
     Parameters
     ----------
     chosen : (m,) numbers of the trajectories to follow, in order.
-    wanted : (n,) events to come to, in all.
+    wanted : (n,) events to come to, in all; for a motion that has filled `pieces` those to go on to.
     pairs : (n, STATE_WIDTH) complex array, updated: states in pairs.
     batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING, END,
         REST, or UNDECIDED before a contact that pairs cannot decide, or an event that they know worse than
@@ -423,6 +423,8 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
             end, end_low, _ = end_in_doubles(states[i], plain)
             remaining = (end - rounded.t) + (end_low - rounded.t_low)
             finish_tally(i, rounded, code, remaining, t0.hi, tally, plain)
+        if recorded and goal > 0:
+            wanted[i] = goal
         codes[i] = code
         keep_state(pairs, i, state)
         keep_state(states, i, rounded)

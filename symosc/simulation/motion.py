@@ -77,6 +77,7 @@ PAIR_NOISE = 0.25
 PAIR_SPARE = 8
 # Events that a motion is followed farther in pairs, at most, if doubles would not decide again.
 MOST_MORE = 64
+MOST_EVER = 1 << 62  # more than there are
 # Error estimates are standard errors; digits that are promised must hold.
 SAFETY = 100
 # The working precision where doubles do not decide, or are not accurate enough: what these leave open comes before an
@@ -224,10 +225,13 @@ class Motion:
     """The states and events of one initial value problem so far, with many digits.
 
     `code` is what the last step ended with, and `decided` whether the numbers at hand decide that; `first_at` is the
-    belt on which the start is, or 0. `begin` is a state from which the motion goes on, known in all digits.
+    belt on which the start is, or 0. `begin` is a state from which the motion goes on, known in all digits, and `K` are
+    the constants by which doubles are in doubt.
     """
 
-    def __init__(self, start: Start, digits: MpArithmetic | int, begin: State | None = None) -> None:
+    def __init__(
+        self, start: Start, digits: MpArithmetic | int, begin: State | None = None, K: Constants | None = None
+    ) -> None:
         own = many_digits(start.parameters, digits) if isinstance(digits, int) else digits
         self.start, self.arithmetic, self.digits = start, own, own.digits
         state = first_state(start, own)
@@ -239,7 +243,7 @@ class Motion:
         self._state: State = own.inward(begin) if begin else self._first
         self._search: SearchInDoubles | None = None
         if own.advance_near and not start.start_error:
-            self._search = SearchInDoubles(start, Arithmetic(start.parameters).K)
+            self._search = SearchInDoubles(start, K or Arithmetic(start.parameters).K)
         self._before, self._worst = self._state, 0.0
         self._events, self._columns = list[tuple[Any, tuple[int, ...]]](), list[tuple[Any, ...]]()
         self.code, self.decided, self.grazes_only = 0, True, True
@@ -392,10 +396,11 @@ class MotionInPairs:
         start, exact = doubles.start, many_digits(doubles.start.parameters, ROUNDED_FROM)
         state, tables = first_state(start, exact), (table_of([K]) for K in (doubles.K, Arithmetic(start.parameters).K))
         self._follow, self._K = loops.follow_pairs, pair_constants(start.parameters)
-        self._limits = PairLimits(limits.most, limits.accuracy, MOST_MORE, limits.noise, *tables)
+        self._limits = PairLimits(limits.most, limits.accuracy, MOST_EVER, limits.noise, *tables)
         self._pairs = np.array([pairs_as_complex(tuple(row_of(state, *last_time(start, exact))))])
         self._batch = batch_of(np.array([doubles.row(rounded(state, start))]))
         self._rows, self._pieces = list[EventRows](), list[np.ndarray]()
+        self.goal = 0  # the number of events to come to
 
     code = property(lambda self: int(self._batch.codes[0]), doc="What the motion ended with, or RUNNING.")
     count = property(lambda self: int(self._batch.counts[0]), doc="The number of events so far.")
@@ -416,12 +421,13 @@ class MotionInPairs:
         """Follow the motion to `count` events or to its end, and on while doubles are in doubt; False if pairs are."""
         first, wanted = np.arange(1), np.array([count])
         while True:
-            size = max(count - self.count, 0) + MOST_MORE
-            out, pieces = event_buffer(size), np.empty((len(PIECE_COLUMNS), 2 * size))
+            size = 2 * (max(count - self.count, 0) + MOST_MORE)
+            out, pieces = event_buffer(size), np.empty((len(PIECE_COLUMNS), size))
             given = (self._pairs, self._batch, out, pieces, self._K, no_tally(), self._limits)
             rows, parts = self._follow(first, wanted, *given)
             self._rows.append(rows_between(out, 0, rows))
             self._pieces.append(pieces[:, :parts])
+            self.goal = int(wanted[0])
             if self.code != RUNNING or parts < pieces.shape[1]:
                 return self.code != UNDECIDED
 
@@ -442,10 +448,10 @@ class MotionInDigits(Motion):
         self, doubles: MotionInDoubles, limits: Limits, digits: int, other: MotionInPairs | MotionInDigits | None = None
     ) -> None:
         begin = other.last_sure(many_digits(doubles.start.parameters, digits)) if other else None
-        super().__init__(doubles.start, digits, begin)
+        super().__init__(doubles.start, digits, begin, doubles.K)
         self.from_start, self.is_known, self._skipped = other is None, True, other.count if other else 0
         self.grazes_only = other is None or other.grazes_only
-        self._limits, self._doubts = limits, SearchInDoubles(doubles.start, doubles.K)
+        self._limits, self.goal = limits, 0
 
     @property
     def count(self) -> int:
@@ -457,10 +463,12 @@ class MotionInDigits(Motion):
 
         It goes on to the next event that doubles do not decide or know well enough.
         """
+        self.goal = count
         while not self.ended:
-            if self.count >= count:
-                count = self._doubts.next_doubt(self.rounded_state(), self.count, self._limits)
-                if count == 0:
+            if self.count >= self.goal:
+                state, search = self.rounded_state(), self._search
+                self.goal = search.next_doubt(state, self.count, self._limits) if search else 0
+                if self.goal == 0:
                     break
             self.step()
             if self.code == FAILED or not self.is_known or not (self.decided or self.start.start_error):
@@ -531,9 +539,9 @@ class FinerMotion:
 
         Return False at a contact that cannot be decided.
         """
-        reached = self._now.reach(count)
+        reached, count = self._now.reach(count), self._now.goal
         while not reached and self._settle():
-            reached = self._now.reach(count)
+            reached, count = self._now.reach(count), self._now.goal
         self._take()
         return reached
 

@@ -51,7 +51,7 @@ def digests(workers: int | None = None) -> dict[str, str]:
     """Return a digest of each call."""
     import numpy as np
 
-    from symosc import simulate, simulate_many, sweep
+    from symosc import Parameters, simulate, simulate_many, sweep
 
     found: dict[str, str] = {}
     for name, parameters, starts, ends, accuracy in motions():
@@ -62,8 +62,18 @@ def digests(workers: int | None = None) -> dict[str, str]:
         found[f"summary, {name}"] = digest(summary.columns().values())
     dataset = sweep("fig9", **SWEEP, workers=workers)
     found["sweep"] = digest(dataset[name].values.astype(str).astype("S") for name in dataset.data_vars)
-    alone = simulate("fig8", accuracy=1e-15)
-    found["alone"] = digest([np.array([(event.t, event.x, event.t_error) for event in alone.events])])
+    lasting = Parameters(
+        m="4.52", c="6.6e-10", k="3.2654289469", A0=0, B0="0.935", Omega="0.85", v1="-39.7", v2="-34.01", mu1="0.491",
+        mu2="0.75", FN="0.909",
+    )  # fmt: skip
+    alone = {
+        "fine": simulate("fig8", accuracy=1e-15),
+        "short sticks": simulate("fig8", t_end=70),
+        "long in doubt": simulate(lasting, x0="0.09724", v0="-39.7", t_end=900),
+    }
+    for name, trajectory in alone.items():
+        rows = [(event.t, event.x, event.t_error, event.x_error) for event in trajectory.events]
+        found[f"alone, {name}"] = digest([np.array(rows), trajectory._pieces])
     return found
 
 
