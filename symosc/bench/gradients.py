@@ -41,7 +41,7 @@ from symosc.simulation.tangents import NAMES
 #: Tolerance of the tools, and relative step of central differences: the cube root of the error of a run, about.
 TOLERANCE, DIFFERENCE = 1e-12, 1e-4
 #: Seconds of processor time for a case.
-GRADIENT_LIMIT = 20.0
+GRADIENT_LIMIT = 6.0
 #: ``jacobian(m, c, k, A, B, Omega, phase, x, v, duration)`` returns the derivatives of x and v, each by START and WHAT.
 Jacobian = Callable[..., tuple[np.ndarray, np.ndarray]]
 X, V, OF_M, OF_C, OF_K, OF_A, OF_B, OF_OMEGA, OF_PHASE = COLUMNS = range(9)
@@ -443,8 +443,9 @@ def write(path: str | Path, result: Record, command: str) -> list[Path]:
         f"most {result['limit_s']:g} s of processor time for a case. {sentence(result['machine'])}",
         f"What is compared: {notes}.",
         *(f"Not run: {name}: {reason}." for name, reason in result["skipped"].items()),
-        "How many derivatives are right. An error is relative to max(1, |derivative|), and may be 1e-9, or 100 * "
-        "condition^2 * 1e-16 where that is more. What is neither right nor wrong was not given.",
+        "How many derivatives are right. An error of dt is relative to max(1, |dt|), that of dx to max(1, |x|, |dt|, "
+        "|dx|). It may be 1e-9, or 100 * condition^2 * 1e-16 where that is more. What is neither right nor wrong was "
+        "not given.",
         table(result["scores"]),
     ]
     page = as_markdown(result["scores"], "Scores of derivatives", SET_VERSION, more, with_faults=False)

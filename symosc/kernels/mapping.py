@@ -40,8 +40,8 @@ from symosc.kernels._generated import (
 from symosc.kernels.elementary import WIDEST, cos, sin
 from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, basis
 
-# From this time on, times w0, roots and drive that are apart are so for derivatives by parameters too.
-FAR_APART = 1.0
+# From this time on, times the damped frequency, the closed form with its square below loses no more than a digit.
+FAR_APART = 0.5
 # Nodes farther apart than this, times tau, are separated by a difference.
 FAR_NODES = 3.0
 # All nodes nearer to 0 than this, times tau: a series about 0 keeps small imaginary parts to their own size.
@@ -106,7 +106,7 @@ def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
 
 def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
     """Return U0, U1, U2, V, W, P, Q at `tau` >= 0 from what `basis` returns for the constants `K`."""
-    if K.apart and K.w0 * tau >= FAR_APART:
+    if K.apart and K.omega_d * tau >= FAR_APART:
         return repeated_apart(tau, K.h, K.omega_d, K.cm, K.w0sq, K.Om, K.p, K.q, E0, E1, E2, R2, I2, s, c)
     zero = 0.0 * K.Om
     if K.under:

@@ -9,9 +9,9 @@ max(1, condition) * 1e-16: what rounding the numbers of the problem to doubles d
 1e-16 |t| if that is more. A case is right if it was followed to its end, nothing is missed, invented or of a wrong
 kind, each event has a position, and each error is at most max(tolerance, 100 units).
 
-The error of a derivative is relative to max(1, |derivative|), and may be the tolerance, or 100 times condition^2 *
-1e-16 if that is more: a derivative has about the square of the condition of its event. Those that are not given, and
-those that do not exist, are not judged.
+The error of a derivative is relative to max(1, |dt|), that of dx to max(1, |x|, |dt|, |dx|), as v dt is a part of it.
+It may be the tolerance, or 100 times condition^2 * 1e-16 if that is more: a derivative has about the square of the
+condition of its event. Those that are not given, and those that do not exist, are not judged.
 
 A graze is a double root: rounding turns it into two contacts or none. So one that is not listed, or stands as a stick
 and a slip or as two crossings within a time sqrt(tolerance)/Omega, is counted apart, and is no fault.
@@ -255,7 +255,7 @@ class _Judge:
 
     def _derivatives(self, i: int, event: GivenEvent) -> None:
         """Judge the given derivatives of a matched event that exist."""
-        judged, condition = self.judged, self.case.conditions[i]
+        judged, known, condition = self.judged, self.case.events[i], self.case.conditions[i]
         allowed = max(self.tolerance, UNITS_ALLOWED * ROUNDING_UNIT * max(1.0, condition) ** 2)
         worst = (0.0, "")
         for name, exact in (self.case.changes[i] if condition < inf and self.case.changes else {}).items():
@@ -263,14 +263,15 @@ class _Judge:
                 found = event.changes.get(f"d{of}_{name}")
                 if found is None:
                     continue
-                error = abs(found - value) / max(1.0, abs(value))
+                scale = max(1.0, abs(value)) if of == "t" else max(1.0, *map(abs, exact), abs(float(known.middle[1])))
+                error = abs(found - value) / scale
                 error = error if isfinite(error) else inf
                 judged.derivatives += 1
                 judged.wrong_derivatives += error > allowed
                 judged.error_d = max(judged.error_d or 0.0, error)
                 worst = max(worst, (error, f"d{of}/d{name}"))
         if worst[0] > allowed:
-            what = f"{worst[1]} of {_event_text(self.case.events[i])}, error {worst[0]:.1e}, allowed {allowed:.1e}"
+            what = f"{worst[1]} of {_event_text(known)}, error {worst[0]:.1e}, allowed {allowed:.1e}"
             judged.wrong.append(Wrong("derivative", self.case.times[i], what, ""))
 
     def _grazes(self, lost: list[int], extra: list[int], found: Sequence[GivenEvent]) -> tuple[list[int], list[int]]:

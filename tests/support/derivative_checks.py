@@ -1,8 +1,8 @@
 """Derivatives in the random scenes of the fuzzer: python tests/support/derivative_checks.py --seconds 600 --seed 1
 
 Each is compared with the difference quotient of motions that the independent oracle follows in quadruple precision, and
-where that differs or is not sure, of motions with 60 digits and a far smaller step. Where both sides have other events,
-or other one-sided quotients, there is no derivative, and `regular` must be False.
+where that differs or is not sure, of motions with 60 and 110 digits and far smaller steps. Where both sides have other
+events, or other one-sided quotients, there is no derivative, and `regular` must be False.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ from symosc import ParameterError, sensitivities, simulate
 from symosc.model import PARAMETER_NAMES
 from symosc.simulation.tangents import NAMES
 
-STEP, SMALL_STEP, DIGITS = Fraction(1, 10**11), Fraction(1, 10**25), 60
+#: Steps by the digits of the motions; None: those of the independent oracle.
+STEPS = {None: Fraction(1, 10**11), 60: Fraction(1, 10**25), 110: Fraction(1, 10**45)}
 WRONG = 1e-9  # of the largest derivative of the column so far, or of 1
 KINK = 1e-3  # by which one-sided quotients differ, relative to the same
 EPS = 1e-16
@@ -72,7 +73,7 @@ def moved(scene: FuzzScene, name: str, by: Fraction, digits: int | None) -> Any:
 def quotients(scene: FuzzScene, name: str, base: Any, digits: int | None) -> Any:
     """Return for each event of `base` by differences dt, dx and how one-sided ones differ, or None where events do."""
     own = getattr(scene, name) if name in ("t0", "x0", "v0") else getattr(scene.p, name)
-    h = (STEP if digits is None else SMALL_STEP) * (abs(own) or 1)
+    h = STEPS[digits] * (abs(own) or 1)
     more, less = (moved(scene, name, sign * h, digits) for sign in (1, -1))
     found: list[Any] = []
     for n, event in enumerate(base):
@@ -99,7 +100,7 @@ def judged(scene: FuzzScene, names: tuple[str, ...] = NAMES) -> list[Judged]:
     bases: dict[Any, Any] = {}
     found: list[Judged] = []
     for j, name in enumerate(names):
-        for digits in (None, DIGITS) if scene.dps <= QUADRUPLE else (DIGITS,):
+        for digits in list(STEPS)[scene.dps > QUADRUPLE :]:
             if digits not in bases:
                 bases[digits] = moved(scene, "", Fraction(0), digits)
             try:
@@ -150,7 +151,7 @@ def column(scene: FuzzScene, s: Any, j: int, name: str, base: Any, digits: int |
             if quotient is not None:
                 middle, apart, size = quotient[axis]
                 scale[axis] = max(scale[axis], abs(middle))
-                h = size * float(STEP if digits is None else SMALL_STEP)
+                h = size * float(STEPS[digits])
                 smooth = abs(apart) <= KINK * scale[axis]
                 error = abs(value - middle) / scale[axis]
                 allowed = ROUNDINGS * EPS * abs(apart) / h * size / scale[axis]
