@@ -99,13 +99,10 @@ def items(scope: Scope) -> Items:
 
 def _kinks() -> Items:
     """Return where derivatives do not exist, and how lengths open there."""
-    s, e = named("s"), sp.Symbol(r"\epsilon", positive=True)
-    rate, curve = sp.Symbol("b", positive=True), sp.Symbol("b", positive=True)
-    force = e + rate * s
-    gap, bump = e * s - rate * s**2 / 2, e - curve * s**2 / 2
-    first = sp.sqrt(2 * e / curve)
-    total = named(r"\int_{-s}^{2s} F")
-    area = {total: sp.integrate(bump, (s, -first, 2 * first))}
+    s, total = named("s"), named(r"\int_{-s}^{2s} F")
+    e, b = sp.Symbol(r"\epsilon", positive=True), sp.Symbol("b", positive=True)
+    bump, half = e - b * s**2 / 2, sp.sqrt(2 * e / b)
+    area = {total: sp.integrate(bump, (s, -half, 2 * half))}
     return (
         r"\subsection{Where they end}",
         r"The theorem divides by $F^{-}$ or $\dot{F}$. Where one of them vanishes, and where $F^{+} = 0$ at a contact, "
@@ -113,18 +110,17 @@ def _kinks() -> Items:
         r"gone beyond that point, and $b > 0$ the first derivative that does not vanish. To leading order",
         r"\begin{enumerate}"
         r"\item[(i)] a flight that goes beyond a belt by the velocity $\epsilon$ is there for $2s$, with",
-        step(named("s"), "=", sp.sqrt(2 * e / curve), {named("s"): sp.solve(e - curve * s**2 / 2, s)[1]}, "graze"),
+        equation(s, half, {s: max(sp.solve(bump, s), key=lambda root: root.is_positive)}, "graze"),
         r"\item[(ii)] a stick that begins with $F = -\epsilon$ and rises with the rate $b$ lasts for",
-        step(named("s"), "=", e / rate, {named("s"): sp.solve(force.subs(e, -e), s)[0]}, "stick"),
+        equation(s, e / b, {s: sp.solve(b * s - e, s)[0]}, "stick"),
         r"\item[(iii)] a slip that begins with $F = \epsilon$ and falls with the rate $b$ lasts for",
-        step(named("s"), "=", 2 * e / rate, {named("s"): sp.solve(gap / s, s)[0]}, "slip-short"),
+        equation(s, 2 * e / b, {s: sp.solve(e - b * s / 2, s)[0]}, "slip-short"),
         r"\item[(iv)] a stick during which $F = \epsilon - b s^2/2$ is interrupted from $-s$ to $2s$, with the $s$ of "
         r"\eqref{eq:exponents-graze}:",
         equation(total, 0, area, "interrupted"),
         r"\end{enumerate}",
-        r"So after a graze (i), and after a stick that is interrupted (iv), times grow with the square root on one "
-        r"side, and no derivative exists there; \texttt{regular} is then false. At (ii) and (iii) both sides have "
-        r"derivatives, two different ones.",
+        r"So in (i) and (iv) times grow with the square root on one side, and no derivative exists there. In (ii) and "
+        r"(iii) each side has its own derivatives.",
     )
 
 
