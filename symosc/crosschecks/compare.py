@@ -225,10 +225,8 @@ class Task:
     def judge(self, rounding: np.ndarray, listed: np.ndarray) -> CrossCheck:
         """Compare the samples with the exact motion."""
         samples, p, tolerance = self.samples, self.parameters, self.tolerance
-        notes, columns = (
-            list(samples.notes),
-            ", ".join(f"{name} to {each.text}" for name, each in self.rounding.items()),
-        )
+        notes = list(samples.notes)
+        columns = ", ".join(f"{name} to {digits.text}" for name, digits in self.rounding.items())
         if columns:
             at_it = "; they are judged at that precision" if np.any(rounding) or np.any(listed) else ""
             notes.append(f"the samples are rounded: {columns}{at_it}")
