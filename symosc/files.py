@@ -68,7 +68,7 @@ def check_folder_of(path: str | Path) -> None:
         raise OutputError(str(path), "Permission denied")
 
 
-def check_new_folder(folder: Path, wanted: str = "must name a folder") -> None:
+def check_new_folder(folder: Path, wanted: str = "the output is a folder") -> None:
     """Raise OutputError unless files can be written into a folder, which need not exist; `wanted` ends the reason."""
     above = next(each for each in (folder, *folder.absolute().parents) if os.path.exists(each))
     if not above.is_dir():

@@ -198,8 +198,6 @@ ZETA_TICKS = (
     ("100", place_of(100)),
 )
 FORMULA_LABELS = {"apart": "cheap", "careful": "careful", "series": "series"}
-# Regions with less than this part of a panel's width around their middle get no name.
-LEAST_NAMED = 0.05
 OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
 
 
@@ -259,7 +257,7 @@ def _name(ax: Axes, ratios: np.ndarray, zetas: np.ndarray, inside: np.ndarray, n
     from scipy.ndimage import distance_transform_edt
 
     depth = distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
-    if depth.max() < LEAST_NAMED * len(ratios):
+    if depth.max() < 0.05 * len(ratios):
         return
     i, j = (round(float(np.mean(index))) for index in np.nonzero(depth > depth.max() - 1))
     options: Record = {"ha": "center", "va": "center", "fontsize": 7.5, "linespacing": 1.0}

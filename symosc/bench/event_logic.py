@@ -36,7 +36,6 @@ EVENT_KINDS = ("cross", "stick", "slip", "graze")
 #: What `leave` returns as the side where the solver gave up; what `follow` returns as its outcome.
 UNSOLVED = 2
 CHATTERS, GAVE_UP = 1, 2
-FIRST_ROWS = 64
 # A root is refined until its bracket is within this part of its time.
 LAST_BIT = 2.0**-52
 # A force, or a derivative of one, within this part of the sum of its terms is zero up to rounding; up to this many
@@ -189,7 +188,7 @@ def root(q, mode, side, piece, a, b, fa, fb, tolerance):
 
 def follow(q, s, t, x, v, mode, boundary, offset, t_end):
     """Follow a motion and return (rows, count, outcome, mode): rows of t, x, kind, boundary; outcome 0 at t_end."""
-    rows = np.empty((FIRST_ROWS, 4))
+    rows = np.empty((64, 4))
     count = 0
     while t < t_end:
         if boundary > 0 and mode < 4:

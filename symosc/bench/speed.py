@@ -45,7 +45,6 @@ from symosc.simulation.tangents import NAMES
 FLOOR_EVALUATIONS = 30_000
 #: Periods of the motions of an ensemble; samples per period and tolerance of the scan.
 PERIODS, SCAN_POINTS, SCAN_ACCURACY = 50, 20, 1e-13
-FIG8_ENDS = (9, 27, 60, 200)
 ONE_CORE: Record = {"use_numba": True, "workers": 1}
 COUNTS = ("events",)
 # Seconds: what takes longer is measured once, what takes less several times in a turn.
@@ -231,7 +230,7 @@ def _in_mpmath(scene: Scene, digits: int) -> None:
 
 def _shrinking_sticks(ends: int, motions: int) -> Iterator[Call]:
     scene = load_scene("fig8")
-    for t_end in FIG8_ENDS[:ends]:
+    for t_end in (9, 27, 60, 200)[:ends]:
         starts = [(scene.t0, scene.x0, scene.v0)] * (motions if t_end < 30 else max(motions // 20, 1))
         yield Call(str(t_end), "event", partial(simulate_many, scene.parameters, starts, t_end, **ONE_CORE), None)
 

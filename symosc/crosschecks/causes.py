@@ -248,7 +248,7 @@ def _guess(
 # -- alternatives tried on the wrong steps -----------------------------------------------------------------------------
 
 # So many steps are tried, from shortly before the first wrong one.
-MOST_TRIED_STEPS, STEPS_BEFORE = 3_000, 300
+MOST_TRIED_STEPS = 3_000
 # A fitted model is followed over all steps if it leaves this part of the defects; its numbers are named at this part.
 LEFT_OVER, FITS = 0.1, 1e-3
 # Others that explain nearly as much as the best one are its alternatives. A change that makes all steps right is sure.
@@ -267,7 +267,7 @@ class Fit(NamedTuple):
 def tried_samples(check: Any) -> slice:
     """Return the samples of a `CrossCheck` on which alternatives are tried."""
     first = int(check.wrong_steps[0]) if len(check.wrong_steps) else 0
-    low = max(0, min(first - STEPS_BEFORE, len(check.t) - MOST_TRIED_STEPS - 1))
+    low = max(0, min(first - 300, len(check.t) - MOST_TRIED_STEPS - 1))
     return slice(low, low + MOST_TRIED_STEPS + 1)
 
 

@@ -19,16 +19,9 @@ from symosc.model import Parameters
 
 # In other units x must be the way that v makes, to this factor.
 SAME_WAY = 5.0
-# Columns are made again if all but this part of the samples agree, to this part of the rest's differences.
-EXCEPTIONS, AGREES = 0.1, 0.02
-# Samples on straight lines: so many of three in a row, to this part of the largest value.
-COLLINEAR, STRAIGHT = 0.25, 1e-12
-# Times are an even grid up to this part of a step, or of themselves as a single-precision number.
-NEARLY_EVEN, SINGLE = 0.2, 2e-6
-CLOSER, SINGLE_ENOUGH = 0.2, 0.7
-FEWEST, FEWEST_ALONE = 8, 60
-# Noise makes the defects of neighbouring steps opposite: their correlation is about -0.5.
-NOISE_CORRELATION, FEW_NOISY = -0.25, 12
+# Columns are made again if all but this part of the samples agree.
+EXCEPTIONS = 0.1
+FEWEST = 8
 Columns = tuple[np.ndarray, np.ndarray, np.ndarray]
 POSITIONS_ALONE = Change("with positions alone", columns=lambda t, x, v: (t, x, None))
 
@@ -130,7 +123,7 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
     size = np.median(np.abs(v - s.v[first:])) if len(v) else 0.0
     for part, words in ((0.5, "v is half a sample late"), (-0.5, "v is half a sample early")):
         there = _at_other_times(case, first, v, part)
-        near = np.abs(there - s.v[first:])[np.isfinite(there)] <= max(AGREES * size, case.allowed[0, 1])
+        near = np.abs(there - s.v[first:])[np.isfinite(there)] <= max(0.02 * size, case.allowed[0, 1])
         if len(near) and np.mean(near) >= 1.0 - EXCEPTIONS:
             found = Diagnosis("columns", "v", words, f"repeats {np.mean(near):.0%} of v", part)
             yield Candidate(found, POSITIONS_ALONE)
@@ -139,7 +132,7 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
 
 def other_velocities(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis that x alone is right, for any v."""
-    exact = _from_positions(case) if len(case.inside) >= FEWEST_ALONE else None
+    exact = _from_positions(case) if len(case.inside) >= 60 else None
     if exact is not None:
         s, (first, v) = case.steps, exact
         share = case.share_of(s.t[first:], s.x[first:], v)
@@ -202,7 +195,7 @@ def resampled(case: Case) -> Iterator[Candidate]:
         h = np.where(np.diff(t) > 0.0, np.diff(t), np.nan)
         found = np.zeros(len(t) - 2, bool)
         for values in columns:
-            limit = STRAIGHT * max(float(np.max(np.abs(values))), 1e-300) / h
+            limit = 1e-12 * max(float(np.max(np.abs(values))), 1e-300) / h
             found |= ~(np.abs(np.diff(np.diff(values) / h)) <= 2.0 * (limit[1:] + limit[:-1]))
         return found
 
@@ -213,7 +206,7 @@ def resampled(case: Case) -> Iterator[Candidate]:
     bent = bends(s.t, s.x, s.v)
     flat = np.diff(s.v)[:-1] == 0.0  # on a belt a line is right
     straight = int(np.sum(~bent & ~flat))
-    if len(s.t) < FEWEST or straight < COLLINEAR * np.sum(~flat) or straight < FEWEST // 2:
+    if len(s.t) < FEWEST or straight < max(0.25 * np.sum(~flat), FEWEST // 2):  # hardly any line
         return
     count = int(np.sum(bent)) + 2
     words = f"the samples lie on straight lines between {count} others: linear interpolation"
@@ -230,7 +223,7 @@ def even_times(case: Case) -> Iterator[Candidate]:
     """Yield times of an even grid that were rounded or accumulated with few digits."""
     t = case.steps.t
     h, step = np.diff(t), float((t[-1] - t[0]) / (len(t) - 1))
-    if len(t) < FEWEST or np.ptp(h) == 0.0 or not np.max(np.abs(h - step)) <= NEARLY_EVEN * step:
+    if len(t) < FEWEST or np.ptp(h) == 0.0 or not np.max(np.abs(h - step)) <= 0.2 * step:
         return
     off = float(np.max(np.abs(t - np.linspace(t[0], t[-1], len(t)))))
     if off <= 16.0 * np.spacing(np.max(np.abs(t))):
@@ -239,7 +232,7 @@ def even_times(case: Case) -> Iterator[Candidate]:
     words = f"the times are no even grid, by up to {off:.1e}" + (": single precision" if single else "")
     for digits in (0, 7, 6, 5, 4, 3, 2, None):
         even = _even(t, digits)
-        if np.max(np.abs(even - t)) <= max(0.5 * step, SINGLE * float(np.max(np.abs(t)))):
+        if np.max(np.abs(even - t)) <= max(0.5 * step, 2e-6 * float(np.max(np.abs(t)))):
             share = case.share_of(even, case.steps.x, case.steps.v)
             change = f"with even times, {even[1] - even[0]:.10g} apart,"
             columns = partial(lambda t, x, v, digits: (_even(t, digits), x, v), digits=digits)
@@ -269,11 +262,11 @@ def single_times(case: Case) -> Iterator[Candidate]:
     shift = np.sum(slopes * misses, axis=1) / np.sum(slopes * slopes, axis=1)
     within = np.abs(shift) <= 2.0 * np.spacing(np.abs(s.t[chosen + 1]).astype(np.float32)).astype(float)
     left = np.max(np.abs(misses - slopes * shift[:, None]), axis=1)
-    part = case.share(np.where(within, left, np.inf), chosen, CLOSER)
+    part = case.share(np.where(within, left, np.inf), chosen, 0.2)
     largest = float(np.max(np.abs(shift[within]), initial=0.0))
     evidence = f"all are such numbers; shifts of them by up to {largest:.1e} repeat {max(part, 0.0):.0%} of the flights"
     # Numbers of single precision in all samples are no chance.
-    share = 1.0 if part >= SINGLE_ENOUGH else part
+    share = 1.0 if part >= 0.7 else part
     yield Candidate(Diagnosis("columns", "t", "the times are in single precision", evidence, largest, share=share))
 
 
@@ -316,7 +309,7 @@ def noise(case: Case) -> Iterator[Diagnosis]:
     """Yield sample noise: each defect, carried over the next step, is opposite to that step's defect."""
     inside = case.inside_wrong
     pairs = inside[:-1][np.diff(inside) == 1]
-    if len(pairs) < FEW_NOISY:
+    if len(pairs) < 12:
         return
     s, defects = case.steps, case.steps.defects
     # The effect of the error of a sample in between, minus the defect before it, on the next step.
@@ -328,7 +321,7 @@ def noise(case: Case) -> Iterator[Diagnosis]:
     after = defects[pairs + 1]
     products = np.sqrt(np.sum(effect**2, axis=0) * np.sum(after**2, axis=0))
     x, v = (np.sum(effect * after, axis=0) / products).tolist()
-    if max(x, v) < 0.0 and min(x, v) < NOISE_CORRELATION:
+    if max(x, v) < 0.0 and min(x, v) < -0.25:  # noise makes it about -0.5
         sizes = np.sqrt(np.median(defects[inside] ** 2, axis=0) / 0.455 / 2.0)
         words = f"the samples have noise of about {sizes[0]:.2g} in x and {sizes[1]:.2g} in v"
         evidence = f"what one step is off, the next one takes back: correlation {x:.2f} in x, {v:.2f} in v"

@@ -50,27 +50,10 @@ from symosc.simulation.trajectory import Event, Trajectory
 __all__ = ["CrossCheck", "CrossChecks", "FoundEvent", "Match", "crosscheck"]
 
 STEP_TOLERANCE = 1e-8
-# Errors of many right steps may add up to this many tolerances, and to this part of the largest |x| and |v|.
-GLOBAL_FACTOR, MOST_GLOBAL = 1000.0, 0.01
-# ... of rounded samples to so many last places, or to this many tolerances where these are more.
-LAST_PLACES, ROUNDED_FACTOR = 5.0, 100.0
 # Rounded samples are compared over steps and over spans of 4, 16, 64, ... steps.
-SPAN_FACTOR, FEW_SPANS = 4, 6
-# Numbers whose last digits are cut off, not rounded, are off by less than this many times what rounding allows.
-CUT_EXCESS = 4.0
-# The first velocity of positions alone may be another one by so many of their roundings, per unit of time.
-UNKNOWN_SPEED = 20.0
-# A solution may end one of its steps before the motion, if that is at most this part of the whole.
-LAST_STEP = 0.05
-# While the exact motion sticks, samples this near to the belt (in units of velocity) are meant to be on it.
-DRIFT = 1e-4
-# Two samples of one time may differ by this part of the largest |x| and |v|: pieces joined at an event.
-SAMPLE_JUMP = 1e-4
+SPAN_FACTOR = 4
 # Wrong steps that are explained one by one.
 MOST_FAULTS = 500
-# The exact motion is followed for this many events.
-FEW_EVENTS, EVENTS_PER_SAMPLE = 2_000, 10
-ADDED_UP = "every step is right, but their errors add up, or the start is another one"
 
 
 @public
@@ -191,7 +174,7 @@ class Task:
     @property
     def limit(self) -> float:
         """Allowed global error, relative."""
-        usual = max(self.tolerance, min(GLOBAL_FACTOR * self.tolerance, MOST_GLOBAL))
+        usual = max(self.tolerance, min(1000.0 * self.tolerance, 0.01))  # errors of steps add up
         return usual if self.given_limit is None else self.given_limit
 
     def verdict(self) -> CrossCheck:
@@ -199,7 +182,7 @@ class Task:
         samples, rounding = self.samples, self.rounding
         units = np.array([rounding[c].units if c in rounding else 0.0 * samples.t for c in SAMPLE_COLUMNS])
         listed = rounding["events"].units if "events" in rounding else np.zeros(len(samples.events or ()))
-        jump = max(SAMPLE_JUMP, self.tolerance)
+        jump = max(1e-4, self.tolerance)  # pieces joined at an event may differ by so much
         check_joints(samples, jump, *sample_errors(self.parameters, samples, units).T)
         result = self.judge(np.broadcast_to(0.0, units.shape), np.zeros_like(listed))
         if not result.ok and rounding:
@@ -215,7 +198,8 @@ class Task:
     def _cut(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck | None:
         """Return the verdict on samples that are right if their last digits were truncated, not rounded."""
         samples = self.samples
-        if not np.any(half) or np.nanmax(np.abs(result.errors) / result.limits) > CUT_EXCESS:
+        # Digits that are cut off, not rounded, make no larger errors.
+        if not np.any(half) or np.nanmax(np.abs(result.errors) / result.limits) > 4.0:
             return None
         numbers = np.stack([samples.t, samples.x, samples.v])
         for way, sign in (("cut off", np.sign(numbers)), ("rounded down", np.ones_like(numbers))):
@@ -232,7 +216,7 @@ class Task:
         """Add the verdict on every n-th sample where rounding hides errors within single steps."""
         spans, samples, count = result.wrong_spans, self.samples, len(self.samples.t)
         # A few spans show no cause, and where most steps are wrong these show it themselves.
-        if len(spans) < FEW_SPANS or 2 * len(result.wrong_steps) >= np.sum(spans[:, 1] - spans[:, 0]):
+        if len(spans) < 6 or 2 * len(result.wrong_steps) >= np.sum(spans[:, 1] - spans[:, 0]):
             return result
         kept = np.unique([*range(0, count, int(np.max(spans[:, 1] - spans[:, 0]))), count - 1])
         columns = {name: getattr(samples, name)[kept] for name in ("t", "x", "v")}
@@ -243,10 +227,8 @@ class Task:
     def judge(self, rounding: np.ndarray, listed: np.ndarray) -> CrossCheck:
         """Compare the samples with the exact motion."""
         samples, p, tolerance = self.samples, self.parameters, self.tolerance
-        notes, columns = (
-            list(samples.notes),
-            ", ".join(f"{name} to {each.text}" for name, each in self.rounding.items()),
-        )
+        notes = list(samples.notes)
+        columns = ", ".join(f"{name} to {digits.text}" for name, digits in self.rounding.items())
         if columns:
             at_it = "; they are judged at that precision" if np.any(rounding) or np.any(listed) else ""
             notes.append(f"the samples are rounded: {columns}{at_it}")
@@ -261,8 +243,8 @@ class Task:
         errors[inside] = np.column_stack([samples.x, samples.v])[inside] - exact.T
         limits = self.limit * scales
         if self.given_limit is None and np.any(rounding):
-            places = LAST_PLACES * 2.0 * np.max(loose, axis=0)
-            few = np.minimum(limits, np.maximum(places, ROUNDED_FACTOR * tolerance * scales))
+            places = 5.0 * 2.0 * np.max(loose, axis=0)
+            few = np.minimum(limits, np.maximum(places, 100.0 * tolerance * scales))
             limits = np.where(places > 0.0, few, limits)
         limits = limits + loose + propagated(p, loose[0], samples.t - samples.t[0])
         if until < samples.t[-1]:
@@ -278,7 +260,8 @@ class Task:
         sizes = np.max(np.abs(steps.defects) / allowed, axis=1)
         wrong = ~(sizes <= 1.0)
         spans = self._wrong_spans(loose, near, scales)
-        label = labels(steps, near, np.maximum(near, DRIFT * scales[1]))
+        # While the exact motion sticks, samples so near to the belt are meant to be on it.
+        label = labels(steps, near, np.maximum(near, 1e-4 * scales[1]))
         found, modes = find_events(steps, label, wrong)
         # Of the errors of the samples so much counts as allowed; 0 after the end of the exact motion.
         within = np.where(np.isnan(errors), 0.0, np.fmin(np.abs(errors), limits))
@@ -293,7 +276,8 @@ class Task:
                 notes.append(f"the list is not in order of time: {what}")
         close = not np.any(np.abs(errors) > limits)
         refused = "" if self.own_start else other_start
-        notes += [ADDED_UP] if not close and not wrong.any() and not len(spans) and not other_start else []
+        if not close and not wrong.any() and not len(spans) and not other_start:
+            notes.append("every step is right, but their errors add up, or the start is another one")
         faulty = wrong.any() or len(spans) or matching.missed or matching.invented
         own = None
         if isinstance(self.scene, Scene):
@@ -349,7 +333,7 @@ class Task:
         if all(abs(start[name] - own[name]) <= slack[name] + off[name] for name in start):
             return {}, ""
         if samples.v_off is not None:  # positions show the first velocity less well
-            slack["v0"] += UNKNOWN_SPEED * max(1.0, fastest_rate(self.parameters)) * off["v0"]
+            slack["v0"] += 20.0 * max(1.0, fastest_rate(self.parameters)) * off["v0"]
             if all(abs(start[name] - own[name]) <= slack[name] + off[name] for name in start):
                 return start, ""
         if start["t0"] > own["t0"]:
@@ -368,7 +352,7 @@ class Task:
             return ""
         last, t_end = float(t[-1]), float(scene.t_end)
         steps = np.diff(t)
-        step = min(float(np.median(steps[steps > 0.0])), LAST_STEP * (t_end - float(scene.t0)))
+        step = min(float(np.median(steps[steps > 0.0])), 0.05 * (t_end - float(scene.t0)))  # may be missing
         if last + (1.0 + 1e-9) * step >= t_end:
             return ""
         return f"the solution ends at t = {last:.10g}; the motion of {scene.name} goes on to t = {t_end:.10g}"
@@ -429,7 +413,7 @@ class Task:
     def _simulate(self, t_end: float, start: Record) -> Trajectory:
         """Return the exact motion from a start to t_end."""
         # So many more events than samples cannot be meant.
-        most = FEW_EVENTS + EVENTS_PER_SAMPLE * len(self.samples.t)
+        most = 2_000 + 10 * len(self.samples.t)
         return simulate(self.scene, t_end=t_end, max_events=most, **start)
 
 

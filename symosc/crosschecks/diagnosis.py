@@ -28,15 +28,6 @@ from symosc.errors import ParameterError
 
 # A cause that explains less of the wrong steps is not named.
 NAMED = 0.3
-# Forcing periods of which no sample is needed. Longer steps hold so many events that they show no cause, and each cause
-# would take long to try.
-UNSEEN_PERIODS = 200.0
-# Of causes that explain the samples alike, so many are tested by a check with the change, and named.
-MOST_NAMED = 6
-# Of positions alone so many must have a velocity.
-MOST_KEPT = 0.9
-# Causes that speak of a stick: there must be one.
-OF_STICKS = {"stick left early", "stick left late", "drift", "chatter"}
 #: The alternatives, stage by stage, the cheapest first.
 STAGES: tuple[tuple[Callable[[Case], Iterable[Candidate | Diagnosis]], ...], ...] = (
     (columns.outliers, columns.noise, columns.other_columns, columns.even_times, columns.single_times),
@@ -49,8 +40,6 @@ STAGES: tuple[tuple[Callable[[Case], Iterable[Candidate | Diagnosis]], ...], ...
     (methods.delays, friction.smoothed_passages),
     (columns.other_velocities, methods.truncation, models.forces),
 )
-# In these stages a cause is named at once only if its change makes all steps right.
-SURE_STAGES = 3
 
 
 def diagnose(check: Any) -> tuple[Diagnosis, ...]:
@@ -71,7 +60,7 @@ def diagnose(check: Any) -> tuple[Diagnosis, ...]:
     constant = columns.no_motion(check.t, check.x, check.v)
     t = check.t[tried_samples(check)]
     periods = (t[-1] - t[0]) * float(check.trajectory.parameters.Omega) / TWO_PI
-    if constant or periods > max(UNSEEN_PERIODS, len(t)):
+    if constant or periods > max(200.0, len(t)):  # steps longer than a period hold too many events to show a cause
         units = columns.changed_columns(check.trajectory.parameters, check.t, check.x, check.v)
         tried = (with_evidence(one, check) for one in units if not constant and one.diagnosis.subject == "t")
         right = next((found for found in tried if found is not None and found.share >= ENOUGH), None)
@@ -87,11 +76,13 @@ def _best(case: Case, check: Any) -> tuple[Diagnosis, ...]:
     for number, stage in enumerate(STAGES):
         found = [one for alternatives in stage for one in alternatives(case)]
         candidates = [one if isinstance(one, Candidate) else Candidate(one) for one in found]
-        tried += [one for one in candidates if case.sticks or one.diagnosis.cause not in OF_STICKS]
+        of_sticks = ("stick left early", "stick left late", "drift", "chatter")
+        tried += [one for one in candidates if case.sticks or one.diagnosis.cause not in of_sticks]
         tried.sort(key=lambda one: -one.diagnosis.share)
         if tried and tried[0].diagnosis.share >= ENOUGH:
             named = _tested(tried, check)
-            if named and named[0].share >= (SURE if number < SURE_STAGES else ENOUGH):
+            # A cause of the first stages must make all steps right.
+            if named and named[0].share >= (SURE if number < 3 else ENOUGH):
                 break
     named = named or _tested(tried, check)
     if not named:
@@ -110,7 +101,7 @@ def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
         for one in good:
             cause, subject = one.diagnosis.cause, one.diagnosis.subject
             name = cause, subject if cause in ("coefficient", "sign", "columns") else ""
-            if len(seen) < MOST_NAMED and name not in seen:
+            if len(seen) < 6 and name not in seen:
                 diagnosis = with_evidence(one, check)
                 if diagnosis is not None and diagnosis.share >= NAMED:
                     seen[name] = diagnosis
@@ -126,7 +117,7 @@ def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
     if change is None:
         return diagnosis
     again = repeated_check(check, change)
-    if again is None or (again._task.samples.v_off is not None and len(again.t) < MOST_KEPT * len(check.t)):
+    if again is None or (again._task.samples.v_off is not None and len(again.t) < 0.9 * len(check.t)):
         return None
     wrong, steps = len(again.wrong_steps), len(again.defects)
     if not wrong and not len(again.wrong_spans):

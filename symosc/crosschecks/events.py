@@ -20,8 +20,6 @@ from symosc.simulation.trajectory import Event, Trajectory
 CODES, MODES = ({name: code for code, name in names.items()} for names in (KIND_NAMES, MODE_NAMES))
 # An event of the samples belongs to an exact one that is at most this part of the forcing period away.
 WINDOW = 0.05
-# A contact of the samples with a belt is a stick if they keep to it for this part of the period.
-SHORTEST_STICK = 1e-9
 # Times are estimated from the leading derivatives: twice that is surely enough.
 REACH_SAFETY = 2.0
 # Where events at one belt are too close to be distinguished, a list may have these kinds: for a passage to the next
@@ -193,7 +191,7 @@ def _is_stick(steps: ExactSteps, mode: int, first: int, last: int, wrong: np.nda
         sticks[i - first] = bool(np.any(steps.events.target[steps.events.rows(i, i)] == mode))
     # Where a step is wrong the samples decide: two at the belt are on it, the last one is about to leave it.
     held = np.where(wrong[inside], inside < last, sticks)
-    return float(np.sum(np.diff(steps.t)[inside[held]])) >= SHORTEST_STICK * steps.K.period
+    return float(np.sum(np.diff(steps.t)[inside[held]])) >= 1e-9 * steps.K.period
 
 
 def _event(

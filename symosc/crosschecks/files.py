@@ -52,8 +52,6 @@ BEGINNINGS = {
     b"PK\x03\x04": ".npz", b"\x93NUMPY": ".npy", b"PAR1": ".parquet", b"ARROW1": ".feather",
     b"\x89HDF": ".h5", b"MATLAB": ".mat", b"{": ".json", b"[": ".json",
 }  # fmt: skip
-# A text that Octave's `save` has written, under any suffix; an HDF5 file, which MATLAB puts behind a block of text.
-OCTAVE_SIGN, HDF5_SIGN, MATLAB_BLOCK = b"# Created by Octave", b"\x89HDF\r\n\x1a\n", 512
 #: The largest unpacked size, and the largest file that must be in memory as a whole.
 MOST_BYTES = 2_000_000_000
 EXAMPLE = '{"t": [...], "x": [...], "v": [...]}'
@@ -188,7 +186,7 @@ def _kind(path: str | Path, file: io.BufferedReader, where: str, text: Reader) -
     if suffix and suffix not in kinds:
         raise ParameterError("file", where, f"must end in {', '.join(kinds)}, and perhaps {', '.join(PACKED)}")
     beginning = file.peek(32).lstrip()[:32]
-    if beginning.startswith(OCTAVE_SIGN) and suffix in ("", ".mat", *TEXT_SUFFIXES):
+    if beginning.startswith(b"# Created by Octave") and suffix in ("", ".mat", *TEXT_SUFFIXES):
         return "a file of Octave", read_octave
     library, read = kinds.get(suffix or _suffix_of_content(beginning), ("", text))
     if library and isinstance(file.raw, _Unpacked):
@@ -206,10 +204,6 @@ def suffix_of(path: str | Path) -> str:
 # The last is no comment: with it a spreadsheet says which delimiter it uses.
 COMMENT_SIGNS = ("#", "%", "//", "!", "sep=")
 LONGEST_LINE = MOST_EMPTY_LINES = 1_000_000
-# The header is looked for in so many lines.
-HEAD_LINES = 1000
-#: Exponents of Fortran, 1.5D-03.
-FORTRAN = re.compile(r"([\d.])[dD]([+-]?\d)")
 
 
 class TextColumns(dict[str, np.ndarray]):
@@ -259,7 +253,7 @@ def _number(cell: str, delimiter: str | None) -> float:
 
 def plain_number(cell: str) -> str:
     """Return a number as text with a decimal point, and with e before its exponent."""
-    return FORTRAN.sub(r"\1e\2", cell.replace(",", "."))
+    return re.sub(r"([\d.])[dD]([+-]?\d)", r"\1e\2", cell.replace(",", "."))
 
 
 def _table(
@@ -267,7 +261,7 @@ def _table(
 ) -> tuple[str | None, dict[str, int], Iterator[tuple[int, list[str]]]]:
     """Return the delimiter of a table, the places of the chosen columns, and its rows with their line numbers."""
     lines = _lines(file, where)
-    head = list(islice(lines, HEAD_LINES))
+    head = list(islice(lines, 1000))  # lines that may hold the header
     data = [i for i, (_, _, has_data) in enumerate(head) if has_data]
     comments = head[: data[0]] if data else head  # one may be the header: numpy.savetxt writes such
     if not data and not comments:
@@ -532,17 +526,13 @@ def _octave_value(kind: str, lines: Iterator[str]) -> Any:
 # -- MATLAB ------------------------------------------------------------------------------------------------------------
 
 MAT_HEADER = 128
-# Kinds of data in the format; a packed matrix has a checksum of its own.
-NUMBER_TAGS, MATRIX_TAG, PACKED_TAG, TEXT_TAGS = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13), 14, 15, (16, 17, 18)
-# Classes of matrices that hold numbers; a sparse one has two lists of places as well.
-SPARSE, NUMBER_CLASSES = 5, range(5, 16)
 
 
 def _read_mat(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     """Return the variables of a MATLAB file; version 7.3 is HDF5."""
-    begins = file.read(MATLAB_BLOCK + len(HDF5_SIGN))
+    begins, sign = file.read(512 + 8), b"\x89HDF\r\n\x1a\n"  # perhaps behind a block of text
     file.seek(0)
-    if begins.startswith(HDF5_SIGN) or begins.endswith(HDF5_SIGN):
+    if begins.startswith(sign) or begins.endswith(sign):
         return _read_hdf5(file, asked, where)
     data = _whole(file, where)
     if has_wrong_tags(data):
@@ -581,13 +571,13 @@ def has_wrong_tags(data: bytes) -> bool:
 
 def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: int) -> bool:
     """Return whether the elements between two positions have valid tags."""
-    if kind != MATRIX_TAG:
-        return kind in (*NUMBER_TAGS, PACKED_TAG, *TEXT_TAGS)
+    if kind != 14:  # no matrix: numbers, a packed matrix, which has a checksum of its own, or text
+        return kind in (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 15, 16, 17, 18)
     parts = list(_tags(data, order, begin, end, True))
     if parts:  # a matrix of numbers has as many as its flags say: flags, size, name, numbers
         (flags,) = struct.unpack_from(f"{order}I", data, parts[0][1])
         own, complex_too = flags & 0xFF, flags >> 11 & 1
-        if own in NUMBER_CLASSES and len(parts) != 4 + complex_too + 2 * (own == SPARSE):
+        if own in range(5, 16) and len(parts) != 4 + complex_too + 2 * (own == 5):  # sparse: two lists of places
             return False
     return depth <= 50 and all(_is_sound(data, order, *part, depth + 1) for part in parts)
 

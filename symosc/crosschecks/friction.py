@@ -42,23 +42,14 @@ CURVES = {
 SAME_WIDTH, WIDEST = 0.2, 3.0
 # Needed friction beyond this shows nothing: the curve is flat.
 FLAT_ABOVE = 0.97
-# Samples off a belt that change the side so often chatter; rates of drift that differ by less than this part are one.
-TURNS_OFTEN, SAME_RATE = 0.2, 0.1
-# Steps through a belt that are tried, pieces of each, and the rest of the defects if all is of first order.
-MOST_SMOOTHED, PIECES, FIRST_ORDER = 40, 48, 0.05
-# Widths that are tried, in units of the distance of the belts, and steps that they are tried on.
+# Rates of drift that differ by less than this part are one.
+SAME_RATE = 0.1
+# Pieces of each step through a belt, and the rest of the defects if all is of first order.
+PIECES, FIRST_ORDER = 48, 0.05
+# Widths that are tried, in units of the distance of the belts.
 WIDTHS_TRIED = np.geomspace(1e-3, 1.0, 31)
-MOST_WIDTH_STEPS, MOST_FITTED_STEPS, FEWEST_SMOOTHED = 12, 60, 2
-# Runge-Kutta steps over a sample's step: at least, at most, and so many for the time that friction needs to change.
-FEWEST_STAGES, MOST_STAGES, STAGES_PER_CHANGE = 16, 384, 6.0
-# So much of the defects may be left at the best width of the grid, and at the fitted one.
-NEAR_WIDTH, WIDTH_LEAVES = 2.0, 0.01
-# So many sticks are late at one friction, or it is no static friction.
-FEWEST_HELD = 3
-# Ends that differ by this part of the step are one; so are numbers that differ by this part from stick to stick.
-ON_TIME = ONE_NUMBER = 1e-6
-# More than this part of the largest velocity is no drift.
-LARGEST_DRIFT = 0.02
+# Numbers that differ by this part from stick to stick are one.
+ONE_NUMBER = 1e-6
 
 
 def _smoothed(name: str, width: float, error: float, evidence: str, share: float) -> Diagnosis:
@@ -105,7 +96,7 @@ def at_belts(case: Case) -> Iterator[Diagnosis]:
     if same <= SAME_RATE:
         words = f"in a stick v drifts off the belt, by {rate:.3g} per unit of time"
         yield Diagnosis("drift", "", words, f"one rate in all {count} steps", rate, same * abs(rate), 1.0)
-    elif turned > TURNS_OFTEN:
+    elif turned > 0.2:
         words = f"v jumps to and fro about the belt's speed, by up to {largest:.3g}, where the mass should stick"
         evidence = f"{len(gap)} samples; {turned:.0%} of them are on the other side than the one before"
         yield Diagnosis("chatter", "", words, evidence, largest, None, share)
@@ -161,9 +152,9 @@ def _widths_in_sticks(
 def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
     """Yield the smoothed friction law (curve and width) whose integration reproduces the wrong steps."""
     wrong = case.moving_wrong[np.isfinite(case.sizes[case.moving_wrong])]
-    if len(wrong) < FEWEST_SMOOTHED:
+    if len(wrong) < 2:
         return
-    few, more = case.some(wrong, MOST_WIDTH_STEPS), case.some(wrong, MOST_FITTED_STEPS)
+    few, more = case.some(wrong, 12), case.some(wrong, 60)
     distance = float(np.diff(case.steps.belts)[0])
     tried = []
     for name, curve in CURVES.items():
@@ -172,14 +163,14 @@ def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
         best = int(np.argmin(left))
         tried.append((float(left[best]), float(WIDTHS_TRIED[best] * distance), name))
     for left_best, width, name in sorted(tried):
-        if left_best > NEAR_WIDTH:
+        if left_best > 2.0:
             return
 
         def misses(value: np.ndarray, curve: Curve = CURVES[name]) -> np.ndarray:
             return _misses_with_smoothing(case, more, np.exp(value), curve)[0]
 
         fit = fitted(misses, np.log([width]), np.array([1e-4]))
-        if fit is None or not np.nanmedian(fit.sizes / case.sizes[more]) <= WIDTH_LEAVES:
+        if fit is None or not np.nanmedian(fit.sizes / case.sizes[more]) <= 0.01:
             continue
         width = float(np.exp(fit.value[0]))
         if width <= WIDEST * distance:
@@ -195,7 +186,7 @@ def _misses_with_smoothing(case: Case, steps: np.ndarray, widths: np.ndarray, cu
     length = s.t[steps + 1] - s.t[steps]
     pull = max(K.belt1.J, K.belt2.J, 2.0 * float(np.max(np.abs(s.v[steps + 1] - s.v[steps]) / length)))
     rate = pull / np.min(widths) + np.sqrt(K.w0sq) + K.cm + K.Om
-    count = int(np.clip(STAGES_PER_CHANGE * rate * np.max(length), FEWEST_STAGES, MOST_STAGES))
+    count = int(np.clip(6.0 * rate * np.max(length), 16, 384))  # steps of the Runge-Kutta method
     h = length / count
     middle, width = 0.5 * (K.A1 + K.A3), widths[:, None]
 
@@ -222,7 +213,7 @@ def smoothed_passages(case: Case) -> Iterator[Diagnosis]:
     usable = case.wrong & (s.first < 4) & (s.last < 4) & (np.diff(s.t) > 0.0) & np.isfinite(case.sizes)
     usable &= np.isin(np.arange(len(usable)), s.events.step[s.events.target > 3], invert=True)
     steps = np.flatnonzero(usable)
-    steps = steps[np.argsort(-case.sizes[steps])[:MOST_SMOOTHED]]
+    steps = steps[np.argsort(-case.sizes[steps])[:40]]
     if len(steps) < 3:
         return
     time, velocity = _paths(case, steps)
@@ -353,7 +344,7 @@ def stick_ends(case: Case) -> Iterator[Diagnosis]:
     is_late = late[1] < early[1]
     time, leaves = np.where(is_late, late[0], early[0]), np.where(is_late, late[1], early[1])
     fits = leaves <= case.limits(DELAY_LEAVES)[there]
-    fits &= np.abs(time - sticks.end) > ON_TIME * (s.t[there + 1] - s.t[there])
+    fits &= np.abs(time - sticks.end) > 1e-6 * (s.t[there + 1] - s.t[there])
     if not np.any(fits):
         yield from _kept_too_long(case)
         return
@@ -393,7 +384,7 @@ def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
     """Return sticks that end too late, with the friction at their ends."""
     ratio, count = float(np.median(held)), len(held)
     alike = np.abs(held - ratio) <= SAME_RATE * abs(ratio - 1.0) + ONE_NUMBER
-    if count >= FEWEST_HELD and 2 * np.sum(alike) < count:
+    if count >= 3 and 2 * np.sum(alike) < count:
         words = "events are not located: sticks end late, each by another friction, at the end of the solver's step"
         return Diagnosis("late events", "", words, evidence, share=share)
     error = float(np.std(held) / np.sqrt(count)) if count > 1 else 0.01 * abs(ratio)
@@ -436,7 +427,7 @@ def drift_within_steps(case: Case) -> Iterator[Diagnosis]:
         rate = -np.sum(slope * base, axis=1) / np.maximum(np.sum(slope * slope, axis=1), 1e-300)
         left = np.max(np.abs(base + slope * rate[:, None]), axis=1)
         best, leaves = np.where(left < leaves, rate, best), np.minimum(left, leaves)
-    fits = (leaves <= case.limits(0.1)[sticks.step]) & (np.abs(best) * T <= LARGEST_DRIFT * case.scales[1])
+    fits = (leaves <= case.limits(0.1)[sticks.step]) & (np.abs(best) * T <= 0.02 * case.scales[1])  # more is no drift
     if not np.any(fits):
         return
     middle, spread = _median_and_deviation(best[fits])

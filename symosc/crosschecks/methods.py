@@ -14,13 +14,7 @@ from symosc.kernels._generated import acceleration
 State = tuple[Any, Any]
 Force = Callable[[Any, Any, Any], Any]
 Method = Callable[[Force, Any, Any, Any, Any], State]
-# Samples may be so many steps of the method apart.
-SUBSTEPS = (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 15, 16, 20, 24, 25, 30, 32, 40, 50, 64, 100)
 MOST_REPEATED = 60
-# A method is known by leaving so little of the defects; its fitted weights by less.
-REPEATED_TO, WEIGHTS_TO = 0.005, 1e-4
-IMPLICIT_ROUNDS = 60
-FEWEST_WEIGHTED = 8
 # Steps with events on which delays are tried, on a grid of so many points.
 MOST_DELAYS, DELAY_GRID = 60, 9
 # A delay explains a step if it leaves this part of the defect. Too early and too late differ by little.
@@ -66,7 +60,7 @@ def implicit(part: float) -> Method:
 
     def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
         first, ahead = a(t, x, v), v
-        for _ in range(IMPLICIT_ROUNDS):
+        for _ in range(60):
             there = x + h * ((1.0 - part) * v + part * ahead)
             ahead = v + h * ((1.0 - part) * first + part * a(t + h, there, ahead))
         return x + h * ((1.0 - part) * v + part * ahead), ahead
@@ -120,9 +114,8 @@ FIXED_STEP_METHODS: dict[str, Method | None] = {
     "RK4 with weights 1, 1, 2, 2 over 6": runge_kutta(CLASSICAL, 1 / 6, 1 / 6, 1 / 3, 1 / 3),
     "RK4 with weights 2, 2, 1, 1 over 6": runge_kutta(CLASSICAL, 1 / 3, 1 / 3, 1 / 6, 1 / 6),
 }
-# Tried with at most so many steps from sample to sample.
+# Tried with few steps from sample to sample only.
 RARE = {name for name in FIXED_STEP_METHODS if name.startswith(("RK4 with", "RK3", "implicit", "trapez", "constant"))}
-MOST_RARE = 10
 
 
 def repeated(case: Case) -> Iterator[Diagnosis]:
@@ -132,9 +125,10 @@ def repeated(case: Case) -> Iterator[Diagnosis]:
     flights = case.some(inside, MOST_REPEATED)
     # Where most steps with events have a sample on the belt at an end, the events are located.
     passed = 2 * np.sum((case.domain[at_events] > 0) & (case.domain[at_events + 1] > 0)) > len(at_events)
-    for count in SUBSTEPS:
+    # Samples may be so many steps of the method apart.
+    for count in (*range(1, 11), 12, 15, 16, 20, 24, 25, 30, 32, 40, 50, 64, 100):
         for name, method in FIXED_STEP_METHODS.items():
-            if name in RARE and count > MOST_RARE:
+            if name in RARE and count > 10:
                 continue
             others = _share_repeated(case, flights, method, count)
             if len(flights) >= 3 and others < 0.8:
@@ -158,7 +152,7 @@ def repeated(case: Case) -> Iterator[Diagnosis]:
 
 def _other_weights(case: Case, flights: np.ndarray) -> Iterator[Diagnosis]:
     """Yield the classical Runge-Kutta method with fitted weights."""
-    if len(flights) < FEWEST_WEIGHTED:
+    if len(flights) < 8:
         return
     s, force = case.steps, _force(case, flights)
     h = s.t[flights + 1] - s.t[flights]
@@ -169,7 +163,7 @@ def _other_weights(case: Case, flights: np.ndarray) -> Iterator[Diagnosis]:
         return
     weights = np.linalg.lstsq(J.reshape(-1, 4), wanted.ravel(), rcond=1e-9)[0]
     left = np.max(np.abs(J @ weights - wanted), axis=1)
-    share = float(np.mean(left <= case.limits(WEIGHTS_TO)[flights]))
+    share = float(np.mean(left <= case.limits(1e-4)[flights]))
     if share >= 0.8:
         values, total = ", ".join(f"{weight:.4f}" for weight in weights), np.sum(weights)
         words = f"the steps are those of RK4 with wrong weights: {values}, which should be 1, 2, 2, 1 over 6"
@@ -214,7 +208,7 @@ def _share_repeated(case: Case, chosen: np.ndarray, method: Method | None, count
                 x, v = method(_force(case, chosen, held), t, x, v, h)
             t = t + h
         sizes = np.nan_to_num(case.miss_sizes(np.column_stack([x, v]), chosen), nan=np.inf)
-    return float(np.mean(sizes <= case.limits(REPEATED_TO)[chosen]))
+    return float(np.mean(sizes <= case.limits(0.005)[chosen]))  # of the defects is left
 
 
 def _force(case: Case, chosen: np.ndarray, held: bool = False) -> Force:

@@ -16,8 +16,6 @@ from symosc.engine.flow import Constants
 from symosc.errors import ParameterError
 from symosc.model import PARAMETER_NAMES, Parameters
 
-# Steps on which a system is tried first, and the part of them that it must explain to be followed over all.
-MOST_TRIED, SEEMS_RIGHT = 60, 0.5
 LEAST_FLIGHTS, MOST_FLIGHTS = 3, 24
 GRAVITY = 9.81
 # A diagnosis explains the samples if it explains this part of the wrong steps.
@@ -26,10 +24,8 @@ ENOUGH = 0.9
 MOST_FOLLOWED, MOST_FLOWN = 80, 400
 # Derivatives are taken over this part of a coefficient.
 TICK = 1e-5
-# Far coefficients: factors of the right one, the fewest flights that show one, flights on which factors are compared,
-# and frequencies of the drive and phases that are compared.
-FAR_FACTORS = np.geomspace(1e-3, 1e3, 61)
-FEWEST_FAR, FEW_FAR, MOST_FREQUENCIES, TURNS_TRIED = 8, 24, 4000, 48
+# Far coefficients: the fewest flights that show one, those on which values are compared, and frequencies of the drive.
+FEWEST_FAR, FEW_FAR, MOST_FREQUENCIES = 8, 24, 4000
 # A phase so near to a quarter of a turn is one.
 QUARTER = 1e-4
 # Cause, subject, words, the change in words, and the values that change.
@@ -42,7 +38,7 @@ System = tuple[str, str, str, str, dict[str, Any]]
 def other_systems(case: Case) -> Iterator[Candidate]:
     """Yield the systems of the table that explain the steps, each with the change for its test."""
     p, seen = case.parameters, {case.parameters}
-    tried = case.some(case.moving_wrong, MOST_TRIED)
+    tried = case.some(case.moving_wrong, 60)
     flights = case.some(case.inside, MOST_FLIGHTS)
     for cause, subject, words, change, values in _systems(p):
         other = _replaced(p, **values)
@@ -53,7 +49,7 @@ def other_systems(case: Case) -> Iterator[Candidate]:
             few, chosen = case.flown(Arithmetic(other).K, chosen=flights), flights
         else:
             few, chosen = case.followed_some(other, tried), tried
-        if np.mean(np.max(np.abs(few), axis=1) <= case.limits()[chosen]) < SEEMS_RIGHT:
+        if np.mean(np.max(np.abs(few), axis=1) <= case.limits()[chosen]) < 0.5:  # it is not followed over all steps
             continue
         value = float(next(iter(values.values()))) if len(values) == 1 else None
         share = case.share(case.followed(other))
@@ -143,7 +139,8 @@ def far_coefficients(case: Case) -> Iterator[Candidate]:
         return
     few = case.some(flights, FEW_FAR)
     for name in ("m", "c", "k", "Omega"):
-        values = _frequencies(case, flights) if name == "Omega" else (float(getattr(p, name)) or 1.0) * FAR_FACTORS
+        factors = np.geomspace(1e-3, 1e3, 61)
+        values = _frequencies(case, flights) if name == "Omega" else (float(getattr(p, name)) or 1.0) * factors
         tried = [(_median(np.max(np.abs(case.flown(K, chosen=few)), axis=1)), value)
                  for value in values if (K := _constants(p, name, float(value))) is not None]  # fmt: skip
         if tried:
@@ -304,7 +301,7 @@ def _turn_of_steps(case: Case) -> Fit | None:
         found = follow_steps(case.parameters, s.t + float(value[0]) / s.K.Om, s.x, s.v, case.near, case.scales)
         return np.asarray((found.defects / case.allowed)[chosen])
 
-    turns = np.linspace(-pi, pi, TURNS_TRIED, endpoint=False)
+    turns = np.linspace(-pi, pi, 48, endpoint=False)
     best = min(turns.tolist(), key=lambda turn: float(np.median(np.max(np.abs(misses(np.array([turn]))), axis=1))))
     return fitted(misses, np.array([best]), np.array([1e-5])) if len(chosen) else None
 

@@ -46,10 +46,7 @@ USUAL_NAMES = {
 #: Entries of a file or a mapping that are no columns of samples; names of arrays that hold x and v together.
 NO_COLUMNS = {"events"}
 STATE_NAMES = ("y", "ys", "u", "z", "state", "states", "sol", "solution", "data")
-# So many column names are listed in a message, with so many characters; only the beginning of a longer name is read.
-COLUMNS_LISTED, LONGEST_LIST, LONGEST_NAME = 12, 150, 200
 NONE = "none"
-IN_BRACKETS = re.compile(r"\([^)]*\)|\[[^\]]*\]|\{[^}]*\}")
 
 
 def read_column_names(columns: Mapping[str, str | None] | None) -> dict[str, str | None]:
@@ -74,8 +71,8 @@ def read_column_names(columns: Mapping[str, str | None] | None) -> dict[str, str
 
 def plain(name: str) -> str:
     """Return a name in lower case without units, brackets and signs: "Time (s)" is "time", "dx/dt" is "dxdt"."""
-    text = unicodedata.normalize("NFKD", name[:LONGEST_NAME]).lower().replace("\u0307", "dot").replace("'", "prime")
-    text = IN_BRACKETS.sub("", text) or text
+    text = unicodedata.normalize("NFKD", name[:200]).lower().replace("\u0307", "dot").replace("'", "prime")
+    text = re.sub(r"\([^)]*\)|\[[^\]]*\]|\{[^}]*\}", "", text) or text
     return "".join(letter for letter in text if letter.isalnum())
 
 
@@ -126,7 +123,7 @@ def names_text(names: Iterable[str]) -> str:
     """Return names as text for a message."""
     keys = [short(str(key)) for key in names]
     ends = accumulate(len(key) + 2 for key in keys)
-    fit = sum(end <= LONGEST_LIST for end in islice(ends, COLUMNS_LISTED)) or 1
+    fit = sum(end <= 150 for end in islice(ends, 12)) or 1
     more = [f"and {len(keys) - fit} more"] if len(keys) > fit else []
     return ", ".join(keys[:fit] + more) or "none"
 
@@ -376,19 +373,16 @@ def _by_id(values: Record, ids: np.ndarray) -> list[Samples]:
 
 # -- functions, trajectories, results with events ----------------------------------------------------------------------
 
-# A function is called so often in the shortest period, within these limits.
-TIMES_PER_PERIOD, FEWEST_TIMES, MOST_TIMES = 200, 1_000, 200_000
-# An event of a solver is at a belt if its velocity is that of the belt to this part of the largest velocity; events
-# closer than this part of the shortest period are one.
-AT_BELT, SAME_EVENT = 1e-6, 1e-9
+# A function is called at no more times than these.
+MOST_TIMES = 200_000
 
 
 def _grid(t0: float, t_end: float, problem: Scene | Parameters) -> np.ndarray:
     """Return times between two given ones, so many in the shorter period of the drive and the free motion."""
     p = problem if isinstance(problem, Parameters) else problem.parameters
     period = 2.0 * pi / fastest_rate(p)
-    count = ceil(min((t_end - t0) / period * TIMES_PER_PERIOD, float(MOST_TIMES)))
-    return np.linspace(t0, t_end, min(max(count, FEWEST_TIMES), MOST_TIMES) + 1)
+    count = ceil(min((t_end - t0) / period * 200, float(MOST_TIMES)))
+    return np.linspace(t0, t_end, min(max(count, 1_000), MOST_TIMES) + 1)
 
 
 def of_function(function: Callable[..., Any], problem: Problem, times: Any = None) -> Samples:
@@ -471,12 +465,12 @@ def _solver_events(result: Any, problem: Problem) -> tuple[tuple[tuple[float, st
             except (IndexError, KeyError, TypeError, ValueError):
                 what = "must have x and v for each of t_events"
                 raise ParameterError("y_events", type(states).__name__, what) from None
-            near = np.min(np.abs(v - belts)) <= AT_BELT * max(float(np.max(np.abs(belts))), abs(v), 1e-300)
+            near = np.min(np.abs(v - belts)) <= 1e-6 * max(float(np.max(np.abs(belts))), abs(v), 1e-300)
             found += [time] if near else []
             beside += not near
     kept: list[float] = []
     for time in sorted(found):
-        if not kept or time - kept[-1] > SAME_EVENT * 2.0 * pi / fastest_rate(p):
+        if not kept or time - kept[-1] > 1e-9 * 2.0 * pi / fastest_rate(p):
             kept.append(time)
     if not kept:
         return None, ()

@@ -178,15 +178,9 @@ def checked_events(events: object) -> tuple[tuple[float, str], ...]:
 
 # -- rounding ----------------------------------------------------------------------------------------------------------
 
-# Hardly a double has so few significant digits by chance (one of a thousand).
-MOST_SAMPLE_DIGITS = 13
 # Numbers that show the rounding; 0, the speeds of the belts and the start may be short by nature.
 LEAST_SHOWN = 3
 FEW_VALUES = 1000
-# The even grid of a converter: so many of its steps, at most, reach the largest number. So many different numbers must
-# be on it, other than 0; with fewer than some, no one alone may make it finer, but for a factor of 2 by chance.
-MOST_GRID_STEPS, LEAST_ON_GRID, SOME_ON_GRID, LARGEST_FACTOR = 2.0**24, 6, 16, 2
-OFF_GRID = 1e-6
 DOUBLE_ROUNDING = 4.0 * np.finfo(float).eps
 
 
@@ -246,7 +240,8 @@ def _as_neighbour(values: np.ndarray, beside: Digits | None) -> Digits | None:
 def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
     """Return the number of decimals or significant digits of rounded numbers, or None."""
     exponents = _exponents(numbers)
-    significant = next((n for n in range(1, MOST_SAMPLE_DIGITS + 1) if _fits(numbers, n - 1 - exponents)), None)
+    # Hardly a double has at most 13 significant digits by chance (one of a thousand).
+    significant = next((n for n in range(1, 14) if _fits(numbers, n - 1 - exponents)), None)
     if significant is None:
         return None
     places = significant - 1 - exponents
@@ -273,27 +268,28 @@ def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
     """Return the step of an even grid that contains all numbers, as from an analogue-digital converter.
 
-    Two halves of the numbers must give the same step: a single number beside a grid would make a much finer one.
+    Two halves of the numbers, or all but one of a few, must give the same step, of a few numbers to a factor of 2: a
+    single number beside a grid would make a much finer one.
     """
     levels = np.unique(np.abs(numbers))
-    if len(levels) < LEAST_ON_GRID:
+    if len(levels) < 6:
         return None
     largest = float(levels[-1])
-    few = len(levels) < SOME_ON_GRID
+    few = len(levels) < 16
     parts = [np.delete(levels, i) for i in range(len(levels))] if few else [levels[::2], levels[1::2]]
     counts = [round(largest / step) if (step := _common_step(part, largest)) else 0 for part in parts]
     most, least = max(counts), min(counts)
-    if not least or most % least or most > (LARGEST_FACTOR if few else 1) * least:
+    if not least or most % least or most > (2 if few else 1) * least:
         return None
     step = largest / most
-    if np.any(np.abs(values - np.rint(values / step) * step) > OFF_GRID * step):
+    if np.any(np.abs(values - np.rint(values / step) * step) > 1e-6 * step):
         return None
     return Digits(f"multiples of {step:.6g}", np.full(len(values), step))
 
 
 def _common_step(levels: np.ndarray, largest: float) -> float | None:
     """Return the largest common divisor of all levels by Euclid's algorithm; None if it is too small."""
-    step, least = float(levels[0]), largest / MOST_GRID_STEPS
+    step, least = float(levels[0]), largest / 2.0**24
     for level in levels[1:].tolist():
         rest, step = step, level
         while rest > 0.5 * least:

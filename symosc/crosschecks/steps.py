@@ -36,14 +36,11 @@ from symosc.kernels.entire import EPS
 from symosc.model import Parameters
 from symosc.simulation.batch import InterpretBudget, chosen_loops, follow_batch, joined, loaded_loop
 
-# Fewer steps than this are followed before compiled code is loaded, until so many are done: to load it takes a second.
-COMPILE_FROM = 4000
+# So many steps, in small calls, are followed before compiled code is loaded: that takes a second.
 FEW_STEPS = InterpretBudget(50_000)
 MOST_STEP_EVENTS = 10_000  # in one step
 # Steps that are followed together: their data, besides the result, stay in the processor's cache.
 STEPS_TOGETHER = 1 << 16
-# The longest step in which surely nothing happens, in units of 1/rate: beyond it the bounds say nothing.
-LONGEST_QUIET = 0.5
 # A motion nearer to a belt, or to the end of a stick, than this part of the sizes there needs the event search.
 CLEARANCE = 1e-9
 
@@ -259,7 +256,7 @@ def _upper_half(value: Any) -> Any:
 
 def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
     """Return which rows of `start_rows` have no event in the time `left`, and their final states [x, v]."""
-    numbers = np.flatnonzero(K.rate * left < LONGEST_QUIET)
+    numbers = np.flatnonzero(K.rate * left < 0.5)  # the bounds say nothing of longer steps
     tau = left[numbers]
     mode, _, _, theta, x, v, below, above = rows[numbers, :8].T
     held = mode > ON_BELT
@@ -296,7 +293,7 @@ def _flight_is_clear(
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
     """Follow every row event by event; return the final modes, states [x, v] and events, from time 0."""
     batch = batch_of(rows.copy())
-    few = len(rows) < COMPILE_FROM and FEW_STEPS.events > 0 and loaded_loop() is None
+    few = len(rows) < 4000 and FEW_STEPS.events > 0 and loaded_loop() is None
     follow = chosen_loops(False if few else None).follow
     numbers, table = joined(follow_batch(follow, batch, MOST_STEP_EVENTS, inf, table_of([K])))
     FEW_STEPS.events -= len(rows) * few

@@ -33,24 +33,10 @@ from symosc.simulation.trajectory import Trajectory
 # -- velocities --
 
 NOTE = "velocities were not given: they are those with which the exact motion leads from one position to the next"
-ROUNDED_NOTE = "velocities were not given: they are those of an exact motion that has the rounded positions"
-NO_FIRST = "samples at the beginning that are left out, since the positions do not tell their velocity"
-# Rounds in which the exact motion leads on from samples whose velocity is known, before the best guess is taken.
-MOST_ROUNDS = 100
-# Velocities may be off by so many times the error of the positions that half of the steps show.
-NOISE_FACTOR = 20.0
 # Longest step, in units of 1/rate, over which a velocity is found without that of the sample before.
 LONGEST_FLIGHT = 1.0
-# So many pairs of short steps, none of which agree, are not all spoilt by events.
-MANY_PAIRS = 20
-# A start is fitted to positions over a time that grows from 1/rate by this factor, with so many changes each time.
-FIT_GROWTH, FIT_CHANGES = 2.0, 3
-# First velocities that are compared, and those from which a fit begins.
-GUESSES, MOST_GUESSES = 41, 4
-# A motion is looked for until it misses the positions by this many times their rounding; a worse one than that is none.
-GOOD_FIT, WORST_FIT = 1.1, 4.0
-# Positions that a fit uses, and events of a motion that is tried.
-MOST_FITTED, MOST_TRIED_EVENTS = 1_000, 20_000
+# A motion is looked for until it misses the positions by this many times their rounding.
+GOOD_FIT = 1.1
 
 
 def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: float) -> Samples:
@@ -73,7 +59,7 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     allowed = per_x * (tolerance * size + rounded)
     gaps = _nearest(starts, ends)[0]
     fly = gaps <= 4.0 * allowed[1:-1]
-    noise = NOISE_FACTOR * float(np.median((gaps / per_x[1:-1])[fly])) if fly.any() else tolerance * size
+    noise = 20.0 * float(np.median((gaps / per_x[1:-1])[fly])) if fly.any() else tolerance * size
     noise += 8.0 * float(np.spacing(size))
     belts = np.array([[K.belt1.v], [K.belt2.v]])  # the velocities of steps that can be sticks
     keeps = np.abs(np.diff(x) - belts * tau) <= (noise + rounded)[:-1] + (noise + rounded)[1:]
@@ -86,12 +72,13 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     if np.isnan(v[0]) and _is_start(scene, samples, tolerance * size + rounded[0]):
         v[0] = float(scene.v0)
     pairs = np.flatnonzero(np.isfinite(gaps))
-    if np.isnan(v).all() and len(pairs) >= MANY_PAIRS:  # positions of no exact motion: those of the first steps show it
+    if np.isnan(v).all() and len(pairs) >= 20:  # positions of no exact motion: those of the first steps show it
         v = _agreed(starts, ends, left, right, pairs[:1])
     if np.isnan(v).all():
         raise ParameterError("v", None, "is missing, and the positions are too far apart to tell it: give velocities")
+    left_out = "samples at the beginning that are left out, since the positions do not tell their velocity"
     known = int(np.argmax(~np.isnan(v)))  # before it an event hides the velocity at which the first step began
-    notes = (*samples.notes, NOTE) if known == 0 else (*samples.notes, NOTE, f"{NO_FIRST}: {known}")
+    notes = (*samples.notes, NOTE) if known == 0 else (*samples.notes, NOTE, f"{left_out}: {known}")
     v = _continued(K, t, x, v, theta)
     off = np.where((v == K.belt1.v) | (v == K.belt2.v), 0.0, off)
     return replace(samples, t=t[known:], x=x[known:], v=v[known:], v_off=off[known:], notes=notes)
@@ -120,17 +107,17 @@ def _of_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, of
                 motion, best = each, found
             if best <= GOOD_FIT:
                 break
-    if motion is None or best > WORST_FIT:
+    if motion is None or best > 4.0:
         return None
-    return replace(
-        samples, v=motion(np.maximum(t, float(motion.t_start)))[1], v_off=half, notes=(*samples.notes, ROUNDED_NOTE)
-    )
+    note = "velocities were not given: they are those of an exact motion that has the rounded positions"
+    v = motion(np.maximum(t, float(motion.t_start)))[1]
+    return replace(samples, v=v, v_off=half, notes=(*samples.notes, note))
 
 
 def _motion(scene: Scene | Parameters, t_end: float, start: Record) -> Trajectory | None:
     """Return the exact motion of a scene from a start, or None if it is not allowed."""
     try:
-        return simulate(scene, t_end=float(t_end), max_events=MOST_TRIED_EVENTS, **start)
+        return simulate(scene, t_end=float(t_end), max_events=20_000, **start)
     except ParameterError:
         return None
 
@@ -150,8 +137,8 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
             return np.inf
         return float(np.max(np.abs(motion(t[:count])[0] - x[:count])))
 
-    guesses = [float(slope), float(p.v1), float(p.v2), *np.linspace(-most, most, GUESSES).tolist()]
-    return sorted(guesses, key=misses)[:MOST_GUESSES]
+    guesses = [float(slope), float(p.v1), float(p.v2), *np.linspace(-most, most, 41).tolist()]
+    return sorted(guesses, key=misses)[:4]
 
 
 def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajectory | None:
@@ -160,7 +147,7 @@ def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajector
     tick = 1e-4 * np.array([1.0, fastest_rate(p)]) * max(float(np.ptp(x)), 1e-300)
     while True:
         count = max(6, int(np.searchsorted(t, t[0] + span, "right")))
-        chosen = np.unique(np.linspace(0, min(count, len(t)) - 1, MOST_FITTED).astype(int))
+        chosen = np.unique(np.linspace(0, min(count, len(t)) - 1, 1_000).astype(int))
         times = t[chosen]
 
         def missed(state: np.ndarray, times: np.ndarray = times, chosen: np.ndarray = chosen) -> np.ndarray:
@@ -169,7 +156,7 @@ def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajector
                 return np.full(len(times), np.nan)
             return np.asarray(motion(times)[0] - x[chosen])
 
-        for _ in range(FIT_CHANGES):
+        for _ in range(3):
             here = missed(start)
             slopes = np.column_stack([(missed(start + step) - here) / step.max() for step in np.diag(tick)])
             if not (np.isfinite(here).all() and np.isfinite(slopes).all()):
@@ -177,7 +164,7 @@ def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajector
             start = start - np.linalg.lstsq(slopes, here, rcond=1e-6)[0]
         if count >= len(t):
             return _motion(p, t[-1], {"t0": float(t[0]), "x0": float(start[0]), "v0": float(start[1])})
-        span *= FIT_GROWTH
+        span *= 2.0
 
 
 def _is_start(scene: Scene | Parameters, samples: Samples, off: float, clock: float = 0.0) -> TypeGuard[Scene]:
@@ -239,7 +226,7 @@ def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.nd
 
 def _continued(K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray) -> np.ndarray:
     """Return all velocities, unknown ones by the exact motion from the sample before, or a guess."""
-    for _ in range(MOST_ROUNDS):
+    for _ in range(100):
         steps = np.flatnonzero(np.isnan(v[1:]) & ~np.isnan(v[:-1]))
         if not len(steps):
             break

@@ -48,14 +48,12 @@ from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
 from symosc.words import MAPS
 
-# In inches, by the number of columns: two for a page, one for a phone, where a point of it is 1.5 pixels.
-WIDTHS = {2: 5.2, 1: 3.4}
-# Fig. 7 shows a little more than the first period, its panel (c) several; Figs. 9 and 10 a little more than two.
-FIRST_PERIOD, SEVERAL_PERIODS, TWO_PERIODS = 1.25, 4.0, 2.2
+# Periods in panel (c) of Fig. 7.
+SEVERAL_PERIODS = 4.0
 # How far the black curves of Figs. 7 and 8 reach beyond the points that the text names, as fractions of both axes.
 LONG_REACH = 0.25, 0.35
-# The close-up of a stick shows this part of its length on either side of it; an orbit, this part of a period.
-STICK_MARGIN, ORBIT_MARGIN = 1.2, 0.06
+# The picture of an orbit shows this part of a period on either side of it.
+ORBIT_MARGIN = 0.06
 START_STYLE: dict[str, Any] = {"mfc": "white", "mec": "black", "mew": 0.8, "ms": 4.2, "zorder": 7, "clip_on": False}
 
 
@@ -109,7 +107,7 @@ def grazing_view(name: str) -> View:
 @lru_cache
 def motion_view(name: str) -> View:
     """Return the view of Figs. 9 and 10 from the printed start."""
-    return view_of(simulate(name, t_end=start_time(name) + TWO_PERIODS * period(name)), None)
+    return view_of(simulate(name, t_end=start_time(name) + 2.2 * period(name)), None)
 
 
 @lru_cache
@@ -166,7 +164,7 @@ def grazing_figure_P2(name: str, columns: int = 2) -> Figure:
     several, t0, T = several_periods_view(name), start_time(name), period(name)
     contact = first_contact(view_of(several.trajectory, 1))
     magnified = () if contact is None else (contact,)
-    first = replace(crop(several, t0, t0 + FIRST_PERIOD * T), magnified=magnified)
+    first = replace(crop(several, t0, t0 + 1.25 * T), magnified=magnified)
     periods = partial(_velocity_of_periods, start=t0, period=T)
     panels: list[tuple[Panel, View]] = [(PANELS["a"], first), (_velocity_and_gap, first)]
     return _paper_form([*panels, (periods, several), (PANELS["c"], several)], columns, tall=1 if magnified else None)
@@ -176,7 +174,7 @@ def grazing_figure_P3(name: str, columns: int = 2) -> Figure:
     """Draw Fig. 8: (a) displacement, (b) velocity, (c) velocity near the stick, (d) phase plane."""
     view = grazing_view(name)
     stick = later_stick(view)
-    reach = STICK_MARGIN * (stick.until - stick.since)
+    reach = 1.2 * (stick.until - stick.since)
     close_up = crop(replace(view, magnified=()), stick.since - reach, stick.until + reach)
     panels = [(PANELS["a"], view), (PANELS["b"], view), (PANELS["b"], close_up), (PANELS["c"], view)]
     return _paper_form(panels, columns, tall=1)
@@ -205,7 +203,8 @@ def product_figure(columns: int = 2) -> Figure:
 
 
 def _paper_form(panels: list[tuple[Panel, View]], columns: int, tall: int | None = None) -> Figure:
-    return assemble(panels, columns, WIDTHS[columns], tall=tall)
+    # Two columns for a page, one for a phone, where a point of it is 1.5 pixels.
+    return assemble(panels, columns, {2: 5.2, 1: 3.4}[columns], tall=tall)
 
 
 def _velocity_and_gap(ax: Axes, view: View) -> None:

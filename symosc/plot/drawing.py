@@ -52,9 +52,6 @@ STYLE: dict[Any, Any] = {
 #: Letters of parameters and of the numbers of a start, for axes.
 PARAMETER_LABELS = {name: f"${each.letter}$" for name, each in QUANTITIES.items()}
 
-# Pixels per inch of a figure in a notebook.
-NOTEBOOK_DPI = 120.0
-
 
 class Drawing(Figure):
     """A matplotlib Figure that notebooks display."""
@@ -71,7 +68,7 @@ class Drawing(Figure):
         """Return the figure as a notebook shows it."""
         picture = BytesIO()
         with own_style():
-            self.savefig(picture, format="png", dpi=NOTEBOOK_DPI)
+            self.savefig(picture, format="png", dpi=120.0)
         return picture.getvalue()
 
 

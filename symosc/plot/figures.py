@@ -274,8 +274,6 @@ ORDINALS = ("", "2nd ", "3rd ")
 # Stability -> line style; the styles differ without colours.
 STABILITY_STYLES: Record = {"stable": "-", "marginal": "-.", "not stable": (0, (4, 2))}
 UNIT = (0, (1, 2))
-# Points at which the multipliers are drawn between two orbits of the branch.
-BETWEEN = 24
 
 
 @public
@@ -362,7 +360,7 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
     keep = np.concatenate([[True], steps > 1e-12])
     along = np.cumsum(np.concatenate([[0.0], steps]))[keep]
     if len(along) > 2:
-        fine = np.unique(np.concatenate([np.linspace(a, b, BETWEEN) for a, b in pairwise(along)]))
+        fine = np.unique(np.concatenate([np.linspace(a, b, 24) for a, b in pairwise(along)]))
         columns = Akima1DInterpolator(along, columns[keep], method="makima")(fine)
     values, trace, determinant = columns.T
     root = np.sqrt((trace * trace - 4 * determinant).astype(complex))

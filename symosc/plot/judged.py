@@ -42,8 +42,6 @@ if TYPE_CHECKING:
     from symosc.reference.score import CaseScore, Score
 
 POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d7191c", "#e08214"
-# Points of the curve of a fitted motion.
-FIT_POINTS = 2000
 # Zeros are drawn here, and no axis goes further down.
 FLOOR = 1e-17
 
@@ -145,7 +143,7 @@ def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None)
     """
     panels = read_panels(panels, "ab", ax)
     measured, motion = found._measured, found.trajectory
-    times = np.linspace(float(motion.t_start), float(motion.t_end), FIT_POINTS)
+    times = np.linspace(float(motion.t_start), float(motion.t_end), 2000)
     with style_for(ax):
         drawing, row = panel_axes(ax, panels, (7.0, 0.8 + 1.7 * len(panels)), stacked=True, letter_at=-0.07)
         for axes, letter in zip(row, panels, strict=True):
@@ -257,10 +255,7 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, motion: Trajectory | Non
 
 # -- the page of a cross-check -----------------------------------------------------------------------------------------
 
-# Rows of a table, and those that are shown before the reader unfolds the rest.
-MOST_ROWS, ROWS_SHOWN = 200, 8
-# Curves of more samples are drawn in pixels: as lines they would be megabytes.
-MOST_LINES, PIXELS_PER_INCH = 4_000, 160.0
+MOST_ROWS = 200  # of a table
 
 
 def write_page(check: CrossCheck, path: str | Path) -> Path:
@@ -289,7 +284,7 @@ def page(check: CrossCheck) -> Record:
         "events": events[:MOST_ROWS],
         "more_events": max(0, len(events) - MOST_ROWS),
         "wrong": list(check.faults[:MOST_ROWS]),
-        "shown": ROWS_SHOWN,
+        "shown": 8,  # before the reader unfolds the rest
     }
 
 
@@ -331,7 +326,7 @@ def _events(check: CrossCheck) -> Iterator[Record]:
 
 def _pictures(check: CrossCheck) -> Iterator[Record]:
     """Yield the pictures of the page as values for it."""
-    first, many = check.first_wrong, len(check.t) > MOST_LINES
+    first, many = check.first_wrong, len(check.t) > 4_000  # as lines they would be megabytes
     if first:
         said = f"The step from sample {first.step} (t = {first.t:.8g}) to the next one. The line is the exact motion "
         said += "from that sample on; it should end at the cross. Grey lines are its events."
@@ -366,7 +361,7 @@ def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
             drawing.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
     drawing.set_size_inches(min(width, 4.0), max(height, 3.3))  # letters that a phone can show
     kind, media = ("png", "png") if pixels else ("svg", "svg+xml")
-    options: Record = {"dpi": PIXELS_PER_INCH} if pixels else {"metadata": {"Date": None}}
+    options: Record = {"dpi": 160.0} if pixels else {"metadata": {"Date": None}}
     data = BytesIO()
     with rc_context(STYLE):
         drawing.savefig(data, format=kind, **options)

@@ -31,8 +31,8 @@ from symosc.simulation.trajectory import Trajectory
 from symosc.words import collapsed
 
 HEADS = ("t", "x", "v", "kind", "belt", "from", "to", "t error")
-#: Characters of a word, and of a number with many digits, that a page shows.
-LONGEST_SHOWN, LONGEST_NUMBER = 60, 24
+#: Characters of a word that a page shows.
+LONGEST_SHOWN = 60
 #: Events that have a dot in the picture, at most.
 MOST_DOTS = 60
 
@@ -44,7 +44,7 @@ def trajectory_page(path: Trajectory) -> str:
     rows = []
     for event in (path.events[i] for i in ends(len(path.events))):
         numbers: tuple[Any, ...] = (event.t, event.x, event.v)
-        texts = [shown(float(n)) if path.digits is None else n.context.nstr(n, LONGEST_NUMBER) for n in numbers]
+        texts = [shown(float(n)) if path.digits is None else n.context.nstr(n, 24) for n in numbers]
         rows.append([*texts, event.kind, event.boundary, event.source, event.target, f"{event.t_error:.0e}"])
     times = np.clip(np.linspace(begin, end, MOST_POINTS), begin, end)
     dots = [(float(event.t), float(event.x)) for event in path.events] if len(path.events) <= MOST_DOTS else []

@@ -24,7 +24,6 @@ from symosc.simulation.trajectory import Trajectory
 BELT_COLOR, MASS_COLOR = "black", "#d7191c"
 ONSET_COLOR, END_COLOR, SWITCH_COLOR = "#1f3fd6", "#0f8a2a", "#d7191c"
 FORCE_BELOW, FORCE_ABOVE = ONSET_COLOR, END_COLOR
-ABOVE_STYLE = (0, (4, 1.6))
 
 #: Shape and size (points) of each mark. Over its onset the end of a stick leaves a rim, because it is smaller.
 SHAPES = {
@@ -44,24 +43,10 @@ EVENT_MARKS = {
     "cross": ("crossing", SWITCH_COLOR),
     "graze": ("grazing point", SWITCH_COLOR),
 }
-# With more marks than this they shrink, so that together they cover no more of the curves; down to this size.
-ROOMY, LEAST_SCALE = 16, 0.2
 
 # A stick shorter than this fraction of the time axis would be a dot: it gets an inset.
 SHORT_STICK = 0.01
-# ... unless it is shorter than this fraction of t, where its curve would show rounding errors.
-RESOLVED = 1e-10
 MOST_INSETS = 2
-# A belt is drawn if that stretches the velocity axis by no more than this fraction.
-BELT_STRETCH = 0.65
-# Belts nearer to each other than this part of the axis have their names further apart.
-NEAR_BELTS = 0.08
-# How far beyond a contact the belt's displacement is drawn, as fractions of both axes.
-BELT_REACH = 0.06, 0.15
-BELT_POINTS = 200  # of the path of a belt whose speed changes
-STICK_SHADE = "0.92"
-# Among more short sticks than have insets, those stand out that are shorter than this part of their median.
-OUTSTANDING = 0.1
 
 
 @dataclass(frozen=True)
@@ -99,13 +84,13 @@ class View:
     marks: tuple[Mark, ...]
     contacts: tuple[Contact, ...]
     magnified: tuple[Contact, ...]
-    belt_reach: tuple[float, float] = BELT_REACH
+    belt_reach: tuple[float, float] = (0.06, 0.15)
     style: Record = field(default_factory=dict)  # of the curves, as matplotlib names it
 
     @property
     def scale(self) -> float:
-        """The relative size of marks and lines, 1 if there is space."""
-        return max(min(1.0, sqrt(ROOMY / max(len(self.marks), 1))), LEAST_SCALE)
+        """The relative size of marks and lines, 1 if there is space: many marks cover no more of the curves than 16."""
+        return max(min(1.0, sqrt(16 / max(len(self.marks), 1))), 0.2)
 
     @property
     def domains(self) -> tuple[int, int]:
@@ -120,7 +105,7 @@ class View:
     def belts(self) -> list[int]:
         """Return the belts with a speed near the velocities drawn."""
         low, high = self.v.min(), self.v.max()
-        p, allowed = self.trajectory.parameters, BELT_STRETCH * (high - low)
+        p, allowed = self.trajectory.parameters, 0.65 * (high - low)  # of the axis may be added for them
         near = [belt for belt in (1, 2) if low - allowed <= p.belt(belt) <= high + allowed]
         return sorted({*near, self.boundary})
 
@@ -209,7 +194,7 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
     if across == "t":
         _shade_sticks(ax, view)
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
-    for domain, color, style in ((below, FORCE_BELOW, "-"), (above, FORCE_ABOVE, ABOVE_STYLE)):
+    for domain, color, style in ((below, FORCE_BELOW, "-"), (above, FORCE_ABOVE, (0, (4, 1.6)))):
         given = {name: value for name, value in view.style.items() if name not in ("color", "linestyle", "label")}
         line: Record = {"color": color, "linestyle": style, "linewidth": max(view.scale, 0.5)} | given
         ax.plot(_samples(view, across), force(domain, view.t), label=f"$F^{{({domain})}}$", **line)
@@ -279,7 +264,7 @@ def _belt_points(ax: Axes, view: View) -> None:
         path, x = partial(belt_path, view.trajectory, contact.belt), view.trajectory(contact.since)[0]
         (begin,), (speed,) = path(np.array([contact.since]))
         reach = min(reaches[0], reaches[1] / abs(speed)) if speed else reaches[0]
-        t = np.linspace(contact.since - reach, contact.until + reach, BELT_POINTS if view.belts_move else 2)
+        t = np.linspace(contact.since - reach, contact.until + reach, 200 if view.belts_move else 2)
         ax.plot(t, x + path(t)[0] - begin, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
     ax.set_ylim(low, high)
 
@@ -289,7 +274,7 @@ def _belt_speeds(ax: Axes, view: View) -> None:
     # Above the mass, but thinner: in a stick both are seen.
     p = view.trajectory.parameters
     low, high = ax.get_ylim()
-    near = float(p.v2 - p.v1) < NEAR_BELTS * (high - low)  # their names would lie over each other
+    near = float(p.v2 - p.v1) < 0.08 * (high - low)  # their names would lie over each other
     for belt in view.belts():
         speed, shift = float(p.belt(belt)), (0, -5, 5)[belt] * near
         if view.belts_move:
@@ -310,7 +295,7 @@ def _shade_sticks(ax: Axes, view: View) -> None:
     """Shade the intervals of sticks."""
     for stick in _sticks(view.trajectory):
         if stick.belt == view.boundary:
-            ax.axvspan(stick.since, stick.until, color=STICK_SHADE, lw=0, zorder=-1)
+            ax.axvspan(stick.since, stick.until, color="0.92", lw=0, zorder=-1)
 
 
 def _dots(ax: Axes, view: View, marks: Sequence[Mark], across: str, up: Callable[[Any], Any]) -> None:
@@ -338,10 +323,10 @@ def _sticks(trajectory: Trajectory) -> list[Contact]:
 
 def _outstanding(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
     """Return the sticks for insets: too short to be seen, resolved, and few or much shorter than the others."""
-    longest, finest = SHORT_STICK * (t[-1] - t[0]), RESOLVED * np.abs(t).max()
+    longest, finest = SHORT_STICK * (t[-1] - t[0]), 1e-10 * np.abs(t).max()  # a shorter one would show rounding errors
     short = [each for each in contacts if finest < each.until - each.since < longest and each.until < t[-1]]
     if len(short) > MOST_INSETS:
-        limit = OUTSTANDING * median(each.until - each.since for each in contacts if each.until > each.since)
+        limit = 0.1 * median(each.until - each.since for each in contacts if each.until > each.since)
         short = [each for each in short if each.until - each.since < limit]
     return tuple(short[:MOST_INSETS])
 
@@ -350,8 +335,8 @@ def _outstanding(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, .
 
 # Height of the room above the axes, over the height of these with their labels.
 INSET_ROOM = 0.66
-# Bottom and height of an inset in it, and the top of what stands above it (fractions of the axes).
-INSET_BOTTOM, INSET_HEIGHT, INSET_TOP = 1.16, 0.5, 1.97
+# The top of what stands above it (a fraction of the axes).
+INSET_TOP = 1.97
 # Left end and width, for one inset and for two.
 INSET_BOXES = {1: ((0.2, 0.6),), 2: ((0.1, 0.36), (0.63, 0.36))}
 INSET_TEXT: Record = {"fontsize": 7.5, "ha": "center", "va": "center"}
@@ -360,7 +345,7 @@ INSET_TEXT: Record = {"fontsize": 7.5, "ha": "center", "va": "center"}
 def draw_insets(ax: Axes, view: View) -> None:
     """Draw magnified parts of a view as insets above axes, if there is space."""
     for contact, (left, width) in zip(view.magnified, INSET_BOXES.get(len(view.magnified), ()), strict=True):
-        _inset(ax, view, contact, (left, INSET_BOTTOM, width, INSET_HEIGHT))
+        _inset(ax, view, contact, (left, 1.16, width, 0.5))
 
 
 def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, float, float]) -> None:

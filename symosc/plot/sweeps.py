@@ -36,20 +36,13 @@ if TYPE_CHECKING:
 LABELS = PARAMETER_LABELS | {"stuck": "share of time stuck", "x": "last $x$", "v": r"last $\dot{x}$"}
 COMPONENT_LABELS = {"x": "displacement $x$ at whole periods", "v": "velocity $\\dot{x}$ at whole periods"}
 #: Of numbers: from light to dark with even steps of lightness.
-SHADES, LIGHTEST, DARKEST = "cividis_r", 0.02, 0.92
+SHADES = "cividis_r"
 #: Of words: hues far apart, each darker than the one before, so that they differ in greyscale too.
 WORD_COLORS = (
     "#fee9b9", "#98e0fd", "#fcaca9", "#57c16b", "#b282ea", "#c66d27", "#1776b4", "#b12061", "#00574c", "#033783",
 )  # fmt: skip
 MOST_CLASSES = 10
-OTHERS_COLOR, UNDECIDED_COLOR = "white", "#d7191c"
-OTHERS_HATCH, UNDECIDED_HATCH = "......", "xxxxxx"
-# A class is named in the map where this part of the map's width is free around the place.
-NAME_ROOM = 0.045
-# The room that a letter of a word takes above a bifurcation diagram, as a part of its width.
-LETTER_ROOM = 0.015
-# Whole numbers of more different values than this are shown as shades.
-MOST_LEVELS = 24
+UNDECIDED_COLOR = "#d7191c"
 
 
 def read_column(dataset: Any, name: Any) -> Any:
@@ -170,7 +163,7 @@ def _mark_changes(axes: Axes, words: Any, name: str) -> None:
         if end < len(values):
             axes.axvline(right, color="0.6", lw=0.6, ls=(0, (4, 2)), zorder=0)
         text = typeset(texts[begin])
-        if right - left > (high - low) * (0.02 + LETTER_ROOM * len(texts[begin])):
+        if right - left > (high - low) * (0.02 + 0.015 * len(texts[begin])):
             place: Record = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
             axes.annotate(text, ((left + right) / 2, 1), (0, 3), ha="center", fontsize=8, **place)
 
@@ -250,7 +243,7 @@ def map_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | N
     edges = _edges(column[first].values), _edges(column[second].values)
     with style_for(ax):
         drawing, axes = one_axes(ax, (5.2, 3.8))
-        if values.dtype.kind in "UO" or (values.dtype.kind in "iu" and len(np.unique(values)) <= MOST_LEVELS):
+        if values.dtype.kind in "UO" or (values.dtype.kind in "iu" and len(np.unique(values)) <= 24):
             _draw_classes(axes, edges, classes_of(values, unknown), new=ax is None)
         else:
             _draw_shades(drawing, axes, edges, np.where(unknown, np.nan, values.astype(float)), label(str(column.name)))
@@ -295,17 +288,17 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> Classes:
         order = np.argsort(-counts, kind="stable")
         codes, kinds = np.argsort(order, kind="stable")[codes], kinds[order]
     shown = MOST_CLASSES - 1 if len(kinds) > MOST_CLASSES else len(kinds)
-    shades = colormaps[SHADES](np.linspace(LIGHTEST, DARKEST, max(shown, 2)))[:shown]
+    shades = colormaps[SHADES](np.linspace(0.02, 0.92, max(shown, 2)))[:shown]
     if values.dtype.kind in "UO":
         spread = np.linspace(0, len(WORD_COLORS) - 1, max(shown, 2)).round().astype(int)
         shades = to_rgba_array([WORD_COLORS[i] for i in spread])[:shown]
     looks = [(str(kind), shade, "") for kind, shade in zip(kinds[:shown], shades, strict=True)]
     if shown < len(kinds):
         codes = np.minimum(codes, shown)
-        looks.append((f"{len(kinds) - shown} others", OTHERS_COLOR, OTHERS_HATCH))
+        looks.append((f"{len(kinds) - shown} others", "white", "......"))
     if undecidable.any():
         codes = np.where(undecidable, len(looks), codes)
-        looks.append(("undecidable", UNDECIDED_COLOR, UNDECIDED_HATCH))
+        looks.append(("undecidable", UNDECIDED_COLOR, "xxxxxx"))
     return Classes(codes, *(list(column) for column in zip(*looks, strict=True)))
 
 
@@ -340,7 +333,7 @@ def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: A
 
     depth = distance_transform_edt(np.pad(inside, 1), sampling=[1 / length for length in inside.shape])[1:-1, 1:-1]
     i, j = np.unravel_index(np.argmax(depth), depth.shape)
-    if depth[i, j] > NAME_ROOM:
+    if depth[i, j] > 0.045:  # so much of the map is free around the place
         place = [(edge[k] + edge[k + 1]) / 2 for edge, k in zip(edges, (i, j), strict=True)]
         ink = "white" if luminance(color) < 0.45 else "black"
         axes.text(place[0], place[1], typeset(name), ha="center", va="center", color=ink, fontsize=8)

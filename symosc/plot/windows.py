@@ -42,13 +42,13 @@ if TYPE_CHECKING:
     from symosc.symbolic.inverse import ParameterRegion
 
 INSIDE_COLOR, SHADE_COLOR, OUTSIDE_COLOR, CRITICAL_COLOR = "#1f3fd6", "#cfd6f6", "0.72", "#d7191c"
-START_COLOR, CONTACT_COLOR, GAP_COLOR = "#d7191c", "#1f3fd6", "0.85"
+START_COLOR = "#d7191c"
 SOLID: Any = "solid"
 DASHES: Any = (0, (4, 2))
 TURN = 2 * pi
 PHASE_TICKS = ["$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$"]
 PHASE_LABEL = r"$\mathrm{mod}(\Omega t_m, 2\pi)$"
-CIRCLE_POINTS, SWEEP_POINTS, REGION_POINTS = 1441, 801, 401
+CIRCLE_POINTS = 1441
 
 # -- windows: the circle of phases, and the contacts -----------------------------------------------------------------
 
@@ -229,7 +229,7 @@ def sweep_figure(
     # Equality and 0, where the window changes its kind, with their neighbours.
     near = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
     edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in near]
-    values = np.union1d(np.linspace(low, high, SWEEP_POINTS), [edge for edge in edges if low <= edge <= high])
+    values = np.union1d(np.linspace(low, high, 801), [edge for edge in edges if low <= edge <= high])
     found = grazing_windows(p, mapping, order, **{name: values})
     with style_for(ax):
         drawing, axes = one_axes(ax, (4.6, 3.4))
@@ -315,8 +315,6 @@ def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: A
 
 # -- regions of two parameters -----------------------------------------------------------------------------------------
 
-#: A shorter piece of the border, relative to the axes, is only where one kind of border meets another.
-LEAST_PIECE = 0.01
 FORBIDDEN: Record = {"facecolor": "0.93", "hatch": "xxx", "edgecolor": "0.6", "linewidth": 0}
 INSIDE: Record = {"facecolor": SHADE_COLOR, "edgecolor": "0.35", "linewidth": 0}
 
@@ -348,7 +346,7 @@ def region_figure(
     """
     names = region.question.names
     spans = [_span(region, name, given) for name, given in zip(names, (first, second), strict=True)]
-    x, y = np.meshgrid(*(np.linspace(*span, REGION_POINTS) for span in spans))
+    x, y = np.meshgrid(*(np.linspace(*span, 401) for span in spans))
     allowed = _margin(region.allowed, region.letters, x, y)
     inside = _margin(region.condition, region.letters, x, y)
     with style_for(ax):
@@ -430,7 +428,7 @@ def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, a
             continue
         options: Record = {"colors": [INSIDE_COLOR], "linewidths": 1.2, "linestyles": [style], "zorder": 2}
         pieces = axes.contour(x, y, part, [0], **options).allsegs[0]
-        least = LEAST_PIECE * np.array([np.ptp(x), np.ptp(y)])
+        least = 0.01 * np.array([np.ptp(x), np.ptp(y)])  # a shorter piece is only where two kinds of border meet
         if any((np.ptp(piece, axis=0) > least).any() for piece in pieces if len(piece)):
             shown.append(Line2D([], [], color=INSIDE_COLOR, linewidth=1.2, linestyle=style, label=label))
     return shown
@@ -490,7 +488,7 @@ def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
         axes.plot(piece.theta_m, piece.theta_m - piece.theta, color=START_COLOR, linewidth=1.2)
         _ends(axes, piece, [end.theta_m - end.theta for end in (piece.low, piece.high)], "theta_m")
     for low, high, origin in curve.gaps:
-        axes.axvspan(low, high, color=GAP_COLOR, linewidth=0, label=f"from: {origin}")
+        axes.axvspan(low, high, color="0.85", linewidth=0, label=f"from: {origin}")
     axes.set(xlabel=r"$\theta_m$", ylabel=r"$\theta_m - \Omega t_i$")
     axes.set_title("flight to the grazing point")
     spans = [(piece.low.theta_m, piece.high.theta_m) for piece in curve.pieces]
@@ -503,7 +501,7 @@ def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
     """Draw the left half of `figure_grazing_curve` into given axes."""
     for piece in curve.pieces:
         _line(axes, piece.theta, piece.x, START_COLOR, label="start")
-        _line(axes, piece.theta_m, piece.x_m, CONTACT_COLOR, label="grazing point", style=(0, (4, 1.6)))
+        _line(axes, piece.theta_m, piece.x_m, "#1f3fd6", label="grazing point", style=(0, (4, 1.6)))
         _ends(axes, piece, [end.x for end in (piece.low, piece.high)], "theta")
     belt = place(curve.mapping).boundary
     axes.set(xlabel=r"$\mathrm{mod}(\Omega t, 2\pi)$", ylabel="$x$")

@@ -35,8 +35,6 @@ from symosc.simulation.trajectory import MAP_LABELS, Event
 
 #: Digits of the given events, and of the runs where there is no proof.
 GIVEN_DIGITS, COMPUTED_DIGITS = 40, 60
-#: A neighbour of a motion that grazes has a short contact or none, this near to the graze, in forcing periods.
-NEAR_A_GRAZE = 1e-9
 PROVEN, COMPUTED = "proven", "computed, not proven"
 # Relative differences for conditions, and the digits of their runs. A start times (1 + 1/7^n) has no end as a decimal:
 # one with an end and this many digits would be taken for a number that somebody cut off there.
@@ -232,7 +230,7 @@ class ReferenceCase:
 
         Of a neighbour, contacts beside a graze are left out with the graze.
         """
-        near = NEAR_A_GRAZE * 2 * pi / float(self.parameters.Omega)
+        near = 1e-9 * 2 * pi / float(self.parameters.Omega)
         grazes = [event.middle[0] for event in self.events if event.kind == "graze"]
 
         def apart(scene: Scene, digits: int) -> Sequence[Event]:

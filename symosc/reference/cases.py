@@ -322,10 +322,6 @@ GRAZE_HARD = (
     "a double root of the velocity: a step sees no change of sign, and rounding of the start makes two roots or none"
 )
 GRAZE_SOURCE = "Theorem 7 of the paper (symosc.grazing_start): the flow back from the tangency"
-#: Digits of a start. Half of them remain at the graze, where the gap is a square.
-GRAZE_DIGITS = 95
-#: The exact v0 is within so many units of the last digit: those of x0 and its own.
-UNITS_OF_V0 = 5
 #: How long before the graze a motion starts, and how long it is followed.
 BEFORE, FOLLOWED = Fraction(3, 10), 8
 
@@ -350,8 +346,9 @@ def grazes() -> Iterator[ReferenceCase]:
         for mapping, t_m in GRAZE_TIMES.items():
             boundary, domain = place(mapping).boundary, place(mapping).domain
             t0 = Fraction(t_m) - BEFORE
-            start = grazing_start(p, mapping, t_m=t_m, t0=t0, digits=GRAZE_DIGITS).start
-            error = UNITS_OF_V0 * start["start_error"][2]
+            # Half of the digits remain at the graze, where the gap is a square.
+            start = grazing_start(p, mapping, t_m=t_m, t0=t0, digits=95).start
+            error = 5 * start["start_error"][2]  # the exact v0 is within so many units of the last digit
             name = f"graze-{regime.replace(' ', '-')}-{mapping}"
             yield ReferenceCase(
                 name,

@@ -330,6 +330,8 @@ def test_results_as_tables() -> None:
     assert frame["max_error_v"].tolist() == [check.max_error_v for check in checks]
     assert frame["wrong_steps"].tolist() == [len(check.wrong_steps) for check in checks]
     assert frame["reason"].tolist()[0] == ""
+    assert frame[["t_first", "t_last"]].drop_duplicates().values.tolist() == [[T[0], T[-1]]]
+    assert frame["max_defect_v"].tolist() == [np.max(np.abs(check.defects[:, 1])) for check in checks]
     data = checks.to_xarray()
     assert dict(data.sizes) == {"solution": 3}
     assert data["samples"].sel(solution="1").item() == 60

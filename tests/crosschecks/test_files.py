@@ -231,6 +231,11 @@ def test_columns_may_be_named_by_their_numbers() -> None:
         read(text)
 
 
+def test_a_header_may_hold_numbers() -> None:
+    found = read("t,x,1\n0,1,2\n1,2,3\n", v="1")
+    assert [found[name].tolist() for name in "txv"] == [[0, 1], [1, 2], [2, 3]]
+
+
 def test_what_spreadsheets_and_fortran_write() -> None:
     assert read("sep=;\nt;x;v\n0,5;1;2\n1,5;2;3\n")["t"].tolist() == [0.5, 1.5]
     assert read("1.5D-03 1.D0 2d+1\n1.5 2 3\n")["t"].tolist() == [1.5e-3, 1.5]

@@ -23,6 +23,7 @@ from symosc.crosschecks.objects import (
     MOST_TIMES,
     find_columns,
     of_function,
+    read_column_names,
     run_solver,
     solutions_in,
 )
@@ -319,6 +320,26 @@ def test_the_exact_name_comes_first_then_usual_ones_in_any_case() -> None:
     assert find_columns(["t", "x", "events"], {}, "here") == {"t": "t", "x": "x"}
     assert find_columns(["t", "x", "w"], {"v": None}, "here") == {"t": "t", "x": "x"}
     assert find_columns(["t", "A", "w"], {"x": "a", "v": "w"}, "here") == {"t": "t", "x": "A", "v": "w"}
+
+
+def test_columns_are_asked_for_one_by_one() -> None:
+    for columns, words in (
+        ({"t": "a", "x": "a"}, "three columns"),
+        ({"x": "v"}, "three columns"),
+        ({"y": "a"}, "only"),
+    ):
+        with pytest.raises(ParameterError, match=words):
+            read_column_names(columns)
+    assert read_column_names({"t": "a", "v": "None"}) == {"t": "a", "v": None}
+
+
+@pytest.mark.parametrize(("off", "there"), [(5e-5, True), (5e-4, False)])
+def test_events_of_a_solver_are_at_a_belt_relative_to_the_largest_velocity(off: float, there: bool) -> None:
+    p = load_scene("fig9").parameters.replace(v1=-100, v2=100)
+    states = [np.array([[0.0, 100 + off]])]
+    result = SimpleNamespace(t=T, y=np.array([X, V]), t_events=[np.array([1.0])], y_events=states)
+    (samples,) = solutions_in(result, {}, p)
+    assert samples.events == (((1.0, ""),) if there else None)
 
 
 # -- samples -----------------------------------------------------------------------------------------------------------

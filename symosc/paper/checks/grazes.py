@@ -386,8 +386,6 @@ def curves_meet(figure: Graze) -> Evidence:
 # --- do the printed starts graze, and if not, does one misprinted number explain it? ---
 
 START = ("t0", "x0", "v0")
-#: A parameter is printed with no more significant digits than this.
-MISPRINTED_DIGITS = 3
 #: A phase of the contact is a quarter of a turn if it is within so much of one.
 PHASE = 1e-4
 
@@ -471,8 +469,8 @@ def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bo
 # flow from the printed start touches the belt, and never is beyond it, explains the figure if it is no longer than what
 # is printed.
 
-#: Periods after the start in which a graze is sought, instants in them, and values of a number left free.
-SEARCHED_PERIODS, INSTANTS, VALUES = 3, 300, 201
+#: Instants in which a graze is sought, and values of a number left free.
+INSTANTS, VALUES = 300, 201
 LONGEST = 12
 
 
@@ -523,7 +521,7 @@ class FreeValue:
             return True
         if self.name == "t0":
             return len(self.shortest.partition(".")[2]) <= 1
-        return len(self.shortest.replace(".", "").lstrip("-0")) <= MISPRINTED_DIGITS
+        return len(self.shortest.replace(".", "").lstrip("-0")) <= 3  # a parameter is printed with no more
 
 
 def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray:
@@ -608,7 +606,7 @@ def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, f
     exact = {name: Fraction(value) for name, value in change.items() if name not in START}
     p = scene.parameters.replace(**exact) if exact else scene.parameters
     A, belt = float(p.A(at.domain)), float(p.belt(at.boundary))
-    times = start[0] + SEARCHED_PERIODS * 2 * np.pi / float(p.Omega) * np.arange(INSTANTS + 1) / INSTANTS
+    times = start[0] + 3 * 2 * np.pi / float(p.Omega) * np.arange(INSTANTS + 1) / INSTANTS
 
     def beyond(t: Any) -> Any:
         return at.side * (flow(p, A, start, t)[1] - belt)

@@ -343,8 +343,6 @@ def printed_planes(speed: Any, delta: Any) -> tuple[Any, Any]:
 
 MAPPED_SCENES = ("fig5", "fig6", "fig8", "fig9", "fig10", "fig7-exact", "fig8-exact")
 FLIGHTS = ("P2", "P3", "P5", "P6", "P7", "P8")
-#: A residual that vanishes, relative to the size of its terms.
-NO_RESIDUAL = 1e-11
 #: Exact contacts that are searched for ends of sticks, and for grazes.
 EXIT_CASES = 300
 
@@ -489,7 +487,7 @@ def governing_equations() -> Evidence:
         for label in FLIGHTS
     }
     largest, by_dop853 = max(worst.values()), max(other.values())
-    right = all(counts[label] for label in FLIGHTS) and largest < NO_RESIDUAL and by_dop853 < DOP853_AGREEMENT
+    right = all(counts[label] for label in FLIGHTS) and largest < 1e-11 and by_dop853 < DOP853_AGREEMENT
     finding = f"f₁ = f₂ = 0 at the ends of {counts.total()} flights of six kinds, to {largest:.1g}"
     return Evidence(verdict(right), f"{finding}; by DOP853 to {by_dop853:.1g}.", numbers)
 

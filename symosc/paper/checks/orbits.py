@@ -415,16 +415,10 @@ def _one_digit(scene: Scene, start: list[Nearest]) -> str:
 
 #: How far a parameter is varied: this many times its size (at least 1) both ways, as far as the model allows.
 REACH = 10
-#: Values of a parameter that are tried: so many evenly spaced, and so many on each side ever closer to what is printed.
-EVEN_VALUES, CLOSER_VALUES = 120, 50
-#: So many of the smallest misses are minimised; an orbit is sought where the miss is below this.
-VALLEYS, NEAR_MISS = 3, 0.002
 # The least of a parameter that must stay positive, as a part of its printed value (k = 0 has no orbit).
 LEAST = 1e-3
 # How long is followed, in periods: the event that may be the return can be late.
 FOLLOWED = Fraction(5, 4)
-# What counts as infinitely far from the printed start.
-OUT_OF_SIGHT = 1e9
 
 
 @dataclass(frozen=True)
@@ -486,18 +480,19 @@ def search_parameters(scene: Scene, names: tuple[str, ...] = PARAMETER_NAMES) ->
 def _search_parameter(scene: Scene, name: str) -> Nearest:
     """Return the value of one parameter for which the motion is nearest to a periodic orbit."""
     value, (low, high) = float(getattr(scene.parameters, name)), range_of(scene.parameters, name)
-    closer = np.geomspace(LEAST, 1.0, CLOSER_VALUES)
+    # Values evenly spaced, and on each side ever closer to what is printed; the smallest misses are minimised.
+    closer = np.geomspace(LEAST, 1.0, 50)
     near = [value - (value - low) * closer, value + (high - value) * closer]
-    values = np.unique(np.concatenate([np.linspace(low, high, EVEN_VALUES), *near, [value]]))
+    values = np.unique(np.concatenate([np.linspace(low, high, 120), *near, [value]]))
     misses = _misses(scene, name, values)
     sizes = np.abs(misses).max(axis=1)
     best, value, orbit = misses[sizes.argmin()], float(values[sizes.argmin()]), False
     padded = np.array([inf, *sizes, inf])
     valleys = np.flatnonzero((sizes <= padded[:-2]) & (sizes <= padded[2:]) & (sizes < inf))
-    for i in valleys[np.argsort(sizes[valleys])][:VALLEYS]:
+    for i in valleys[np.argsort(sizes[valleys])][:3]:
         around = float(values[max(i - 1, 0)]), float(values[min(i + 1, len(values) - 1)])
         at, miss = _least(lambda number: _misses(scene, name, np.array([number]))[0], around)
-        if np.abs(miss).max() < NEAR_MISS:
+        if np.abs(miss).max() < 0.002:
             exact, gap = _least(lambda number: _gap(scene, name, number), around)
             if np.abs(gap).max() < np.abs(best).max():
                 best, value, orbit = gap, exact, True
@@ -510,7 +505,7 @@ def _least(miss: Callable[[float], np.ndarray], around: tuple[float, float]) -> 
     """Minimise the larger component of a miss."""
 
     def size(number: float) -> float:
-        return min(float(np.abs(miss(float(number))).max()), OUT_OF_SIGHT)  # parabolas through infinite values are none
+        return min(float(np.abs(miss(float(number))).max()), 1e9)  # parabolas through infinite values are none
 
     found = minimize_scalar(size, bounds=around, method="bounded")
     return float(found.x), np.asarray(miss(float(found.x)))

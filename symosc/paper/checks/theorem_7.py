@@ -170,10 +170,6 @@ def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
 
 # --- the windows ---
 
-CHECKED_PHASES = 100
-# Ends of computed windows are the nearest doubles.
-WINDOW_TOLERANCE = 1e-14
-
 
 def window(mapping: str, *scenes: str) -> Evidence:
     """Eqs. (55) to (58): the printed cases by the exact flow, and computed windows by three numerical ways."""
@@ -196,7 +192,7 @@ def window(mapping: str, *scenes: str) -> Evidence:
     }
     mismatches = 0
     for name in scenes:
-        report = check_grazing(load_scene(name).parameters, mapping, n=CHECKED_PHASES)
+        report = check_grazing(load_scene(name).parameters, mapping, n=100)
         mismatches += len(report.mismatches)
         agreed = " / ".join(map(str, report.agreements.values()))
         numbers[f"{name}, case {report.case}: phases agreed on by {' / '.join(report.agreements)}"] = agreed
@@ -220,7 +216,7 @@ def _same_ends(mapping: str) -> list[bool]:
             for _, arcs in printed_window(mapping, gamma, amplitude):
                 printed = [(angle(arc.low), angle(arc.high), arc.closed) for arc in arcs]
                 same = np.shape(ours) == np.shape(printed)
-                found.append(same and (not arcs or np.abs(np.subtract(ours, printed)).max() < WINDOW_TOLERANCE))
+                found.append(same and (not arcs or np.abs(np.subtract(ours, printed)).max() < 1e-14))
     return [bool(each) for each in found]
 
 
@@ -295,13 +291,10 @@ def equality() -> Evidence:
 
 # --- the contact itself: eqs. (59) to (66), gamma, and the unknowns ---
 
-#: Contacts of each mapping's boundary that are searched for arrivals.
-ARRIVALS = 60
 #: The mappings that can end where a flow grazes: the named one, and the one from the other belt.
 ENDS = {"P2": ("P2",), "P3": ("P3", "P7"), "P5": ("P5", "P8"), "P6": ("P6",)}
 #: Grazes at these phases, of the oscillators of these figures, are traced back.
 TRACED = {"fig5": ("P2", "P3", "P5", "P6"), "fig8": ("P3", "P5"), "fig10": ("P5", "P6")}
-TRACED_PHASES = (0.3, 1.3, 2.3, 3.3, 4.4, 5.5)
 
 
 def without_force() -> Evidence:
@@ -309,7 +302,7 @@ def without_force() -> Evidence:
     arrivals = inside = 0
     shown: dict[str, Any] = {}
     for mapping, where in PLACES.items():
-        for contact in contacts(where.boundary, ARRIVALS, seed=70 + where.equation):
+        for contact in contacts(where.boundary, 60, seed=70 + where.equation):
             p, force = contact.p, contact.force(where.domain)
             # The flow of the domain reaches the boundary, and with F not 0 it goes straight through.
             if force * where.side <= 0 or p.B0 <= 0:
@@ -399,7 +392,7 @@ def mappings_that_graze() -> Evidence:
     for name, mappings in TRACED.items():
         p = load_scene(name).parameters
         for mapping in mappings:
-            for theta in filter(grazing_window(p, mapping).contains, TRACED_PHASES):
+            for theta in filter(grazing_window(p, mapping).contains, (0.3, 1.3, 2.3, 3.3, 4.4, 5.5)):
                 start = grazing_start(p, mapping, theta)
                 end = Fraction(float(start.t_m)) + Fraction(1, 1000)
                 motion = recorded(simulate(p, **start.start, t_end=end, max_events=1))

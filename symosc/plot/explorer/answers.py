@@ -188,8 +188,6 @@ def _end(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
 
 #: More events than this are not followed, and more than these not listed: an answer takes no longer than a look.
 MOST_SHOWN_EVENTS, TABLE_ROWS = 300, 100
-#: Errors of events, relative to max(1, |value|): no picture and no number of the page shows more.
-SHOWN_ACCURACY = 1e-9
 SAMPLING = Sampling(per_period=60, least=12, most=1000)
 #: Digits of the curves' points, relative to what a plot shows: enough to look a thousand times closer.
 DRAWN_DIGITS = 7
@@ -197,12 +195,6 @@ AXIS_MARGIN = 0.06
 
 #: The dial: the radius of a belt's ring, and how far inside of it its events are marked.
 RINGS, INSIDE = {1: 0.62, 2: 1.0}, 0.15
-#: Belts nearer to each other than this part of the axis have one name.
-NEAR_NAMES = 0.13
-#: What a stick is shaded with, by its belt.
-STICK_SHADES = {1: "#e3e6eb", 2: "#b4bac6"}
-#: A window's arc and its name: dark for contacts from below, light for those from above.
-BELOW_COLORS, ABOVE_COLORS = ("#1f3fd6", "white"), ("#c3cdf5", "black")
 ARC_COLUMNS = ("radius", "low", "high", "color", "text", "map", "label_x", "label_y")
 MARKERS = {"o": "circle", "s": "square", "^": "triangle", "*": "star"}
 
@@ -218,7 +210,8 @@ def answer(link: str, default: Scene) -> Record:
     if scene is None:
         return content
     try:
-        trajectory = simulate(scene, max_events=MOST_SHOWN_EVENTS, accuracy=SHOWN_ACCURACY)
+        # No picture and no number of the page shows more.
+        trajectory = simulate(scene, max_events=MOST_SHOWN_EVENTS, accuracy=1e-9)
         return content | {"notes": notes + _notes(scene, trajectory)} | _shown(scene, trajectory)
     except ParameterError as error:
         errors[error.name if error.name in FIELDS else ""] = error.allowed
@@ -265,7 +258,7 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
             "sticks": {
                 "since": [each.since for each in sticks],
                 "until": [each.until for each in sticks],
-                "shade": [STICK_SHADES[each.belt] for each in sticks],
+                "shade": [{1: "#e3e6eb", 2: "#b4bac6"}[each.belt] for each in sticks],
             },
             "arcs": _arcs(windows),
             "contacts": _contacts(view),
@@ -357,7 +350,7 @@ def _belts(view: View, v_range: tuple[float, float]) -> Record:
     places = [min(max(speed, low), high) for speed in speeds]
     texts = [f"{arrows[i]}belt {i + 1}" for i in (0, 1)]
     names = list(zip(places, texts, strict=True))
-    if places[1] - places[0] < NEAR_NAMES * (high - low):  # they would lie over each other
+    if places[1] - places[0] < 0.13 * (high - low):  # they would lie over each other
         names = [(places[drawn.index(True) if any(drawn) else 0], f"{texts[1]}\n{texts[0]}")]
     return {"speeds": speeds, "drawn": drawn, "names": names}
 
@@ -383,7 +376,7 @@ def _arcs(windows: Sequence[GrazingWindow]) -> Record:
     rows = []
     for window in windows:
         radius = RINGS[window.place.boundary]
-        colors = BELOW_COLORS if _from_below(window) else ABOVE_COLORS
+        colors = ("#1f3fd6", "white") if _from_below(window) else ("#c3cdf5", "black")
         pieces = [(low, high) for low, high, *_ in window.intervals]
         if len(pieces) == 2:  # they meet at the phase 0
             pieces = [(pieces[1][0] - 2 * pi, pieces[0][1])]

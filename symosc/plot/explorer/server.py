@@ -56,11 +56,8 @@ except ImportError:
     raise MissingExtraError("explore", "explore") from None
 
 HOST, PORT = "127.0.0.1", 8519
-HOST_NAMES = (HOST, "localhost")
 #: A scene file has about 500 bytes.
 MOST_BYTES = 100_000
-#: Seconds for which a connection may say nothing.
-IDLE_SECONDS = 30.0
 #: The page loads nothing from elsewhere.
 POLICY = "default-src 'self' 'unsafe-inline'; img-src 'self' data: blob:"
 
@@ -92,7 +89,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     server: ExplorerServer
     protocol_version = "HTTP/1.1"
-    timeout = IDLE_SECONDS
+    timeout = 30.0  # seconds for which a connection may say nothing
     disable_nagle_algorithm = True  # else the kernel holds the text back until the headers are acknowledged
 
     def do_GET(self) -> None:
@@ -128,7 +125,7 @@ class _Handler(BaseHTTPRequestHandler):
     def _is_for_us(self) -> bool:
         """Return whether a request is for this machine, and from our page, a link, or no browser."""
         host = self.headers.get("Host", "").lower()
-        if host.partition(":")[0] not in HOST_NAMES:
+        if host.partition(":")[0] not in (HOST, "localhost"):
             return False  # a page of another site may point a name of its own here
         if self.headers.get("Origin", f"http://{host}").lower() != f"http://{host}":
             return False
@@ -238,7 +235,6 @@ COLUMNS = {
     "start": ("x", "v"),
     "now": ("t", "x", "v"),
 }
-RING_WIDTH = 15
 
 
 def pictures() -> dict[str, Any]:
@@ -361,7 +357,7 @@ def _dial(sources: dict[str, ColumnDataSource]) -> Any:
             "y_offset": (0, -7, 0, 7)[quarter],
         }
         plot.text([1.23 * across], [1.23 * up], [text], text_font_size="13px", text_baseline="middle", **aside)
-    ring: Record = {"line_color": "color", "line_width": RING_WIDTH}
+    ring: Record = {"line_color": "color", "line_width": 15}
     plot.arc(0, 0, "radius", "low", "high", source=sources["arcs"], **ring)
     name: Record = {"text_font_size": "11px", "text_font_style": "bold", "text_align": "center", "text_color": "text"}
     plot.text("label_x", "label_y", "map", source=sources["arcs"], text_baseline="middle", **name)
