@@ -9,9 +9,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sympy as sp
+from cli_runs import run
 from other_models import KINDS, TURN, Original, drawn
 
-from symosc import OtherModel, ParameterError, Scene, SceneError, crosscheck, find_orbit, simulate, sweep
+from symosc import (
+    OtherModel,
+    ParameterError,
+    Scene,
+    SceneError,
+    crosscheck,
+    find_orbit,
+    frequency_response,
+    load_scene,
+    simulate,
+    sweep,
+)
 from symosc.scenes import as_toml, read_scene
 
 
@@ -179,3 +191,30 @@ def test_what_does_not_turn_back_says_so() -> None:
     for given in ({"x0": 1}, {"t_end": -1}):
         with pytest.raises(ParameterError, match="t_end"):
             simulate(drawn("all", 1), **given)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "simulate wall.toml --set Y=2",
+        "figure wall.toml -o a.svg",
+        "orbit wall.toml",
+        "orbit wall.toml --response Omega=1:2:3 -o b.svg",
+        "grazing wall.toml --map P2 --set Y=2",
+        "scenes wall.toml --json",
+        "new mine.toml --like wall.toml",
+    ],
+)
+def test_commands_take_such_a_file(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("wall.toml").write_text(FILE)
+    done = run(*line.split())
+    assert done.exit_code == 0, done.output
+    reduced = line.split()[0] in ("orbit", "grazing") and "--response" not in line
+    assert ("about the oscillator that it is" in done.stderr) == reduced
+    if line.startswith("new"):
+        assert load_scene("mine.toml").original == load_scene("wall.toml").original
+    if "--response" in line:
+        assert len(done.stdout.splitlines()) == 5
+        found = frequency_response("wall.toml", {"Omega": "1:2:3"})
+        assert f"{found.amplitude[1]:.8g}" in done.stdout
