@@ -96,6 +96,8 @@ from .reductions import OtherModel as OtherModel
 from .reference.case import KnownEvent as KnownEvent
 from .reference.case import ReferenceCase as ReferenceCase
 from .reference.cases import reference_cases as reference_cases
+from .response import FrequencyResponse as FrequencyResponse
+from .response import frequency_response as frequency_response
 from .scenes import Original as Original
 from .scenes import Scene as Scene
 from .scenes import load_scene as load_scene

@@ -191,7 +191,8 @@ class OtherModel:
     angle: Fraction = Fraction(0)
 
     def __post_init__(self) -> None:
-        joined = {"true": True, "false": False}.get(self.joined) if isinstance(self.joined, str) else self.joined
+        joined: Any = self.joined
+        joined = {"true": True, "false": False}.get(joined) if isinstance(joined, str) else joined
         if not isinstance(joined, bool):
             raise ParameterError("joined", self.joined, "must be true or false")
         object.__setattr__(self, "joined", joined)

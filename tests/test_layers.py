@@ -26,7 +26,7 @@ LEVELS = [
     {"mappings", "simulation"},
     {"symbolic"},
     {"orbits", "crosschecks", "sweeps", "sensitivities"},
-    {"grazing", "fit", "jax"},
+    {"grazing", "fit", "jax", "response"},
     {"certificates"},
     {"reference"},
     {"plot"},

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symosc import find_orbit, grazing_window, load_scene, read_word
+from symosc import OtherModel, Scene, find_orbit, frequency_response, grazing_window, load_scene, read_word
 
 
 def test_parameters_in_the_papers_letters() -> None:
@@ -24,3 +24,9 @@ def test_windows_and_orbits() -> None:
     text = find_orbit(p, "P32")._repr_latex_()
     assert r"P_2: & 0.181670397924 & 4.15492066133" in text
     assert r"\lambda = -0.0168023 + 0.0695943\,\mathrm{i}" in text
+
+
+def test_frequency_responses_and_scenes_of_other_models() -> None:
+    assert "<svg" in (frequency_response("fig9", {"Omega": [4, 5]})._repr_html_() or "")
+    model = OtherModel(m=1, k=1, Omega=1, FN=1, Y="5/3", joined=True)
+    assert "5/3" in (Scene("wall", model, 0, 0, 0, 9)._repr_html_() or "")  # type: ignore[arg-type]

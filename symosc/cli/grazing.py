@@ -16,6 +16,7 @@ from symosc.cli.common import (
     optional_scene,
     read_parameters,
     read_span,
+    reduced_scene,
     set_option,
     write,
     write_json,
@@ -171,8 +172,8 @@ def _parameters(scene: str | None, settings: tuple[str, ...]) -> tuple[str | Non
     """Return the scene's name and parameters, or None and the parameters that were all given by --set."""
     changes = read_parameters(settings)
     if scene is not None:
-        problem = load_scene(scene)
-        return problem.name, problem.parameters.replace(**changes)
+        problem = reduced_scene(load_scene(scene).changed(**changes))
+        return problem.name, problem.parameters
     for name in changes:
         if name not in PARAMETER_NAMES:
             raise ParameterError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -21,12 +22,15 @@ from symosc.cli.common import (
     scene_argument,
     scene_with,
     set_option,
+    split_setting,
     write,
     write_json,
+    write_table,
 )
 from symosc.display.tables import plain_table
 from symosc.exact import show
 from symosc.model import PARAMETER_NAMES
+from symosc.reductions import MODEL_NAMES
 
 if TYPE_CHECKING:
     from symosc.orbits.branch import Branch
@@ -54,7 +58,13 @@ if TYPE_CHECKING:
     help="Follow it over a parameter, such as Omega=3:5.",
 )
 @click.option(
-    "-o", "--output", metavar="FILE", help="Draw the orbit, or the branch: .pdf, .svg or .png. -: SVG to stdout."
+    "--response",
+    metavar="NAME=LOW:HIGH:N",
+    shell_complete=complete(MODEL_NAMES, "="),
+    help="Amplitude, energies and so on of the settled motion over a parameter, such as Omega=1:5:80.",
+)
+@click.option(
+    "-o", "--output", metavar="FILE", help="Draw orbit, branch or response: .pdf, .svg or .png. -: SVG to stdout."
 )
 @json_option
 def orbit(
@@ -64,6 +74,7 @@ def orbit(
     periods: int | None,
     digits: int | None,
     span: str | None,
+    response: str | None,
     output: str | None,
     as_json: bool,
 ) -> int:
@@ -78,12 +89,18 @@ def orbit(
       symosc orbit fig9
       symosc orbit fig10 --structure P4645 --digits 30
       symosc orbit fig9 --structure P32 --continue Omega=3:5 -o branch.pdf
+      symosc orbit fig9 --response Omega=1:8:80 -o response.pdf
     """
     from symosc.orbits.closing_equations import ConvergenceError
     from symosc.orbits.find import find_orbit
 
     piped = goes_to_stdout(output, "--output", as_json)
     problem = scene_with(scene, settings, {})
+    if response is not None:
+        if structure or span or periods or digits:
+            reason = "it is that of the settled motion: leave out --structure, --continue, --periods and --digits"
+            raise click.BadParameter(reason, param_hint="--response")
+        return _response(problem, response, output, as_json, piped)
     if span is not None and problem.original is not None:
         reason = f"{problem.name} is of another model, whose drive changes with its parameters: no branch is followed"
         raise click.BadParameter(reason, param_hint="--continue")
@@ -112,6 +129,33 @@ def orbit(
     elif not found.admissible:
         click.echo(_report(problem, found, branch), err=True)
     return 0 if found.admissible else FAILED
+
+
+def _response(problem: Scene, over: str, output: str | None, as_json: bool, piped: bool) -> int:
+    """Print and draw a frequency response."""
+    from symosc.response import frequency_response
+
+    name, values = split_setting(over, "--response", "NAME=LOW:HIGH:N, such as Omega=1:5:80")
+    check_picture(output)
+    found = frequency_response(problem, {name: values}, progress=True)
+    if output is not None:
+        from symosc import plot
+
+        plot.save(plot.response_figure(found), output)
+    columns = {head: column.tolist() for head, column in found.columns().items()}
+    if as_json:
+        finite = {head: [_finite(value) for value in column] for head, column in columns.items()}
+        write_json({"scene": problem.name, **finite})
+    elif not piped:
+        table = zip(*columns.values(), strict=True)
+        rows = [[f"{each:.8g}" if isinstance(each, float) else each for each in row] for row in table]
+        write_table(rows, [head.replace("_", " ") for head in columns])
+    return 0
+
+
+def _finite(value: Any) -> Any:
+    """Return a value that JSON has: None in place of a number that is not finite."""
+    return None if isinstance(value, float) and not -inf < value < inf else value
 
 
 def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:

@@ -55,7 +55,11 @@ def _scene_data(scene: Scene) -> Record:
     start = {name: show(getattr(scene, name)) for name in START_NAMES}
     about = {"name": scene.name, "source": scene.source, "structure": scene.structure}
     error = None if scene.start_error is None else [show(each) for each in scene.start_error]
-    return {**about, **start, "start_error": error, "parameters": scene.parameters.as_dict()}
+    data: Record = {**about, **start, "start_error": error, "parameters": scene.parameters.as_dict()}
+    if scene.original is not None:
+        own: Record = {name: show(getattr(scene.original, name)) for name in START_NAMES}
+        data["original"] = own | {"model": scene.original.model.as_dict()}
+    return data
 
 
 @click.command()

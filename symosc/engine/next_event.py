@@ -262,7 +262,7 @@ def creeps_for_ever(state, K):
 
 def flight_noise(state, now, K):
     """Return the rounding errors of x and v that accumulate on a flight from `state` to `now`."""
-    tau, v0, F0, S = now.tau, state.v, state.Fb, state.S
+    tau, v0, F0, S = abs(now.tau), state.v, state.Fb, state.S  # tau < 0: the last event was a rounding past the end
     speed = abs(v0) + velocity_scale(tau, v0, F0, K)
     reach = select(tau < K.swing, tau, K.swing)
     # terms of the acceleration; behind a stick friction's jump was one of them

@@ -105,7 +105,9 @@ def find_orbit(
     (True, '1.570796', ['0.181670', '0.992371'])
     """
     if word is None:
-        return _settled(parameters, digits)
+        if parameters.c == 0:
+            raise ParameterError("word", None, "is needed without a damper: for c = 0 a motion need not settle")
+        return settled_orbit(parameters, digits)
     found = read_word(word)
     if len(found.labels) > MOST_MAPPINGS:
         reason = f"has {len(found.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
@@ -123,12 +125,10 @@ def find_orbit(
     return orbit_at(*_best_root(equations, batches), digits)
 
 
-def _settled(parameters: Parameters, digits: int | None) -> PeriodicOrbit:
-    """Return the orbit to which the motion from rest settles."""
-    if parameters.c == 0:
-        raise ParameterError("word", None, "is needed without a damper: for c = 0 a motion need not settle")
-    reason, tried = f"the motion from rest does not settle within {SETTLING_PERIODS[-1]:,} forcing periods", [""]
-    for periods in SETTLING_PERIODS:
+def settled_orbit(parameters: Parameters, digits: int | None = None, most: int = SETTLING_PERIODS[-1]) -> PeriodicOrbit:
+    """Return the orbit to which the motion from rest settles within `most` periods; ConvergenceError if it does not."""
+    reason, tried = f"the motion from rest does not settle within {most:,} forcing periods", [""]
+    for periods in (each for each in SETTLING_PERIODS if each <= most):
         end = 2 * pi * periods / float(parameters.Omega)
         summary = simulate_many(parameters, (0, 0, 0), end, record=("status", "t", "word", "multiplicity"))
         if summary.status[0] == "undecidable":

@@ -40,6 +40,7 @@ DRAWN_BY = {
     "symosc.symbolic.inverse.ParameterRegion": "region_figure",
     "symosc.crosschecks.report.CrossCheck": "crosscheck_figure",
     "symosc.fit.Fit": "fit_figure",
+    "symosc.response.FrequencyResponse": "response_figure",
     "symosc.certificates.certificate.Certificate": "certificate_figure",
     "symosc.sweeps.output.SweptDataset": "swept_figure",
 }

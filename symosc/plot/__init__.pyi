@@ -14,6 +14,7 @@ from .judged import crosscheck_figure as crosscheck_figure
 from .judged import fit_figure as fit_figure
 from .judged import score_figure as score_figure
 from .judged import step_figure as step_figure
+from .response import response_figure as response_figure
 from .sweeps import basin_figure as basin_figure
 from .sweeps import bifurcation_figure as bifurcation_figure
 from .sweeps import curve_figure as curve_figure

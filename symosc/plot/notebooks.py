@@ -25,6 +25,7 @@ from symosc.orbits.border import Border
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.quantities import QUANTITIES, unit_of
+from symosc.response import FrequencyResponse
 from symosc.scenes import START_NAMES, Scene
 from symosc.simulation.tables import EventTable, Summary, counted, select_rows, statuses
 from symosc.simulation.trajectory import Trajectory
@@ -160,6 +161,15 @@ def border_page(border: Border) -> str:
     return page("Border", line, table((first, second, "error"), rows, len(border)), drawn, facts(about))
 
 
+def response_page(found: FrequencyResponse) -> str:
+    """Return the page of a frequency response: some of its rows, and the amplitude."""
+    names = ("status", "word", "amplitude", "transmissibility", "phase", "dissipated", "stuck", "balance_error")
+    rows = [[found.values[i], *(shown(getattr(found, name)[i]) for name in names)] for i in ends(len(found))]
+    drawn = curve(f"amplitude against {found.name}", found.values, found.amplitude)
+    line, heads = f"over {found.name}, {counted(len(found), 'value')}", [name.replace("_", " ") for name in names]
+    return page("FrequencyResponse", line, table([found.name, *heads], rows, len(found)), drawn)
+
+
 def window_page(window: GrazingWindow) -> str:
     """Return the page of a grazing window: its intervals and its case."""
     place = window.place
@@ -210,7 +220,8 @@ def scene_page(scene: Scene) -> str:
         for name, value in (scene.parameters.as_dict() | start).items()
     ]
     error = scene.start_error and ", ".join(f"{float(each):.1g}" for each in scene.start_error)
-    about = {"source": scene.source, "structure": scene.structure, "t0, x0, v0 known to": error}
+    model = repr(scene.original.model) if scene.original else None
+    about = {"source": scene.source, "structure": scene.structure, "t0, x0, v0 known to": error, "of the model": model}
     heads = ("", "value", "meaning", "unit in SI")
     about = {name: cut(each) if each else None for name, each in about.items()}
     return page("Scene", scene.name, table(heads, rows[:8]), table(heads, rows[8:]), facts(about))
@@ -241,6 +252,7 @@ PAGES: dict[type, Callable[..., str | None]] = {
     PeriodicOrbit: orbit_page,
     Branch: branch_page,
     Border: border_page,
+    FrequencyResponse: response_page,
     GrazingWindow: window_page,
     CrossCheck: crosscheck_page,
     Certificate: certificate_page,

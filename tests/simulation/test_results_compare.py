@@ -53,6 +53,7 @@ CALLS: dict[str, Callable[[], Any] | None] = {
     "crosscheck": lambda: symosc.crosscheck("fig5", TIMES, *WRONG),
     "find_orbit": lambda: ORBIT,
     "fit": lambda: symosc.fit("fig5", [(0.1223, "stick"), (1.221, "slip")], "mu1"),
+    "frequency_response": lambda: symosc.frequency_response("fig9", {"Omega": [4, 5]}),
     "grazing_curve": lambda: symosc.grazing_curve(FIG9, "P2", n=9),
     "grazing_start": lambda: symosc.grazing_start(FIG9, "P2", "3.1"),
     "grazing_window": lambda: symosc.grazing_window(FIG9, "P2"),

@@ -14,7 +14,7 @@ import pytest
 from agreement import assert_agrees, assert_event_agrees
 from oracle import OracleRun, simulate_oracle
 
-from symosc import load_scene, simulate
+from symosc import Parameters, load_scene, simulate
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 TARGETS = {"1": "Omega1", "2": "Omega2", "3": "Omega3"}
@@ -157,3 +157,12 @@ def test_progress_tells_the_part_of_the_time_and_changes_nothing(digits: int | N
     told.clear()
     simulate("fig9", t_end=1e6, max_events=4, digits=digits, progress=lambda part, all: told.append((part, all)))
     assert [part for part, _ in told] == ([0.25, 0.5, 0.75, 1.0] if digits else [1.0])
+
+
+def test_an_end_on_an_event_is_reached() -> None:
+    """A flight after an event that is found a rounding past the end has a length below 0, and an error that is not."""
+    p = Parameters(m=1, c=0, k=1, A0=0, B0="0.81", Omega="0.9", v1=0, v2=10, mu1=1, mu2=0, FN="0.25")
+    start = {"t0": 0.42055664276459315, "x0": 3.961409915233731, "v0": 0}
+    motion = simulate(p, **start, t_end=7.401873650741911)
+    assert [event.kind for event in motion.events] == ["cross", "cross"]
+    assert all(0 < event.x_error < 1e-13 for event in motion.events)

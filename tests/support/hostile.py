@@ -145,7 +145,7 @@ VALID: dict[str, set[str]] = {
     **_each("p parameters", {"Parameters", "Scene"}),
     **_each("scene what subject windows", {"Scene"}),
     **{f"{name} scene": {"Scene", "Parameters"} for name in ("sweep", "sweep_status")},
-    "certify what": {"Scene", "Parameters"},
+    **{f"{name} what": {"Scene", "Parameters"} for name in ("certify", "frequency_response")},
     **_each("first second", {"[1,2]", "array", "series"}),
     "accuracy": NUMBER | {"inf"},
     "columns": {"{}"},
@@ -241,6 +241,7 @@ OVER = {"Omega": "3:5:3", "FN": [5, 10]}
 TWO = [(0, 0, 0), (0, 1, 0)]
 MAKERS: dict[str, Callable[[], Any]] = {
     "trajectory": lambda: symosc.simulate("fig5", t_end=3),
+    "response": lambda: symosc.frequency_response("fig9", {"Omega": [4, 5]}),
     "moved": lambda: symosc.simulate(symosc.OtherModel(m=1, k=1, Omega=2, FN=1, Y=1, joined=True), t_end=3),
     "sensitivities": lambda: symosc.sensitivities("fig5", "mu1", t_end=3),
     "orbit": lambda: symosc.find_orbit(P9, "P32"),
@@ -300,6 +301,7 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "simulate": (s.simulate, {"scene": P5, **start, "max_events": 3}),
         "simulate digits": (s.simulate, {"scene": "fig6", "t_end": 2, "digits": 20}),
         "sensitivities": (s.sensitivities, {"what": P5, "wrt": ("mu1",), **start, "max_events": 3}),
+        "frequency_response": (s.frequency_response, {"what": "fig9", "over": {"Omega": [4]}}),
         "fit": (s.fit, {"what": "fig5", "data": [(0.1223, "stick"), (1.221, "slip")], "free": "mu1", "sigma": 1e-3}),
         "simulate_many": (
             s.simulate_many,
@@ -354,6 +356,8 @@ def of_answers() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "MovedTrajectory.__call__": (m("moved"), {"t": [1, 2]}),
         "MovedTrajectory.mode": (m("moved").mode, {"t": 1}),
         "MovedTrajectory.force": (m("moved").force, {"alpha": 1, "t": 1}),
+        "FrequencyResponse.to_csv": (m("response").to_csv, nowhere),
+        "FrequencyResponse.plot": (m("response").plot, {"panels": "a"}),
         "Trajectory.to_csv": (m("trajectory").to_csv, nowhere),
         "Trajectory.to_json": (m("trajectory").to_json, nowhere),
         "Trajectory.plot": (m("trajectory").plot, {"panels": "a", "boundary": 1, "columns": 1}),
@@ -397,6 +401,7 @@ def of_answers() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "plot.map_figure": (plot.map_figure, {"dataset": m("dataset")}),
         "plot.swept_figure": (plot.swept_figure, {"dataset": m("dataset")}),
         "plot.certificate_figure": (plot.certificate_figure, {"certificate": m("certificate")}),
+        "plot.response_figure": (plot.response_figure, {"found": m("response"), "panels": "b"}),
         "plot.fit_figure": (plot.fit_figure, {"found": m("fit"), "panels": "b"}),
         "plot.crosscheck_figure": (plot.crosscheck_figure, {"check": m("check"), "panels": "b"}),
         "plot.step_figure": (plot.step_figure, {"check": m("check"), "step": 0, "panels": "a"}),

@@ -1,0 +1,506 @@
+"""The frequency response: what the settled motion does per cycle of the drive, over one parameter.
+
+The settled motion is the periodic orbit, or the motion that meets no belt, or a rest: for each of them one cycle is
+followed, exactly. Its pieces are analytic; on each, cut in halves until that has converged, Legendre polynomials
+through Gauss's points give the integrals and the extremes. The energies that go in and that are lost are integrals of
+their own, so that their difference shows the error.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
+from math import asin, atan2, hypot, inf, nan, pi, sqrt
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import ArrayLike
+
+from symosc.aliases import Progress, SceneName
+from symosc.arguments import public
+from symosc.display.drawable import Drawable
+from symosc.display.frames import imported
+from symosc.display.progress import late_bar
+from symosc.errors import ParameterError, meant
+from symosc.files import write_text
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.orbits.closing_equations import ConvergenceError
+from symosc.orbits.find import find_orbit, settled_orbit
+from symosc.orbits.floquet import rest_positions
+from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.reductions import NUMBER_NAMES, Harmonic, OtherModel, harmonic, motion_of_belts
+from symosc.scenes import Scene, load_scene
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Segment, Trajectory
+from symosc.sweeps.plan import read_axis
+from symosc.words import Word, WordError
+
+#: Gauss points of a part of a piece, and what the last coefficients of its polynomials may be: as a part of the size of
+#: the motion or, where that is less, of this part of what the drive would do to the mass alone, or to the spring.
+POINTS, CONVERGED, SMALL_MOTION = 24, 1e-14, 1e-2
+#: How often a piece is halved at most, and where halving no longer helps because rounding is all that is left.
+MOST_HALVES, ROUNDING = 30, 1e-10
+#: Periods of a motion without events are cut into parts of this angle of the fastest of drive and oscillator.
+LONGEST_TURN = 2.0
+
+
+#: Periods after which motions from harmonic balance are looked at, and after which that from rest is given up.
+FOLLOWED = 3, 12, 48
+SETTLED_AFTER = 1000
+
+
+class Row(NamedTuple):
+    """The response at one value; see `FrequencyResponse`."""
+
+    status: str
+    word: str = ""
+    amplitude: float = nan
+    transmissibility: float = nan
+    phase: float = nan
+    harmonic: float = nan
+    work: float = nan
+    dissipated: float = nan
+    damper: float = nan
+    friction: float = nan
+    stuck: float = nan
+    balance: float = nan
+    balance_error: float = nan
+    error: float = nan
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FrequencyResponse(Drawable):
+    """The settled motion over one parameter, a row for each value; of another model in its coordinates.
+
+    Attributes
+    ----------
+    name : str
+        The parameter.
+    values : array, (n,)
+    status : array of str
+        "orbit", "marginal orbit", "linear" (meets no belt), "rest" (stays on a belt at rest), or why there is no
+        settled motion; then the numbers are nan.
+    word : array of str
+        The mapping structure of an orbit.
+    amplitude : array
+        Half the distance between the largest and the smallest x.
+    transmissibility : array
+        Of a moving base: the amplitude over that of the base. Else: half the range of the force that spring, damper and
+        friction pass on, over that of the excitation. nan if neither base nor force oscillates.
+    phase : array
+        How far the first harmonic of x is behind the excitation, in (-pi, pi]: behind the base, if that moves, else
+        the force, else the speeds of the belts.
+    harmonic : array
+        The amplitude of the first harmonic of x.
+    work, dissipated : array
+        Energies per cycle of the drive: what excitation, base and belts do on the mass, and what damper and belts turn
+        into heat. They are computed independently and are equal.
+    damper, friction : array
+        The two parts of `dissipated`.
+    stuck : array
+        Share of the time for which the mass is stuck to a belt.
+    balance, balance_error : array
+        The amplitude by harmonic balance (a single harmonic, and the first harmonic of friction), and how far it is
+        from `amplitude`, as a part of this.
+    error : array
+        Estimated error of `amplitude`.
+
+    Examples
+    --------
+    >>> from symosc import frequency_response
+    >>> found = frequency_response("fig9", {"Omega": [3.5, 4, 4.5]})
+    >>> found.word.tolist(), found.amplitude.round(6).tolist()
+    (['P32', 'P32', 'P32'], [3.845533, 4.200526, 4.618052])
+    >>> bool(abs(found.work - found.dissipated).max() < 1e-11)
+    True
+    """
+
+    name: str
+    values: np.ndarray
+    status: np.ndarray
+    word: np.ndarray
+    amplitude: np.ndarray
+    transmissibility: np.ndarray
+    phase: np.ndarray
+    harmonic: np.ndarray
+    work: np.ndarray
+    dissipated: np.ndarray
+    damper: np.ndarray
+    friction: np.ndarray
+    stuck: np.ndarray
+    balance: np.ndarray
+    balance_error: np.ndarray
+    error: np.ndarray
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return all columns by name, that of the parameter first."""
+        return {self.name: self.values} | {name: getattr(self, name) for name in Row._fields}
+
+    def to_pandas(self) -> Any:
+        """Return a DataFrame, a row per value; MissingExtraError if pandas is not installed."""
+        return imported("pandas").DataFrame(self.columns())
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the columns as CSV with a header ("-": to standard output); OutputError if it cannot be written."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(self.columns())
+        writer.writerows(zip(*(column.tolist() for column in self.columns().values()), strict=True))
+        write_text(path, text.getvalue())
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are the same response, nan being equal to nan."""
+        if not isinstance(other, FrequencyResponse):
+            return NotImplemented
+        mine, theirs = self.columns(), other.columns()
+        return list(mine) == list(theirs) and all(
+            np.array_equal(mine[name], theirs[name], equal_nan=mine[name].dtype.kind == "f") for name in mine
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        low, high = self.values.min(), self.values.max()
+        return f"<FrequencyResponse over {self.name} from {low:g} to {high:g}, {len(self)} values>"
+
+
+@public
+def frequency_response(
+    what: Scene | Parameters | OtherModel | SceneName, over: Mapping[str, ArrayLike], *, progress: Progress = False
+) -> FrequencyResponse:
+    """Return amplitude, transmissibility, phase, energies and stops of the settled motion over a parameter.
+
+    Parameters
+    ----------
+    what : Scene, its name or file, Parameters or OtherModel
+        With k > 0. The start of a scene does not count.
+    over : mapping
+        One parameter, or number of the model, with its values, or text ``"LO:HI:N"``: ``{"Omega": "0.5:2:100"}``.
+    progress : bool or callable, optional
+        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
+        numbers: how many values are done, and how many there are.
+
+    Returns
+    -------
+    FrequencyResponse
+
+    Raises
+    ------
+    ParameterError
+        If the parameter is not known, a value is out of range, or k = 0.
+
+    Notes
+    -----
+    With c > 0 the settled motion is the only one. With c = 0 it is too, if it attracts its neighbours: the period map
+    does not expand, so that periodic motions form a convex set. Where a marginal orbit has others beside it the status
+    is "marginal orbit", and the numbers are those of one of them.
+
+    Examples
+    --------
+    >>> from symosc import OtherModel, frequency_response
+    >>> model = OtherModel(m=1, k=1, Omega=1, FN="1/4", Y=1, joined=True)
+    >>> frequency_response(model, {"Omega": [1.2, 1.6]}).transmissibility.round(6).tolist()
+    [2.219519, 0.648392]
+    """
+    model = model_of(what)
+    if not isinstance(over, Mapping) or len(over) != 1:
+        raise ParameterError("over", over, 'must be one parameter with its values, such as {"Omega": "0.5:2:100"}')
+    ((name, given),) = over.items()
+    if name not in NUMBER_NAMES:
+        raise ParameterError("over", name, f"is not one of {', '.join(NUMBER_NAMES)}{meant(str(name), NUMBER_NAMES)}")
+    values = read_axis(name, given)
+    rows, before = list[Row](), None
+    with late_bar(progress, f"response over {name}", "values") as advance:
+        for i, value in enumerate(values.tolist()):
+            row, before = respond(model.replace(**{name: value}), before)
+            rows.append(row)
+            if advance:
+                advance((i + 1) / len(values), i + 1)
+    return FrequencyResponse(name, values, *(np.array(column) for column in zip(*rows, strict=True)))
+
+
+def model_of(what: Any) -> OtherModel:
+    """Return what something is about as a model; parameters are one that is not moved."""
+    if isinstance(what, OtherModel):
+        return what
+    if not isinstance(what, Parameters):
+        scene = what if isinstance(what, Scene) else load_scene(what)
+        if scene.original is not None:
+            return scene.original.model
+        what = scene.parameters
+    return OtherModel(**{name: getattr(what, name) for name in PARAMETER_NAMES})
+
+
+def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Row, PeriodicOrbit | None]:
+    """Return the response of a model, and its orbit, if it has one; `before` is an orbit nearby."""
+    p = model.parameters
+    if p.k == 0:
+        raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of a settled motion")
+    late, (mean, z) = np.exp(-1j * float(model.delay * model.Omega)), harmonic_balance(p)
+    balance = inf if z == inf else abs(_phasor(model.shift) + late * z)
+    try:
+        if z == inf:
+            raise ConvergenceError("", (), 1, inf, "the motion grows for ever, at resonance without a damper")
+        settled = settle(p, (mean + z.real, -float(p.Omega) * z.imag), before)
+    except ConvergenceError as error:
+        return Row(error.reason, balance=balance), before
+    row = measured(model, settled)
+    part = balance / row.amplitude - 1 if row.amplitude else nan if balance == 0 else inf
+    return row._replace(balance=balance, balance_error=part), settled.orbit or before
+
+
+# -- the settled motion
+
+
+class Settled(NamedTuple):
+    """A settled motion: what it is, a state of it, the periods after which it closes, and its larger multiplier."""
+
+    status: str
+    start: tuple[Any, Any, Any]
+    periods: int = 1
+    multiplier: float = 0.0
+    orbit: PeriodicOrbit | None = None
+
+
+def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | None) -> Settled:
+    """Return the settled motion; ConvergenceError if there is none. `guess` is x and v at t = 0, nearly."""
+    for boundary in (1, 2):
+        rests = rest_positions(p, boundary)
+        if rests is not None:
+            return Settled("rest", (0, min(max(rests[0], 0), rests[1]), 0))
+    free = meets_no_belt(p)
+    if free is not None:
+        if p.c == 0:
+            raise ConvergenceError("", (), 1, inf, "without a damper the motion between the belts goes on for ever")
+        z = linear_response(p)
+        return Settled("linear", (0, float(p.A(free) / p.k) + z.real, -float(p.Omega) * z.imag))
+    orbit = _near(p, before) or _followed(p, guess) or settled_orbit(p, most=SETTLED_AFTER)
+    status = "orbit" if orbit.stable else "marginal orbit"
+    (t, x), belt = orbit.points[0], orbit.equations().pieces[0].start
+    sizes = max(abs(complex(each)) for each in orbit.multipliers)
+    return Settled(status, (t, x, p.belt(belt)), orbit.periods, sizes, orbit)
+
+
+def _near(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit | None:
+    """Return the orbit of the same word near one with other parameters."""
+    if before is None:
+        return None
+    scale = float(before.parameters.Omega / p.Omega)
+    found = _orbit(p, before.word, [(t * scale, x) for t, x in before.points])
+    return found if found and found.stable else None  # it attracts all motions: there is no other
+
+
+def _followed(p: Parameters, guess: tuple[float, float]) -> PeriodicOrbit | None:
+    """Return the orbit near the last but one of some periods of a motion; without a damper it may be marginal."""
+    period = 2 * pi / float(p.Omega)
+    for count in FOLLOWED:
+        motion = simulate(p, t0=0, x0=guess[0], v0=guess[1], t_end=count * period)
+        times = np.array([float(event.t) for event in motion.events]) - (count - 2) * period
+        (cycle,) = np.nonzero((times >= 0) & (times < period))
+        labels = [motion.segments[i + 1].label for i in cycle]
+        if labels and None not in labels:
+            points = [(float(event.t), float(event.x)) for event in (motion.events[i] for i in cycle)]
+            orbit = _orbit(p, str(Word(tuple(filter(None, labels)))), points)
+            if orbit and orbit.stable is not False:
+                return orbit
+    return None
+
+
+def _orbit(p: Parameters, word: str, points: list[tuple[float, float]]) -> PeriodicOrbit | None:
+    """Return the orbit of a word near some points, if there is one."""
+    try:
+        found = find_orbit(p, word, points, periods=1)
+    except (ConvergenceError, ParameterError, WordError):
+        return None
+    return found if found.admissible else None
+
+
+def linear_response(p: Parameters) -> complex:
+    """Return the first harmonic of the motion that meets no belt."""
+    m, c, k, Omega, B0 = (float(each) for each in (p.m, p.c, p.k, p.Omega, p.B0))
+    return B0 / complex(k - m * Omega**2, c * Omega)
+
+
+def meets_no_belt(p: Parameters) -> int | None:
+    """Return the domain in which the motion without friction's jumps stays for ever, or None; decided exactly."""
+    stiffness = (p.k - p.m * p.Omega**2) ** 2 + (p.c * p.Omega) ** 2
+    if stiffness == 0:
+        return None
+    square = (p.B0 * p.Omega) ** 2 / stiffness  # of its largest velocity
+    inside = [square < speed * speed and speed > 0 for speed in (p.v1, -p.v1, p.v2, -p.v2)]
+    return 1 if inside[0] else 3 if inside[3] else 2 if inside[1] and inside[2] else None
+
+
+def harmonic_balance(p: Parameters) -> tuple[float, complex]:
+    """Return mean and first harmonic of x by harmonic balance: friction is replaced by its mean and first harmonic.
+
+    For v = -V sin(a) these are, of a belt, (2/pi) mu FN arcsin(v_lambda/V) and -(4/pi) mu FN sqrt(1 - (v_lambda/V)^2)
+    sin(a), and where V < |v_lambda| the whole force and 0. The size of both sides of the balance increases with V, so
+    that there is one solution; inf where it grows for ever.
+    """
+    m, c, k, Omega, B0 = (float(each) for each in (p.m, p.c, p.k, p.Omega, p.B0))
+    belts = [(float(mu * p.FN), float(v)) for mu, v in ((p.mu1, p.v1), (p.mu2, p.v2))]
+    smallest, most = (4 / pi * sum(force for force, v in belts if abs(v) <= limit) for limit in (0, inf))
+    stiffness = hypot(k / Omega - m * Omega, c)
+
+    def sides(V: float) -> tuple[float, float]:
+        """Return the two parts of the drive for a velocity V: in phase with x, and with x'."""
+        friction = sum(force * sqrt(1 - (v / V) ** 2) for force, v in belts if abs(v) < V)
+        return (k / Omega - m * Omega) * V, c * V + 4 / pi * friction
+
+    V, z = 0.0, 0j
+    if abs(B0) > smallest:
+        if stiffness == 0 and abs(B0) >= most:  # at resonance without a damper friction alone holds the drive
+            return 0.0, complex(inf)
+        from scipy.optimize import brentq
+
+        high = abs(B0) / stiffness if stiffness else 1.0
+        while hypot(*sides(high)) < abs(B0):
+            high *= 2
+        V = brentq(lambda V: (hypot(*sides(V)) if V else smallest) - abs(B0), 0.0, high, xtol=1e-300, rtol=1e-15)
+        elastic, loss = sides(V)
+        z = complex(V / Omega * np.exp(-1j * atan2(loss, elastic))) * (1 if B0 > 0 else -1)
+    pull = sum(2 / pi * force * asin(max(-1.0, min(v / V, 1.0)) if V else float(np.sign(v))) for force, v in belts)
+    return (float(p.A0) + pull) / k, z
+
+
+# -- one cycle of it
+
+
+class Part(NamedTuple):
+    """A part of a piece at Gauss's points: times of the oscillator, weights of an integral, and the motion there."""
+
+    segment: Segment
+    begin: float
+    end: float
+    t: np.ndarray
+    weights: np.ndarray
+    z: np.ndarray
+    u: np.ndarray
+
+
+@cache
+def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return Gauss's points and weights, and the matrix that makes coefficients of Legendre polynomials of values."""
+    points, weights = legendre.leggauss(POINTS)
+    degrees = np.arange(POINTS)
+    return points, weights, (degrees + 0.5)[:, None] * legendre.legvander(points, POINTS - 1).T * weights
+
+
+def parts(motion: Trajectory) -> Iterator[Part]:
+    """Yield the parts of a motion, so short that their polynomials have converged."""
+    p, (points, weights, coefficients) = motion.parameters, _gauss()
+    longest = LONGEST_TURN / max(float(p.Omega), sqrt(p.k / p.m))
+    scale = sizes_of(motion)
+    for segment in motion.segments:
+        begin, end = float(segment.t_start), float(segment.t_end)
+        ends = np.linspace(begin, end, 2 + int((end - begin) / longest))
+        todo = [(a, b, 0, inf) for a, b in pairwise(ends) if b > a]
+        while todo:
+            a, b, halved, before = todo.pop()
+            t = np.clip(a + (b - a) * (points + 1) / 2, a, b)
+            z, u = motion(t)
+            tail = float((np.abs(coefficients[-2:] @ np.stack([z, u], axis=1)).max(axis=0) / scale).max())
+            rounding = ROUNDING > tail > before / 4
+            if tail > CONVERGED and not rounding and halved < MOST_HALVES:
+                middle = (a + b) / 2
+                todo += [(a, middle, halved + 1, tail), (middle, b, halved + 1, tail)]
+            else:
+                yield Part(segment, a, b, t, weights * (b - a) / 2, z, u)
+
+
+def sizes_of(motion: Trajectory) -> np.ndarray:
+    """Return the sizes of position and velocity to which the polynomials of a motion have to converge."""
+    p, times = motion.parameters, np.linspace(float(motion.t_start), float(motion.t_end), POINTS)
+    forces = float(abs(p.B0) + (p.mu1 + p.mu2) * p.FN)
+    least = SMALL_MOTION * np.array([forces / float(p.k), forces / float(p.m * p.Omega)])
+    return np.maximum(np.maximum(np.abs(motion(times)).max(axis=1), least), 1e-300)
+
+
+def turning_points(values: np.ndarray) -> np.ndarray:
+    """Return the ends of a part, -1 and 1, and where a function turns in between, from its values at Gauss's points."""
+    found = _gauss()[2] @ values
+    slope = legendre.legder(legendre.legtrim(found, CONVERGED * np.abs(found).max()))
+    roots = legendre.legroots(slope) if len(slope) > 1 else np.empty(0)
+    inside = roots.real[(np.abs(roots.imag) < 1e-6) & (np.abs(roots.real) <= 1)]
+    return np.concatenate([[-1, 1], inside])
+
+
+def measured(model: OtherModel, settled: Settled) -> Row:
+    """Return the response of a settled motion, by integrals and extremes over its cycle."""
+    p, Omega = model.parameters, float(model.Omega)
+    period = 2 * pi * settled.periods / Omega
+    t0, x0, v0 = settled.start
+    motion = simulate(p, t0=t0, x0=x0, v0=v0, t_end=float(t0) + period)
+    m, c, k, FN, drive = (float(each) for each in (model.m, model.c, model.k, p.FN, p.B0))
+    belts = [(float(mu) * FN, float(v)) for mu, v in ((p.mu1, p.v1), (p.mu2, p.v2))]
+    turns, passed, first, damper, work, heat, stuck = list[np.ndarray](), list[float](), 0j, 0.0, 0.0, 0.0, 0.0
+    for part in parts(motion):
+        mode, weights = part.segment.mode, part.weights
+        cos, sin = np.cos(Omega * (part.t + float(model.delay))), np.sin(Omega * (part.t + float(model.delay)))
+        w, rate, second = model.shift.at(cos, sin), *(each.at(cos, sin) for each in _rates(model.shift, model.Omega))
+        y, base_rate = model.base.at(cos, sin), model.base.rate(model.Omega).at(cos, sin)
+        force, x, v = model.force.at(cos, sin), part.z + w, part.u + rate
+        driven = float(p.A0) + drive * np.cos(Omega * part.t) - c * part.u - k * part.z  # all but friction
+        held = int(mode[-1]) if mode.startswith("belt") else None
+        pulls = [np.full(POINTS, friction * (-1 if part.u.mean() > speed else 1)) for friction, speed in belts]
+        if held is not None:
+            pulls[held - 1] = -driven - pulls[2 - held]
+        acceleration = (driven + sum(pulls)) / m
+        lengths = [abs(float(weights @ (part.u - speed))) for _, speed in belts]
+        heat += sum(f * length for n, ((f, _), length) in enumerate(zip(belts, lengths, strict=True), 1) if n != held)
+        damper += c * float(weights @ (v - base_rate) ** 2)
+        pushed = force * v + (k * (y - x) + c * (base_rate - v)) * base_rate
+        drawn = sum(pull * (speed + rate) for pull, (_, speed) in zip(pulls, belts, strict=True))
+        work += float(weights @ (pushed + drawn))
+        first += complex(weights @ (x * (cos - 1j * sin)))
+        stuck += float(weights.sum()) if held is not None else 0.0
+        turns.append(part.begin + (part.end - part.begin) * (turning_points(x) + 1) / 2)
+        felt = force - m * (acceleration + second)
+        passed += legendre.legval(turning_points(felt), _gauss()[2] @ felt).tolist()
+    times = np.clip(np.concatenate(turns), float(motion.t_start), float(motion.t_end))
+    amplitude = np.ptp(motion(times)[0] + motion_of_belts(model, times + float(model.delay))[0]) / 2
+    first *= 2 / period
+    excitation, Y, B0 = _excitation(model), abs(float(model.Y)), abs(float(model.B0))
+    closure = np.abs(motion([motion.t_start, motion.t_end]) @ [1, -1]) / [1, Omega]
+    n = settled.periods
+    return Row(
+        settled.status,
+        settled.orbit.word if settled.orbit else "",
+        float(amplitude),
+        float(amplitude / Y if Y else np.ptp(passed) / 2 / B0 if B0 else nan),
+        float(np.angle(excitation / first)) if abs(first) > CONVERGED * abs(excitation) else nan,
+        abs(first),
+        work / n,
+        (damper + heat) / n,
+        damper / n,
+        heat / n,
+        stuck / period,
+        error=float(closure.max()) / max(1 - settled.multiplier, CONVERGED) + float(np.spacing(amplitude)),
+    )
+
+
+def _rates(function: Harmonic, Omega: Fraction) -> tuple[Harmonic, Harmonic]:
+    """Return the first and the second derivative of a harmonic."""
+    rate = function.rate(Omega)
+    return rate, rate.rate(Omega)
+
+
+def _phasor(function: Harmonic) -> complex:
+    """Return E of a function Re(E exp(i Omega t))."""
+    return complex(float(function.C), -float(function.S))
+
+
+def _excitation(model: OtherModel) -> complex:
+    """Return what the phase of the motion is compared with: base, force, or the speeds of the belts."""
+    return _phasor(model.base if model.Y else model.force if model.B0 else harmonic(model.W, model.W_phase))

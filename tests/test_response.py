@@ -1,0 +1,209 @@
+"""Frequency responses: against an integration of the equations, closed forms, and the balance of energies."""
+
+from __future__ import annotations
+
+import csv
+from itertools import pairwise
+from math import inf, pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from other_models import KINDS, TURN, Original, drawn
+from scipy.integrate import quad
+from scipy.optimize import minimize_scalar
+
+from symosc import (
+    FrequencyResponse,
+    OtherModel,
+    ParameterError,
+    Parameters,
+    find_orbit,
+    frequency_response,
+    load_scene,
+    simulate,
+)
+
+
+def wall(F: float | str, **others: object) -> OtherModel:
+    """Return the oscillator with Coulomb friction of the literature, m = k = P = 1."""
+    return OtherModel(**{"m": 1, "k": 1, "Omega": 1, "FN": F, "B0": 1} | others)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.quick(3)
+def test_it_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
+    """Follow the equation by DOP853 until it has settled, and integrate over the last cycle by quad."""
+    model = drawn(kind, 100 + seed).replace(c="4/5", m=1)
+    found, n, Om = frequency_response(model, {"Omega": [float(model.Omega)]}), Original(model).n, float(model.Omega)
+    period = TURN / Om
+    end = 14 * period + 60  # exp(-0.4 * 60) is 4e-11; a motion with sticks may be slower
+    begin, follow = end - period, Original(model)
+    events, state = follow.follow(0.0, 0.1, 0.2, end)
+    cuts = [begin, *(t for t, _, _ in events if begin < t < end), end]
+
+    def integral(function: object) -> float:
+        spans = pairwise(cuts)
+        return sum(quad(function, a, b, epsabs=1e-11, epsrel=1e-11, limit=200)[0] for a, b in spans if b - a > 1e-12)
+
+    def friction(t: float) -> float:
+        """Return the force of friction on the mass, from m x'' by differences of the velocity."""
+        h = 1e-5
+        low, high = max(max(c for c in cuts if c <= t), t - h), min(min(c for c in cuts if c >= t), t + h)
+        slope = (state(high)[1] - state(low)[1]) / (high - low) if high > low else 0.0
+        return float(n["m"] * slope - follow.others(t, *state(t)))
+
+    def slips(t: float, belt: int) -> float:
+        return abs(float(state(t)[1]) - follow.belts(t)[0][belt])
+
+    most = [n["mu1"] * n["FN"], n["mu2"] * n["FN"]]
+    heat = sum(most[i] * integral(lambda t, i=i: slips(t, i)) for i in range(1 if follow.one_belt else 2))
+    damper = n["c"] * integral(lambda t: (state(t)[1] - follow.base(t)[1]) ** 2)
+    first = (
+        2
+        / period
+        * complex(integral(lambda t: state(t)[0] * np.cos(Om * t)), -integral(lambda t: state(t)[0] * np.sin(Om * t)))
+    )
+    times = np.linspace(begin, end, 2001)
+    x = np.array([state(t)[0] for t in times])
+
+    def extreme(sign: int) -> float:
+        near = times[int(np.argmax(sign * x))]
+        step = times[1] - times[0]
+        bounds, fine = (near - step, min(near + step, end)), {"xatol": 1e-9}
+        best = minimize_scalar(lambda t: -sign * state(t)[0], bounds=bounds, method="bounded", options=fine)
+        return float(-sign * best.fun)
+
+    assert found.status[0] in ("orbit", "rest")
+    assert found.amplitude[0] == pytest.approx((extreme(1) - extreme(-1)) / 2, rel=1e-8, abs=1e-9)
+    assert found.harmonic[0] == pytest.approx(abs(first), rel=1e-8, abs=1e-9)
+    assert found.friction[0] == pytest.approx(heat, rel=1e-8, abs=1e-9)
+    assert found.damper[0] == pytest.approx(damper, rel=1e-8, abs=1e-9)
+    assert found.work[0] == pytest.approx(heat + damper, rel=1e-8, abs=1e-9)
+    kinds, stuck, since = [kind for t, _, kind in events], 0.0, None
+    for (t, _, kind), _ in zip(events, kinds, strict=True):
+        if kind == "slip" and since is not None:
+            stuck += max(0.0, t - max(since, begin))
+        since = t if kind == "stick" else None
+    stuck += end - max(since, begin) if since is not None else 0.0
+    assert found.stuck[0] == pytest.approx(stuck / period, abs=1e-8)
+    excitation = model.base if model.Y else model.force if model.B0 else None
+    if excitation is not None and found.harmonic[0] > 0:
+        lag = np.angle(complex(float(excitation.C), -float(excitation.S)) / first)
+        assert np.angle(np.exp(1j * (found.phase[0] - lag))) == pytest.approx(0, abs=1e-8)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.quick(3)
+def test_what_goes_in_is_what_is_lost(kind: str) -> None:
+    """Over 40 frequencies and forces of random models, most of them with sticks; and the errors are what is said."""
+    for seed in range(10):
+        model = drawn(kind, seed)
+        for name, values in (("Omega", "0.35:2.9:4"), ("k", "0.6:3.5:4")):
+            found = frequency_response(model, {name: values})
+            known = np.isfinite(found.amplitude)
+            for status in found.status[~known]:
+                assert model.c == 0
+                assert "for ever" in status
+            scale = np.maximum(np.abs(found.dissipated), float(model.FN or 1) * found.amplitude)[known]
+            assert (np.abs(found.work - found.dissipated)[known] < 1e-11 * scale).all()
+            assert (found.error[known] < 1e-10 * (1 + found.amplitude[known])).all()
+
+
+def test_den_hartogs_amplitude_and_phase() -> None:
+    """Trans. ASME 53 (1931): amplitudes and, for c = 0, the phase of the highest point."""
+    for c, F, Omega, x0 in (("0", "0.4", 1.5, 0.6531972647421811), ("0.2", "0.4", 1.5, 0.5488324917917096),
+                            ("0.1", "0.25", 0.6, 1.487067086810845)):  # fmt: skip
+        found = frequency_response(wall(F, c=c), {"Omega": [Omega]})
+        assert found.word.tolist() == ["P32"]
+        assert found.amplitude[0] == pytest.approx(x0, rel=1e-13)
+    # the drive does pi B0 X1 sin(lag) per cycle, and friction takes 4 F x0
+    found = frequency_response(wall("0.4"), {"Omega": "1.3:2:5"})
+    assert found.work == pytest.approx(pi * found.harmonic * np.sin(found.phase), rel=1e-12)
+    assert found.dissipated == pytest.approx(1.6 * found.amplitude, rel=1e-12)
+    assert (found.damper == 0).all()
+    # what the ground feels: P cos(Omega t) - m x'', with a jump of 2 F at the highest point
+    motion = simulate(wall("0.4").replace(Omega="1.5").parameters, t_end="60T")
+    t = np.linspace(50, 60, 40_001) * TURN / 1.5
+    x, v = motion(np.clip(t, 0, float(motion.t_end)))
+    felt = x + 0.4 * np.sign(v)
+    ranged = frequency_response(wall("0.4"), {"Omega": [1.5]})
+    assert ranged.transmissibility[0] == pytest.approx(np.ptp(felt) / 2, rel=1e-5)
+
+
+def test_motions_that_meet_no_belt_and_rests() -> None:
+    p = Parameters(m=2, c=1, k=3, A0=1, B0=1, Omega=2, v1=-5, v2=5, mu1=1, mu2="1/2", FN=1)
+    found = frequency_response(p, {"Omega": [0.5, 2.0]})
+    assert found.status.tolist() == ["linear"] * 2
+    exact = 1 / (3 - 2 * found.values**2 + 1j * found.values)
+    assert found.amplitude == pytest.approx(abs(exact), rel=1e-13)
+    assert found.balance == pytest.approx(abs(exact), rel=1e-13)
+    assert found.phase == pytest.approx(-np.angle(exact), rel=1e-12)
+    assert found.damper == pytest.approx(pi * found.values * abs(exact) ** 2, rel=1e-12)
+    # both belts slip all the time, and their motors do that work: 2 mu FN |v| per unit of time
+    assert found.friction == pytest.approx(TURN / found.values * 1.5 * 5, rel=1e-12)
+    rest = frequency_response(wall("1.01", c="0.1"), {"Omega": [0.5, 1.0]})
+    assert rest.status.tolist() == ["rest"] * 2
+    assert (rest.amplitude.tolist(), rest.stuck.tolist(), rest.dissipated.tolist()) == ([0, 0], [1, 1], [0, 0])
+    ridden = frequency_response(OtherModel(m=1, k=1, Omega=1, FN=9, Y=2, joined=True), {"Omega": [0.5]})
+    assert ridden.transmissibility[0] == pytest.approx(1, abs=1e-14)
+    assert ridden.balance_error[0] == pytest.approx(0, abs=1e-14)
+
+
+def test_harmonic_balance_is_what_the_books_have() -> None:
+    """One belt at rest and c = 0: (P^2 - (4 F/pi)^2)^(1/2)/|k - m Omega^2|; and its error shrinks with friction."""
+    F, Om = 0.3, np.array([0.7, 1.4, 2.0])
+    found = frequency_response(wall("0.3"), {"Omega": Om})
+    assert found.balance == pytest.approx(sqrt(1 - (4 * F / pi) ** 2) / abs(1 - Om**2), rel=1e-12)
+    assert found.balance_error == pytest.approx(found.balance / found.amplitude - 1, rel=1e-12)
+    errors = [abs(frequency_response(wall(F), {"Omega": [1.4]}).balance_error[0]) for F in ("0.4", "0.2", "0.1")]
+    assert errors[0] > 3 * errors[1] > 9 * errors[2]
+    # belts that move: the first harmonic of friction by quadrature
+    p = load_scene("fig9").parameters
+    found = frequency_response(p, {"Omega": [4.0]})
+    m, c, k, B0, FN = (float(each) for each in (p.m, p.c, p.k, p.B0, p.FN))
+    V = 4 * found.balance[0]
+    a = (np.arange(400_000) + 0.5) * TURN / 400_000
+    friction = -sum(float(mu) * FN * np.sign(-V * np.sin(a) - float(v)) for mu, v in ((p.mu1, p.v1), (p.mu2, p.v2)))
+    harmonic = 2 * float(np.mean(friction * np.sin(a)))
+    assert np.hypot((k - 16 * m) * V / 4, c * V + harmonic) == pytest.approx(B0, rel=1e-5)
+
+
+def test_what_has_no_settled_motion_says_so() -> None:
+    found = frequency_response(wall("0.5"), {"Omega": [1.0]})  # F < pi P/4
+    assert "grows for ever" in found.status[0]
+    assert np.isnan(found.amplitude[0])
+    assert found.balance[0] == inf
+    assert frequency_response(wall("0.1"), {"Omega": [0.5]}).status[0] == "marginal orbit"  # Csernak's continuum
+    free = frequency_response(OtherModel(m=1, k=1, Omega=3, FN=1, B0=1, v1=-9, v2=9), {"Omega": [3.0]})
+    assert "goes on for ever" in free.status[0]
+
+
+def test_marinos_inversion() -> None:
+    """Beyond a frequency ratio near sqrt(2) friction on a wall that moves with the base amplifies its motion."""
+    base = OtherModel(m=1, k=1, Omega=1, FN=1, Y=1, joined=True)
+    swept = [frequency_response(base.replace(Omega=r), {"FN": [0.1, 0.3, 0.5]}) for r in ("1.35", "1.6")]
+    low, high = (found.transmissibility for found in swept)
+    assert 1 / (1.35**2 - 1) > low[0] > low[1] > low[2]
+    assert 1 / (1.6**2 - 1) < high[0] < high[1] < high[2]
+    small = frequency_response(base.replace(FN="0.02"), {"Omega": [1.412, 1.4161]}).transmissibility
+    assert np.sign(small * (np.array([1.412, 1.4161]) ** 2 - 1) - 1).tolist() == [-1, 1]  # sqrt(2) = 1.41421
+
+
+def test_columns_files_and_errors(tmp_path: Path) -> None:
+    found = frequency_response("fig9", {"FN": [5, 10, 2]})
+    assert isinstance(found, FrequencyResponse)
+    assert len(found) == 3
+    assert found == frequency_response(load_scene("fig9"), {"FN": [5, 10, 2]})
+    assert found != frequency_response("fig9", {"FN": [5, 10, 3]})
+    orbit = find_orbit(load_scene("fig9").parameters.replace(FN=5))
+    t = np.linspace(0, float(orbit.period), 20_001)
+    assert found.amplitude[0] == pytest.approx(np.ptp(orbit(t)[0]) / 2, rel=1e-6)
+    found.to_csv(tmp_path / "a.csv")
+    rows = list(csv.DictReader((tmp_path / "a.csv").read_text().splitlines()))
+    assert [float(row["amplitude"]) for row in rows] == found.amplitude.tolist()
+    assert found.to_pandas().columns.tolist()[:3] == ["FN", "status", "word"]
+    for over in ({"Omega": [1], "k": [1]}, {"X": [1]}, {"Omega": "1:2"}, {"m": [0]}, {"k": [0]}, 5):
+        with pytest.raises(ParameterError):
+            frequency_response("fig9", over)  # type: ignore[arg-type]
