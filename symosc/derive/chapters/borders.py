@@ -61,7 +61,7 @@ def items(scope: Scope) -> Items:
         r"$\Omega_\alpha$ has $F^{(\alpha)} = 0$, and the rate takes it to the side that holds: on one side of the "
         r"border the mass sticks at once, on the other after a short flight (\emph{switching-sliding}).\item[(iv)] "
         r"During a stick $F^{(\alpha)}$ reaches 0 and returns: beyond the border a slip divides the stick in two "
-        r"(\emph{adding-sliding} or \emph{multisliding}). Phase and place are then known beforehand:",
+        r"(\emph{adding-sliding} or \emph{multisliding}). Phase and place are then known beforehand, for $B_0 \ne 0$:",
         equation(touched, -k * v_lambda / (B0 * Omega), still, "phase"),
         equation(place, (A + B0 * sp.cos(named(r"\theta_m")) - c * v_lambda) / k, found, "place"),
         r"\end{enumerate}\end{theorem}",
@@ -83,7 +83,7 @@ def items(scope: Scope) -> Items:
         r"contact, borders end or change their name: crossing-sliding becomes switching-sliding where $F^{(\alpha)} = "
         r"0$ and its rate vanish together. For a belt at rest, $v_\lambda = 0$, that is at",
         equation(touched, 0, {touched: still[touched].subs(v_lambda, 0)}, "rest"),
-        r"so the mass turns when the drive is largest. For $c = 0$ these points are known in closed form "
+        r"so the mass turns when the drive is largest in size. For $c = 0$ these points are known in closed form "
         r"(Proposition~\ref{thm:literature-points}).",
     )
     yield _atlas()
@@ -107,28 +107,28 @@ def _names_table() -> Table:
     )
 
 
+#: Below this a rate counts as 0: it is known from the end of a branch in doubles.
+LEAST = sp.Rational(1, 10**4)
 _WALL = wall("0.4", "0.4", "0.1")
-#: Where, its parameters, a word, the parameter and its range, which end, the belt; the border and the sign of the rate.
-EXAMPLES: tuple[tuple[str, Parameters, str, str, tuple[str, str], int, int, str, int], ...] = (
-    ("Fig.~9", load_scene("fig9").parameters, "P32", "Omega", ("3", "6"), 1, 2, NAMES[0], -1),
-    ("Fig.~9", load_scene("fig9").parameters, "P32", "Omega", ("3", "6"), 0, 1, NAMES[1], -1),
-    ("at a wall", _WALL, "P1312", "mu1", ("0.1", "0.5"), 0, 1, NAMES[2], -1),
-    ("Fig.~10", load_scene("fig10").parameters, "P4645", "Omega", ("0.6", "3"), 0, 2, NAMES[3], 0),
+#: Where, its parameters, a word, the parameter and its range, which end, the belt; the border, is the rate < 0.
+EXAMPLES: tuple[tuple[str, Parameters, str, str, tuple[str, str], int, int, str, bool], ...] = (
+    ("Fig.~9", load_scene("fig9").parameters, "P32", "Omega", ("3", "6"), 1, 2, NAMES[0], True),
+    ("Fig.~9", load_scene("fig9").parameters, "P32", "Omega", ("3", "6"), 0, 1, NAMES[1], True),
+    ("at a wall", _WALL, "P1312", "mu1", ("0.1", "0.5"), 0, 1, NAMES[2], True),
+    ("Fig.~10", load_scene("fig10").parameters, "P4645", "Omega", ("0.6", "3"), 0, 2, NAMES[3], False),
 )
 
 
 def _examples_table() -> Table:
     """Return ends of branches of the package, with the rate at the contact that decides."""
     rows, signs = [], []
-    for where, p, word, name, ends, which, belt, border, sign in EXAMPLES:
+    for where, p, word, name, ends, which, belt, border, negative in EXAMPLES:
         end = continue_orbit(p, word, name, ends).ends[which]
         there, letter = p.replace(**{name: end.value}), {"Omega": r"\Omega", "mu1": r"\mu_1"}[name]
         phase = number(there.Omega) * number(end.conditions[0].t)
         push = number(there.k * there.belt(belt)) + number(there.B0 * there.Omega) * CONTEXT.sin(phase)
         rate = sp.Float(CONTEXT.nstr(-push / number(there.m), 20), 20)
-        signs.append(
-            step(rate, "<", 0, AtRoot(dict)) if sign else step(sp.Abs(rate), "<", sp.Rational(1, 10**4), AtRoot(dict))
-        )
+        signs.append(step(rate if negative else sp.Abs(rate), "<", 0 if negative else LEAST, AtRoot(dict)))
         cell = decimal("z", end.value, 7)
         rows.append((border, f"$P_{{{word[1:]}}}$, {where}", f"${letter}$", cell, end.kind, decimal("z", rate, 3)))
     return Table(
