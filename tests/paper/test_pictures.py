@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from math import pi
 
@@ -11,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
+from scipy.integrate import solve_ivp
 
 from symosc import find_orbit, load_scene, residual, simulate
 from symosc.paper import figures
@@ -163,6 +165,28 @@ def test_titles_and_texts() -> None:
         assert len(picture.describe()) > 80
         assert picture.describe().endswith(".")
         assert "-" not in picture.describe().replace("non-stick", "")  # minus signs are minus signs
+
+
+def test_the_caption_of_fig7_has_the_numbers_of_its_flight() -> None:
+    """By another integrator, in the domain below belt 1: v at its largest, and the change over the first period."""
+    scene, caption = load_scene("fig7"), PICTURES["fig7"].describe().replace("−", "-")
+    p = scene.parameters
+    m, c, k, B0, Omega, A = map(float, (p.m, p.c, p.k, p.B0, p.Omega, p.A(1)))
+    period, t0 = 2 * pi / Omega, float(scene.t0)
+
+    def rates(t: float, y: np.ndarray) -> tuple[float, float]:
+        return y[1], (A + B0 * np.cos(Omega * t) - c * y[1] - k * y[0]) / m
+
+    times = np.linspace(t0, t0 + figures.SEVERAL_PERIODS * period, 40_001)
+    start = float(scene.x0), float(scene.v0)
+    x, v = solve_ivp(rates, (t0, times[-1]), start, "DOP853", times, rtol=1e-12, atol=1e-12).y
+    top = int(np.argmax(v))
+    change = x[10_000] - x[0], v[10_000] - v[0]
+    numbers = re.search(r"velocity is (.*?) at t = (.*?),.* changes by [(](.*?), (.*?)[)]", caption)
+    assert numbers
+    largest, when, *changes = map(float, numbers.groups())
+    assert [largest, *changes] == pytest.approx([v[top], *change], abs=6e-4)
+    assert (when - times[top] + period / 2) % period - period / 2 == pytest.approx(0, abs=2e-3)  # it has settled
 
 
 def test_captions_say_what_happens() -> None:
