@@ -296,7 +296,7 @@ class Border(Drawable):
             guess[-2 + j] = target
             polished = self._system.polish(guess, (index, exact))
             if polished is not None:
-                found.append(float(polished[0][-1 - j]))
+                found.append(float(polished[-1 - j]))
                 continue
             fold = [point.values for point in self.special if point.kind == FOLD]
             at_fold = [values[1 - j] for values in fold if abs(values[j] - float(exact)) <= 4 * EPS * abs(values[j])]
@@ -504,10 +504,9 @@ class Tracer:
         tried: list[tuple[float, float]] = []
         q = float(z[-2 + other] * system.scale[-2 + other])
         for _ in range(MOST_SECANTS):
-            polished = system.polish(z, (index, Fraction(q)))
-            if polished is None:
+            u = system.polish(z, (index, Fraction(q)))
+            if u is None:
                 return None
-            u, _ = polished
             tangent = system.fine_tangent(u)
             tried.append((q, float(tangent[-2 + j] / tangent[-2 + other])))
             z = np.array([float(value) for value in u]) / system.scale
@@ -613,7 +612,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
         for all_zeros, all_phases in (([*zeros, *added], [*phases, *more]), (zeros, phases))[not added :]:
             system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit._replace(points=points), all_zeros)
             polished = system.polish(np.array([*points.ravel(), *all_phases, *values]) / system.scale)
-            at = [] if polished is None else [float(value) for value in polished[0][-2:]]
+            at = [float(value) for value in (polished or [])[-2:]]
             if polished is None or (np.abs(np.subtract(at, values)) > NEAR * plane.widths).any():
                 continue
             names = [names_of(system, zero) for zero in zeros[: len(texts)]]
