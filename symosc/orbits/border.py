@@ -680,6 +680,8 @@ def all_crossings(
     for system, node in crossings(plane, start, stop):
         way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
         place, own = node.z[-2:] * system.scale[-2:], system.orbit(node.z)
+        if not 0 <= (place - start[0]) @ way <= (stop[0] - start[0]) @ way:
+            return  # the border at the segment's end, once more
         for shift in SHIFTS:
             before, after = (
                 (place + sign * shift * way, motion_beside(plane, place + sign * shift * way, own, start[1], stop[1]))
