@@ -724,7 +724,7 @@ def borders_leaving(border: Border, special: SpecialPoint, **how: Any) -> list[B
     """
     plane, nearest = border.plane, np.abs(border.points - special.values).sum(axis=1).argmin()
     around = _circle(plane, special.values, border.orbit(int(nearest)))
-    chords = pairwise([*around, around[0]] if len(around) == ANGLES else around)
+    chords = pairwise([*around, *around[:1]])  # the plane's range is convex: the last chord is in it too
     return _distinct(plane, (found for chord in chords for found in all_crossings(plane, *chord)), *_read_steps(**how))
 
 
