@@ -296,7 +296,7 @@ class Border(Drawable):
             guess[-2 + j] = target
             polished = self._system.polish(guess, (index, exact))
             if polished is not None:
-                found.append(float(polished[0][-1 - j]))
+                found.append(float(polished[-1 - j]))
                 continue
             fold = [point.values for point in self.special if point.kind == FOLD]
             at_fold = [values[1 - j] for values in fold if abs(values[j] - float(exact)) <= 4 * EPS * abs(values[j])]
@@ -504,10 +504,9 @@ class Tracer:
         tried: list[tuple[float, float]] = []
         q = float(z[-2 + other] * system.scale[-2 + other])
         for _ in range(MOST_SECANTS):
-            polished = system.polish(z, (index, Fraction(q)))
-            if polished is None:
+            u = system.polish(z, (index, Fraction(q)))
+            if u is None:
                 return None
-            u, _ = polished
             tangent = system.fine_tangent(u)
             tried.append((q, float(tangent[-2 + j] / tangent[-2 + other])))
             z = np.array([float(value) for value in u]) / system.scale
@@ -613,7 +612,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
         for all_zeros, all_phases in (([*zeros, *added], [*phases, *more]), (zeros, phases))[not added :]:
             system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit._replace(points=points), all_zeros)
             polished = system.polish(np.array([*points.ravel(), *all_phases, *values]) / system.scale)
-            at = [] if polished is None else [float(value) for value in polished[0][-2:]]
+            at = [float(value) for value in (polished or [])[-2:]]
             if polished is None or (np.abs(np.subtract(at, values)) > NEAR * plane.widths).any():
                 continue
             names = [names_of(system, zero) for zero in zeros[: len(texts)]]
@@ -681,6 +680,8 @@ def all_crossings(
     for system, node in crossings(plane, start, stop):
         way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
         place, own = node.z[-2:] * system.scale[-2:], system.orbit(node.z)
+        if not 0 <= (place - start[0]) @ way <= (stop[0] - start[0]) @ way:
+            return  # the border at the segment's end, once more
         for shift in SHIFTS:
             before, after = (
                 (place + sign * shift * way, motion_beside(plane, place + sign * shift * way, own, start[1], stop[1]))
@@ -723,7 +724,7 @@ def borders_leaving(border: Border, special: SpecialPoint, **how: Any) -> list[B
     """
     plane, nearest = border.plane, np.abs(border.points - special.values).sum(axis=1).argmin()
     around = _circle(plane, special.values, border.orbit(int(nearest)))
-    chords = pairwise([*around, around[0]] if len(around) == ANGLES else around)
+    chords = pairwise([*around, *around[:1]])  # the plane's range is convex: the last chord is in it too
     return _distinct(plane, (found for chord in chords for found in all_crossings(plane, *chord)), *_read_steps(**how))
 
 

@@ -14,6 +14,9 @@ The force of the far domain is 0 in the first two; G^(1) of the far domain tells
 (FLAT). The phase of a turn (HOLD) or of a graze (TOUCH) is an unknown, so all equations are algebraic. A graze next to
 the start of its flight would have the start itself as a second root: it is divided out, as in the closing equations.
 
+At a point of codimension two a second zero is added, of another inequality, or of what makes the first one simple
+(`Zero.bend`). ARRIVAL is only for such points: a flight that meets its belt with v' = v'' = 0.
+
 Motions that are symmetric lose two inequalities at once. They belong to one border, and the equations take one of them.
 """
 
@@ -56,7 +59,8 @@ FINE_DIGITS, FINE_DIFFERENCE = 50, 20  # and in digits: decimal exponent of the 
 SAME_PHASE = 1e-5  # an extremum this near to the one that is an unknown is that one
 NOTHING = 1e-7  # a margin below this part of its terms is 0 on a border
 MOST_CORRECTIONS = 12
-CONVERGED, NOT_CONVERGED = 1e-10, 1e-6  # a correction, in scaled unknowns, after which the next one is rounding
+SLOWER = 10.0  # by which the next correction may shrink less than the last one did
+CONVERGED, NOT_CONVERGED = 1e-12, 1e-6  # a correction, in scaled unknowns, after which the next one is rounding
 MOST_POLISHING, FINE = 30, 1e-30
 SINGULAR = 1e6  # entries of the inverse, in scaled unknowns, beyond which a point is not isolated
 LEAST_SIZE = 0.1
@@ -126,12 +130,11 @@ class BorderSystem:
     def __init__(
         self, fixed: Parameters, names: tuple[str, str], widths: Any, orbit: Orbit, zeros: Sequence[Zero]
     ) -> None:
-        word, periods, points = orbit
-        self.fixed, self.names, self.word, self.periods = fixed, names, word, periods
-        self.widths, self.zeros = widths, tuple(zeros)
+        self.word, self.periods, points = orbit
+        self.fixed, self.names, self.zeros = fixed, names, tuple(zeros)
         self.timed = [zero for zero in self.zeros if zero.kind in TIMED]
         self.given = {name: float(getattr(fixed, name)) for name in PARAMETER_NAMES}
-        self.pieces = pieces_of(word)
+        self.pieces = pieces_of(self.word)
         self.n = len(self.pieces)
         self.sizes = np.zeros(0)
         self.hidden: tuple[int, ...] = ()  # conditions that are 0 all along, as the border's own or by symmetry
@@ -174,7 +177,7 @@ class BorderSystem:
         """Return what must vanish beside the closing equations."""
         values, left = [], list(phases)
         for zero in self.zeros:
-            theta = left.pop(0) if zero.kind in TIMED else left_over(zero, self.timed, phases)
+            theta = left.pop(0) if zero.kind in TIMED else phase_of_bend(zero, self.timed, phases)
             values += zero_values(equations, points, zero, theta)
         return values
 
@@ -218,7 +221,7 @@ class BorderSystem:
     def correct(self, z: np.ndarray, row: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float] | None:
         """Return the root in the plane through z with the normal `row` (None: the system is square), or None.
 
-        With it the inverse of the Jacobian of all scaled equations, and the size of the last correction.
+        With it the inverse of the Jacobian of all scaled equations, and an estimate of what is left to correct.
         """
         start, inverse, before = z, None, inf
         try:
@@ -239,7 +242,7 @@ class BorderSystem:
                     return None
                 z = z - step
                 if size < CONVERGED or (size < NOT_CONVERGED and size > before / 4):
-                    return z, inverse, size
+                    return z, inverse, size * (SLOWER * size / before + DIFFERENCE)
                 if size > before / 16:
                     inverse = None
                 before = size
@@ -247,8 +250,8 @@ class BorderSystem:
             pass
         return None
 
-    def polish(self, z: np.ndarray, fixed: tuple[int, Any] | None = None) -> tuple[list[Number], float] | None:
-        """Return the root u in many digits, and how far doubles were from it in scaled unknowns; None if not found.
+    def polish(self, z: np.ndarray, fixed: tuple[int, Any] | None = None) -> list[Number] | None:
+        """Return the root u in many digits; None if it is not found.
 
         `fixed`: the index of an unknown and its exact value, for systems with a curve of roots. The inverse in doubles
         is good enough for corrections in digits.
@@ -262,7 +265,7 @@ class BorderSystem:
             return None
         number = ClosingEquations(self.fixed, self.word, self.periods, FINE_DIGITS).arithmetic.number
         convert: Any = lambda value: number(Fraction(float(value)))  # noqa: E731
-        u, away, before = [convert(value) for value in got[0] * self.scale], 0.0, inf
+        u, before = [convert(value) for value in got[0] * self.scale], inf
         if fixed is not None:
             u[fixed[0]] = number(fixed[1])
         try:
@@ -272,9 +275,8 @@ class BorderSystem:
                 size = float(np.abs(step).max())
                 changes = (step * self.scale).tolist()
                 u = [value - (0 if fixed and j == fixed[0] else convert(changes[j])) for j, value in enumerate(u)]
-                away = max(away, size)
                 if size < FINE or size > before / 2:
-                    return (u, away) if size < FINE else None
+                    return u if size < FINE else None
                 before = size
         except (ZeroDivisionError, ValueError):
             pass
@@ -288,12 +290,12 @@ class BorderSystem:
         got = self.correct(z, along if row is None else row)
         if got is None:
             return None
-        z, inverse, last = got
+        z, inverse, left = got
         if not self.sizes.size:
             self.sizes = self._sizes((z * self.scale).tolist())
         rounding = np.abs(inverse[-2:, : len(self.sizes)]) @ (4 * EPS * self.sizes) + 2 * EPS * np.abs(z[-2:])
         tangent = inverse[:, -1] * np.sign(inverse[:, -1] @ along)
-        return Node(z, tangent / np.linalg.norm(tangent), (rounding + DIFFERENCE * last) * self.scale[-2:])
+        return Node(z, tangent / np.linalg.norm(tangent), (rounding + left) * self.scale[-2:])
 
     def _sizes(self, u: Sequence[float]) -> np.ndarray:
         """Return the sizes of the terms of all residuals, by which their rounding errors are measured."""
@@ -372,7 +374,7 @@ class BorderSystem:
         return float(min(away, default=inf))
 
 
-def left_over(zero: Zero, timed: Sequence[Zero], phases: Any) -> Any:
+def phase_of_bend(zero: Zero, timed: Sequence[Zero], phases: Any) -> Any:
     """Return the phase of the extremum that a zero of its bend belongs to."""
     return next((phases[i] for i, other in enumerate(timed) if other.piece == zero.piece), None)
 

@@ -41,7 +41,7 @@ def named(borders: list[Border], *words: str) -> Border:
 
 
 @cache
-def main_border(c: str, step: str = "0.005") -> Border:
+def main_border(c: str, step: str = "0.01") -> Border:
     """Return the border on which P32 loses to sticks, from the end of a branch."""
     branch = continue_orbit(COULOMB.replace(c=c), "P32", "FN", (0.3, 0.99))
     return continue_border(branch, 1, "Omega", PLANE, step=step)
@@ -63,6 +63,7 @@ def den_hartog(r: Any) -> Any:
     return abs(V) / mpmath.sqrt(U * U + (S / r**2) ** 2)
 
 
+@pytest.mark.slow
 def test_twenty_points_of_den_hartogs_border() -> None:
     undamped = COULOMB.replace(c=0)
     graze = continue_orbit(undamped.replace(Omega="0.4", FN="0.1"), "P32", "FN", (0.05, 0.3))
@@ -116,10 +117,15 @@ def test_the_numbers_of_the_plane() -> None:
     assert high - low < 1e-4
     assert border.at(FN=fold.values[0] + 1e-10) == ()
     assert border.at(FN=fold.values[0]) == pytest.approx([fold.values[1]] * len(border.at(FN=fold.values[0])), abs=1e-7)
+
+
+@pytest.mark.slow
+def test_a_point_of_codimension_two_tends_to_the_undamped_one() -> None:
     point = main_border("0.001", "0.02").special[0]
     assert (point.values[0], 1 / point.values[1]) == pytest.approx((0.33243, 2.00085), abs=1e-5)
 
 
+@pytest.mark.slow
 def test_the_points_of_pwsdde_cont() -> None:
     p = COULOMB.replace(B0="1.5", FN=1)
     branch = continue_orbit(p, "P32", "Omega", (0.6, 1.4))
@@ -201,6 +207,7 @@ def random_border(seed: int) -> tuple[Branch, Border] | None:
     return None
 
 
+@pytest.mark.slow
 @sample_of(3, 60)
 def test_the_ode_changes_its_word_at_random_borders(count: int) -> None:
     seed = done = 0
@@ -233,7 +240,7 @@ def word_of_the_ode(p: Parameters, orbit: Any, periods: int = 25) -> str:
 
 def test_errors_are_estimates_of_the_errors() -> None:
     border = main_border("0.1")
-    for i in range(5, len(border), 40):
+    for i in range(5, len(border), 30):
         FN, Omega = border.points[i]
         exact = min(border.at(Omega=Omega), key=lambda value: abs(value - FN))
         assert abs(FN - exact) <= border.errors[i].sum() + 2 * np.spacing(FN)
@@ -241,6 +248,7 @@ def test_errors_are_estimates_of_the_errors() -> None:
     assert max(point.error for point in border.special) < 1e-14
 
 
+@pytest.mark.slow
 def test_an_end_of_the_word_with_more_pieces_is_the_same_border() -> None:
     p = COULOMB.replace(FN="0.9")
     branch = continue_orbit(p, "P3121", "FN", (0.5, "0.95"))
@@ -262,6 +270,7 @@ def test_a_thousand_points_take_less_than_a_second_of_one_core() -> None:
     assert min(times) < 2e-3  # 0.8 ms on a quiet machine
 
 
+@pytest.mark.slow
 def test_what_cannot_be_continued_says_so() -> None:
     branch = continue_orbit(COULOMB, "P32", "FN", (0.3, 0.99))
     with pytest.raises(
