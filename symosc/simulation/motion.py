@@ -136,7 +136,7 @@ class SearchInDoubles:
         keep_state(self._rows, 0, state)
         try:
             code, boundary, decided, t_error, free = self._search(self._rows, self._careful)
-            return NextEvent(code, boundary, decided, t_error, state_of(self._rows, 0)), free
+            return NextEvent(code, boundary, decided, t_error, state_of(self._rows.tolist(), 0)), free
         except (ArithmeticError, ValueError):
             return None
 
