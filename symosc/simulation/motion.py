@@ -72,7 +72,7 @@ from symosc.simulation.batch import FOLLOW, TURN, chosen_loops, joined, loaded_l
 # Events of the first block of a motion and of the largest one.
 FIRST_BLOCK, LARGEST_BLOCK = 64, 1 << 15
 # The errors of an event that pairs may have in `simulate_many`, beside its rounding to doubles, as a part of that.
-PAIR_NOISE = 0.25
+PAIR_NOISE = 0.1
 # Digits between a start and a belt, or of its error, that pairs have to spare.
 PAIR_SPARE = 8
 # Events that a motion is followed farther in pairs, at most, if doubles would not decide again.
@@ -136,7 +136,7 @@ class SearchInDoubles:
         keep_state(self._rows, 0, state)
         try:
             code, boundary, decided, t_error, free = self._search(self._rows, self._careful)
-            return NextEvent(code, boundary, decided, t_error, state_of(self._rows, 0)), free
+            return NextEvent(code, boundary, decided, t_error, state_of(self._rows.tolist(), 0)), free
         except (ArithmeticError, ValueError):
             return None
 

@@ -43,6 +43,7 @@ def motions() -> list[tuple[str, Any, list[Any], Any, Any]]:
     return [
         ("locked", locked, [(fig9.t0, fig9.x0, fig9.v0), (0, 0, 0)], 300, None),
         ("near a graze", fig8.parameters, [(fig8.t0, fig8.x0 + Fraction(n, 50), fig8.v0) for n in range(6)], 12, 5e-16),
+        ("short sticks", fig8.parameters, [(fig8.t0, fig8.x0 + n, fig8.v0) for n in range(2)], 70, None),
         ("many sets", sets, starts, [t0 + 12 for t0, _, _ in starts], 3e-16),
     ]
 
