@@ -142,6 +142,16 @@ def test_a_graze_is_a_kink_and_says_its_side(name: str) -> None:
     np.testing.assert_allclose(found(times[:2])[:, :, 0], slopes, rtol=1e-3, atol=1e-3)
 
 
+def test_a_graze_that_stays_one_is_none() -> None:
+    """Without damping and drive a mass that has slipped from a belt comes back to its speed in any case."""
+    p = Parameters(m=1, c=0, k=4, A0=0, B0=0, Omega=1, v1=-3, v2=1, mu1="0.3", mu2="0.7", FN=2)
+    found = sensitivities(p, NAMES, x0=-2, v0=2, t_end=40)
+    grazes = [n for n, event in enumerate(found.trajectory.events) if event.kind == "graze"]
+    assert len(grazes) > 8
+    for n in grazes:
+        assert {name for name, there in zip(NAMES, found.regular[n], strict=True) if not there} <= {"c", "B0"}
+
+
 def test_a_start_on_a_belt_is_a_kink() -> None:
     found = sensitivities("fig9", ("v0", "v1", "x0"))
     assert found.regular[0].tolist() == [False, False, True]
