@@ -142,6 +142,16 @@ def test_a_graze_is_a_kink_and_says_its_side(name: str) -> None:
     np.testing.assert_allclose(found(times[:2])[:, :, 0], slopes, rtol=1e-3, atol=1e-3)
 
 
+def test_a_graze_that_stays_one_is_none() -> None:
+    """Without damping and drive a mass that has slipped from a belt comes back to its speed in any case."""
+    p = Parameters(m=1, c=0, k=4, A0=0, B0=0, Omega=1, v1=-3, v2=1, mu1="0.3", mu2="0.7", FN=2)
+    found = sensitivities(p, NAMES, x0=-2, v0=2, t_end=40)
+    grazes = [n for n, event in enumerate(found.trajectory.events) if event.kind == "graze"]
+    assert len(grazes) > 8
+    for n in grazes:
+        assert {name for name, there in zip(NAMES, found.regular[n], strict=True) if not there} <= {"c", "B0"}
+
+
 def test_a_start_on_a_belt_is_a_kink() -> None:
     found = sensitivities("fig9", ("v0", "v1", "x0"))
     assert found.regular[0].tolist() == [False, False, True]
@@ -161,6 +171,27 @@ def test_exponents_of_a_settled_motion_are_those_of_its_orbit(name: str) -> None
         assert found.lyapunov[1] == -np.inf
     else:
         assert found.lyapunov.sum() == pytest.approx(expected.sum(), rel=0.05)
+
+
+@pytest.mark.parametrize("beside", ["1e-14", "1e-8", "-1e-10", "0"])
+def test_near_critical_damping(beside: str) -> None:
+    p = Parameters(m=1, c=2, k=1 + Fraction(beside), A0=1, B0=9, Omega="3/2", v1=-1, v2=2, mu1="2/5", mu2="3/10", FN=5)
+    doubles, exact = (sensitivities(p, ("m", "c", "k", "Omega"), t_end=9, digits=digits) for digits in (None, 40))
+    assert len(doubles.dt) > 3
+    np.testing.assert_allclose(doubles.dt, exact.dt.astype(float), rtol=1e-11, atol=1e-12)
+    np.testing.assert_allclose(doubles.dx, exact.dx.astype(float), rtol=1e-11, atol=1e-12)
+
+
+def test_a_slow_drive_and_a_creeping_flight_keep_their_digits() -> None:
+    """By Omega nothing cancels where it is small; where a contact has hardly a slope 30 digits are taken."""
+    slow = Parameters(m="0.1", c=0, k="3.5", A0=8, B0=20, Omega="8e-5", v1=30, v2=34, mu1="0.7", mu2="0.9", FN="1.6")
+    creeping = Parameters(m=1, c=3, k=1, A0="-1/2", B0="1e-6", Omega="1/30", v1=0, v2=1, mu1="0.8", mu2="0.2", FN=4)
+    for p, start in ((slow, {"t0": 7, "x0": 2, "v0": 30}), (creeping, {"x0": "-1.5", "v0": "0.6"})):
+        start |= {"t_end": 60}
+        doubles, exact = (sensitivities(p, NAMES, **start, digits=digits) for digits in (None, 40))
+        assert len(doubles.dt) > 0
+        for found, known in ((doubles.dt, exact.dt.astype(float)), (doubles.dx, exact.dx.astype(float))):
+            np.testing.assert_allclose(found, known, rtol=1e-9, atol=1e-12 * abs(known).max())
 
 
 def test_what_is_wrong_is_said() -> None:

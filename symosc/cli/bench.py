@@ -47,7 +47,7 @@ def bench(
     --scores lets all solvers follow all reference cases (`symosc cases`), which takes some minutes, and writes what
     `symosc score` says of them, with a picture beside it.
 
-    --gradients lets other tools (extras bench, jax and gradients) differentiate the events of these cases.
+    --gradients lets other tools (extra gradients) differentiate the events of these cases.
 
     --results writes into a README that has the lines '<!-- results: begin -->' and '<!-- results: end -->'. Pictures
     and full tables go to docs/results beside it.

@@ -37,6 +37,8 @@ UNMOVED = 1e-9
 VANISHES = 1e4
 # Where it is smaller than so many, derivatives keep less than ten digits.
 SMALL = 1e10
+# A part of a flight that is no whole number of its periods, however many it lasts.
+GOLDEN = 0.6180339887498949
 # Codes of columns.
 M, C, K_, A0, B0, OMEGA, V1, V2, MU1, MU2, FN, T0, X0, V0 = range(14)
 PARAMETERS = 11
@@ -224,7 +226,7 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
             boundary, kind = boundaries[n], kinds_[n]
             belt, kept, touched = V1 + boundary - 1, work, False
             if kind == GRAZE:  # what is usual on the way there is the scale of what vanishes
-                piece_changes(start, start.t + 0.6 * (now.t - start.t), 0.6 * turn, codes, deep, mine, K, work)
+                piece_changes(start, start.t + GOLDEN * (now.t - start.t), GOLDEN * turn, codes, deep, mine, K, work)
                 kept = work[: SIZE + 1].copy()
             a = piece_changes(start, now.t, turn, codes, deep, mine, K, work)
             if kind == GRAZE:

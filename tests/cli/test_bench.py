@@ -83,8 +83,10 @@ def test_json_of_all_that_was_measured(calls: list[str]) -> None:
         (["--results", "plain.md"], "cannot write plain.md: needs the lines '<!-- results: begin -->'"),
         (["--results", "marked.md", "--hard"], "leave out --hard and -o"),
         (["--results", "marked.md", "-o", "work.svg"], "leave out --hard and -o"),
+        (["--gradients", "plain.md", "--hard"], "--gradients is a run of its own"),
+        (["--gradients", "plain.txt"], "must end in .md"),
     ],
-    ids=["suffix", "no README", "no marks", "hard", "picture"],
+    ids=["suffix", "no README", "no marks", "hard", "picture", "gradients", "no page"],
 )
 def test_bad_input_costs_no_measuring(
     arguments: list[str], message: str, calls: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -82,8 +82,9 @@ def test_derivatives_are_judged_where_they_exist() -> None:
         found = judged(case, with_changes(case))
         assert found.right
         assert found.derivatives == found.known_derivatives == sum(2 * len(row) for row in case.changes) > 70
-        last = abs(list(case.changes[-1].values())[-1][1])
-        for factor, error in ((1 + 1e-6, 1e-6 * min(1.0, last)), (nan, inf)):
+        dt, dx = list(case.changes[-1].values())[-1]
+        scale = max(1.0, abs(dt), abs(dx), abs(float(case.events[-1].middle[1])))
+        for factor, error in ((1 + 1e-4, 1e-4 * abs(dx) / scale), (nan, inf)):
             wrong = judged(case, with_changes(case, factor))
             assert (wrong.right, wrong.wrong_derivatives) == (False, 1)
             assert wrong.error_d == pytest.approx(error, rel=1e-3)
