@@ -137,9 +137,9 @@ def _long_motions(events: int) -> Iterator[Call]:
     yield Call("fig10, interpreted", "event", call, 2_000)
 
 
-def _starts(count: int) -> tuple[Parameters, np.ndarray, np.ndarray]:
-    """Return the parameters of fig9, random starts, and ends `PERIODS` later."""
-    p, rng = load_scene("fig9").parameters, np.random.default_rng(1)
+def _starts(count: int, name: str = "fig9") -> tuple[Parameters, np.ndarray, np.ndarray]:
+    """Return the parameters of a scene, random starts, and ends `PERIODS` later."""
+    p, rng = load_scene(name).parameters, np.random.default_rng(1)
     period = 2 * pi / float(p.Omega)
     starts = np.column_stack([rng.uniform(0, period, count), rng.uniform(-5, 5, count), rng.uniform(-5, 5, count)])
     return p, starts, starts[:, 0] + PERIODS * period
@@ -150,6 +150,10 @@ def _ensemble(count: int) -> Iterator[Call]:
     follow = partial(simulate_many, p, starts, ends, **ONE_CORE)
     events = int(follow(record=COUNTS).events.sum())
     yield Call("events counted", "event", partial(follow, record=COUNTS), events)
+    for name in ("fig5", "fig10"):
+        p_there, starts_there, ends_there = _starts(count, name)
+        call = partial(simulate_many, p_there, starts_there, ends_there, record=COUNTS, **ONE_CORE)
+        yield Call(f"events counted, {name}", "event", call, int(call().events.sum()))
     yield Call("rows of events", "event", follow, events)
     yield Call("words", "event", partial(follow, record=("events", "word", "multiplicity")), events)
     yield Call("all columns of a summary", "event", partial(follow, record="summary"), events)

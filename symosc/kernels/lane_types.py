@@ -264,7 +264,7 @@ def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset
 
             def made(of: Any) -> Any:
                 if isinstance(of, types.BaseTuple):
-                    return context.make_tuple(builder, of, [made(each) for each in list(iter(of))])
+                    return context.make_tuple(builder, of, [made(each) for each in list(iter(of))])  # type: ignore[call-overload]
                 of_llvm = ir.VectorType(DOUBLE, width)
                 place = _place(context, builder, array, of_llvm, arguments[0], ir.Constant(LONG, next(rows)))
                 if of == types.float64:

@@ -1,0 +1,100 @@
+"""Motions side by side in vector registers: the bits of the scalar source, at any width and beside any neighbours."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import numpy as np
+import pytest
+from regimes import random_sets
+
+from symosc import Parameters, load_scene, simulate_many
+from symosc.engine import arithmetic
+from symosc.engine.batch import STATE_WIDTH, end_by_phase, keep_state, state_of
+from symosc.engine.constant_table import ConstantRows
+from symosc.engine.lanes import BELT_THERE, KIND, T_ERROR, suits_lanes
+from symosc.engine.next_event import advance
+from symosc.engine.state import GRAZE, MOVED, ON_BELT
+from symosc.model import PARAMETER_NAMES
+from symosc.simulation.problems import Problems
+
+pytest.importorskip("numba")
+
+ACCURACY = 1e-6
+STATE = [*range(13), 16, 17, 18]  # columns of a state that change
+SCENES = [load_scene(name).parameters for name in ("fig5", "fig9", "fig10")]
+
+
+def starts_of(rng: random.Random, p: Parameters, count: int) -> np.ndarray:
+    """Return random starts about the belts."""
+    widest = 2.0 * max(abs(float(p.v1)), abs(float(p.v2))) + 1.0
+    return np.array([(rng.uniform(0, 7), rng.uniform(-5, 5), rng.uniform(-widest, widest)) for _ in range(count)])
+
+
+def followed(p: Any, starts: np.ndarray, steps: int, functions: dict[str, Any]) -> tuple[int, int]:
+    """Follow motions in blocks and by the interpreted source, compare them, and return the steps in lanes, and all."""
+    width = functions["LANES"]
+    batch, table = Problems(p, starts, starts[:, 0] + 500.0, None).begin(slice(0, len(starts)), functions["march_rows"])
+    given, found, K = np.zeros((STATE_WIDTH, width)), np.zeros((STATE_WIDTH + 3, width)), ConstantRows(table)[0]
+    running, good, tried = set(range(len(starts))) if suits_lanes(K) else set(), 0, 0
+    for _ in range(steps):
+        for flights in (True, False):
+            members = [i for i in sorted(running) if (batch.states[i, 0] <= ON_BELT) == flights][:width]
+            if not members:
+                continue
+            # lanes without a motion have one of any other's states
+            given[:] = batch.states[[members[n % len(members)] for n in range(width)]].T
+            flags = functions["block"](flights, given, found, ACCURACY, table[0])
+            for lane, i in enumerate(members):
+                before = state_of(batch.states, i)
+                event = advance(before, *end_by_phase(batch.states[i], K)[:2], K)
+                tried += 1
+                if flags >> lane & 1:
+                    good += 1
+                    assert event.decided
+                    there = found[[KIND, BELT_THERE, T_ERROR], lane].tolist()
+                    assert there == [event.code, event.boundary, event.t_error], (p, i)
+                if event.code > GRAZE and event.code != MOVED:
+                    running.discard(i)
+                keep_state(batch.states, i, event.state)
+                if flags >> lane & 1:
+                    assert batch.states[i, STATE].tobytes() == found[STATE, lane].tobytes(), (p, i)
+    return good, tried
+
+
+def test_a_block_takes_the_steps_of_the_scalar_source() -> None:
+    functions, rng = arithmetic.compiled(), random.Random(1)
+    for p in SCENES:
+        good, tried = followed(p, starts_of(rng, p, functions["LANES"]), 40, functions)
+        assert good > 0.8 * tried, p
+    all_good = [followed(p, starts_of(rng, p, functions["LANES"]), 12, functions)[0] for p in random_sets(7, 60)]
+    assert sum(good > 0 for good in all_good) > 10
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [2, 8])
+def test_another_width_has_the_same_bits(width: int) -> None:
+    functions, rng = arithmetic.compiled_with(width), random.Random(width)
+    for p in [*SCENES, *random_sets(3, 20)]:
+        followed(p, starts_of(rng, p, 16), 12, functions)
+
+
+@pytest.mark.compiled("doubles")
+@pytest.mark.parametrize("number", range(4))
+def test_a_motion_has_no_neighbours(number: int) -> None:
+    rng = random.Random(number)
+    p = SCENES[number] if number < len(SCENES) else rng.choice([p for p in random_sets(7, 60) if p.B0 > 0])
+    starts, span = starts_of(rng, p, 150), 30 * 6.3 / float(p.Omega)
+    columns: dict[str, Any] = {name: float(getattr(p, name)) for name in PARAMETER_NAMES}
+    columns["Omega"] = float(p.Omega) * np.linspace(0.9, 1.1, 150)
+    for parameters in (p, columns):
+        for record in ("summary", ("events", "sticks", "t", "x")):
+            call: dict[str, Any] = {"record": record, "use_numba": True, "workers": 1, "skip": 0.3 * span}
+            whole = simulate_many(parameters, starts, starts[:, 0] + span, **call)
+            for i in rng.sample(range(150), 25):
+                of_one = parameters if parameters is p else columns | {"Omega": columns["Omega"][i]}
+                alone = simulate_many(of_one, starts[i], starts[i, 0] + span, **call)
+                for name in vars(alone):
+                    one, many = getattr(alone, name), getattr(whole, name)[i : i + 1]
+                    assert np.array_equal(one, many, equal_nan=one.dtype.kind == "f"), (p, i, name)
