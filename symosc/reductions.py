@@ -339,13 +339,13 @@ def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -
     p, angle, delay = model.parameters, model.Omega * t0, model.delay
     cos, sin, exact = cos_sin(angle)
     zero = Fraction(0)
-    s0, s_error = reduced_time(model, t0), half_unit(t0 - delay) if delay else zero
+    s0, s_error = reduced_time(model, t0), half_unit(abs(t0) + abs(delay)) if delay else zero
     if model.shift.bound() == 0:
         return (s0, x0, v0), (s_error, zero, zero)
     w, rate = (each.at(cos, sin, Fraction) for each in (model.shift, model.shift.rate(model.Omega)))
     if exact and model.shift.exact:
         return (s0, x0 - w, v0 - rate), (s_error, zero, zero)
-    (z0, z_error), (u0, u_error) = (_known(a - b, abs(a) + abs(b)) for a, b in ((x0, w), (v0, rate)))
+    (z0, z_error), (u0, u_error) = (_known(a, b) for a, b in ((x0, w), (v0, rate)))
     for belt in (p.v1, p.v2):
         if abs(u0 - belt) <= half_unit(abs(v0) + abs(rate)):
             u0, u_error = belt, zero
@@ -373,11 +373,10 @@ def number_of(value: Number) -> Callable[[Fraction], Number]:
     return float if context is None else lambda exact: context.mpf(exact.numerator) / exact.denominator
 
 
-def _known(value: Fraction, size: Fraction | None = None) -> tuple[Fraction, Fraction]:
-    """Return a number to 40 digits, and half a unit; a difference that is nothing beside its terms is 0."""
-    if size is not None and abs(value) < size / 10 ** (DIGITS - 20):
-        return Fraction(0), half_unit(size)
-    return rounded(value), half_unit(value)
+def _known(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
+    """Return the difference of two numbers that are known to 40 digits, and its half-width; what is nothing is 0."""
+    size = abs(a) + abs(b)
+    return rounded(a - b) if abs(a - b) * 10 ** (DIGITS - 20) > size else Fraction(0), half_unit(size)
 
 
 MODEL_NAMES = tuple(each.name for each in fields(OtherModel))
