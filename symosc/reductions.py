@@ -21,10 +21,7 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import cache, cached_property
 from math import ceil, isqrt, log10
-from typing import Any, NamedTuple
-
-import numpy as np
-from numpy.typing import ArrayLike
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from symosc.aliases import Number, NumberLike
 from symosc.arguments import public
@@ -32,6 +29,10 @@ from symosc.errors import ParameterError, meant
 from symosc.exact import read_exact, show, unmasked
 from symosc.model import Parameters
 from symosc.quantities import half_unit, read_number, rounded
+
+if TYPE_CHECKING:  # scenes are read without numpy
+    import numpy as np
+    from numpy.typing import ArrayLike
 
 #: Digits with which what is no fraction is computed; 40 of them count.
 DIGITS = 80
@@ -314,6 +315,8 @@ class OtherModel:
 
 def motion_of_belts(model: OtherModel, t: Any) -> tuple[Any, Any]:
     """Return w and w' at times of the model, in doubles."""
+    import numpy as np
+
     cos, sin = np.cos(float(model.Omega) * t), np.sin(float(model.Omega) * t)
     return model.shift.at(cos, sin), model.shift.rate(model.Omega).at(cos, sin)
 
@@ -354,6 +357,8 @@ def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -
 
 def _read_arrays(**given: Any) -> list[np.ndarray]:
     """Return numbers, or arrays of them, as arrays of doubles; ParameterError if they are not finite or not alike."""
+    import numpy as np
+
     found: dict[str, np.ndarray] = {}
     for name, value in given.items():
         array = np.asarray(unmasked(name, value), dtype=None if hasattr(value, "dtype") else object)
