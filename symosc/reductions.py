@@ -21,10 +21,7 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import cache, cached_property
 from math import ceil, isqrt, log10
-from typing import Any, NamedTuple
-
-import numpy as np
-from numpy.typing import ArrayLike
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from symosc.aliases import Number, NumberLike
 from symosc.arguments import public
@@ -32,6 +29,10 @@ from symosc.errors import ParameterError, meant
 from symosc.exact import read_exact, show, unmasked
 from symosc.model import Parameters
 from symosc.quantities import half_unit, read_number, rounded
+
+if TYPE_CHECKING:  # scenes are read without numpy
+    import numpy as np
+    from numpy.typing import ArrayLike
 
 #: Digits with which what is no fraction is computed; 40 of them count.
 DIGITS = 80
@@ -314,6 +315,8 @@ class OtherModel:
 
 def motion_of_belts(model: OtherModel, t: Any) -> tuple[Any, Any]:
     """Return w and w' at times of the model, in doubles."""
+    import numpy as np
+
     cos, sin = np.cos(float(model.Omega) * t), np.sin(float(model.Omega) * t)
     return model.shift.at(cos, sin), model.shift.rate(model.Omega).at(cos, sin)
 
@@ -339,13 +342,13 @@ def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -
     p, angle, delay = model.parameters, model.Omega * t0, model.delay
     cos, sin, exact = cos_sin(angle)
     zero = Fraction(0)
-    s0, s_error = reduced_time(model, t0), half_unit(t0 - delay) if delay else zero
+    s0, s_error = reduced_time(model, t0), half_unit(abs(t0) + abs(delay)) if delay else zero
     if model.shift.bound() == 0:
         return (s0, x0, v0), (s_error, zero, zero)
     w, rate = (each.at(cos, sin, Fraction) for each in (model.shift, model.shift.rate(model.Omega)))
     if exact and model.shift.exact:
         return (s0, x0 - w, v0 - rate), (s_error, zero, zero)
-    (z0, z_error), (u0, u_error) = (_known(a - b, abs(a) + abs(b)) for a, b in ((x0, w), (v0, rate)))
+    (z0, z_error), (u0, u_error) = (_known(a, b) for a, b in ((x0, w), (v0, rate)))
     for belt in (p.v1, p.v2):
         if abs(u0 - belt) <= half_unit(abs(v0) + abs(rate)):
             u0, u_error = belt, zero
@@ -354,6 +357,8 @@ def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -
 
 def _read_arrays(**given: Any) -> list[np.ndarray]:
     """Return numbers, or arrays of them, as arrays of doubles; ParameterError if they are not finite or not alike."""
+    import numpy as np
+
     found: dict[str, np.ndarray] = {}
     for name, value in given.items():
         array = np.asarray(unmasked(name, value), dtype=None if hasattr(value, "dtype") else object)
@@ -373,11 +378,10 @@ def number_of(value: Number) -> Callable[[Fraction], Number]:
     return float if context is None else lambda exact: context.mpf(exact.numerator) / exact.denominator
 
 
-def _known(value: Fraction, size: Fraction | None = None) -> tuple[Fraction, Fraction]:
-    """Return a number to 40 digits, and half a unit; a difference that is nothing beside its terms is 0."""
-    if size is not None and abs(value) < size / 10 ** (DIGITS - 20):
-        return Fraction(0), half_unit(size)
-    return rounded(value), half_unit(value)
+def _known(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
+    """Return the difference of two numbers that are known to 40 digits, and its half-width; what is nothing is 0."""
+    size = abs(a) + abs(b)
+    return rounded(a - b) if abs(a - b) * 10 ** (DIGITS - 20) > size else Fraction(0), half_unit(size)
 
 
 MODEL_NAMES = tuple(each.name for each in fields(OtherModel))

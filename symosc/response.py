@@ -188,7 +188,7 @@ def frequency_response(
         One parameter, or number of the model, with its values, or text ``"LO:HI:N"``: ``{"Omega": "0.5:2:100"}``.
     progress : bool or callable, optional
         True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
-        numbers: how many values are done, and how many there are.
+        numbers: the part that is done, and 1.
 
     Returns
     -------
@@ -252,9 +252,9 @@ def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Row
         if z == inf:
             raise ConvergenceError("", (), 1, inf, "the motion grows for ever, at resonance without a damper")
         settled = settle(p, (mean + z.real, -float(p.Omega) * z.imag), before)
+        row = measured(model, settled)
     except ConvergenceError as error:
         return Row(error.reason, balance=balance), before
-    row = measured(model, settled)
     part = balance / row.amplitude - 1 if row.amplitude else nan if balance == 0 else inf
     return row._replace(balance=balance, balance_error=part), settled.orbit or before
 
@@ -437,11 +437,16 @@ def turning_points(values: np.ndarray) -> np.ndarray:
 
 
 def measured(model: OtherModel, settled: Settled) -> Row:
-    """Return the response of a settled motion, by integrals and extremes over its cycle."""
+    """Return the response of a settled motion, by integrals and extremes over its cycle.
+
+    ConvergenceError if it comes too near to a graze.
+    """
     p, Omega = model.parameters, float(model.Omega)
     period = 2 * pi * settled.periods / Omega
     t0, x0, v0 = settled.start
     motion = simulate(p, t0=t0, x0=x0, v0=v0, t_end=float(t0) + period)
+    if motion.status == "undecidable":
+        raise ConvergenceError("", (), 1, inf, motion.message)
     m, c, k, FN, drive = (float(each) for each in (model.m, model.c, model.k, p.FN, p.B0))
     belts = [(float(mu) * FN, float(v)) for mu, v in ((p.mu1, p.v1), (p.mu2, p.v2))]
     turns, passed, first, damper, work, heat, stuck = list[np.ndarray](), list[float](), 0j, 0.0, 0.0, 0.0, 0.0

@@ -92,6 +92,21 @@ def test_what_is_rational_is_exact() -> None:
     assert (scene.x0, scene.v0, scene.start_error) == (Fraction(4, 5), Fraction(1, 4), None)
 
 
+def test_the_table_of_the_page_has_the_drives() -> None:
+    m, c, k, Om, size = 1.5, 0.4, 2.0, 1.3, 0.7
+    numbers = {"m": m, "c": c, "k": k, "Omega": Om, "FN": 1}
+    table: list[tuple[dict[str, object], float, float]] = [
+        ({"B0": size, "phase": "-pi/2"}, size, np.pi / 2 / Om),
+        ({"B0": size, "phase": 0.6}, size, -0.6 / Om),
+        ({"Y": size}, size * np.hypot(k, c * Om), -np.arctan(c * Om / k) / Om),
+        ({"Y": size, "joined": True}, m * size * Om**2, 0.0),
+        ({"W": size}, size * np.hypot(m * Om - k / Om, c), np.arctan2(m * Om - k / Om, -c) / Om),
+    ]
+    for given, B0, delay in table:
+        model = OtherModel(**numbers | given)  # type: ignore[arg-type]
+        assert (float(model.parameters.B0), float(model.delay)) == pytest.approx((B0, delay), abs=1e-14)
+
+
 def test_the_phase_of_a_late_start_is_right() -> None:
     """At t0 = 1e8 the position of the base has 40 digits, and a mass that rides on it does so for ever."""
     model = OtherModel(m=1, k=1, Omega=7, FN=1000, Y=1, Y_phase="1/3", joined=True)
