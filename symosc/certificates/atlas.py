@@ -45,7 +45,7 @@ MOST_NEAR = 3
 LEAST_SIDE = Fraction(1, 1 << 24)
 
 #: Points of the grid along each side; the longest step along a border, and the distance of points that are one, as parts.
-GRID, BORDER_STEP, SAME = 16, 0.005, 1e-3
+GRID, BORDER_STEP, SAME = 12, 0.005, 1e-3
 REST_NAMES = ("v1", "v2", "mu1", "mu2", "FN", "B0")
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
@@ -209,7 +209,7 @@ def may_rest(p: Parameters, names: tuple[str, str], box: Rectangle) -> bool | No
             least, most = (ends["mu" + belt][i] * ends["FN"][i] for i in (0, 1))
             if least >= high:
                 return True
-            some = some or most >= low
+            some = some or most > low
     return None if some else False
 
 
@@ -239,12 +239,10 @@ class Cover:
         """Add rectangles to prove; what rests there is known at once."""
         for task in tasks:
             sides = zip(task.box, self.whole, strict=True)
-            if (rests := may_rest(self.p, self.names, task.box)) is True:
+            if may_rest(self.p, self.names, task.box):
                 self.prove(ProvenBox(REST, task.box, ()))
             elif min((b - a) / (d - c) for (a, b), (c, d) in sides) < LEAST_SIDE:
                 self.small.append(task.box)
-            elif rests is None:
-                self.add(*(task._replace(box=part) for part in divided(task.box, _longer(task.box))))
             else:
                 heapq.heappush(self.heap, (-float(area(task.box)), self.count, task))
                 self.count += 1
