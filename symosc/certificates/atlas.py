@@ -183,7 +183,9 @@ def attempt(p: Parameters, names: tuple[str, str], task: Task) -> Tried:
     places = ((-0.5, 0), (0.5, 0)) if along == 0 else ((0, -0.5), (0, 0.5))
     near = [(labels, surface.near(*place)) for place in places]
     others.insert(0, (labels, surface.near(0, 0)))
-    return Tried("", (), tuple(Task(part, (each, *others), divide) for part, each in zip(divided(box, along), near, strict=True)))
+    return Tried(
+        "", (), tuple(Task(part, (each, *others), divide) for part, each in zip(divided(box, along), near, strict=True))
+    )
 
 
 def canonical(labels: Sequence[str]) -> str:
@@ -221,7 +223,9 @@ def cut_at_rest(p: Parameters, names: tuple[str, str], box: Rectangle) -> list[R
         if f"v{belt}" in names or p.belt(int(belt)) != 0 or len(free) != 1:
             continue
         mu, along = getattr(p, "mu" + belt), names.index(free[0])
-        held = {"B0": mu * p.FN, "FN": abs(p.B0) / mu if mu else 0, "mu" + belt: abs(p.B0) / p.FN if p.FN else 0}[free[0]]
+        held = {"B0": mu * p.FN, "FN": abs(p.B0) / mu if mu else 0, "mu" + belt: abs(p.B0) / p.FN if p.FN else 0}[
+            free[0]
+        ]
         for at in (held, -held):
             parts = [each for part in parts for each in divided(part, along, at)]
     return parts
@@ -345,7 +349,9 @@ class Atlas(Drawable):
         seen = Counter(word for *_, word in self.grid)
         words = {*proven, *seen, *(word for border in self.borders for word in border.words if word)}
         left = max(0.0, 1 - sum(proven.values()))
-        found = [Region(word, proven[word] + left * seen[word] / max(len(self.grid), 1), proven[word]) for word in words]
+        found = [
+            Region(word, proven[word] + left * seen[word] / max(len(self.grid), 1), proven[word]) for word in words
+        ]
         return tuple(sorted(found, key=lambda each: (-each.share, each.word)))
 
     @property
@@ -428,7 +434,9 @@ class Atlas(Drawable):
     def to_json(self, path: str | Path) -> None:
         """Write the atlas as JSON, which `symosc verify` proves ("-": to standard output)."""
         about = {"format": FORMAT, "kind": "atlas", "proven": bool(self.boxes), "made_by": "symosc"}
-        write_text(path, json.dumps(about | self.statement(), separators=(",", ":")).replace('{"word"', '\n{"word"') + "\n")
+        write_text(
+            path, json.dumps(about | self.statement(), separators=(",", ":")).replace('{"word"', '\n{"word"') + "\n"
+        )
 
     def __repr__(self) -> str:
         words, borders = len([each for each in self.regions if each.word]), len(self.borders)
@@ -499,9 +507,10 @@ def atlas(
     if left is not None and (left.parameters, left.over, left.range) != (p, names, whole):
         raise ParameterError("path", path, "is the atlas of another plane: name another file")
     cover = Cover(p, names, whole)
-    with ProcessPoolExecutor(count) if count > 1 else nullcontext() as pool, reporting(
-        progress, 0, float(share), "proven", ""
-    ) as report:
+    with (
+        ProcessPoolExecutor(count) if count > 1 else nullcontext() as pool,
+        reporting(progress, 0, float(share), "proven", "") as report,
+    ):
         if left is None:
             grid = looked_at(p, names, whole, pool)
             borders = tuple(borders_of(p, names, whole, grid))
@@ -519,7 +528,9 @@ def atlas(
 def _read_plane(p: Parameters, over: Mapping[str, Any]) -> tuple[tuple[str, str], Rectangle]:
     """Return the names of both parameters, and their ranges."""
     if len(over) != 2 or not set(over) <= set(PARAMETER_NAMES):
-        raise ParameterError("over", ", ".join(map(str, over)), f"give two parameters out of {', '.join(PARAMETER_NAMES)}")
+        raise ParameterError(
+            "over", ", ".join(map(str, over)), f"give two parameters out of {', '.join(PARAMETER_NAMES)}"
+        )
     ranges = []
     for name, limits in over.items():
         if np.ndim(np.asarray(limits, dtype=object)) != 1 or len(limits) != 2:
@@ -537,7 +548,9 @@ def _read_plane(p: Parameters, over: Mapping[str, Any]) -> tuple[tuple[str, str]
     return (first, second), (ranges[0], ranges[1])
 
 
-def looked_at(p: Parameters, names: tuple[str, str], whole: Rectangle, pool: Any) -> tuple[tuple[float, float, str], ...]:
+def looked_at(
+    p: Parameters, names: tuple[str, str], whole: Rectangle, pool: Any
+) -> tuple[tuple[float, float, str], ...]:
     """Return the words of the settled motions on a grid, row by row; "" where none is found."""
     axes = [[low + (high - low) * Fraction(2 * i + 1, 2 * GRID) for i in range(GRID)] for low, high in whole]
     points = [((x, x), (y, y)) for x in axes[0] for y in axes[1]]
@@ -551,7 +564,9 @@ def _word_of(p: Parameters, names: tuple[str, str], point: Rectangle) -> str:
     if may_rest(p, names, point):
         return REST
     try:
-        return canonical(find_orbit(p.replace(**{name: low for name, (low, _) in zip(names, point, strict=True)})).labels)
+        return canonical(
+            find_orbit(p.replace(**{name: low for name, (low, _) in zip(names, point, strict=True)})).labels
+        )
     except ConvergenceError:
         return ""
 
@@ -573,7 +588,9 @@ def borders_of(p: Parameters, names: tuple[str, str], whole: Rectangle, grid: Se
             ends = [p.replace(**dict(zip(names, at, strict=True))) for at in ((x, y), (other_x, other_y))]
             try:
                 for border in borders_between(*ends, names, limits, step=BORDER_STEP):
-                    if any(crosses(each.points, *border.points[[len(border) // 2 - 1, len(border) // 2]]) for each in found):
+                    if any(
+                        crosses(each.points, *border.points[[len(border) // 2 - 1, len(border) // 2]]) for each in found
+                    ):
                         continue
                     found += [each for each in network(border, step=BORDER_STEP) if not _among(each, found)]
             except (BorderError, ConvergenceError):
@@ -584,7 +601,10 @@ def borders_of(p: Parameters, names: tuple[str, str], whole: Rectangle, grid: Se
 def _among(border: Any, found: Sequence[Any]) -> bool:
     """Return whether a border is one of those found."""
     middle = border.points[len(border) // 2]
-    return any(each.kind == border.kind and np.abs(each.points - middle).sum(axis=1).min() < SAME * np.abs(middle).sum() for each in found)
+    return any(
+        each.kind == border.kind and np.abs(each.points - middle).sum(axis=1).min() < SAME * np.abs(middle).sum()
+        for each in found
+    )
 
 
 def crosses(points: np.ndarray, a: Any, b: Any) -> bool:
@@ -609,11 +629,17 @@ def read_atlas(path: str | Path) -> Atlas:
             return (a, b), (c, d)
 
         boxes = tuple(
-            ProvenBox(row["word"], box(row["range"]), tuple((float(t), float(x)) for t, x in zip(row["phases"], row["x"], strict=True)))
+            ProvenBox(
+                row["word"],
+                box(row["range"]),
+                tuple((float(t), float(x)) for t, x in zip(row["phases"], row["x"], strict=True)),
+            )
             for row in data["boxes"]
         )
         first, second = data["over"]
         grid = tuple((float(x), float(y), str(word)) for x, y, word in data["found"]["grid"])
         return Atlas(p, (first, second), box(data["range"]), boxes, tuple(map(box, data["open"])), grid)
     except (OSError, ValueError, LookupError, TypeError) as error:
-        raise ParameterError("path", path, f"is no file of an atlas ({type(error).__name__}: {str(error)[:80]})") from None
+        raise ParameterError(
+            "path", path, f"is no file of an atlas ({type(error).__name__}: {str(error)[:80]})"
+        ) from None

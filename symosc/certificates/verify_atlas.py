@@ -399,7 +399,9 @@ class Box:
     def surface(self, problem):
         """Prove the word."""
         word, size = self.word, self.word.size
-        first = [[-each.mid() for each in self.by([r[1] for r in self.series(side, [self.u], 2)[0]])] for side in SIDES[:2]]
+        first = [
+            [-each.mid() for each in self.by([r[1] for r in self.series(side, [self.u], 2)[0]])] for side in SIDES[:2]
+        ]
         second, thin, p = [], [], [arb(0)] * size
         for side in SIDES[:3]:
             rows = [self.u, [side[0] * a + side[1] * b for a, b in zip(*first, strict=True)]]
@@ -407,17 +409,27 @@ class Box:
             second.append([-each.mid() for each in self.by([each[2] for each in r])])
             bend = (self.J * orbits.column(second[-1])).entries()
             thin.append(rows)
-            for part in ([each[0] for each in r], [each[1] for each in r], [each[2] + b for each, b in zip(r, bend, strict=True)]):
+            for part in (
+                [each[0] for each in r],
+                [each[1] for each in r],
+                [each[2] + b for each, b in zip(r, bend, strict=True)],
+            ):
                 p = [each + 3 * abs(more) for each, more in zip(p, self.by(part), strict=True)]
         a, b = first
         aa, bb, ab = second[0], second[1], [z - x - y for x, y, z in zip(*second, strict=True)]
         d = arb(0, 1)
-        u = [u + d * (a + d * aa + d * ab) + d * (b + d * bb) for u, a, b, aa, bb, ab in zip(self.u, a, b, aa, bb, ab, strict=True)]
+        u = [
+            u + d * (a + d * aa + d * ab) + d * (b + d * bb)
+            for u, a, b, aa, bb, ab in zip(self.u, a, b, aa, bb, ab, strict=True)
+        ]
 
         def slopes(i, j):
             """Return the first and second coefficients of u(d) in a direction, somewhere in the box."""
             rows = zip(a, b, aa, bb, ab, strict=True)
-            rows = [(i * (a + 2 * d * aa + d * ab) + j * (b + 2 * d * bb + d * ab), i * i * aa + j * j * bb + i * j * ab) for a, b, aa, bb, ab in rows]
+            rows = [
+                (i * (a + 2 * d * aa + d * ab) + j * (b + 2 * d * bb + d * ab), i * i * aa + j * j * bb + i * j * ab)
+                for a, b, aa, bb, ab in rows
+            ]
             return [list(each) for each in zip(*rows, strict=True)]
 
         e = self.plane(self.wide)
@@ -450,12 +462,17 @@ class Box:
     def contract(self, p, u, slopes):
         """Return e with p + N e < e (3 above)."""
         size, tube = self.word.size, [arb(1.1) * each for each in p]
-        scales = [max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in zip(*slopes, tube, strict=True)]
+        scales = [
+            max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in zip(*slopes, tube, strict=True)
+        ]
         for _ in range(4):
             tube = [(arb(1.15) * each).mid() for each in tube]
             ball = [arb(0, each) for each in tube]
             at = self.columns(self.plane(self.middle), [x + y for x, y in zip(self.u, ball, strict=True)])
-            N = [[abs(arb(int(i == j)) - each) for i, each in enumerate(self.by(column[0]))] for j, column in enumerate(at)]
+            N = [
+                [abs(arb(int(i == j)) - each) for i, each in enumerate(self.by(column[0]))]
+                for j, column in enumerate(at)
+            ]
             around, none = [x + y for x, y in zip(u, ball, strict=True)], [arb(0)] * size
             units = [[scales[j] if i == j else arb(0) for i in range(size)] for j in range(size)]
             alone = [self.squares((0, 0), around, unit) for unit in units]
@@ -553,8 +570,13 @@ def atlas(data, source, limits):
         inner = all(low <= a and b <= high for (a, b), (low, high) in zip(box, whole, strict=True))
         check(inner, "a box beyond the range")
     apart([*boxes, *data["open"]])
-    all_of, proven, rest = (sum((b - a) * (d - c) for (a, b), (c, d) in each) for each in ([whole], boxes, data["open"]))
-    check(proven == data["share"] * all_of, f"a share of {source['share'][:40]}, where the boxes have {proven / all_of}"[:160])
+    all_of, proven, rest = (
+        sum((b - a) * (d - c) for (a, b), (c, d) in each) for each in ([whole], boxes, data["open"])
+    )
+    check(
+        proven == data["share"] * all_of,
+        f"a share of {source['share'][:40]}, where the boxes have {proven / all_of}"[:160],
+    )
     check(proven + rest == all_of, "boxes and open ones that fill the range")
     mirror, words, parts = mirror_of(p, over), {}, 0
     with ctx.workprec(BOX_BITS):

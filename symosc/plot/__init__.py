@@ -40,6 +40,7 @@ DRAWN_BY = {
     "symosc.crosschecks.report.CrossCheck": "crosscheck_figure",
     "symosc.fit.Fit": "fit_figure",
     "symosc.certificates.certificate.Certificate": "certificate_figure",
+    "symosc.certificates.atlas.Atlas": "atlas_figure",
     "symosc.sweeps.output.SweptDataset": "swept_figure",
 }
 
