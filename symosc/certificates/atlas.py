@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 import json
 import os
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import nullcontext
@@ -33,7 +33,7 @@ from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.scenes import Scene, load_scene
 from symosc.sweeps.plan import cycles
-from symosc.words import read_word
+from symosc.words import Word, read_word
 
 #: The word of a region in which the mass may rest on a belt for ever.
 REST = "rest"
@@ -44,7 +44,7 @@ MOST_NEAR = 3
 #: Boxes whose sides are a smaller part of the ranges are not divided further.
 LEAST_SIDE = Fraction(1, 1 << 24)
 
-#: Points of the grid along each side; the longest step along a border, and the distance of points that are one, as parts.
+#: Points of the grid along each side; as parts: the longest step along a border, the distance of points that are one.
 GRID, BORDER_STEP, SAME = 12, 0.005, 1e-3
 REST_NAMES = ("v1", "v2", "mu1", "mu2", "FN", "B0")
 
@@ -190,7 +190,7 @@ def attempt(p: Parameters, names: tuple[str, str], task: Task) -> Tried:
 
 def canonical(labels: Sequence[str]) -> str:
     """Return the text of a word, the same for all its rotations."""
-    return str(cycles(np.array([str(read_word(labels))]))[0])
+    return str(cycles(np.array([str(Word(tuple(labels)))]))[0])
 
 
 def _longer(box: Rectangle) -> int:
@@ -279,8 +279,8 @@ class Cover:
 
     def taken_up(self, boxes: Sequence[ProvenBox], left: Sequence[Rectangle]) -> None:
         """Take up the boxes of an earlier run: the orbits near an open one are those of the nearest proven ones."""
-        for box in boxes:
-            self.prove(box)
+        for each in boxes:
+            self.prove(each)
         orbits = [each for each in boxes if each.points]
         sizes = np.array([float(high - low) for low, high in self.whole])
         middles = np.array([[float(a + b) / 2 for a, b in each.range] for each in orbits]).reshape(-1, 2) / sizes
@@ -343,7 +343,7 @@ class Atlas(Drawable):
     @cached_property
     def regions(self) -> tuple[Region, ...]:
         """The words, those with the largest part of the area first."""
-        whole, proven = area(self.range), Counter[str]()
+        whole, proven = area(self.range), defaultdict[str, float](float)
         for box in self.boxes:
             proven[box.word] += float(area(box.range) / whole)
         seen = Counter(word for *_, word in self.grid)
@@ -575,7 +575,7 @@ def borders_of(p: Parameters, names: tuple[str, str], whole: Rectangle, grid: Se
     """Return the borders between neighbours of a grid with different words, and all that are connected with them."""
     from symosc.orbits.border import BorderError, borders_between, network
 
-    found, limits = list[Any](), {name: both for name, both in zip(names, whole, strict=True)}
+    found, limits = list[Any](), dict(zip(names, whole, strict=True))
     for i, (x, y, word) in enumerate(grid):
         for j in (i + 1, i + GRID):
             if j >= len(grid) or (j == i + 1 and j % GRID == 0):
@@ -587,7 +587,7 @@ def borders_of(p: Parameters, names: tuple[str, str], whole: Rectangle, grid: Se
                 continue
             ends = [p.replace(**dict(zip(names, at, strict=True))) for at in ((x, y), (other_x, other_y))]
             try:
-                for border in borders_between(*ends, names, limits, step=BORDER_STEP):
+                for border in borders_between(ends[0], ends[1], names, limits, step=BORDER_STEP):
                     if any(
                         crosses(each.points, *border.points[[len(border) // 2 - 1, len(border) // 2]]) for each in found
                     ):

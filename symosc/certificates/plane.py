@@ -5,19 +5,20 @@ start, its duration, and its position if it starts with a crossing; where a stic
 oscillator and word are symmetric, half a period is enough: the rest is its mirror image.
 
 Let delta be the place in the box, each component in [-1, 1], and c(delta) a polynomial of degree 2 near the surface of
-roots. By Taylor's theorem along the line from the middle f(c(delta), delta) is the value of a polynomial of degree 2,
-all of whose coefficients are nearly 0, and of a cubic form with coefficients at another place of the box. The forms are
-found from exact directions, so that what cancels in them does so before the place is a ball. Krawczyk's proof with it is
-that of `symosc.certificates.branch`.
+roots. By Taylor's theorem along the line from the middle f(c(delta), delta) is a polynomial of degree 2, all of whose
+coefficients are nearly 0, plus a cubic form with coefficients at another place of the box. The forms are found from
+exact directions, so that what cancels in them does so before the place is a ball. The Jacobian is that at the middle
+plus its change along both sides. The rest is Krawczyk's proof, as in `symosc.certificates.branch`.
 
-The inequalities of the word follow from a few numbers (`Flights.margins`), for which Taylor's theorem of order 2 is used:
+The inequalities of the word follow from a few numbers (`Flights.margins`), by Taylor's theorem of order 2:
 
 - At the end of a flight the acceleration says how v meets the belt, and whether it crosses or sticks.
 - During a stick the forces are monotone between the turns (Theta_cr), so their values there suffice.
-- During a flight the gap g has m L g = drift, of one sign between the turns, and on a part shorter than half a period of
-  the free motion a solution y of L y = 0 has one zero at most (Polya). So g > 0 where L g <= 0 if g >= 0 at both ends of
-  the part. Where L g >= 0, g is not below the y with the same value and slope at one point: g > 0 after a start with
-  g = 0 <= g', before an end with g = 0 >= g', and where the y of a point between them is > 0 at both ends of the part.
+- During a flight the gap g has m L g = drift, of one sign between the turns, and on a part shorter than half a period
+  of the free motion a solution y of L y = 0 has one zero at most (Polya). So g > 0 where L g <= 0 if g >= 0 at both
+  ends of the part. Where L g >= 0, g is not below the y with the same value and slope at one point: g > 0 after a start
+  with g = 0 <= g', before an end with g = 0 >= g', and where the y of a point between is > 0 at both ends of the part.
+  Where this does not do, short steps do.
 
 With c > 0 an admissible orbit attracts all motions (`symosc.orbits.floquet`): a point of the box has this word and no
 other. On a belt with the speed 0 the mass may rest where mu FN >= |B0|, and only there; rational numbers decide that.
@@ -29,6 +30,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
+from itertools import pairwise
 from math import ceil, factorial
 from typing import NamedTuple
 
@@ -102,7 +104,7 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
 
 
 class Flights:
-    """The closing equations of a word with few unknowns: phase, duration and, after a crossing, position of each flight.
+    """The closing equations of a word: unknown are phase, duration and, after a crossing, position of each flight.
 
     `labels` begin with a flight, and with the half whose mirror image is the rest if there is one.
     """
@@ -183,7 +185,7 @@ class Flights:
 
     def slopes(self, o: Oscillator, leg: Leg, u: Values, part: float = 1) -> dict[str, Values]:
         """Return the derivatives of the numbers of `fly` by the unknowns of a flight, followed for a part of it."""
-        piece, (phase, *place, tau) = leg.piece, u[leg.at : leg.at + 3 - leg.piece.after_stick]
+        phase, *place, tau = u[leg.at : leg.at + 3 - leg.piece.after_stick]
         s0, s1 = phase.sin(), (phase + o.Omega * tau * part).sin()
         there = self.fly(o, leg, [*u[: leg.at], phase, *place, tau * part])
         d = there.drive
@@ -259,7 +261,7 @@ class Flights:
             return None
         cuts = [phase, *turns, end]
         side, signs = 1 if leg.piece.mode > belt else -1, []
-        for a, b in zip(cuts[:-1], cuts[1:], strict=True):
+        for a, b in pairwise(cuts):
             value = self.drift(o, belt, ((a + b) / 2).mid())
             if not abs(value) > 0:
                 return None

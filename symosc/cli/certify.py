@@ -204,8 +204,8 @@ def verify(file: str | None, *, listed: bool, size: int | None, events: int | No
     """Prove a certificate file once more, by other means than `symosc certify`, and print what is proven.
 
     The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits and branches, and
-    verify_atlas.py for atlases. They need python-flint and nothing of symosc: copy them, read them, and run them alone. Exit codes: 0 proven, 1 false or not
-    proven, 2 no certificate.
+    verify_atlas.py for atlases. They need python-flint and nothing of symosc: copy them, read them, and run them alone.
+    Exit codes: 0 proven, 1 false or not proven, 2 no certificate.
 
     \b
     Examples:

@@ -25,7 +25,7 @@ LINES = {"crossing-sliding": "-", "grazing-sliding": "--", "switching-sliding": 
 
 @public
 def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
-    """Draw an atlas: proven boxes in the colours of their words, what is not proven hatched, borders and special points.
+    """Draw an atlas: proven boxes in colours, what is not proven hatched, borders by kind, and special points.
 
     Parameters
     ----------
