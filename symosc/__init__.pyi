@@ -1,8 +1,8 @@
 # The public names of symosc and where each is written: the only list of them. Loaded on first use.
 from . import plot as plot
-from .certificates.certificate import Certificate as Certificate
 from .certificates.atlas import Atlas as Atlas
 from .certificates.atlas import atlas as atlas
+from .certificates.certificate import Certificate as Certificate
 from .certificates.certify import certify as certify
 from .crosschecks.causes import Fault as Fault
 from .crosschecks.compare import CrossCheck as CrossCheck

@@ -16,6 +16,9 @@ Modules, lowest layer first:
     certify         `certify`; the events of a scene as a reference
     verify          proves motions and windows again by other means; one file, independent of symosc
     verify_orbits   the same for orbits and branches; needs verify.py only
+    plane           a box of two parameters: one word for all of them
+    atlas           `atlas`: a plane of two parameters, its words, borders, and proven boxes
+    verify_atlas    proves the boxes of an atlas again; needs verify.py and verify_orbits.py
 
 Another kind of proof builds on `motion`: `next_event` takes a `Moving` (a mode and a set of (t, x), as wide as wanted)
 and returns the proven event and the set after it. `Undecided` says what is undecided, and whether it may be a graze.

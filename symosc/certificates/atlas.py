@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 import json
 import os
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import nullcontext
@@ -33,7 +33,7 @@ from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.scenes import Scene, load_scene
 from symosc.sweeps.plan import cycles
-from symosc.words import read_word
+from symosc.words import Word, read_word
 
 #: The word of a region in which the mass may rest on a belt for ever.
 REST = "rest"
@@ -44,8 +44,8 @@ MOST_NEAR = 3
 #: Boxes whose sides are a smaller part of the ranges are not divided further.
 LEAST_SIDE = Fraction(1, 1 << 24)
 
-#: Points of the grid along each side; the longest step along a border, and the distance of points that are one, as parts.
-GRID, BORDER_STEP, SAME = 16, 0.005, 1e-3
+#: Points of the grid along each side; as parts: the longest step along a border, the distance of points that are one.
+GRID, BORDER_STEP, SAME = 12, 0.005, 1e-3
 REST_NAMES = ("v1", "v2", "mu1", "mu2", "FN", "B0")
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
@@ -183,12 +183,14 @@ def attempt(p: Parameters, names: tuple[str, str], task: Task) -> Tried:
     places = ((-0.5, 0), (0.5, 0)) if along == 0 else ((0, -0.5), (0, 0.5))
     near = [(labels, surface.near(*place)) for place in places]
     others.insert(0, (labels, surface.near(0, 0)))
-    return Tried("", (), tuple(Task(part, (each, *others), divide) for part, each in zip(divided(box, along), near, strict=True)))
+    return Tried(
+        "", (), tuple(Task(part, (each, *others), divide) for part, each in zip(divided(box, along), near, strict=True))
+    )
 
 
 def canonical(labels: Sequence[str]) -> str:
     """Return the text of a word, the same for all its rotations."""
-    return str(cycles(np.array([str(read_word(labels))]))[0])
+    return str(cycles(np.array([str(Word(tuple(labels)))]))[0])
 
 
 def _longer(box: Rectangle) -> int:
@@ -209,7 +211,7 @@ def may_rest(p: Parameters, names: tuple[str, str], box: Rectangle) -> bool | No
             least, most = (ends["mu" + belt][i] * ends["FN"][i] for i in (0, 1))
             if least >= high:
                 return True
-            some = some or most >= low
+            some = some or most > low
     return None if some else False
 
 
@@ -221,7 +223,9 @@ def cut_at_rest(p: Parameters, names: tuple[str, str], box: Rectangle) -> list[R
         if f"v{belt}" in names or p.belt(int(belt)) != 0 or len(free) != 1:
             continue
         mu, along = getattr(p, "mu" + belt), names.index(free[0])
-        held = {"B0": mu * p.FN, "FN": abs(p.B0) / mu if mu else 0, "mu" + belt: abs(p.B0) / p.FN if p.FN else 0}[free[0]]
+        held = {"B0": mu * p.FN, "FN": abs(p.B0) / mu if mu else 0, "mu" + belt: abs(p.B0) / p.FN if p.FN else 0}[
+            free[0]
+        ]
         for at in (held, -held):
             parts = [each for part in parts for each in divided(part, along, at)]
     return parts
@@ -239,12 +243,10 @@ class Cover:
         """Add rectangles to prove; what rests there is known at once."""
         for task in tasks:
             sides = zip(task.box, self.whole, strict=True)
-            if (rests := may_rest(self.p, self.names, task.box)) is True:
+            if may_rest(self.p, self.names, task.box):
                 self.prove(ProvenBox(REST, task.box, ()))
             elif min((b - a) / (d - c) for (a, b), (c, d) in sides) < LEAST_SIDE:
                 self.small.append(task.box)
-            elif rests is None:
-                self.add(*(task._replace(box=part) for part in divided(task.box, _longer(task.box))))
             else:
                 heapq.heappush(self.heap, (-float(area(task.box)), self.count, task))
                 self.count += 1
@@ -277,8 +279,8 @@ class Cover:
 
     def taken_up(self, boxes: Sequence[ProvenBox], left: Sequence[Rectangle]) -> None:
         """Take up the boxes of an earlier run: the orbits near an open one are those of the nearest proven ones."""
-        for box in boxes:
-            self.prove(box)
+        for each in boxes:
+            self.prove(each)
         orbits = [each for each in boxes if each.points]
         sizes = np.array([float(high - low) for low, high in self.whole])
         middles = np.array([[float(a + b) / 2 for a, b in each.range] for each in orbits]).reshape(-1, 2) / sizes
@@ -341,13 +343,15 @@ class Atlas(Drawable):
     @cached_property
     def regions(self) -> tuple[Region, ...]:
         """The words, those with the largest part of the area first."""
-        whole, proven = area(self.range), Counter[str]()
+        whole, proven = area(self.range), defaultdict[str, float](float)
         for box in self.boxes:
             proven[box.word] += float(area(box.range) / whole)
         seen = Counter(word for *_, word in self.grid)
         words = {*proven, *seen, *(word for border in self.borders for word in border.words if word)}
         left = max(0.0, 1 - sum(proven.values()))
-        found = [Region(word, proven[word] + left * seen[word] / max(len(self.grid), 1), proven[word]) for word in words]
+        found = [
+            Region(word, proven[word] + left * seen[word] / max(len(self.grid), 1), proven[word]) for word in words
+        ]
         return tuple(sorted(found, key=lambda each: (-each.share, each.word)))
 
     @property
@@ -430,7 +434,9 @@ class Atlas(Drawable):
     def to_json(self, path: str | Path) -> None:
         """Write the atlas as JSON, which `symosc verify` proves ("-": to standard output)."""
         about = {"format": FORMAT, "kind": "atlas", "proven": bool(self.boxes), "made_by": "symosc"}
-        write_text(path, json.dumps(about | self.statement(), separators=(",", ":")).replace('{"word"', '\n{"word"') + "\n")
+        write_text(
+            path, json.dumps(about | self.statement(), separators=(",", ":")).replace('{"word"', '\n{"word"') + "\n"
+        )
 
     def __repr__(self) -> str:
         words, borders = len([each for each in self.regions if each.word]), len(self.borders)
@@ -501,9 +507,10 @@ def atlas(
     if left is not None and (left.parameters, left.over, left.range) != (p, names, whole):
         raise ParameterError("path", path, "is the atlas of another plane: name another file")
     cover = Cover(p, names, whole)
-    with ProcessPoolExecutor(count) if count > 1 else nullcontext() as pool, reporting(
-        progress, 0, float(share), "proven", ""
-    ) as report:
+    with (
+        ProcessPoolExecutor(count) if count > 1 else nullcontext() as pool,
+        reporting(progress, 0, float(share), "proven", "") as report,
+    ):
         if left is None:
             grid = looked_at(p, names, whole, pool)
             borders = tuple(borders_of(p, names, whole, grid))
@@ -521,7 +528,9 @@ def atlas(
 def _read_plane(p: Parameters, over: Mapping[str, Any]) -> tuple[tuple[str, str], Rectangle]:
     """Return the names of both parameters, and their ranges."""
     if len(over) != 2 or not set(over) <= set(PARAMETER_NAMES):
-        raise ParameterError("over", ", ".join(map(str, over)), f"give two parameters out of {', '.join(PARAMETER_NAMES)}")
+        raise ParameterError(
+            "over", ", ".join(map(str, over)), f"give two parameters out of {', '.join(PARAMETER_NAMES)}"
+        )
     ranges = []
     for name, limits in over.items():
         if np.ndim(np.asarray(limits, dtype=object)) != 1 or len(limits) != 2:
@@ -539,7 +548,9 @@ def _read_plane(p: Parameters, over: Mapping[str, Any]) -> tuple[tuple[str, str]
     return (first, second), (ranges[0], ranges[1])
 
 
-def looked_at(p: Parameters, names: tuple[str, str], whole: Rectangle, pool: Any) -> tuple[tuple[float, float, str], ...]:
+def looked_at(
+    p: Parameters, names: tuple[str, str], whole: Rectangle, pool: Any
+) -> tuple[tuple[float, float, str], ...]:
     """Return the words of the settled motions on a grid, row by row; "" where none is found."""
     axes = [[low + (high - low) * Fraction(2 * i + 1, 2 * GRID) for i in range(GRID)] for low, high in whole]
     points = [((x, x), (y, y)) for x in axes[0] for y in axes[1]]
@@ -553,7 +564,9 @@ def _word_of(p: Parameters, names: tuple[str, str], point: Rectangle) -> str:
     if may_rest(p, names, point):
         return REST
     try:
-        return canonical(find_orbit(p.replace(**{name: low for name, (low, _) in zip(names, point, strict=True)})).labels)
+        return canonical(
+            find_orbit(p.replace(**{name: low for name, (low, _) in zip(names, point, strict=True)})).labels
+        )
     except ConvergenceError:
         return ""
 
@@ -562,7 +575,7 @@ def borders_of(p: Parameters, names: tuple[str, str], whole: Rectangle, grid: Se
     """Return the borders between neighbours of a grid with different words, and all that are connected with them."""
     from symosc.orbits.border import BorderError, borders_between, network
 
-    found, limits = list[Any](), {name: both for name, both in zip(names, whole, strict=True)}
+    found, limits = list[Any](), dict(zip(names, whole, strict=True))
     for i, (x, y, word) in enumerate(grid):
         for j in (i + 1, i + GRID):
             if j >= len(grid) or (j == i + 1 and j % GRID == 0):
@@ -574,8 +587,10 @@ def borders_of(p: Parameters, names: tuple[str, str], whole: Rectangle, grid: Se
                 continue
             ends = [p.replace(**dict(zip(names, at, strict=True))) for at in ((x, y), (other_x, other_y))]
             try:
-                for border in borders_between(*ends, names, limits, step=BORDER_STEP):
-                    if any(crosses(each.points, *border.points[[len(border) // 2 - 1, len(border) // 2]]) for each in found):
+                for border in borders_between(ends[0], ends[1], names, limits, step=BORDER_STEP):
+                    if any(
+                        crosses(each.points, *border.points[[len(border) // 2 - 1, len(border) // 2]]) for each in found
+                    ):
                         continue
                     found += [each for each in network(border, step=BORDER_STEP) if not _among(each, found)]
             except (BorderError, ConvergenceError):
@@ -586,7 +601,10 @@ def borders_of(p: Parameters, names: tuple[str, str], whole: Rectangle, grid: Se
 def _among(border: Any, found: Sequence[Any]) -> bool:
     """Return whether a border is one of those found."""
     middle = border.points[len(border) // 2]
-    return any(each.kind == border.kind and np.abs(each.points - middle).sum(axis=1).min() < SAME * np.abs(middle).sum() for each in found)
+    return any(
+        each.kind == border.kind and np.abs(each.points - middle).sum(axis=1).min() < SAME * np.abs(middle).sum()
+        for each in found
+    )
 
 
 def crosses(points: np.ndarray, a: Any, b: Any) -> bool:
@@ -611,11 +629,17 @@ def read_atlas(path: str | Path) -> Atlas:
             return (a, b), (c, d)
 
         boxes = tuple(
-            ProvenBox(row["word"], box(row["range"]), tuple((float(t), float(x)) for t, x in zip(row["phases"], row["x"], strict=True)))
+            ProvenBox(
+                row["word"],
+                box(row["range"]),
+                tuple((float(t), float(x)) for t, x in zip(row["phases"], row["x"], strict=True)),
+            )
             for row in data["boxes"]
         )
         first, second = data["over"]
         grid = tuple((float(x), float(y), str(word)) for x, y, word in data["found"]["grid"])
         return Atlas(p, (first, second), box(data["range"]), boxes, tuple(map(box, data["open"])), grid)
     except (OSError, ValueError, LookupError, TypeError) as error:
-        raise ParameterError("path", path, f"is no file of an atlas ({type(error).__name__}: {str(error)[:80]})") from None
+        raise ParameterError(
+            "path", path, f"is no file of an atlas ({type(error).__name__}: {str(error)[:80]})"
+        ) from None

@@ -12,7 +12,8 @@ from typing import Any
 
 from symosc.aliases import NumberLike, SceneName, StartError
 from symosc.arguments import public
-from symosc.certificates.certificate import Certificate
+from symosc.certificates.atlas import Atlas
+from symosc.certificates.certificate import Certificate, confirmed
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_start_error
 from symosc.grazing.window import GrazingWindow
@@ -32,7 +33,7 @@ MOST_PROVEN_DIGITS = 500
 
 @public
 def certify(
-    what: Scene | Parameters | SceneName | PeriodicOrbit | Branch | GrazingWindow,
+    what: Scene | Parameters | SceneName | PeriodicOrbit | Branch | GrazingWindow | Atlas,
     *,
     t_end: NumberLike | None = None,
     start_error: StartError | None = None,
@@ -49,7 +50,7 @@ def certify(
 
     Parameters
     ----------
-    what : Scene, str, Path, Parameters, PeriodicOrbit, Branch or GrazingWindow
+    what : Scene, str, Path, Parameters, PeriodicOrbit, Branch, GrazingWindow or Atlas
         A scene, the name of one, or the path of a TOML file; Parameters, from rest until `t_end`. Or what
         `symosc.find_orbit`, `symosc.continue_orbit` or `symosc.grazing_window` returns.
     t_end : number, optional
@@ -97,7 +98,7 @@ def certify(
             raise ParameterError("t_end", None, "is needed with parameters")
         what = from_rest(what, t_end)
     for name, value in (("t_end", t_end), ("start_error", start_error), ("digits", digits), ("wrt", wrt)):
-        if value is not None and isinstance(what, PeriodicOrbit | Branch | GrazingWindow):
+        if value is not None and isinstance(what, PeriodicOrbit | Branch | GrazingWindow | Atlas):
             raise ParameterError(name, value, f"is for a scene only, not for a {type(what).__name__}")
     import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
 
@@ -111,11 +112,15 @@ def certify(
         from symosc.certificates.branch import prove_branch
 
         return prove_branch(what, progress)
+    if isinstance(what, Atlas):
+        return confirmed(Certificate("atlas", bool(what.boxes), "nothing is proven in it", statement=what.statement()))
     if isinstance(what, GrazingWindow):
         from symosc.certificates.window import prove_window
 
         return prove_window(what)
-    raise ParameterError("what", what, "give a Scene or its name or path, a PeriodicOrbit, a Branch or a window")
+    raise ParameterError(
+        "what", what, "give a Scene or its name or path, a PeriodicOrbit, a Branch, a window or an Atlas"
+    )
 
 
 def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[str, ...]) -> Certificate:

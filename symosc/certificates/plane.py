@@ -5,19 +5,20 @@ start, its duration, and its position if it starts with a crossing; where a stic
 oscillator and word are symmetric, half a period is enough: the rest is its mirror image.
 
 Let delta be the place in the box, each component in [-1, 1], and c(delta) a polynomial of degree 2 near the surface of
-roots. By Taylor's theorem along the line from the middle f(c(delta), delta) is the value of a polynomial of degree 2,
-all of whose coefficients are nearly 0, and of a cubic form with coefficients at another place of the box. The forms are
-found from exact directions, so that what cancels in them does so before the place is a ball. Krawczyk's proof with it is
-that of `symosc.certificates.branch`.
+roots. By Taylor's theorem along the line from the middle f(c(delta), delta) is a polynomial of degree 2, all of whose
+coefficients are nearly 0, plus a cubic form with coefficients at another place of the box. The forms are found from
+exact directions, so that what cancels in them does so before the place is a ball. The Jacobian is that at the middle
+plus its change along both sides. The rest is Krawczyk's proof, as in `symosc.certificates.branch`.
 
-The inequalities of the word follow from a few numbers (`Flights.margins`), for which Taylor's theorem of order 2 is used:
+The inequalities of the word follow from a few numbers (`Flights.margins`), by Taylor's theorem of order 2:
 
 - At the end of a flight the acceleration says how v meets the belt, and whether it crosses or sticks.
 - During a stick the forces are monotone between the turns (Theta_cr), so their values there suffice.
-- During a flight the gap g has m L g = drift, of one sign between the turns, and on a part shorter than half a period of
-  the free motion a solution y of L y = 0 has one zero at most (Polya). So g > 0 where L g <= 0 if g >= 0 at both ends of
-  the part. Where L g >= 0, g is not below the y with the same value and slope at one point: g > 0 after a start with
-  g = 0 <= g', before an end with g = 0 >= g', and where the y of a point between them is > 0 at both ends of the part.
+- During a flight the gap g has m L g = drift, of one sign between the turns, and on a part shorter than half a period
+  of the free motion a solution y of L y = 0 has one zero at most (Polya). So g > 0 where L g <= 0 if g >= 0 at both
+  ends of the part. Where L g >= 0, g is not below the y with the same value and slope at one point: g > 0 after a start
+  with g = 0 <= g', before an end with g = 0 >= g', and where the y of a point between is > 0 at both ends of the part.
+  Where this does not do, short steps do.
 
 With c > 0 an admissible orbit attracts all motions (`symosc.orbits.floquet`): a point of the box has this word and no
 other. On a belt with the speed 0 the mass may rest where mu FN >= |B0|, and only there; rational numbers decide that.
@@ -29,6 +30,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
+from itertools import pairwise
 from math import ceil, factorial
 from typing import NamedTuple
 
@@ -102,7 +104,7 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
 
 
 class Flights:
-    """The closing equations of a word with few unknowns: phase, duration and, after a crossing, position of each flight.
+    """The closing equations of a word: unknown are phase, duration and, after a crossing, position of each flight.
 
     `labels` begin with a flight, and with the half whose mirror image is the rest if there is one.
     """
@@ -183,7 +185,7 @@ class Flights:
 
     def slopes(self, o: Oscillator, leg: Leg, u: Values, part: float = 1) -> dict[str, Values]:
         """Return the derivatives of the numbers of `fly` by the unknowns of a flight, followed for a part of it."""
-        piece, (phase, *place, tau) = leg.piece, u[leg.at : leg.at + 3 - leg.piece.after_stick]
+        phase, *place, tau = u[leg.at : leg.at + 3 - leg.piece.after_stick]
         s0, s1 = phase.sin(), (phase + o.Omega * tau * part).sin()
         there = self.fly(o, leg, [*u[: leg.at], phase, *place, tau * part])
         d = there.drive
@@ -259,7 +261,7 @@ class Flights:
             return None
         cuts = [phase, *turns, end]
         side, signs = 1 if leg.piece.mode > belt else -1, []
-        for a, b in zip(cuts[:-1], cuts[1:], strict=True):
+        for a, b in pairwise(cuts):
             value = self.drift(o, belt, ((a + b) / 2).mid())
             if not abs(value) > 0:
                 return None
@@ -349,13 +351,21 @@ class Flights:
             if leg.stick:
                 s = 1 if leg.stick.side < 0 else -1
                 lasts = (phase - u[leg.at]) / o.Omega - tau
-                add(f"{leg.stick.label} lasts", lasts, (leg.at, [-1 / o.Omega]), (leg.at + n - 1, [arb(-1)]), (then, [1 / o.Omega]))
+                add(
+                    f"{leg.stick.label} lasts",
+                    lasts,
+                    (leg.at, [-1 / o.Omega]),
+                    (leg.at + n - 1, [arb(-1)]),
+                    (then, [1 / o.Omega]),
+                )
                 add(f"{leg.stick.label} begins", jump + side * there.a, (leg.at, [-each for each in speed]))
                 by_phase = [s * o.B0 * o.Omega * phase.cos()] if slopes else []
                 add(f"{leg.stick.label} ends", s * self.drift(o, belt, phase), (then, by_phase))
                 for index in plan.turns[i]:
                     turn = self.turn(o, belt, index)
-                    force = s * (o.B0 * (turn.cos() - phase.cos()) + o.k * o.speed[belt] * (phase - turn) / o.Omega) / o.m
+                    force = (
+                        s * (o.B0 * (turn.cos() - phase.cos()) + o.k * o.speed[belt] * (phase - turn) / o.Omega) / o.m
+                    )
                     changes = [s * self.drift(o, belt, phase) / (o.Omega * o.m)] if slopes else []
                     add(f"{leg.stick.label} holds", force, (then, changes))
                     add(f"{leg.stick.label} holds", jump - force, (then, [-each for each in changes]))
@@ -392,7 +402,9 @@ class Flights:
         s0, c0 = u[leg.at].sin_cos()
         v = o.speed[leg.piece.start] - o.steady_c * c0 - o.steady_s * s0
         a = there.a0 - o.Omega * (o.steady_s * c0 - o.steady_c * s0)
-        most = (v * v + a * a / o.km).upper().sqrt() + (o.steady_c * o.steady_c + o.steady_s * o.steady_s).upper().sqrt()
+        most = (v * v + a * a / o.km).upper().sqrt() + (
+            o.steady_c * o.steady_c + o.steady_s * o.steady_s
+        ).upper().sqrt()
         return bool(most < (1 if leg.piece.mode <= belt else -1) * o.speed[belt])
 
     def gap(self, o: Oscillator, leg: Leg, u: Values, belt: int) -> Callable[[Ball], Jet]:
@@ -556,7 +568,9 @@ class Surface:
             if not size < 1e3:
                 break
             if size < CONVERGED:
-                worst = min(flights.margins(o, self.u, flown, flights.plan(o, self.u)), key=lambda each: float(each.value))
+                worst = min(
+                    flights.margins(o, self.u, flown, flights.plan(o, self.u)), key=lambda each: float(each.value)
+                )
                 if worst.value < 0:
                     raise NotInBox(worst.text)
                 return
@@ -640,7 +654,10 @@ class Surface:
     def _derivatives(self, d: tuple[int, int], place: Ball) -> tuple[Values, Values]:
         """Return the coefficients of the surface from anywhere in the box in a direction."""
         rows, (i, j) = list(zip(*self.slopes, *self.squares, strict=True)), d
-        slopes = [i * (da + place * (2 * aa) + place * ab) + j * (db + place * (2 * bb) + place * ab) for da, db, aa, ab, bb in rows]
+        slopes = [
+            i * (da + place * (2 * aa) + place * ab) + j * (db + place * (2 * bb) + place * ab)
+            for da, db, aa, ab, bb in rows
+        ]
         return slopes, [i * i * aa + i * j * ab + j * j * bb for _, _, aa, ab, bb in rows]
 
     def _linear(self, thin: Sequence[Along], plan: Plan) -> tuple[Values, list[int]]:
@@ -655,21 +672,31 @@ class Surface:
                 raise NotInBox(one.text, rises[-1])
         return low, rises
 
-    def _tube(self, wide: Oscillator, surface: Values, pushed: Values, along: int) -> tuple[Values, list[dict[str, Values]]]:
+    def _tube(
+        self, wide: Oscillator, surface: Values, pushed: Values, along: int
+    ) -> tuple[Values, list[dict[str, Values]]]:
         """Return how far from the surface the roots may be, and the slopes of the flights there (Krawczyk)."""
         flights, tube = self.flights, [INFLATION * each for each in pushed]
         for _ in range(MOST_INFLATIONS):
             tube = [(INFLATION * each).mid() for each in tube]
             around = [arb(0, each) for each in tube]
-            thin = flights.jacobian(self.oscillator(self.middle), [a + b for a, b in zip(self.u, around, strict=True)])[1]
+            thin = flights.jacobian(self.oscillator(self.middle), [a + b for a, b in zip(self.u, around, strict=True)])[
+                1
+            ]
             parts = [unit_matrix(flights.count) - self.Y * arb_mat(thin)]
             for d in DIRECTIONS[:2]:
                 ctx.cap = 2
-                u = [[a + b, slope] for a, b, slope in zip(surface, around, self._derivatives(d, arb(0, 1))[0], strict=True)]
+                u = [
+                    [a + b, slope]
+                    for a, b, slope in zip(surface, around, self._derivatives(d, arb(0, 1))[0], strict=True)
+                ]
                 o = self.directed(d, 2, True)
                 slopes, rows = flights.jacobian(o, [arb_series(each, prec=2) for each in u])
                 parts.append(self.Y * arb_mat([[_part(each, 1) for each in row] for row in rows]))
-            apart = [[sum(map(abs, each), arb(0)) for each in zip(*rows, strict=True)] for rows in zip(*(each.tolist() for each in parts), strict=True)]
+            apart = [
+                [sum(map(abs, each), arb(0)) for each in zip(*rows, strict=True)]
+                for rows in zip(*(each.tolist() for each in parts), strict=True)
+            ]
             image = [
                 p + sum((entry * r for entry, r in zip(row, tube, strict=True)), arb(0))
                 for p, row in zip(pushed, apart, strict=True)
@@ -677,7 +704,10 @@ class Surface:
             if all(each < r for each, r in zip(image, tube, strict=True)):
                 slopes = [{name: [_part(each, 0) for each in row] for name, row in by.items()} for by in slopes]
                 return tube, slopes
-            excess = max(sum(float(e) * float(r) for e, r in zip(row, pushed, strict=True)) / float(p) for row, p in zip(apart, pushed, strict=True))
+            excess = max(
+                sum(float(e) * float(r) for e, r in zip(row, pushed, strict=True)) / float(p)
+                for row, p in zip(apart, pushed, strict=True)
+            )
             tube = [each.upper() for each in image]
             if not excess < 1 or not all(each < 10 for each in tube):
                 break

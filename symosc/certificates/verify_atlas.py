@@ -10,30 +10,32 @@ orbit:
    X(a, b) = (exp(a s) - exp(b s))/(a - b) = s exp((a + b) s/2) sinh(w)/w, w = (a - b) s/2, it is S = X(l, l') for a
    unit of velocity at the start, and Z = (X(l, i Omega) - X(l', i Omega))/(l - l') for the drive exp(i Omega s)/m.
    sinh(w)/w = 0F1(3/2; w^2/4) is entire: nothing is special at resonance.
-2. Unknowns u: of each flight the phase at its start, its duration, and x at its start, unless it follows a stick: there F = 0
-   says x. r(u) = 0: v is that of the belt at its end, and x and the phase fit to the next flight. If word and
-   oscillator are symmetric about A0/k, half a period is enough.
-3. u(d) is a polynomial of degree 2 in the place d in the box, |d_i| <= 1 (it proves nothing). By Taylor's theorem r(u(d)) is
-   r_0 + ... + r_3 with r_0, r_1, r_2 at the middle, and r_3, a cubic form, somewhere in the box: from series in four directions.
-   J, the derivatives of r by u, is that at the middle and its change, from series in sums of two directions. Let p >= |Y r|
-   and N >= |1 - Y J| for |u - u(d)| <= e. If p + N e < e then there is one root for each d (Krawczyk).
-4. The inequalities of the word, by the same series to second order: each flight and stick lasts; at the end of a flight F on
-   both sides of the belt says what follows; during a stick both forces hold it: they are monotone between the turns,
-   where k v + B0 Omega sin theta = 0, so it is enough to look there and at its ends.
-5. In a flight that returns to its belt the distance g has m (g'' + (c/m) g' + (k/m) g) = q = -side (k v + B0 Omega sin theta).
+2. Unknowns u: of each flight the phase at its start, its duration, and x at its start, unless it follows a stick:
+   there F = 0 says x. r(u) = 0: v is that of the belt at its end, and x and the phase fit to the next flight. If word
+   and oscillator are symmetric about A0/k, half a period is enough.
+3. u(d) is a polynomial of degree 2 in the place d in the box, |d_i| <= 1 (it proves nothing). By Taylor's theorem
+   r(u(d)) is r_0 + ... + r_3 with r_0, r_1, r_2 at the middle, and r_3, a cubic form, somewhere in the box: from series
+   in four directions. J, the derivatives of r by u, is that at the middle and its change, from series in sums of two
+   directions. Let p >= |Y r| and N >= |1 - Y J| for |u - u(d)| <= e. If p + N e < e there is one root for each d
+   (Krawczyk).
+4. The inequalities of the word, by the same series to second order: each flight and stick lasts; at the end of a flight
+   F on both sides of the belt says what follows; during a stick both forces hold it: they are monotone between the
+   turns, where k v + B0 Omega sin theta = 0, so it is enough to look there and at its ends.
+5. In a flight back to its belt the distance g has m (g'' + (c/m) g' + (k/m) g) = q = -side (k v + B0 Omega sin theta).
    Over a time less than pi/|Im l| no solution y of the equation with q = 0 has two zeros (Polya). So g > 0 where q < 0
-   between two times with g >= 0. Where q > 0, g >= y with the value and slope of g at one time: g > 0 after g = 0 <= g',
-   before g = 0 >= g', and around a time as far as y > 0. Elsewhere, and at the other belt, by short steps.
+   between two times with g >= 0. Where q > 0, g >= y with the value and slope of g at one time: g > 0 after
+   g = 0 <= g', before g = 0 >= g', and around a time as far as y > 0. Elsewhere, and at the other belt, by short steps.
 6. "rest": a belt has the speed 0, and mu FN >= |B0|: the mass may rest on it, and no orbit has a flight.
-7. The boxes are in the range and do not overlap; their area, as a part of its area, is the share. With the open boxes they fill the range.
+7. The boxes are in the range and do not overlap; their part of its area is the share. With the open boxes they fill it.
+   What is "found" is not proven, and not looked at.
 """
 
 import sys
-from functools import cache
 from importlib import import_module
 from itertools import pairwise
+from typing import Any
 
-from flint import acb, acb_series, arb, arb_mat, arb_series, ctx, fmpq
+from flint import acb, acb_series, arb, arb_mat, arb_series, ctx
 
 try:
     orbits = import_module(".verify_orbits" if __package__ else "verify_orbits", __package__)
@@ -82,7 +84,8 @@ def sinhc(z):
     """Return sinh(w)/w of z = w^2/4, a complex ball or series, by its derivatives."""
     if not isinstance(z, acb_series):
         return z.hypgeom_0f1(acb(1.5))
-    change, total, divisor, found = acb_series([0, *list(z)[1:]], prec=z.prec), 0, 1, []
+    change, found = acb_series([0, *list(z)[1:]], prec=z.prec), list[Any]()
+    total, divisor = acb_series([0], prec=z.prec), arb(1)
     for j in range(z.prec):
         found.append(z[0].hypgeom_0f1(acb(1.5) + j) / divisor)
         divisor *= (arb(1.5) + j) * (j + 1)
@@ -105,7 +108,7 @@ class Plane:
 
     def free(self, s):
         """Return S, S' and the real parts of the derivatives of exp(i phase) Z as a function (1 above)."""
-        l, other = self.roots
+        first_root, other = self.roots
         s, drive = lifted(s), times_i(self.Om)
 
         def X(a, b):
@@ -115,11 +118,11 @@ class Plane:
                 return ((a * s).exp() - (b * s).exp()) / (a - b)
             return s * ((a + b) * s / 2).exp() * sinhc(half * half / 4)
 
-        first, second, difference = X(l, drive), X(other, drive), l - other
-        S = X(l, other)
-        S1 = (l * s).exp() + other * S
+        first, second, difference = X(first_root, drive), X(other, drive), first_root - other
+        S = X(first_root, other)
+        S1 = (first_root * s).exp() + other * S
         # The derivative of X(a, b) by s is exp(b s) + a X(a, b).
-        return real(S), real(S1), (first - second) / difference, (l * first - other * second) / difference
+        return real(S), real(S1), (first - second) / difference, (first_root * first - other * second) / difference
 
     def part(self):
         """Return a time that is surely shorter than half a period of the free motion."""
@@ -128,7 +131,7 @@ class Plane:
 
 
 class Flight:
-    """A flight of a word: mode, belts at its start and end, if it follows a stick, and the domain that the next stick ends in."""
+    """A flight: mode, belts at its start and end, if it follows a stick, the domain in which the next stick ends."""
 
     def __init__(self, piece, at, slips, stick):
         (self.belt, self.mode, self.onto), self.at, self.slips, self.stick = piece, at, slips, stick
@@ -157,6 +160,7 @@ class Word:
     """The flights of a word, and r (2 above)."""
 
     def __init__(self, text, mirror):
+        self.text = text
         digits = text[1:]
         right = text[:1] == "P" and 0 < len(digits) <= 200 and set(digits) <= set("12345678")
         check(right, f"the word {text[:40]!r}", BAD)
@@ -228,7 +232,7 @@ class Word:
 
     def plan(self, e, u):
         """Return which turns may be in each stick, and where each flight is looked at (5 above); None: short steps."""
-        turns, cuts, steps = [], [], []
+        turns, cuts, steps = [], list[Any](), []
         for i, flight in enumerate(self.flights):
             end = u[flight.at] + e.Om * u[flight.tau]
             turns.append(between(e, flight.onto, end, self.next(e, i, u)[0]) if flight.stick else [])
@@ -236,7 +240,7 @@ class Word:
             cuts.append([])
             steps.append(found is None)
             if found:
-                cuts[-1] = marks(*found, e.part())
+                cuts[-1] = marks(found[0], found[1], e.part())
                 steps[-1] = len(cuts[-1]) > MOST_CUTS
                 cuts[-1] = [] if steps[-1] else cuts[-1]
         return turns, cuts, steps
@@ -282,7 +286,7 @@ def between(e, belt, low, high):
 
 
 def signs(e, flight, u):
-    """Return if q > 0 on the parts of a flight back to its belt, and the times between which; None: unknown (5 above)."""
+    """Return if q > 0 on the parts of a flight back to its belt, and their ends (5 above); None: unknown."""
     phase, end = u[flight.at], u[flight.at] + e.Om * u[flight.tau]
     turns = [turning(e, flight.belt, n) for n in between(e, flight.belt, phase, end)]
     if not all(phase < turn < end for turn in turns):
@@ -399,7 +403,9 @@ class Box:
     def surface(self, problem):
         """Prove the word."""
         word, size = self.word, self.word.size
-        first = [[-each.mid() for each in self.by([r[1] for r in self.series(side, [self.u], 2)[0]])] for side in SIDES[:2]]
+        first = [
+            [-each.mid() for each in self.by([r[1] for r in self.series(side, [self.u], 2)[0]])] for side in SIDES[:2]
+        ]
         second, thin, p = [], [], [arb(0)] * size
         for side in SIDES[:3]:
             rows = [self.u, [side[0] * a + side[1] * b for a, b in zip(*first, strict=True)]]
@@ -407,17 +413,26 @@ class Box:
             second.append([-each.mid() for each in self.by([each[2] for each in r])])
             bend = (self.J * orbits.column(second[-1])).entries()
             thin.append(rows)
-            for part in ([each[0] for each in r], [each[1] for each in r], [each[2] + b for each, b in zip(r, bend, strict=True)]):
+            for part in (
+                [each[0] for each in r],
+                [each[1] for each in r],
+                [each[2] + b for each, b in zip(r, bend, strict=True)],
+            ):
                 p = [each + 3 * abs(more) for each, more in zip(p, self.by(part), strict=True)]
         a, b = first
         aa, bb, ab = second[0], second[1], [z - x - y for x, y, z in zip(*second, strict=True)]
         d = arb(0, 1)
-        u = [u + d * (a + d * aa + d * ab) + d * (b + d * bb) for u, a, b, aa, bb, ab in zip(self.u, a, b, aa, bb, ab, strict=True)]
+        u = [
+            u + d * (a + d * aa + d * ab) + d * (b + d * bb)
+            for u, a, b, aa, bb, ab in zip(self.u, a, b, aa, bb, ab, strict=True)
+        ]
 
         def slopes(i, j):
             """Return the first and second coefficients of u(d) in a direction, somewhere in the box."""
-            rows = zip(a, b, aa, bb, ab, strict=True)
-            rows = [(i * (a + 2 * d * aa + d * ab) + j * (b + 2 * d * bb + d * ab), i * i * aa + j * j * bb + i * j * ab) for a, b, aa, bb, ab in rows]
+            rows = [
+                (i * (p + 2 * d * pp + d * pq) + j * (q + 2 * d * qq + d * pq), i * i * pp + j * j * qq + i * j * pq)
+                for p, q, pp, qq, pq in zip(a, b, aa, bb, ab, strict=True)
+            ]
             return [list(each) for each in zip(*rows, strict=True)]
 
         e = self.plane(self.wide)
@@ -443,20 +458,25 @@ class Box:
             least = coefficient(one, 0) - abs(coefficient(one, 1)) - abs(coefficient(other, 1))
             least += bend[0].min(zero) + bend[1].min(zero) - abs(bend[2] - bend[0] - bend[1])
             least -= sum((abs(column[i]) * by for column, by in zip(by_u, tube, strict=True)), arb(0))
-            check(not coefficient(one, 0) < 0, f"an inequality of the word at the middle of a box")
+            check(not coefficient(one, 0) < 0, "an inequality of the word at the middle of a box")
             require_open(least, "an inequality of a word in a box")
         word.stays(e, around, plan, problem)
 
     def contract(self, p, u, slopes):
         """Return e with p + N e < e (3 above)."""
         size, tube = self.word.size, [arb(1.1) * each for each in p]
-        scales = [max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in zip(*slopes, tube, strict=True)]
+        scales = [
+            max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in zip(*slopes, tube, strict=True)
+        ]
         for _ in range(4):
             tube = [(arb(1.15) * each).mid() for each in tube]
             ball = [arb(0, each) for each in tube]
             at = self.columns(self.plane(self.middle), [x + y for x, y in zip(self.u, ball, strict=True)])
-            N = [[abs(arb(int(i == j)) - each) for i, each in enumerate(self.by(column[0]))] for j, column in enumerate(at)]
-            around, none = [x + y for x, y in zip(u, ball, strict=True)], [arb(0)] * size
+            N = [
+                [abs(arb(int(i == j)) - each) for i, each in enumerate(self.by(column[0]))]
+                for j, column in enumerate(at)
+            ]
+            around = [x + y for x, y in zip(u, ball, strict=True)]
             units = [[scales[j] if i == j else arb(0) for i in range(size)] for j in range(size)]
             alone = [self.squares((0, 0), around, unit) for unit in units]
             for side, slope in zip(SIDES[:2], slopes, strict=False):
@@ -498,7 +518,7 @@ def apart(boxes):
     from bisect import bisect_left, insort
 
     events = sorted((box[0][side], side == 0, i) for i, box in enumerate(boxes) for side in (0, 1))
-    there = []
+    there = list[Any]()
     for _, begins, i in events:
         low, high = boxes[i][1]
         at = bisect_left(there, (low, high, i))
@@ -528,7 +548,7 @@ def parted(problem, over, word, row, box, u):
         part, near = parts.pop()
         count += 1
         try:
-            proven = Box(problem.p, over, word, part, near, problem)
+            Box(problem.p, over, word, part, near, problem)
         except (Stop, ZeroDivisionError, ValueError) as stop:
             check(not isinstance(stop, Stop) or stop.args[0] == OPEN, str(stop.args[-1]))
             check(count < MOST_PARTS, f"the word {word.text} in the box {row['range']}, in {MOST_PARTS} parts")
@@ -553,8 +573,13 @@ def atlas(data, source, limits):
         inner = all(low <= a and b <= high for (a, b), (low, high) in zip(box, whole, strict=True))
         check(inner, "a box beyond the range")
     apart([*boxes, *data["open"]])
-    all_of, proven, rest = (sum((b - a) * (d - c) for (a, b), (c, d) in each) for each in ([whole], boxes, data["open"]))
-    check(proven == data["share"] * all_of, f"a share of {source['share'][:40]}, where the boxes have {proven / all_of}"[:160])
+    all_of, proven, rest = (
+        sum((b - a) * (d - c) for (a, b), (c, d) in each) for each in ([whole], boxes, data["open"])
+    )
+    check(
+        proven == data["share"] * all_of,
+        f"a share of {source['share'][:40]}, where the boxes have {proven / all_of}"[:160],
+    )
     check(proven + rest == all_of, "boxes and open ones that fill the range")
     mirror, words, parts = mirror_of(p, over), {}, 0
     with ctx.workprec(BOX_BITS):
@@ -567,13 +592,13 @@ def atlas(data, source, limits):
             if text not in words:
                 words[text] = Word(text, mirror)
             word = words[text]
-            word.text = text
             middle = dict(zip(over, ((low + high) / 2 for low, high in row["range"]), strict=True))
             Om = float(arb(middle.get("Omega", p["Omega"])))
             parts += parted(problem, over, word, shown, row["range"], word.unknowns(row, Om))
     share = f"{float(arb(data['share'])):.6f}"
-    first = f"the words of {len(boxes)} boxes, {share} of the area, {over[0]} from {source['range'][0][0]} to {source['range'][0][1]}"
-    first += f", {over[1]} from {source['range'][1][0]} to {source['range'][1][1]}: {', '.join(sorted({*(row['word'] for row in data['boxes'])}))}"
+    named = ", ".join(sorted({row["word"] for row in data["boxes"]}))
+    spans = [f"{name} from {low} to {high}" for name, (low, high) in zip(over, source["range"], strict=True)]
+    first = f"the words of {len(boxes)} boxes, {share} of the area, {', '.join(spans)}: {named}"
     return [first, base.about(source["parameters"] | dict.fromkeys(over, "(varies)"))]
 
 

@@ -33,6 +33,7 @@ COMMANDS = {
     "check": "check",
     "cases": "check",
     "score": "check",
+    "atlas": "atlas",
     "certify": "certify",
     "verify": "certify",
     "derive": "derive",

@@ -42,6 +42,7 @@ DRAWN_BY = {
     "symosc.fit.Fit": "fit_figure",
     "symosc.response.FrequencyResponse": "response_figure",
     "symosc.certificates.certificate.Certificate": "certificate_figure",
+    "symosc.certificates.atlas.Atlas": "atlas_figure",
     "symosc.sweeps.output.SweptDataset": "swept_figure",
 }
 

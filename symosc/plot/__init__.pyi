@@ -1,4 +1,5 @@
 # The public names of symosc.plot and where each is written. Loaded on first use: a figure loads what it needs alone.
+from .atlases import atlas_figure as atlas_figure
 from .drawing import check_suffix as check_suffix
 from .drawing import save as save
 from .figures import MOST_DRAWN_EVENTS as MOST_DRAWN_EVENTS

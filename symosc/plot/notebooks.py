@@ -15,6 +15,7 @@ import numpy as np
 from markupsafe import Markup
 
 from symosc.aliases import Record
+from symosc.certificates.atlas import Atlas
 from symosc.certificates.certificate import Certificate, common_complex, common_digits
 from symosc.crosschecks.report import CrossCheck
 from symosc.display.drawable import Listing, register
@@ -170,6 +171,18 @@ def response_page(found: FrequencyResponse) -> str:
     return page("FrequencyResponse", line, table([found.name, *heads], rows, len(found)), drawn)
 
 
+def atlas_page(atlas: Atlas) -> str:
+    """Return the page of an atlas: its words and their shares, and its borders."""
+    rows = [[region.word or "none found", f"{region.share:.4%}", f"{region.proven:.4%}"] for region in atlas.regions]
+    borders = [
+        [" | ".join(word or "?" for word in each.words), each.sliding or each.kind, len(each)] for each in atlas.borders
+    ]
+    sides = (f"{name} = {show(low)} … {show(high)}" for name, (low, high) in zip(atlas.over, atlas.range, strict=True))
+    line = f"{', '.join(sides)}: {atlas.proven:.4%} of the area proven"
+    first = _table(("word", "share", "proven"), rows, len(rows))
+    return page("Atlas", line, first, _table(("border", "kind", "points"), borders, len(borders)))
+
+
 def window_page(window: GrazingWindow) -> str:
     """Return the page of a grazing window: its intervals and its case."""
     place = window.place
@@ -253,6 +266,7 @@ PAGES: dict[type, Callable[..., str | None]] = {
     Branch: branch_page,
     Border: border_page,
     FrequencyResponse: response_page,
+    Atlas: atlas_page,
     GrazingWindow: window_page,
     CrossCheck: crosscheck_page,
     Certificate: certificate_page,

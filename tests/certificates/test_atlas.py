@@ -1,0 +1,194 @@
+"""Atlases: proven words against the engine's, forged files, and what an earlier call has left."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections.abc import Callable
+from copy import deepcopy
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import symosc.certificates.atlas as atlases
+from symosc import Atlas, ParameterError, Parameters, atlas, certify, find_orbit
+from symosc.certificates.verify_atlas import judge
+
+COULOMB = Parameters(m=1, c="0.1", k=1, A0=0, B0=1, Omega=1, v1=0, v2=10, mu1=1, mu2=0, FN="0.5")
+PLANE = {"Omega": ("0.9", "1.1"), "FN": ("0.8", "1.1")}
+
+
+@pytest.fixture(autouse=True)
+def _few_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(atlases, "GRID", 3)
+
+
+@pytest.fixture(scope="module")
+def small() -> Atlas:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(atlases, "GRID", 3)
+        return atlas(COULOMB, PLANE, prove=0.5, workers=1)
+
+
+def contents(plane: Atlas) -> dict[str, Any]:
+    about = {"format": "symosc certificate 1", "kind": "atlas", "proven": True}
+    return json.loads(json.dumps(about | plane.statement()))
+
+
+def test_the_parts_of_an_atlas_fit_together(small: Atlas) -> None:
+    assert small.proven >= 0.5
+    assert {region.word for region in small.regions} == {"P3121", "rest"}
+    rest = next(region for region in small.regions if region.word == "rest")
+    assert rest.proven == pytest.approx(1 / 3)  # FN >= |B0|/mu1, and nothing else
+    assert small.word_at(Omega=1, FN=1) == small.word_at(Omega=1, FN="1.05") == "rest"
+    assert certify(small).proven
+
+
+def differences(plane: Atlas, count: int, seed: int) -> tuple[int, list[tuple[float, float]]]:
+    """Return how many random points are in proven boxes, and those where the settled motion has another word."""
+    rng, inside, wrong = random.Random(seed), 0, []
+    for _ in range(count):
+        x, y = (round(rng.uniform(float(low), float(high)), 9) for low, high in plane.range)
+        at = Fraction(str(x)), Fraction(str(y))
+        boxes = [b for b in plane.boxes if all(low <= v <= high for v, (low, high) in zip(at, b.range, strict=True))]
+        if not boxes or boxes[0].word == "rest":
+            continue
+        inside += 1
+        orbit = find_orbit(plane.parameters.replace(**dict(zip(plane.over, at, strict=True))))
+        if boxes[0].word != atlases.canonical(orbit.labels):
+            wrong.append((x, y))
+    return inside, wrong
+
+
+def test_proven_words_are_those_of_the_settled_motions(small: Atlas) -> None:
+    inside, wrong = differences(small, 20, 1)
+    assert inside > 2
+    assert not wrong
+
+
+@pytest.mark.campaign
+def test_a_proven_plane_against_2000_motions() -> None:
+    plane = atlas(COULOMB, {"Omega": ("0.3", 2), "FN": ("0.05", 1)}, prove=0.95, workers=1)
+    inside, wrong = differences(plane, 2000, 2)
+    assert inside > 1800
+    assert not wrong
+    assert judge(contents(plane))[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("changes", "over"),
+    [
+        pytest.param(  # no symmetry
+            {"v1": "0.2", "mu2": "0.3", "v2": 1},
+            {"Omega": ("0.99", "1.01"), "FN": ("0.29", "0.3")},
+            marks=pytest.mark.slow,
+        ),
+        ({"c": 3}, {"Omega": ("0.98", "1.02"), "B0": ("2", "2.05")}),  # overdamped
+        pytest.param(  # both belts
+            {"v1": -1, "v2": 1, "mu2": 1, "FN": "0.2"},
+            {"Omega": ("0.98", "1.0"), "m": ("1.05", "1.07")},
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_other_oscillators(changes: dict[str, Any], over: dict[str, Any]) -> None:
+    plane = atlas(COULOMB.replace(**changes), over, prove=0.9, seconds=20, workers=1)
+    assert plane.proven >= 0.9
+    assert judge(contents(plane))[0] == 0
+    assert not differences(plane, 4, 3)[1]
+
+
+def first(data: dict[str, Any]) -> dict[str, Any]:
+    row: dict[str, Any] = next(row for row in data["boxes"] if row["word"] != "rest")
+    return row
+
+
+def another_word(data: dict[str, Any]) -> None:
+    row = first(data)
+    row.update(word="P32", phases=row["phases"][::2], x=row["x"][::2])
+
+
+def over_a_border(data: dict[str, Any]) -> None:
+    """Let a box grow into one that is open."""
+    for row in data["boxes"]:
+        for i, box in enumerate(data["open"]):
+            if row["word"] != "rest" and row["range"][0] == box[0] and row["range"][1][1] == box[1][0]:
+                row["range"][1][1] = "11/10"
+                data["boxes"] = [each for each in data["boxes"] if each["word"] != "rest"]
+                del data["open"][i]
+                return
+    row = first(data)  # or beyond the range
+    row["range"][0][0] = "1/2"
+
+
+def left_out(data: dict[str, Any]) -> None:
+    data["boxes"].pop()
+
+
+def twice(data: dict[str, Any]) -> None:
+    data["boxes"].append(data["boxes"][0])
+
+
+def at_rest(data: dict[str, Any]) -> None:
+    first(data).update(word="rest", phases=[], x=[])
+
+
+def a_larger_share(data: dict[str, Any]) -> None:
+    data["share"] = "99/100"
+
+
+def a_word_at_rest(data: dict[str, Any]) -> None:
+    moved = first(data)
+    rest = next(row for row in data["boxes"] if row["word"] == "rest")
+    rest.update(word=moved["word"], phases=moved["phases"], x=moved["x"])
+
+
+@pytest.mark.parametrize(
+    "forge", [another_word, over_a_border, left_out, twice, at_rest, a_larger_share, a_word_at_rest]
+)
+def test_forged_atlases_are_refused(small: Atlas, forge: Callable[[dict[str, Any]], None]) -> None:
+    data = contents(small)
+    assert judge(data)[0] == 0
+    forged = deepcopy(data)
+    forge(forged)
+    assert judge(forged)[0] == 1
+
+
+def test_a_second_call_takes_up_the_first(tmp_path: Path) -> None:
+    path = tmp_path / "plane.json"
+    before = atlas(COULOMB, PLANE, prove=0.4, workers=1, path=path)
+    after = atlas(COULOMB, PLANE, prove=0.6, workers=1, path=path)
+    assert after.proven >= 0.6 > before.proven
+    assert set(before.boxes[:1]) <= {box._replace(points=before.boxes[0].points) for box in after.boxes}
+    with pytest.raises(ParameterError, match="another plane"):
+        atlas(COULOMB, PLANE | {"FN": ("0.8", 1)}, path=path)
+    path.write_text("{}")
+    with pytest.raises(ParameterError, match="no file of an atlas"):
+        atlas(COULOMB, PLANE, path=path)
+
+
+@pytest.mark.parametrize(
+    ("how", "named"),
+    [
+        ({"over": {"Omega": (1, 2)}}, "two parameters"),
+        ({"over": {"Omega": (2, 1), "FN": (0, 1)}}, "lowest"),
+        ({"over": {"c": (0, 1), "FN": (0, 1)}}, "c = 0"),
+        ({"over": PLANE, "prove": 2}, "prove"),
+        ({"over": PLANE, "seconds": 0}, "seconds"),
+    ],
+)
+def test_bad_arguments(how: dict[str, Any], named: str) -> None:
+    with pytest.raises(ParameterError, match=named):
+        atlas(COULOMB, **how)
+
+
+def test_the_figure_and_the_page(small: Atlas) -> None:
+    (axes,) = small.plot().axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$\\Omega$", "$F_N$")
+    page = small._repr_html_()
+    assert page is not None
+    assert "P3121" in page
+    with pytest.raises(ParameterError, match="must be between"):
+        small.word_at(Omega=2, FN=1)
