@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 import symosc.certificates.atlas as atlases
-from symosc import Atlas, Parameters, ParameterError, atlas, certify, find_orbit
+from symosc import Atlas, ParameterError, Parameters, atlas, certify, find_orbit
 from symosc.certificates.verify_atlas import judge
 
 COULOMB = Parameters(m=1, c="0.1", k=1, A0=0, B0=1, Omega=1, v1=0, v2=10, mu1=1, mu2=0, FN="0.5")
