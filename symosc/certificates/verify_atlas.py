@@ -458,7 +458,6 @@ class Box:
             least = coefficient(one, 0) - abs(coefficient(one, 1)) - abs(coefficient(other, 1))
             least += bend[0].min(zero) + bend[1].min(zero) - abs(bend[2] - bend[0] - bend[1])
             least -= sum((abs(column[i]) * by for column, by in zip(by_u, tube, strict=True)), arb(0))
-            check(not coefficient(one, 0) < 0, "an inequality of the word at the middle of a box")
             require_open(least, "an inequality of a word in a box")
         word.stays(e, around, plan, problem)
 
