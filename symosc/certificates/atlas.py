@@ -62,11 +62,12 @@ class Task(NamedTuple):
 
 
 class Tried(NamedTuple):
-    """What came of a task: the word, or "" and the parts to try; and the orbit at the middle as (phase, x)."""
+    """What came of a task: the word, or "" and the parts to try; the orbit at the middle, and its word."""
 
     word: str
     points: tuple[tuple[float, float], ...]
     parts: tuple[Task, ...]
+    seen: str = ""
 
 
 class ProvenBox(NamedTuple):
@@ -183,9 +184,8 @@ def attempt(p: Parameters, names: tuple[str, str], task: Task) -> Tried:
     places = ((-0.5, 0), (0.5, 0)) if along == 0 else ((0, -0.5), (0, 0.5))
     near = [(labels, surface.near(*place)) for place in places]
     others.insert(0, (labels, surface.near(0, 0)))
-    return Tried(
-        "", (), tuple(Task(part, (each, *others), divide) for part, each in zip(divided(box, along), near, strict=True))
-    )
+    parts = [Task(part, (each, *others), divide) for part, each in zip(divided(box, along), near, strict=True)]
+    return Tried("", (), tuple(parts), canonical(labels))
 
 
 def canonical(labels: Sequence[str]) -> str:
@@ -238,6 +238,8 @@ class Cover:
         self.p, self.names, self.whole, self.count = p, names, whole, 0
         self.proven, self.area, self.small = list[ProvenBox](), Fraction(0), list[Rectangle]()
         self.heap = list[tuple[float, int, Task]]()
+        #: A place of each word that was met in the middle of a box.
+        self.seen = dict[str, tuple[float, float, str]]()
 
     def add(self, *tasks: Task) -> None:
         """Add rectangles to prove; what rests there is known at once."""
@@ -275,6 +277,9 @@ class Cover:
                 if tried.word:
                     self.prove(ProvenBox(tried.word, task.box, tried.points))
                 self.add(*tried.parts)
+                if (word := tried.word or tried.seen) and word not in self.seen:
+                    x, y = (float(low + high) / 2 for low, high in task.box)
+                    self.seen[word] = x, y, word
             report(min(float(self.share), float(share)), float(share))
 
     def taken_up(self, boxes: Sequence[ProvenBox], left: Sequence[Rectangle]) -> None:
@@ -346,12 +351,11 @@ class Atlas(Drawable):
         whole, proven = area(self.range), defaultdict[str, float](float)
         for box in self.boxes:
             proven[box.word] += float(area(box.range) / whole)
-        seen = Counter(word for *_, word in self.grid)
+        looked = self.grid[: GRID * GRID]
+        seen = Counter(word for *_, word in looked)
         words = {*proven, *seen, *(word for border in self.borders for word in border.words if word)}
         left = max(0.0, 1 - sum(proven.values()))
-        found = [
-            Region(word, proven[word] + left * seen[word] / max(len(self.grid), 1), proven[word]) for word in words
-        ]
+        found = [Region(word, proven[word] + left * seen[word] / max(len(looked), 1), proven[word]) for word in words]
         return tuple(sorted(found, key=lambda each: (-each.share, each.word)))
 
     @property
@@ -519,6 +523,9 @@ def atlas(
             grid, borders = left.grid, tuple(borders_of(p, names, whole, left.grid))
             cover.taken_up(left.boxes, left.open)
         cover.run(share, began + limit, pool, report)
+    if more := tuple(each for word, each in cover.seen.items() if word not in {word for *_, word in grid}):
+        grid += more  # words that the grid has missed
+        borders = tuple(borders_of(p, names, whole, grid))
     made = Atlas(p, names, whole, tuple(cover.proven), tuple(cover.open()), grid, borders)
     if path is not None:
         made.to_json(path)
@@ -576,10 +583,13 @@ def borders_of(p: Parameters, names: tuple[str, str], whole: Rectangle, grid: Se
     from symosc.orbits.border import BorderError, borders_between, network
 
     found, limits = list[Any](), dict(zip(names, whole, strict=True))
+    sizes, regular = np.array([float(high - low) for low, high in whole]), min(GRID * GRID, len(grid))
     for i, (x, y, word) in enumerate(grid):
-        for j in (i + 1, i + GRID):
-            if j >= len(grid) or (j == i + 1 and j % GRID == 0):
-                continue
+        beside = [j for j in (i + 1, i + GRID) if j < regular and (j != i + 1 or j % GRID)]
+        if i >= regular:  # a word that the grid has missed
+            away = [np.abs((np.array(each[:2]) - (x, y)) / sizes).sum() for each in grid[:regular]]
+            beside = [int(np.argmin(away))]
+        for j in beside:
             other_x, other_y, other = grid[j]
             if word == other or {word, other} & {REST, ""}:
                 continue
