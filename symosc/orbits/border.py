@@ -44,6 +44,7 @@ from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, solve
 from symosc.orbits.curve import orbit_of
 from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow
+from symosc.quantities import least
 from symosc.words import Word, cycle
 
 
@@ -798,7 +799,7 @@ def continue_border(
         The second parameter.
     range : (low, high)
         Of the second parameter; or a mapping of both names to their ranges. Without a range the first parameter may go
-        down to a tenth of its value at the end, and up to ten times that.
+        down to a tenth of its value at the end, and up to ten times that (from a value of 0: up to 1).
     step : number
         The longest step, as a part of the ranges.
     max_points : int
@@ -861,7 +862,8 @@ def _read_plane(parameters: Parameters, first: str, second: Any, limits: Any) ->
         raise ParameterError("parameter", second, known + meant(str(second), PARAMETER_NAMES))
     given = dict(limits) if isinstance(limits, Mapping) else {second: limits}
     value = getattr(parameters, first)
-    given.setdefault(first, sorted((value / 10, value * 10)) if value else (-1, 1))
+    at_zero = (-1 if least(first) is None else 0, 1)
+    given.setdefault(first, sorted((value / 10, value * 10)) if value else at_zero)
     ranges = []
     for name in (first, second):
         low, high = read_range(parameters, name, given.pop(name, None))
