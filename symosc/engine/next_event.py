@@ -581,12 +581,13 @@ def contact_at_dip(tau, free, side, start, walls, S, K):
             break
         tau = tau + shift
         now = state_at(tau, start, K)
-    dip, bend = shifted(now, shift, start.v, K), -side * now.G1
-    depth = -gap_to(side, dip, walls)
-    allowed = tolerance(dip, walls.below if side < 0 else walls.above, start, S, K)
+    gap, bend = gap_to(side, now, walls), -side * now.G1
+    fall = (now.F + (0.5 * now.G1 + SIXTH * (now.G2 + 0.25 * now.G3 * shift) * shift) * shift) * shift
+    depth = side * fall - gap
+    allowed = tolerance(now, walls.below if side < 0 else walls.above, start, S, K)
     if not (abs(shift) * K.rate < NEAR and free > 0.0 and bend > 0.0 and depth > 2.0 * allowed):
         return FlightEnd(STALLED, side, now)
-    gap, before = gap_to(side, now, walls), shift - sqrt(2.0 * depth / bend)
+    before = shift - sqrt(2.0 * depth / bend)
     before = newton_root(before, gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
     if abs(before) * K.rate < NEAR:
         end = FlightEnd(HIT, side, shifted(now, before, start.v, K))

@@ -35,6 +35,7 @@ SPARE_DIGITS = 40
 CLEAR_FORCE = 1e-9
 # A motion is searched period by period: more than this many would take hours.
 MOST_PERIODS = 10**8
+MOST_CORRECTIONS = 8  # each of them doubles the digits
 SIN, COS = each(sin), each(cos)
 
 
@@ -245,17 +246,31 @@ def rounded(state: State, start: Start) -> State:
 def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
     """Return a state of mpmath numbers in an arithmetic with more digits, with their rounding `eps` in its error.
 
-    Phase and time have the rounding too: it is an error of x and v that such a part of a period makes.
+    Phase and time have the rounding too: it is an error of x and v that such a part of a period makes. Where the force
+    is 0, at the end of a stick or a touch, the time is made right to all digits: else a force would act for ever.
     """
     K, rounded, S = arithmetic.K, arithmetic.rounded, state.S
     theta, t, x, v = rounded(state.theta) + state.theta_low, rounded(state.t) + state.t_low, rounded(state.x), state.v
     v = (K.belt1 if state.at == 1 else K.belt2).v if state.at else rounded(v)
-    phase, part = sine_and_cosine(theta, arithmetic), K.period * arithmetic.number(eps)
-    below, above = (state.at, state.at + 1) if state.mode > ON_BELT else (state.mode, state.mode)
-    Fb, Fa = (
-        acceleration(x, v, phase[1], constant_force(domain, K), K.cm, K.w0sq, K.f0) if force != 0 else 0 * x
-        for force, domain in ((state.Fb, below), (state.Fa, above))
-    )
-    dx, dv = (abs(x) / K.period + abs(v)) * part, (abs(v) / K.period + abs(Fb)) * part
-    S = Covariance(S.S11 + dx * dx, rounded(S.S12), S.S22 + (0 if state.at else dv * dv))
+    domains = (state.at, state.at + 1) if state.mode > ON_BELT else (state.mode, state.mode)
+
+    def forces() -> list[Number]:
+        A = (constant_force(domain, K) for domain in domains)
+        return [acceleration(x, v, phase[1], each, K.cm, K.w0sq, K.f0) for each in A]
+
+    phase, part, missing = sine_and_cosine(theta, arithmetic), K.period * arithmetic.number(eps), 0 * x
+    Fb, Fa = forces()
+    if state.mode <= ON_BELT and state.Fb == 0:
+        for _ in range(MOST_CORRECTIONS):
+            slope = K.fB * phase[0] + K.w0sq * v
+            shift = Fb / slope if abs(Fb) <= abs(slope) * K.period else 0 * x
+            theta, t, x = theta + K.Om * shift, t + shift, x + v * shift
+            phase = sine_and_cosine(theta, arithmetic)
+            Fb, Fa = forces()
+        Fb, Fa, missing = 0 * x, 0 * x, abs(Fb) * K.period
+    Fb, Fa = (0 * x if given == 0 else force for given, force in ((state.Fb, Fb), (state.Fa, Fa)))
+    dx, dv = (abs(x) / K.period + abs(v)) * part, missing
+    if state.mode <= ON_BELT:
+        dv = dv + (abs(Fb) + (0 if state.at else abs(v) / K.period)) * part
+    S = Covariance(S.S11 + dx * dx, rounded(S.S12), S.S22 + dv * dv)
     return State(*state[:3], theta, x, v, Fb, Fa, S, t, 0 * x, *phase, 0 * x)

@@ -83,7 +83,7 @@ from symosc.simulation.batch import (
 from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, check_reached, fits_pairs
 from symosc.simulation.problems import NumberColumn, Problems
 from symosc.simulation.simulate import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
-from symosc.simulation.tables import SUMMARY_COLUMNS, EventTable, Summary, rows_of, table_from
+from symosc.simulation.tables import SUMMARY_COLUMNS, EventTable, Summary, table_from
 from symosc.simulation.tangents import Launches, chosen_tangents, event_changes, read_wrt
 from symosc.simulation.trajectory import Trajectory
 
@@ -230,7 +230,9 @@ class Chunk:
             loops = pair_loops(int(self.batch.counts[i])) if task.loops.in_threads else None
             PAIRS.events -= int(self.batch.counts[i])
             self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy, loops=loops)
-        again |= {i: rows_of(i, trajectory.events) for i, trajectory in self.alone.items()}
+        for i, trajectory in self.alone.items():
+            again[i] = trajectory.rows()
+            again[i].ints[0] = i
         self.rows = spliced(self.rows, again) if again else self.rows
         self.status = self._statuses()
 

@@ -50,7 +50,7 @@ from symosc.engine.batch import (
 )
 from symosc.engine.constant_table import table_of
 from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EXACT_COLUMNS, FLOAT_COLUMNS, Event, event_codes
-from symosc.engine.flow import Constants, clock_time, constants
+from symosc.engine.flow import Constants, clock_time
 from symosc.engine.start import MOST_PERIODS, Start, continued, first_state, is_steady, last_time, rounded, settles
 from symosc.engine.state import (
     END,
@@ -595,7 +595,7 @@ def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int, least:
     until something else than a graze happens.
     """
     start = motion.start
-    K: Constants = constants(start.parameters)
+    K = Arithmetic(start.parameters).K
     fast, slow = (K.h, K.h) if K.under else (-K.l2, -K.l1)
     fast_digits, slow_digits = (ceil(float(elapsed) * rate / log(10)) for rate in (fast, slow))
     if is_steady(start) and motion.grazes_only:

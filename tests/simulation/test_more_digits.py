@@ -128,6 +128,17 @@ def test_what_settles_in_rational_numbers() -> None:
     assert not settles("-50", v0=1, q=mirrored)
 
 
+def test_grazes_of_a_motion_that_repeats_are_grazes_in_doubles_too() -> None:
+    """Without spring and damper v comes back to a belt each period, exactly; a slip that is off by 1e-44 would not."""
+    p = Parameters(
+        m="0.38", c=0, k=0, A0="-2.3594", B0="1.3177944", Omega="7.8", v1="-1.2746", v2="1.94459999992", mu1=0,
+        mu2="0.47", FN="5.02",
+    )  # fmt: skip
+    for digits in (None, 20):
+        found = simulate(p, x0="-2.857", v0="1.5", t_end="6.1647", digits=digits)
+        assert [event.kind for event in found.events] == ["stick", "slip", *["graze"] * 7]
+
+
 def test_a_graze_is_decided_by_what_is_behind_the_digits() -> None:
     """A near miss of 1e-33 is more than pairs tell with certainty; more digits do: no guess in between."""
     a = aimed("near miss", "P5", Fraction(-1, 10**33))
