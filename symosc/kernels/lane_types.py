@@ -14,9 +14,9 @@ from itertools import count
 from typing import Any
 
 import numba
-from llvmlite import binding  # type: ignore[import-untyped]
 from numba.core import cgutils, types
 from numba.core.cgutils import ir
+from numba.core.codegen import get_host_cpu_features
 from numba.core.typeconv import Conversion
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, lower_cast, models, overload, register_model
@@ -280,5 +280,5 @@ def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset
 
 def usual_width() -> int:
     """Return the number of lanes that are fastest on this processor; 0: none."""
-    features = binding.get_host_cpu_features()
-    return 16 if features.get("avx512f") else 8 if features.get("avx2") else 0
+    features = get_host_cpu_features().split(",")
+    return 16 if "+avx512f" in features else 8 if "+avx2" in features else 0
