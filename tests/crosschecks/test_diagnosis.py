@@ -205,6 +205,13 @@ def test_what_is_not_known_says_so() -> None:
     assert {one.cause for one in check.diagnosis} & {"unknown", "noise", "truncation"}
 
 
+def test_two_samples_get_a_verdict() -> None:
+    """A change of columns leaves one row of two: this had no steps to follow."""
+    assert not crosscheck("fig5", [0, 1], [0, 1]).ok
+    for x, v in np.random.default_rng(1).normal(size=(5, 2)):
+        assert not crosscheck("fig5", [0, 1], [0, x], [0, v]).ok
+
+
 def test_right_steps_from_another_start() -> None:
     scene = load_scene("fig9")
     t = np.linspace(float(scene.t0), 4, 60)
