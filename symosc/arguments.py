@@ -280,7 +280,7 @@ class Rule:
 
 
 class Rules(NamedTuple):
-    """What the parameters of a function take: in order, those that ``*`` collects, by name, those of ``**``; all names."""
+    """What a function takes: in order, those that ``*`` collects, by name, those of ``**``, and all names."""
 
     in_order: list[Rule | None]
     more: Rule | None
