@@ -16,7 +16,7 @@ from functools import partial, wraps
 from types import FunctionType
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
-from symosc.errors import ParameterError
+from symosc.errors import ParameterError, meant
 
 Given = ParamSpec("Given")
 Result = TypeVar("Result")
@@ -280,18 +280,20 @@ class Rule:
 
 
 class Rules(NamedTuple):
-    """What the parameters of a function take: in order, those that ``*`` collects, by name, and those of ``**``."""
+    """What a function takes: in order, those that ``*`` collects, by name, those of ``**``, and all names."""
 
     in_order: list[Rule | None]
     more: Rule | None
     by_name: dict[str, Rule]
     others: list[Kind] | None
+    names: list[str]
 
 
 def _rules(function: FunctionType) -> Rules:
     in_order, by_name = list[Rule | None](), dict[str, Rule]()
     more, others = None, None
-    for name, parameter in inspect.signature(function).parameters.items():
+    parameters = inspect.signature(function).parameters
+    for name, parameter in parameters.items():
         text = parameter.annotation
         kinds = None if text is parameter.empty else _kinds(_parsed(text))
         rule = None if kinds is None else Rule(name, kinds)
@@ -304,7 +306,10 @@ def _rules(function: FunctionType) -> Rules:
                 by_name[name] = rule
             if parameter.kind is not parameter.KEYWORD_ONLY:
                 in_order.append(rule)
-    return Rules(in_order, more, by_name, others)
+    open_to_any = any(each.kind is each.VAR_KEYWORD for each in parameters.values())
+    return Rules(
+        in_order, more, by_name, others, [] if open_to_any else [each for each in parameters if each != "self"]
+    )
 
 
 def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
@@ -322,7 +327,7 @@ def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
         nonlocal read
         if read is None:
             read = _rules(function)  # type: ignore[arg-type]
-        in_order, more, by_name, others = read
+        in_order, more, by_name, others, names = read
         values: Any = given
         for i, (rule, value) in enumerate(zip(in_order, given)):  # noqa: B905  too many or too few: Python says so below
             if rule is not None and type(value) not in rule.known:
@@ -338,6 +343,9 @@ def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
                     named[name] = rule.check(value)
             elif others is not None:
                 Rule(name, others).check(value)
+            elif names and name not in names:
+                known = f"; known are {', '.join(names)}{meant(name, names)}"
+                raise TypeError(f"{function.__qualname__}() got an unexpected keyword argument {name!r}{known}")
         return function(*values, **named)
 
     return checked

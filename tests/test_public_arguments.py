@@ -144,6 +144,18 @@ def test_cases_of_an_audit(name: str, call: Callable[[], Any]) -> None:
     refused(call, name)
 
 
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: symosc.simulate("fig5", tend=4), r"simulate.*'tend'; known are scene, .*; did you mean t_end\?"),
+        (lambda: symosc.Parameters(mu_1=1), r"'mu_1'; known are m, c, k, .*, FN; did you mean mu1\?"),
+    ],
+)
+def test_an_unknown_name_of_an_argument(call: Callable[[], Any], words: str) -> None:
+    with pytest.raises(TypeError, match=words):
+        call()
+
+
 def test_what_the_annotations_say_is_what_is_checked() -> None:
     @public
     def f(self: Any, a: int, /, *more: str | None, b: tuple[int, int] = (1, 2), **rest: bool) -> str:

@@ -775,8 +775,11 @@ def verify(path, **limits):
         data = json.loads(content, object_pairs_hook=unique)
     except Stop as stop:
         return BAD, f"no certificate: {stop.args[1]}"
-    except (OSError, ValueError, RecursionError) as error:
+    except OSError as error:
         return BAD, f"no certificate: {' '.join(str(error).split())[:200]}"
+    except (ValueError, RecursionError) as error:
+        what = f"{path} is not the JSON that symosc certify writes ({error})"
+        return BAD, f"no certificate: {' '.join(what.split())[:200]}"
     return judge(data, **limits)
 
 

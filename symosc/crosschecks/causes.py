@@ -340,6 +340,8 @@ class Case:
 
     def share_of(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
         """Return the fraction of the wrong steps that other columns explain; they may have fewer rows."""
+        if len(t) < 2:
+            return 0.0
         near, allowed = float(np.median(self.near)), np.median(self.allowed, axis=0)
         found = follow_steps(self.parameters, t, x, v, near, self.scales)
         left, wrong = np.max(np.abs(found.defects) / allowed, axis=1), self.sizes[self.wrong]

@@ -113,7 +113,9 @@ def find_columns(there: Sequence[str], asked: Asked, where: str) -> dict[str, st
                 found[name] = fitting[0]
     for name in ("t", "x"):
         if name not in found:
-            raise ParameterError("column", name, missing)
+            left = [each for each in free if each not in found.values()]
+            say = f"; say which, such as {name}={short(str(left[0]))}" if left else ""
+            raise ParameterError("column", name, missing + say)
     if "v" not in found and "v" not in asked and set(there) - {*found.values(), *NO_COLUMNS}:
         raise ParameterError("column", "v", f"{missing}; without velocities, which are then computed: v=none")
     return found

@@ -134,7 +134,11 @@ def has_pi(text: object) -> TypeGuard[str]:
 def read_phase_text(name: str, text: str) -> ExactPhase:
     """Return the phase for a text such as "3*pi/2", "pi - 1/3" or "0.7"."""
     if not has_pi(text):
-        return ExactPhase(read_exact(name, text))
+        try:
+            return ExactPhase(read_exact(name, text))
+        except ParameterError as error:
+            allowed = f"{NUMBER_FORMS}, or a multiple of pi such as '3*pi/2'"
+            raise ParameterError(name, text, allowed if error.allowed == NUMBER_FORMS else error.allowed) from None
     if len(text) > LONGEST_TEXT:
         raise ParameterError(name, f"{text[:20]}...", f"must have at most {LONGEST_TEXT} characters")
     plain = re.sub(r"(?<=[\d)])\s*pi", "*pi", text.strip().replace("π", "pi"))

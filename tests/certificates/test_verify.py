@@ -460,6 +460,8 @@ def test_no_key_may_be_added_dropped_or_be_there_twice(kind: str, tmp_path: Path
             assert judged(changed)[0] == 2, (way, other)
     twice = text_of(kind).replace('"kind":', '"kind": "", "kind":', 1)
     assert verified(twice, tmp_path) == (2, "no certificate: a key that is twice in an object")
+    code, answer = verified("m = 1", tmp_path)
+    assert (code, "is not the JSON that symosc certify writes" in answer) == (2, True)
 
 
 HOSTILE = ("", "{", "[]", "1", "NaN", "[" * 100_000, '{"format": ' + "[" * 100_000, "1" + "0" * 5000)

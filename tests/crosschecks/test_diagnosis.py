@@ -205,6 +205,13 @@ def test_what_is_not_known_says_so() -> None:
     assert {one.cause for one in check.diagnosis} & {"unknown", "noise", "truncation"}
 
 
+def test_two_samples_get_a_verdict() -> None:
+    """A change of columns leaves one row of two: this had no steps to follow."""
+    assert "FAILED" in crosscheck("fig5", [0, 1], [0, 1]).summary()
+    for x, v in np.random.default_rng(1).normal(size=(5, 2)):
+        assert "FAILED" in crosscheck("fig5", [0, 1], [0, x], [0, v]).summary()
+
+
 def test_right_steps_from_another_start() -> None:
     scene = load_scene("fig9")
     t = np.linspace(float(scene.t0), 4, 60)

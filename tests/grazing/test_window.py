@@ -363,3 +363,8 @@ def test_sweeps() -> None:
         assert_refused(name, lambda swept=swept: grazing_windows(P, "P6", **swept))
     with pytest.raises(ParameterError, match=re.escape("k: (2,), B0: (3,)")):
         grazing_windows(P, "P6", k=[1.0, 2.0], B0=[1.0, 2.0, 3.0])
+
+
+def test_a_phase_that_is_no_number() -> None:
+    with pytest.raises(ParameterError, match=r"theta = 'three'.*'3\*pi/2'"):
+        grazing_window(load_scene("fig9").parameters, "P2").contains("three")
