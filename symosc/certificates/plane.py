@@ -116,6 +116,8 @@ class Flights:
         half, odd = divmod(len(pieces), 2)
         modes = [piece.mode for piece in pieces]
         self.mirrored = not odd and [mirror.get(mode) for mode in modes[:half]] == modes[half:]
+        #: The image of one belt at rest; the other belt is not symmetric.
+        self.beside = self.mirrored and mirror.get(1) != 3
         self.labels = tuple(piece.label for piece in pieces)
         used = pieces[:half] if self.mirrored else pieces
         #: Half-periods of the drive.
@@ -385,18 +387,22 @@ class Flights:
         """Prove that no flight meets a belt before its end, given that all margins are positive; else Undecided."""
         for leg, cuts in zip(self.legs, plan.cuts, strict=True):
             piece, tau = leg.piece, u[leg.at + 2 - leg.piece.after_stick]
-            for belt in (piece.mode - 1, piece.mode):
-                if belt not in (1, 2):
-                    continue
+            sides = {belt: 1 if piece.mode > belt else -1 for belt in (piece.mode - 1, piece.mode) if belt in (1, 2)}
+            speeds = {belt: o.speed[belt] for belt in sides}
+            if self.beside and piece.mode != 2:  # its mirror image is between both belts
+                other = 2 if piece.mode == 1 else 1
+                sides[other], speeds[other] = (1 if piece.mode == 1 else -1), -o.speed[other]
+            for belt, side in sides.items():
                 own = belt == piece.start == piece.end
                 if own and cuts is not None and self.stays(o, leg, u, cuts):
                     continue
-                if belt not in (piece.start, piece.end) and self.far(o, leg, u, belt):
+                if belt not in (piece.start, piece.end) and self.far(o, leg, u, side * speeds[belt]):
                     continue
                 zeros = 0 if belt != piece.start else 2 if piece.after_stick else 1
-                prove_positive(Margin(piece.label, self.gap(o, leg, u, belt), zeros, belt == piece.end), tau)
+                gap = self.gap(o, leg, u, side, speeds[belt])
+                prove_positive(Margin(piece.label, gap, zeros, belt == piece.end), tau)
 
-    def far(self, o: Oscillator, leg: Leg, u: Values, belt: int) -> bool:
+    def far(self, o: Oscillator, leg: Leg, u: Values, least: Ball) -> bool:
         """Return whether the energy of its free motion keeps a flight from a belt."""
         there = self.fly(o, leg, [*u[: leg.at + 2 - leg.piece.after_stick], arb(0)])
         s0, c0 = u[leg.at].sin_cos()
@@ -405,16 +411,16 @@ class Flights:
         most = (v * v + a * a / o.km).upper().sqrt() + (
             o.steady_c * o.steady_c + o.steady_s * o.steady_s
         ).upper().sqrt()
-        return bool(most < (1 if leg.piece.mode <= belt else -1) * o.speed[belt])
+        return bool(most < -least)
 
-    def gap(self, o: Oscillator, leg: Leg, u: Values, belt: int) -> Callable[[Ball], Jet]:
-        """Return the gap of a flight from a belt."""
-        side, at = 1 if leg.piece.mode > belt else -1, leg.at + 2 - leg.piece.after_stick
+    def gap(self, o: Oscillator, leg: Leg, u: Values, side: int, speed: Ball) -> Callable[[Ball], Jet]:
+        """Return the gap of a flight from a velocity, above it (side 1) or below it (-1)."""
+        at = leg.at + 2 - leg.piece.after_stick
 
         def gap(tau: Ball) -> Jet:
             there = self.fly(o, leg, [*u[:at], tau])
             jerk = -o.cm * there.a - o.km * there.v - o.drive * (u[leg.at] + o.Omega * tau).sin()
-            return Jet(tau, side * (there.v - o.speed[belt]), side * there.a, side * jerk)
+            return Jet(tau, side * (there.v - speed), side * there.a, side * jerk)
 
         return gap
 

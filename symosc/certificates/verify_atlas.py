@@ -12,7 +12,7 @@ orbit:
    sinh(w)/w = 0F1(3/2; w^2/4) is entire: nothing is special at resonance.
 2. Unknowns u: of each flight the phase at its start, its duration, and x at its start, unless it follows a stick:
    there F = 0 says x. r(u) = 0: v is that of the belt at its end, and x and the phase fit to the next flight. If word
-   and oscillator are symmetric about A0/k, half a period is enough.
+   and oscillator are symmetric about A0/k, half a period is enough (a belt without friction is seen in the image too).
 3. u(d) is a polynomial of degree 2 in the place d in the box, |d_i| <= 1 (it proves nothing). By Taylor's theorem
    r(u(d)) is r_0 + ... + r_3 with r_0, r_1, r_2 at the middle, and r_3, a cubic form, somewhere in the box: from series
    in four directions. J, the derivatives of r by u, is that at the middle and its change, from series in sums of two
@@ -46,7 +46,7 @@ base = orbits.base
 OPEN, BAD, check, require, Stop, number = base.OPEN, base.BAD, base.check, base.require, base.Stop, base.number
 verify, judge = base.verify, base.judge
 
-BOX_BITS, MOST_PARTS, NEWTON_STEPS, NEAR, MOST_CUTS = 64, 256, 12, 1e-14, 16
+BOX_BITS, MOST_PARTS, NEWTON_STEPS, NEAR, MOST_CUTS, MOST_TURNS = 64, 256, 12, 1e-14, 16, 1000
 SIDES = ((1, 0), (0, 1), (1, 1), (1, -1))
 BOX = ((number, number), (number, number))
 base.SHAPES["atlas"] = {
@@ -174,6 +174,7 @@ class Word:
         self.count, half = len(pieces), len(pieces) // 2
         modes = [mode for _, mode, _ in pieces]
         self.half = len(modes) % 2 == 0 and [mirror.get(mode) for mode in modes[:half]] == modes[half:]
+        self.alone = mirror.get(1) != 3  # one belt is at rest, and v = 0 divides the modes
         self.flights, size, self.rows = [], 0, []
         for i, piece in enumerate(pieces[:half] if self.half else pieces):
             if piece[1] < 4:
@@ -249,20 +250,24 @@ class Word:
     def stays(self, e, u, plan, problem):
         """Prove 5 above for all u in a box, where the margins are > 0."""
         for flight, cuts, steps in zip(self.flights, *plan[1:], strict=True):
-            for belt in {flight.mode - 1, flight.mode} & {1, 2}:
+            near = {flight.mode - 1, flight.mode} & {1, 2}
+            sides = {belt: (1 if flight.mode > belt else -1, e.belts[belt]) for belt in near}
+            if self.half and self.alone and flight.mode != 2:  # the mirror image is between both belts
+                other = 2 if flight.mode == 1 else 1
+                sides[other] = -flight.side, -e.belts[other]
+            for belt, (side, speed) in sides.items():
                 returns = belt == flight.belt == flight.onto
                 if returns and not steps and short(e, flight, u, cuts):
                     continue
-                side = 1 if flight.mode > belt else -1
-                if belt not in (flight.belt, flight.onto) and far(e, flight, u, belt, side):
+                if belt not in (flight.belt, flight.onto) and far(e, flight, u, side * speed):
                     continue
                 order = (1 + flight.slips) * (belt == flight.belt)
 
-                def f(s, flight=flight, side=side, belt=belt):
+                def f(s, flight=flight, side=side, speed=speed):
                     """Return the distance from a belt and its derivatives."""
                     _, v, a = flight.after(e, u, s)
                     jerk = -2 * e.h * a - e.km * v - e.B0 * e.Om / e.m * (u[flight.at] + e.Om * s).sin()
-                    return side * (v - e.belts[belt]), side * a, side * jerk
+                    return side * (v - speed), side * a, side * jerk
 
                 margin = orbits.Margin("a flight that meets no belt before its end", "", f, order, belt == flight.onto)
                 orbits.positive(margin, u[flight.tau].upper(), problem)
@@ -282,7 +287,9 @@ def between(e, belt, low, high):
     if bias > swing:
         return []
     require(swing - bias, "whether the forces on a belt turn")
-    all_of = range(int(float(low) / 3.2) - 4, int(float(high) / 3.1) + 4)
+    first, last = (low / arb.pi()).lower().floor() - 1, (high / arb.pi()).upper().ceil() + 1
+    check(last - first < MOST_TURNS, "few turns in a piece", OPEN)
+    all_of = range(int(float(first)), int(float(last)) + 1)
     return [n for n in all_of if not turning(e, belt, n) < low and not turning(e, belt, n) > high]
 
 
@@ -294,8 +301,9 @@ def signs(e, flight, u):
         return None
     ups = []
     for a, b in pairwise([phase, *turns, end]):
-        q = -flight.side * (e.k * e.belts[flight.belt] + e.B0 * e.Om * ((a + b) / 2).mid().sin())
-        if not abs(q) > 0:
+        place = ((a + b) / 2).mid()
+        q = -flight.side * (e.k * e.belts[flight.belt] + e.B0 * e.Om * place.sin())
+        if not (a < place < b and abs(q) > 0):
             return None
         ups.append(int(q > 0))
     return ups, [arb(0), *((turn - phase) / e.Om for turn in turns), u[flight.tau]]
@@ -339,7 +347,7 @@ def short(e, flight, u, cuts):
     return not at
 
 
-def far(e, flight, u, belt, side):
+def far(e, flight, u, least):
     """Return whether the velocity never comes to a belt: a steady motion, and a free one that loses energy."""
     pull, drag = e.km - e.Om * e.Om, 2 * e.h * e.Om
     size, phase, x = pull * pull + drag * drag, u[flight.at], flight.start(e, u)
@@ -350,7 +358,7 @@ def far(e, flight, u, belt, side):
     dy = e.belts[flight.belt] - e.Om * (b * phase.cos() - a * phase.sin())
     ddy = -2 * e.h * dy - e.km * y
     most = (dy * dy + ddy * ddy / e.km).upper().sqrt() + abs(e.Om) * (a * a + b * b).upper().sqrt()
-    return bool(most < -side * e.belts[belt])
+    return bool(most < -least)
 
 
 class Box:
@@ -358,6 +366,7 @@ class Box:
 
     def __init__(self, p, over, word, box, u, problem):
         self.p, self.over, self.word, self.u = {name: arb(p[name]) for name in base.NAMES}, over, word, u
+        self.problem = problem
         self.middle = [arb((low + high) / 2) for low, high in box]
         self.half = [arb((high - low) / 2) for low, high in box]
         self.wide = [arb(low).union(arb(high)) for low, high in box]
@@ -379,6 +388,7 @@ class Box:
     def columns(self, e, u, plan=None):
         """Return the derivatives of r and of the margins by each unknown; balls."""
         found, ctx.cap = [], 2
+        self.problem.step(len(u) * len(self.word.flights) // 2)
         for j in range(len(u)):
             parts = self.word.r(e, [*u[:j], arb_series([u[j], 1], prec=2), *u[j + 1 :]], plan)
             found.append([[coefficient(each, 1) for each in part] for part in parts])
@@ -391,10 +401,10 @@ class Box:
             self.J = arb_mat([column[0] for column in self.columns(e, self.u)]).transpose()
             self.Y = self.J.mid().inv().mid()
             step = self.by([each.mid() for each in self.word.r(e, self.u)[0]])
+            if all(abs(each) < NEAR for each in step):
+                return  # J is that at u
             self.u = [(each - change).mid() for each, change in zip(self.u, step, strict=True)]
             check(all(abs(each) < 10 for each in step), "a root at the middle of a box", OPEN)
-            if all(abs(each) < NEAR for each in step):
-                return
         raise Stop(OPEN, "a root at the middle of a box")
 
     def by(self, values):
@@ -590,6 +600,7 @@ def atlas(data, source, limits):
             text = row["word"]
             problem.step()
             if text == "rest":
+                check(not row["phases"] and not row["x"], "a rest with switchings", BAD)
                 rests(p, over, row["range"])
                 continue
             if text not in words:
@@ -598,7 +609,7 @@ def atlas(data, source, limits):
             middle = dict(zip(over, ((low + high) / 2 for low, high in row["range"]), strict=True))
             Om = float(arb(middle.get("Omega", p["Omega"])))
             parts += parted(problem, over, word, shown, row["range"], word.unknowns(row, Om))
-    share = f"{float(arb(data['share'])):.6f}"
+    share = f"{float((data['share'] * 10**6).floor()) / 1e6:.6f}"  # rounded down
     named = ", ".join(sorted({row["word"] for row in data["boxes"]}))
     spans = [f"{name} from {low} to {high}" for name, (low, high) in zip(over, source["range"], strict=True)]
     first = f"the words of {len(boxes)} boxes, {share} of the area, {', '.join(spans)}: {named}"

@@ -192,3 +192,70 @@ def test_the_figure_and_the_page(small: Atlas) -> None:
     assert "P3121" in page
     with pytest.raises(ParameterError, match="must be between"):
         small.word_at(Omega=2, FN=1)
+
+
+def one_box(word: str, box: Any, phases: list[str], x: list[str], **changes: Any) -> dict[str, Any]:
+    """Return a file with one box in the plane of Omega and FN."""
+    row = {"word": word, "range": box, "phases": phases, "x": x}
+    about = {"format": "symosc certificate 1", "kind": "atlas", "proven": True, "over": ["Omega", "FN"], "open": []}
+    parameters = COULOMB.replace(**changes).as_dict()
+    return about | {"parameters": parameters, "range": box, "share": "1", "boxes": [row], "found": {}}
+
+
+GHOST_PHASES, GHOST_X = (
+    [0.51688145, 2.789497, 3.6584741, 5.9310897],
+    ["0.9368645", "-0.9368645", "-0.9368645", "0.9368645"],
+)
+P32_BOX = [["1.65", "1.7"], ["0.4", "0.5"]]
+
+
+def p32(**changes: Any) -> dict[str, Any]:
+    points = find_orbit(COULOMB.replace(Omega="1.675", FN="0.45"), "P32").points[:2]
+    return one_box(
+        "P32", P32_BOX, [str(1.675 * float(t)) for t, _ in points], [str(float(x)) for _, x in points], **changes
+    )
+
+
+def test_the_mirror_image_crosses_a_belt_without_friction() -> None:
+    from symosc.certificates.plane import NotInBox, Surface, box_arithmetic
+
+    assert judge(p32())[0] == 0
+    assert judge(p32(v2="0.5"))[0] == 1  # there the word is P8276
+    near = COULOMB.replace(v2="0.5")
+    box = ((Fraction("1.65"), Fraction("1.7")), (Fraction("0.4"), Fraction("0.5")))
+    names = ("Omega", "FN")
+    row = p32()["boxes"][0]
+    for labels, first in ((("P2", "P3"), 0), (("P3", "P2"), 1)):
+        flights = atlases._flights(labels, near, names)
+        points = [
+            (float(row["phases"][i % 2]) + 6.283185307 * (i > 1), float(row["x"][i % 2])) for i in (first, first + 1)
+        ]
+        surface = Surface(near, names, box, flights, flights.unknowns(1.675, points))
+        with pytest.raises(NotInBox), box_arithmetic():
+            surface.prove()
+
+
+@pytest.mark.parametrize("turns", [0, -400])
+def test_a_stick_that_slips_is_found_at_all_phases(turns: int) -> None:
+    box = [["0.313125", "0.3134375"], ["0.0625", "0.06375"]]  # there the word is P31312121
+    phases = [repr(each + turns * 6.283185307179586) for each in GHOST_PHASES]
+    assert judge(one_box("P3121", box, phases, GHOST_X))[0] == 1
+
+
+def test_a_share_is_rounded_down_and_a_rest_has_no_switchings() -> None:
+    data = one_box("rest", [["1", "2"], ["1", "2"]], [], [])
+    data.update(
+        range=[["1", "2"], ["1", "2.0000001"]], open=[[["1", "2"], ["2", "2.0000001"]]], share="10000000/10000001"
+    )
+    code, answer = judge(data)
+    assert code == 0
+    assert "0.999999 of the area" in answer
+    data["boxes"][0].update(phases=["1"], x=["1"])
+    assert judge(data)[0] == 2
+
+
+def test_long_words_end_at_the_limit_of_work() -> None:
+    phases, x = [str(j * 0.314) for j in range(20)], ["0.1"] * 20
+    code, answer = judge(one_box("P" + "32" * 10, P32_BOX, phases, x), steps=20_000)
+    assert code == 1
+    assert "steps" in answer
