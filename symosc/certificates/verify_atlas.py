@@ -316,6 +316,7 @@ def marks(ups, times, most):
     for i, (up, (a, b)) in enumerate(zip(ups, pairwise(map(float, times)), strict=True)):
         a, b = (a + most * (i == 0), b - most * (i + 1 == len(ups))) if up else (a, b)
         count = (int(4 * (b - a) / most) + 1 if a < b else 0) if up else int((b - a) / most)
+        count = min(count, MOST_CUTS + 1)  # else there are too many
         step = (b - a) / max(count, 1) if up else (b - a) / (count + 1)
         found += [(a + (j + (0.5 if up else 1)) * step, 0.52 * step + spare if up else 0.0) for j in range(count)]
     return [(round(at / tau * 512) / 512, reach) for at, reach in found]

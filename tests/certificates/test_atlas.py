@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from flint import arb
 
 import symosc.certificates.atlas as atlases
 from symosc import Atlas, ParameterError, Parameters, atlas, certify, find_orbit
-from symosc.certificates.verify_atlas import judge
+from symosc.certificates.verify_atlas import judge, marks
 
 COULOMB = Parameters(m=1, c="0.1", k=1, A0=0, B0=1, Omega=1, v1=0, v2=10, mu1=1, mu2=0, FN="0.5")
 PLANE = {"Omega": ("0.9", "1.1"), "FN": ("0.8", "1.1")}
@@ -259,3 +260,7 @@ def test_long_words_end_at_the_limit_of_work() -> None:
     code, answer = judge(one_box("P" + "32" * 10, P32_BOX, phases, x), steps=20_000)
     assert code == 1
     assert "steps" in answer
+
+
+def test_a_stiff_spring_takes_no_memory() -> None:
+    assert len(marks([1], [arb(0), arb(1)], arb("1e-5"))) < 20
