@@ -6,17 +6,31 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from symosc.aliases import Record
 from symosc.display.drawable import Drawable
 from symosc.files import write_text
+from symosc.model import PARAMETER_NAMES, Parameters
 
 #: What a certificate file says that it is.
 FORMAT = "symosc certificate 1"
 #: Digits of an enclosure's middle that are shown.
 SHOWN_DIGITS = 17
+STARTS = ("t0", "x0", "v0")
+
+
+def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
+    """Return by which numbers derivatives can be enclosed, if nothing touches and no force is 0 at the start."""
+    belts = {f"v{n}" for n in (1, 2) if v0 == p.belt(n)}
+    left_out = belts | ({"v0"} if belts else set())
+    left_out |= (
+        {"k"} if p.k == 0 else {"m", "c", "k", "Omega"} if p.c == 0 and p.k == p.m * p.Omega**2 and p.B0 else set()
+    )
+    left_out |= {"c"} if p.k == p.c == 0 else set()
+    return tuple(name for name in (*PARAMETER_NAMES, *STARTS) if name not in left_out)
 
 
 @dataclass(frozen=True, repr=False)

@@ -16,25 +16,14 @@ from typing import TypeAlias
 from flint import arb, arb_series
 
 from symosc.certificates.balls import Ball, Undecided, ball
+from symosc.certificates.certificate import STARTS, provable
 from symosc.certificates.flow import Flight, Oscillator
 from symosc.certificates.motion import ON_A_BELT, ProvenEvent
 from symosc.model import MODE_NAMES, PARAMETER_NAMES, Parameters
 
 #: dt and dx of an event.
 Change: TypeAlias = tuple[Ball, Ball]
-STARTS = ("t0", "x0", "v0")
 NUMBERS = {name: mode for mode, name in MODE_NAMES.items()}
-
-
-def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
-    """Return by which numbers derivatives can be enclosed, if nothing touches and no force is 0 at the start."""
-    belts = {f"v{n}" for n in (1, 2) if v0 == p.belt(n)}
-    left_out = belts | ({"v0"} if belts else set())
-    left_out |= (
-        {"k"} if p.k == 0 else {"m", "c", "k", "Omega"} if p.c == 0 and p.k == p.m * p.Omega**2 and p.B0 else set()
-    )
-    left_out |= {"c"} if p.k == p.c == 0 else set()
-    return tuple(name for name in (*PARAMETER_NAMES, *STARTS) if name not in left_out)
 
 
 def event_changes(

@@ -20,9 +20,8 @@ from functools import cached_property
 from math import inf, pi
 from typing import Any, NamedTuple
 
-from symosc.certificates.certificate import Certificate, proven_rows
+from symosc.certificates.certificate import Certificate, provable, proven_rows
 from symosc.certificates.certify import certify
-from symosc.certificates.derivatives import provable
 from symosc.engine.arithmetic import mp_context
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
