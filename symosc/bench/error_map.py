@@ -82,7 +82,7 @@ def axis(low: int, high: int, points: int) -> np.ndarray:
 
 
 def parameters(zeta: Fraction, ratio: Fraction) -> Parameters:
-    """Return parameters with w0 = 1 and a damping ratio and a drive; forces and belts do not matter."""
+    """Return parameters with m = k = 1 (so w0 = 1), damping ratio zeta and Omega/w0 = ratio, without friction."""
     return Parameters(m=1, c=2 * zeta, k=1, A0=0, B0=1, Omega=ratio, v1=0, v2=1, mu1=0, mu2=0, FN=0)
 
 

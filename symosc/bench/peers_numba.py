@@ -97,7 +97,7 @@ def stages(q, s, mode, t, x, v, h, begin, end):
 
 
 def begin(q, s, mode, t, x, v):
-    """Set the first stage."""
+    """Store the derivative (v, force) at the start of a step as the first Runge-Kutta stage."""
     s.K[0, 0], s.K[1, 0] = v, force(q, mode, t, x, v) if mode < 4 else 0.0
 
 
@@ -146,7 +146,7 @@ def state_in(step, tau):
 
 
 def margin(q, mode, side, step, tau):
-    """Return the margin on one side of the dense output after the time tau; for side 0 its derivative."""
+    """Return how far the dense output is from its lower or upper exit after the time tau; for side 0 the derivative."""
     x, v = state_in(step, tau)
     t = step.t + tau
     if side == 0:

@@ -117,7 +117,7 @@ def state_at(q, mode, piece, tau):
 
 
 def margin(q, mode, side, piece, tau):
-    """Return the margin on one side (see `margins`) after the time tau."""
+    """Return how far the mass is from its lower (side < 0) or upper exit, tau after a piece began; positive inside."""
     x, v = state_at(q, mode, piece, tau)
     below, above = margins(q, mode, piece.t + tau, x, v)
     return below if side < 0 else above

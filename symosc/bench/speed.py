@@ -416,7 +416,7 @@ def duration(seconds: float) -> str:
 
 
 def about(result: Record) -> str:
-    """Return the units of the tables, and the machine."""
+    """Return the paragraph below the tables of speed: the machine, and the times that are their units."""
     text = (
         f"One run of `symosc bench` ({sentence(result['machine'])}). c = {result['c_ns']:.0f} ns is the time of an "
         "event of fig5 that simulate_many only counts, on one core; an evaluation of the closed form, one exp and two "

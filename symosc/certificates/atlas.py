@@ -347,7 +347,7 @@ class Atlas(Drawable):
 
     @cached_property
     def regions(self) -> tuple[Region, ...]:
-        """The words, those with the largest part of the area first."""
+        """One region per word: its share of the area, and how much of it is proven; the largest first."""
         whole, proven = area(self.range), defaultdict[str, float](float)
         for box in self.boxes:
             proven[box.word] += float(area(box.range) / whole)

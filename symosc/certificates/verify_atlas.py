@@ -196,7 +196,7 @@ class Word:
         return [arb(each) for each in found]
 
     def next(self, e, i, u):
-        """Return phase and x at the start of the next flight."""
+        """Return phase and x at the start of the flight after flight i; after the last, of flight 0 a turn later."""
         if i + 1 < len(self.flights):
             return u[self.flights[i + 1].at], self.flights[i + 1].start(e, u)
         x = self.flights[0].start(e, u)

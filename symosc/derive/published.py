@@ -380,7 +380,7 @@ def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
 
 
 def solve_stops(p: Parameters) -> list[Any]:
-    """Return where the mass stops in half a settled cycle, from the highest stop down, by the equations of slides.
+    """Solve for the positions at which the mass stops in half a settled cycle, from the highest stop down.
 
     m = k = P = 1, with or without damping.
     """
@@ -506,7 +506,7 @@ def _amplitudes() -> Iterator[Value]:
 
 
 def _multipliers() -> Iterator[Value]:
-    """Yield sum and product of the multipliers of P32; products that are too small for a table are left out."""
+    """Yield sum and product of the multipliers of the motion without stops (P32), except products too small to show."""
     for case, p in DAMPED:
         one, other = slide_orbit(p, 30).multipliers
         total, product = Formulas(p).trace_and_determinant()

@@ -330,7 +330,7 @@ def phase_later(n, theta, theta_low, s, c, tau, K):
 
 
 def slip(state, remaining, K):
-    """Return (good, code, boundary, t_error, state) at the ends of sticks, as `advance` does; see the module."""
+    """Advance lanes that stick to the ends of their sticks; `good` is False where the scalar loop has to do it."""
     mode, _, n, theta, x, v, Fb, _, S, t, t_low, _, _, theta_low = state
     boundary = mode - ON_BELT
     belt = belts(boundary, K)

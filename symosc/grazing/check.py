@@ -333,7 +333,7 @@ class Ways:
         return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED)
 
     def fine_signs(self, theta: Number, zero: bool) -> tuple[int, int]:
-        """Return the verdict by the first nonzero G-function in 50-digit intervals, and its order.
+        """Decide by the first nonzero G-function in 50-digit intervals; return the verdict and its order.
 
         `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where
         that is 0, G^(2) = -(B0 Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one

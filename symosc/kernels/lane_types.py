@@ -89,7 +89,7 @@ def _operator(name: Callable[..., Any], of_flags: bool, to_flags: bool, code: Ca
 
 
 def _compare(sign: str) -> Callable[..., Any]:
-    """Return what writes a comparison."""
+    """Return the function that emits the LLVM code of a comparison; as in IEEE 754 only != is true for a NaN."""
     return lambda b, x, y: (b.fcmp_unordered if sign == "!=" else b.fcmp_ordered)(sign, x, y)
 
 

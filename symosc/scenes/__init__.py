@@ -189,7 +189,7 @@ def moved_scene(scene: Scene, original: Original, **changes: Any) -> Scene:
 
 
 def _reduced(given: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
-    """Return the start and the end for the oscillator that a model is, and the half-widths of its start."""
+    """Convert start and end of another model to the coordinates of symosc; return them and the start's half-widths."""
     model, t0, x0, v0, t_end, error = given
     start, rounding = reduced_start(model, t0, x0, v0)
     if error is not None:  # an error of t0 moves the belts
@@ -202,7 +202,7 @@ def _reduced(given: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
 
 
 def other_model(scene: Any) -> ParameterError:
-    """Return the error of a function that does not turn its results back into the coordinates of another model."""
+    """Return the error for a scene of another model where a function needs one in the coordinates of symosc."""
     allowed = "is of another model, and this does not turn results back into its coordinates; give scene.reduced()"
     return ParameterError("scene", scene.name if isinstance(scene, Scene) else str(scene), allowed)
 

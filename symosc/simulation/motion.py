@@ -215,7 +215,7 @@ class MotionInDoubles:
         self._batch.counts[0], self.code = finer.count, finer.code
 
     def row(self, state: State) -> list[Number]:
-        """Return the row of a batch for this motion in a state."""
+        """Return the row of a batch with which this motion goes on from a state, to its own end and with its own t0."""
         row = row_of(state, *self._end)
         row[15] = float(self.start.t0)
         return row

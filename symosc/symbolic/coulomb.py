@@ -61,7 +61,7 @@ def transition() -> Expr:
 
 
 def response_squared() -> Expr:
-    """Return Q^2: the amplitude without friction is |P/(k - m Omega^2 + i c Omega)|."""
+    """Return Q^2, the squared amplitude of the steady motion without friction: |P/(k - m Omega^2 + i c Omega)|^2."""
     return P**2 / ((k - m * Omega**2) ** 2 + (c * Omega) ** 2)
 
 

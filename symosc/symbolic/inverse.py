@@ -233,7 +233,7 @@ class Answers(tuple[Answer, ...], LatexAnswer):
 
     @classmethod
     def to(cls, question: GrazingQuestion, answers: Any) -> Answers:
-        """Return the answers to a question."""
+        """Make the object of some answers, with their question for its text."""
         made = cls(answers)
         made.question = question
         return made

@@ -239,7 +239,7 @@ class PaperForm(NamedTuple):
 
 
 def _steady(name: str) -> tuple[Any, dict[Any, Any]]:
-    """Return a particular motion with its symbols."""
+    """Return the particular solution in a regime of the drive, and the values of its constants."""
     if name == "resonance":
         return A / k + B0 / (2 * m * Omega) * tau * sp.sin(PHASE), {}
     if name == "free":

@@ -47,7 +47,7 @@ def stick_force(belt: int) -> Any:
 
 
 def _belt_meaning(belt: int) -> dict[Any, Any]:
-    """Return the values of the symbols of belt lambda at one of the two belts."""
+    """Return what to substitute for the symbols with lambda (forces, mu, v, static force) at belt 1 or 2."""
     lower, upper = (newton(alpha).subs(v, BELTS[belt]) for alpha in NEIGHBOURS[belt])
     found = {F(LOWER): lower, F(UPPER): upper, mu_lambda: MU[belt], v_lambda: BELTS[belt]}
     return found | {HELD: stick_force(belt)}

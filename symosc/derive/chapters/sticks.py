@@ -18,7 +18,7 @@ TITLE = "Sticks and their two ends"
 
 
 def force_on_belt(angle: Any) -> Any:
-    """Return F^(alpha) on a belt at tau, from eq. (9) at x_i + v_lambda tau, with the force fixed by its start."""
+    """Return F^(alpha) at the time tau after a stick began: a_i plus its change by eq. (9), at this phase."""
     here = solution.acceleration(x_i + v_lambda * tau, v_lambda, angle)
     start = solution.acceleration(x_i, v_lambda, theta_i)
     return a_i + here - start

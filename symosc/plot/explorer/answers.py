@@ -126,7 +126,7 @@ def link_of(state: dict[str, str]) -> str:
 
 
 def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
-    """Return the scene of these texts, or None with the allowed values for each wrong text."""
+    """Read a scene from the explorer's fields; return it with {}, or None with what is allowed in each wrong field."""
     sound, numbers, errors = shipped_scenes()["fig5"], {}, {}
     for name in FIELDS:
         try:
