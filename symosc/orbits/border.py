@@ -196,7 +196,7 @@ class Border(Drawable):
     """
 
     def __init__(self, plane: Plane, system: BorderSystem, nodes: list[Node], ends: Any, special: Any) -> None:
-        self.plane, self._system, self._nodes = plane, system, nodes
+        self._plane, self._system, self._nodes = plane, system, nodes
         self.parameters, self.fixed, self.ends, self.special = plane.names, plane.fixed, ends, tuple(special)
         self.points = np.array([node.z[-2:] * system.scale[-2:] for node in nodes])
         self.errors = np.array([node.error for node in nodes])
@@ -253,7 +253,7 @@ class Border(Drawable):
         along = node.tangent[-2:] / np.linalg.norm(node.tangent[-2:])
         away = self._side * far * np.array([-along[1], along[0]])
         here = node.z[-2:] * self._system.scale[-2:]
-        first, second = (self.plane.parameters((here + way * away * self.plane.widths).tolist()) for way in (1, -1))
+        first, second = (self._plane.parameters((here + way * away * self._plane.widths).tolist()) for way in (1, -1))
         return first, second
 
     @public
@@ -309,6 +309,11 @@ class Border(Drawable):
 
     def __len__(self) -> int:
         return len(self.points)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Border) and self.as_dict() == other.as_dict()
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         (a, b), (first, last) = self.words, self.ends
@@ -723,7 +728,7 @@ def borders_leaving(border: Border, special: SpecialPoint, **how: Any) -> list[B
     They are found by the words of the motions on a small circle around it; a word that is on less of the circle than
     can be told in doubles is missed. `how` is `step` and `max_points` of `continue_border`.
     """
-    plane, nearest = border.plane, np.abs(border.points - special.values).sum(axis=1).argmin()
+    plane, nearest = border._plane, np.abs(border.points - special.values).sum(axis=1).argmin()
     around = _circle(plane, special.values, border.orbit(int(nearest)))
     chords = pairwise([*around, *around[:1]])  # the plane's range is convex: the last chord is in it too
     return _distinct(plane, (found for chord in chords for found in all_crossings(plane, *chord)), *_read_steps(**how))
@@ -739,9 +744,9 @@ def network(border: Border, **how: Any) -> list[Border]:
     found, done, waiting = [border], list[tuple[float, float]](), [border]
     while waiting:
         for end in (here := waiting.pop()).ends:
-            points = (each for each in here.special if each.kind != FOLD and here.plane.near(each.values, end.values))
+            points = (each for each in here.special if each.kind != FOLD and here._plane.near(each.values, end.values))
             point = next(points, None)
-            if point is None or any(here.plane.near(point.values, other) for other in done):
+            if point is None or any(here._plane.near(point.values, other) for other in done):
                 continue
             done.append(point.values)
             for other in borders_leaving(here, point, **how):
@@ -765,7 +770,7 @@ def _passes(border: Border, values: np.ndarray, words: Any) -> bool:
     """Return whether a border between these words passes through a point of its plane, near enough for its steps."""
     if set(border.words) != set(words):
         return False
-    places = (border.points - values) / border.plane.widths
+    places = (border.points - values) / border._plane.widths
     way = np.diff(places, axis=0)
     squares = np.maximum((way * way).sum(axis=1), 1e-300)
     part = np.clip(-(places[:-1] * way).sum(axis=1) / squares, 0, 1)

@@ -231,7 +231,7 @@ class PeriodicOrbit(Drawable):
         [[0.006374, 0.053576], [0.0068, -0.154111]]
         """
         names = (wrt,) if isinstance(wrt, str) else tuple(wrt)
-        for name in names:
+        for name in names or ("",):
             if name not in PARAMETER_NAMES or names.count(name) > 1:
                 allowed = f"must be different names of {', '.join(PARAMETER_NAMES)}"
                 raise ParameterError("wrt", name, allowed + meant(str(name), PARAMETER_NAMES))
@@ -242,7 +242,7 @@ class PeriodicOrbit(Drawable):
             up, down = (_beside(self, name, value + way * step) for way in (1, -1))
             width = 2 * float(step)
             columns.append([complex(a - b) / width for a, b in zip(up, down, strict=True)])
-        found, n = np.array(columns).T.reshape(-1, len(names)), len(self.points)
+        found, n = np.array(columns).T, len(self.points)
         slopes = found[2 * n :]
         if abs(complex(self.multipliers[0]) - complex(self.multipliers[1])) <= ONE_MULTIPLIER:
             slopes = np.full_like(slopes, np.nan)

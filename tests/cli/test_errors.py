@@ -165,7 +165,7 @@ BAD = {
     "score nothing run.csv": "nothing",
     "certify": "Missing argument 'SCENE'",
     "certify fig5 -o - --json": "standard output",
-    "certify fig5 --orbit P32 --t-end 3": "are for the motion of a scene",
+    "certify fig5 --orbit P32 --t-end 3": "are for motions, not for an orbit",
     "verify": "Missing argument 'FILE'",
     "verify --orbits it.json": "give no file",
     "sweep fig9": "over",

@@ -46,9 +46,13 @@ WRONG = TRAJECTORY(TIMES) + np.where(TIMES > 2, 0.01, 0) * np.array([[0], [1]])
 
 #: A call of each public function, by its name; None for those that return no class of symosc.
 CALLS: dict[str, Callable[[], Any] | None] = {
+    "atlas": lambda: symosc.atlas(FIG9, {"Omega": (3.9, 4.1), "FN": (9.5, 10.5)}, workers=1),
     "certify": lambda: symosc.certify("fig5", t_end=5),
     "check_grazing": lambda: symosc.check_grazing(FIG9, "P2", n=5),
     "compiled_residual": None,
+    "continue_border": lambda: symosc.continue_border(
+        symosc.continue_orbit(FIG9, "P32", "Omega", (3.2, 4)), 0, "FN", (9, 11), step="0.1"
+    ),
     "continue_orbit": lambda: symosc.continue_orbit(FIG9, "P32", "Omega", ("3.99", "4.01"), ORBIT),
     "crosscheck": lambda: symosc.crosscheck("fig5", TIMES, *WRONG),
     "find_orbit": lambda: ORBIT,

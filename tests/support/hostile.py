@@ -149,6 +149,8 @@ VALID: dict[str, set[str]] = {
     "certify what": {"Scene", "Parameters", "Atlas"},
     **_each("first second", {"[1,2]", "array", "series"}),
     "accuracy": NUMBER | {"inf"},
+    "atlas prove": NUMBER,
+    "atlas seconds": NUMBER,
     "columns": {"{}"},
     "end": {"[1,2]", "array", "ragged", "series"},
     "continue_border end": {"0"},
