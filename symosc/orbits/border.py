@@ -107,6 +107,14 @@ class BorderEnd(NamedTuple):
     values : tuple of two floats
         The parameters there.
     message : str
+
+    Examples
+    --------
+    >>> from symosc import continue_border, continue_orbit, load_scene
+    >>> branch = continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.2, 4))
+    >>> border = continue_border(branch, 0, "FN", (9, 11))
+    >>> [end.kind for end in border.ends]
+    ['end of the range', 'end of the range']
     """
 
     kind: str
@@ -128,6 +136,14 @@ class SpecialPoint(NamedTuple):
         What vanishes there.
     error : float
         Estimate of the largest error of the two values; nan if they could only be bracketed by the curve's points.
+
+    Examples
+    --------
+    >>> from symosc import continue_border, continue_orbit, load_scene
+    >>> branch = continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.2, 4))
+    >>> border = continue_border(branch, 0, "FN", (9, 11))
+    >>> border.special
+    ()
     """
 
     kind: str
