@@ -81,7 +81,7 @@ def axis(low: int, high: int, points: int) -> np.ndarray:
     return np.concatenate([below, above[1:]])
 
 
-def parameters(zeta: Fraction, ratio: Fraction) -> Parameters:
+def scaled_parameters(zeta: Fraction, ratio: Fraction) -> Parameters:
     """Return parameters with m = k = 1 (so w0 = 1), damping ratio zeta and Omega/w0 = ratio, without friction."""
     return Parameters(m=1, c=2 * zeta, k=1, A0=0, B0=1, Omega=ratio, v1=0, v2=1, mu1=0, mu2=0, FN=0)
 
@@ -103,7 +103,7 @@ def run(
     cheap, shipped = np.full(shape, nan), np.full(shape, nan)
     for i in progress(range(len(zetas))):
         for j, ratio in enumerate(ratios):
-            p = parameters(value_at(zetas[i]), value_at(ratio))
+            p = scaled_parameters(value_at(zetas[i]), value_at(ratio))
             K = constants(p)
             exact = _exact(p)
             for n, tau in enumerate(taus):
@@ -144,7 +144,7 @@ def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
 
 def formula_of(tau: float, K: Constants) -> str:
     """Return the formula that `symosc.kernels.entire.basis` uses: "series", "apart" (the cheap one) or "careful"."""
-    return str(_naming_basis_at(tau, 0.0, 1.0, K)[0])
+    return str(_naming_basis(tau, 0.0, 1.0, K)[0])
 
 
 def _namer(name: str) -> Callable[..., tuple[str, ...]]:
@@ -152,8 +152,8 @@ def _namer(name: str) -> Callable[..., tuple[str, ...]]:
 
 
 # The kernel itself, with formulas that return their names: so the border on the map is the one that is shipped.
-_naming_basis_at = types.FunctionType(
-    entire.basis_at.__code__,
+_naming_basis = types.FunctionType(
+    entire.basis_with_drive.__code__,
     vars(entire) | {"series": _namer("series"), "closed_form": _namer("apart"), "careful": _namer("careful")},
 )
 
@@ -169,7 +169,7 @@ def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
 
 
 def _formulas(zetas: np.ndarray, ratios: np.ndarray, taus: Sequence[float]) -> list[list[list[str]]]:
-    rows = [[constants(parameters(value_at(zeta), value_at(ratio))) for ratio in ratios] for zeta in zetas]
+    rows = [[constants(scaled_parameters(value_at(zeta), value_at(ratio))) for ratio in ratios] for zeta in zetas]
     return [[["" if tau > K.chunk else formula_of(tau, K) for K in row] for row in rows] for tau in taus]
 
 

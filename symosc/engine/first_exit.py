@@ -470,7 +470,7 @@ def first_exit(tau_max, start, walls, S, K):
     if K.apart and not flat:
         now, M4, side, there = march(tau_max, v0, now, walls, margin, K)
         if side != 0:
-            return polish(between(now, there, side, v0, walls, K), now.tau, there.tau, side, start, walls, K)
+            return polish(root_between(now, there, side, v0, walls, K), now.tau, there.tau, side, start, walls, K)
     else:
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
     return stepped(tau_max, now, M4, thin, margin, start, walls, S, K)
@@ -597,8 +597,8 @@ def graze_ahead(now, side, step, M4, start, walls, S, K):
     return verdict, tau_min
 
 
-def between(now, there, side, v0, walls, K):
-    """Return an estimate of the time of the only root of a gap between two points.
+def root_between(now, there, side, v0, walls, K):
+    """Estimate when the gap to the wall on a side closes, known to have one root between the points `now` and `there`.
 
     A step of Newton's method from the secant's root on Hermite's cubic, with the secant's slope; then `sharpened`.
     """
@@ -610,7 +610,7 @@ def between(now, there, side, v0, walls, K):
 
 
 def part_to_root(now, there, side, walls):
-    """Return the part of the way between two points at which a gap vanishes, by the estimate of `between`."""
+    """Estimate at which part of the way between two points a gap vanishes, from its values and slopes at both."""
     h, gap, beyond = there.tau - now.tau, gap_to(side, now, walls), -gap_to(side, there, walls)
     inverse = 1.0 / (gap + beyond)
     part = gap * inverse

@@ -30,7 +30,7 @@ from symosc.engine.next_event import TWO_PI, later
 from symosc.engine.state import END, GRAZE, ON_BELT, REST, STICK, Flown, Launch, State
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
-from symosc.kernels.entire import EPS, SIXTH, basis_at
+from symosc.kernels.entire import EPS, SIXTH, basis_with_drive
 from symosc.words import MAPS
 
 # Columns of `Tally.floats`: time that is left out, stuck time, extremes, the last state, and the extremes of the ends
@@ -340,7 +340,7 @@ def rest_stretches(i, state, remaining, t0, tally, K):
 
 def flown(x, start, tau, s_Om, c_Om, K):
     """Return position and velocity of a flight from x, given sine and cosine of the phase gained."""
-    E0, E1, E2, R2, I2, _, _ = basis_at(tau, s_Om, c_Om, K)
+    E0, E1, E2, R2, I2, _, _ = basis_with_drive(tau, s_Om, c_Om, K)
     dx, dv, _ = motion(start.v, start.F, start.s, start.c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     return x + dx, start.v + dv
 

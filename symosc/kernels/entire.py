@@ -40,11 +40,11 @@ def basis(tau, K):
         s, c = sin(K.Om * tau), cos(K.Om * tau)
         E0, E1, E2, R2, I2 = basis_apart(decay, s_w, c_w, s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
         return E0, E1, E2, R2, I2, s, c
-    return basis_at(tau, sin(K.Om * tau), cos(K.Om * tau), K)
+    return basis_with_drive(tau, sin(K.Om * tau), cos(K.Om * tau), K)
 
 
-def basis_at(tau, s, c, K):
-    """Return what `basis` returns, for a phase Omega tau whose sine and cosine are known better than from tau."""
+def basis_with_drive(tau, s, c, K):
+    """Return E0, E1, E2, R2, I2, s, c as `basis` does, with s, c = sin, cos(Omega tau) given, not computed from tau."""
     if K.rate * tau < SERIES_BELOW:
         E0, E1, E2, R2, I2 = series(tau, K.cm, K.w0sq, K.Om)
     elif K.apart and K.w0 * tau >= APART_ABOVE:

@@ -15,11 +15,11 @@ TERMS = 18
 
 def basis(tau: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
     """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for an array of times; see `symosc.kernels.entire.basis`."""
-    return basis_at(tau, np.sin(K.Om * tau), np.cos(K.Om * tau), K)
+    return basis_with_drive(tau, np.sin(K.Om * tau), np.cos(K.Om * tau), K)
 
 
-def basis_at(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
-    """Return what `basis` returns, for phases Omega tau whose sines and cosines are known better than from tau."""
+def basis_with_drive(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
+    """Return E0, E1, E2, R2, I2, s, c for arrays, with s, c = sin, cos(Omega tau) given, not computed from tau."""
     short = K.rate * tau < SERIES_BELOW
     if K.apart:  # for all: most times are long, and picking them out would cost more
         found = np.array(apart(tau, s, c, K))

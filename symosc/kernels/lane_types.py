@@ -75,7 +75,7 @@ def lanes_among(arguments: Any, flags: bool) -> Any:
 
 
 def _operator(name: Callable[..., Any], of_flags: bool, to_flags: bool, code: Callable[..., Any]) -> None:
-    """Define an operator."""
+    """Register the typing and the LLVM code of an operator on lanes."""
 
     @infer_global(name)
     class Typing(AbstractTemplate):
@@ -88,7 +88,7 @@ def _operator(name: Callable[..., Any], of_flags: bool, to_flags: bool, code: Ca
         return code(builder, *arguments)
 
 
-def _compare(sign: str) -> Callable[..., Any]:
+def _comparison_code(sign: str) -> Callable[..., Any]:
     """Return the function that emits the LLVM code of a comparison; as in IEEE 754 only != is true for a NaN."""
     return lambda b, x, y: (b.fcmp_unordered if sign == "!=" else b.fcmp_ordered)(sign, x, y)
 
@@ -99,14 +99,14 @@ for _name in ("add", "sub", "mul", "truediv"):
     _operator(getattr(operator, f"i{_name}"), False, False, _code)
 _operator(operator.neg, False, False, ir.IRBuilder.fneg)
 for _name, _sign in {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "ne": "!="}.items():
-    _operator(getattr(operator, _name), False, True, _compare(_sign))
+    _operator(getattr(operator, _name), False, True, _comparison_code(_sign))
 for _name in ("and_", "or_", "xor"):
     _operator(getattr(operator, _name), True, True, getattr(ir.IRBuilder, _name))
 _operator(operator.invert, True, True, ir.IRBuilder.not_)
 
 
 def _of_llvm(name: str) -> Any:
-    """Return a function of lanes that LLVM has under a name."""
+    """Return a numba function of lanes that calls the LLVM intrinsic of that name."""
 
     def function(typingctx: Any, x: Any) -> Any:
         def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:

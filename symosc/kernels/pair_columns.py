@@ -26,8 +26,9 @@ class PairColumn:
     def __init__(self, hi: Any, lo: Any = 0.0, doubts: np.ndarray | None = None) -> None:
         self.hi, self.lo, self.doubts = np.asarray(hi), lo, doubts
 
-    def _with(self, other: Any) -> PairColumn:
-        """Return another operand as a column."""
+    @staticmethod
+    def _as_column(other: Any) -> PairColumn:
+        """Convert an operand (a column, a Fraction, a number or an array) to a column of pairs."""
         if isinstance(other, PairColumn):
             return other
         if isinstance(other, Fraction):
@@ -46,7 +47,7 @@ class PairColumn:
         return PairColumn(sign * self.hi, sign * self.lo, self.doubts)
 
     def __add__(self, other: Any) -> PairColumn:
-        b = self._with(other)
+        b = self._as_column(other)
         s, e = two_sum(self.hi, b.hi)
         t, f = two_sum(self.lo, b.lo)
         s, e = two_sum(s, e + t)
@@ -58,13 +59,13 @@ class PairColumn:
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> PairColumn:
-        return self + -self._with(other)
+        return self + -self._as_column(other)
 
     def __rsub__(self, other: Any) -> PairColumn:
         return -self + other
 
     def __mul__(self, other: Any) -> PairColumn:
-        b = self._with(other)
+        b = self._as_column(other)
         p, e = two_product(self.hi, b.hi)
         return self._made(b, *two_sum(p, e + (self.hi * b.lo + self.lo * b.hi)))
 
@@ -74,14 +75,14 @@ class PairColumn:
         return self * self if exponent == 2 else NotImplemented
 
     def __truediv__(self, other: Any) -> PairColumn:
-        b = self._with(other)
+        b = self._as_column(other)
         first = self.hi / b.hi
         p, e = two_product(first, b.hi)
         rest = ((self.hi - p) - e) + self.lo - first * b.lo
         return self._made(b, *two_sum(first, rest / b.hi))
 
     def __rtruediv__(self, other: Any) -> PairColumn:
-        return self._with(other) / self
+        return self._as_column(other) / self
 
     def __gt__(self, other: Any) -> Any:
         return (self - other).hi > 0.0
@@ -118,7 +119,7 @@ def either(condition: Any, one: Any, other: Any) -> Any:
     if not isinstance(one, PairColumn) and not isinstance(other, PairColumn):
         return np.where(condition, one, other)
     some = one if isinstance(one, PairColumn) else other
-    a, b = some._with(one), some._with(other)
+    a, b = some._as_column(one), some._as_column(other)
     return some._made(b, np.where(condition, a.hi, b.hi), np.where(condition, a.lo, b.lo))
 
 

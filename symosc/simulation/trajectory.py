@@ -29,7 +29,7 @@ from symosc.files import write_text
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
-from symosc.kernels.entire import basis_at
+from symosc.kernels.entire import basis_with_drive
 from symosc.model import MODE_NAMES, Parameters
 from symosc.simulation.tables import rows_of
 from symosc.words import MAPS, Labels
@@ -198,7 +198,7 @@ class Trajectory(Drawable):
         c = c0 * c_Om - s0 * s_Om
         if mode > ON_BELT:
             return x + v * tau, v, c
-        E0, E1, E2, R2, I2, _, _ = basis_at(tau, s_Om, c_Om, K)
+        E0, E1, E2, R2, I2, _, _ = basis_with_drive(tau, s_Om, c_Om, K)
         dx, dv, _ = motion(v, a, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
         return x + dx, v + dv, c
 
@@ -214,7 +214,7 @@ class Trajectory(Drawable):
             _, theta, mode, x, v, a, since = self._pieces[:, piece]
             tau = np.maximum(elapsed - since, 0.0)
             turn, s0, c0 = K.Om * np.where(tau > K.period, tau % K.period, tau), np.sin(theta), np.cos(theta)
-            E0, E1, E2, R2, I2, _, _ = entire_array.basis_at(tau, np.sin(turn), np.cos(turn), K)
+            E0, E1, E2, R2, I2, _, _ = entire_array.basis_with_drive(tau, np.sin(turn), np.cos(turn), K)
             dx, dv, _ = motion(v, a, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
             held = mode > ON_BELT
             states[:, part] = x + np.where(held, v * tau, dx), v + np.where(held, 0.0, dv)
