@@ -84,7 +84,7 @@ def settings(q: Problem, tolerance: float) -> Settings:
 
 
 def stages(q, s, mode, t, x, v, h, begin, end):
-    """Evaluate the right-hand side at some stages of a step; returns the state at the last of them."""
+    """Evaluate the Runge-Kutta stages from `begin` to before `end`, into s.K; return the state at the last one."""
     X = V = 0.0
     for stage in range(begin, end):
         dx = dv = 0.0
@@ -96,8 +96,8 @@ def stages(q, s, mode, t, x, v, h, begin, end):
     return X, V
 
 
-def begin(q, s, mode, t, x, v):
-    """Store the derivative (v, force) at the start of a step as the first Runge-Kutta stage."""
+def first_stage(q, s, mode, t, x, v):
+    """Store the derivative (v, force) at the start of a step in s.K as the first Runge-Kutta stage."""
     s.K[0, 0], s.K[1, 0] = v, force(q, mode, t, x, v) if mode < 4 else 0.0
 
 
@@ -186,7 +186,7 @@ def refined(q, s, mode, side, step, tau):
 def leave(q, s, mode, t, x, v, t_end):
     """Follow one flight or stick, step by step."""
     h = s.first
-    begin(q, s, mode, t, x, v)
+    first_stage(q, s, mode, t, x, v)
     last_slope = turn(q, mode, t, x, v)
     for _ in range(MOST_DOP853_STEPS):
         h = min(h, s.longest, t_end - t)

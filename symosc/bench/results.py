@@ -64,7 +64,7 @@ def write(readme: str | Path, result: Record) -> list[Path]:
         *cases.write(folder / "scores.md", result["scores"], command),
         write_text(folder / "README.md", overview(result)),
     ]
-    about = speed.about(result["speed"])
+    about = speed.measurement_note(result["speed"])
     brief = f"{about}\n\n{speed.brief(result['speed'])}\n\n{said(result)}\n"
     brief += f"[All calls, solvers, cases, and pictures]({RESULTS_FOLDER}/README.md).\n"
     return [write_text(readme, replaced(text, "results", brief, readme)), *files]
@@ -87,7 +87,7 @@ Written by one run of `{_command(result)}`.
 
 ## Speed and error
 
-{speed.about(result["speed"])}
+{speed.measurement_note(result["speed"])}
 
 {speed.table(result["speed"], "github")}
 

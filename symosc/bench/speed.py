@@ -415,8 +415,8 @@ def duration(seconds: float) -> str:
     return f"{1e9 * seconds:.3g} ns"
 
 
-def about(result: Record) -> str:
-    """Return the paragraph below the tables of speed: the machine, and the times that are their units."""
+def measurement_note(result: Record) -> str:
+    """Return the paragraph below the speed tables: the machine, and the times of an event and of one closed form."""
     text = (
         f"One run of `symosc bench` ({sentence(result['machine'])}). c = {result['c_ns']:.0f} ns is the time of an "
         "event of fig5 that simulate_many only counts, on one core; an evaluation of the closed form, one exp and two "
@@ -465,7 +465,7 @@ def table(result: Record, form: str = "simple") -> str:
     options: Record = {"tablefmt": form, "disable_numparse": True}
     return "\n\n".join(
         [
-            *([] if form == "github" else [about(result)]),
+            *([] if form == "github" else [measurement_note(result)]),
             tabulate(rows, times, colalign=("left", "right", "right", "right"), **options),
             tabulate(errors, heads, colalign=("left", "right", "right", "right"), **options),
             f"Errors of times and positions against {REFERENCE_DIGITS} digits, relative to max(1, |value|).",
