@@ -226,7 +226,7 @@ class _Check:
         inside = self.window.contains(theta)
         if inside.any():
             self._check_contacts(theta[inside])
-        signs, flow, solver = ways.signs(theta), ways.flow(theta), ways.solver(theta)
+        signs, flow, solver = ways.verdicts_by_sign(theta), ways.verdicts_by_flow(theta), ways.verdicts_by_solver(theta)
         undecided = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
         self.orders[1] += int((~undecided).sum())
         for i in np.nonzero(undecided)[0]:
@@ -257,15 +257,15 @@ class _Check:
                     self.closest_phase = min(self.closest_phase, float(abs(offset)))
         phases = [row[0] for row in rows]
         *columns, floats = (np.array(column) for column in list(zip(*rows, strict=True))[1:])
-        self._count(phases, *columns, self.ways.solver(floats))
+        self._count(phases, *columns, self.ways.verdicts_by_solver(floats))
         self.n_adversarial = len(phases)
 
     def _fine(self, theta: Number, zero: bool) -> tuple[int, int]:
         """Return the verdicts of the G-functions in intervals, and of the exact flow with many digits."""
         self.finely += 1
-        verdict, order = self.ways.fine_signs(theta, zero)
+        verdict, order = self.ways.verdict_by_intervals(theta, zero)
         self.orders[order] += verdict != NOT_DECIDED
-        return verdict, self.ways.fine_flow(theta)
+        return verdict, self.ways.verdict_by_fine_flow(theta)
 
     def _check_contacts(self, theta: np.ndarray) -> None:
         """Check that F vanishes at the window's x_m."""
@@ -319,21 +319,21 @@ class Ways:
     # -- G-functions -------------------------------------------------------------------------------------------------
 
     def slope(self, theta: np.ndarray) -> np.ndarray:
-        """Return -side G^(1) over `size`, positive for a graze."""
+        """Return -side G^(1) divided by the sum of the sizes of its terms; positive for a graze."""
         return self.side * (self.K.w0sq * self.v + self.K.fB * np.sin(theta)) / self.size
 
     def fine_slope(self, theta: Number) -> float:
-        """Return the value of `slope` for an mpmath phase."""
+        """Return -side G^(1)/size at an mpmath phase, computed with FLOW_DIGITS digits."""
         slope = self.fine.K.w0sq * self.v_fine + self.fine.K.fB * self.fine.context.sin(theta)
         return self.side * float(slope) / self.size
 
-    def signs(self, theta: np.ndarray) -> np.ndarray:
-        """Return verdicts by the sign of G^(1) in double precision."""
+    def verdicts_by_sign(self, theta: np.ndarray) -> np.ndarray:
+        """Decide by the sign of G^(1), in double precision, which phases graze."""
         slope = self.slope(theta)
         return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED)
 
-    def fine_signs(self, theta: Number, zero: bool) -> tuple[int, int]:
-        """Decide by the first nonzero G-function in 50-digit intervals; return the verdict and its order.
+    def verdict_by_intervals(self, theta: Number, zero: bool) -> tuple[int, int]:
+        """Decide by the first nonzero G-function in 50-digit intervals whether theta grazes; return verdict and order.
 
         `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where
         that is 0, G^(2) = -(B0 Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one
@@ -358,16 +358,16 @@ class Ways:
 
     # -- the exact flow ----------------------------------------------------------------------------------------------
 
-    def flow(self, theta: np.ndarray) -> np.ndarray:
-        """Return verdicts of the exact flow FLOW_TIME before and after; NOT_DECIDED where the third order matters."""
+    def verdicts_by_flow(self, theta: np.ndarray) -> np.ndarray:
+        """Decide by the exact flow FLOW_TIME before and after contact; NOT_DECIDED where the third order matters."""
         tau = FLOW_TIME / self.K.rate
         basis, convert = self.fine.namespace["basis"], self.fine.context.convert
         bases = [[float(value) for value in basis(convert(at), self.fine.K)[:5]] for at in (-tau, tau)]
         gaps = [self._velocity_gap(each, np.sin(theta), np.cos(theta), self.v, self.K) for each in bases]
         return _verdicts(gaps, (FLOW_ROUNDING * EPS * self.size + self._third_order(tau)) * tau**2)
 
-    def fine_flow(self, theta: Number) -> int:
-        """Return the verdict of the exact flow with FLOW_DIGITS digits, if equal at both FINE_FLOW_TIMES."""
+    def verdict_by_fine_flow(self, theta: Number) -> int:
+        """Decide by the exact flow with FLOW_DIGITS digits at both FINE_FLOW_TIMES; NOT_DECIDED where they disagree."""
         context = self.fine.context
         s, c = context.sin(theta), context.cos(theta)
         gaps = [self._velocity_gap(basis, s, c, self.v_fine, self.fine.K) for basis in self._fine_bases]
@@ -389,8 +389,8 @@ class Ways:
 
     # -- DOP853 ------------------------------------------------------------------------------------------------------
 
-    def solver(self, theta: np.ndarray) -> np.ndarray:
-        """Return verdicts of DOP853, all phases in one system; NOT_DECIDED where the third order matters."""
+    def verdicts_by_solver(self, theta: np.ndarray) -> np.ndarray:
+        """Decide by DOP853, all phases in one system; NOT_DECIDED where terms of third order matter."""
         verdicts = np.zeros(len(theta), dtype=int)
         for time_over_rate in DOP853_TIMES:
             left = np.nonzero(verdicts == NOT_DECIDED)[0]

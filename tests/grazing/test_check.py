@@ -158,7 +158,7 @@ def test_ways_agree_with_the_oracles_flow(mapping: str) -> None:
     ways = Ways(grazing_window(BASE, mapping))
     place = ways.window.place
     theta = np.random.default_rng(4).uniform(0, 2 * np.pi, 25)
-    signs, flow, solver = ways.signs(theta), ways.flow(theta), ways.solver(theta)
+    signs, flow, solver = ways.verdicts_by_sign(theta), ways.verdicts_by_flow(theta), ways.verdicts_by_solver(theta)
     for i, phase in enumerate(theta):
         exact = ways.fine.context.mpf(float(phase))
         t_m = Fraction(float(phase)) / BASE.Omega
@@ -170,5 +170,5 @@ def test_ways_agree_with_the_oracles_flow(mapping: str) -> None:
             gaps.append(-place.side * float(ways.fine.context.convert(v) - ways.v_fine))
         expected = YES if gaps[0] > 0 and gaps[1] > 0 else NO
         assert signs[i] == flow[i] == solver[i] == expected
-        assert ways.fine_signs(exact, False) == (expected, 1)
-        assert ways.fine_flow(exact) == expected
+        assert ways.verdict_by_intervals(exact, False) == (expected, 1)
+        assert ways.verdict_by_fine_flow(exact) == expected

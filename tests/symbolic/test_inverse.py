@@ -257,7 +257,7 @@ def test_answers_agree_with_the_exact_flow(mapping: str) -> None:
             if there is None or there.k == 0 or there.k * there.belt(1 if belt(mapping) == "v1" else 2) == 0:
                 continue
             ways = Ways(grazing_window(there, mapping))
-            verdict = ways.fine_flow(ways.fine.context.pi * theta.numerator / theta.denominator)
+            verdict = ways.verdict_by_fine_flow(ways.fine.context.pi * theta.numerator / theta.denominator)
             if verdict:
                 assert (verdict == YES) == (value in found), (there, mapping, name, theta)
                 seen[verdict == YES] += 1
