@@ -79,7 +79,7 @@ class Formulas(Flight):
             raise ParameterError("Omega", show(p.Omega), "must not be sqrt(k/m) for c = 0: the motion has no bound")
         super().__init__(p)
         self.half = self.basis(MP.pi / self.numbers[solution.Omega])
-        self.numbers[Q] = self.value(sp.sqrt(coulomb.response_squared()))
+        self.numbers[Q] = self.value(sp.sqrt(coulomb.frictionless_amplitude_squared()))
         steady = [self.value(part, self.half) for part in coulomb.half_period()]
         self.numbers |= dict(zip((G, H), steady, strict=True))
         self.amplitude = self.numbers[x_0] = self.value(coulomb.amplitude())
@@ -379,7 +379,7 @@ def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
     return MP.findroot(equations, guess + [at] * (kind == "graze"))[0], kind
 
 
-def solve_stops(p: Parameters) -> list[Any]:
+def solve_stop_positions(p: Parameters) -> list[Any]:
     """Solve for the positions at which the mass stops in half a settled cycle, from the highest stop down.
 
     m = k = P = 1, with or without damping.
@@ -562,7 +562,7 @@ def _cycles() -> Iterator[Value]:
     for Omega in ("0.3", "0.15"):
         p = wall("0.5", Omega, "0.1")
         run = sorted({round(x, 12): x for _, x in find_orbit(p).points if x > 0}.values(), reverse=True)
-        found = sorted((abs(x) for x in solve_stops(p)), reverse=True)
+        found = sorted((abs(x) for x in solve_stop_positions(p)), reverse=True)
         for n, (formula, x) in enumerate(zip(found, run, strict=True), 1):
             yield Value(rf"\pm x_{n}", rf"$\Omega = {Omega}$", formula, x, note=f"{stops(p)} stops per cycle")
 
@@ -574,7 +574,9 @@ def _slow() -> Iterator[Value]:
         path, turn = from_rest(p, 60), 2 * pi / float(p.Omega)
         highest = max(event.x for event in path.events if event.t > 58 * turn)
         note = f"{stops(p)} stops per cycle"
-        yield Value(r"x_{\max}", rf"$c = {c}$, $\Omega = {Omega}$", max(map(abs, solve_stops(p))), highest, note=note)
+        yield Value(
+            r"x_{\max}", rf"$c = {c}$, $\Omega = {Omega}$", max(map(abs, solve_stop_positions(p))), highest, note=note
+        )
 
 
 def _decrements() -> Iterator[Value]:

@@ -60,7 +60,7 @@ def transition() -> Expr:
     return matrix.subs(1 - w0sq * E2 - cm * E1, E0)  # the relation of E0, E1 and E2
 
 
-def response_squared() -> Expr:
+def frictionless_amplitude_squared() -> Expr:
     """Return Q^2, the squared amplitude of the steady motion without friction: |P/(k - m Omega^2 + i c Omega)|^2."""
     return P**2 / ((k - m * Omega**2) ** 2 + (c * Omega) ** 2)
 

@@ -232,8 +232,8 @@ class Answers(tuple[Answer, ...], LatexAnswer):
     question: GrazingQuestion
 
     @classmethod
-    def to(cls, question: GrazingQuestion, answers: Any) -> Answers:
-        """Make the object of some answers, with their question for its text."""
+    def for_question(cls, question: GrazingQuestion, answers: Any) -> Answers:
+        """Make an `Answers` from answers, with the question that its text repeats."""
         made = cls(answers)
         made.question = question
         return made
@@ -536,7 +536,7 @@ def _answer(
     if p is not None:
         [values] = found
         return ParameterValues(question, values)
-    return Answers.to(question, (Answer(condition, values) for values, condition in found.items()))
+    return Answers.for_question(question, (Answer(condition, values) for values, condition in found.items()))
 
 
 def _problem(p: Parameters | None, where: Place, name: str) -> _Problem:

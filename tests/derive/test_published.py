@@ -235,7 +235,7 @@ def test_stops_known_from_elsewhere_also_by_another_solver(Omega: str, places: l
     """The cycle is closed by slides that scipy integrates from the equation of motion."""
     p = wall("0.5", Omega, "0.1")
     assert published.stops(p) == 2 * len(places)
-    found = sorted((abs(float(x)) for x in published.solve_stops(p)), reverse=True)
+    found = sorted((abs(float(x)) for x in published.solve_stop_positions(p)), reverse=True)
     assert found == pytest.approx(places, abs=6e-9)
     path = published.from_rest(p, 40)
     slips = [event for event in path.events if event.kind == "slip" and event.t > 60 * pi / float(p.Omega)]

@@ -238,8 +238,8 @@ class PaperForm(NamedTuple):
     check: Solves
 
 
-def _steady(name: str) -> tuple[Any, dict[Any, Any]]:
-    """Return the particular solution in a regime of the drive, and the values of its constants."""
+def _particular_solution(name: str) -> tuple[Any, dict[Any, Any]]:
+    """Return the particular solution in the regime of a name, and the values of its constants D1 and D2."""
     if name == "resonance":
         return A / k + B0 / (2 * m * Omega) * tau * sp.sin(PHASE), {}
     if name == "free":
@@ -258,7 +258,7 @@ def _steady(name: str) -> tuple[Any, dict[Any, Any]]:
 def paper_form(regime: solution.Regime) -> PaperForm:
     """Return the motion of a regime in the form of papers."""
     first, second, below = MODES[regime.name]
-    steady, letters = _steady(regime.name)
+    steady, letters = _particular_solution(regime.name)
     x = C1 * first + C2 * second + steady
     v = x.diff(tau)
     start = {tau: sp.Integer(0)}

@@ -17,9 +17,9 @@ from symosc.symbolic.solution import B0, FN, Omega, a_i, k, m, t, tau, theta, th
 TITLE = "Sticks and their two ends"
 
 
-def force_on_belt(angle: Any) -> Any:
-    """Return F^(alpha) at the time tau after a stick began: a_i plus its change by eq. (9), at this phase."""
-    here = solution.acceleration(x_i + v_lambda * tau, v_lambda, angle)
+def force_on_belt(phase: Any) -> Any:
+    """Return F^(alpha) at tau after a stick began, where the drive has this phase: a_i plus its change by eq. (9)."""
+    here = solution.acceleration(x_i + v_lambda * tau, v_lambda, phase)
     start = solution.acceleration(x_i, v_lambda, theta_i)
     return a_i + here - start
 
