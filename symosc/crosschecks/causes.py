@@ -272,7 +272,7 @@ def tried_samples(check: Any) -> slice:
 
 
 class Case:
-    """Samples that disagree with the exact motion, and the exact motion over their steps.
+    """Samples of a solution whose faults are to be explained, and the exact motion over each of their steps.
 
     `offset` is the number of the first of them among all samples of the `check`; `near` are distances from a belt that
     count as on it; `sizes` the defects in units of the allowed ones; `moving_wrong` the wrong steps in which time
@@ -281,7 +281,7 @@ class Case:
     """
 
     def __init__(self, check: Any) -> None:
-        """Take all samples of a `CrossCheck`, or many beginning shortly before the first wrong step."""
+        """Follow the exact motion over all steps, or, of many, over a part that begins before the first wrong one."""
         part = tried_samples(check)
         self.check, self.offset, self.parameters = check, part.start, check.trajectory.parameters
         self.allowed, self.scales = check.allowed[part.start : part.stop - 1], np.array(check.scales)

@@ -42,7 +42,7 @@ from symosc.crosschecks.velocities import with_velocities
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.model import Parameters
-from symosc.scenes import Scene, load_scene, other_model
+from symosc.scenes import Scene, load_scene, not_reduced_error
 from symosc.simulation.batch import read_workers
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
@@ -122,7 +122,7 @@ def crosscheck(
     """
     scene = scene if isinstance(scene, (Scene, Parameters)) else load_scene(scene)
     if isinstance(scene, Scene) and scene.original is not None:
-        raise other_model(scene)
+        raise not_reduced_error(scene)
     allowed = _positive("tolerance", tolerance)
     limit = None if global_tolerance is None else _positive("global_tolerance", global_tolerance)
     judge = partial_of(verdict, scene=scene, tolerance=allowed, given_limit=limit, own_start=own_start, partial=partial)

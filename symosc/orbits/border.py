@@ -689,7 +689,7 @@ def crossings(
         if length < SHORTEST_SEGMENT:
             return
         place = (low[0] + high[0]) / 2
-        middle = motion_beside(plane, place, low[1], high[1])
+        middle = orbit_beside(plane, place, low[1], high[1])
         if middle is None:
             return
         low, high = ((place, middle), high) if middle.cycle == word else (low, (place, middle))
@@ -706,7 +706,7 @@ def all_crossings(
             return  # the border at the segment's end, once more
         for shift in SHIFTS:
             before, after = (
-                (place + sign * shift * way, motion_beside(plane, place + sign * shift * way, own, start[1], stop[1]))
+                (place + sign * shift * way, orbit_beside(plane, place + sign * shift * way, own, start[1], stop[1]))
                 for sign in (-1, 1)
             )
             words = {end[1].cycle for end in (before, after) if end[1] is not None}
@@ -793,8 +793,8 @@ def _passes(border: Border, values: np.ndarray, words: Any) -> bool:
     return bool((np.abs(places[:-1] + part[:, None] * way).max(axis=1) < SAME_BORDER).any())
 
 
-def motion_beside(plane: Plane, place: np.ndarray, *near: Orbit) -> Orbit | None:
-    """Return the orbit at a point of the plane, from orbits near it."""
+def orbit_beside(plane: Plane, place: np.ndarray, *near: Orbit) -> Orbit | None:
+    """Return the orbit at a point of the plane, found from one of the orbits near it; None if none leads to one."""
     found = (motion_at(plane.parameters(place.tolist()), orbit) for orbit in near)
     return next((orbit for orbit in found if orbit is not None), None)
 
@@ -858,7 +858,7 @@ def continue_border(
     near = Orbit(Word(branch.labels), branch.periods, orbit.phases())
     for distance in AWAY:
         shift = np.array([inward * distance * plane.widths[0], 0.0])
-        inside, outside = (motion_beside(plane, values + way * shift, near) for way in (1, -1))
+        inside, outside = (orbit_beside(plane, values + way * shift, near) for way in (1, -1))
         if inside is None or outside is None:
             continue
         for system, node in crossings(plane, (values + shift, inside), (values - shift, outside)):

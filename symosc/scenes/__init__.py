@@ -138,8 +138,8 @@ class Scene(Drawable):
             given = Original(model, **numbers, start_error=error)
             object.__setattr__(self, "original", given)
             object.__setattr__(self, "parameters", model.parameters)
-            numbers, error = _reduced(given)
-        elif self.original and (model, numbers) != (self.original.model.parameters, _reduced(self.original)[0]):
+            numbers, error = _reduced_problem(given)
+        elif self.original and (model, numbers) != (self.original.model.parameters, _reduced_problem(self.original)[0]):
             object.__setattr__(self, "original", None)
         object.__setattr__(self, "start_error", error)
         for name, number in numbers.items():
@@ -188,7 +188,7 @@ def moved_scene(scene: Scene, original: Original, **changes: Any) -> Scene:
     return replace(scene, **{"parameters": original.model} | original.start() | changes)
 
 
-def _reduced(given: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
+def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
     """Convert start and end of another model to the coordinates of symosc; return them and the start's half-widths."""
     model, t0, x0, v0, t_end, error = given
     start, rounding = reduced_start(model, t0, x0, v0)
@@ -201,7 +201,7 @@ def _reduced(given: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
     ) else error
 
 
-def other_model(scene: Any) -> ParameterError:
+def not_reduced_error(scene: Any) -> ParameterError:
     """Return the error for a scene of another model where a function needs one in the coordinates of symosc."""
     allowed = "is of another model, and this does not turn results back into its coordinates; give scene.reduced()"
     return ParameterError("scene", scene.name if isinstance(scene, Scene) else str(scene), allowed)

@@ -211,10 +211,10 @@ class MotionInDoubles:
     def take_over(self, finer: FinerMotion) -> None:
         """Go on from the last state of a motion with more digits, whose events and pieces replace those found here."""
         self._events, self._pieces = list(finer.rows), [self._pieces[0], *finer.pieces]
-        self._batch.states[0] = self.row(finer.state)
+        self._batch.states[0] = self.batch_row(finer.state)
         self._batch.counts[0], self.code = finer.count, finer.code
 
-    def row(self, state: State) -> list[Number]:
+    def batch_row(self, state: State) -> list[Number]:
         """Return the row of a batch with which this motion goes on from a state, to its own end and with its own t0."""
         row = row_of(state, *self._end)
         row[15] = float(self.start.t0)
@@ -398,7 +398,7 @@ class MotionInPairs:
         self._follow, self._K = loops.follow_pairs, pair_constants(start.parameters)
         self._limits = PairLimits(limits.most, limits.accuracy, MOST_EVER, limits.noise, *tables)
         self._pairs = np.array([pairs_as_complex(tuple(row_of(state, *last_time(start, exact))))])
-        self._batch = batch_of(np.array([doubles.row(rounded(state, start))]))
+        self._batch = batch_of(np.array([doubles.batch_row(rounded(state, start))]))
         self._rows, self._pieces = list[EventRows](), list[np.ndarray]()
         self.goal = 0  # the number of events to come to
 

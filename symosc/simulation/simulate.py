@@ -22,7 +22,7 @@ from symosc.errors import ParameterError
 from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read_start_error, show, whole_number
 from symosc.model import Parameters
 from symosc.reductions import OtherModel
-from symosc.scenes import Original, Scene, end_time, load_scene, moved_scene, other_model, start_numbers
+from symosc.scenes import Original, Scene, end_time, load_scene, moved_scene, not_reduced_error, start_numbers
 from symosc.simulation.motion import (
     PAIR_NOISE,
     FinerMotion,
@@ -121,7 +121,7 @@ def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], sta
     """Return the initial value problem from a scene or keyword arguments; refuse one of another model."""
     start, original = read_problem(scene, given, start_error)
     if original is not None:
-        raise other_model(scene)
+        raise not_reduced_error(scene)
     return start
 
 

@@ -19,7 +19,7 @@ from symosc.display.progress import reporting
 from symosc.errors import MissingExtraError, ParameterError, SweepError, SymoscError
 from symosc.exact import LARGEST, whole_number
 from symosc.model import Parameters
-from symosc.scenes import Scene, from_rest, load_scene, other_model
+from symosc.scenes import Scene, from_rest, load_scene, not_reduced_error
 from symosc.sweeps import output
 from symosc.sweeps.output import dataset_of, need_xarray
 from symosc.sweeps.plan import SWEPT_STARTS, SweepPlan, compute, kernels_hash, read_grid, read_plan, start_rows
@@ -148,7 +148,7 @@ def planned(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: A
     else:
         problem = scene if isinstance(scene, Scene) else load_scene(scene)
         if problem.original is not None:
-            raise other_model(problem)
+            raise not_reduced_error(problem)
     starts = start_rows(starts)
     if starts is not None and np.ndim(np.asarray(starts, dtype=object)) == 1 and len(starts) == 3:
         problem, starts = problem.started(dict(zip(SWEPT_STARTS, starts, strict=True))), None
