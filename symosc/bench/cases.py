@@ -63,7 +63,7 @@ KNOWN = "known"
 
 
 def hard_ones(quick: bool = False) -> list[ReferenceCase]:
-    """Return the hard ones of the reference cases; with `quick` those that `symosc bench --quick` takes."""
+    """Return the reference cases that are hard for solvers; with `quick` only those for `symosc bench --quick`."""
     cases = [case for case in reference_cases() if case.group in GROUPS]
     return [case for case, each in zip(cases, hard_cases(), strict=True) if each.quick or not quick]
 
@@ -128,7 +128,7 @@ def found_by(solver: Solver, case: ReferenceCase, limit: float) -> list[FoundEve
 
 
 def _result(outcome: Outcome, limit: float) -> CaseResult:
-    """Return the result of a case, or one that says why there is none."""
+    """Convert the outcome of a solver's call to its events, or to a note that says why it found none."""
     if outcome.failure == HANG or (not outcome.failure and outcome.value is None):
         return CaseResult(note=f"> {limit:g} s")
     if outcome.failure:
@@ -146,7 +146,7 @@ def _value(outcome: Outcome) -> Any:
 
 
 def our_verdict(result: Record) -> str:
-    """Return in how many hard cases symosc kept its bound, and by how much; else where it did not."""
+    """Return a sentence: how many hard cases symosc solved within its bound; or list the cases where it did not."""
     bound = "1e-12, or 100 * condition * 1e-16 where that is more"
     if result["violations"]:
         return "\n".join([f"Not within {bound}:", *(f"  {each}" for each in result["violations"])])

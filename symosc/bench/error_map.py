@@ -60,7 +60,7 @@ def value_at(place: float) -> Fraction:
 
 
 def place_of(value: float, beyond: float = 0.0) -> float:
-    """Return the place of a number, given as value + beyond so that it can be next to 1."""
+    """Return the place of the number value + beyond on an axis; the sum of two doubles resolves numbers close to 1."""
     below = (1.0 - value) - beyond
     if below == 0.0:
         return float(NEAREST)
@@ -74,7 +74,7 @@ def _power(exponent: float) -> Fraction:
 
 
 def axis(low: int, high: int, points: int) -> np.ndarray:
-    """Return places from the value 10^low to 10^high; 1 is one of them."""
+    """Return places on an axis, nearly evenly spaced from the number 10^low to 10^high; the number 1 is one of them."""
     first, last = place_of(10.0**low), place_of(10.0**high)
     before = round((points - 1) * (NEAREST - first) / (last - first))
     below, above = np.linspace(first, NEAREST, before + 1), np.linspace(NEAREST, last, points - before)
@@ -128,14 +128,14 @@ def run(
 
 
 def error(values: Sequence[float], exact: Sequence[Number], tau: float) -> float:
-    """Return the largest error of E0, E1, E2, R2, I2 relative to the sizes that the module names (w0 = 1)."""
+    """Return the largest error of E0, E1, E2, R2, I2, each relative to the size of what it oscillates in (w0 = 1)."""
     E0, E1, E2, R2, I2 = (abs(value) for value in exact[:5])
     sizes = (max(1, E0), E1 + E0 * tau / (1 + tau), E2, R2 + I2, R2 + I2)
     return max(float(abs(b - a) / size) for a, b, size in zip(values, exact, sizes, strict=False))
 
 
 def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
-    """Return E0, E1, E2, R2, I2 of an underdamped system by the cheap formula, wherever that is."""
+    """Return E0, E1, E2, R2, I2 of an underdamped system by the cheap formula, even where its error is large."""
     angle, drive = K.omega_d * tau, K.Om * tau
     waves = (sin(angle), cos(angle), sin(drive), cos(drive))
     values: tuple[float, ...] = entire.basis_apart(exp(-K.h * tau), *waves, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
@@ -143,7 +143,7 @@ def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
 
 
 def formula_of(tau: float, K: Constants) -> str:
-    """Return the formula that `symosc.kernels.entire.basis` uses: "series", "apart" (the cheap one) or "careful"."""
+    """Name the formula by which symosc computes E0, E1, ...: "series", "apart" (the cheap one) or "careful"."""
     return str(_naming_basis(tau, 0.0, 1.0, K)[0])
 
 

@@ -109,7 +109,7 @@ def force(q, alpha, t, x, v):
 
 
 def margins(q, mode, t, x, v):
-    """Return the distances of a mode from its lower and upper exit: positive inside."""
+    """Return the margins to the lower and the upper exit of a mode: of v to the belts, in a stick of both forces to 0."""
     if mode == 1:
         return inf, q.v1 - v
     if mode == 2:
@@ -121,14 +121,14 @@ def margins(q, mode, t, x, v):
 
 
 def turn(q, mode, t, x, v):
-    """Return the time derivative of the margins, up to its sign: between two of its zeros each is monotone."""
+    """Return the rate of both margins, up to their signs; between two of its zeros each margin is monotone."""
     if mode < 4:
         return force(q, mode, t, x, v)
     return q.swing * q.Omega * sin(q.Omega * t + q.theta) + q.stiffness * v
 
 
 def sign_of_force(q, alpha, t, x, v):
-    """Return the sign that F^(alpha) has at a boundary; where it is 0, the one that it gets at once (Theorem 6)."""
+    """Return the sign of F^(alpha) at a boundary; where F is 0, that of its first nonzero derivative (Theorem 6)."""
     phase, swing = q.Omega * t + q.theta, q.swing
     A = q.A1 if alpha == 1 else q.A2 if alpha == 2 else q.A3
     size = abs(A) + abs(swing * cos(phase)) + abs(q.stiffness * x) + abs(q.damping * v) + abs(swing * phase)
@@ -156,7 +156,7 @@ def resolve(q, boundary, t, x):
 
 
 def start_mode(q, x, v):
-    """Return the mode in which a motion starts at t = 0, and the boundary that it starts on or 0."""
+    """Return the mode in which a motion starts at t = 0, and the boundary of its start, 0 if it is inside a domain."""
     boundary = 1 if v == q.v1 else 2 if v == q.v2 else 0
     if boundary > 0:
         return resolve(q, boundary, 0.0, x), boundary
@@ -164,7 +164,7 @@ def start_mode(q, x, v):
 
 
 def root(q, mode, side, piece, a, b, fa, fb, tolerance):
-    """Return a change of sign of `margin` between a and b (Chandrupatla 1997)."""
+    """Return the time between a and b at which the margin on a side changes its sign (method of Chandrupatla, 1997)."""
     c, fc, part = a, fa, 0.5
     for _ in range(200):
         tau = a + part * (b - a)
@@ -187,7 +187,7 @@ def root(q, mode, side, piece, a, b, fa, fb, tolerance):
 
 
 def follow(q, s, t, x, v, mode, boundary, offset, t_end):
-    """Follow a motion and return (rows, count, outcome, mode): rows of t, x, kind, boundary; outcome 0 at t_end."""
+    """Follow a motion; return rows (t, x, kind, boundary), their count, the outcome (0: t_end reached) and last mode."""
     rows = np.empty((64, 4))
     count = 0
     while t < t_end:

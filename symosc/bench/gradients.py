@@ -58,7 +58,7 @@ class FoundChanges(NamedTuple):
 
 
 def found_changes(event: FoundEvents, dt: Sequence[float], dx: Sequence[float]) -> FoundChanges:
-    """Return an event with its derivatives by NAMES; those that are no numbers are left out."""
+    """Return an event with its derivatives by parameters and start values, without those that are NaN."""
     rows = (("dt", dt), ("dx", dx))
     changes = {f"{of}_{name}": float(d) for of, row in rows for name, d in zip(NAMES, row, strict=True) if d == d}
     return FoundChanges(event.t, event.x, event.kind, event.boundary, changes)
@@ -68,7 +68,7 @@ def found_changes(event: FoundEvents, dt: Sequence[float], dx: Sequence[float]) 
 
 
 def through_events(scene: Scene, events: Sequence[FoundEvents], jacobian: Jacobian) -> Iterator[FoundChanges]:
-    """Yield the events of a motion with their derivatives, from those of its flights."""
+    """Yield the events of a motion with their derivatives, by the chain rule from the derivatives of its flights."""
     p, q = scene.parameters, problem(scene.parameters, scene.t0)
     number = {name: float(getattr(p, name)) for name in PARAMETER_NAMES}
     m, c, k, B0, Omega = (number[name] for name in ("m", "c", "k", "B0", "Omega"))
@@ -126,7 +126,7 @@ def by_flights(
     scene: Scene,
     tolerance: float,
 ) -> Callable[[], list[FoundChanges]]:
-    """Prepare a solver whose events are found by `follow`, and differentiated flight by flight."""
+    """Prepare a solver: `follow` finds the events of a scene, `jacobian_of` the derivatives of each of its flights."""
     run, jacobian = follow(scene, tolerance), jacobian_of(tolerance)
     return lambda: list(through_events(scene, list(run()), jacobian))
 
@@ -313,7 +313,7 @@ def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., 
 
 
 def _settings(p: Parameters, mode: int, side: int) -> tuple[float, ...]:
-    """Return the arguments of a piece from its friction on, for its exit on one side."""
+    """Return the signs of friction, whether the mass flies, and the coefficients of the event function of an exit."""
     if mode < 4:
         boundary = mode if side > 0 else mode - 1
         speeds = [side * float(boundary == n) for n in (1, 2)]
@@ -370,7 +370,7 @@ def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], li
 
 
 def compiled(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]:
-    """Prepare symosc; where there is no derivative it gives none."""
+    """Prepare symosc's compiled derivatives of events; those that do not exist are left out."""
     start, known = [scene.t0, scene.x0, scene.v0], scene.start_error
 
     def run() -> list[FoundChanges]:
@@ -383,7 +383,7 @@ def compiled(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]
 
 
 def solvers() -> tuple[Solver, ...]:
-    """Return all ways to differentiate that are compared."""
+    """Return all ways to differentiate events: those of symosc and of other tools."""
     heyoka = partial(by_flights, peers_heyoka.prepare, heyoka_jacobian)
     dop853 = partial(by_flights, peers_numba.prepare, dop853_jacobian)
     cvodes = partial(by_flights, partial(peers_scipy.prepare, "Adams"), cvodes_jacobian)
@@ -408,7 +408,7 @@ def solvers() -> tuple[Solver, ...]:
 def run(
     progress: Callable[[Sequence[Any]], Iterable[Any]] = iter, chosen: Sequence[ReferenceCase] | None = None
 ) -> Record:
-    """Let all ways to differentiate follow the reference cases, and judge their derivatives; see `cases.run`."""
+    """Judge the derivatives that each way to differentiate finds in the reference cases; return plain data."""
     some = reference_cases() if chosen is None else chosen
     some = [case for case in some if not case.periods]
     return cases.run(progress, solvers(), some, GRADIENT_LIMIT, with_derivatives=True)

@@ -39,7 +39,7 @@ class Tables(NamedTuple):
 
 
 def tables(q: Problem) -> Tables:
-    """Return what the callbacks look up."""
+    """Return the constants of a scene that the event callbacks need: by domain, by belt and by mode."""
     A, belts = {1: q.A1, 2: q.A2, 3: q.A3}, {1: q.v1, 2: q.v2}
     parameters = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -q.v1, 1.0, 0.0, -q.v2]) for alpha in A}
     for boundary, (below, above) in NEIGHBOURS.items():
@@ -75,7 +75,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
     p_now: Any
 
     def callback(event: int) -> Callable[[Any, int], bool]:
-        """Return what the first or second event does: contact with belt 1 or 2, or a slip downward or upward."""
+        """Return the callback of heyoka's first or second event: contact with belt 1 or 2, or a slip down or up."""
         belt = belts[event]
         drag, A_below, A_above = damping * belt, A[event], A[event + 1]
         v_below, v_above, stick = starts[event, event], starts[event, event + 1], pars[3 + event]

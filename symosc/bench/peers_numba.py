@@ -68,7 +68,7 @@ class Settings(NamedTuple):
 
 
 class SolverStep(NamedTuple):
-    """One step, for its dense output."""
+    """One step of DOP853: its start t, x, v, its length h, and the coefficients F of its dense output."""
 
     F: np.ndarray
     t: float
@@ -135,7 +135,7 @@ def dense(q, s, mode, t, x, v, X, V, h):
 
 
 def state_in(step, tau):
-    """Return the dense output after the time tau."""
+    """Return position and velocity at the time tau after a step began, by its dense output."""
     part = tau / step.h
     x = v = 0.0
     for i in range(DENSE_TERMS):

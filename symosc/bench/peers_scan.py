@@ -77,7 +77,7 @@ def scan_of(q: Problem, points: int, tolerance: float) -> Scan:
 
 
 def piece_from(q, s, mode, t, x, v):
-    """Fit the constants of the homogeneous solution to a start."""
+    """Return a flight or stick from a start, with the constants of the homogeneous solution that fit this start."""
     if mode > 3:
         return ScanPiece(s, t, x, v, 0.0, 0.0, 0.0)
     equilibrium = (q.A1 if mode == 1 else q.A2 if mode == 2 else q.A3) / q.stiffness

@@ -52,7 +52,7 @@ Integrate = Callable[[Problem, int, float, float, float], tuple[int, float, floa
 
 
 def _functions(q: Problem, mode: int) -> tuple[Callable[..., Any], list[Callable[..., float]], Any]:
-    """Return right-hand side, functions that fall through 0 at the exits and the turning function, and the Jacobian."""
+    """Return the right-hand side of a mode, the margins to its exits followed by their rate, and the Jacobian."""
 
     def rate(t: float, y: State) -> tuple[float, float]:
         return y[1], force(q, mode, t, y[0], y[1]) if mode < 4 else 0.0
@@ -68,7 +68,7 @@ def _functions(q: Problem, mode: int) -> tuple[Callable[..., Any], list[Callable
 def integrate_by_scipy(
     options: Record, q: Problem, mode: int, x: float, v: float, t_end: float
 ) -> tuple[int, float, float, Iterable[tuple[float, State]]]:
-    """Follow one flight or stick with solve_ivp (see `Integrate`)."""
+    """Follow a flight or stick with solve_ivp; return side, t and x of its end, and the turning points before it."""
     rate, functions, jacobian = _functions(q, mode)
     events = []
     for i, function in enumerate(functions):
@@ -93,7 +93,7 @@ def integrate_by_scipy(
 def integrate_by_cvode(
     options: Record, q: Problem, mode: int, x: float, v: float, t_end: float
 ) -> tuple[int, float, float, Iterable[tuple[float, State]]]:
-    """Follow one flight or stick with CVODE (see `Integrate`), whose functions write into the arrays they are given."""
+    """Follow a flight or stick with CVODE; return side, t and x of its end, and the turning points before it."""
     from sksundae.cvode import CVODE
 
     rate, functions, jacobian = _functions(q, mode)
@@ -126,7 +126,7 @@ def integrate_by_cvode(
 
 
 def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
-    """Return an integrator as `follow` calls it, which goes back where an exit function has turned outside."""
+    """Return a function that follows a mode to its exit; it searches again where a margin is negative at a turning point."""
 
     def leave(q: Problem, s: None, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
         side, end, x_end, turns = integrate(q, mode, x, v, t_end)

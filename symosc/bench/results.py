@@ -21,7 +21,7 @@ RESULTS_FOLDER = Path("docs/results")
 
 
 def check(readme: str | Path) -> str:
-    """Return the text of a README that results can be written to; else raise OutputError."""
+    """Return a README's text; raise OutputError if the file cannot be written or lacks the marks around the results."""
     try:
         text = Path(readme).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -71,7 +71,7 @@ def write(readme: str | Path, result: Record) -> list[Path]:
 
 
 def said(result: Record) -> str:
-    """Return how symosc compares with the best of the others and with its own bound, for the README and the page."""
+    """Return the paragraph that compares symosc with heyoka, with looser accuracies and with its own error bound."""
     measured = result["work_precision"]
     text = f"{_heyoka(measured)}{looser(measured)}{cases.our_verdict(result['scores'])}"
     return fill(" ".join(text.split()), 120, break_long_words=False, break_on_hyphens=False)
@@ -135,7 +135,7 @@ def _heyoka(measured: Record) -> str:
 
 
 def looser(measured: Record) -> str:
-    """Return the cost of symosc's last digits, for scenes where a looser accuracy saves half of the time or more."""
+    """Return sentences about scenes on which symosc takes less than half of the time at a looser accuracy."""
     ours: dict[str, list[Record]] = {}
     for row in measured["rows"]:
         if row["solver"] == OURS[0].name and row["us_per_event"]:

@@ -59,7 +59,7 @@ class LazyEvents(Sequence[FoundEvents]):
 
 @dataclass(frozen=True)
 class Solver:
-    """A way to follow a scene.
+    """A solver to compare with: how it finds the events of a scene, with which tolerances, and what it needs.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class Solver:
 
 
 def compiled(scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
-    """Prepare `simulate_many`; the tolerance is its `accuracy`, the estimated error that asks for more digits."""
+    """Prepare `simulate_many`; the tolerance is its `accuracy`: events with larger error estimates get more digits."""
     start, known = [scene.t0, scene.x0, scene.v0], scene.start_error
 
     def run() -> LazyEvents:

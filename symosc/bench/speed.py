@@ -52,7 +52,7 @@ LONG, SHORT = 5.0, 0.01
 
 
 class Call(NamedTuple):
-    """What is measured: its name, the unit of its time, the call, how many units it does (None: len of its result).
+    """A measured call: its name, the unit of its time, the function, and its number of units (None: len of its result).
 
     A call is made once before it is measured, unless it is of interest the first time (`once`).
     """
@@ -65,7 +65,7 @@ class Call(NamedTuple):
 
 
 class Group(NamedTuple):
-    """Calls that are measured in turns; the first is the unit of the others."""
+    """Calls that are measured in turns; times are also given as multiples of the first call's."""
 
     title: str
     calls: Sequence[Call]
@@ -73,7 +73,7 @@ class Group(NamedTuple):
 
 
 def floor(count, h, w, Om, P, Q, R, S):
-    """Evaluate the closed form x = P sin + Q cos + exp (R cos + S sin), and its derivative, `count` times."""
+    """Evaluate x = P sin(Omega t) + Q cos(Omega t) + exp(-h t) (R cos(w t) + S sin(w t)) and x' `count` times."""
     total = 0.0
     for i in range(count):
         tau = 1e-3 * (i % 3000)
@@ -95,7 +95,7 @@ def compiled_floor() -> Callable[..., float]:
 
 
 def floor_s() -> float:
-    """Return the seconds per evaluation of the closed form at present."""
+    """Measure the seconds that one evaluation of the closed form takes now."""
     evaluate, arguments = compiled_floor(), (0.5, 0.866, 1.0, 1.0, 2.0, 3.0, 4.0)
     evaluate(10, *arguments)
     return _seconds(lambda: evaluate(FLOOR_EVALUATIONS, *arguments), time.perf_counter) / FLOOR_EVALUATIONS
@@ -371,7 +371,7 @@ def _measured(group: Group, repeats: int, progress: Callable[..., Iterable[Any]]
 
 
 def _first(call: Call, clock: Callable[[], float]) -> tuple[float, float]:
-    """Return the units of a call, and the seconds that it takes once it has been made before."""
+    """Make a call and return its number of units and its seconds: of the first time if `once`, else of the second."""
     begin = clock()
     result = call.action()
     first = clock() - begin

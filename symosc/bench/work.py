@@ -187,7 +187,7 @@ def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[Span, Sp
 
 
 def _measured(call: Callable[[Span], Outcome], short: Span, long: Span) -> Record:
-    """Return the measured part of a row."""
+    """Measure a solver on the short span and, if it is fast, on the long one; return its times, errors and failure."""
     outcome = call(short)
     row, failure, warnings = _numbers(outcome, short), outcome.failure, outcome.warnings
     fast = not failure and row["us_per_event"] * long.count < 1e6 * LONG_RUN
@@ -202,7 +202,7 @@ def _measured(call: Callable[[Span], Outcome], short: Span, long: Span) -> Recor
 
 
 def _numbers(outcome: Outcome, span: Span) -> Record:
-    """Return times and errors on a span."""
+    """Return a solver's times on a span and its errors against the reference; None in each after a failure."""
     about = {"compared": len(span.reference)}
     if outcome.failure:
         return about | dict.fromkeys((*TIME_KEYS, *ERROR_KEYS))
@@ -289,7 +289,7 @@ def summary(result: Record) -> str:
 
 
 def rounded(value: float, digits: int) -> str:
-    """Return a number with so many significant digits, and no exponent from 1e-4 to 1e6."""
+    """Return a number as text with so many significant digits, without exponent between 1e-4 and 1e6."""
     return f"{float(f'{value:.{digits}g}'):g}"
 
 
