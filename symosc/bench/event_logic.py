@@ -109,7 +109,7 @@ def force(q, alpha, t, x, v):
 
 
 def margins(q, mode, t, x, v):
-    """Return the margins to the lower and the upper exit of a mode: of v to the belts, in a stick of both forces to 0."""
+    """Return the margins to the lower and upper exit: of v to the belts in a flight, of both forces to 0 in a stick."""
     if mode == 1:
         return inf, q.v1 - v
     if mode == 2:
@@ -187,7 +187,7 @@ def root(q, mode, side, piece, a, b, fa, fb, tolerance):
 
 
 def follow(q, s, t, x, v, mode, boundary, offset, t_end):
-    """Follow a motion; return rows (t, x, kind, boundary), their count, the outcome (0: t_end reached) and last mode."""
+    """Follow a motion; return rows of t, x, kind and boundary, their count, an outcome (0: to t_end) and last mode."""
     rows = np.empty((64, 4))
     count = 0
     while t < t_end:

@@ -126,7 +126,7 @@ def integrate_by_cvode(
 
 
 def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
-    """Return a function that follows a mode to its exit; it searches again where a margin is negative at a turning point."""
+    """Return a function that follows a mode to its exit, and searches again up to turns where a margin is negative."""
 
     def leave(q: Problem, s: None, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
         side, end, x_end, turns = integrate(q, mode, x, v, t_end)

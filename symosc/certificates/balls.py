@@ -99,7 +99,7 @@ def outward(value: Ball, digits: int) -> tuple[str, str]:
 
 
 def _decimal(exact: Fraction) -> str:
-    """Return all digits of a finite decimal."""
+    """Return a fraction that is a finite decimal as text, with all digits."""
     with localcontext() as context:
         context.prec = len(str(abs(exact.numerator))) + len(str(exact.denominator)) + 5
         return format(Decimal(exact.numerator) / Decimal(exact.denominator), "f")
@@ -122,7 +122,7 @@ class StateSet:
 
     @classmethod
     def of(cls, values: Sequence[Ball]) -> StateSet:
-        """Return the box of the given balls."""
+        """Return the set of all states within the given balls: a box along the axes."""
         count = len(values)
         unit = [[arb(int(i == j)) for j in range(count)] for i in range(count)]
         return cls([value.mid() for value in values], unit, [value - value.mid() for value in values], unit)
@@ -137,7 +137,7 @@ class StateSet:
         return [c + _dot(row, self.box) for c, row in zip(self.centre, self.matrix, strict=True)]
 
     def image(self, value: Sequence[Ball], jacobian: Matrix) -> StateSet:
-        """Return an enclosure of the image; `value` encloses the map at the centre, `jacobian` its derivative."""
+        """Return a set that contains the image; `value` encloses the map at the centre, `jacobian` its derivative."""
         carried, slopes = (
             [[_dot(row, column) for column in zip(*each, strict=True)] for row in jacobian]
             for each in (self.matrix, self.slopes)
@@ -161,7 +161,7 @@ def _dot(row: Sequence[Ball], column: Sequence[Ball]) -> Ball:
 
 
 def _direction(carried: Matrix, box: Sequence[Ball]) -> tuple[Ball, Ball]:
-    """Return the direction of the longest side, as two exact numbers."""
+    """Return the direction of the longest side of a set's image, as two exact numbers."""
     sides = [(a.mid() * y.rad(), b.mid() * y.rad()) for a, b, y in zip(*carried, box, strict=True)]
     a, b = max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).mid())
     length = (abs(a) + abs(b)).mid()

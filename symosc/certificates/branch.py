@@ -118,7 +118,7 @@ class Family:
         raise Undecided("one root for every value of the parameter")
 
     def _coefficients(self, value: Ball, curve: list[Values], order: int) -> list[Values]:
-        """Return the first coefficients of f about a value of the parameter, along a curve given there."""
+        """Return the first `order` Taylor coefficients of f along a curve, about a value of the parameter."""
         if ctx.cap < order:
             ctx.cap = order
         series = Oscillator(self.p, {self.name: arb_series([value, 1], prec=order)})
@@ -127,7 +127,7 @@ class Family:
         return [[each[j] for each in found] for j in range(order)]
 
     def _remainder(self, curve: list[Values]) -> Values:
-        """Return the coefficients of order ORDER about every value of the parameter."""
+        """Enclose the coefficients of f of order ORDER along the curve, about all values of the parameter."""
         shifted = [
             _horner([[comb(k, j) * each for each in curve[k]] for k in range(j, ORDER)], self.change)
             for j in range(ORDER)
@@ -135,7 +135,7 @@ class Family:
         return self._coefficients(self.range, shifted, ORDER + 1)[-1]
 
     def near(self, value: Fraction) -> Values:
-        """Return the curve at a value of the parameter, possibly outside the interval."""
+        """Return the points of the polynomial curve at a value of the parameter, possibly outside the interval."""
         return _horner(self.curve, ball(value) - self.middle)
 
     def holds(self, value: Fraction, points: Values) -> bool:
@@ -155,7 +155,7 @@ class Family:
 
 
 def _horner(coefficients: list[Values], at: Ball) -> Values:
-    """Return the value of a polynomial by Horner's scheme."""
+    """Evaluate polynomials, given by rows of coefficients, by Horner's scheme."""
     total = coefficients[-1]
     for row in reversed(coefficients[:-1]):
         total = [a + at * b for a, b in zip(row, total, strict=True)]
@@ -168,7 +168,7 @@ def _scaled(value: Ball, factor: float) -> Ball:
 
 
 def _inflated(value: Ball) -> Ball:
-    """Return a ball about 0 that contains a ball with a margin."""
+    """Return a ball about 0 that contains the given one and is wider by a factor."""
     return arb(0, (INFLATION * abs(value).upper()).mid()) + arb(0, arb(2) ** (8 - ctx.prec))
 
 
@@ -234,7 +234,7 @@ class ProvenEnd(NamedTuple):
 
 
 def prove_branch(branch: Branch, progress: Callable[[float], None] | bool | None = None) -> Certificate:
-    """Prove a branch; see `symosc.certify`."""
+    """Prove every orbit of a branch between its ends, and where and why it ends; return the certificate."""
     ends = []
     for i in (0, -1):
         points = [ball(Fraction(float(each))) for t, x in branch.points[i] for each in (t, x)]
@@ -257,7 +257,7 @@ class BranchProver:
         self.pieces, self.families = pieces_of(self.word), list[Family]()
 
     def certificate(self, progress: Callable[[float], None] | None = None) -> Certificate:
-        """Prove every orbit between the ends, and the ends."""
+        """Prove every orbit of the branch and both of its ends; return the certificate."""
         with ctx.workprec(BRANCH_BITS):
             try:
                 low, high = (self._end(*end, side) for side, end in zip((-1, 1), self.ends, strict=True))
@@ -273,7 +273,7 @@ class BranchProver:
         return Family(self.p, self.name, low, high, self.pieces, self.periods, near)
 
     def _end(self, kind: str, value: Fraction, near: Values, side: int) -> ProvenEnd:
-        """Prove an end: one root for all values around it, and an inequality that fails beyond it.
+        """Prove a branch end: one root for all values around it, and an inequality that fails for it beyond.
 
         That all inequalities hold on its inner side is proven with the branch.
         """
@@ -345,6 +345,6 @@ class BranchProver:
 
 
 def _points(family: Family) -> Record:
-    """Return the enclosures of the points in the form of the file."""
+    """Return the enclosures of t and x at all events, as decimals for the file."""
     events = switchings(family.wide, family.stated, 0)
     return {name: [list(outward(event[j], BRANCH_DIGITS)) for event in events] for name, j in (("t", 4), ("x", 5))}

@@ -93,7 +93,7 @@ class Certificate(Drawable):
 
 
 def confirmed(certificate: Certificate) -> Certificate:
-    """Return a certificate with the message of the checker that has verified it, or one that is not proven."""
+    """Give a certificate to the independent checker; return it with the checker's message, or as not proven."""
     from symosc.certificates.verify_atlas import judge
 
     about = {name: value for name, value in certificate.as_dict().items() if name != "message"}
@@ -109,12 +109,12 @@ def events_of(rows: Sequence[Record]) -> tuple[Any, ...]:
 
 
 def changes_of(rows: Sequence[Record]) -> tuple[Any, ...]:
-    """Return the derivatives of a file as `Certificate.derivatives`."""
+    """Convert derivatives of a file to tuples (dt, dx) of enclosures, as `Certificate.derivatives` has them."""
     return tuple(tuple(tuple(map(tuple, row[name])) for name in ("dt", "dx")) for row in rows)
 
 
 def proven_rows(certificate: Certificate) -> list[Record]:
-    """Return the events of a proven trajectory as its file has them; of a settled one the last ones."""
+    """Return the event rows in a motion's certificate; of a settled motion only the last ones."""
     rows: list[Record] = certificate.statement["last" if certificate.kind == "settled" else "events"]
     return rows
 

@@ -29,7 +29,7 @@ NUMBERS = {name: mode for mode, name in MODE_NAMES.items()}
 def event_changes(
     p: Parameters, start: Sequence[Fraction], mode: int, events: Sequence[ProvenEvent], name: str
 ) -> list[Change]:
-    """Return enclosures of dt and dx of all events by one number, or raise Undecided."""
+    """Enclose the derivatives of t and x at all events by one parameter or start value, or raise Undecided."""
     if name not in provable(p, start[2]):
         on_belt = start[2] in (p.v1, p.v2) and name[0] == "v"
         raise Undecided(
@@ -49,7 +49,7 @@ def event_changes(
 def _changes(
     p: Parameters, start: Sequence[Fraction], mode: int, events: Sequence[ProvenEvent], name: str
 ) -> list[Change]:
-    """Return dt and dx of all events."""
+    """Return the derivatives of t and x of all events by a number, as coefficients of power series in it."""
     o = Oscillator(p, {name: _series(ball(getattr(p, name)), arb(1))} if name in PARAMETER_NAMES else None)
     t, x, v = (_series(ball(value), arb(int(name == own))) for value, own in zip(start, STARTS, strict=True))
     found = []

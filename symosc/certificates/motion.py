@@ -50,7 +50,7 @@ MOST_PIECES = 20_000
 
 
 def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[Jet, Jet] | None:
-    """Return the ends of a piece with exactly one zero of the gap, the first one before the time `stop`.
+    """Find the piece of a flight, before `stop`, in which the gap to a belt has its first zero and no other.
 
     None if there is none. `on_it`: the flight starts on that belt, from where it is known to leave it.
     """
@@ -80,7 +80,7 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
 
 
 def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple[Ball, bool, bool]]:
-    """Yield ends of pieces up to `stop`, whether H is convex there, and concave."""
+    """Yield ends of pieces of a flight up to `stop`, with whether H is convex and whether it is concave on each."""
     o, begin, at = flight.oscillator, flight.t0, arb(0)
     longest = (arb(LONGEST_PIECE) / o.omega_d).mid() if o.damping < 0 else None
     for turn, drift in o.turns(boundary).after(begin):
@@ -107,7 +107,7 @@ def never_meets(flight: Flight, boundary: int, tau: Ball) -> bool:
 
 
 def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tuple[Jet, Jet] | None:
-    """Search the first zero on a piece where H is convex and the gap positive at both ends."""
+    """Divide a piece with convex H and a gap > 0 at both ends until its first zero is isolated or excluded."""
     o, pending = flight.oscillator, [high]
     for cut in range(200):
         high = pending[-1]
@@ -157,7 +157,7 @@ def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball
 
 
 def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
-    """Return an enclosure of the only zero of the gap between low and high, where its sign falls.
+    """Enclose the only zero of a gap between two times, at the first of which the gap is > 0 and at the second < 0.
 
     Newton's method finds it, kept between points where the sign is known; two signs prove the enclosure. The slope has
     one sign on it.
@@ -184,7 +184,7 @@ def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
 
 
 def fenced(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: str, t: Ball) -> Ball:
-    """Return a ball around a sample with different signs of the gap at its ends and one sign of its slope."""
+    """Return a ball of times around a sample; the gap is > 0 at its start, < 0 at its end, and falls all the way."""
     (low, high), here = ends, sample.tau
     width = 2 * abs(sample.g).upper() / max(abs(sample.dg).lower(), arb(2) ** -10000) + spare
     for _ in range(40):
@@ -201,7 +201,7 @@ def fenced(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: 
 
 
 def sharper(gap: Curve, found: Ball, slope: Ball) -> Ball:
-    """Return a sharper enclosure of a gap's zero in `found` (interval Newton, twice).
+    """Narrow the enclosure `found` of a gap's zero by two interval Newton steps.
 
     `slope` encloses the derivative of the gap over `found`, and may do so for other starts as well.
     """
@@ -256,7 +256,7 @@ def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> 
 
 
 class Circle(NamedTuple):
-    """The exact initial velocity and acceleration of a flight whose (v, a) move on a circle."""
+    """A flight without damping and drive: its exact initial v and a; the point (v, a/omega_0) moves on a circle."""
 
     v: Fraction
     a: Fraction
@@ -275,7 +275,7 @@ class Moving(NamedTuple):
     circle: Circle | None = None
 
     def flight(self, o: Oscillator, values: list[Ball]) -> Flight:
-        """Return the flight from these values of t, x and v; v is omitted on a belt."""
+        """Return the flight from t, x and v; on a belt v is the belt's and is not given."""
         return Flight(o, self.mode, values[0], values[1], values[2] if len(values) == 3 else o.speed[self.boundary])
 
 
@@ -291,7 +291,7 @@ class ProvenEvent(NamedTuple):
 
 
 def goes_round(p: Parameters) -> bool:
-    """Return whether (v, a) move on circles (no damping, no drive)."""
+    """Return whether (v, a/omega_0) moves on circles: without damping and drive, with a spring."""
     return p.c == 0 and p.B0 == 0 and p.k > 0
 
 
@@ -301,7 +301,7 @@ def belts_around(domain: int) -> list[int]:
 
 
 def begin(o: Oscillator, start: tuple[Fraction, ...], errors: tuple[Fraction, ...]) -> Moving:
-    """Return the mode and the states from t0, x0, v0 with given half-widths."""
+    """Return the initial mode and the set of initial states, given t0, x0, v0 and their half-widths."""
     p, (t0, x0, v0) = o.p, start
     values = [around(ball(each), ball(error)) for each, error in zip(start, errors, strict=True)]
     if v0 not in (p.v1, p.v2):
@@ -393,7 +393,7 @@ def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Mo
 
 
 def _exact_grazes(p: Parameters, circle: Circle, belts: list[int]) -> dict[int, Ball]:
-    """Return the belts that a flight grazes, with the first times; it neither crosses nor sticks there."""
+    """Return the belts that a flight on a circle touches at its extreme speed, a graze, with the first time of each."""
     square, found = circle.v**2 + circle.a**2 * p.m / p.k, {}
     for boundary in belts:
         speed = p.belt(boundary)
@@ -411,7 +411,7 @@ def _exact_grazes(p: Parameters, circle: Circle, belts: list[int]) -> dict[int, 
 
 
 def _mode_after(o: Oscillator, mode: int, boundary: int, force: Ball, t: Ball) -> int:
-    """Return the mode after a contact from a domain with an acceleration of the right sign."""
+    """Return the mode after a flight has met a belt with the acceleration `force` (Theorems 4 and 5)."""
     upward = mode == boundary
     beyond = boundary + 1 if upward else boundary
     if o.jump[boundary].is_zero():

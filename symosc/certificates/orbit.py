@@ -105,11 +105,11 @@ class ClosingBalls:
         self.periods, self.turn = periods, 2 * periods * arb.pi() / oscillator.Omega
 
     def ends(self, values: Values) -> Values:
-        """Return the points at the ends of the pieces: the next ones, and the first one a period later."""
+        """Return the points on which the pieces end: each one's next point, and the first point a period later."""
         return [*values[2:], values[0] + self.turn, values[1]]
 
     def flight(self, i: int, values: Values) -> Flight:
-        """Return the flight of piece i from its point."""
+        """Return the flight that begins at switching point i."""
         piece, o = self.pieces[i], self.oscillator
         return Flight(o, piece.mode, values[2 * i], values[2 * i + 1], o.speed[piece.start])
 
@@ -118,7 +118,7 @@ class ClosingBalls:
         return self.pieces[i].start + (self.pieces[i].side > 0)
 
     def residuals(self, values: Values) -> Values:
-        """Return f, two residuals for each piece; balls or power series."""
+        """Return the residuals f of the closing equations, two for each piece, as balls or power series."""
         o, end, found = self.oscillator, self.ends(values), list[Ball]()
         for i, piece in enumerate(self.pieces):
             (t0, x0), (t1, x1) = values[2 * i : 2 * i + 2], end[2 * i : 2 * i + 2]
@@ -143,7 +143,7 @@ class ClosingBalls:
         return (-v0 * phi - a0 * E, phi, there.v, -one), (o.km * E * v0 - a0 * E1, -o.km * E, there.a, zero)
 
     def jacobian(self, values: Values) -> arb_mat:
-        """Return the Jacobian of f."""
+        """Return the Jacobian of the residuals by all t and x."""
         n = len(self.pieces)
         rows = [[arb(0)] * (2 * n) for _ in range(2 * n)]
         for i in range(n):
@@ -153,7 +153,7 @@ class ClosingBalls:
         return arb_mat(rows)
 
     def end_by_start(self, i: int, values: Values) -> arb_mat:
-        """Return the approximate derivatives of the end of piece i by its start."""
+        """Return the derivatives of t and x at the end of piece i by those at its start, approximately."""
         rows = self._slopes(i, values)
         return -arb_mat([list(row[2:]) for row in rows]).solve(arb_mat([list(row[:2]) for row in rows]))
 
@@ -177,7 +177,7 @@ class ClosingBalls:
         raise Undecided("a root of the closing equations, which are singular or nearly so")
 
     def krawczyk(self, box: Values, about: Values | None = None) -> Values | None:
-        """Return K(box) if it lies inside the box, else None; `about`: exact centre of the expansion."""
+        """Return the Krawczyk image K(box) if it lies inside the box, which proves one root there; else None."""
         middle = about or [each.mid() for each in box]
         J = self.jacobian(box)
         try:
@@ -214,7 +214,7 @@ class ClosingBalls:
     # -- the course of the word ----------------------------------------------------------------------------------------
 
     def margins(self, i: int, values: Values) -> list[Margin]:
-        """Return the functions that must stay positive on piece i."""
+        """Return the margins of piece i: distances to belts of a flight, forces that hold a stick."""
         o, piece = self.oscillator, self.pieces[i]
         if piece.sticks:
             found = []
@@ -232,7 +232,7 @@ class ClosingBalls:
         return found
 
     def forces_at(self, i: int, values: Values) -> list[tuple[int, str, Ball, int]]:
-        """Return domain, condition, force and its sign at the start of piece i, by Theorems 4 and 5.
+        """Return each force that Theorems 4 and 5 need at the start of piece i: domain, text, value and wanted sign.
 
         None where a stick ends: one force is 0 there, and that the other one holds is part of the stick.
         """
@@ -385,7 +385,7 @@ def certify_orbit(
 
 
 def _exact(number: Number) -> Ball:
-    """Return a number as an exact ball."""
+    """Convert a number, of mpmath too, to a ball of radius 0 without rounding."""
     man_exp = getattr(number, "man_exp", None)  # an mpmath number has more digits than a float
     if man_exp is None:
         return arb(number)
@@ -394,7 +394,7 @@ def _exact(number: Number) -> Ball:
 
 
 def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Root, Stability]:
-    """Prove a root near these points and its word, and enclose its multipliers, or raise Undecided."""
+    """Prove a root near the given points and that it follows its word; return it with its multipliers' enclosures."""
     middle = closing.polished(near)
     reason = Undecided("the closing equations: no box in which their root is the only one")
     for root in closing.roots(middle):
@@ -424,7 +424,7 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
 
 
 def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[str, int, str, str, Ball, Ball]]:
-    """Return kind, boundary, source, target, t and x from one switching up to its repetition."""
+    """Return the orbit's events from number `begin` up to its repetition: kind, boundary, source, target, t and x."""
     pieces, n, rows = closing.pieces, len(closing.pieces), []
     for j in range(begin, begin + n + 1):
         i = j % n
@@ -436,7 +436,7 @@ def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[
 
 
 def _reaches(closing: ClosingBalls, root: Root, begin: int) -> list[Ball]:
-    """Return estimates of the time spread at the events for motions from the first box; a hint, no proof.
+    """Estimate how far apart in time motions from the first box meet each event; a hint for the checker, no proof.
 
     It is many times the first-order value: the checker uses balls that are wider than the set.
     """

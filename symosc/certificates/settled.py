@@ -40,7 +40,7 @@ BOX_MARGIN, LEAST_BOX, MOST_Q, MOST_TURNS = 8, Fraction(1, 10**22), 0.9, 8
 
 
 class Cycle(NamedTuple):
-    """A box (middle and half-widths of t and x) mapped into itself after `turns` rounds of the orbit.
+    """A box of (t, x), by middle and half-widths, that is mapped into itself after `turns` rounds of the orbit.
 
     And the events of the motions from it, with the sets of states after each.
     """
@@ -75,7 +75,7 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
 
 
 def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
-    """Return the initial states; and the time until which some may stick, for a start at the end of a stick."""
+    """Return the initial states and, for a start at the end of a stick, the time until which some of them may stick."""
     try:
         return begin(o, task.start, task.errors), None
     except Undecided:
@@ -97,7 +97,7 @@ def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
 
 
 def _followed(o: Oscillator, state: Moving, t_end: Ball, most: int) -> Iterator[tuple[ProvenEvent, Moving]]:
-    """Return the proven events up to a number of them, with the states after each."""
+    """Yield up to `most` proven events before t_end, with the states after each."""
     for _ in range(most):
         following = next_event(o, state, t_end)
         if following is None:
@@ -107,7 +107,7 @@ def _followed(o: Oscillator, state: Moving, t_end: Ball, most: int) -> Iterator[
 
 
 def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int | None:
-    """Return the switching point of the orbit, an arrival, that is near an event, or None."""
+    """Return the number of the orbit's switching point, the end of a flight, that is near an event; None if none is."""
     for i, piece in enumerate(closing.pieces):
         names = (closing.pieces[i - 1].mode, piece.mode, piece.start)
         if names[0] > ON_A_BELT or (MODE_NAMES[names[0]], MODE_NAMES[names[1]], names[2]) != event[2:4] + event[1:2]:
@@ -119,7 +119,7 @@ def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int |
 
 
 def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving) -> Cycle | None:
-    """Return a box that contains the states and is mapped into itself, with the map; None if they are too far."""
+    """Find a box around the orbit's point i that contains the states and is mapped into itself; None if too large."""
     n, turns = len(closing.pieces), 1
     D = once = _derivative(closing, points, i)
     while (shape := _shape(D)) is None:
@@ -160,7 +160,7 @@ def _derivative(closing: ClosingBalls, points: Values, i: int) -> arb_mat:
 
 
 def _shape(D: arb_mat) -> tuple[Fraction, Fraction] | None:
-    """Return the sides of a box that D contracts by MOST_Q at least, the larger side 1, or None."""
+    """Return the sides of a box, the larger one 1, that the matrix D contracts by a factor below MOST_Q; or None."""
     sizes = [[abs(float(D[i, j])) for j in (0, 1)] for i in (0, 1)]
     e = [1.0, 1.0]
     for _ in range(60):  # towards the eigenvector of |D|

@@ -83,7 +83,7 @@ class Proof(NamedTuple):
 
 
 def prove_trajectory(task: ToProve) -> Certificate:
-    """Prove all events of a motion until t_end; see `symosc.certify`."""
+    """Prove all events of a motion until t_end, with more bits where these do not decide; return the certificate."""
     bits, raises = _first_bits(task), 0
     while True:
         with ctx.workprec(bits):
@@ -104,7 +104,7 @@ def prove_trajectory(task: ToProve) -> Certificate:
 
 
 def _first_bits(task: ToProve) -> int:
-    """Return the initial precision: higher for an accurate start and for late times."""
+    """Return the bits to begin with: more for an accurate start and for late times."""
     p, (t0, _, v0) = task.p, task.start
     small = [each for each in (*task.errors, abs(v0 - p.v1), abs(v0 - p.v2)) if each]
     turns = abs(p.Omega * t0) + p.Omega * (task.t_end - t0)
@@ -119,7 +119,7 @@ def _log2(number: Fraction) -> int:
 
 
 def _follow(task: ToProve) -> Proof:
-    """Return the events proven with the working precision."""
+    """Prove events with the working precision until t_end, or up to the first undecided question."""
     mode, events, o = "", [], Oscillator(task.p)
     try:
         state = begin(o, task.start, task.errors)
@@ -132,7 +132,7 @@ def _follow(task: ToProve) -> Proof:
 
 
 def _differentiated(task: ToProve, proof: Proof) -> Proof:
-    """Return a proof with the derivatives that are wanted, or with what is undecided of them."""
+    """Return a proof with the derivatives asked for, or with the reason why one of them is undecided."""
     changes, mode = [], NUMBERS[proof.mode]
     try:
         for name in task.wrt:
@@ -167,13 +167,13 @@ def _events(o: Oscillator, state: Moving, task: ToProve) -> Iterator[tuple[Prove
 
 
 def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof:
-    """Return a proof in which one start within the error grazes, where one for all starts is undecided."""
+    """Prove that some start within the error grazes, where a graze of all starts is undecided; return the new proof."""
     o, before, (boundary, near) = Oscillator(task.p), len(proof.events), graze
     name, place = next((name, place) for name, place in FREE if task.errors[place])
     events: list[ProvenEvent] = []
 
     def arrive(value: Ball) -> Moving:
-        """Return the states after the events before the graze, from one ball of the free number."""
+        """Return the states after the last event before the graze, if the free number of the start lies in a ball."""
         events.clear()
         low, high = exact_ends(value)
         start, errors = list(task.start), list(EXACT)
@@ -205,7 +205,7 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
 def _grazing_interval(
     o: Oscillator, arrive: Callable[[Ball], Moving], boundary: int, given: Fraction, error: Fraction, near: Ball
 ) -> tuple[Fraction, Fraction]:
-    """Return fractions around the free number's value at the graze, by secant steps without proof."""
+    """Estimate, by secants, two fractions with the free number's value for a graze between them; proves nothing."""
     start, reach, points = ball(given), ball(error), []
 
     def sample(value: Ball, near: Ball) -> Ball:

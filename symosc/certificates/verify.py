@@ -250,7 +250,7 @@ class Motion:
         self.amplitude = p[f"v{belt}"] ** 2 if circles and max(self.leaves.values(), default=0) > 1 else amplitude
 
     def at(self, t):
-        """Return z at a time, or an enclosure of it for a ball of times."""
+        """Return the state z at a time, or an enclosure of it for a ball of times."""
         self.problem.step()
         z = (self.mode.M * (t.mid() - self.origin)).exp() * self.z0
         return z if t.is_exact() else (self.mode.M * (t - t.mid())).exp() * z
@@ -288,7 +288,7 @@ class Motion:
             a, h, orders = b, b - a, {}
 
     def zero(self, end, order, found):
-        """Return a sharper enclosure of the zero of f, or of a derivative, in `found` (interval Newton)."""
+        """Narrow the enclosure `found` of the zero of f, or of its derivative, by interval Newton steps."""
         while True:
             step = found.mid() - self.f(end, found.mid())[order] / self.f(end, found)[order + 1]
             check(step.overlaps(found), "where an event is", OPEN)
@@ -297,7 +297,7 @@ class Motion:
                 return found
 
     def moved(self, t, sides):
-        """Return the derivatives of z at a fixed time by the start, times the sides of a set of starts (5 above)."""
+        """Return how z at a fixed time changes with the start, along the sides of a set of starts (5 above)."""
         e, rate = (self.mode.M * (t - self.t)).exp(), self.mode.M * self.first
         # A later start is one at the same time with another x and v.
         return [e * arb_mat([[x - rate[0, 0] * s], [v - rate[1, 0] * s], [0], [0], [0]]) for s, x, v in sides]
@@ -328,7 +328,7 @@ class Motion:
         return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
 
     def around(self, end, row, turn):
-        """Return times around an event, f > 0 at the first and turn * f > 0 at the last; and f there and between."""
+        """Return a ball of times around an event; f at its start (> 0), at its end (turn * f > 0), and over it."""
         low, high = arb(row["t"][0]).lower(), arb(row["t"][1]).upper()
         for _ in range(WIDENINGS):
             first, last = self.f(end, low), self.f(end, high)
@@ -388,7 +388,7 @@ class Motion:
         return self.f(end, found.mid())[0] + self.f(end, found)[1] * (found - found.mid())
 
     def made(self, row, kind, then):
-        """Raise Stop for an event of another kind, or another mode before or after it."""
+        """Raise Stop unless the event stated in a row has this kind and leads from this mode to the mode `then`."""
         found = row["kind"], row["source"], row["target"]
         check(found == (kind, self.mode.number, then), f"{kind}: {MODES[self.mode.number]} to {MODES[then]}")
 
@@ -399,7 +399,7 @@ class Motion:
         return self
 
     def from_centre(self, parts):
-        """Return t and x of the start with these components along the columns."""
+        """Return t and x of the start that lies at `parts` of the columns from the centre."""
         return [
             c + sum((part * column[i] for part, column in zip(parts, self.columns, strict=True)), arb(0))
             for i, c in enumerate(self.centre[:2])
@@ -407,7 +407,7 @@ class Motion:
 
 
 def frame(sides):
-    """Return the sides of a rectangle in the plane of t and x that contains the sum of all sides, along the longest."""
+    """Return two sides of a rectangle, along the longest of the given sides, that contains the sum of all of them."""
     p, q, _ = (each.mid() for each in max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).upper()))
     if p == q == 0:
         p = arb(1)
@@ -471,7 +471,7 @@ def leave(problem, start, errors, until):
 
 
 def about(p, *more):
-    """Describe the subject of a statement."""
+    """Return the parameters, and more facts, as the line that says what a proof is about."""
     return ", ".join([f"{name} = {p[name]}" for name in NAMES] + list(more))
 
 
@@ -584,7 +584,7 @@ def trajectory(data, source, limits):
 
 
 def follow(problem, rows, box, kind=Motion):
-    """Return the motions from a box (middles and half-widths of t and x) at the first event, after every event."""
+    """Return the motions after each event, from a box (middles and half-widths) of t and x at the first event."""
     (t, x), (dt, dx) = box
     belt, mode = rows[0]["boundary"], rows[0]["target"]
     columns, leaves = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))], {belt: 1} if mode < 4 else {}

@@ -228,7 +228,7 @@ class Equation:
         self.critical = not level(self.w) > 32 * level(self.w).rad()  # or nearly so
 
     def free(self, s):
-        """Return C and S (1 above)."""
+        """Return C and S, the free motions from position 1 and from velocity 1, after a time s (1 above)."""
         decay, ws, z = (-self.h * s).exp(), self.w * s, self.square * s * s / 4
         if self.critical:
             return decay * entire(arb(0.5), z), decay * s * entire(arb(1.5), z)
@@ -294,19 +294,19 @@ class Course:
         self.events, self.e, self.turn, self.count = events, e, periods * e.turn, len(events) - 1
 
     def piece(self, i, u, late=0):
-        """Return the motion after event i, its duration, and its end time."""
+        """Return the motion between event i and the next, its duration, and the time at its end."""
         until, t = u[2 * i + 2] if i + 1 < self.count else u[0] + self.turn, u[2 * i]
         return Piece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late), until - t, until
 
     def left(self, i, u, late=0):
-        """Return both components of r after event i."""
+        """Return both residuals r of the motion from event i to the next: of position, and of velocity or force."""
         (piece, s, until), (_, belt, _, target) = self.piece(i, u, late), self.events[i + 1]
         sticks, onto = piece.mode > 3, u[(2 * i + 3) % len(u)]
         x, f = (piece.x + piece.v * s, piece.force(target, s, until)[0]) if sticks else piece.at(s, until)[:2]
         return x - onto, f if sticks else f - self.e.belts[belt]
 
     def r(self, u):
-        """Return r."""
+        """Return the residuals r of all pieces, whose root is an orbit."""
         return [each for i in range(self.count) for each in self.left(i, u)]
 
     def jacobian(self, u):
@@ -410,14 +410,14 @@ class Family:
         self.within(row, self.points, self.all)
 
     def coefficients(self, value, curve, count):
-        """Return so many coefficients of r about a value of the parameter, along a curve given there."""
+        """Return the first `count` Taylor coefficients of r along a curve, about a value of the parameter."""
         ctx.cap = max(ctx.cap, count)
         points = [arb_series(list(each), prec=count) for each in zip(*curve, strict=True)]
         r = self.course(arb_series([value, 1], prec=count)).r(points)
         return [[each[j] for each in r] for j in range(count)]
 
     def newton(self, c, r):
-        """Return c - J^-1 r(c), and prove that c lies in the box."""
+        """Enclose the root by a Newton step, c - J^-1 r(c), and prove that c lies in the box."""
         for each, whole in zip(c, self.box, strict=True):
             require(arb(whole.rad()) - abs(each - whole.mid()), "a curve in the box")
         return (column(c) - self.YJ.solve(self.Y * column(r))).entries()
@@ -434,13 +434,13 @@ class Family:
                 inside(value, ends)
 
     def apart(self, i, earlier):
-        """Return whether event i differs from the first, so many forcing periods later, for all values."""
+        """Return whether event i surely differs from the first one so many forcing periods later, for all values."""
         (t, x), (t0, x0) = self.points[2 * i : 2 * i + 2], self.points[:2]
         return not (t - t0).overlaps(earlier * self.all.e.turn) or not x.overlaps(x0)
 
 
 def families(problem, data, events, row):
-    """Prove a row, in parts of its interval; return the last of them."""
+    """Prove the orbits of a row for all values of its interval, in parts; return the family of the last part."""
     parts, count = [row["value"]], 0
     while parts:
         low, high = parts.pop()

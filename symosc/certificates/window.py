@@ -27,7 +27,7 @@ NO_PHASE, ALL_PHASES, BUT_ONE_PHASE, ON_AN_ARC = "nowhere", "everywhere", "every
 
 
 def prove_window(window: GrazingWindow) -> Certificate:
-    """Prove a grazing window; see `symosc.certify`."""
+    """Prove at which phases a contact of a map grazes; return the certificate of its window."""
     p, place = window.parameters, window.place
     bias, swing = place.side * p.k * p.belt(place.boundary), place.side * p.B0 * p.Omega
     with ctx.workprec(WINDOW_BITS):
@@ -42,7 +42,7 @@ def prove_window(window: GrazingWindow) -> Certificate:
 
 
 def _where(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple[Ball, Fraction, int]]]:
-    """Return where s = bias + swing sin(theta) > 0, and the ends: the phase, its sine, and its cosine's sign.
+    """Return on which phases s = bias + swing sin(theta) is > 0, and each end: phase, its sine, and its cosine's sign.
 
     An arc goes up from its first end to its second.
     """
