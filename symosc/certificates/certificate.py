@@ -23,7 +23,7 @@ STARTS = ("t0", "x0", "v0")
 
 
 def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
-    """Return by which numbers derivatives can be enclosed, if nothing touches and no force is 0 at the start."""
+    """Return the numbers by which derivatives can be enclosed, if no event is a graze and no force 0 at the start."""
     belts = {f"v{n}" for n in (1, 2) if v0 == p.belt(n)}
     left_out = belts | ({"v0"} if belts else set())
     left_out |= (
@@ -104,7 +104,7 @@ def confirmed(certificate: Certificate) -> Certificate:
 
 
 def events_of(rows: Sequence[Record]) -> tuple[Any, ...]:
-    """Return rows of a file as `Certificate.events`."""
+    """Convert event rows of a file to tuples of kind, source, target, both ends of t and both ends of x."""
     return tuple((row["kind"], row["source"], row["target"], tuple(row["t"]), tuple(row["x"])) for row in rows)
 
 

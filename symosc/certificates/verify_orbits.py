@@ -347,7 +347,7 @@ class Course:
         return found
 
     def prove(self, u, stable, problem):
-        """Prove 6 above for all roots in u, and that they are stable (2)."""
+        """Prove all margins (6 above) for all roots in u, and, if `stable`, that both multipliers are inside 1 (2)."""
         period, D, J = arb_mat([[1, 0], [0, 1]]), arb(1), self.jacobian(u)
         for i in range(self.count):
             for margin in self.margins(i, u):

@@ -84,7 +84,7 @@ def bind(
     wrap: Callable[[Any], Any] | None = None,
     literal: Callable[[float], Any] | None = None,
 ) -> dict[str, Any]:
-    """Return copies of the functions of `modules` that see `replaced` and each other, not their modules' globals.
+    """Copy the functions of `modules` so that they use `replaced` and each other in place of their modules' globals.
 
     `wrap` is applied to every copy, such as ``numba.njit``. `literal` converts the floats that stand in the
     source, once: such as 0.5 and the limits with a name. A name in `replaced` must be one that the functions could see.
@@ -124,7 +124,7 @@ def compile_modules(
     literal: Callable[[float], Any] | None = None,
     beside: Iterable[types.ModuleType] = (),
 ) -> dict[str, Any]:
-    """Return the functions of `modules` compiled by numba: each when it is first called, and kept on disk.
+    """Compile the functions of `modules` by numba, each when it is first called; the code is kept on disk.
 
     Not every caller gets a copy of its own of the functions `outlined`, None for all. `callees` are compiled functions
     that stand for those of the same name; those that no module sees are left out. `replaced` and `literal` are as in
@@ -181,7 +181,7 @@ _ON_DISK: dict[tuple[str, str], tuple[bool, float]] = {}
 
 
 def converted(value: Any, number: Callable[[Any], Any]) -> Any:
-    """Return a value with `number` applied to it, or to the entries of a tuple of any depth."""
+    """Apply `number` to a value, or to the entries of a tuple of any depth."""
     if not isinstance(value, tuple):
         return number(value)
     entries = [converted(entry, number) for entry in value]
@@ -189,7 +189,7 @@ def converted(value: Any, number: Callable[[Any], Any]) -> Any:
 
 
 def product_and_zero(a, b):
-    """Return (a b, 0): the form of `symosc.kernels.double_double.two_product` for numbers other than doubles."""
+    """Return a b and the rounding error 0, in place of the exact product of doubles (`two_product`)."""
     return a * b, 0.0 * a
 
 
@@ -280,7 +280,7 @@ def compiled() -> dict[str, Any]:
 
 
 def compiled_with(width: int) -> dict[str, Any]:
-    """Return what `compiled` returns, for a number of lanes."""
+    """Return the functions for doubles compiled by numba, with so many lanes side by side."""
     try:
         from symosc.kernels import lane_types
         from symosc.kernels.borrowed import borrowed
@@ -456,7 +456,7 @@ def greatest(a, b):
 
 
 def _pair_constants() -> dict[str, Any]:
-    """Return the constants of the source as pairs."""
+    """Return the module constants of the engine's source (EPS, PI, ...) as pairs."""
     from symosc.kernels.pairs import Pair
 
     two_pi = 2 * mp_context(70).pi
@@ -522,7 +522,7 @@ def pairs_are_compiled() -> bool:
 
 
 def pairs_are_loaded() -> bool:
-    """Return whether this process has called the loops of `compiled_pairs`, or has those of doubles and finds them."""
+    """Return whether the loops of pairs are compiled, in a process that has already used those of doubles."""
     if not compiled.cache_info().currsize or not compiled()["follow_all"].overloads:
         return False
     return pairs_are_compiled()

@@ -122,7 +122,7 @@ def event_buffer(events: int) -> EventRows:
 
 
 def rows_between(rows: EventRows, begin: int, end: int) -> EventRows:
-    """Return a slice of the rows, without a copy."""
+    """Return the rows of an event buffer from `begin` to before `end`, without a copy."""
     return EventRows(rows.floats[:, begin:end], rows.ints[:, begin:end])
 
 
@@ -132,22 +132,22 @@ def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
 
 
 def borrowed(array):
-    """Return an array; compiled code gets it without reference counts (`symosc.kernels.borrowed`)."""
+    """Return the array itself; compiled code gets a view of it whose references numba does not count."""
     return array
 
 
 def borrowed_batch(batch):
-    """Return a batch, borrowed."""
+    """Return a batch with its arrays borrowed: in compiled code numba does not count their references."""
     return Batch(borrowed(batch.states), borrowed(batch.sets), borrowed(batch.counts), borrowed(batch.codes))
 
 
 def borrowed_rows(out):
-    """Return a buffer of events, borrowed."""
+    """Return a buffer of events with its arrays borrowed: in compiled code numba does not count their references."""
     return EventRows(borrowed(out.floats), borrowed(out.ints))
 
 
 def borrowed_tally(tally):
-    """Return tallies, borrowed."""
+    """Return tallies with their arrays borrowed: in compiled code numba does not count their references."""
     asked, floats, ints, sections, words, labels, flights = tally
     texts, flights = borrowed(labels), borrowed(flights)
     return Tally(asked, borrowed(floats), borrowed(ints), borrowed(sections), borrowed(words), texts, flights)
@@ -254,13 +254,13 @@ def is_inexact(t, t_error, x, x_error, t0, accuracy):
 
 
 def end_by_phase(row, K):
-    """Return t_end in two parts, on the clock of doubles (`symosc.engine.flow.clock_time`), and t0 of a row."""
+    """Return t_end in two parts, as doubles count the time by the phase, and t0, from a batch row."""
     t_end, t0 = float(row[13]), float(row[15])
     return t_end, float(row[14]) - (t_end - t0) * K.Om_gain, t0
 
 
 def searched(state, row, K):
-    """Return the next event (NextEvent) of a state, up to the end time in a row of a batch."""
+    """Find the next event of a state up to the end time in a batch row; return a NextEvent."""
     t_end, t_end_low, _ = end_by_phase(row, K)
     return advance(state, t_end, t_end_low, K)
 
@@ -274,12 +274,12 @@ def search_row(states, table):
 
 
 def open_free_time(found, state, K):
-    """Return the time during which a flight from a state meets no wall, where the event found is open; else 0."""
+    """Return how long a flight surely meets no wall, if the contact found is undecided; else 0."""
     return free_time(state, K) if found.boundary > 0 and not found.decided else 0.0
 
 
 def doubt_row(states, count, most, accuracy, table):
-    """Return `next_undecided` for the state in the first row, which follows `count` events."""
+    """Return the number of the next event that doubles cannot decide, from the state in the first row; 0: none soon."""
     return next_undecided(state_of(states, 0), count, states[0], most, accuracy, table[0])
 
 
@@ -335,7 +335,7 @@ def from_complex(value):
 
 
 def first_pairs(pairs, K):
-    """Complete rows of starts (mode, at, theta, x, v and times given); no force on a belt may be 0."""
+    """Fill in forces, velocity, sine and cosine, and errors of starts in pairs; no force on a belt may be 0."""
     K = from_complex(K)
     for i in range(pairs.shape[0]):
         mode, at, theta = int(pairs[i, 0]), int(pairs[i, 1]), float(pairs[i, 3])
@@ -432,7 +432,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
 
 
 def in_doubles(state, t0, K):
-    """Round a state of pairs to doubles, with constants K in doubles, as `symosc.engine.start.rounded` does."""
+    """Round a state of pairs to doubles, and add the rounding to its covariance; K are constants in doubles."""
     x, v, t, S = state.x.hi, state.v.hi, state.t.hi, state.S
     S11, S12, S22 = rounded_covariance(state.at, x, v, S.S11.hi, S.S12.hi, S.S22.hi)
     t_low = ((state.t - t) + state.t_low).hi - (t - t0.hi) * K.Om_gain

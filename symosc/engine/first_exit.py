@@ -95,7 +95,7 @@ MOST_STALLS = 30  # short steps on which no minimum of the gap was found ahead, 
 
 
 def fourth_derivative_bound(G2, G3, s, c, K):
-    """Return M4 >= |v''''| from here on if K.steady, else over the next 1/Omega."""
+    """Return a bound M4 of |v''''|: for all later times if K.steady, else over the next 1/Omega."""
     if not K.steady:
         return sqrt(G3 * G3 + K.w0sq * G2 * G2) + abs(K.fB) * K.Om * K.Om
     Om3 = K.Om * K.Om * K.Om
@@ -105,7 +105,7 @@ def fourth_derivative_bound(G2, G3, s, c, K):
 
 
 def positive_on(s, P):
-    """Return whether the Bernstein coefficients prove p0 + p1 s + ... + p4 s^4 > 0 on [0, s]."""
+    """Return whether p0 + p1 s + ... + p4 s^4 > 0 on [0, s], which positive Bernstein coefficients prove."""
     p0, p1, p2, p3, p4 = P
     t1, t2, t3 = p1 * s, p2 * s * s, p3 * s * s * s
     if p0 <= 0.0 or p0 + 0.25 * t1 <= 0.0 or p0 + 0.5 * t1 + SIXTH * t2 <= 0.0:
@@ -176,7 +176,7 @@ def gap_bound(side, now, M4, margin, walls):
 
 
 def is_near(root, P, degree, M4, size, K):
-    """Return (near, close, deep): root isolated, root within NEAR/rate, gap clearly negative behind it.
+    """Return three flags of a root: it is isolated, it is within NEAR/rate, and the gap is clearly negative behind it.
 
     One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its sign
     up to there and over what makes up for `missing` (Kantorovich).
@@ -214,7 +214,7 @@ def local_root(over, F, G1, G2, G3, resolution):
 
 
 def root_by_series(over, F, G1, G2, G3):
-    """Return the root of `local_root` from the inverted series, and a bound of what is missing."""
+    """Return the root near 0 of the Taylor polynomial of a gap by its inverted series, and a bound of the error."""
     inverse = 1.0 / F
     linear = over * inverse
     B, W = 0.5 * G1 * inverse * linear, SIXTH * G2 * inverse * linear * linear
@@ -223,7 +223,7 @@ def root_by_series(over, F, G1, G2, G3):
 
 
 def newton_root(s, over, F, G1, G2, G3, resolution):
-    """Return the root of `local_root` by Newton steps from `s` on."""
+    """Return the root near `s` of the Taylor polynomial of a gap by Newton's method; FAR if it does not converge."""
     for _ in range(MOST_NEWTON):
         slope = F + (G1 + (0.5 * G2 + SIXTH * G3 * s) * s) * s
         if slope == 0.0:
@@ -250,7 +250,7 @@ class Marched(NamedTuple):
 
 
 def march(tau_max, v0, now, walls, margin, K):
-    """Skip whole fixed steps without a contact: the bound of `first_exit` at a fraction of its cost.
+    """Go ahead in fixed steps that certainly meet no wall, without evaluating exp, sin or cos.
 
     Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
     so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
@@ -299,7 +299,7 @@ def march(tau_max, v0, now, walls, margin, K):
 
 
 def free_motion(v0, now, walls, margin, K):
-    """Return velocity and acceleration of the transient, the slack of gaps, and which walls are out of its reach."""
+    """Return v and acceleration of the transient, the slack that gaps must exceed, and which walls it cannot reach."""
     v_free, F_free = v0 - (K.Ss * now.s + K.Sc * now.c), now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
     # The steady amplitude and the energy of the transient bound v: walls beyond that do not count.
@@ -311,7 +311,7 @@ def free_motion(v0, now, walls, margin, K):
 
 
 def marched(v_free, F_free, v0, now, M, K):
-    """Return velocity and acceleration of the transient, and the point of a flight, after one fixed step."""
+    """Advance a flight by one fixed step; return v and acceleration of its transient, and its new point."""
     v_next, F_next = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
     s, c = M.c * now.s + M.s * now.c, M.c * now.c - M.s * now.s
     dv, F = v_next + (K.Ss * s + K.Sc * c) - v0, F_next + K.Om * (K.Ss * c - K.Sc * s)
@@ -320,12 +320,12 @@ def marched(v_free, F_free, v0, now, M, K):
 
 
 def lifted(h, M4, slack):
-    """Return what the middle coefficient of a gap must exceed in a step of length h (`is_free`)."""
+    """Return the bound that the middle Bernstein coefficient of a gap must exceed in a step of length h."""
     return 0.25 * SIXTH * SIXTH * (h * h) * (h * h) * M4 + slack
 
 
 def whole(now, v0, K):
-    """Return a point of a flight with all its derivatives; at the launch, exact zeros stay exact."""
+    """Complete a point of a flight by its derivatives; the launch stays as it is, so that exact zeros stay exact."""
     if now.tau == 0.0:
         return now
     tau, dx, dv, F, _, _, _, s, c, E0, E1, E2 = now
@@ -355,20 +355,20 @@ def is_free(side, now, there, lift, slack, walls):
 
 
 def stays_open(g0, d0, g1, d1, lift, slack):
-    """Return whether a gap is positive all over a step (`is_free`)."""
+    """Return whether a gap is positive all over a step, by its values and slopes at both ends (see `is_free`)."""
     ends = (g0 > slack) & (g0 + 0.25 * d0 > slack) & (g1 > slack) & (g1 - 0.25 * d1 > slack)
     return ends & (0.5 * (g0 + g1) + SIXTH * (d0 - d1) > lift)
 
 
 def opens(d0, b0, g1, d1, lift, slack):
-    """Return whether a gap is positive all over a step that starts on the wall (`is_free`)."""
+    """Return whether a gap that is 0 at the start of a step is positive over the rest of it (see `is_free`)."""
     steep = (d0 >= 0.0) & (g1 - 0.25 * d1 > slack) & (0.5 * g1 + SIXTH * (d0 - d1) > lift)
     flat = (d0 == 0.0) & (b0 >= 0.0) & (0.125 * b0 + 0.25 * g1 > 1.5 * lift)
     return (g1 > slack) & (steep | flat)
 
 
 def meets_once(side, now, there, M4, slack, walls):
-    """Return whether a gap is certainly positive at one point, negative at the next, and 0 exactly once between.
+    """Return whether a gap is certainly positive at `now`, negative at `there`, and 0 exactly once between them.
 
     It is if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1, keeps its sign.
     """
@@ -387,7 +387,7 @@ def meets_once(side, now, there, M4, slack, walls):
 
 
 def tolerance(now, start_gap, start, S, K):
-    """Return the error bound of a gap on a flight: rounding, and the error `S` propagated from its launch."""
+    """Return the error bound of a gap at a point of a flight: rounding, and the launch error S carried along."""
     pull = -K.w0sq * now.E1
     variance = pull * pull * S.S11 + 2.0 * pull * now.E0 * S.S12 + now.E0 * now.E0 * S.S22
     rounding = ROUNDING * EPS * (velocity_scale(now.tau, start.v, start.F, K) + start_gap)
@@ -395,7 +395,7 @@ def tolerance(now, start_gap, start, S, K):
 
 
 def closest_approach(tau, earliest, side, M4, start, walls, S, K):
-    """Return (verdict, tau_min): a minimum of the gap near `tau`, later than `earliest`, by Newton's method.
+    """Find the minimum of a gap near `tau`, but after `earliest`, by Newton's method; return its verdict and its time.
 
     NOTHING: the gap is positive up to tau_min. HIT: it is negative at tau_min. TANGENCY: it is 0 there within its
     error, and not for good; LOST: for good. STALLED: no minimum was found nearby, or the way to it is not proven free.
@@ -445,7 +445,7 @@ def stays_closed(tau, side, start, walls, S, K):
 
 
 def closed_side(now, thin, start, walls, S, K):
-    """Return the side of a wall at which the gap is 0 within its error for a while; else 0."""
+    """Return the side (-1, 1) of a wall to which the gap is 0 within its error for a while; 0 if there is none."""
     below, above, away = walls.below + now.dv, walls.above - now.dv, now.tau > 0.0
     thin_below = walls.has_below and below * below < thin and (away or not walls.on_below)
     thin_above = walls.has_above and above * above < thin and (away or not walls.on_above)
@@ -460,7 +460,7 @@ def closed_side(now, thin, start, walls, S, K):
 
 
 def first_exit(tau_max, start, walls, S, K):
-    """Return the first contact of a flight with a wall within tau_max, a `FlightEnd`.
+    """Find the first contact of a flight with a wall within the time tau_max; return a `FlightEnd`.
 
     Its code is NOTHING (at tau_max), HIT, TANGENCY or STALLED. A contact is returned even if the last correction moved
     it past tau_max. `start` is a Launch, `walls` are Walls, S is the Covariance of the errors of the start.
@@ -477,7 +477,7 @@ def first_exit(tau_max, start, walls, S, K):
 
 
 def search_begin(tau_max, start, walls, S, K):
-    """Return the point from which a search along a flight begins, whether it is behind a flat start, thin and margin.
+    """Return where the search along a flight begins, whether its start is flat, the limit of thin gaps, and the margin.
 
     A gap whose square is below `thin` is compared with its error. The margin is what the error of the start can do to a
     gap; where that is less than rounding, `tolerance` includes it.
@@ -502,7 +502,7 @@ def search_begin(tau_max, start, walls, S, K):
 
 
 def behind_flat_start(tau_max, G2, G3, start, K):
-    """Return a point of a flight that has no other root before it, for a gap that starts as tau^4."""
+    """Return a point of a flight up to which a gap that starts as tau^4 has no other root."""
     Om4 = K.Om * K.Om * K.Om * K.Om
     fifth = fifth_derivative(G3, G2, start.c, K)
     if K.steady:
@@ -517,7 +517,7 @@ def behind_flat_start(tau_max, G2, G3, start, K):
 
 
 def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
-    """Return the first contact from `now` on by safe steps, where marching was undecided."""
+    """Find the first contact from the point `now` on by safe steps, where fixed steps were undecided."""
     code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
     crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
     for _ in range(MOST_STEPS):
@@ -573,7 +573,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
 
 
 def nearest_root(cap, now, M4, margin, walls):
-    """Return (side, step, root, P, degree) of the wall that allows the shorter safe step."""
+    """Return side, safe step, root, bound P and its degree for the wall that allows the shorter safe step."""
     side = -1 if walls.has_below else 1
     P, degree = gap_bound(side, now, M4, margin, walls)
     step, root = safe_step(cap, P)
@@ -588,7 +588,7 @@ def nearest_root(cap, now, M4, margin, walls):
 
 
 def graze_ahead(now, side, step, M4, start, walls, S, K):
-    """Return the result of `closest_approach`; STALLED if the other wall may be met earlier."""
+    """Find the next minimum of the gap to one wall, with its verdict; STALLED if the other wall may be met earlier."""
     verdict, tau_min = closest_approach(now.tau, now.tau, side, M4, start, walls, S, K)
     reach = tau_min - now.tau
     if walls.has_below and walls.has_above and verdict != STALLED and reach > step:
@@ -621,7 +621,7 @@ def part_to_root(now, there, side, walls):
 
 
 def sharpened(root, side, now, walls, K):
-    """Refine a root estimate by one step of Halley's method on a polynomial of degree five.
+    """Refine the estimated time of a root by one step of Halley's method on a polynomial of degree five.
 
     So one evaluation of the flow is enough to make it exact. The root is counted from `now`.
     """
@@ -639,7 +639,7 @@ def sharpened(root, side, now, walls, K):
 
 
 def polish(tau, low, high, side, start, walls, K):
-    """Return the contact in [low, high], refined from `tau` by roots of local polynomials of the exact flow.
+    """Refine the time `tau` of a contact in [low, high] to full precision, by roots of local polynomials.
 
     The gap is positive at `low`. A step that leaves the bracket is replaced by halving it; it narrows. Mostly the first
     point is near enough.
@@ -663,7 +663,7 @@ def polish(tau, low, high, side, start, walls, K):
 
 
 def shifted(now, shift, v0, K):
-    """Return a point of a flight moved by a time so short that Taylor's formula has full precision."""
+    """Move a point of a flight by a time so short that Taylor's formula has full precision."""
     _, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = now
     square = shift * shift
     dx = dx + ((v0 + dv) * shift + square * ((0.5 * F + SIXTH * G1 * shift) + square * (0.25 * SIXTH * G2)))
@@ -677,13 +677,13 @@ def shifted(now, shift, v0, K):
 
 
 def gain(tau, s0, c0, belt, K):
-    """Return Delta at tau, accurate for small tau, and the phase's sine and cosine; s0, c0: at the start."""
+    """Return the gain Delta of the forces on a belt at tau after a stick began, and sine and cosine of the phase."""
     half = 0.5 * K.Om * tau
     return gained(tau, sin(half), cos(half), s0, c0, belt, K)
 
 
 def gained(tau, s, c, s0, c0, belt, K):
-    """Return what `gain` does from sine and cosine of half the phase gained."""
+    """Return the gain Delta of the forces, and sine and cosine of the phase, given those of half the phase gained."""
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
     Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
     s_Om, c_Om = 2.0 * s * c, 1.0 - 2.0 * s * s
@@ -691,7 +691,7 @@ def gained(tau, s, c, s0, c0, belt, K):
 
 
 def slopes(s, c, belt, K):
-    """Return Delta' and Delta'' at a phase."""
+    """Return Delta' and Delta'', the first two derivatives of the forces on a belt, at a phase."""
     return belt.drift - K.fB * s, -K.fB * K.Om * c
 
 
@@ -705,13 +705,13 @@ def wrapped(angle):
 
 
 def ahead(angle):
-    """Return the distance in [0, 2 pi) to a phase ahead; one within rounding counts as passed."""
+    """Return the distance in [0, 2 pi) to a phase ahead; a phase that is reached within rounding counts as passed."""
     angle = wrapped(angle)
     return 0.0 * angle if angle < SAME_PHASE * EPS or 2.0 * PI - angle < SAME_PHASE * EPS else angle
 
 
 def belt_exit(tau_max, held, belt, K):
-    """Return the end of a stick within `tau_max` <= one forcing period, a `StickEnd`.
+    """Find the end of a stick within `tau_max` (at most one forcing period); return a `StickEnd`.
 
     `held` is the State at its beginning, with F^(below) >= 0 >= F^(above). NOTHING: the stick lasts (Delta at tau_max).
     HIT: it ends at tau into the domain below (side -1) or above (+1), where Delta has `slope` and `bend`. TANGENCY: a
@@ -760,7 +760,7 @@ def force_noise(F_below, tau, S11, belt, K):
 
 
 def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
-    """Return the only root of force + Delta in [low, high], where Delta is monotone; see `belt_exit`.
+    """Find the end of a stick between `low` and `high`: the only root there of force + Delta, which is monotone.
 
     Delta, s and c are those at `low`. Steps to the root of the local parabola (Euler's method, which needs no slope),
     corrected for the third derivative, and `local_root` from nearby. Halving when a step leaves the bracket or the

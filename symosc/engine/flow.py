@@ -193,18 +193,18 @@ def constants(
 
 
 def with_march(K: Constants, basis: Callable[[Number, Constants], tuple[Number, ...]]) -> Constants:
-    """Return K with the constants for marching, from the entire functions at one step and at one stride."""
+    """Return the constants K with those for fixed steps, from the entire functions at one step and at one stride."""
     march, stride = (MarchConstants(*march_constants(step, basis(step, K), K)) for step in march_steps(K))
     return K._replace(march=march, stride=stride)
 
 
 def march_steps(K):
-    """Return a step of the march and a stride."""
+    """Return the lengths of the fixed steps along a flight: of a usual step and of a stride, a longer one."""
     return MARCH_STEP / K.rate, (SLOW_STRIDE if K.rate > SLOW * K.Om else STRIDE) / K.rate
 
 
 def march_rows(table, out):
-    """Write the constants for marching of each row of a table into `out`, (rows, 2, fields): steps and strides."""
+    """Write the constants for fixed steps of each parameter set of a table into `out`, (rows, 2, fields)."""
     for i in range(out.shape[0]):
         K = table[i]
         for which in range(2):
@@ -215,13 +215,13 @@ def march_rows(table, out):
 
 
 def march_constants(step, functions, K):
-    """Return the entries of MarchConstants, from the entire functions at one step."""
+    """Return the fields of a MarchConstants, from a step's length and the entire functions there."""
     E0, E1, E2, _, _, s, c = functions
     return step, 1 - K.w0sq * E2, E1, -K.w0sq * E1, E0, s, c
 
 
 def _period_rest(period: float, Om: float) -> Fraction:
-    """Return 2 pi/Om - period for two doubles."""
+    """Return 2 pi/Om - period, the rounding of the period, for two doubles."""
     two_pi = Fraction(2.0 * pi) + Fraction(2.4492935982947064e-16)
     return (two_pi - exactly(Om) * exactly(period)) / exactly(Om)
 
@@ -258,7 +258,7 @@ def constant_force(domain, K):
 
 
 def friction_signs(domain):
-    """Return the signs with which mu1 FN and mu2 FN belong to A_alpha."""
+    """Return the signs of mu1 FN and mu2 FN in A_alpha, the constant force of a domain."""
     return (1.0 if domain == 1 else -1.0), (-1.0 if domain == 3 else 1.0)
 
 
@@ -270,7 +270,7 @@ def speeds_around(domain, K):
 
 
 def state_at(tau, start, K):
-    """Return the flight (`Flown`) at `tau` after its launch `start`."""
+    """Return the state of a flight (`Flown`) at `tau` after its launch, with its first derivatives."""
     v0, F0, s0, c0 = start
     E0, E1, E2, R2, I2, s_Om, c_Om = basis(tau, K)
     dx, dv, F = motion(v0, F0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
@@ -283,7 +283,7 @@ def state_at(tau, start, K):
 
 
 def turned(s, c, angle):
-    """Return the sine and cosine of a phase that goes on by a small angle, by Taylor's formula."""
+    """Return sine and cosine of a phase moved by a small angle, by Taylor's formula."""
     half = 0.5 * angle
     sixth = SIXTH * angle * angle
     last = 0.25 * angle * sixth
@@ -322,7 +322,7 @@ def fifth_derivative(G3, G2, c, K):
 
 
 def velocity_scale(tau, v0, F0, K):
-    """Return the size of the terms whose sum v - v0 is, `tau` after a start: what its rounding error is measured by.
+    """Return the size of the terms that add up to v - v0 at `tau` after a start: the scale of its rounding error.
 
     Not the terms themselves: they come back to 0 after a period of a free oscillation, their errors do not.
     """

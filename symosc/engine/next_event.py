@@ -149,7 +149,7 @@ def past_end(tau_max, remaining):
 
 
 def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
-    """Return the end of a search, continued until the flight is not near a wall.
+    """Continue the search along a flight until it ends apart from all walls; return its end.
 
     Two searches must not meet where a belt is: each would leave a touch there to the other.
     """
@@ -169,7 +169,7 @@ def ends_beside_wall(state, now, K):
 
 
 def after_flight(state, end, start, remaining, K):
-    """Return the event at the end of a flight from `state`, from its `start` and the search result; see `advance`."""
+    """Return the NextEvent at the end of a flight from `state`, given its launch and the search result."""
     mode, at, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = state
     if end.now.tau > remaining and end.code != STALLED:
         end = FlightEnd(NOTHING, 0, point_at_end(remaining, start, K))
@@ -205,7 +205,7 @@ def point_at_end(remaining, start, K):
 
 
 def no_contact(state, there, now, remaining, K):
-    """Return the end of a flight from `state` at `there` (Flown) without a contact; see `advance`."""
+    """Return the NextEvent of a flight from `state` that has met no wall: END, REST or MOVED, at `there`."""
     mode, _, n, theta, x, v, F, _, S, t, t_low, _, _, theta_low = there
     if now.tau >= remaining:
         return NextEvent(END, 0, True, 0.0, there)
@@ -218,7 +218,7 @@ def no_contact(state, there, now, remaining, K):
 
 
 def never_leaves(start, S, lower, upper, domain, K):
-    """Return whether v stays between two speeds forever, from the amplitude of steady motion and transient.
+    """Return whether v stays between two speeds forever, by the amplitudes of the steady motion and the transient.
 
     `lower` and `upper` are the speeds of the belts around the domain, -inf and inf where there is none; S is the
     covariance of the errors of `start`, a Launch.
@@ -241,7 +241,7 @@ def never_leaves(start, S, lower, upper, domain, K):
 
 
 def creeps_for_ever(state, K):
-    """Return whether a flight without drive and oscillation (K.creeps) never meets a wall; see the module."""
+    """Return whether a flight without drive and oscillation never meets a wall, however close it comes."""
     mode, v, F, S = state.mode, state.v, state.Fb, state.S
     terms = abs(constant_force(mode, K)) + abs(K.w0sq * state.x) + (K.cm - K.l2) * abs(v)
     noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S.S11) + (K.cm - K.l2) * sqrt(S.S22))
@@ -279,7 +279,7 @@ def flight_noise(state, now, K):
 
 
 def carried_error(S, now, x_noise, v_noise, K):
-    """Return the covariance of (x, v) at `now` (Flown), propagated from the covariance S at the launch.
+    """Carry the covariance S of (x, v) from the launch of a flight to the point `now`, and add rounding errors.
 
     Perturbations obey the unforced equation in every domain, so the entire functions carry them: dx gains E1 dv,
     dv gains -(k/m) E1 dx. The rounding errors of the step are added.
@@ -348,7 +348,7 @@ def meet_belt(there, end, v_noise, remaining, K):
 
 
 def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
-    """Return the graze at a contact `tau` after the start of a flight, with the acceleration's derivatives."""
+    """Return the NextEvent of a graze, at a contact `tau` after launch; G1, G2, G3: the acceleration's derivatives."""
     mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
     if F * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind
         shift = min(-F / G1, remaining - tau)
@@ -364,7 +364,7 @@ def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
 
 
 def resolve(v, F_below, F_above, s, c, K):
-    """Return the continuation from a point of a boundary: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4 and 5).
+    """Return where a motion goes on from a point of a boundary: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4, 5).
 
     F_below - F_above = 2 mu FN/m >= 0 always, so the flow cannot leave on both sides at once.
     """
@@ -400,7 +400,7 @@ def following_sign(v, F, s, c, K):
 
 
 def after_stick(state, end, remaining, K):
-    """Return the event at the end of a stick from `state`, given the search result; see `advance`."""
+    """Return the NextEvent at the end of a stick from `state`, given the search result."""
     mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, _, _, theta_low = state
     boundary, zero = mode - ON_BELT, 0.0 * Fb
     belt = K.belt1 if boundary == 1 else K.belt2
@@ -436,7 +436,7 @@ def after_stick(state, end, remaining, K):
 
 
 def later(n, theta, theta_low, tau, K):
-    """Return the phase `tau` later in two parts, so that rounding errors do not accumulate in the time."""
+    """Advance a phase by the time `tau`; return periods and phase in two parts, so that rounding does not add up."""
     if tau == K.period:  # exactly
         return n + 1, theta, theta_low
     theta, theta_low = phase_after(theta, theta_low, tau, K)
@@ -451,7 +451,7 @@ def later(n, theta, theta_low, tau, K):
 
 
 def phase_after(theta, theta_low, tau, K):
-    """Return a phase `tau` later in two parts, without taking away turns."""
+    """Advance a phase by the time `tau`; return it in two parts, with whole turns not taken away."""
     turn = K.Om * tau
     total = theta + turn
     part = total - theta
@@ -461,7 +461,7 @@ def phase_after(theta, theta_low, tau, K):
 
 
 def in_two_parts(theta, theta_low):
-    """Return a phase as the nearest number and the rest; below 0, by the rest of 2 pi, as 0 and the rest."""
+    """Normalise a phase in two parts: the nearest number and the rest; slightly below 0, as 0 and the rest."""
     total = theta + theta_low
     theta_low = theta_low - (total - theta)
     return select(total < 0.0, 0.0 * total, total), select(total < 0.0, theta_low + total, theta_low)
@@ -485,13 +485,13 @@ def passing_time(error, first, second, third, K):
 
 
 def passes_at_once(error, speed, second, third):
-    """Return whether the first derivative alone says within which time a quantity passes 0."""
+    """Return whether the first derivative alone determines how long a quantity with an error may take to pass 0."""
     limit = 1e-3 * speed * speed
     return (error * abs(second) < limit) & (error * error * abs(third) < limit * speed)
 
 
 def slow_passing_time(error, first, second, third, K):
-    """Return the `passing_time` if the first derivative alone is not sufficient."""
+    """Return how long a quantity with an error may take to pass 0, where its higher derivatives count too."""
     best = 1.0 / K.Om
     if error == 0.0:
         return 0.0 * best
@@ -516,7 +516,7 @@ def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
 
 
 def advance_near(state, rough, found, free, t_end, t_end_low, K):
-    """Advance as `advance` does, from the same state, near the result already found in doubles.
+    """Advance a state to its next event with many digits, near the result that doubles have already found.
 
     Doubles decide by more than the rounding of their start and their own. Where they are sure which contact is the
     first and how it is met, many digits would find the same one. So these begin at its time, take a step of Newton's
@@ -555,7 +555,7 @@ def advance_near(state, rough, found, free, t_end, t_end_low, K):
 
 
 def free_time(state, K):
-    """Return a time during which a flight certainly meets no wall: that of its march, 0 where there is none."""
+    """Return a time during which a flight certainly meets no wall, by fixed steps; 0 where these are not possible."""
     if state.mode > ON_BELT or not K.apart:
         return 0.0 * state.v
     start, walls = launched(state, K)
@@ -564,7 +564,7 @@ def free_time(state, K):
 
 
 def contact_at_dip(tau, free, side, start, walls, S, K):
-    """Return the contact of a gap that dips below 0 near `tau`, if it is surely the first one; STALLED if not.
+    """Find the contact where a gap dips below 0 near `tau`, if it is surely the first contact; else STALLED.
 
     It is if the polynomial bound of the gap to each wall, taken backward from it, is positive as far as the flight is
     not known to be `free`.
@@ -605,7 +605,7 @@ def contact_at_dip(tau, free, side, start, walls, S, K):
 
 
 def contact_near(tau, uncertainty, side, start, walls, K):
-    """Return the contact with the wall on a side within `uncertainty` of `tau`; STALLED if there is none."""
+    """Find the contact with the wall on a side within `uncertainty` of the time `tau`; STALLED if there is none."""
     first = tau
     now = state_at(tau, start, K)
     for _ in range(MOST_CORRECTIONS):
@@ -621,7 +621,7 @@ def contact_near(tau, uncertainty, side, start, walls, K):
 
 
 def slip_near(tau, uncertainty, side, held, belt, K):
-    """Return the end of a stick within `uncertainty` of `tau`; STALLED if there is none."""
+    """Find the end of a stick within `uncertainty` of the time `tau`; STALLED if there is none."""
     first, force = tau, held.Fa if side > 0 else held.Fb
     Om2 = K.Om * K.Om
     for _ in range(MOST_CORRECTIONS):

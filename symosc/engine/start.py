@@ -80,7 +80,7 @@ class BeltStart(NamedTuple):
 
 
 def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, allowed: Number = 0) -> BeltStart:
-    """Return the continuation of a motion from a point of a belt, in the given arithmetic.
+    """Decide how a motion goes on from a point of a belt (Theorems 4 and 5), in the given arithmetic.
 
     A force that is not larger than `allowed` is 0: then its first G-function that does not vanish decides.
     """
@@ -106,7 +106,7 @@ def belt_state(
 def start_rows(
     at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, times: Sequence[Any], K: Any
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return batch rows for many starts, some of them on a belt (`at` > 0): `belt_start` for columns.
+    """Return batch rows for many starts, some on a belt (`at` > 0), where the forces decide how each goes on.
 
     `times` are t, t_low, t_end, t_end_low and t0, and K may be columns of constants by name. Also return where a force
     on the belt is so small that doubles do not decide.
@@ -133,7 +133,7 @@ def force_terms(boundary: int, x: Number, K: Constants) -> Number:
 
 
 def first_state(start: Start, arithmetic: Arithmetic) -> State:
-    """Return the state at t0, with periods counted from there.
+    """Return the initial state of a motion; its periods of the drive are counted from t0.
 
     On a belt the forces decide where it goes (`belt_start`). Where one of them may be 0 that is decided with more
     digits than the numbers of the problem have together: at t0 = 0 the forces are rational, and so this is exact. A
@@ -170,14 +170,14 @@ def sine_and_cosine(theta: Number, arithmetic: Arithmetic) -> Phase:
 
 
 def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
-    """Return the largest change of the forces on a belt that the error of the start allows."""
+    """Return the largest change of the forces on a belt that is possible within the error of the start."""
     K, number = arithmetic.K, arithmetic.number
     dt, dx, dv = (number(error) for error in start.start_error or (Fraction(0),) * 3)
     return K.w0sq * (dx + abs(number(start.v0)) * dt) + K.cm * dv + abs(K.fB) * dt
 
 
 def _decided(start: Start, boundary: int) -> BeltStart:
-    """Return the continuation of a motion from a belt, with enough digits to distinguish a force from 0."""
+    """Decide how a motion goes on from a start on a belt, with enough digits to distinguish a force from 0."""
     p = start.parameters
     numbers = [start.t0, start.x0, start.v0, *(getattr(p, name) for name in PARAMETER_NAMES)]
     digits = SPARE_DIGITS + sum(len(str(abs(q.numerator))) + len(str(q.denominator)) for q in numbers)
@@ -189,7 +189,7 @@ def _decided(start: Start, boundary: int) -> BeltStart:
 
 
 def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
-    """Return t_end in two parts, or a time MOST_PERIODS after t0 if that is earlier."""
+    """Return the end time in two parts: t_end, but at most MOST_PERIODS of the drive after t0."""
     periods = Fraction(MOST_PERIODS * 44, 7) / start.parameters.Omega  # 44/7 is a little more than 2 pi
     return arithmetic.time(min(start.t_end, start.t0 + periods))
 
@@ -244,7 +244,7 @@ def rounded(state: State, start: Start) -> State:
 
 
 def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
-    """Return a state of mpmath numbers in an arithmetic with more digits, with their rounding `eps` in its error.
+    """Convert a state of mpmath numbers to more digits; its rounding `eps` becomes a part of its error.
 
     Phase and time have the rounding too: it is an error of x and v that such a part of a period makes. Where the force
     is 0, at the end of a stick or a touch, the time is made right to all digits: else a force would act for ever.

@@ -68,7 +68,7 @@ MAP_OF = np.array([_MAP_CODES.get((at, mode, to), 0) for at in range(3) for mode
 
 
 class Kept(NamedTuple):
-    """The optional parts of a tally: sections, words and extremes."""
+    """The optional parts of a tally: time on belts, extremes, sections and words."""
 
     stuck: bool  # the time on belts
     extent: bool  # the extremes of the ends of steps
@@ -99,7 +99,7 @@ class Extremes(NamedTuple):
 
 
 class Open(NamedTuple):
-    """Where a flight may widen the extremes."""
+    """Which extremes a flight may widen: those of v, and that of x if its velocity may change its sign."""
 
     v_min: bool
     v_max: bool
@@ -132,7 +132,7 @@ def select_tallies(tally: Tally, rows: Any) -> Tally:
 
 
 def store_tallies(tally: Tally, rows: Any, own: Tally) -> None:
-    """Write the tallies of some motions back."""
+    """Write tallies of some motions, copied by `select_tallies`, back into those of all."""
     if len(tally.floats):
         for column, part in zip(tally[1:], own[1:], strict=True):
             column[rows] = part
@@ -176,7 +176,7 @@ def launch_of(state):
 
 
 def tally_stretch(i, before, after, tau, t0, tally, K):
-    """Add the time and extremes of the motion from one state to another, without the skipped time."""
+    """Add the stick time and the extremes of a motion between two states, without the skipped time."""
     floats, asked = tally.floats, tally.asked
     begin = floats[i, SKIPPED] - ((before.t - t0) + before.t_low)
     if tau < begin:
@@ -222,7 +222,7 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
 
 
 def repeats_flight(i, state, tau, seen, tally, K):
-    """Return whether a flight repeats one that was searched for extremes, to half their slack.
+    """Return whether a flight agrees, within half the slack of the extremes, with one that was already searched.
 
     The difference of two flights in a domain obeys the unforced equation: its energy dv^2 + (k/m) dx^2 never grows.
     """
@@ -242,7 +242,7 @@ def repeats_flight(i, state, tau, seen, tally, K):
 
 
 def tally_sections(i, before, last, S, tally, K):
-    """Store the sections from a state to period number `last`, the latest in the ring buffer."""
+    """Store the Poincaré sections between a state and the end of period `last`; the ring buffer keeps the latest."""
     ring = tally.words.shape[1]
     first = before.n + 1
     if last - first >= ring:  # a long way without an event: all but the last words are empty
@@ -256,7 +256,7 @@ def tally_sections(i, before, last, S, tally, K):
 
 
 def keep_section(i, before, tau, S_x, S_v, tally):
-    """Store the section `tau` after a state, and close the word unless an event just before did so."""
+    """Store the Poincaré section `tau` after a state; close the period's word unless an event just before did."""
     ints = tally.ints
     if ints[i, EARLY] == 0:
         close_word(i, tally)
@@ -305,7 +305,7 @@ def finish_tally(i, last, code, remaining, t0, tally, K):
 
 
 def rest_of(tau, K):
-    """Return a time minus its whole forcing periods, of which there may be many."""
+    """Return the remainder of a time after whole forcing periods, of which there may be many."""
     if tau < K.period:
         return tau
     rest = tau % K.period
@@ -315,7 +315,7 @@ def rest_of(tau, K):
 
 
 def rest_stretches(i, state, remaining, t0, tally, K):
-    """Add the time and extremes of a motion after its last event.
+    """Add the stick time and the extremes of a motion after its last event.
 
     Its extremes are searched piece by piece, until the transient is over; then one period shows all that is to come.
     """
@@ -339,7 +339,7 @@ def rest_stretches(i, state, remaining, t0, tally, K):
 
 
 def flown(x, start, tau, s_Om, c_Om, K):
-    """Return position and velocity of a flight from x, given sine and cosine of the phase gained."""
+    """Return x and v of a flight from x after the time tau; s_Om, c_Om: sine and cosine of the phase gained."""
     E0, E1, E2, R2, I2, _, _ = basis_with_drive(tau, s_Om, c_Om, K)
     dx, dv, _ = motion(start.v, start.F, start.s, start.c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     return x + dx, start.v + dv
@@ -402,7 +402,7 @@ def same_sections(i, m, tally, K):
 
 
 def section(i, n, tally, K):
-    """Return a section of the ring buffer by its number, and compute it if necessary."""
+    """Return the Poincaré section of a number in the ring buffer; compute its x and v if that was not done yet."""
     kept = tally.sections[i, n % tally.words.shape[1]]
     x, v, tau, theta = kept[FROM_X], kept[FROM_V], kept[SINCE], kept[FROM_THETA]
     if kept[FLIES] > 0.0:
@@ -418,7 +418,7 @@ def section(i, n, tally, K):
 
 
 def widened(seen, x, v):
-    """Return the extremes, extended to include a point."""
+    """Extend the extremes so that they include a point (x, v)."""
     return Extremes(
         x if x < seen.x_min else seen.x_min,
         x if x > seen.x_max else seen.x_max,
@@ -428,7 +428,7 @@ def widened(seen, x, v):
 
 
 def flight_extremes(mode, begin, last, start, x0, seen, K):
-    """Return the extremes, extended to include a flight in a domain (`mode`) from `begin` to `last` (Flown).
+    """Extend the extremes so that they include a flight in the domain `mode` from the time `begin` to `last` (Flown).
 
     `start` is its Launch, x0 the position there. The belts bound the velocity of a flight. Where the extremes so far
     are as far out, or where the velocity has one sign, there is nothing to find.
@@ -497,7 +497,7 @@ def stays_positive(reach, p0, p1, p2, p3, p4):
 
 
 def cut_at(now, then, start, open_ends, K):
-    """Return a point between two: a zero of the acceleration or velocity, else the middle."""
+    """Return the point at which to divide a cell: a zero of the acceleration or velocity, else the middle."""
     width = then.tau - now.tau
     for of_v in (True, False):
         if not (open_ends.v_min or open_ends.v_max if of_v else open_ends.x):
@@ -514,7 +514,7 @@ def cut_at(now, then, start, open_ends, K):
 
 
 def rates(now, of_v, start):
-    """Return the first three derivatives of v, or of x, at a point of a flight."""
+    """Return the first three time derivatives of v (if `of_v`) or of x at a point of a flight."""
     return (now.F, now.G1, now.G2) if of_v else (start.v + now.dv, now.F, now.G1)
 
 

@@ -64,7 +64,7 @@ class Launch(NamedTuple):
 
 
 class Letters(NamedTuple):
-    """The parameters that are not among the constants of a motion."""
+    """The parameters m, mu1, mu2 and FN, which are not among the constants of a motion."""
 
     m: Number
     mu1: Number
@@ -73,7 +73,7 @@ class Letters(NamedTuple):
 
 
 def phase_between(start, t, theta, K):
-    """Return Omega (t - t_i) from the phases of both ends: times far from 0 know it to fewer digits."""
+    """Return the phase gained since a start, from the phases at both ends, which are more exact than late times."""
     turn = theta - start.theta
     return turn + TWO_PI * floor((K.Om * (t - start.t) - turn) / TWO_PI + 0.5)
 
@@ -164,7 +164,7 @@ def force_changes(domain, now, codes, letters, K, work):
 
 
 def vanishing_times(domain, now, codes, letters, K, work):
-    """Write the derivatives of the time at which the acceleration of a domain vanishes into row DT; return why not.
+    """Write the derivatives of the time at which a domain's force vanishes into row DT; return how regular they are.
 
     Rows END_X and END_V have the derivatives of x and v at this fixed time.
     """
@@ -177,7 +177,7 @@ def vanishing_times(domain, now, codes, letters, K, work):
 
 
 def contact_times(domain, other, belt, now, a, codes, K, work):
-    """Write the derivatives of the time at which a flight reaches a belt into row DT; return why there are none.
+    """Write the derivatives of the time at which a flight meets a belt into row DT; return how regular they are.
 
     `a` is the acceleration that the flight arrives with: the balance of forces at a rounded point may know it worse.
     """
@@ -191,7 +191,7 @@ def contact_times(domain, other, belt, now, a, codes, K, work):
 
 
 def kinks(above, belt, codes, marks, n, regular, before, work):
-    """Mark the columns that move a touch by the side on which it opens, and return whether there are any."""
+    """Mark the numbers that move a graze off the belt, by the side on which the gap opens; return whether any does."""
     found = False
     for j in range(len(regular)):
         own = 1.0 if codes[j] == belt else 0.0
@@ -275,7 +275,7 @@ def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out
 
 
 def begin(start, codes, count, letters, K, work):
-    """Write the derivatives at the start of a motion into `work`; return by which of `count` columns it is regular.
+    """Write the derivatives at a start into `work`; return by which of `count` numbers the motion is differentiable.
 
     On a belt it is not by what takes the start off the belt, nor by what may move a force there that is 0.
     """
@@ -303,7 +303,7 @@ def begin(start, codes, count, letters, K, work):
 
 
 def grow(i, start, now, kind, turn, growth, count, columns, K, work):
-    """Add what a piece and its end have done to the last columns and to areas, and scale these columns to 1."""
+    """Scale the last columns to size 1; add the logarithms of this factor and of the change of areas to `growth`."""
     size = 0.0
     for row in range(DV + 1):
         for j in range(count, columns):
