@@ -174,7 +174,7 @@ def explain(
     allowed: np.ndarray,
     near: np.ndarray,
 ) -> tuple[Fault, ...]:
-    """Return the faults of steps.
+    """Return the chosen steps as faults, each with a guess at its cause.
 
     `modes` are those of the samples, 0 where they only pass a belt; `sizes` the defects in units of `allowed`; `near`
     the distances from a belt that count as on it.
@@ -204,7 +204,7 @@ def _guess(
     to_next: np.ndarray,
     over_next: np.ndarray,
 ) -> tuple[str, str]:
-    """Return a reason and its text; of each domain's force, the misses to the next sample and to the one after."""
+    """Guess the reason of a wrong step, from its misses by the force of each domain; return it with its text."""
     if not np.isfinite(sizes[i]):
         return "undecidable", "the exact motion over the step cannot be decided in double precision"
     if steps.t[i + 1] == steps.t[i]:
@@ -311,7 +311,7 @@ class Case:
         return bool(np.any(np.diff(stays) == 1))
 
     def limits(self, part: float = EXPLAINS) -> np.ndarray:
-        """Return the largest defects, in units of the allowed ones, at which an alternative explains the steps."""
+        """Return the largest defect of each step, in allowed units, with which an alternative still explains it."""
         return np.maximum(1.0, part * np.nan_to_num(self.sizes, nan=0.0, posinf=0.0))
 
     def share(self, sizes: np.ndarray, of: np.ndarray | None = None, part: float = EXPLAINS) -> float:
@@ -333,13 +333,13 @@ class Case:
         return np.asarray(np.max(np.abs(self.misses(ends, steps)), axis=1))
 
     def followed(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
-        """Return the sizes of the defects with other parameters, or a shifted clock."""
+        """Return the sizes of all defects if the parameters are others, or the clock is shifted by `ahead`."""
         s = self.steps
         found = follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales)
         return np.asarray(np.max(np.abs(found.defects) / self.allowed, axis=1))
 
     def share_of(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
-        """Return the fraction of the wrong steps that other columns explain; they may have fewer rows."""
+        """Return the fraction of the wrong steps that other columns t, x, v explain; these may have fewer rows."""
         if len(t) < 2:
             return 0.0
         near, allowed = float(np.median(self.near)), np.median(self.allowed, axis=0)
@@ -349,13 +349,13 @@ class Case:
         return float(1.0 - np.mean(~(left <= limit)) / max(np.mean(self.wrong), 1e-300))
 
     def some(self, chosen: np.ndarray, most: int) -> np.ndarray:
-        """Return at most `count` of the chosen steps, evenly spread."""
+        """Return at most `most` of the chosen steps, evenly spread."""
         if len(chosen) <= most:
             return chosen
         return chosen[np.linspace(0, len(chosen) - 1, most).astype(int)]
 
     def followed_some(self, p: Parameters, chosen: np.ndarray) -> np.ndarray:
-        """Return the defects of a few steps with other parameters, in allowed units, shape (steps, 2)."""
+        """Return the defects of the chosen steps with other parameters, in allowed units, shape (steps, 2)."""
         begin = np.column_stack([self.steps.t, self.steps.states])[chosen]
         return self.between(begin, chosen + 1, self.near[chosen], p) / self.allowed[chosen]
 
@@ -424,7 +424,7 @@ def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the change by least squares and its standard deviations, or None."""
+    """Fit the change of the numbers by least squares; return it with its standard deviations, or None."""
     matrix, right = J.reshape(-1, J.shape[-1]), -here.ravel()
     units = np.sqrt(np.sum(matrix**2, axis=0))
     if not len(right) or not np.all(units > 0.0):

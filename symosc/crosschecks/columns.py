@@ -30,7 +30,7 @@ POSITIONS_ALONE = Change("with positions alone", columns=lambda t, x, v: (t, x, 
 
 
 def other_columns(case: Case) -> Iterator[Candidate]:
-    """Yield the column changes of the table that explain the steps, each with the change for its test."""
+    """Yield every change of columns that people make by mistake, with the fraction of wrong steps that it explains."""
     s = case.steps
     for one in changed_columns(case.parameters, s.t, s.x, s.v):
         columns = one.change.columns(s.t, s.x, s.v)  # type: ignore[union-attr,misc]
@@ -38,7 +38,7 @@ def other_columns(case: Case) -> Iterator[Candidate]:
 
 
 def changed_columns(p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Iterator[Candidate]:
-    """Yield columns with other signs, in another order, and in other units if x agrees with the integral of v."""
+    """Yield columns with other signs, order or units as candidates; units only if x agrees with the integral of v."""
     table: list[tuple[str, str, str, str, float | None, Callable[..., Columns]]] = [
         ("sign", "x", "x has the wrong sign", "with -x", None, lambda t, x, v: (t, -x, v)),
         ("sign", "v", "v has the wrong sign", "with -v", None, lambda t, x, v: (t, x, -v)),
@@ -101,7 +101,7 @@ def no_motion(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Diagnosis | None:
 
 
 def velocity_column(case: Case) -> Iterator[Candidate]:
-    """Yield wrong velocities at right positions: differences, or values between the samples."""
+    """Yield the diagnosis that v alone is wrong: differences of x, or values between the samples."""
     s, h = case.steps, np.diff(case.steps.t)
     if len(s.t) < FEWEST or np.any(h <= 0.0):
         return
@@ -131,7 +131,7 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
 
 
 def other_velocities(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that x alone is right, for any v."""
+    """Yield the diagnosis that the positions are right and v is not their velocity, whatever it is."""
     exact = _from_positions(case) if len(case.inside) >= 60 else None
     if exact is not None:
         s, (first, v) = case.steps, exact
@@ -163,7 +163,7 @@ def _at_other_times(case: Case, first: int, v: np.ndarray, part: float) -> np.nd
 
 
 def frozen_positions(case: Case) -> Iterator[Candidate]:
-    """Yield positions that stay constant during a stick although the belt moves."""
+    """Yield the diagnosis that x stands still during sticks although the belt moves."""
     s, speeds = case.steps, (float(case.parameters.v1), float(case.parameters.v2))
 
     def moved(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
@@ -188,7 +188,7 @@ def frozen_positions(case: Case) -> Iterator[Candidate]:
 
 
 def resampled(case: Case) -> Iterator[Candidate]:
-    """Yield samples interpolated linearly between fewer samples."""
+    """Yield the diagnosis that the samples were interpolated linearly between fewer ones."""
     s = case.steps
 
     def bends(t: np.ndarray, *columns: np.ndarray) -> np.ndarray:
@@ -220,7 +220,7 @@ def resampled(case: Case) -> Iterator[Candidate]:
 
 
 def even_times(case: Case) -> Iterator[Candidate]:
-    """Yield times of an even grid that were rounded or accumulated with few digits."""
+    """Yield the diagnosis that the times of an even grid were rounded, or added up with few digits."""
     t = case.steps.t
     h, step = np.diff(t), float((t[-1] - t[0]) / (len(t) - 1))
     if len(t) < FEWEST or np.ptp(h) == 0.0 or not np.max(np.abs(h - step)) <= 0.2 * step:
@@ -240,7 +240,7 @@ def even_times(case: Case) -> Iterator[Candidate]:
 
 
 def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
-    """Return an even grid with its step, or both ends (None), rounded to so many digits (0: not rounded)."""
+    """Return even times like `t`, with the step rounded to so many digits (0: exact ends; None: rounded ends)."""
     if not digits:
         ends = (float(t[0]), float(t[-1])) if digits == 0 else (float(f"{t[0]:.6g}"), float(f"{t[-1]:.6g}"))
         return np.linspace(*ends, len(t))
@@ -249,7 +249,7 @@ def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
 
 
 def single_times(case: Case) -> Iterator[Candidate]:
-    """Yield times in single precision, or with single errors: a shift of each explains its step."""
+    """Yield the diagnosis that the times are in single precision: a small shift of each time explains its step."""
     s, chosen = case.steps, case.inside
     single = np.array_equal(s.t.astype(np.float32).astype(float), s.t) and not np.array_equal(s.t, np.rint(s.t))
     if len(s.t) < FEWEST or not single or not len(chosen):
@@ -292,7 +292,7 @@ def event_list_faults(check: Any) -> Iterator[Diagnosis]:
 
 
 def outliers(case: Case) -> Iterator[Candidate]:
-    """Yield outliers: single wrong samples without which the steps are right."""
+    """Yield the diagnosis of outliers: single wrong samples, without which the steps are right."""
     check = case.check
     off = [fault for fault in check.faults if fault.reason == "outlier"]
     if off:
@@ -306,7 +306,7 @@ def outliers(case: Case) -> Iterator[Candidate]:
 
 
 def noise(case: Case) -> Iterator[Diagnosis]:
-    """Yield sample noise: each defect, carried over the next step, is opposite to that step's defect."""
+    """Yield the diagnosis of noise: each defect, carried over the next step, is opposite to that step's defect."""
     inside = case.inside_wrong
     pairs = inside[:-1][np.diff(inside) == 1]
     if len(pairs) < 12:

@@ -178,7 +178,7 @@ class Task:
         return usual if self.given_limit is None else self.given_limit
 
     def verdict(self) -> CrossCheck:
-        """Judge the samples with all digits; if they fail and have few, again at their precision; and their end."""
+        """Judge the samples, again at their rounding if they fail with all digits, and whether they end too early."""
         samples, rounding = self.samples, self.rounding
         units = np.array([rounding[c].units if c in rounding else 0.0 * samples.t for c in SAMPLE_COLUMNS])
         listed = rounding["events"].units if "events" in rounding else np.zeros(len(samples.events or ()))
@@ -196,7 +196,7 @@ class Task:
         return replace(result, ok=result.ok and not early, early_end=early)
 
     def _cut(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck | None:
-        """Return the verdict on samples that are right if their last digits were truncated, not rounded."""
+        """Judge the samples as if their last digits were cut off, not rounded; None if they are wrong then too."""
         samples = self.samples
         # Digits that are cut off, not rounded, make no larger errors.
         if not np.any(half) or np.nanmax(np.abs(result.errors) / result.limits) > 4.0:
@@ -213,7 +213,7 @@ class Task:
         return None
 
     def _coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
-        """Add the verdict on every n-th sample where rounding hides errors within single steps."""
+        """Judge every n-th sample too, where rounding hides errors within single steps; return the result with both."""
         spans, samples, count = result.wrong_spans, self.samples, len(self.samples.t)
         # A few spans show no cause, and where most steps are wrong these show it themselves.
         if len(spans) < 6 or 2 * len(result.wrong_steps) >= np.sum(spans[:, 1] - spans[:, 0]):
@@ -358,7 +358,7 @@ class Task:
         return f"the solution ends at t = {last:.10g}; the motion of {scene.name} goes on to t = {t_end:.10g}"
 
     def _wrong_spans(self, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
-        """Return intervals of rounded samples over which the exact motion leads elsewhere, as pairs of samples.
+        """Return spans of rounded samples over which the exact motion leads elsewhere, by first and last sample.
 
         Dense samples with few digits hide a wrong model in each step, and not over many. The tolerances of the steps
         add up. Of all lengths that is chosen of which many spans are wrong, and a great part.
@@ -431,7 +431,7 @@ def _faults(
 
 
 def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:
-    """Return units of x and v: the maxima of the exact motion, at least those given by the belts."""
+    """Return the sizes of x and v: the maxima of the exact motion, at least those given by the belts."""
     reach = np.array([np.max(np.abs(row)) for row in exact])
     speed = max(float(reach[1]), abs(float(p.v1)), abs(float(p.v2)))
     return np.array([max(float(reach[0]), speed / fastest_rate(p)), speed])

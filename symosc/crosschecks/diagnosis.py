@@ -128,7 +128,7 @@ def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
 
 
 def repeated_check(check: Any, change: Change) -> Any:
-    """Return the check of the same samples with another system or other columns, or None."""
+    """Repeat a check with other parameters or columns; return the new check, None if these are not allowed."""
     task = check._task
     p, samples = change.parameters or task.parameters, task.samples
     if change.columns is not None:
@@ -147,7 +147,7 @@ def repeated_check(check: Any, change: Change) -> Any:
 
 
 def _explained(check: Any, again: Any) -> float:
-    """Return the fraction of the wrong steps with nearly vanishing defects after a change."""
+    """Return the fraction of the wrong steps whose defects a change makes nearly vanish."""
     before, after = (np.max(np.abs(one.defects) / one.allowed, axis=1) for one in (check, again))
     wrong = ~(before <= 1.0)
     if len(before) == len(after):
@@ -157,7 +157,7 @@ def _explained(check: Any, again: Any) -> float:
 
 
 def _start(check: Any) -> Iterable[Diagnosis]:
-    """Yield a different start, given or shown by the global error; an early end is no fault of the steps."""
+    """Yield the diagnosis of a different start, which is stated or shown by the global error."""
     words = "every step is right, but the motion starts elsewhere, or errors of the steps add up"
     if check.wrong_start:
         yield Diagnosis("start", "", check.wrong_start, "every step is right")

@@ -134,7 +134,7 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
     now, since = 0, 0  # the last mode of the samples, and the last sample in it
 
     def go(domain: int, sample: int) -> None:
-        """Go from there to a domain, which the samples have reached at `sample`."""
+        """Record the events by which the samples go from their last mode to a domain, reached at `sample`."""
         nonlocal now
         if now > 3:
             entered = min((now - 3, now - 2), key=lambda d: abs(d - domain))
@@ -175,7 +175,7 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
 
 
 def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
-    """Return which samples at a belt follow one at the same belt by a flight, in a right step."""
+    """Return which samples at a belt come from the sample before, at the same belt, by a flight in a right step."""
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
     for i in np.flatnonzero((label[:-1] > 3) & ~held).tolist():
         held[i] = bool(np.any(steps.events.target[steps.events.rows(i, i)] == label[i]))
@@ -197,7 +197,7 @@ def _is_stick(steps: ExactSteps, mode: int, first: int, last: int, wrong: np.nda
 def _event(
     steps: ExactSteps, kind: str, boundary: int, source: int, target: int, step: int, last_step: int, sample: int | None
 ) -> FoundEvent:
-    """Return an event between two samples, at the exact event's time, a sample's time, or interpolated."""
+    """Return an event between two samples; its time is that of the exact event, of a sample, or interpolated."""
     last_step = min(last_step, len(steps.first) - 1)
     i, j, rows = step, last_step + 1, steps.events.rows(step, last_step)
     times = steps.events.t[rows][(steps.events.kind[rows] == CODES[kind]) & (steps.events.boundary[rows] == boundary)]
@@ -214,7 +214,7 @@ def _event(
 
 
 def given_events(steps: ExactSteps, pairs: Iterable[tuple[float, str]]) -> list[FoundEvent]:
-    """Return given pairs (t, kind) as events of the samples."""
+    """Convert the pairs (t, kind) of a solver's list to events found."""
     return [FoundEvent(time, kind, 0, "", "", step, step) for time, kind in pairs for step in [steps.at(time)[0]]]
 
 
@@ -284,7 +284,7 @@ class Reach:
         return dx, sqrt(dv * dv + self.steps.K.w0sq * dx * dx)
 
     def _width(self, time: float, x: float, theta: float, boundary: int, source: int) -> float:
-        """Return the time error bound at a boundary."""
+        """Return the bound of the time error of an event at a boundary, where a motion leaves the mode `source`."""
         K, (dx, dv) = self.steps.K, self._spread(time)
         v, s, c = (K.belt1, K.belt2)[boundary - 1].v, sin(theta), cos(theta)
         rate = max(K.Om, sqrt(K.w0sq))
@@ -339,7 +339,7 @@ class Matcher:
         self.matched.sort(key=lambda match: float(match.event.t))
 
     def _local(self, event: Event, time: float) -> int | None:
-        """Return the index of this event in the exact motion over a right step, or None."""
+        """Return the row of `steps.events` that is this exact event, found over a right step; None if there is none."""
         events = self.steps.events
         rows = np.arange(*np.searchsorted(events.t, [time - self.window, time + self.window]))
         same = (events.kind[rows] == CODES[event.kind]) & (events.boundary[rows] == event.boundary)
@@ -446,14 +446,14 @@ class Matcher:
                 self._set_aside(run, ())
 
     def _set_aside(self, found: Iterable[int], exact: Iterable[int]) -> None:
-        """Move these found and exact events to the unresolved ones."""
+        """Set found and exact events aside as unresolved: they count neither for nor against the solution."""
         exact, found = sorted(exact), sorted(found)
         self.exact_free -= set(exact)
         self.found_free -= set(found)
         self.unresolved.extend([self.exact[i] for i in exact] + [self.found[j] for j in found])
 
     def _is_wrong(self, low: float, high: float) -> bool:
-        """Return whether a step between two times is wrong."""
+        """Return whether any step between two times is wrong."""
         return bool(self.wrong[self.steps.at(low)[0] : self.steps.at(high)[1] + 1].any())
 
     def _judge_exact(self) -> None:
@@ -478,7 +478,7 @@ class Matcher:
                 self.unresolved.append(own)
 
     def _inside(self, i: int, first: int, last: int, slack: float) -> float | None:
-        """Return the time of this event in the exact motion over right steps, or None."""
+        """Return the time of exact event i on the samples' own path, over right steps, or None."""
         row = self.local[i]
         if row is not None:
             return float(self.steps.events.t[row])

@@ -68,7 +68,7 @@ def _median_and_deviation(values: np.ndarray) -> tuple[float, float]:
 
 
 def at_belts(case: Case) -> Iterator[Diagnosis]:
-    """Yield faults of samples that should be on a belt but are not."""
+    """Yield the diagnosis of samples that should be on a belt but are not: smoothed friction, chatter or drift."""
     s, belts = case.steps, case.steps.belts
     steps = case.moving_wrong[s.last[case.moving_wrong] > 3]
     gap = s.v[steps + 1] - belts[s.last[steps] - 4]
@@ -106,7 +106,7 @@ def at_belts(case: Case) -> Iterator[Diagnosis]:
 
 
 def _push(case: Case, x: np.ndarray, v: np.ndarray, theta: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Return the acceleration at a belt without its friction."""
+    """Return the acceleration at a belt by all forces but the friction of that belt."""
     K = case.steps.K
     below, above = np.array([NEIGHBOURS[b] for b in (1, 2)])[boundary - 1].T
     A = np.array([K.A1, K.A2, K.A3])
@@ -235,7 +235,7 @@ def smoothed_passages(case: Case) -> Iterator[Diagnosis]:
 
 
 def _paths(case: Case, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return times from the start of steps, and exact velocities at these, shape (steps, pieces + 1)."""
+    """Return times within steps, counted from their start, and exact velocities there, shape (steps, pieces + 1)."""
     s = case.steps
     length = s.t[steps + 1] - s.t[steps]
     order = np.argsort(steps)
@@ -320,7 +320,7 @@ def _nearest_belt(case: Case, samples: np.ndarray) -> np.ndarray:
 
 
 def _kept_on(case: Case, steps: np.ndarray) -> np.ndarray:
-    """Return which steps stay on a belt from beginning to end."""
+    """Return which steps are on a belt at their beginning and move with it to their end."""
     s = case.steps
     speed = s.belts[_nearest_belt(case, steps) - 1]
     ends = np.column_stack([s.x[steps] + speed * (s.t[steps + 1] - s.t[steps]), speed])
@@ -328,7 +328,7 @@ def _kept_on(case: Case, steps: np.ndarray) -> np.ndarray:
 
 
 def stick_ends(case: Case) -> Iterator[Diagnosis]:
-    """Yield sticks that end too early or too late, followed by a flight with the force of one domain."""
+    """Yield the diagnosis of sticks that end too early or too late, followed by a flight in one domain."""
     sticks, total = _find_sticks(case), int(np.sum(case.wrong))
     if sticks is None:
         yield from _kept_too_long(case)
@@ -367,7 +367,7 @@ def stick_ends(case: Case) -> Iterator[Diagnosis]:
 
 
 def _kept_too_long(case: Case) -> Iterator[Diagnosis]:
-    """Yield sticks that end too late where the samples show the ends: only steps on the belt are wrong."""
+    """Yield the diagnosis of sticks that end too late, where the samples show it: only steps on the belt are wrong."""
     s, wrong = case.steps, np.flatnonzero(case.wrong)
     on = wrong[(case.domain[wrong] == 0) & (s.last[wrong] <= 3)]
     on = on[_kept_on(case, on)]
@@ -381,7 +381,7 @@ def _kept_too_long(case: Case) -> Iterator[Diagnosis]:
 
 
 def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
-    """Return sticks that end too late, with the friction at their ends."""
+    """Return the diagnosis of sticks that end too late, from the friction needed at their ends."""
     ratio, count = float(np.median(held)), len(held)
     alike = np.abs(held - ratio) <= SAME_RATE * abs(ratio - 1.0) + ONE_NUMBER
     if count >= 3 and 2 * np.sum(alike) < count:
@@ -394,7 +394,7 @@ def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
 
 
 def _needed_friction(case: Case, sticks: StickSteps, time: np.ndarray) -> np.ndarray:
-    """Return the fraction of the friction that each stick needs at a time."""
+    """Return the force that each stick needs at a time, as a fraction of the friction."""
     speed = case.steps.belts[sticks.boundary - 1]
     push = _push(case, sticks.x + speed * (time - sticks.begin), speed, _phase(case, sticks, time), sticks.boundary)
     return np.asarray(np.abs(push) / _half_jump(case, sticks.boundary))
@@ -407,14 +407,14 @@ def _phase(case: Case, sticks: StickSteps, time: np.ndarray) -> np.ndarray:
 
 
 def _left_at(case: Case, sticks: StickSteps, time: np.ndarray, side: int, dx: Any = 0.0, dv: Any = 0.0) -> np.ndarray:
-    """Return the misses of steps with the stick ended at a time, and a flight below (0) or above (1) it."""
+    """Return the misses of steps if the stick ends at a time and a flight below (0) or above (1) the belt follows."""
     s, speed = case.steps, case.steps.belts[sticks.boundary - 1]
     x, tau = sticks.x + speed * (time - sticks.begin) + dx, s.t[sticks.step + 1] - time
     return case.misses(s.fly(sticks.boundary + side, x, speed + dv, _phase(case, sticks, time), tau), sticks.step)
 
 
 def drift_within_steps(case: Case) -> Iterator[Diagnosis]:
-    """Yield a velocity that drifts off the belt during sticks within a step, visible in the next flight."""
+    """Yield the diagnosis of a velocity that drifts off the belt in sticks, visible in the next flight."""
     sticks = _find_sticks(case)
     if sticks is None:
         return

@@ -25,7 +25,7 @@ DELAY_LEAVES = 0.005
 
 
 def splitting(*parts: tuple[str, float, float]) -> Method:
-    """Return a method of kicks, which change v by the force at a part of the step, and drifts, which move x by v."""
+    """Return a splitting method: kicks change v by the force at a part of the step, drifts move x by v."""
 
     def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
         for name, part, time in parts:
@@ -228,7 +228,7 @@ def _force(case: Case, chosen: np.ndarray, held: bool = False) -> Force:
 
 
 def truncation(case: Case) -> Iterator[Diagnosis]:
-    """Yield errors similar to those of some method, with their size and order."""
+    """Yield the diagnosis of errors such as any method has, with their size and order."""
     wrong = case.inside_wrong
     if len(wrong) < 3:
         return
@@ -247,7 +247,7 @@ def truncation(case: Case) -> Iterator[Diagnosis]:
 
 
 def double_roots(case: Case) -> Iterator[Diagnosis]:
-    """Yield belts met twice within a step without a sign change at its ends: the samples keep to their domain."""
+    """Yield the diagnosis of a belt met twice within a step unseen, as the signs at its ends are the same."""
     s = case.steps
     source, target = case.domain[:-1], case.domain[1:]
     there = case.wrong & (source > 0) & (source == target) & (s.first == source)
@@ -267,7 +267,7 @@ def double_roots(case: Case) -> Iterator[Diagnosis]:
 
 
 def delays(case: Case) -> Iterator[Diagnosis]:
-    """Yield events that occur too late, with the mean delay."""
+    """Yield the diagnosis of events that occur too late, with the mean delay."""
     s = case.steps
     chosen, rows, every = _first_events(case, np.ones(len(s.first), bool))
     if not len(chosen):
@@ -294,7 +294,7 @@ def delays(case: Case) -> Iterator[Diagnosis]:
 
 
 def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndarray, onto: bool) -> np.ndarray:
-    """Return the miss sizes of steps with the first event delayed; `onto`: v is then set to the belt's."""
+    """Return the misses of steps if the first event comes late; `onto`: v is then set to the belt's speed."""
     s = case.steps
     time = np.minimum(s.events.t[rows] + delay, s.t[chosen + 1])
     source, tau = s.first[chosen], time - s.t[chosen]
@@ -307,13 +307,13 @@ def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndar
 
 
 def _misses_from(case: Case, chosen: np.ndarray, time: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Return the miss sizes of the exact motion from states inside steps to their ends."""
+    """Return the misses at the ends of steps by the exact motion from states inside them."""
     misses = case.between(np.column_stack([time, x, v]), chosen + 1, np.zeros(len(chosen))) / case.allowed[chosen]
     return np.asarray(np.max(np.abs(misses), axis=1))
 
 
 def interpolated(case: Case) -> Iterator[Diagnosis]:
-    """Yield events located by linear interpolation over a step, from which the flight continues."""
+    """Yield the diagnosis of events located by linear interpolation over a step, from which the flight goes on."""
     s = case.steps
     chosen, rows, every = _first_events(case, s.first <= 3)
     if not len(chosen):
@@ -349,7 +349,7 @@ def interpolated(case: Case) -> Iterator[Diagnosis]:
 
 
 def _first_events(case: Case, usable: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return some wrong steps with an event, the row of each first event, and the number of such steps."""
+    """Return some wrong steps with an event, the row of the first event of each, and the number of all of them."""
     steps = np.unique(case.steps.events.step)
     steps = steps[case.wrong[steps] & usable[steps]]
     chosen = case.some(steps, MOST_DELAYS)

@@ -36,7 +36,7 @@ System = tuple[str, str, str, str, dict[str, Any]]
 
 
 def other_systems(case: Case) -> Iterator[Candidate]:
-    """Yield the systems of the table that explain the steps, each with the change for its test."""
+    """Yield every system that people write by mistake and that explains the steps, with the change that tests it."""
     p, seen = case.parameters, {case.parameters}
     tried = case.some(case.moving_wrong, 60)
     flights = case.some(case.inside, MOST_FLIGHTS)
@@ -59,7 +59,7 @@ def other_systems(case: Case) -> Iterator[Candidate]:
 
 
 def _systems(p: Parameters) -> Iterator[System]:
-    """Yield systems with common mistakes, the most probable first."""
+    """Yield changed parameters as common mistakes make them, the most probable first."""
     m, Om = float(p.m), float(p.Omega)
     for name in ("A0", "B0", "v1", "v2"):
         yield "sign", name, f"{name} has the wrong sign", f"-{name}", {name: -getattr(p, name)}
@@ -91,7 +91,7 @@ def _systems(p: Parameters) -> Iterator[System]:
 
 
 def _flights_of_no_system(case: Case) -> Iterator[Candidate]:
-    """Yield wrong signs that no Parameters can represent, tested on flights only."""
+    """Yield the diagnosis of wrong signs that no parameters can represent, tested on flights only."""
     p, inside, K = case.parameters, case.some(case.inside, 10 * MOST_FLIGHTS), case.steps.K
     if len(inside) < LEAST_FLIGHTS:
         return
@@ -189,7 +189,7 @@ def _replaced(p: Parameters, **values: Any) -> Parameters | None:
 
 
 def _tick(p: Parameters, name: str) -> np.ndarray:
-    """Return a small change of a parameter, for a difference quotient."""
+    """Return the small change of a parameter for a difference quotient."""
     rate = max(float(p.Omega), sqrt(float(p.k / p.m)), float(p.c / p.m))
     push = max(abs(float(p.A(alpha))) for alpha in (1, 2, 3)) + abs(float(p.B0))
     units = {"c": float(p.m) * rate, "k": float(p.m) * rate**2, "A0": push, "B0": push, "mu1": 1.0, "mu2": 1.0}
@@ -265,7 +265,7 @@ def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
 
 
 def phases_of_drive(case: Case) -> Iterator[Candidate]:
-    """Yield a different phase of the drive, as a phase or a shifted clock; only the start distinguishes them."""
+    """Yield the diagnosis of a drive with another phase, or of a shifted clock; only the start distinguishes them."""
     flights, K = case.some(case.inside, MOST_FLOWN), case.steps.K
     if not case.parameters.B0:
         return
@@ -307,7 +307,7 @@ def _turn_of_steps(case: Case) -> Fit | None:
 
 
 def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
-    """Return whether it is a shifted clock (samples of the scene's motion at other times) or a phase."""
+    """Return the diagnosis of a shifted clock (the scene's motion at other times) or of another phase of the drive."""
     Om, s, start = case.steps.K.Om, case.steps, case.check.own_start
     quarters = round(turn / (pi / 2))
     names = {-1: " (sine in place of cosine)", 1: " (-sine in place of cosine)", 2: " (-cosine)", -2: " (-cosine)"}
@@ -332,7 +332,7 @@ def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
 
 
 def forces(case: Case) -> Iterator[Diagnosis]:
-    """Yield fitted forces of the domains: another friction law of any form."""
+    """Yield the diagnosis of another friction law of any form, with the fitted forces of the domains."""
     flights, K = case.some(case.inside, MOST_FLOWN), case.steps.K
     visited = [d for d in (1, 2, 3) if np.sum(case.domain[flights] == d) >= 3]
     if not visited:

@@ -213,7 +213,7 @@ class SampleBlock:
         return defects, modes, events
 
     def of(self, steps: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, StepEvents]:
-        """Return defects, modes, sizes and events of some steps that begin on belt `on` (0: at the sample)."""
+        """Follow some steps from belt `on` (0: from the sample itself); return defects, modes, sizes and events."""
         belts, left = np.array([self.K.belt1.v, self.K.belt2.v]), self.t[steps + 1] - self.t[steps]
         start_v = np.where(on > 0, belts[on - 1], self.v[steps])
         rows, _ = start_rows(on, self.theta[steps], self.x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), self.K)
@@ -246,7 +246,7 @@ def phases(parameters: Parameters, t: Any) -> np.ndarray:
 
 
 def _upper_half(value: Any) -> Any:
-    """Return the upper half of the bits of a double."""
+    """Return a double whose mantissa is the upper half of that of a value (Dekker)."""
     shifted = value * 134217729.0  # 2^27 + 1
     return shifted - (shifted - value)
 
@@ -312,7 +312,7 @@ def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarra
 
 
 def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEvents, K: Constants) -> np.ndarray:
-    """Return the final states [x, v] in closed form from the last event of each row or its start."""
+    """Return the final state [x, v] of each row in closed form, from its last event or, without one, its start."""
     theta, x, v, a, left = rows[:, 3].copy(), rows[:, 4].copy(), rows[:, 5].copy(), rows[:, 6].copy(), left.copy()
     lasts = np.flatnonzero(np.diff(events.step, append=-1))
     i, belt = events.step[lasts], np.array([K.belt1.v, K.belt2.v])[events.boundary[lasts] - 1]
@@ -327,7 +327,7 @@ def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEve
 
 
 def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tuple[Any, ...]]:
-    """Follow a row with a contact within rounding: both continuations are right, so take the first."""
+    """Follow a row whose contact is undecided: both continuations are right, so take the first."""
     state, (t_end, t_end_low) = state_of(rows, i), rows[i, 13:15].tolist()
     events: list[tuple[Any, ...]] = []
     code = MOVED
@@ -341,7 +341,7 @@ def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tu
 
 
 def _merged(events: StepEvents, others: StepEvents, steps: np.ndarray) -> StepEvents:
-    """Return `events` with those of `steps` replaced by those in `others`."""
+    """Replace the events of `steps` by those in `others`."""
     kept, taken = ~np.isin(events.step, steps), np.isin(others.step, steps)
     columns = [np.concatenate([one[kept], other[taken]]) for one, other in zip(events, others, strict=True)]
     order = np.lexsort((columns[1], columns[0]))

@@ -100,7 +100,7 @@ def careful(tau, s, c, K):
 
 
 def impulse(tau, K):
-    """Return E0 and E1."""
+    """Return E1, the response to an impulse, and its derivative E0."""
     if K.under:
         decay = exp(-K.h * tau)
         E1 = decay * sin(K.omega_d * tau) / K.omega_d
@@ -115,7 +115,7 @@ def impulse(tau, K):
 
 
 def impulse_integral(tau, E1, K):
-    """Return E2 = (e[0, l1] - e[l1, l2]) / (0 - l2), real by symmetry; not for k = 0 without damping."""
+    """Return E2, the integral of E1, from (e[0, l1] - e[l1, l2]) / (0 - l2); not for k = 0 without damping."""
     real1, imag1, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, imag1, tau)
     return -((real - E1) * real2 + imag * imag2) / (real2 * real2 + imag2 * imag2)

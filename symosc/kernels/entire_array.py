@@ -14,7 +14,7 @@ TERMS = 18
 
 
 def basis(tau: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
-    """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for an array of times; see `symosc.kernels.entire.basis`."""
+    """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for an array of times tau >= 0 and the constants `K`."""
     return basis_with_drive(tau, np.sin(K.Om * tau), np.cos(K.Om * tau), K)
 
 
@@ -34,13 +34,13 @@ def basis_with_drive(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> t
 
 
 def apart(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> Any:
-    """Return the five functions from the closed form for an underdamped system far from resonance."""
+    """Return E0, E1, E2, R2, I2 of an underdamped system far from resonance, from the closed form."""
     decay, w_tau = np.exp(-K.h * tau), K.omega_d * tau
     return basis_apart(decay, np.sin(w_tau), np.cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
 
 
 def series(tau: np.ndarray, cm: float, w0sq: float, Om: float) -> tuple[np.ndarray, ...]:
-    """Return E0, E1, E2, R2, I2 from their Taylor series; see `symosc.kernels.entire.series`."""
+    """Return E0, E1, E2, R2, I2 for an array of short times, from a fixed number of terms of their Taylor series."""
     before, term = 0.0 * tau, tau
     E0, E1, E2 = 1.0 + before, tau, 0.5 * tau * tau
     r, i = E2, before
@@ -55,7 +55,7 @@ def series(tau: np.ndarray, cm: float, w0sq: float, Om: float) -> tuple[np.ndarr
 
 
 def careful(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
-    """Return the five functions by divided differences; see `symosc.kernels.entire.careful`."""
+    """Return E0, E1, E2, R2, I2 by divided differences over the two nodes that are farthest apart."""
     if K.under:
         l1, l2 = complex(-K.h, K.omega_d), complex(-K.h, -K.omega_d)
         decay = np.exp(-K.h * tau)

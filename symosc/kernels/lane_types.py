@@ -34,7 +34,7 @@ class LanesType(types.Type):
         super().__init__(name=f"lanes({width}, {'flags' if flags else 'doubles'})")
 
     def holds(self, other: Any) -> bool:
-        """Return whether a scalar type can stand for equal lanes."""
+        """Return whether a scalar of this type can be used as lanes that are all equal to it."""
         return isinstance(other, types.Boolean if self.flags else (types.Float, types.Integer))
 
     def can_convert_from(self, typingctx: Any, other: Any) -> Any:
@@ -42,13 +42,13 @@ class LanesType(types.Type):
         return Conversion.promote if self.holds(other) else None
 
     def unify(self, typingctx: Any, other: Any) -> Any:
-        """Use lanes for a variable that is a scalar in another branch."""
+        """Choose lanes as the type of a variable that is lanes in one branch and a scalar in another."""
         return self if self.holds(other) else None
 
 
 @register_model(LanesType)
 class _LanesModel(models.PrimitiveModel):
-    """A vector of LLVM."""
+    """The memory layout of lanes: a vector of LLVM."""
 
     def __init__(self, manager: Any, declared: Any) -> None:
         super().__init__(manager, declared, ir.VectorType(BIT if declared.flags else DOUBLE, declared.width))
@@ -67,7 +67,7 @@ def _spread(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> 
 
 
 def lanes_among(arguments: Any, flags: bool) -> Any:
-    """Return the type of lanes among argument types, if the others go with it, else None."""
+    """Return the lanes type among argument types if the other arguments can be used with it, else None."""
     found = [each for each in arguments if isinstance(each, LanesType)]
     if not found or found[0].flags is not flags:
         return None
@@ -179,7 +179,7 @@ def select(typingctx: Any, condition: Any, one: Any, other: Any) -> Any:
 
 @intrinsic
 def any_of(typingctx: Any, flags: Any) -> Any:
-    """Return whether a flag is set."""
+    """Return whether a flag is set in any lane."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         whole = ir.IntType(flags.width)
@@ -190,7 +190,7 @@ def any_of(typingctx: Any, flags: Any) -> Any:
 
 @intrinsic
 def bits_of(typingctx: Any, flags: Any) -> Any:
-    """Return the flags as a whole number, that of lane 0 in its last bit."""
+    """Return the flags of all lanes as the bits of a whole number, lane 0 in the last one."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         return builder.zext(builder.bitcast(arguments[0], ir.IntType(flags.width)), LONG)
@@ -243,7 +243,7 @@ def number_in(typingctx: Any, table: Any, row: Any, n: Any) -> Any:
 
 
 def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset[str]) -> Any:
-    """Return the function that loads a NamedTuple of lanes, some of them tuples again, from rows of an array.
+    """Return the function that loads a NamedTuple of lanes, some fields tuples themselves, from the rows of an array.
 
     Of the fields that are `alike` in all lanes it is a number.
     """
@@ -279,6 +279,6 @@ def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset
 
 
 def usual_width() -> int:
-    """Return the number of lanes that are fastest on this processor; 0: none."""
+    """Return the number of lanes with which this processor is fastest; 0 where lanes are of no use."""
     features = get_host_cpu_features().split(",")
     return 16 if "+avx512f" in features else 8 if "+avx2" in features else 0

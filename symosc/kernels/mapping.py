@@ -56,7 +56,7 @@ KINDS = 6
 
 
 def flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K):
-    """Return f1, f2."""
+    """Return the residuals f1, f2 of a flight from (x_i, theta_i) to (x_j, theta_j), at the speeds v_i and v_j."""
     s0, c0 = sin(theta_i), cos(theta_i)
     E0, E1, E2, R2, I2, _, _ = basis((theta_j - theta_i) / K.Om, K)
     a0 = acceleration(x_i, v_i, c0, A, K.cm, K.w0sq, K.f0)
@@ -105,7 +105,7 @@ def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
 
 
 def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
-    """Return U0, U1, U2, V, W, P, Q at `tau` >= 0 from what `basis` returns for the constants `K`."""
+    """Return the functions U0, U1, U2, V, W, P, Q of repeated roots at `tau` >= 0, from the entire functions there."""
     if K.apart and K.omega_d * tau >= FAR_APART:
         return repeated_apart(tau, K.h, K.omega_d, K.cm, K.w0sq, K.Om, K.p, K.q, E0, E1, E2, R2, I2, s, c)
     zero = 0.0 * K.Om
@@ -152,12 +152,12 @@ def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
 
 
 def key_of(counts):
-    """Return a number below 54 for how often each node occurs."""
+    """Encode how often each of the four nodes occurs as a whole number below 54."""
     return ((counts[0] * 3 + counts[1]) * 3 + counts[2]) * 3 + counts[3]
 
 
 def one_less(counts, i):
-    """Return how often each node occurs without one of number `i`."""
+    """Return how often each node occurs when node number `i` occurs once less."""
     return counts[0] - (i == 0), counts[1] - (i == 1), counts[2] - (i == 2), counts[3] - (i == 3)
 
 
@@ -247,7 +247,7 @@ def load(block, points, begin):
 
 
 def pair(block, n):
-    """Return x_i, theta_i, x_j, theta_j: one of the pairs of points that were loaded."""
+    """Return the n-th of the loaded pairs of points: x_i, theta_i, x_j, theta_j."""
     return block[n], block[BLOCK + n], block[2 * BLOCK + n], block[3 * BLOCK + n]
 
 
@@ -272,7 +272,7 @@ def flights(points, speeds, A, K, f):
 
 
 def flights_and_slopes(points, speeds, A, K, f, J):
-    """Fill f as `flights` does, and J (2, 4, n) with the derivatives by x_i, theta_i, x_j, theta_j."""
+    """Fill f (2, n) with f1, f2 of flights, and J (2, 4, n) with the derivatives by x_i, theta_i, x_j, theta_j."""
     v_i, v_j = speeds
     block = np.empty(12 * BLOCK)
     J[0, 2], J[1, 2] = -1.0, 0.0
@@ -312,7 +312,7 @@ def sticks(points, v, sides, K, f):
 
 
 def sticks_and_slopes(points, v, sides, K, f, J):
-    """Fill f as `sticks` does, and J (2, 4, n) with the derivatives by x_i, theta_i, x_j, theta_j."""
+    """Fill f (2, n) with f1, f2 of sticks, and J (2, 4, n) with the derivatives by x_i, theta_i, x_j, theta_j."""
     sticks(points, v, sides, K, f)
     J[0, 0], J[0, 2], J[1, 0], J[1, 1] = 1.0, -1.0, 0.0, 0.0
     for n in range(len(points[0])):
