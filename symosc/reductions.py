@@ -51,23 +51,23 @@ class Harmonic(NamedTuple):
     exact: bool = True
 
     def plus(self, other: Harmonic, factor: Fraction | int = 1) -> Harmonic:
-        """Return the sum with a multiple of another one."""
+        """Return the sum of this harmonic and `factor` times another."""
         return Harmonic(self.C + factor * other.C, self.S + factor * other.S, self.exact and other.exact)
 
     def rate(self, Omega: Fraction) -> Harmonic:
-        """Return the derivative by time."""
+        """Return the time derivative of the harmonic."""
         return Harmonic(Omega * self.S, -Omega * self.C, self.exact)
 
     def integral(self, Omega: Fraction) -> Harmonic:
-        """Return the integral by time without a mean."""
+        """Return the time integral of the harmonic whose mean is 0."""
         return Harmonic(-self.S / Omega, self.C / Omega, self.exact)
 
     def at(self, cos: Any, sin: Any, number: Callable[[Fraction], Any] = float) -> Any:
-        """Return the value where cosine and sine of Omega t are these."""
+        """Return the value of the harmonic, given cosine and sine of Omega t."""
         return number(self.C) * cos + number(self.S) * sin
 
     def bound(self) -> Fraction:
-        """Return what no value exceeds."""
+        """Return |C| + |S|, a bound that no absolute value of the harmonic exceeds."""
         return abs(self.C) + abs(self.S)
 
 
@@ -113,7 +113,7 @@ def polar(sum: Harmonic) -> tuple[Fraction, Fraction, bool]:
 
 
 def _root(square: Fraction) -> Fraction | None:
-    """Return the root of a fraction if it is one."""
+    """Return the square root of a fraction if it is rational, else None."""
     root = Fraction(isqrt(square.numerator), isqrt(square.denominator))
     return root if root * root == square else None
 
@@ -338,7 +338,7 @@ def reduced_time(model: OtherModel, t: Fraction) -> Fraction:
 
 
 def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -> tuple[Three, Three]:
-    """Return a start of the oscillator from one of this model, and half-widths of what is not exact in it."""
+    """Convert a start of a model to one of its oscillator; return it and the half-widths of what is not exact."""
     p, angle, delay = model.parameters, model.Omega * t0, model.delay
     cos, sin, exact = cos_sin(angle)
     zero = Fraction(0)
@@ -373,13 +373,13 @@ def _read_arrays(**given: Any) -> list[np.ndarray]:
 
 
 def number_of(value: Number) -> Callable[[Fraction], Number]:
-    """Return the function that makes numbers of the arithmetic of a value: floats, or those of its context."""
+    """Return the function that converts Fractions to numbers like a value: floats, or mpf of its context."""
     context = getattr(value, "context", None)
     return float if context is None else lambda exact: context.mpf(exact.numerator) / exact.denominator
 
 
 def _known(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
-    """Return the difference of two numbers that are known to 40 digits, and its half-width; what is nothing is 0."""
+    """Return a - b of numbers known to 40 digits, and its half-width; a difference that is only rounding is 0."""
     size = abs(a) + abs(b)
     return rounded(a - b) if abs(a - b) * 10 ** (DIGITS - 20) > size else Fraction(0), half_unit(size)
 

@@ -230,7 +230,7 @@ def frequency_response(
 
 
 def model_of(what: Any) -> OtherModel:
-    """Return what something is about as a model; parameters are one that is not moved."""
+    """Return the model of a scene, a scene's name, or parameters; parameters are a model that is not moved."""
     if isinstance(what, OtherModel):
         return what
     if not isinstance(what, Parameters):
@@ -242,7 +242,7 @@ def model_of(what: Any) -> OtherModel:
 
 
 def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Row, PeriodicOrbit | None]:
-    """Return the response of a model, and its orbit, if it has one; `before` is an orbit nearby."""
+    """Compute the response of a model and its orbit, if it has one; `before` is an orbit for nearby parameters."""
     p = model.parameters
     if p.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of a settled motion")
@@ -263,7 +263,7 @@ def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Row
 
 
 class Settled(NamedTuple):
-    """A settled motion: what it is, a state of it, the periods after which it closes, and its larger multiplier."""
+    """A settled motion: its status, a state on it, the periods after which it closes, and its larger multiplier."""
 
     status: str
     start: tuple[Any, Any, Any]
@@ -273,7 +273,7 @@ class Settled(NamedTuple):
 
 
 def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | None) -> Settled:
-    """Return the settled motion; ConvergenceError if there is none. `guess` is x and v at t = 0, nearly."""
+    """Find the settled motion; ConvergenceError if there is none. `guess` is x and v at t = 0, approximately."""
     for boundary in (1, 2):
         rests = rest_positions(p, boundary)
         if rests is not None:
@@ -292,7 +292,7 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
 
 
 def _near(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit | None:
-    """Return the orbit of the same word near one with other parameters."""
+    """Find the stable orbit with the word of `before`, an orbit for other parameters; None if there is none."""
     if before is None:
         return None
     scale = float(before.parameters.Omega / p.Omega)
@@ -301,7 +301,7 @@ def _near(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit | None:
 
 
 def _followed(p: Parameters, guess: tuple[float, float]) -> PeriodicOrbit | None:
-    """Return the orbit near the last but one of some periods of a motion; without a damper it may be marginal."""
+    """Find the orbit near the last but one period of a followed motion; without a damper it may be a marginal one."""
     period = 2 * pi / float(p.Omega)
     for count in FOLLOWED:
         motion = simulate(p, t0=0, x0=guess[0], v0=guess[1], t_end=count * period)
@@ -332,7 +332,7 @@ def linear_response(p: Parameters) -> complex:
 
 
 def meets_no_belt(p: Parameters) -> int | None:
-    """Return the domain in which the motion without friction's jumps stays for ever, or None; decided exactly."""
+    """Return the domain in which the steady motion meets no belt and stays for ever, or None; decided exactly."""
     stiffness = (p.k - p.m * p.Omega**2) ** 2 + (p.c * p.Omega) ** 2
     if stiffness == 0:
         return None
@@ -391,14 +391,14 @@ class Part(NamedTuple):
 
 @cache
 def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return Gauss's points and weights, and the matrix that makes coefficients of Legendre polynomials of values."""
+    """Return Gauss's points and weights, and the matrix from values there to coefficients of Legendre polynomials."""
     points, weights = legendre.leggauss(POINTS)
     degrees = np.arange(POINTS)
     return points, weights, (degrees + 0.5)[:, None] * legendre.legvander(points, POINTS - 1).T * weights
 
 
 def parts(motion: Trajectory) -> Iterator[Part]:
-    """Yield the parts of a motion, so short that their polynomials have converged."""
+    """Yield the parts of a motion, cut so short that polynomials through Gauss's points have converged."""
     p, (points, weights, coefficients) = motion.parameters, _gauss()
     longest = LONGEST_TURN / max(float(p.Omega), sqrt(p.k / p.m))
     scale = sizes_of(motion)
@@ -502,10 +502,10 @@ def _rates(function: Harmonic, Omega: Fraction) -> tuple[Harmonic, Harmonic]:
 
 
 def _phasor(function: Harmonic) -> complex:
-    """Return E of a function Re(E exp(i Omega t))."""
+    """Return the complex amplitude E of a harmonic Re(E exp(i Omega t))."""
     return complex(float(function.C), -float(function.S))
 
 
 def _excitation(model: OtherModel) -> complex:
-    """Return what the phase of the motion is compared with: base, force, or the speeds of the belts."""
+    """Return the complex amplitude of the excitation to which phases refer: base, force, or the belts' speeds."""
     return _phasor(model.base if model.Y else model.force if model.B0 else harmonic(model.W, model.W_phase))

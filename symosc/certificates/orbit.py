@@ -250,7 +250,7 @@ class ClosingBalls:
         ]
 
     def prove_course(self, values: Values) -> None:
-        """Prove that the root in `values` follows its word, or raise Undecided."""
+        """Prove by durations, forces and margins that the root in `values` follows its word, or raise Undecided."""
         ends = self.ends(values)
         for i, piece in enumerate(self.pieces):
             span = ends[2 * i] - values[2 * i]

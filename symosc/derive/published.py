@@ -91,7 +91,7 @@ class Formulas(Flight):
         return trace**2 - 2 * determinant, determinant**2
 
     def slide_bound(self, angle: Any) -> Any:
-        """Return B at an angle after the highest point."""
+        """Return B at an angle after the highest point; the mass moves down there if and only if p_0 > B x_f."""
         angle = MP.mpf(angle)
         return self.value(coulomb.slide_function(), self.basis(angle / self.numbers[solution.Omega]) | {phi: angle})
 
@@ -141,7 +141,7 @@ def _slide_bounds(regime: solution.Regime) -> tuple[Callable[..., Any], list[Any
 
 @cache
 def slide_orbit(parameters: Parameters, digits: int | None = None) -> PeriodicOrbit:
-    """Return the motion without stops."""
+    """Return the motion without stops as the periodic orbit P32."""
     return find_orbit(parameters, "P32", digits=digits)
 
 
@@ -152,7 +152,7 @@ def _turning_points(parameters: Parameters, x0: Any, t_end: int, digits: int | N
 
 
 def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
-    """Return by how much each cycle raises the highest points at Omega = 1, c = 0.
+    """Return the rise of the highest points per cycle at Omega = 1, c = 0.
 
     The start is the one whose turning points are at theta = pi/2 + n pi: x = (P/2 - F)/k at t = 0, with any velocity
     that is large enough.
@@ -171,12 +171,12 @@ def one_sided_orbit(F: Any, n: int, middle: Fraction) -> PeriodicOrbit:
 
 
 def _free_amplitude(n: int) -> Fraction:
-    """Return |V| P/k at Omega = 1/(2 n): the friction does not enter."""
+    """Return |V| P/k, the amplitude at Omega = 1/(2 n), on which friction has no influence."""
     return 1 / (1 - Fraction(1, 4 * n * n))
 
 
 def one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajectory:
-    """Return the motion from the highest point that the orbit around a middle would have."""
+    """Simulate from the highest point of the orbit whose turning points would lie around a middle."""
     t_end = cycles * Fraction(4 * pi * n)
     return simulate(wall(F, Fraction(1, 2 * n)), t0=0, x0=middle + _free_amplitude(n), v0=0, t_end=t_end, accuracy=1e-6)
 
@@ -217,7 +217,7 @@ def meeting_point(c: Any, guess: tuple[float, float]) -> tuple[Any, Any]:
 
 
 def meeting_point_by_running(c: Any, guess: tuple[float, float]) -> tuple[float, float]:
-    """Return the same from the switching points of P32 alone."""
+    """Return (Omega, F) of the meeting point by running the package: from the switching points of the orbit P32."""
 
     def conditions(where: Any) -> tuple[float, float]:
         p = wall(where[1], where[0], c)
@@ -265,7 +265,7 @@ def transmissibility(F: Any, Omega: Any) -> Any:
 
 
 def transmissibility_by_running(F: Any, Omega: Any) -> float:
-    """Return the same from the orbit P32 and its motion over a period."""
+    """Return the largest absolute |x| by running the package: from the orbit P32 and its motion over a period."""
     p = base_and_wall(F, Omega)
     (t0, x0), _ = slide_orbit(p).points
     path = simulate(p, t0=Fraction(t0), x0=Fraction(x0), v0=0, t_end=Fraction(t0) + Fraction(slide_orbit(p).period))
@@ -313,7 +313,7 @@ def from_rest(p: Parameters, cycles: int) -> Trajectory:
 
 
 class Border(NamedTuple):
-    """Where the number of stops changes: F/P on its two sides, and the numbers there."""
+    """A border between two numbers of stops per cycle: F/P on both of its sides, and the numbers there."""
 
     low: float
     high: float
@@ -392,7 +392,7 @@ def solve_stop_positions(p: Parameters) -> list[Any]:
 
 
 def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
-    """Return what vanishes if each slide of half a cycle ends at rest where the next one starts."""
+    """Return the residuals of half a cycle: they vanish if each slide ends at rest where the next one starts."""
     x, v, _ = _slide(p)
     found = [v(phase, time) for phase, time in zip(phases, times, strict=True)]
     rows = zip(phases, times, _slide_ends(F, phases), strict=True)
@@ -400,7 +400,7 @@ def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
 
 
 def _slide_ends(F: Any, phases: Any) -> list[Any]:
-    """Return where slides end: at the next one's start, x = cos(theta) + F, the last one at minus the first start."""
+    """Return the x at which each slide ends: the next one's start, cos(theta) + F, or minus the first one's."""
     starts = [MP.cos(phase) + F for phase in phases]
     return [*starts[1:], -starts[0]]
 
@@ -479,7 +479,7 @@ RESTING = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1
 
 
 class Value(NamedTuple):
-    """A number computed twice.
+    """A number computed twice, by a formula and by running the package.
 
     Its letter and the parameters in LaTeX (those that are not named are 1 (m, k, P, F_N) or 0 (c)), the two numbers,
     how many decimals are worth printing, what the two may differ by (relative), and what else was seen in running.
@@ -661,5 +661,5 @@ TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], Iterator[Value]]]] = 
 
 @cache
 def table(key: str) -> tuple[Value, ...]:
-    """Return the values of one table."""
+    """Return the rows of a table: its numbers, each computed by formula and by the package."""
     return tuple(TABLES[key][2]())

@@ -186,7 +186,7 @@ def _stick_margins(
 def gaps(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, tau: Number
 ) -> Iterator[tuple[Number, Number, int]]:
-    """Yield the distance from a belt at each extremum of a flight that is turned to one, its phase, and the belt."""
+    """Yield for each velocity extremum of a flight next to a belt its distance from it, its phase, and the belt."""
     flight = equations.start_of_flight(piece, start)
     for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations) if tau > 0 else ():
         belt = piece.mode - 1 if extremum.b > 0 else piece.mode  # a minimum is turned to the belt below
@@ -199,7 +199,7 @@ def gaps(
 def holds(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, tau: Number
 ) -> Iterator[tuple[Number, Number, int]]:
-    """Yield at each turn of the forces during a stick the one nearer to 0, its phase, and its domain."""
+    """Yield for each turn of the forces during a stick the smaller holding force, its phase, and its domain."""
     K, belt, names = equations.K, equations.belt(piece.start), equations.arithmetic.namespace
     s0, c0 = equations.sin(start[1]), equations.cos(start[1])
     below = equations.force(piece.start, start[0], belt.v, start[1])
@@ -326,7 +326,7 @@ def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
 def _vanishing(
     equations: ClosingEquations, points: Points, found: list[Condition], fine: ClosingEquations, root: Solution
 ) -> list[Condition]:
-    """Return a failure if a duration tends to 0 under Newton's method: a multiple root."""
+    """Return the pieces whose duration tends to 0 under Newton's method, as failures: the root is a multiple one."""
     was, now = (
         [end[1] - start[1] for start, end in zip(each, of.ends(each), strict=True)]
         for of, each in ((equations, points), (fine, root.points))
@@ -337,7 +337,7 @@ def _vanishing(
 
 
 def _undecided(found: list[Condition]) -> list[Condition]:
-    """Return the conditions that fail or may fail, for a root not found with more digits."""
+    """Return the conditions that fail, or that may, of a root that could not be found with more digits."""
     failed = failing(found)
     if failed:
         return failed
@@ -347,7 +347,7 @@ def _undecided(found: list[Condition]) -> list[Condition]:
 
 
 def engine_contradiction(equations: ClosingEquations, points: Points, digits: int | None = None) -> Condition | None:
-    """Return the first piece that the engine, started on the root, does not follow; None if it closes after the period.
+    """Follow an orbit from its root by the engine; return the first piece that it does not follow, None if it closes.
 
     It starts at the end of a flight where the forces on both sides of the belt are farthest from 0.
     """

@@ -354,7 +354,7 @@ class Border(Drawable):
 
 
 def between(a: Node, b: Node, part: float) -> np.ndarray:
-    """Return the point of the cubic through two nodes with their tangents at a part of the way."""
+    """Return the point at a part of the way on the cubic through two nodes with their tangents."""
     length, r = float(np.linalg.norm(b.z - a.z)), part
     first, second = (1 - r) ** 2 * (1 + 2 * r), r * r * (3 - 2 * r)
     slope = length * (r * (1 - r) ** 2 * a.tangent - r * r * (1 - r) * b.tangent)
@@ -362,7 +362,7 @@ def between(a: Node, b: Node, part: float) -> np.ndarray:
 
 
 def motion_at(parameters: Parameters, orbit: Orbit) -> Orbit | None:
-    """Return the orbit that is admissible at some parameters near those of the given one, or None if none is found.
+    """Find an admissible orbit at some parameters, near the given orbit; None if none is found.
 
     The given word is tried first, then those that the motion from the given orbit goes through. With c > 0 an
     admissible orbit is the motion to which all others settle (`symosc.orbits.floquet`).
@@ -400,7 +400,7 @@ class Tracer:
         return Border(self.plane, self.system, turned + forward, (begin, last), [*reversed(others), *special])
 
     def _follow(self, first: Node) -> tuple[list[Node], BorderEnd, list[SpecialPoint]]:
-        """Return the nodes in the direction of the first one's tangent, why they end, and what is special."""
+        """Follow the border along the first node's tangent; return its nodes, its end and its special points."""
         path, special, step, bend, checked = [first], list[SpecialPoint](), self.longest, 0.0 * first.z, 0
         self.margins: list[Condition] | None = None
 
@@ -457,7 +457,7 @@ class Tracer:
         return float(a), float(b)
 
     def _outside(self, node: Node) -> tuple[int, float] | None:
-        """Return which parameter is outside its range, and its bound in widths; None if both are inside."""
+        """Return which parameter (0 or 1) is outside its range, and its bound in widths; None if both are inside."""
         values = node.z[-2:]
         for j, (value, low, high) in enumerate(zip(values, self.low, self.high, strict=True)):
             if not low <= value <= high:
@@ -484,7 +484,7 @@ class Tracer:
         return any(self._values(node.z) == point.values for node in path)
 
     def _first_failure(self, path: list[Node], checked: int) -> tuple[int, Condition] | None:
-        """Return the first node after `checked` at which an inequality fails, and which; None if all hold."""
+        """Find the first node after `checked` at which an inequality fails; return its number and the inequality."""
 
         def failing(i: int) -> Condition | None:
             return min((c for c in self.system.margins(path[i].z) if not c.value > 0), key=_part, default=None)
@@ -550,7 +550,7 @@ class Tracer:
         return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
 
     def _codimension_two(self, good: Node, bad: Node, condition: Condition) -> tuple[Node, SpecialPoint]:
-        """Return the point between two nodes at which an inequality vanishes: a last node, and what it is."""
+        """Locate the point between two nodes at which an inequality vanishes, as a last node and a special point."""
         system = self.system
         for _ in range(MOST_HALVINGS):
             if np.linalg.norm(bad.z - good.z) < LOCATED:
@@ -572,7 +572,7 @@ class Tracer:
 
 
 def _part(condition: Condition) -> float:
-    """Return a margin as a part of its terms."""
+    """Return the margin of a condition divided by the size of its terms."""
     return condition.value / condition.scale
 
 
@@ -580,7 +580,7 @@ def _part(condition: Condition) -> float:
 
 
 def meeting(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
-    """Return the point near some values where two inequalities of a word vanish; None if none is found.
+    """Find the point near some values where two inequalities vanish, with the simplest word there; None if not found.
 
     The word that has fewest pieces of those around the point has the simplest equations there: in the others a piece
     has no length at the point.
@@ -607,7 +607,7 @@ def _circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[tuple[n
 
 
 def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
-    """Return the point near some values where two inequalities of this word vanish."""
+    """Find the point near some values where two inequalities of this word vanish; None if there is none."""
     equations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods)
     solution = solve(equations, orbit.points)
     points = solution.points if solution.converged else orbit.points
@@ -651,7 +651,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
 
 
 def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray) -> Iterator[tuple[BorderSystem, Node]]:
-    """Yield the borders of an orbit's word that lie next to its place in this direction, the nearest first."""
+    """Yield the borders of an orbit's word next to its place in the plane, in this direction, the nearest first."""
     equations, points = ClosingEquations(plane.parameters(place.tolist()), orbit.word, orbit.periods), orbit.points
     nearest = sorted(conditions(equations, points), key=lambda c: abs(_part(c)))[:MOST_CANDIDATES]
     for zero, phases in (found for c in nearest for found in zeros_of(equations, points, c)):
@@ -698,7 +698,7 @@ def crossings(
 def all_crossings(
     plane: Plane, start: tuple[np.ndarray, Orbit], stop: tuple[np.ndarray, Orbit]
 ) -> Iterator[tuple[BorderSystem, Node]]:
-    """Yield borders that cross a segment of the plane, so that the words at its ends are explained, in order."""
+    """Yield, in order, borders that cross a segment of the plane, until they explain the words at both of its ends."""
     for system, node in crossings(plane, start, stop):
         way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
         place, own = node.z[-2:] * system.scale[-2:], system.orbit(node.z)
@@ -773,7 +773,7 @@ def network(border: Border, **how: Any) -> list[Border]:
 
 
 def _distinct(plane: Plane, begun: Iterator[tuple[BorderSystem, Node]], step: float, most: int) -> list[Border]:
-    """Return the borders through these nodes, each once."""
+    """Follow the border through each of the given nodes; return each border once."""
     found = list[Border]()
     for system, node in begun:
         border = Tracer(plane, system, node, step, most).border()

@@ -68,19 +68,19 @@ POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters 
 
 
 class Zero(NamedTuple):
-    """What vanishes, and in which piece; `place` is the belt of a graze, or the domain of a force."""
+    """A margin that vanishes: its kind, its piece, and its place: the belt of a graze, or the domain of a force."""
 
     kind: str
     piece: int
     place: int
 
     def mirrors(self, other: Zero, half: int) -> bool:
-        """Return whether it is the other one, half a period later or before."""
+        """Return whether this zero is the mirror image of another, half a period later or earlier."""
         return self.kind == other.kind and abs(self.piece - other.piece) == half
 
     @property
     def bend(self) -> Zero:
-        """What vanishes too where this is no simple zero."""
+        """The zero of the derivative that vanishes too where this zero is not a simple one."""
         return self._replace(kind=AT_BEND if self.kind in TIMED else AT_FLAT)
 
 
@@ -174,7 +174,7 @@ class BorderSystem:
         return equations.residuals(points) + self._zeros(equations, points, phases)
 
     def _zeros(self, equations: ClosingEquations, points: Any, phases: Any) -> list[Number]:
-        """Return what must vanish beside the closing equations."""
+        """Return the values that must vanish on the border besides the closing equations."""
         values, left = [], list(phases)
         for zero in self.zeros:
             theta = left.pop(0) if zero.kind in TIMED else phase_of_bend(zero, self.timed, phases)
@@ -219,7 +219,7 @@ class BorderSystem:
     # -- Newton's method -----------------------------------------------------------------------------------------------
 
     def correct(self, z: np.ndarray, row: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float] | None:
-        """Return the root in the plane through z with the normal `row` (None: the system is square), or None.
+        """Find the root in the plane through z with the normal `row` (None: no plane is needed); None if not found.
 
         With it the inverse of the Jacobian of all scaled equations, and an estimate of what is left to correct.
         """
@@ -283,7 +283,7 @@ class BorderSystem:
         return None
 
     def node(self, z: np.ndarray, along: np.ndarray, row: np.ndarray | None = None) -> Node | None:
-        """Return the point of the curve in the plane through z across `along`, or with this normal; None if not found.
+        """Find the border's point in the plane through z across `along`, or with the normal `row`; None if not found.
 
         Its tangent is oriented like `along`. Errors come from rounding in the residuals and from the last correction.
         """
@@ -328,11 +328,11 @@ class BorderSystem:
         self.symmetric_pieces = self._at_rest_after(crossings)
 
     def _is_own(self, condition: Condition) -> bool:
-        """Return whether it is the condition of one of the zeros."""
+        """Return whether a condition is one whose vanishing defines this border."""
         return any((zero.kind, zero.piece) == (kind_of(condition), condition.piece) for zero in self.zeros)
 
     def margins(self, z: np.ndarray) -> list[Condition]:
-        """Return all other inequalities on the border, and those that make its zero a regular one."""
+        """Return the inequalities that must hold on the border, and those that make its own zero a simple one."""
         equations, points, phases = self.at((z * self.scale).tolist())
         equations.pieces = self.symmetric_pieces
         found = conditions(equations, points)
@@ -380,7 +380,7 @@ def phase_of_bend(zero: Zero, timed: Sequence[Zero], phases: Any) -> Any:
 
 
 def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Number) -> list[Number]:
-    """Return what vanishes, at the phase `theta` of an extremum for zeros that have one."""
+    """Return the values that vanish at a zero; `theta` is the phase of its extremum, for zeros that have one."""
     K, piece, start = equations.K, equations.pieces[zero.piece], points[zero.piece]
     if zero.kind in (AT_FAR, AT_ARRIVAL, AT_FLAT):
         x, end = equations.ends(points)[zero.piece]
@@ -415,7 +415,7 @@ def is_symmetric(points: np.ndarray, part: float = NOTHING) -> bool:
 
 
 def symmetrised(points: np.ndarray) -> np.ndarray:
-    """Return the points of the symmetric orbit nearest to one with an even number of them."""
+    """Return the switching points of the symmetric orbit nearest to an orbit with an even number of points."""
     half = len(points) // 2
     x, theta = points[:half, 0] - points[half:, 0], points[:half, 1] + points[half:, 1]
     mean = points[:, 0].mean()
@@ -435,7 +435,7 @@ def kind_of(condition: Condition) -> str:
 
 
 def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> list[tuple[Zero, list[float]]]:
-    """Return the zeros that a condition which is about to vanish may stand for, with the phase where one has one."""
+    """Return the zeros that a nearly vanishing condition may stand for, each with the phase of its extremum, if any."""
     kind, i = kind_of(condition), condition.piece
     piece, start, end = equations.pieces[i], points[i], equations.ends(points)[i]
     if kind == AT_FAR:
@@ -455,7 +455,7 @@ def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> 
 
 
 def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
-    """Return what happens at a border, as a `BranchEnd.kind` of its word with fewer pieces, and the field's name."""
+    """Name what happens at a border: the kind of end that a branch has there, and the name used in the literature."""
     zero = zero or system.zeros[0]
     if zero.kind == AT_ARRIVAL:  # a cubic tangency: a graze, and a stick that is left at once, begin there
         return GRAZING, "adding-sliding and grazing-sliding"

@@ -343,7 +343,7 @@ def _first_points(curve: Curve, direction: float) -> list[BranchPoint]:
 def _scan(
     curve: Curve, a: BranchPoint, b: BranchPoint, around: float = np.inf
 ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-    """Return the orbits on a branch piece after its point a, and the first point that is none (None: all are).
+    """Divide a piece of a branch after its point a; return its orbits, and the first point that is no orbit, or None.
 
     None if the points do not lie on one smooth curve. `around` is the length of the shortest piece around it that is
     known to end in a change.
@@ -395,12 +395,12 @@ def _proven(curve: Curve, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> boo
 
 
 def _verified(curve: Curve, point: BranchPoint) -> BranchPoint:
-    """Return the point, with the contradictions found by the engine."""
+    """Return the branch point with its failures as decided by more digits and by the engine, not in doubles alone."""
     return replace(point, failures=tuple(failures(curve.equations(point.value), point.points)))
 
 
 def _located(curve: Curve, good: BranchPoint, bad: BranchPoint) -> tuple[list[BranchPoint], BranchPoint]:
-    """Return the last point before a change (or the given one) and the first after it, by bisection."""
+    """Bisect for a change between two points; return the last point before it (none if given) and the first after."""
     begin = good
     while curve.distance(good, bad) > RESOLUTION:
         m = curve.middle(good, bad)
@@ -413,7 +413,7 @@ def _located(curve: Curve, good: BranchPoint, bad: BranchPoint) -> tuple[list[Br
 def _with_end(
     curve: Curve, path: list[BranchPoint], failed: BranchPoint, direction: float
 ) -> tuple[list[BranchPoint], BranchEnd]:
-    """Return the path and its BranchEnd: the conditions that vanish or fail there, and the word beyond."""
+    """Describe the end of a branch by the conditions that vanish or fail there; return its path and BranchEnd."""
     far = [point for point in path if curve.distance(point, failed) > FAR_BEHIND]
     before = far[-1] if far else path[0]
     pairs = zip(before.conditions, failed.conditions, strict=True)
@@ -432,7 +432,7 @@ def _with_end(
 
 
 def _inside(curve: Curve, last: BranchPoint) -> BranchPoint:
-    """Return the last point that is an orbit with all digits, a few roundings before the last in doubles."""
+    """Return the last branch point that is an orbit also by more digits, at most some roundings before the last."""
     for back in (0.0, *(RESOLUTION * 4.0**j for j in range(MOST_BACK))):
         z = curve.of(last) - back * last.tangent
         point = last if back == 0.0 else curve.accepted(curve.correct(z, last.tangent), last)

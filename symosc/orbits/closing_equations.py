@@ -125,7 +125,7 @@ def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
 
 
 class ClosingEquations:
-    """The equations of one word, number of periods and parameter set, in one arithmetic."""
+    """The closing equations of an orbit: of one word, number of periods and parameter set, in one arithmetic."""
 
     def __init__(
         self,
@@ -157,7 +157,7 @@ class ClosingEquations:
         return ClosingEquations(self.parameters, self.word, self.periods, digits)
 
     def ends(self, points: Points) -> list[Point]:
-        """Return the points (x, theta) that the pieces end on."""
+        """Return the points (x, theta) on which the pieces end: the next points, and the first one a period later."""
         x, theta = points[0]
         return [*points[1:], (x, theta + self.turn)]
 
@@ -191,7 +191,7 @@ class ClosingEquations:
         return self.K.belt1 if boundary == 1 else self.K.belt2
 
     def start_of_flight(self, piece: OrbitPiece, start: Point) -> Launch:
-        """Return the point that a flight starts from."""
+        """Return the launch of a piece's flight: velocity, acceleration, sine and cosine of the phase."""
         v = self.belt(piece.start).v
         a = 0 * start[0] if piece.after_stick else self.force(piece.mode, start[0], v, start[1])
         return Launch(v, a, self.sin(start[1]), self.cos(start[1]))

@@ -208,7 +208,7 @@ class Curve:
         return point if point.tangent @ self.level(before.tangent) > SHARPEST_TURN else None
 
     def step(self, current: BranchPoint, length: float) -> BranchPoint | None:
-        """Return the point at this length along the tangent, or at the end of the range if nearer, or None."""
+        """Return the point of the curve a length further on, at most at the end of the range; None if not found."""
         ahead = self.of(current) + length * current.tangent
         value = self.split(ahead)[1]
         if self.low < value < self.high:
@@ -223,7 +223,7 @@ class Curve:
         return self.accepted(self.joined(solution.points, value), current) if solution.converged else None
 
     def halfway(self, a: BranchPoint, b: BranchPoint) -> np.ndarray:
-        """Return the midpoint of the cubic with the points and tangents of a and b, near the curve."""
+        """Return the midpoint of the cubic through a and b with their tangents, which is near the curve."""
         return 0.5 * (self.of(a) + self.of(b)) + 0.125 * self.distance(a, b) * (a.tangent - b.tangent)
 
     def middle(self, a: BranchPoint, b: BranchPoint) -> BranchPoint | None:
@@ -264,7 +264,7 @@ def _cells(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
 
 
 def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
-    """Return whether the functions of piece i stay positive at and between the parts u of its duration."""
+    """Return whether the margins of piece i stay positive at and between the parts u of its duration."""
     found = [functions(equations, points, i, u) for equations, points in nodes]
     for rows in zip(*found, strict=True):
         values = np.array(rows)
@@ -291,7 +291,7 @@ def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
 
 
 def functions(equations: ClosingEquations, points: Points, i: int, u: np.ndarray) -> list[np.ndarray]:
-    """Return the functions of piece i that must be positive, at parts u of its duration."""
+    """Return the margins of piece i (distances to belts or forces that hold) at parts u of its duration."""
     piece, start, end = equations.pieces[i], points[i], equations.ends(points)[i]
     tau = (end[1] - start[1]) / equations.K.Om
     return (_of_stick if piece.sticks else _of_flight)(equations, piece, start, end, tau, u)
@@ -300,7 +300,7 @@ def functions(equations: ClosingEquations, points: Points, i: int, u: np.ndarray
 def _of_flight(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
-    """Return the functions of a flight that must be positive, at parts u."""
+    """Return the margins of a flight, its distances to belts, at parts u of its duration."""
     K, times = equations.K, tau * u
     v, a, s, c = equations.start_of_flight(piece, start)
     _, dv, acceleration = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis(times, K)[:5])
@@ -326,7 +326,7 @@ def _of_flight(
 def _of_stick(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
-    """Return the functions of a stick that must be positive, at parts u."""
+    """Return the margins of a stick, the forces that hold it, at parts u of its duration."""
     K, belt = equations.K, equations.belt(piece.start)
     before = -(1 - u) * tau  # time, counted from the end of the stick, where the force that ends it is 0
     half = 0.5 * K.Om * before

@@ -291,13 +291,13 @@ def _instead(equations: ClosingEquations, resting: bool = False) -> str:
 
 
 def switching_points(equations: ClosingEquations, points: Points) -> list[SwitchingPoint]:
-    """Return (t, x) from (x, theta)."""
+    """Convert points (x, theta) to switching points (t, x), in the arithmetic of the equations."""
     number = float if equations.exact is None else equations.exact
     return [SwitchingPoint(number(theta / equations.K.Om), number(x)) for x, theta in points]
 
 
 def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) -> Guess:
-    """Return a guess, given as points, as a start or as an orbit."""
+    """Read a guess given as points, as one start, or as an orbit."""
     n, Omega = len(equations.pieces), float(equations.parameters.Omega)
     if isinstance(guess, PeriodicOrbit):
         periods, guess = periods or guess.periods, guess.points
@@ -353,7 +353,7 @@ class Guess(NamedTuple):
 
 
 def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> tuple[list[Passage], bool]:
-    """Return start and events, `most` at most, of the motion from a belt in doubles, and whether it comes to rest."""
+    """Follow the motion from a belt in doubles; return its start and `most` events, and whether it comes to rest."""
     K, turns = equations.K, int(theta // (2 * pi))
     start = belt_start(boundary, x, (sin(theta), cos(theta)), equations.arithmetic)
     angle = theta - 2 * pi * turns
@@ -414,7 +414,7 @@ def rest_interval_text(positions: tuple[Number, Number]) -> str:
 
 
 def windows(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
-    """Return every part of a simulation that follows the word, with its closing error."""
+    """Return each run of passages that follows the word as a guess, with the error by which it does not close."""
     n = len(labels)
     done, found = mappings_between(passages), []
     for k in range(len(done) - n + 1):
@@ -432,7 +432,7 @@ def windows(passages: list[Passage], labels: tuple[str, ...], periods: int | Non
 
 
 def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
-    """Return the centre of the motion and the largest displacement by forces and resonance (k > 0)."""
+    """Return the centre of the motion, and the largest displacement that forces or resonance can cause (k > 0)."""
     K = equations.K
     reach = (abs(K.f0) + max(abs(K.A1 - K.A3), K.cm * max(abs(K.belt1.v), abs(K.belt2.v)))) / K.w0sq
     return 0.5 * (K.A1 + K.A3) / K.w0sq, float(max(reach, K.V0 / K.Om))

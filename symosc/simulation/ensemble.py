@@ -241,7 +241,7 @@ class Chunk:
         return self.task.problems[self._first + i]
 
     def launches(self) -> Launches:
-        """Return where the motions begin, for derivatives."""
+        """Return the starts of the chunk's motions, their parameter sets and constants, as derivatives need them."""
         starts = self._starts[:, [0, 0, 3, 4, 5]]
         rows = slice(self._first, self._first + len(starts))
         starts[:, 1] = self.task.problems.t0.pairs(rows).hi
@@ -349,7 +349,7 @@ class Chunk:
 
 
 def spliced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[EventRows]:
-    """Return rows in order of motion and time, with the rows of motions in `again` replaced."""
+    """Replace the event rows of the motions in `again`; return all rows in order of motion and time."""
     members, pieces = np.array(sorted(again), np.int64), list(again.values())
     for part in parts:
         begins, ends = (np.searchsorted(part.ints[0], members, side) for side in ("left", "right"))
@@ -359,7 +359,7 @@ def spliced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[Eve
 
 
 def sure(table: np.ndarray) -> np.ndarray:
-    """Return a table of constants with decision thresholds above the errors of a state, for any accuracy."""
+    """Return a table of constants whose decisions exceed the errors of a state, whatever accuracy is asked for."""
     if len(table) and (table["sigmas"] == 0.0).any():
         table = table.copy()
         table["sigmas"] = float(SIGMAS)

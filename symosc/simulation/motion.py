@@ -99,7 +99,7 @@ def check_reached(start: Start, periods: int) -> None:
 
 
 def single_loop(count: int) -> tuple[Callable[..., tuple[int, int, int]], int]:
-    """Return the loop that follows one motion after its first `count` events, and how many it finds at most.
+    """Return the event loop for one motion that has had `count` events, and how many events it finds at most.
 
     It is compiled if that is loaded or pays.
     """
@@ -132,7 +132,7 @@ class SearchInDoubles:
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (arithmetic.K, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
-        """Return the next event and, if it is open, how long no wall is met; None outside the range of doubles."""
+        """Return the next event and, if it is undecided, how long no wall is met; None outside the range of doubles."""
         keep_state(self._rows, 0, state)
         try:
             code, boundary, decided, t_error, free = self._search(self._rows, self._careful)
@@ -141,7 +141,7 @@ class SearchInDoubles:
             return None
 
     def next_doubt(self, state: State, count: int, limits: Limits) -> int:
-        """Return the number of the next event that doubles, from a state after `count` events, leave in doubt, or 0."""
+        """Return the number of the next event after `count` that doubles cannot decide; 0 if there is none soon."""
         keep_state(self._rows, 0, state)
         try:
             return int(self._doubt(self._rows, count, limits.most, limits.accuracy, self._K))
@@ -459,7 +459,7 @@ class MotionInDigits(Motion):
         return self._skipped + len(self._events)
 
     def reach(self, count: int) -> bool:
-        """Follow the motion to `count` events or to its end; return False after a step that is open.
+        """Follow the motion to `count` events or to its end; return False after a step that could not be decided.
 
         It goes on to the next event that doubles do not decide or know well enough.
         """
@@ -546,13 +546,13 @@ class FinerMotion:
         return reached
 
     def _take(self) -> None:
-        """Take over what was found."""
+        """Take over the events and pieces that the motion in pairs or digits has found."""
         rows, pieces = self._now.take()
         self.rows.append(rows)
         self.pieces.append(pieces)
 
     def _settle(self) -> bool:
-        """Let more digits go on at an open contact, or take it for a graze; return False if neither is possible."""
+        """Go on with more digits at an undecided contact, or take it for a graze; False if neither is possible."""
         now = self._now
         if isinstance(now, MotionInPairs):
             return self._go_on(self._least, now)

@@ -323,7 +323,7 @@ class Problems:
         return states, unclear | small_force | bool(self.start_error)
 
     def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:
-        """Return which rows start exactly on a belt, and which off it with the same double."""
+        """Return which rows start exactly on a belt, and which start off it although v0 is the same double."""
         speed = self.sets.column(f"v{boundary}")
         v, belt = self.v0.pairs(rows), speed.pairs(rows)
         near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
@@ -337,7 +337,7 @@ class Problems:
         return near[on_belt], near[~on_belt]
 
     def are_apart(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
-        """Return where a motion has an exact start, a drive, and a distance > `gap` to every belt but its own."""
+        """Return which motions have an exact start, a drive, and a distance > `gap` to every belt but their own."""
         v, B0 = self.v0.pairs(rows).hi, self.sets.column("B0").pairs(rows).hi
         apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
         for boundary in (1, 2):
