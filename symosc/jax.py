@@ -130,7 +130,7 @@ def _values(parameters: Any, *start: Any) -> Any:
 
 
 class _Functions(NamedTuple):
-    """What is made of JAX once."""
+    """The functions that are made once, when JAX is first used."""
 
     number: Callable[[Any], Any]
     stack: Callable[[Any], Any]

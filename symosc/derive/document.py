@@ -70,7 +70,7 @@ class Checked(NamedTuple):
         return [pair for part in self.parts for pair in zip(steps_of(part.item), part.evidence, strict=True)]
 
     def displays(self) -> Iterator[Part | list[Part]]:
-        """Yield the parts, and in place of steps that follow each other the list of them, which is one display."""
+        """Yield the parts of the chapter; steps that follow each other come as one list, which is one display."""
         for displayed, parts in groupby(self.parts, lambda part: isinstance(part.item, Step)):
             if displayed:
                 yield list(parts)
@@ -122,7 +122,7 @@ def check(key: str, title: str, items: list[Any], progress: Callable[[int, int],
 
 
 def _numbered(item: Any) -> tuple[str, str, str]:
-    """Return in which count an item has its number, its name in the chapter, and its label."""
+    """Return the count that numbers an item (eq, thm, tab, fig or ""), its name in the chapter, and its label."""
     if isinstance(item, Step):
         return "eq", item.label, ""
     if isinstance(item, Markup):
@@ -192,7 +192,7 @@ def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str]
 
 
 def shown(statement: Relation, scope: Scope) -> Relation:
-    """Return a statement as it is printed in a scope."""
+    """Return a statement with the numbers and symbols with which it is printed in a scope."""
     return Relation(scope.shown(statement.left), statement.op, scope.shown(statement.right))
 
 
@@ -360,7 +360,7 @@ def _html_piece(part: Part | list[Part], scope: Scope, html: ToHtml, level: int)
 
 
 def _converter(numbers: dict[str, str]) -> ToHtml:
-    """Return what turns LaTeX text into HTML, references into links, citations into brackets."""
+    """Return the function that converts LaTeX text to HTML, references to links and citations to brackets."""
 
     def link(label: str, shown: str) -> str:
         kind, number = label.partition(":")[0], shown.strip("()")

@@ -51,7 +51,7 @@ class StepError(SymoscError):
 
 
 class Relation(NamedTuple):
-    """What a step states: left, one of = > < >= <= in, right (a set after "in")."""
+    """The statement of a step: left side, one of = > < >= <= in, and right side (a set after "in")."""
 
     left: Expr
     op: str
@@ -62,7 +62,7 @@ class Relation(NamedTuple):
 
 
 class StepEvidence(NamedTuple):
-    """How a step was checked: exact, sign or numeric; the largest difference, or what decided; points (0: a proof)."""
+    """The evidence of a step: exact, sign or numeric; the largest difference or what decided; points (0: a proof)."""
 
     kind: str
     margin: str
@@ -135,7 +135,7 @@ class Prose(NamedTuple):
 
 
 def facts(*steps: Step) -> Prose:
-    """Return the checks of the statements in the preceding paragraph."""
+    """Return checks of the facts that the preceding paragraph states, to be attached to it."""
     return Prose("", steps)
 
 

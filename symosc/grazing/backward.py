@@ -82,7 +82,7 @@ MOST_ROOT_STEPS = 20_000
 
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
-    """Return (graze, sigma) for the first root in (0, 1] of a polynomial known within `noise`; sigma None: no root.
+    """Return (touch, sigma) of the first root in (0, 1] of a polynomial known within `noise`; sigma None: no root.
 
     `touch` says that the polynomial comes to 0 within the noise, and whether it passes is undecided.
 
@@ -279,7 +279,7 @@ class BackwardSteps:
     def over(
         self, theta: Number, order: int, state: BackwardState
     ) -> tuple[BackwardHit | None, BackwardStep, BackwardState]:
-        """Return the first contact in the step from a state, the step, and the state at its end with errors.
+        """Take a backward step from a state; return its first contact or None, the step, and the state with new errors.
 
         `order` is that of the first G-function that does not vanish at the tangency, 1 or 3.
         """
@@ -314,7 +314,7 @@ class BackwardSteps:
         return self.functions.sin(angle), self.functions.cos(angle)
 
     def moved(self, state: BackwardState, step: BackwardStep, sigma: Number) -> BackwardState:
-        """Return the state at the part `sigma` of a step, with the errors of the step's end."""
+        """Return the state at the fraction `sigma` of a step, with the error bounds of the step's end."""
         dv, slope, area = _changes_over(step.T, sigma)
         return self._moved(state, sigma * self.H, dv, -slope / self.H, -self.H * area)
 
@@ -323,7 +323,7 @@ class BackwardSteps:
         return self._moved(state, self.H, *step.end)
 
     def _moved(self, state: BackwardState, tau: Number, dv: Number, a: Number, dx: Number) -> BackwardState:
-        """Return a state displaced by tau, dv, a and dx."""
+        """Return the state that follows from another by changes of time, v and x, with the acceleration a."""
         dx = state.dx + dx
         x_error = state.x_error + self.H * state.v_error + self.eps * abs(dx)
         return BackwardState(state.tau + tau, dx, state.v + dv, a, state.v_error, x_error, state.energy_error)
@@ -433,12 +433,12 @@ class Flights:
         return Instant(dx, v, a, b, w, v_theta, x_theta, noise * v_size, noise * x_size)
 
     def state(self, theta: Number, tau: Number) -> BackwardState:
-        """Return the flight as the state of a backward search."""
+        """Return the state of a backward search on the flight tau before the tangency, with its error bounds."""
         now = self.instant(theta, tau)
         return BackwardState(tau, now.dx, now.v, now.a, now.v_error, now.x_error, now.v_error * self.K.rate)
 
     def refined(self, theta: Number, found: Arrival, tau_max: Number) -> Arrival | None:
-        """Return an arrival in doubles refined to all digits; None if Newton's method converges elsewhere."""
+        """Refine an arrival found in doubles to all digits; None if Newton's method converges elsewhere."""
         if found.kind in (NEVER, LARGE, LONG):
             return found
         tau = self.number(tau_max if found.kind == REACHED else found.tau)
@@ -453,7 +453,7 @@ class Flights:
         return found._replace(tau=tau, dx=now.dx, v=v, a=now.a, v_error=now.v_error, x_error=now.x_error)
 
     def _contact_time(self, theta: Number, tau: Number, speed: Number, touch: bool) -> Number:
-        """Return the time where v is `speed` by Newton's method, or nearest to it for a graze."""
+        """Return the time at which v is `speed`, or, for a graze, nearest to it, by Newton's method."""
         before = None
         for _ in range(MOST_CONTACT_NEWTON):
             now = self.instant(theta, tau)
@@ -472,7 +472,7 @@ class Flights:
         return None
 
     def repeat_step(self, theta: Number, order: int, tau: float, step: float) -> tuple[Arrival | None, BackwardState]:
-        """Return the contact, if any, in a step of this length about the one at tau, and the state after it."""
+        """Repeat a step with more digits, with a length about the one at tau; return its contact and the state."""
         if step not in self._steps:
             where, context = self.place, self.context
             self._steps[step] = BackwardSteps(self.K, where.boundary, where.domain, context, context.eps, step)
@@ -586,7 +586,7 @@ class Origins:
         return arrival, state
 
     def _reached(self, theta: float, order: int, state: BackwardState, far: float) -> Arrival:
-        """Return the end of the search in the step from a state."""
+        """Return the arrival of a search that ends at the time `far`, within the step from a state."""
         _, step, state = self.steps.over(theta, order, state)
         return Arrival.at(REACHED, self.steps.moved(state, step, (far - state.tau) / self.steps.H))
 

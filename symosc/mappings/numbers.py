@@ -132,7 +132,7 @@ def has_pi(text: object) -> TypeGuard[str]:
 
 
 def read_phase_text(name: str, text: str) -> ExactPhase:
-    """Return the phase for a text such as "3*pi/2", "pi - 1/3" or "0.7"."""
+    """Read a phase from a text such as "3*pi/2", "pi - 1/3" or "0.7"."""
     if not has_pi(text):
         try:
             return ExactPhase(read_exact(name, text))
@@ -188,7 +188,7 @@ def of_sympy(value: Expr) -> ExactPhase | None:
 
 
 def rational_sine(phase: ExactPhase) -> Fraction | None:
-    """Return the sine if it is rational, else None."""
+    """Return the sine of a phase if it is rational, else None."""
     sixths = phase.multiple * 6 % 12
     return RATIONAL_SINES.get(int(sixths)) if phase.rest == 0 and sixths.denominator == 1 else None
 
@@ -212,14 +212,14 @@ def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
 
 
 def read_phase(name: str, value: object) -> Angle:
-    """Return the angle as `read_angle` does, but read a float as its exact binary value (computed, not typed)."""
+    """Read an angle from a number, text or sympy expression; a float counts as its exact binary value."""
     if isinstance(value, float | np.floating) and math.isfinite(value):
         value = Fraction(float(value))
     return read_angle(name, value)
 
 
 def read_angle(name: str, value: Any) -> Angle:
-    """Return a Fraction, or a real sympy constant, for a number, a text such as "3*pi/2" or a sympy expression."""
+    """Read an angle from a number, a text such as "3*pi/2" or a sympy expression: a Fraction or a sympy constant."""
     forms = f"{NUMBER_FORMS}, or a real constant such as sympy.pi or '3*pi/2'"
     if has_pi(value):
         return read_phase_text(name, value).symbolic()

@@ -39,7 +39,7 @@ KEYS = (*REQUIRED, "see", "verdict", "correction", "remark")
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a check returns: a verdict, one or two sentences with the decisive numbers, and all numbers by their names.
+    """The result of a check: a verdict, one or two sentences with the decisive numbers, and all numbers by name.
 
     The verdict is computed from the numbers, never taken from the claims file; the numbers are kept as text.
     """

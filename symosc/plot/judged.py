@@ -270,7 +270,7 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
 
 
 def page(check: CrossCheck) -> Record:
-    """Return what the page of a cross-check shows."""
+    """Return the values that fill the page of a cross-check: verdict, facts, pictures, events and faults."""
     from symosc.crosschecks.causes import CAUSES, REASONS
 
     events = list(_events(check))

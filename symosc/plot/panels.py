@@ -103,7 +103,7 @@ class View:
         return isinstance(self.trajectory, MovedTrajectory) and self.trajectory.model.shift.bound() != 0
 
     def belts(self) -> list[int]:
-        """Return the belts with a speed near the velocities drawn."""
+        """Return the belts whose speeds lie near the velocities drawn, and the belt of the forces."""
         low, high = self.v.min(), self.v.max()
         p, allowed = self.trajectory.parameters, 0.65 * (high - low)  # of the axis may be added for them
         near = [belt for belt in (1, 2) if low - allowed <= p.belt(belt) <= high + allowed]
@@ -322,7 +322,7 @@ def _sticks(trajectory: Trajectory) -> list[Contact]:
 
 
 def _outstanding(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
-    """Return the sticks for insets: too short to be seen, resolved, and few or much shorter than the others."""
+    """Choose the sticks to magnify: those too short to be seen, if few, or much shorter than the others."""
     longest, finest = SHORT_STICK * (t[-1] - t[0]), 1e-10 * np.abs(t).max()  # a shorter one would show rounding errors
     short = [each for each in contacts if finest < each.until - each.since < longest and each.until < t[-1]]
     if len(short) > MOST_INSETS:

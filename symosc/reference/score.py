@@ -193,7 +193,7 @@ class _Judge:
             self._fault("ends early", float(end), f"{float(t_end):.10g}", f"{float(end):.10g}")
 
     def _without_start(self, extra: list[int], found: Sequence[GivenEvent]) -> list[int]:
-        """Remove an event at a start on a belt: it is none, but solvers list it."""
+        """Remove the event that solvers list for a start on a belt, which is no event."""
         near = self.tolerance * self.period + ROUNDING_UNIT * UNITS_ALLOWED * abs(float(self.case.t0))
         at_start = self.case.on_belt and extra and abs(float(found[extra[0]].t - self.case.t0)) <= near
         return extra[1:] if at_start else extra

@@ -43,7 +43,7 @@ class Store:
         self._key = ""
 
     def key(self) -> str | None:
-        """Return the plan's name that the chunks belong to; None if there are none, "" if it cannot be read."""
+        """Return the name of the plan to which the chunks belong; None without a plan, "" if it cannot be read."""
         try:
             found = json.loads((self.folder / PLAN_FILE).read_text(encoding="utf-8"))["key"]
         except (FileNotFoundError, NotADirectoryError):
@@ -74,11 +74,11 @@ class Store:
         self._key = key
 
     def strange(self) -> SweepError:
-        """Return a message if the chunks belong to another plan."""
+        """Return the error for a folder whose chunks belong to another plan."""
         return SweepError(f"{self.folder} has the chunks of another sweep: name another output, or start anew")
 
     def _check_owner(self) -> None:
-        """Raise SweepError if the folder has a plan that is none of ours, or files but no plan."""
+        """Raise SweepError unless the folder is a sweep's: it has a readable plan, or nothing but a sweep's files."""
         key = self.key()
         files = os.listdir(self.folder)
         if key == "" or (key is None and not all(_is_ours(name) for name in files)):

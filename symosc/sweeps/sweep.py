@@ -140,7 +140,7 @@ def _fill(columns: Columns, count: int, begin: int, end: int, chunk: Columns) ->
 
 
 def planned(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: Any) -> tuple[SweepPlan, dict[str, Any]]:
-    """Return the plan of a call, and what of the call is not in it."""
+    """Return the plan of a call of `sweep`, and its other arguments, which do not decide numbers."""
     if isinstance(scene, Parameters):
         if t_end is None:
             raise ParameterError("t_end", None, "is needed with parameters")

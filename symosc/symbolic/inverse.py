@@ -84,7 +84,7 @@ class PhaseInterval(NamedTuple):
         raise AssertionError("three phases cannot all be extreme")
 
     def _extreme(self, sign: int) -> Extreme:
-        """Return the phase where sign sin(theta) is largest."""
+        """Return the phase of the interval where sin(theta) is largest (sign 1) or smallest (-1)."""
         # Tops of sign sin are at sign pi/2 + 2 pi n. The first one after the low end may be inside.
         top = sign * sp.pi / 2
         first = top + 2 * sp.pi * sp.ceiling((self.low - top) / (2 * sp.pi))
@@ -592,7 +592,7 @@ def _containing_all(problem: _Problem, phases: PhaseInterval, full: bool) -> Ite
 
 
 def _quartic(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield whether equality at theta is a fourth-order tangency from the map's domain, with the condition."""
+    """Yield, with its condition, whether equality at theta makes a tangency of fourth order from the map's domain."""
     cosine = sp.cos(theta)
     if not cosine.free_symbols:
         yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]
@@ -662,7 +662,7 @@ def _signs(expr: Expr) -> Iterator[tuple[int, Expr]]:
 
 
 def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield whether an expression is > 0, with the condition."""
+    """Yield True and False, each with the condition under which the expression is > 0 or not."""
     if not expr.free_symbols:
         yield sign_of(expr) > 0, sp.true
         return
@@ -680,7 +680,7 @@ OPEN_REGION, CLOSED_REGION = sp.StrictGreaterThan, sp.GreaterThan
 
 
 def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full: bool) -> ParameterRegion:
-    """Return the region of two parameters in which a question has the answer yes."""
+    """Return the region of two parameters in which a map's window is as the question asks."""
     if p is None:
         raise ParameterError("p", p, "must be Parameters where a region of two parameters is asked for")
     belt = f"v{where.boundary}"
@@ -716,7 +716,7 @@ def _region_containing(level: Expr, drive: Expr, theta: Expr | PhaseInterval, fu
 
 
 def _region_at(level: Expr, drive: Expr, extreme: Extreme, full: bool) -> Expr:
-    """Return the condition under which a phase grazes; one not attained may be an end of the window."""
+    """Return the condition under which a phase grazes; a phase that is not attained may also end the window."""
     theta, attained = extreme
     left, right = level, -drive * sp.sin(theta)
     if not attained:

@@ -55,7 +55,7 @@ CONVOLVED = {sp.Integer(1): E2, E0: U0, E1: U1, E2: U2, R2: V, I2: W}
 
 
 def repeated_rates() -> dict[Expr, Expr]:
-    """Return d/dtau of the seven functions: by D U1 = S, and since f * exp(i Omega tau) = y has y' = f + i Omega y."""
+    """Return d/dtau of the functions U0, U1, U2, V, W, P, Q of repeated roots, by D U1 = S and y' = f + i Omega y."""
     return {
         U0: E1 - cm * U0 - w0sq * U1,
         U1: U0,
@@ -68,13 +68,13 @@ def repeated_rates() -> dict[Expr, Expr]:
 
 
 def rate(expr: Expr) -> Expr:
-    """Differentiate with respect to tau an expression in tau, the basis functions and the seven functions."""
+    """Differentiate by tau an expression in tau, the basis functions and the functions of repeated roots."""
     chain = (expr.diff(symbol) * value for symbol, value in repeated_rates().items())
     return solution.time_derivative(expr) + sp.Add(*chain)
 
 
 def convolve(expr: Expr) -> Expr:
-    """Return S * expr for a linear combination of 1 and the basis functions."""
+    """Return the convolution S * expr of the impulse response S with a combination of 1 and the basis functions."""
     expr = sp.expand(expr)
     parts = {symbol: expr.coeff(symbol) for symbol in solution.BASIS}
     constant = expr - sp.Add(*(sp.expand(factor * symbol) for symbol, factor in parts.items()))
@@ -82,7 +82,7 @@ def convolve(expr: Expr) -> Expr:
 
 
 def repeated_apart() -> dict[str, Expr]:
-    """Return the seven functions where the roots and i Omega are apart, as steps; D, u and z are between them.
+    """Return the functions of repeated roots where all roots are apart, as steps; D, u and z are between them.
 
     U1 = S*S is explicit; the others follow from D f = g, which their rates make an equation without derivatives. With
     p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).

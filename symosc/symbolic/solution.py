@@ -76,7 +76,7 @@ def g_function(order: int) -> Expr:
 
 
 def next_derivative(y1: Expr, y0: Expr, forcing_n: Expr) -> Expr:
-    """Return y2 of y2 + cm y1 + w0sq y0 = -forcing: G^(n) from G^(n-1), G^(n-2) and `forcing(n)`, with G^(-1) = v."""
+    """Return y2 from y2 + cm y1 + w0sq y0 = -forcing: the next G-function from the last two (before G^(0): v)."""
     return -cm * y1 - w0sq * y0 - forcing_n
 
 
@@ -100,7 +100,7 @@ def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
 
 @cache
 def definitions() -> dict[Expr, Expr]:
-    """Return the five basis functions by the impulse response S and its integrals, as sympy expressions."""
+    """Return E0, E1, E2, R2, I2 as sympy expressions: the impulse response S = E1, its derivative and integrals."""
     S, u = sp.Function("S"), sp.Symbol("u", real=True)
     integrals = [S(u) * wave for wave in (1, sp.cos(Omega * (tau - u)), sp.sin(Omega * (tau - u)))]
     return dict(zip(BASIS, [S(tau).diff(tau), S(tau), *(sp.Integral(f, (u, 0, tau)) for f in integrals)], strict=True))
@@ -129,7 +129,7 @@ def time_derivative(expr: Expr) -> Expr:
 
 @cache
 def relations() -> tuple[Expr, Expr, Expr]:
-    """Return what vanishes in every regime: L E2 - 1, L (R2 + i I2) - exp(i Omega tau), L = D^2 + cm D + w0sq."""
+    """Return expressions that vanish in every regime: L E2 - 1 and both parts of L (R2 + i I2) - exp(i Omega tau)."""
 
     def relation(response: Expr, force: Expr) -> Expr:
         first = time_derivative(response)

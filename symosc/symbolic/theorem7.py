@@ -144,7 +144,7 @@ def theorem7(
 
 
 def window_phases(where: Place, gamma: Expr, amplitude: Expr, full: bool) -> Expr:
-    """Return the set of grazing phases for numbers; see `theorem7`."""
+    """Return the set of phases at which a contact grazes (Theorem 7), for numbers gamma and B0 Omega/m."""
     return _phases(where, signs(gamma, amplitude), gamma, amplitude, full)
 
 

@@ -90,7 +90,7 @@ def items(scope: Scope) -> Items:
 
 
 def _names_table() -> Table:
-    """Return what this package calls the borders on their two sides."""
+    """Return the table of the names that the package gives to borders, seen from each of their sides."""
     graze = "grazing", "grazing, or vanishing of a stick"
     rows = (
         (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", r"$\sqrt{\epsilon}$", *graze),

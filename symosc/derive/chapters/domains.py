@@ -230,7 +230,7 @@ MODES = {
 
 
 class PaperForm(NamedTuple):
-    """Position and velocity of a regime at tau, what C_1, C_2, D_1 and D_2 are, and the check of the position."""
+    """The motion of a regime as papers print it: position and velocity, the values of its constants, and a check."""
 
     x: Any
     v: Any
@@ -256,7 +256,7 @@ def _particular_solution(name: str) -> tuple[Any, dict[Any, Any]]:
 
 @cache
 def paper_form(regime: solution.Regime) -> PaperForm:
-    """Return the motion of a regime in the form of papers."""
+    """Return position and velocity of a regime in the form of papers, with the constants C1, C2, D1 and D2."""
     first, second, below = MODES[regime.name]
     steady, letters = _particular_solution(regime.name)
     x = C1 * first + C2 * second + steady
@@ -281,7 +281,7 @@ def paper_form(regime: solution.Regime) -> PaperForm:
 
 
 def _one_exponential(v: Any, mode: Any) -> Any:
-    """Write e^{-ct/2m} once, and within it each wave once."""
+    """Rewrite a velocity so that e^{-ct/2m} stands in it once, and each wave once within its factor."""
     if not mode.has(sp.exp):
         return sp.expand(v)
     v, stand_in = sp.expand(v), sp.Dummy()
@@ -313,7 +313,7 @@ def basis_function(symbol: Any, regime: solution.Regime, **options: Any) -> Step
 
 
 def true_letters() -> dict[Any, Any]:
-    """Return the symbols of the regimes in the coefficients and the discriminant of m z^2 + c z + k."""
+    """Return the values of h, eta, omega_d and omega_0 by coefficients and discriminant of m z^2 + c z + k."""
     z = sp.Symbol("z")
     polynomial = sp.Poly(m * z**2 + c * z + k, z)
     a, b, _ = polynomial.all_coeffs()
@@ -326,7 +326,7 @@ _WAVES = sp.sin, sp.cos, sp.sinh, sp.cosh
 
 
 def _times(wave: Any, row: Any) -> Any:
-    """Return the product, with the sign of a sum of negative terms in front."""
+    """Return wave times row; the sign of a sum of only negative terms is put in front."""
     if wave != 1 and row.is_Add and all(term.could_extract_minus_sign() for term in row.args):
         return -wave * sp.Add(*(-term for term in row.args))
     return wave * row

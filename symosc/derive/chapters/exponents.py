@@ -98,7 +98,7 @@ def items(scope: Scope) -> Items:
 
 
 def _kinks() -> Items:
-    """Return where derivatives do not exist, and how lengths open there."""
+    """Return the section on events whose derivatives do not exist, and on how lengths grow there."""
     s, total = named("s"), named(r"\int_{-s}^{2s} F")
     e, b = sp.Symbol(r"\epsilon", positive=True), sp.Symbol("b", positive=True)
     bump, half = e - b * s**2 / 2, sp.sqrt(2 * e / b)
@@ -207,7 +207,7 @@ def _force(p: Parameters, alpha: int, x: Any, v: Any, phase: Any) -> Any:
 
 @cache
 def _flight(p: Parameters) -> Any:
-    """Return tau -> (E0, E1, E2) in numbers of 60 digits."""
+    """Return the function from tau to (E0, E1, E2), in numbers of 60 digits."""
     letters = {m: p.m, c: p.c, k: p.k, cm: p.c / p.m, w0sq: p.k / p.m, solution.Omega: p.Omega}
     exact = {letter: sp.Rational(value.numerator, value.denominator) for letter, value in letters.items()}
     regime = next(each for each in solution.REGIMES.values() if each.condition.subs(exact) == sp.true)
@@ -218,7 +218,7 @@ def _flight(p: Parameters) -> Any:
 
 @cache
 def products(scene: str, by_friction: bool) -> list[Any]:
-    """Return t_q of the first events for q = mu_1 or x_0, by the theorem on events."""
+    """Return the derivatives t_q of the first events' times by q = mu_1 or x_0, by the theorem on events."""
     start = load_scene(scene)
     p, w0 = start.parameters, number(start.parameters.k / start.parameters.m)
     path = simulate(start, digits=DIGITS + 15)
@@ -266,7 +266,7 @@ def _events_table() -> Table:
 
 
 def _exponents_table() -> Table:
-    """Return exponents of two orbits by the theorem, and as the package finds them by following the motion."""
+    """Return the table of two orbits' exponents by the theorem, and as the package finds them by following motions."""
     p, orbit = load_scene("fig9-orbit").parameters, find_orbit("fig9-orbit", "P32", digits=DIGITS + 20)
     decay = -number(p.c / p.m)
     for (t, x), (before, after) in zip(orbit.points, ((2, 1), (1, 2)), strict=True):
@@ -274,7 +274,7 @@ def _exponents_table() -> Table:
         decay += CONTEXT.log(_force(p, after, *where) / _force(p, before, *where)) / number(orbit.period)
 
     def growth(scene: str, of: Any) -> Any:
-        """Return a rate per unit of time; what the norm changes within a period drops out of the difference."""
+        """Return an exponent as the rate at which a distance grows between two times, whole periods apart."""
         early, late = (of(sensitivities(scene, "x0", t_end=f"{n}T").lyapunov) for n in (50, 100))
         return 2 * late - early
 

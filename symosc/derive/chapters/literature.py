@@ -286,7 +286,7 @@ def items(scope: Scope) -> Items:
 
 
 def _meetings() -> Items:
-    """Return where borders meet, and the ends of a branch."""
+    """Return the section on the points where borders meet, and on the ends of a branch."""
     n, j = (sp.Symbol(name, integer=True, positive=True) for name in "nj")
     ratio, inverse, next_sine = named("F/P"), named("1/U"), sp.sin(j * phi + phi)
     at = {r: 1 / (2 * n), LARGEST: 1, U: 0}
@@ -330,7 +330,7 @@ def _meetings() -> Items:
 
 
 def _base_and_wall() -> Items:
-    """Return the motion of base and wall together, and where friction begins to amplify."""
+    """Return the section on base and wall in joint motion: from where on friction amplifies the motion."""
     z, y, force = named(r"\ddot{z}"), named("z"), named("T")
     shake, rub, slope, lag = named("Y"), named("x_f", positive=True), named("s'"), named(r"\delta")
     top, angle = named(r"\max x"), sp.Symbol("theta", real=True)
@@ -363,7 +363,7 @@ def _base_and_wall() -> Items:
 
 
 def _agreed(value: Value) -> Any:
-    """Return the package's value; StepError unless it is near the formula's."""
+    """Return the package's value of a number; StepError if it differs from the formula's by more than is allowed."""
     if not abs(value.difference) <= value.tolerance:
         raise StepError(value.name, f"formula and package differ by {MP.nstr(value.difference, 3)}")
     return number(value.package)
@@ -391,7 +391,7 @@ def _free_motion(start: Any, rate: Any) -> tuple[Any, Any]:
 
 
 def _steady_part() -> dict[Any, Any]:
-    """Return p_0 and q_0 by Cramer's rule from the two conditions of symmetry, with what G and H are."""
+    """Return p_0 and q_0 by Cramer's rule from the two conditions of symmetry, and the formulas of G and H."""
     rows = coulomb.symmetry()
     matrix = rows.jacobian([p_0, q_0])
     right = -rows.subs({p_0: 0, q_0: 0})

@@ -126,7 +126,7 @@ RATIOS = tuple(sorted({s for s, _ in RATIONAL_PHASES} | {Fraction(6, 5), Fractio
 
 
 class Row(NamedTuple):
-    """What the paper and the exact flow say of one contact."""
+    """A contact: whether it grazes by the paper's cases, and by the exact flow."""
 
     case: int  # of the paper's equation, 0 if none holds
     gamma: Fraction
