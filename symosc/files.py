@@ -101,7 +101,7 @@ def drop_stdout() -> None:
 
 
 def write_text(path: str | Path, text: str) -> Path:
-    """Write text (UTF-8) whole or not at all; see `write_whole`."""
+    """Write text (UTF-8) whole or not at all, by a draft next to the file ("-": to standard output)."""
     return write_whole(path, lambda draft: draft.write_text(text, encoding="utf-8"))
 
 

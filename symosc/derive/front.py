@@ -75,7 +75,7 @@ ROWS
 
 
 def how_to_cite() -> str:
-    """Return how to cite symosc and this document."""
+    """Return the LaTeX text that says how to cite symosc and this document."""
     return (
         rf"symosc {symosc.__version__}, {SYMOSC['year']}. Cite as: {SYMOSC['author'].strip('{}')}, "
         rf"\emph{{{SYMOSC['title']}}}, version {symosc.__version__}, {SYMOSC['year']} \cite{{symosc}}; the supplement "

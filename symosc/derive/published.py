@@ -296,7 +296,7 @@ def inversion(F: Any, height: Callable[[Any, Any], Any]) -> float:
 
 @cache
 def stops(parameters: Parameters) -> int | None:
-    """Return how many stops the motion from rest at 0 has per cycle when it has settled; None: it does not settle."""
+    """Count the stops per cycle of the settled motion from rest at 0; None if it does not settle."""
     turn = 2 * pi / float(parameters.Omega)
     for cycles in (8, 30, 120, 480, 1920):
         path = from_rest(parameters, cycles + 2)

@@ -33,7 +33,7 @@ def at_points(cells: Sequence[str]) -> list[str]:
 
 
 def _behind_point(cell: str) -> int:
-    """Return how many characters are behind a number's point, -1 if it has none."""
+    """Return the number of characters behind a number's point, -1 if it has none."""
     try:
         float(cell)
     except ValueError:

@@ -137,7 +137,7 @@ def bernstein(p: list[Number]) -> list[Number]:
 
 
 def _changes(b: list[Number], level: Number) -> int:
-    """Return how often a sequence of numbers crosses a level."""
+    """Count how often a sequence of numbers crosses a level."""
     signs = [value > level for value in b]
     return sum(first != second for first, second in pairwise(signs))
 
@@ -484,7 +484,7 @@ class Flights:
         return steps.arrival(after, taken, found), rounded(state)
 
     def missing_digits(self, arrival: Arrival, wanted: int) -> int:
-        """Return how many digits after the decimal point a refined arrival lacks."""
+        """Return the number of digits after the decimal point that a refined arrival lacks."""
         if arrival.kind not in (CONTACT, REACHED):
             return 0
         t_error = arrival.v_error / abs(arrival.a) if arrival.kind == CONTACT else 0 * arrival.a

@@ -189,7 +189,7 @@ def _same(equations: ClosingEquations, a: Solution, others: ClosingEquations, b:
 
 
 def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:
-    """Return how many times the root repeats one shorter orbit."""
+    """Return the number of times that the root runs through one shorter orbit."""
     n, labels = len(points), equations.word.labels
     points = np.asarray(points, dtype=float)
     size = np.array([max(1.0, np.abs(points[:, 0]).max()), 1.0])

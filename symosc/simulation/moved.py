@@ -83,7 +83,7 @@ class MovedTrajectory(Trajectory):
         return self.reduced.force(alpha, self._times(t)[1])
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what `Trajectory.as_dict` does, and the numbers of the model."""
+        """Return parameters, status, events and the numbers of the model as plain values."""
         return {"model": self.model.as_dict()} | super().as_dict()
 
     def _content(self) -> tuple[Any, ...]:

@@ -175,7 +175,7 @@ def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction]
 def in_doubles(
     start: Start, most: int, accuracy: float, advance: Advance = None, loops: PairLoops | None = None
 ) -> Trajectory:
-    """Follow a motion in doubles, with more digits where these are undecided; see `simulate`.
+    """Follow a motion in doubles, with more digits from an event on that these cannot decide; return a Trajectory.
 
     Given `loops` in pairs, these come first whatever is loaded, with the noise that `simulate_many` allows.
     """

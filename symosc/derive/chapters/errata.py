@@ -168,7 +168,7 @@ def _figure8() -> Items:
 
 
 def _first_stick(scene: str) -> Any:
-    """Return how long the first contact is, with 30 digits; StepError unless the mass sticks."""
+    """Return the duration of the first stick, with 30 digits; StepError unless the mass sticks."""
     first, second = simulate(load_scene(scene), digits=30, max_events=2).events
     if (first.kind, second.kind) != ("stick", "slip"):
         raise StepError(scene, f"{first.kind}, {second.kind}")

@@ -46,8 +46,8 @@ def stick_force(belt: int) -> Any:
     return A0 + B0 * WAVE - k * x - c * BELTS[belt] + drag
 
 
-def _at_belt(belt: int) -> dict[Any, Any]:
-    """Return what to substitute for the symbols with lambda (forces, mu, v, static force) at belt 1 or 2."""
+def _values_at_belt(belt: int) -> dict[Any, Any]:
+    """Return the values at belt 1 or 2 of the symbols with lambda: forces on both sides, mu, v and static force."""
     lower, upper = (newton(alpha).subs(v, BELTS[belt]) for alpha in NEIGHBOURS[belt])
     found = {F(LOWER): lower, F(UPPER): upper, mu_lambda: MU[belt], v_lambda: BELTS[belt]}
     return found | {HELD: stick_force(belt)}
@@ -55,7 +55,7 @@ def _at_belt(belt: int) -> dict[Any, Any]:
 
 def at_both(scope: Scope) -> Each:
     """Return the check of a statement at both belts, at their speeds."""
-    return Each(tuple(Exact(_at_belt(belt)) for belt in scope.boundaries))
+    return Each(tuple(Exact(_values_at_belt(belt)) for belt in scope.boundaries))
 
 
 def items(scope: Scope) -> Items:

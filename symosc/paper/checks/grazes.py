@@ -600,7 +600,7 @@ def _gap_slope(scene: Scene, mapping: str, name: str, root: float, key: str, ste
 
 
 def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, float, bool]:
-    """Return how far the flow goes past the belt (negative: short of it), when, and if it starts in its domain."""
+    """Return by how much the flow passes the belt (< 0: short of it), when, and if it starts in its domain."""
     at = place(mapping)
     start = tuple(change.get(name, float(getattr(scene, name))) for name in START)
     exact = {name: Fraction(value) for name, value in change.items() if name not in START}

@@ -271,7 +271,7 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
 
 
 def settled(link: str, default: Scene) -> Record:
-    """Return what the page says of the orbit to which the motion settles, and its curve in the phase plane."""
+    """Return the page's text on the orbit to which the motion settles, and the orbit's curve in the phase plane."""
     scene, _ = scene_of(read_link(link, default)[0])
     if scene is None:
         return {"text": "", "curve": {"x": [], "v": []}}
