@@ -463,7 +463,7 @@ def measured(model: OtherModel, settled: Settled) -> Row:
             pulls[held - 1] = -driven - pulls[2 - held]
         acceleration = (driven + sum(pulls)) / m
         lengths = [abs(float(weights @ (part.u - speed))) for _, speed in belts]
-        heat += sum(f * length for n, ((f, _), length) in enumerate(zip(belts, lengths, strict=True), 1) if n != held)
+        heat += sum(friction * length for (friction, _), length in zip(belts, lengths, strict=True))  # 0 on a belt
         damper += c * float(weights @ (v - base_rate) ** 2)
         pushed = force * v + (k * (y - x) + c * (base_rate - v)) * base_rate
         drawn = sum(pull * (speed + rate) for pull, (_, speed) in zip(pulls, belts, strict=True))

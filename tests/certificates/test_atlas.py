@@ -146,9 +146,32 @@ def a_word_at_rest(data: dict[str, Any]) -> None:
     rest.update(word=moved["word"], phases=moved["phases"], x=moved["x"])
 
 
-@pytest.mark.parametrize(
-    "forge", [another_word, over_a_border, left_out, twice, at_rest, a_larger_share, a_word_at_rest]
-)
+def open_box_at(data: dict[str, Any], corner: list[Fraction]) -> None:
+    """Move an open box, so that the areas still add up."""
+    box = data["open"][0]
+    sides = [Fraction(high) - Fraction(low) for low, high in box]
+    box[:] = [[str(low), str(low + side)] for low, side in zip(corner, sides, strict=True)]
+
+
+def left_out_with_its_area_counted(data: dict[str, Any]) -> None:
+    sides = [Fraction(high) - Fraction(low) for low, high in data["open"][0]]
+    ends = zip(first(data)["range"], data["range"], sides, strict=True)
+    open_box_at(data, [min(Fraction(low), Fraction(high) - side) for (low, _), (_, high), side in ends])
+
+
+def beyond_the_range(data: dict[str, Any]) -> None:
+    open_box_at(data, [Fraction(high) for _, high in data["range"]])
+
+
+def open_and_not_said(data: dict[str, Any]) -> None:
+    data["open"].pop()
+
+
+FORGERIES = [another_word, over_a_border, left_out, twice, at_rest, a_larger_share, a_word_at_rest]
+FORGERIES += [left_out_with_its_area_counted, beyond_the_range, open_and_not_said]
+
+
+@pytest.mark.parametrize("forge", FORGERIES)
 def test_forged_atlases_are_refused(small: Atlas, forge: Callable[[dict[str, Any]], None]) -> None:
     data = contents(small)
     assert judge(data)[0] == 0
@@ -253,6 +276,12 @@ def test_a_share_is_rounded_down_and_a_rest_has_no_switchings() -> None:
     assert "0.999999 of the area" in answer
     data["boxes"][0].update(phases=["1"], x=["1"])
     assert judge(data)[0] == 2
+
+
+def test_a_plane_without_a_damper_is_refused() -> None:
+    rest = [["1", "2"], ["1", "2"]]
+    assert judge(one_box("rest", rest, [], []))[0] == 0
+    assert judge(one_box("rest", rest, [], [], c=0))[0] == 1
 
 
 def test_long_words_end_at_the_limit_of_work() -> None:

@@ -11,10 +11,10 @@ from regimes import random_sets
 
 from symosc import Parameters, load_scene, simulate_many
 from symosc.engine import arithmetic
-from symosc.engine.batch import STATE_WIDTH, end_by_phase, keep_state, state_of
+from symosc.engine.batch import STATE_WIDTH, end_by_phase, is_inexact, keep_state, state_of
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.lanes import BELT_THERE, KIND, T_ERROR, suits_lanes
-from symosc.engine.next_event import advance
+from symosc.engine.next_event import advance, time_with_errors
 from symosc.engine.state import GRAZE, MOVED, ON_BELT
 from symosc.model import PARAMETER_NAMES
 from symosc.simulation.problems import Problems
@@ -32,10 +32,12 @@ def starts_of(rng: random.Random, p: Parameters, count: int) -> np.ndarray:
     return np.array([(rng.uniform(0, 7), rng.uniform(-5, 5), rng.uniform(-widest, widest)) for _ in range(count)])
 
 
-def followed(p: Any, starts: np.ndarray, steps: int, functions: dict[str, Any]) -> tuple[int, int]:
+def followed(
+    p: Any, starts: np.ndarray, steps: int, functions: dict[str, Any], span: float = 500.0, accuracy: float = ACCURACY
+) -> tuple[int, int]:
     """Follow motions in blocks and by the interpreted source, compare them, and return the steps in lanes, and all."""
     width = functions["LANES"]
-    batch, table = Problems(p, starts, starts[:, 0] + 500.0, None).begin(slice(0, len(starts)), functions["march_rows"])
+    batch, table = Problems(p, starts, starts[:, 0] + span, None).begin(slice(0, len(starts)), functions["march_rows"])
     given, found, K = np.zeros((STATE_WIDTH, width)), np.zeros((STATE_WIDTH + 3, width)), ConstantRows(table)[0]
     running, good, tried = set(range(len(starts))) if suits_lanes(K) else set(), 0, 0
     for _ in range(steps):
@@ -45,7 +47,7 @@ def followed(p: Any, starts: np.ndarray, steps: int, functions: dict[str, Any]) 
                 continue
             # lanes without a motion have one of any other's states
             given[:] = batch.states[[members[n % len(members)] for n in range(width)]].T
-            flags = functions["block"](flights, given, found, ACCURACY, table[0])
+            flags = functions["block"](flights, given, found, accuracy, table[0])
             for lane, i in enumerate(members):
                 before = state_of(batch.states, i)
                 event = advance(before, *end_by_phase(batch.states[i], K)[:2], K)
@@ -55,6 +57,9 @@ def followed(p: Any, starts: np.ndarray, steps: int, functions: dict[str, Any]) 
                     assert event.decided
                     there = found[[KIND, BELT_THERE, T_ERROR], lane].tolist()
                     assert there == [event.code, event.boundary, event.t_error], (p, i)
+                    s, t0 = event.state, batch.states[i, 15]
+                    t, t_error, x_error = time_with_errors(s.t, s.t_low, t0, s.x, s.v, event.t_error, s.S.S11, K)
+                    assert not is_inexact(t, t_error, s.x, x_error, t0, accuracy)
                 if event.code > GRAZE and event.code != MOVED:
                     running.discard(i)
                 keep_state(batch.states, i, event.state)
@@ -70,6 +75,15 @@ def test_a_block_takes_the_steps_of_the_scalar_source() -> None:
         assert good > 0.8 * tried, p
     all_good = [followed(p, starts_of(rng, p, functions["LANES"]), 12, functions)[0] for p in random_sets(7, 60)]
     assert sum(good > 0 for good in all_good) > 10
+
+
+def test_ends_and_inexact_events_are_left_to_the_scalar_loop() -> None:
+    functions, rng = arithmetic.compiled(), random.Random(2)
+    for p in SCENES:
+        starts, period = starts_of(rng, p, functions["LANES"]), 6.3 / float(p.Omega)
+        followed(p, starts, 20, functions, span=3 * period)
+        good, tried = followed(p, starts, 20, functions, accuracy=1e-15)
+        assert 0 < good < 0.9 * tried
 
 
 @pytest.mark.slow
