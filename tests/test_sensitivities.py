@@ -194,6 +194,21 @@ def test_a_slow_drive_and_a_creeping_flight_keep_their_digits() -> None:
             np.testing.assert_allclose(found, known, rtol=1e-9, atol=1e-12 * abs(known).max())
 
 
+@pytest.mark.parametrize("t0", [10**4, 10**6, 17903280000])
+def test_positions_of_late_events_keep_their_digits(t0: int) -> None:
+    """All times depend much on Omega then, and dx is the small difference of what that makes."""
+    p = Parameters(
+        m="0.149", c="0.00206", k="0.0597", A0=0, B0="0.287", Omega="0.18", v1="-1.16", v2=0, mu1="0.528", mu2="0.935",
+        FN="0.0964",
+    )  # fmt: skip
+    start: dict[str, Any] = {"t0": t0, "x0": "-0.3976", "v0": 0}
+    known, _ = differences(p, {name: Fraction(value) for name, value in start.items()}, t0 + 40, "Omega")
+    found = sensitivities(p, "Omega", **start, t_end=t0 + 40)
+    assert len(known) > 3
+    np.testing.assert_allclose(found.dx[:, 0], known[:, 1], rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found.dt[:, 0], known[:, 0], rtol=1e-9)
+
+
 def test_what_is_wrong_is_said() -> None:
     assert "did you mean" in refused(lambda: sensitivities("fig5", ("omega",)), "wrt")
     refused(lambda: sensitivities("fig5", ("mu1", "mu1")), "wrt")

@@ -136,7 +136,8 @@ def rounded(scene: FuzzScene, s: Any, names: tuple[str, ...], rows: list[Judged]
     for row in rows:
         j, n = names.index(row.name), row.event
         scale = max(1.0, float(abs(exact.dt[: n + 1, j]).max()), float(abs(exact.dx[: n + 1, j]).max()))
-        off = [abs(getattr(each, axis)[n, j] - getattr(exact, axis)[n, j]) for each in beside for axis in ("dt", "dx")]
+        near = [each for each in beside if n < len(each.dt)]  # the last event may be at t_end
+        off = [abs(getattr(each, axis)[n, j] - getattr(exact, axis)[n, j]) for each in near for axis in ("dt", "dx")]
         row.allowed = ROUNDINGS * float(max(off)) / scale
 
 
