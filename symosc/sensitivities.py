@@ -210,7 +210,7 @@ class _Columns:
         *_, growth, work = self.changes(("x0", "v0"), 0)
         codes, (starts, _) = codes_of(("x0", "v0")), self.pieces()
         grown, volume = growth[0].tolist()
-        end = self.numbers.number(Fraction(self.trajectory.t_end)) if self.context else float(self.trajectory.t_end)
+        end = (self.context.mpf if self.context else float)(self.trajectory.t_end)
         out, last = np.zeros((2, 1, 2), self.kind), starts[-1:]
         launched, at, none = work[:3, None, :2].copy(), np.array([end]), np.zeros(1, np.int64)
         self.numbers.of["changes_at"](

@@ -209,6 +209,11 @@ def test_positions_of_late_events_keep_their_digits(t0: int) -> None:
     np.testing.assert_allclose(found.dt[:, 0], known[:, 0], rtol=1e-9)
 
 
+def test_exponents_are_those_of_more_digits() -> None:
+    doubles, digits = (sensitivities("fig5", "x0", t_end="60T", digits=each).lyapunov for each in (None, 30))
+    np.testing.assert_allclose(doubles, digits, rtol=1e-10)
+
+
 def test_what_is_wrong_is_said() -> None:
     assert "did you mean" in refused(lambda: sensitivities("fig5", ("omega",)), "wrt")
     refused(lambda: sensitivities("fig5", ("mu1", "mu1")), "wrt")
