@@ -56,7 +56,7 @@ CAPACITY = (1 << 18) + 72
 TURN = 2048
 # A chunk has enough motions to hide what it costs to begin one, and so few that all threads are busy to the end.
 LEAST_IN_CHUNK, MOST_IN_CHUNK = 16, 1024
-LEAST_ALONE = 128  # where one thread does all
+LEAST_ALONE = 512  # where one thread does all
 CHUNKS_PER_WORKER = 6
 MOST_WORKERS = 256
 
