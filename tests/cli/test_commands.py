@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 from urllib.request import urlopen
 
+import numpy as np
 import pytest
 from cli_runs import good, run
 from effort import PATIENCE
@@ -98,6 +99,30 @@ def test_what_double_precision_cannot_decide_is_said_and_exits_1() -> None:
     as_json = run(*command, "--json")
     assert as_json.exit_code == 1
     assert json.loads(as_json.stdout)["status"] == "undecidable"
+
+
+# -- orbit
+
+
+def test_an_orbit_is_printed_with_how_far_the_start_is_from_it() -> None:
+    scene, found = symosc.load_scene("fig9"), symosc.find_orbit("fig9")
+    *rows, _, summary, sizes, start = good("orbit", "fig9").splitlines()
+    for row, (t, x), belt in zip(rows[2:], found.points, (1, 1), strict=True):
+        cells = re.split(r"\s{2,}", row.strip())
+        assert [float(value) for value in cells[:2]] == pytest.approx([t, x], rel=1e-12)
+        assert cells[3].endswith(f"to v{belt}")
+    assert summary.startswith("P32: a stable orbit of 1 forcing period")
+    assert f"{found.multipliers[0].real:.8f}" in sizes
+    numbers = [float(each) for each in re.findall(r"by (\S+) in|and (\S+) in v", start) for each in each if each]
+    x, v = found(float(scene.t0))
+    assert numbers[:2] == pytest.approx([float(scene.x0) - x, float(scene.v0) - v], rel=1e-2)
+    near = min(found.points, key=lambda point: abs(point[0] - float(scene.t0)))
+    assert numbers[2] == pytest.approx(float(scene.t0) - near[0], rel=1e-2)
+    periods = int(re.findall(r"after (\d+) periods", start)[0])
+    motion = symosc.simulate(scene, t_end=float(scene.t0) + (periods + 3) * found.period)
+    for turns, inside in ((periods, True), (periods - 1, False)):
+        t = float(scene.t0) + (turns + np.linspace(0, 1, 200)) * found.period
+        assert (abs(motion(t) - found(t)).max() < 1e-6) == inside
 
 
 # -- figure

@@ -63,6 +63,9 @@ def test_every_table_says_the_same(written: Path) -> None:
         assert all(Fraction(row[name]) == getattr(each, name) for name in ("t0", "x0", "v0", "t_end"))
         assert about["reference"]["events"] == int(row["events"]) == len(rows(written / each.name / "events.csv"))
         assert row["proven"] == ("yes" if each.proven else "no")
+        for condition in (row["condition"], about["reference"]["condition"]):
+            assert float(condition) == pytest.approx(each.condition, rel=5e-3)
+        assert tuple(about["reference"]["closed_form"]) == each.closed_form
         assert bool(about["reference"]["reason"]) == (about["reference"]["status"] == COMPUTED)
 
 
