@@ -574,16 +574,18 @@ class FinerMotion:
     def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
         """Follow the motion with so many digits, from where `other` stopped, or from t0 to where it is now."""
         self._take()
-        count, steps = self.count, sum(pieces.shape[1] for pieces in self.pieces)
+        before, count = self._now, self.count
         self._now = now = MotionInDigits(self._doubles, self._limits, digits, other)
-        if not other:
-            for _ in range(steps):
-                if not now.ended:
-                    now.step()
-            there = now.count == count
-            now.take()
-            return there
-        return True
+        if isinstance(before, MotionInPairs) or other:
+            return True
+        # Steps of two arithmetics differ: one may end between events where the other one does not.
+        while not now.ended and now.count <= count and now.elapsed < before.elapsed:
+            now.step()
+        if now.count > count:
+            now.undo()
+        there = now.count == count and now.code != FAILED
+        now.take()
+        return there
 
 
 def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int, least: int = 0) -> int | None:

@@ -303,6 +303,19 @@ def test_what_pairs_leave_open_is_left_to_more_digits() -> None:
     assert "graze" in table.kind.tolist()
 
 
+def test_more_digits_from_the_start_need_not_step_as_pairs_did() -> None:
+    """Pairs stop between events here, before a stick that digits from there know too little of."""
+    p = Parameters(
+        m="0.159", c="0.477", k="4293/12500", A0=0, B0="-1.2e-14", Omega="0.31", v1=0, v2="1.01412", mu1="0.348",
+        mu2="0.054", FN="2.86",
+    )  # fmt: skip
+    start: dict[str, Any] = {"t0": 0, "x0": "-8915/2862", "v0": "0.8"}
+    table, known = simulate_many(p, start, 50, use_numba=False), simulate(p, **start, t_end=50, digits=25)
+    assert list(table.status) == ["t_end"]
+    assert list(table.kind) == [event.kind for event in known.events] == ["stick", "slip"]
+    assert table.t == pytest.approx([float(event.t) for event in known.events], rel=1e-14)
+
+
 @pytest.mark.compiled("pairs")
 def test_accuracy_asks_for_more_digits_or_none() -> None:
     """In fig8 errors grow: a double knows its 20th event to some 1e-12, and says so."""
