@@ -75,13 +75,11 @@ def run(
     limit: float = CASE_LIMIT,
     with_derivatives: bool = False,
 ) -> Record:
-    """Run solvers (None: all) on cases (None: all) and judge their events.
-
-    `progress` gets a sequence of steps and returns it as an iterable that may show how far it is; `limit` is in seconds
-    of processor time. Keys: scores and ours (lists of `symosc.reference.score.Score`; the second one with
-    OUR_TOLERANCE, of the hard cases and symosc's own solvers), violations (where those did not keep the bound), ok,
-    limit_s, skipped (solver: why it cannot run), machine.
-    """
+    """Run solvers (None: all) on cases (None: all) and judge their events."""
+    # `progress` gets a sequence of steps and returns it as an iterable that may show how far it is; `limit` is in
+    # seconds of processor time. Keys: scores and ours (lists of `symosc.reference.score.Score`; the second one with
+    # OUR_TOLERANCE, of the hard cases and symosc's own solvers), violations (where those did not keep the bound), ok,
+    # limit_s, skipped (solver: why it cannot run), machine.
     solvers = all_solvers() if solvers is None else solvers
     chosen = list(reference_cases() if cases is None else cases)
     able = [solver for solver in solvers if not solver.missing]

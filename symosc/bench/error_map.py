@@ -47,10 +47,8 @@ RATIO_RANGE, ZETA_RANGE = (-2, 2), (-10, 2)
 
 
 def value_at(place: float) -> Fraction:
-    """Return the number at a place of an axis that is logarithmic in the distances from 0, from 1 and to infinity.
-
-    Below NEAREST the place is log10(value/(1 - value)), above it 2 NEAREST + log10(value - 1), in between is 1.
-    """
+    """Return the number at a place of an axis that is logarithmic in the distances from 0, from 1 and to infinity."""
+    # Below NEAREST the place is log10(value/(1 - value)), above it 2 NEAREST + log10(value - 1), in between is 1.
     if abs(place - NEAREST) < 1e-9:
         return Fraction(1)
     if place > NEAREST:
@@ -89,14 +87,12 @@ def scaled_parameters(zeta: Fraction, ratio: Fraction) -> Parameters:
 def run(
     quick: bool = False, progress: Callable[[Sequence[Any]], Iterable[Any]] = iter, taus: Sequence[float] = TAUS
 ) -> Record:
-    """Measure the map for some values of w0 tau and return plain data; with `quick` at fewer points.
-
-    `progress` gets a sequence of steps and returns it as an iterable that may show how far it is. Keys: taus; zeta and
-    ratio (places on the axes, see `value_at`); cheap and symosc: errors, one matrix per tau, rows over zeta and columns
-    over Omega/w0, nan where the formula cannot be evaluated or the time is longer than what symosc evaluates at once;
-    formulas (matrices on the finer grid border_zeta, border_ratio): "series", "apart" (the cheap closed form),
-    "careful", or "" for such a time; largest: the largest error of symosc, in the map.
-    """
+    """Measure the map for some values of w0 tau and return plain data; with `quick` at fewer points."""
+    # `progress` gets a sequence of steps and returns it as an iterable that may show how far it is. Keys: taus; zeta
+    # and ratio (places on the axes, see `value_at`); cheap and symosc: errors, one matrix per tau, rows over zeta and
+    # columns over Omega/w0, nan where the formula cannot be evaluated or the time is longer than what symosc evaluates
+    # at once; formulas (matrices on the finer grid border_zeta, border_ratio): "series", "apart" (the cheap closed
+    # form), "careful", or "" for such a time; largest: the largest error of symosc, in the map.
     points = QUICK_MAP_POINTS if quick else MAP_POINTS
     zetas, ratios = axis(*ZETA_RANGE, points), axis(*RATIO_RANGE, points)
     shape = (len(taus), len(zetas), len(ratios))

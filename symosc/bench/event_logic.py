@@ -65,10 +65,7 @@ class PeerError(SymoscError, RuntimeError):
 
 
 class Problem(NamedTuple):
-    """A parameter set: eq. (9) per mass, belt speeds, the shorter one of the periods of drive and free oscillation.
-
-    theta is the phase of the drive at t = 0.
-    """
+    """A parameter set: eq. (9) per mass, belt speeds, the shorter one of the periods of drive and free oscillation."""
 
     A1: float
     A2: float
@@ -80,7 +77,7 @@ class Problem(NamedTuple):
     v1: float
     v2: float
     period: float
-    theta: float
+    theta: float  # the phase of the drive at t = 0
 
 
 def problem(p: Parameters, origin: Fraction = Fraction(0)) -> Problem:
@@ -223,11 +220,9 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
 
 
 def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Callable[[], Sequence[FoundEvents]]:
-    """Return a function that follows a scene and returns its events, or raises PeerError.
-
-    `functions` are those of this module and of a solver, bound together; `settings` is the argument `s` of `leave`.
-    Flights from a belt start the part `offset` of the larger belt speed off it.
-    """
+    """Return a function that follows a scene and returns its events, or raises PeerError."""
+    # `functions` are those of this module and of a solver, bound together; `settings` is the argument `s` of `leave`.
+    # Flights from a belt start the part `offset` of the larger belt speed off it.
     q, t0, x, v = problem(scene.parameters, scene.t0), float(scene.t0), float(scene.x0), float(scene.v0)
     arguments = q, settings, 0.0, x, v, *start_mode(q, x, v), offset * max(abs(q.v1), abs(q.v2))
     duration = float(scene.t_end - scene.t0)

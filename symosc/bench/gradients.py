@@ -274,11 +274,9 @@ def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundChange
 
 @lru_cache(maxsize=1)
 def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return a function that follows a flight or stick to an event, and its derivatives through the event by JAX.
-
-    The first argument are the parameters, then t, x, v at the start and the phase at this time; then the duration, the
-    signs of the friction, whether it flies, and the event function: of v, of the force, and of both belt speeds.
-    """
+    """Return a function that follows a flight or stick to an event, and its derivatives through the event by JAX."""
+    # The arguments are the parameters; t, x, v and the phase at the start; the duration, the signs of the friction,
+    # whether it flies, and the event function: of v, of the force, and of both belt speeds.
     import diffrax
     import jax
     import jax.numpy as jnp

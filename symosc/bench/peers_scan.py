@@ -30,18 +30,14 @@ MOST_SCAN_SAMPLES = 10_000_000
 
 
 class Scan(NamedTuple):
-    """How to scan (distance of samples, tolerance of a root), and constants of the closed form.
-
-    `decay` and `second` are h and omega_d (underdamped), h and 0 (critical) or the characteristic roots (overdamped).
-    P and Q are the amplitudes of the particular solution's cosine and sine.
-    """
+    """How to scan (distance of samples, tolerance of a root), and constants of the closed form."""
 
     distance: float
     tolerance: float
     regime: int
-    decay: float
+    decay: float  # h, omega_d (underdamped); h, 0 (critical); or both characteristic roots (overdamped)
     second: float
-    P: float
+    P: float  # amplitudes of the particular solution's cosine, and (Q) sine
     Q: float
 
 

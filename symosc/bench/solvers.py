@@ -137,15 +137,11 @@ def all_solvers() -> tuple[Solver, ...]:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The result of a call: its value, or a failure and None.
-
-    The failure is "hang" (the time limit was reached), "exception: <type>: <message>" or "crash: <how the process
-    ended>". `warnings` has the first lines of the different warnings.
-    """
+    """The result of a call: its value, or None and a failure."""
 
     value: Any = None
-    failure: str = ""
-    warnings: tuple[str, ...] = ()
+    failure: str = ""  # "hang" (time limit), "exception: <type>: <message>" or "crash: <how the process ended>"
+    warnings: tuple[str, ...] = ()  # first lines of the different warnings
 
     @property
     def lost(self) -> bool:
@@ -154,16 +150,7 @@ class Outcome:
 
 
 class Worker:
-    """A process that runs one call at a time; use it in a ``with`` statement.
-
-    What calls write to standard output or standard error, from C and Fortran too, is dropped.
-
-    Examples
-    --------
-    >>> with Worker() as worker:
-    ...     worker.call(10.0, divmod, 7, 2).value
-    (3, 1)
-    """
+    """A process that runs one call at a time, in a ``with`` statement; what calls print is dropped."""
 
     def __init__(self) -> None:
         self._pool = ProcessPool(max_workers=1, initializer=_drop_output, context=get_context("spawn"))
@@ -176,10 +163,8 @@ class Worker:
         self._pool.join()
 
     def call(self, limit: float, function: Callable[..., Any], *arguments: object) -> Outcome:
-        """Return the outcome of ``function(*arguments)`` (picklable) within `limit` seconds.
-
-        The clock includes what the function imports or compiles, but not the start of the process.
-        """
+        """Return the outcome of ``function(*arguments)`` (picklable) within `limit` seconds."""
+        # The clock includes what the function imports or compiles, but not the start of the process.
         # An argument that cannot be pickled ends in an exception here: that is the caller's mistake.
         future = self._pool.schedule(_guarded, args=(function, arguments), timeout=limit)
         try:
@@ -193,10 +178,8 @@ class Worker:
 
 @contextmanager
 def processor_limit(seconds: float) -> Iterator[None]:
-    """Raise TimeoutError in a block that takes more processor time; compiled code is interrupted when it returns.
-
-    In the main thread only, and where the system has such a timer.
-    """
+    """Raise TimeoutError in a block that takes more processor time; compiled code is interrupted when it returns."""
+    # In the main thread only, and where the system has such a timer.
     if not hasattr(signal, "setitimer"):
         yield
         return
@@ -251,11 +234,9 @@ class Job(NamedTuple):
 def in_parallel(
     chunks: Sequence[Sequence[Job]], limit: float, first_limit: float | None, steps: Iterator[Any]
 ) -> dict[Any, Outcome]:
-    """Run each chunk of jobs in a separate worker, PROCESSES at a time; return the outcomes by key.
-
-    With `first_limit` the first job of a new process may take that long: it imports and compiles. So the first job of
-    a chunk is done again where a process was lost, and does not count.
-    """
+    """Run each chunk of jobs in a separate worker, PROCESSES at a time; return the outcomes by key."""
+    # With `first_limit` the first job of a new process may take that long: it imports and compiles. So the first job of
+    # a chunk is done again where a process was lost, and does not count.
     stop, turn = Flag(), Lock()
 
     def follow(chunk: Sequence[Job]) -> dict[Any, Outcome]:

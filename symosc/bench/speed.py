@@ -52,16 +52,13 @@ LONG, SHORT = 5.0, 0.01
 
 
 class Call(NamedTuple):
-    """A measured call: its name, the unit of its time, the function, and its number of units (None: len of its result).
-
-    A call is made once before it is measured, unless it is of interest the first time (`once`).
-    """
+    """A measured call: its name, the unit of its time, the function, and its number of units."""
 
     what: str
     per: str
     action: Callable[[], Any]
-    units: float | None = 1
-    once: bool = False
+    units: float | None = 1  # None: len of the result
+    once: bool = False  # whether the first call is of interest; else a call is made before it is measured
 
 
 class Group(NamedTuple):
@@ -331,13 +328,11 @@ def _processes(quick: bool, cache: str) -> Iterator[Call]:
 
 
 def run(quick: bool = False, progress: Callable[[Sequence[Any]], Iterable[Any]] = iter) -> Record:
-    """Measure everything; with `quick` fewer repeats and smaller tasks.
-
-    `progress` gets the turns of a group and returns them as an iterable that may show how far it is. Keys: machine;
-    floor_ns, one evaluation of the closed form; c_ns, the time of a counted event of fig5; errors (`measure_errors`);
-    and groups, each with a title and rows: what, per (the unit), s (seconds per unit), over_c, and over_first (as a
-    multiple of the group's first row).
-    """
+    """Measure everything; with `quick` fewer repeats and smaller tasks."""
+    # `progress` gets the turns of a group and returns them as an iterable that may show how far it is. Keys: machine;
+    # floor_ns, one evaluation of the closed form; c_ns, the time of a counted event of fig5; errors (`measure_errors`);
+    # and groups, each with a title and rows: what, per (the unit), s (seconds per unit), over_c, and over_first (as a
+    # multiple of the group's first row).
     repeats = 3 if quick else 7
     measured = [_measured(group, repeats, progress) for group in groups(quick)]
     c = measured[0]["rows"][0]["s"]
@@ -380,10 +375,8 @@ def _first(call: Call, clock: Callable[[], float]) -> tuple[float, float]:
 
 
 def measure_errors() -> list[Record]:
-    """Compare `simulate` with 40 digits: scene, events, largest error, and largest error as the events estimate it.
-
-    Errors are of times and positions, relative to max(1, |value|).
-    """
+    """Compare `simulate` with 40 digits: scene, events, largest error, and largest estimated error."""
+    # Errors are of times and positions, relative to max(1, |value|).
 
     def relative(error: Number, value: Number) -> float:
         return float(abs(error) / max(1, abs(value)))
@@ -402,13 +395,7 @@ def measure_errors() -> list[Record]:
 
 
 def duration(seconds: float) -> str:
-    """Return a time in the unit that fits it.
-
-    Examples
-    --------
-    >>> duration(2.053e-7), duration(0.0123), duration(40.0)
-    ('205 ns', '12.3 ms', '40 s')
-    """
+    """Return a time in the unit that fits it, such as "12.3 ms"."""
     for unit, name in ((1, "s"), (1e-3, "ms"), (1e-6, "µs")):
         if seconds >= unit:
             return f"{float(f'{seconds / unit:.3g}'):g} {name}"

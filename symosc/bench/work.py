@@ -61,14 +61,12 @@ class Span:
 
 @dataclass(frozen=True)
 class Timed:
-    """What the worker process reports of a solver on a span; times in seconds.
-
-    Right after each call one closed-form evaluation is timed: some machines change their pace by the second.
-    """
+    """The worker process's report on a solver and a span; times in seconds."""
 
     prepare_s: float
     first_call_s: float
     times_s: list[float]
+    # one closed-form evaluation right after each call: some machines change their pace by the second
     floors_s: list[float]
     found: list[FoundEvents]
 
@@ -82,10 +80,8 @@ def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
 
 
 def measure(solver: Solver, scene: Scene, tolerance: float, until: float, limit: float, budget: float) -> Timed:
-    """Prepare a solver and call it once, then again until `budget` seconds are spent; return events before `until`.
-
-    Only what the call itself does is timed: events that it returns `LazyEvents` are read afterwards.
-    """
+    """Prepare a solver and call it once, then again until `budget` seconds are spent; return events before `until`."""
+    # Only what the call itself does is timed: events that it returns `LazyEvents` are read afterwards.
     begin = time.perf_counter()
     follow = solver.prepare(scene, tolerance)
     prepared = time.perf_counter()
@@ -108,22 +104,20 @@ def run(
     solvers: Sequence[Solver] | None = None,
     scenes: dict[str, tuple[int, int, int]] | None = None,
 ) -> Record:
-    """Measure and return plain data; with `quick` two scenes, and only the finest tolerance of each peer.
-
-    `progress` gets the sequence of measurements and returns it as an iterable that may show how far it is; `solvers`
-    and `scenes` (as in SCENE_SPANS) replace all. Keys: machine; floor_ns, one closed-form evaluation; limit_s; skipped,
-    solver: why it cannot run here; notes, solver: its precautions; and rows, one per scene, solver and tolerance, with
-
-        scene, solver, tolerance;
-        failure: "" or what went wrong; the numbers that are then not known are None;
-        prepare_s, first_call_s, times_s (all repeats), timed_events: of the longest span that the solver finished;
-        floor_ns, over_floor: the floor as it was then (the best), and the median time per event as its multiple;
-        us_per_event: so many floors, as long as the best one of the run; over_ours: that by ours;
-        error, error_t, error_x: over the short span, the same for all solvers, as in `Comparison`;
-        missed, invented, missed_grazes, first_wrong: as in `Comparison`, over the first `compared` events of the
-        longest span;
-        warnings: what the solver warned of.
-    """
+    """Measure and return plain data; with `quick` two scenes, and only the finest tolerance of each peer."""
+    # `progress` gets the sequence of measurements and returns it as an iterable that may show how far it is; `solvers`
+    # and `scenes` (as in SCENE_SPANS) replace all. Keys: machine; floor_ns, one closed-form evaluation; limit_s;
+    # skipped, solver: why it cannot run here; notes, solver: its precautions; and rows, one per scene, solver and
+    # tolerance, with
+    #     scene, solver, tolerance;
+    #     failure: "" or what went wrong; the numbers that are then not known are None;
+    #     prepare_s, first_call_s, times_s (all repeats), timed_events: of the longest span that the solver finished;
+    #     floor_ns, over_floor: the floor as it was then (the best), and the median time per event as its multiple;
+    #     us_per_event: so many floors, as long as the best one of the run; over_ours: that by ours;
+    #     error, error_t, error_x: over the short span, the same for all solvers, as in `Comparison`;
+    #     missed, invented, missed_grazes, first_wrong: as in `Comparison`, over the first `compared` events of the
+    #         longest span;
+    #     warnings: what the solver warned of.
     solvers = all_solvers() if solvers is None else solvers
     chosen = scenes or (QUICK_SCENE_SPANS if quick else SCENE_SPANS)
     limit, budget = (QUICK_SPAN_LIMIT, QUICK_BUDGET) if quick else (SPAN_LIMIT, BUDGET)
@@ -251,11 +245,8 @@ def _cells(row: Record, limit: float) -> list[str]:
 
 
 def best_rows(result: Record) -> dict[tuple[str, str], Record]:
-    """Return for each solver and scene the row at the tolerance that served it best.
-
-    That is the one with the fewest missed and invented events, and of those the one with the smallest error. A solver
-    that failed at every tolerance is there with its last row.
-    """
+    """Return for each solver and scene the row with the fewest missed and invented events, then the smallest error."""
+    # A solver that failed at every tolerance is there with its last row.
 
     def badness(row: Record) -> tuple[float, ...]:
         if row["missed"] is None:

@@ -174,11 +174,9 @@ def explain(
     allowed: np.ndarray,
     near: np.ndarray,
 ) -> tuple[Fault, ...]:
-    """Return the chosen steps as faults, each with a guess at its cause.
-
-    `modes` are those of the samples, 0 where they only pass a belt; `sizes` the defects in units of `allowed`; `near`
-    the distances from a belt that count as on it.
-    """
+    """Return the chosen steps as faults, each with a guess at its cause."""
+    # `modes` are those of the samples, 0 where they only pass a belt; `sizes` the defects in units of `allowed`; `near`
+    # the distances from a belt that count as on it.
     since = np.array(chosen, dtype=int)
     misses = []  # of flights with the force of each domain, to the next sample and to the one after
     for n in (1, 2):
@@ -383,10 +381,8 @@ class Case:
 
 
 def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks: np.ndarray) -> Fit | None:
-    """Fit numbers to steps, some of which may have other faults; None if the steps do not determine them.
-
-    `misses` returns by how much the steps miss with given numbers, (steps, 2); `ticks` are changes for derivatives.
-    """
+    """Fit numbers to steps, of which some may have other faults; None if the steps do not determine them."""
+    # `misses(numbers)` is by how much the steps miss, (steps, 2); `ticks` are changes for derivatives.
     value = np.array(start, dtype=float)
     kept, error = None, np.zeros(len(value))
     for _ in range(8):
@@ -439,10 +435,8 @@ def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndar
 def best_between(
     misses: Callable[[np.ndarray], np.ndarray], low: np.ndarray, high: np.ndarray, points: int, enough: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the numbers between two limits, one per step, at which the steps miss least, and what is left there.
-
-    A grid of so many points is made finer around the best one, at most 8 times or until all misses are small enough.
-    """
+    """Return the numbers in [low, high], one per step, at which the steps miss least, and what they miss there."""
+    # A grid of `points` is refined around the best one, at most 8 times or until all misses are <= `enough`.
     best, leaves = low.copy(), np.full(len(low), np.inf)
     begin, end = low, high
     for _ in range(8):

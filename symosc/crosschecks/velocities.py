@@ -176,10 +176,7 @@ def _is_start(scene: Scene | Parameters, samples: Samples, off: float, clock: fl
 
 
 def _flown(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocities at the starts and ends of the steps in domains 1 to 3, shape (3, n - 1).
-
-    NaN where a step cannot be such.
-    """
+    """Return velocities at both ends of flights over the steps in domains 1 to 3, (3, n - 1); NaN if impossible."""
     tau, s, c = np.diff(t), np.sin(theta[:-1]), np.cos(theta[:-1])
     usable = (tau > 0.0) & (K.rate * tau < LONGEST_FLIGHT)
     E0, E1, E2, R2, I2, _, _ = entire_array.basis(np.where(usable, tau, 0.5 * LONGEST_FLIGHT / K.rate), K)

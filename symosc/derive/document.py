@@ -171,10 +171,7 @@ def numbers_of(chapters: Iterable[Checked]) -> dict[str, str]:
 
 
 def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str] | None = None) -> str:
-    """Return a text in which references to other documents name the chapter.
-
-    With `link` the other references are replaced too, by what it makes of (label, shown).
-    """
+    """Name the chapter in references to other documents; with `link`, replace the others by link(label, shown)."""
 
     def replace(found: re.Match[str]) -> str:
         word, command, label = found.groups()

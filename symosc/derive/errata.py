@@ -22,20 +22,16 @@ TEXTS = ("where", "printed", "holds", "proof")
 
 @dataclass(frozen=True)
 class Erratum:
-    """An error or gap of the paper, counted once however many claims it shows in.
-
-    Its number in the list, its key of SEVERITIES, its place in the paper, what stands there and what holds, why in
-    about two lines, and what of the supplement shows it (LaTeX, may be empty).
-    """
+    """An error or gap of the paper, counted once however many claims it shows in."""
 
     number: int
-    id: str
-    severity: str
-    where: str
-    printed: str
+    id: str  # how claims name it
+    severity: str  # a key of SEVERITIES
+    where: str  # its place in the paper
+    printed: str  # what stands there
     holds: str
     proof: str
-    shown: str = ""
+    shown: str = ""  # what of the supplement shows it (LaTeX, may be empty)
 
     def in_unicode(self) -> Erratum:
         """Return the erratum with texts that need no LaTeX, for the report and the letter."""

@@ -323,10 +323,8 @@ def _item_width(tokens: list[str], place: int) -> tuple[float, int]:
 
 
 def lines(statement: Relation, decimals: bool = False, left_width: float | None = None) -> list[str]:
-    """Return a statement as the rows of an align environment: `left &= right`, broken before + and - where needed.
-
-    `left_width` is the width of the column left of the relation sign, if other statements share it.
-    """
+    """Return a statement as the rows of an align environment: `left &= right`, broken before + and - where needed."""
+    # `left_width` is the width of the column left of the relation sign, if other statements share it.
     left = latex(statement.left, decimals)
     taken = width(left) if left_width is None else left_width
     rows = _broken(statement.right, decimals, max(LINE_WIDTH - taken - 4.0, 0.3 * LINE_WIDTH))

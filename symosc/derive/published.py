@@ -67,10 +67,7 @@ class Flight:
 
 
 class Formulas(Flight):
-    """The closed forms of the motion without stops.
-
-    ParameterError without a spring, and at undamped resonance: there is no bounded motion to compute.
-    """
+    """The closed forms of the motion without stops; ParameterError without a spring or at undamped resonance."""
 
     def __init__(self, p: Parameters) -> None:
         if p.k == 0:
@@ -96,10 +93,8 @@ class Formulas(Flight):
         return self.value(coulomb.slide_function(), self.basis(angle / self.numbers[solution.Omega]) | {phi: angle})
 
     def largest_slide_bound(self) -> tuple[Any, Any]:
-        """Return the supremum of B over (0, pi) and the angle where it is, 0 for the limit at the turning point.
-
-        A maximum inside counts if it is above that limit by 1e-10, relative to it: far above rounding errors.
-        """
+        """Return the supremum of B over (0, pi) and its angle, 0 for the limit at the turning point."""
+        # A maximum inside counts if it is above that limit by 1e-10, relative to it: far above rounding errors.
 
         def slope(angle: Any) -> Any:
             return MP.diff(self.slide_bound, angle)
@@ -152,20 +147,16 @@ def _turning_points(parameters: Parameters, x0: Any, t_end: int, digits: int | N
 
 
 def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
-    """Return the rise of the highest points per cycle at Omega = 1, c = 0.
-
-    The start is the one whose turning points are at theta = pi/2 + n pi: x = (P/2 - F)/k at t = 0, with any velocity
-    that is large enough.
-    """
+    """Return the rise of the highest points per cycle at Omega = 1, c = 0."""
+    # The start is the one whose turning points are at theta = pi/2 + n pi: x = (P/2 - F)/k at t = 0, with any velocity
+    # that is large enough.
     highest = _turning_points(wall(F, 1, P=P), Fraction(P) / 2 - Fraction(F), 40, digits)[::2]
     return [after - before for before, after in pairwise(highest)]
 
 
 def one_sided_orbit(F: Any, n: int, middle: Fraction) -> PeriodicOrbit:
-    """Return the orbit without stops at Omega = 1/(2 n), c = 0 whose turning points lie around a middle.
-
-    In double precision: its neighbours are orbits too, so that equations of more digits are singular there.
-    """
+    """Return the orbit without stops at Omega = 1/(2 n), c = 0 whose turning points lie around a middle."""
+    # In doubles: its neighbours are orbits too, so that equations of more digits are singular there.
     guess = [(0, float(middle + _free_amplitude(n))), (2 * pi * n, float(middle - _free_amplitude(n)))]
     return find_orbit(wall(F, Fraction(1, 2 * n)), "P32", guess=guess)
 
@@ -353,16 +344,13 @@ def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
 
 
 def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
-    """Solve for the F/P near a border (c = 0) at which a stop, or a slide, is born; return it and which of the two.
-
-    With P = k = 1 half a cycle is n slides down. Each starts where a stop ends, x = cos(theta) + F, and ends at rest,
-    the last one at minus the first one's start: 2 n equations for n phases and n durations. The border is where
-
-    - "graze": a slide comes to rest on the way without staying, v = x'' = 0: a stop of no length (with its time, two
-      more equations for two more unknowns, the other one being F);
-    - "birth": a stop lasts to theta = pi, where the drive just reaches what would move it, x = F - 1: a slide of no
-      length.
-    """
+    """Solve for the F/P near a border (c = 0) at which a stop, or a slide, is born; return it and which of the two."""
+    # With P = k = 1 half a cycle is n slides down. Each starts where a stop ends, x = cos(theta) + F, and ends at rest,
+    # the last one at minus the first one's start: 2 n equations for n phases and n durations. The border is where
+    # "graze": a slide comes to rest on the way without staying, v = x'' = 0: a stop of no length (with its time, two
+    #     more equations for two more unknowns, the other one being F);
+    # "birth": a stop lasts to theta = pi, where the drive just reaches what would move it, x = F - 1: a slide of no
+    #     length.
     few, count = min((border.low, border.below), (border.high, border.above), key=lambda side: side[1])
     p = wall(Fraction(few), Omega)
     slides, candidates = _slides_near_border(p, count // 2)
@@ -380,10 +368,7 @@ def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
 
 
 def solve_stop_positions(p: Parameters) -> list[Any]:
-    """Solve for the positions at which the mass stops in half a settled cycle, from the highest stop down.
-
-    m = k = P = 1, with or without damping.
-    """
+    """Solve for the stops of the mass in half a settled cycle, from the highest down; m = k = P = 1, any damping."""
     slides, _ = _slides_near_border(p, (stops(p) or 0) // 2)
     n, F = len(slides), number(p.mu1)
     guess = [*(phase for phase, _ in slides), *(time for _, time in slides)]
@@ -479,19 +464,15 @@ RESTING = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1
 
 
 class Value(NamedTuple):
-    """A number computed twice, by a formula and by running the package.
+    """A number computed twice, by a formula and by running the package."""
 
-    Its letter and the parameters in LaTeX (those that are not named are 1 (m, k, P, F_N) or 0 (c)), the two numbers,
-    how many decimals are worth printing, what the two may differ by (relative), and what else was seen in running.
-    """
-
-    name: str
-    case: str
+    name: str  # its letter in LaTeX
+    case: str  # the parameters in LaTeX; those that are not named are 1 (m, k, P, F_N) or 0 (c)
     formula: Any
     package: Any
-    decimals: int = 12
-    tolerance: float = 1e-12
-    note: str = ""
+    decimals: int = 12  # as many as are worth printing
+    tolerance: float = 1e-12  # allowed relative difference
+    note: str = ""  # what else was seen in running the package
 
     @property
     def difference(self) -> Any:

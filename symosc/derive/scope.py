@@ -118,16 +118,12 @@ class Scope:
 
 @dataclass(frozen=True)
 class FragmentScope(Scope):
-    """Numbers for some symbols of a fragment, and the form of the motion.
+    """The numbers of some symbols of a fragment, and the form of the motion."""
 
-    `values` are the parameters given as numbers, `form` is "entire" (the five basis functions) or "paper"
-    (e^{-ct/2m} cos omega_d t), `digits` rounds the numbers, `instances` is what letters are in this fragment, such as
-    the velocity at the start.
-    """
-
-    values: tuple[tuple[str, Any], ...] = ()
-    form: str = "entire"
-    digits: int | None = None
+    values: tuple[tuple[str, Any], ...] = ()  # the parameters given as numbers
+    form: str = "entire"  # "entire" (the five basis functions) or "paper" (e^{-ct/2m} cos omega_d t)
+    digits: int | None = None  # to which numbers are rounded
+    # what letters are in this fragment, such as the velocity at the start
     instances: dict[Expr, Expr] = field(default_factory=dict, hash=False, compare=False)
 
     @property

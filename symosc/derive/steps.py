@@ -78,16 +78,13 @@ class Check:
 
 @dataclass(frozen=True)
 class Step:
-    """One displayed line: its statement, its check, its name for references in the chapter, and LaTeX text behind it.
-
-    `decimals` prints numbers as decimals where they end, also outside scenes.
-    """
+    """One displayed line: its statement, its check, its name for references in the chapter, and LaTeX text after it."""
 
     statement: Relation
     check: Check
     label: str = ""
     note: str = ""
-    decimals: bool = False
+    decimals: bool = False  # print numbers as decimals where they end, also outside scenes
 
     def verify(self) -> StepEvidence:
         """Run the check."""
@@ -198,12 +195,11 @@ def steps_of(item: Any) -> tuple[Step, ...]:
 
 @dataclass(frozen=True)
 class Exact(Check):
-    """The sides are equal after substitution of all names by their values.
+    """Check that the sides are equal after substitution of all names by their values."""
 
-    `meaning` has an independent expression (or a function that returns it) by its name, and is applied until nothing
-    changes. `tidy` reduces a difference that vanishes to 0; what it leaves is simplified. Unless the letters that are
-    left are `independent` of each other, no random values try to refute the statement first.
-    """
+    # `meaning` has an independent expression (or a function that returns it) by its name, and is applied until nothing
+    # changes. `tidy` reduces a difference that vanishes to 0; what it leaves is simplified. Unless the letters that are
+    # left are `independent` of each other, no random values try to refute the statement first.
 
     meaning: dict[Expr, Any] = field(default_factory=dict)
     tidy: Callable[[Expr], Expr] = sp.expand
@@ -231,11 +227,9 @@ class Each(Check):
 
 @dataclass(frozen=True)
 class Solves(Check):
-    """The right side, plus `shift`, is the solution y of D y = force with y(0), y'(0) given.
+    """Check that the right side plus `shift` solves D y = force, D = d^2/dtau^2 + cm d/dtau + w0sq, from its start."""
 
-    With D = d^2/dtau^2 + cm d/dtau + w0sq. Only one function does this, so the check pins down every sign. `general`:
-    in the basis functions of all regimes, with their relations alone.
-    """
+    # Only one function does this, so every sign is checked. `general`: in the basis functions of all regimes.
 
     force: Expr
     start: Expr

@@ -31,19 +31,15 @@ POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 class Picture(NamedTuple):
-    """A figure of the report, with its heading and one sentence (`alt`) for readers who do not see it.
-
-    `paper_figure` is the number of the paper's figure that it reproduces; `build` draws it, `describe` returns the
-    caption with its numbers computed, and `narrow` draws it for a phone, its panels above each other.
-    """
+    """A figure of the report, with its heading and a sentence (`alt`) for readers who do not see it."""
 
     key: str
     title: str
     alt: str
-    paper_figure: int | None
+    paper_figure: int | None  # the number of the paper's figure that it reproduces
     build: Callable[[], Figure]
-    describe: Callable[[], str]
-    narrow: Callable[[], Figure] | None = None
+    describe: Callable[[], str]  # returns the caption, with its numbers computed
+    narrow: Callable[[], Figure] | None = None  # draws it for a phone, with panels above each other
 
 
 # --- numbers and starts in captions ---

@@ -51,15 +51,12 @@ LATE, GRAZE_SAMPLES = 60, 8000
 
 @dataclass(frozen=True)
 class Graze:
-    """A figure of a grazing motion: as printed, with a corrected parameter if it needs one, and its mapping.
-
-    `half_turns` is the phase of the grazing point in units of pi.
-    """
+    """A figure of a grazing motion: as printed, with a corrected parameter if it needs one, and its mapping."""
 
     printed: Scene
     scene: Scene
     mapping: str
-    half_turns: int
+    half_turns: int  # the phase of the grazing point in units of pi
 
     def source(self, to_start: bool = True) -> GrazingStart:
         """Return where the flow that grazes was at t0, or on the switching plane before."""
@@ -476,15 +473,12 @@ LONGEST = 12
 
 @dataclass(frozen=True)
 class NearestGraze:
-    """The start of a graze next to a printed start: the time of its contact, and it minus the printed start.
-
-    `t_low` and `t_high` are the times of contact of all starts that round to the printed one; nan if there are none.
-    """
+    """The start of a graze next to a printed start: the time of its contact, and it minus the printed start."""
 
     t_m: float
     dx: float
     dv: float
-    t_low: float
+    t_low: float  # times of contact of all starts that round to the printed one, up to t_high; nan: none
     t_high: float
 
     @property
@@ -495,14 +489,11 @@ class NearestGraze:
 
 @dataclass(frozen=True)
 class FreeValue:
-    """A number of a scene with which the flow from the printed start grazes at t_m, all others as printed.
-
-    `uncertainty` is what half a unit of the printed x0 and v0 changes it by.
-    """
+    """A number of a scene with which the flow from the printed start grazes at t_m, all others as printed."""
 
     name: str
     value: float
-    uncertainty: float
+    uncertainty: float  # what half a unit of the printed x0 and v0 changes the value by
     t_m: float
 
     @property

@@ -509,11 +509,9 @@ def four_grazes() -> Evidence:
 
 
 def position_bound(p: Parameters) -> float:
-    """Return the long-term bound of |x| from the L1 norm of the impulse response; c, k > 0.
-
-    Friction and drive together stay below a force M; then lim sup |x| <= (M/k) coth(pi zeta/(2 sqrt(1 - zeta^2))), or
-    M/k without oscillation.
-    """
+    """Return the long-term bound of |x| from the L1 norm of the impulse response; c, k > 0."""
+    # Friction and drive together stay below a force M; then lim sup |x| <= (M/k) coth(pi zeta/(2 sqrt(1 - zeta^2))), or
+    # M/k without oscillation.
     force = float(abs(p.A0) + abs(p.B0) + (p.mu1 + p.mu2) * p.FN)
     damping = float(p.c) / (2 * sqrt(p.k * p.m))
     if damping >= 1:

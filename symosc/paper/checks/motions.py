@@ -196,11 +196,8 @@ def forces(p: Parameters, at: SceneContact) -> Forces:
 
 
 def forces_along(p: Parameters, stick: Stick) -> list[Forces]:
-    """Return the forces at the onset of a stick, wherever they turn during it, and at its end.
-
-    On a belt both forces are monotone between the phases Theta_cr of Theorem 7: what holds at these instants holds
-    between them, not only at samples.
-    """
+    """Return the forces at the onset of a stick, wherever they turn during it, and at its end."""
+    # On a belt both forces are monotone between the phases Theta_cr of Theorem 7: what holds here holds in between.
     if stick.end is None:
         raise ValueError("the motion was not followed to the end of the stick")
     exact = arithmetic(p)
@@ -224,10 +221,7 @@ def is_zero(force: Any) -> bool:
 
 
 def certificate_of(what: Scene | PeriodicOrbit) -> dict[str, str]:
-    """Return the statement of a motion's or an orbit's certificate, for the numbers of an evidence.
-
-    Without python-flint it says that nothing is proven here; the verdict does not rest on it.
-    """
+    """Return the statement of a motion's or orbit's certificate as an evidence's number; no verdict rests on it."""
     try:
         proof = certify(what)
     except MissingExtraError:
@@ -328,10 +322,7 @@ def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
 
 
 def judge(check: Callable[[], Any]) -> Evidence:
-    """Return the evidence of a check, with a recomputation of every motion and orbit that it uses.
-
-    Without it a claim about a motion would be judged by the simulator alone.
-    """
+    """Run a check and recompute every motion and orbit that it used by independent means."""
     with recording() as seen:
         evidence = check()
     if not isinstance(evidence, Evidence):

@@ -266,10 +266,7 @@ def ends(scene: Scene, belt: int) -> Evidence:
 
 
 def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
-    """Check whether the printed equations are conditions of a periodic motion: what do they leave open on its orbit?
-
-    `closed` adds the closing conditions, that the orbit ends where it starts, one period later; (54) lacks them.
-    """
+    """Check whether the printed equations determine a periodic motion; `closed` adds x and phase after one period."""
     found, p = orbit_of(scene), scene.parameters
     if found is None:
         return no_orbit(scene)
@@ -423,27 +420,15 @@ FOLLOWED = Fraction(5, 4)
 
 @dataclass(frozen=True)
 class Nearest:
-    """The smallest distance of a motion from the printed start to a periodic one when one number varies.
+    """The smallest distance of a motion from the printed start to a periodic one when one number varies."""
 
-    Attributes
-    ----------
-    name, value : str, float
-        The parameter, or "t0", "x0", "v0", that is left free, and its value there.
-    dt, dx : float
-        By how much the motion misses the start after one period; where it is an orbit, its switching point minus the
-        start. 0 for what was left free.
-    orbit : bool
-        Whether it is the orbit of the printed structure that dt and dx are measured from.
-    searched : tuple of float
-        The range of values that was tried.
-    """
-
-    name: str
+    name: str  # the parameter, or "t0", "x0", "v0", that is left free
     value: float
+    # by how much the motion misses the start after one period; on an orbit, its switching point minus the start
     dt: float
     dx: float
-    orbit: bool = True
-    searched: tuple[float, float] = (-inf, inf)
+    orbit: bool = True  # whether dt and dx are those of an orbit of the printed structure
+    searched: tuple[float, float] = (-inf, inf)  # the range of values that was tried
 
     @property
     def distance(self) -> float:

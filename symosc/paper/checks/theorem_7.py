@@ -38,10 +38,7 @@ class Arc(NamedTuple):
 
 
 def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, list[Arc]]]:
-    """Eqs. (55) to (58): every case that holds for gamma_j and B0 Omega/m, with its phases; 0 and 2 pi are one point.
-
-    Cases are counted in the paper's order.
-    """
+    """Return the cases of eqs. (55) to (58) that hold, counted in the paper's order, with their phases; 2 pi is 0."""
     g, a = gamma, amplitude
     ratio = -g / a if a and abs(g) <= abs(a) else None  # the sine of Theta_cr
     d = turn(abs(ratio), root(1 - ratio * ratio)) if ratio is not None else ZERO  # |Theta_cr|
