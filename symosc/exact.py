@@ -37,11 +37,9 @@ SMALLEST = 1 / LARGEST
 
 
 def read_exact(name: str, value: object) -> Fraction:
-    """Return `value` as an exact Fraction, at most LARGEST in size.
-
-    A float is read as the decimal that it prints as (0.8 is 4/5); an mpmath number as its exact binary value.
-    ParameterError for all that is no finite exact number of moderate size.
-    """
+    """Return `value` as an exact Fraction, at most LARGEST in size."""
+    # A float is read as the decimal that it prints as (0.8 is 4/5); an mpmath number as its exact binary value.
+    # ParameterError for all that is no finite exact number of moderate size.
     number = _read(name, value)
     if abs(number) > LARGEST:
         raise ParameterError(name, value, f"must be at most {float(LARGEST):g} in size")
@@ -102,10 +100,8 @@ def _read_mpf(name: str, value: Any) -> Fraction:
 
 
 def unmasked(name: str, value: Any) -> Any:
-    """Return `value`, or raise ParameterError if it is an array, or has some, of which something is masked (numpy.ma).
-
-    Most functions of numpy read what is behind the mask.
-    """
+    """Return `value`, or raise ParameterError if it is, or has, an array of numpy.ma with something masked."""
+    # Most functions of numpy read what is behind the mask.
     masked = sys.modules.get("numpy.ma")
     each = value if isinstance(value, (list, tuple)) else (value,)
     if masked and any(isinstance(part, masked.MaskedArray) and masked.is_masked(part) for part in each):
@@ -138,10 +134,7 @@ def read_digits(digits: object, most: int = MOST_ASKED_DIGITS) -> int | None:
 
 
 def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
-    """Return the half-widths to which t0, x0 and v0 are known, from one number for all, three numbers, or None (exact).
-
-    ParameterError unless they are numbers >= 0.
-    """
+    """Return the half-widths to which t0, x0 and v0 are known, from one number >= 0, three numbers, or None (exact)."""
     if value is None:
         return None
     is_array = hasattr(type(value), "dtype")

@@ -342,12 +342,10 @@ def meets_no_belt(p: Parameters) -> int | None:
 
 
 def harmonic_balance(p: Parameters) -> tuple[float, complex]:
-    """Return mean and first harmonic of x by harmonic balance: friction is replaced by its mean and first harmonic.
-
-    For v = -V sin(a) these are, of a belt, (2/pi) mu FN arcsin(v_lambda/V) and -(4/pi) mu FN sqrt(1 - (v_lambda/V)^2)
-    sin(a), and where V < |v_lambda| the whole force and 0. The size of both sides of the balance increases with V, so
-    that there is one solution; inf where it grows for ever.
-    """
+    """Return mean and first harmonic of x by harmonic balance: friction is replaced by its mean and first harmonic."""
+    # For v = -V sin(a) these are, of a belt, (2/pi) mu FN arcsin(v_lambda/V) and -(4/pi) mu FN sqrt(1 - (v_lambda/V)^2)
+    # sin(a), and where V < |v_lambda| the whole force and 0. The size of both sides of the balance increases with V, so
+    # that there is one solution; inf where it grows for ever.
     m, c, k, Omega, B0 = (float(each) for each in (p.m, p.c, p.k, p.Omega, p.B0))
     belts = [(float(mu * p.FN), float(v)) for mu, v in ((p.mu1, p.v1), (p.mu2, p.v2))]
     smallest, most = (4 / pi * sum(force for force, v in belts if abs(v) <= limit) for limit in (0, inf))
@@ -437,10 +435,7 @@ def turning_points(values: np.ndarray) -> np.ndarray:
 
 
 def measured(model: OtherModel, settled: Settled) -> Row:
-    """Return the response of a settled motion, by integrals and extremes over its cycle.
-
-    ConvergenceError if it comes too near to a graze.
-    """
+    """Return the response of a settled motion: integrals and extremes over a cycle; ConvergenceError near a graze."""
     p, Omega = model.parameters, float(model.Omega)
     period = 2 * pi * settled.periods / Omega
     t0, x0, v0 = settled.start

@@ -50,10 +50,8 @@ MOST_PIECES = 20_000
 
 
 def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[Jet, Jet] | None:
-    """Find the piece of a flight, before `stop`, in which the gap to a belt has its first zero and no other.
-
-    None if there is none. `on_it`: the flight starts on that belt, from where it is known to leave it.
-    """
+    """Find a piece of a flight, before `stop`, in which the gap to a belt has its first zero and no other, or None."""
+    # `on_it`: the flight starts on that belt, from where it is known to leave it.
     gap = flight.gap(boundary)
     low = gap(arb(0))
     if on_it:
@@ -157,11 +155,9 @@ def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball
 
 
 def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
-    """Enclose the only zero of a gap between two times, at the first of which the gap is > 0 and at the second < 0.
-
-    Newton's method finds it, kept between points where the sign is known; two signs prove the enclosure. The slope has
-    one sign on it.
-    """
+    """Enclose the only zero of a gap between two times, at the first of which the gap is > 0 and at the second < 0."""
+    # Newton's method finds it, kept between points where the sign is known; two signs prove the enclosure. The slope
+    # has one sign on it.
     ends, here = (low, high), high.mid()
     low, high = low.mid(), high.mid()
     sample, step = gap(here), high
@@ -201,10 +197,8 @@ def fenced(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: 
 
 
 def sharper(gap: Curve, found: Ball, slope: Ball) -> Ball:
-    """Narrow the enclosure `found` of a gap's zero by two interval Newton steps.
-
-    `slope` encloses the derivative of the gap over `found`, and may do so for other starts as well.
-    """
+    """Narrow the enclosure `found` of a gap's zero by two interval Newton steps."""
+    # `slope` encloses the derivative of the gap over `found`, and may do so for other starts as well.
     for _ in range(2):
         middle = found.mid()
         step = middle - gap(middle).g / slope
@@ -224,10 +218,8 @@ class Slip(NamedTuple):
 
 
 def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> Slip | None:
-    """Return the end of a stick from (t, x), or None if it lasts for a time `stop` at least.
-
-    At its start F^(below) >= 0 >= F^(above) is known, and that it goes into the stick where one of them is 0.
-    """
+    """Return the end of a stick from (t, x), or None if it lasts for a time `stop` at least."""
+    # At its start F^(below) >= 0 >= F^(above) is known, and that it goes into the stick where one of them is 0.
     begin, turns = stop * 0, o.turns(boundary)
     for lasted, (turn, drift) in enumerate(turns.after(t), 1):
         if drift == 0:
@@ -263,16 +255,12 @@ class Circle(NamedTuple):
 
 
 class Moving(NamedTuple):
-    """A set of states in one mode: (t, x), or (t, x, v) before the first event of a start off the belts.
+    """A set of states in one mode: (t, x), or (t, x, v) before the first event of a start off the belts."""
 
-    `mode` is a code of `symosc.model.MODE_NAMES`; `boundary` the belt that it is on or leaves just now (into its mode,
-    which is proven), or 0; `circle` is known where velocities go round one from an exact state.
-    """
-
-    mode: int
-    boundary: int
+    mode: int  # a code of `symosc.model.MODE_NAMES`
+    boundary: int  # the belt that it is on or leaves just now (into its mode, which is proven), or 0
     states: StateSet
-    circle: Circle | None = None
+    circle: Circle | None = None  # known where velocities go round one from an exact state
 
     def flight(self, o: Oscillator, values: list[Ball]) -> Flight:
         """Return the flight from t, x and v; on a belt v is the belt's and is not given."""

@@ -86,15 +86,12 @@ class Root(NamedTuple):
 
 
 class Margin(NamedTuple):
-    """One function that must stay positive: its text, the function, and whether it is 0 at its start and its end.
-
-    `at_start` is how many of g, g' are 0 at the start, `at_end` whether g is 0 at the end.
-    """
+    """A function that must stay positive: its text, the function, and where it is known to be 0."""
 
     what: str
     curve: Curve
-    at_start: int
-    at_end: bool
+    at_start: int  # how many of g, g' are 0 at the start
+    at_end: bool  # whether g is 0 at the end
 
 
 class ClosingBalls:
@@ -232,10 +229,8 @@ class ClosingBalls:
         return found
 
     def forces_at(self, i: int, values: Values) -> list[tuple[int, str, Ball, int]]:
-        """Return each force that Theorems 4 and 5 need at the start of piece i: domain, text, value and wanted sign.
-
-        None where a stick ends: one force is 0 there, and that the other one holds is part of the stick.
-        """
+        """Return the forces that Theorems 4 and 5 need at the start of piece i: domain, text, value and wanted sign."""
+        # None where a stick ends: one force is 0 there, and that the other one holds is part of the stick.
         o, piece, before = self.oscillator, self.pieces[i], self.pieces[i - 1]
         if before.sticks:
             return []
@@ -436,10 +431,8 @@ def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[
 
 
 def _reaches(closing: ClosingBalls, root: Root, begin: int) -> list[Ball]:
-    """Estimate how far apart in time motions from the first box meet each event; a hint for the checker, no proof.
-
-    It is many times the first-order value: the checker uses balls that are wider than the set.
-    """
+    """Estimate how far apart in time motions from the first box meet each event; a hint for the checker, no proof."""
+    # Many times the first-order value: the checker uses balls that are wider than the set.
     n, values = len(closing.pieces), [value.mid() for value in root.points]
     wide_t, wide_x = (STATED * value.rad().mid() for value in root.box[2 * begin : 2 * begin + 2])
     moved, found = arb_mat([[wide_t, 0], [0, wide_x]]), [2 * wide_t]

@@ -89,11 +89,9 @@ class Flown(NamedTuple):
 
 
 def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
-    """Return the modes' mirror images in an oscillator that is symmetric about A0/k, or nothing.
-
-    It is if both belts are alike, or if one of them is transparent and the speed of the other one is 0; the parameters
-    in `names` may have any values.
-    """
+    """Return the modes' mirror images in an oscillator that is symmetric about A0/k, or nothing."""
+    # It is if both belts are alike, or if one of them is transparent and the speed of the other one is 0; the
+    # parameters in `names` may have any values.
     free = set(names)
     if not free & {"v1", "v2", "mu1", "mu2"} and p.v1 == -p.v2 and p.mu1 == p.mu2:
         return {1: 3, 2: 2, 3: 1, 4: 5, 5: 4}
@@ -104,10 +102,9 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
 
 
 class Flights:
-    """The closing equations of a word: unknown are phase, duration and, after a crossing, position of each flight.
+    """The closing equations of a word: unknown are phase, duration and, after a crossing, position of each flight."""
 
-    `labels` begin with a flight, and with the half whose mirror image is the rest if there is one.
-    """
+    # `labels` begin with a flight, and with the half whose mirror image is the rest if there is one.
 
     def __init__(self, labels: tuple[str, ...], mirror: dict[int, int]) -> None:
         pieces = pieces_of(Word(labels))
@@ -426,11 +423,10 @@ class Flights:
 
 
 class Drive:
-    """The free motion after a time, and the response E * sin(theta) and E * cos(theta) to the drive from a phase on.
+    """The free motion after a time, and the response E * sin(theta) and E * cos(theta) to the drive from a phase on."""
 
-    With lambda = -h + i omega_d and X(lambda) = int exp(lambda (tau - s) + i Omega s) ds the response to exp(i Omega s)
-    is the difference quotient of X at lambda and its conjugate. Near resonance the first X is an entire function.
-    """
+    # With lambda = -h + i omega_d and X(lambda) = int exp(lambda (tau - s) + i Omega s) ds the response to exp(i Omega
+    # s) is the difference quotient of X at lambda and its conjugate. Near resonance the first X is an entire function.
 
     def __init__(self, o: Oscillator, phase: Ball, tau: Ball) -> None:
         begins, turned, free = imaginary(phase).exp(), imaginary(o.Omega * tau).exp(), None
@@ -548,10 +544,9 @@ def box_arithmetic() -> Iterator[None]:
 
 
 class Surface:
-    """The roots for all parameters of a box, nearly: polynomials of degree 2 in the place in the box.
+    """The roots for all parameters of a box, nearly: polynomials of degree 2 in the place in the box."""
 
-    NotInBox if the orbit near the unknowns `near` at the middle does not have the word.
-    """
+    # NotInBox if the orbit near the unknowns `near` at the middle does not have the word.
 
     def __init__(
         self, p: Parameters, names: Sequence[str], box: Rectangle, flights: Flights, near: Sequence[float]

@@ -70,16 +70,13 @@ class ToProve(NamedTuple):
 
 
 class Proof(NamedTuple):
-    """The initial mode, proven events, the undecided question, and the free number of a start that grazes.
-
-    The last is its name and the two fractions between which it is. `changes` are dt and dx of all events by each name.
-    """
+    """The initial mode, proven events, the undecided question, and the free number of a start that grazes."""
 
     mode: str
     events: list[ProvenEvent]
     undecided: Undecided | None = None
-    free: tuple[str, Fraction, Fraction] | None = None
-    changes: list[list[Change]] | None = None
+    free: tuple[str, Fraction, Fraction] | None = None  # its name and the two fractions between which it is
+    changes: list[list[Change]] | None = None  # dt and dx of all events by each name
 
 
 def prove_trajectory(task: ToProve) -> Certificate:
@@ -242,10 +239,8 @@ def _krawczyk(
     low: Ball,
     high: Ball,
 ) -> None:
-    """Prove that for exactly one free number between low and high a flight grazes in a box of times.
-
-    `flight` and `state` are of all these starts, `tau` is when their gap is lowest, `place` that of the free number.
-    """
+    """Prove that for exactly one free number between low and high a flight grazes in a box of times."""
+    # `flight` and `state` are of all these starts, `tau` is when their gap is lowest, `place` that of the free number.
     side, speed = flight.side(boundary), o.speed[boundary]
     lowest, free = flight.t0 + tau, low.union(high)
     times = around(lowest.mid(), 4 * lowest.rad())

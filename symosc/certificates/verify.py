@@ -228,13 +228,12 @@ class Mode:
 
 
 class Motion:
-    """A motion in one mode from starts t, x, v in a set: centre + columns [-1, 1] + rest [-1, 1].
+    """A motion in one mode from starts t, x, v in a set: centre + columns [-1, 1] + rest [-1, 1]."""
 
-    `columns` contain the derivatives by the numbers that it began with; or, if there is a `rest`, exact numbers near
-    them, so that the set of a long motion does not grow by what is not known of the derivatives. `leaves` are the ends
-    whose f is 0 at the start, and the order of the first derivative that is not. `amplitude` is v^2 + v'^2 m/k, where
-    that is constant and known.
-    """
+    # `columns` contain the derivatives by the numbers that it began with; or, if there is a `rest`, exact numbers near
+    # them, so that the set of a long motion does not grow by what is not known of the derivatives. `leaves` are the
+    # ends whose f is 0 at the start, and the order of the first derivative that is not. `amplitude` is v^2 + v'^2 m/k,
+    # where that is constant and known.
 
     def __init__(self, problem, mode, belt, centre, columns=(), leaves=None, amplitude=None, rest=None):
         self.problem, self.mode, self.belt, self.centre = problem, problem.mode(mode), belt, centre

@@ -22,11 +22,9 @@ page_loaders: list[Callable[[], object]] = []
 
 
 def register(kind: type | str, show: Show, what: Literal["draw", "page", "write"] = "draw") -> None:
-    """Register what shows answers of a kind, which is a class or its qualified name.
-
-    "draw": ``answer.plot(**options)`` returns ``show(answer, **options)``. "page": notebooks show the HTML of
-    ``show(answer)``. "write": ``answer.to_html(path)`` returns ``show(answer, path)``.
-    """
+    """Register what shows answers of a kind, which is a class or its qualified name."""
+    # "draw": ``answer.plot(**options)`` returns ``show(answer, **options)``. "page": notebooks show the HTML of
+    # ``show(answer)``. "write": ``answer.to_html(path)`` returns ``show(answer, path)``.
     _registered[what][kind if isinstance(kind, str) else _name(kind)] = show
 
 

@@ -66,10 +66,8 @@ def facts(values: dict[str, Any]) -> Markup:
 
 
 def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) -> Markup:
-    """Return a small picture of a curve, "" if it has no two points; NaN breaks it, and each of `marks` gets a dot.
-
-    `says` is what the picture shows, in words: for who cannot see it, and when the mouse is over it.
-    """
+    """Return a small picture of a curve with a dot at each of `marks`, "" if it has no two points; NaN breaks it."""
+    # `says` is what the picture shows, in words: for who cannot see it, and when the mouse is over it.
     x, y = (np.asarray(each, dtype=float) for each in (x, y))
     if len(x) > MOST_POINTS:
         chosen = np.linspace(0, len(x) - 1, MOST_POINTS).astype(int)

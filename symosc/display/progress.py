@@ -77,10 +77,8 @@ def bar(label: str, total: float, unit: str = "steps") -> Iterator[Report]:
 
 @contextmanager
 def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
-    """Yield a function that takes the part done and a count of `unit`; a bar appears after two seconds.
-
-    The part may fall back to 0 where work begins anew; rate and time left then begin anew.
-    """
+    """Yield a function that takes the part done and a count of `unit`; a bar appears after two seconds."""
+    # The part may fall back to 0 where work begins anew; rate and time left then begin anew.
     if callable(progress):
         yield lambda part, count: progress(part, 1.0)
         return

@@ -82,11 +82,9 @@ class PairLimits(NamedTuple):
 
 
 def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
-    """Return an uninitialised array, as ``np.empty`` does; a large one begins at a large memory page.
-
-    To touch a page for the first time costs a microsecond or more: with pages of 4 KiB up to a quarter of the time of
-    an event. numpy asks the system for pages of 2 MiB, but gets them only between multiples of 2 MiB.
-    """
+    """Return an uninitialised array, as ``np.empty`` does; a large one begins at a large memory page."""
+    # To touch a page for the first time costs a microsecond or more: with pages of 4 KiB up to a quarter of the time of
+    # an event. numpy asks the system for pages of 2 MiB, but gets them only between multiples of 2 MiB.
     size = math.prod(shape) * np.dtype(dtype).itemsize
     if size < PAGE:
         return np.empty(shape, dtype)
@@ -177,24 +175,13 @@ def keep_state(states, i, state):
 
 
 def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectories from number `begin` on until all have ended or a buffer is full.
-
-    Parameters
-    ----------
-    begin : first trajectory to follow; it may have been begun before.
-    batch : Batch, updated.
-    most : events after which a trajectory is FULL.
-    accuracy : a trajectory ends as INEXACT at the first event known to less, relative to max(1, |value|, |t0| for t).
-    out : EventRows
-    pieces : (PIECE_COLUMNS, m) buffer of the pieces that steps lead to; none are recorded where m is 0.
-    tally : Tally, updated; events are recorded where it is for no motion, else only counted.
-    table : constants of the parameter sets, as `symosc.engine.constant_table` makes them.
-
-    Returns
-    -------
-    (next, rows, parts)
-        The trajectory to go on with, and the number of events and of pieces.
-    """
+    """Follow trajectories from number `begin` on until all end or a buffer is full; return (next, rows, parts)."""
+    # `next` is the trajectory to go on with (`begin` may have been begun before), `rows` and `parts` the number of
+    # events and of pieces. A trajectory is FULL after `most` events; it ends as INEXACT at the first event known to
+    # less than `accuracy`, relative to max(1, |value|, |t0| for t). `batch` and `tally` are updated. Events go to `out`
+    # (EventRows) where the tally is for no motion, else they are only counted; pieces go to the (PIECE_COLUMNS, m)
+    # buffer `pieces`, none where m is 0. `table` has the constants of the parameter sets
+    # (`symosc.engine.constant_table`).
     rows, parts, batch = 0, 0, borrowed_batch(batch)
     out, pieces, tally, table = borrowed_rows(out), borrowed(pieces), borrowed_tally(tally), borrowed(table)
     for i in range(begin, batch.states.shape[0]):
@@ -205,10 +192,8 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
 
 
 def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectory i until it ends or a buffer is full, or `once`: for one step; return (rows, parts).
-
-    Other arguments are those of `follow_all`.
-    """
+    """Follow trajectory i until it ends or a buffer is full, or for one step (`once`); return (rows, parts)."""
+    # Other arguments are those of `follow_all`.
     states, sets, counts, codes = batch
     recorded, tallied = pieces.shape[1] > 0, tally.floats.shape[0] > 0
     before, K = state_of(states, i), table[sets[i]]
@@ -284,10 +269,8 @@ def doubt_row(states, count, most, accuracy, table):
 
 
 def next_undecided(state, count, row, most, accuracy, K):
-    """Return the number of the next event that `follow_all` cannot decide; 0 if there is none soon.
-
-    Before the state there were `count` events; events behind number `most` are of no interest.
-    """
+    """Return the number of the next event that `follow_all` cannot decide; 0 if there is none soon."""
+    # Before the state there were `count` events; events behind number `most` are of no interest.
     t0 = float(row[15])
     for _ in range(LOOK_AHEAD):
         step, _, decided, t_error, state = searched(state, row, K)
@@ -353,30 +336,19 @@ def first_pairs(pairs, K):
 
 
 def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
-    """Follow trajectories to a number of events, or to their end; return events and states in doubles.
-
-    The search for each event is made in doubles as far as these are sure (`advance_near`). A motion that doubles could
-    soon not decide again is followed farther, as long as the buffer holds its events.
-
-    Parameters
-    ----------
-    chosen : (m,) numbers of the trajectories to follow, in order.
-    wanted : (n,) events to come to, in all; for a motion that has filled `pieces` those to go on to.
-    pairs : (n, STATE_WIDTH) complex array, updated: states in pairs.
-    batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING, END,
-        REST, or UNDECIDED before a contact that pairs cannot decide, or an event that they know worse than
-        `limits.noise` says: the states are the last ones that they are sure of.
-    out : EventRows that hold all events to come.
-    pieces : as `follow_all` takes it; a motion that has filled it is RUNNING.
-    K : Constants of complex numbers
-    tally : as `follow_all` takes it.
-    limits : PairLimits
-
-    Returns
-    -------
-    (rows, parts)
-        The number of rows and of pieces that were filled.
-    """
+    """Follow trajectories in pairs to a number of events, or to their end; return (rows, parts) filled."""
+    # Doubles search for each event as far as they are sure (`advance_near`). A motion that doubles could soon not
+    # decide again is followed farther, as long as the buffer holds its events.
+    #   chosen : (m,) numbers of the trajectories to follow, in order.
+    #   wanted : (n,) events to come to, in all; for a motion that has filled `pieces` those to go on to.
+    #   pairs : (n, STATE_WIDTH) complex array, updated: states in pairs.
+    #   batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING,
+    #     END, REST, or UNDECIDED before a contact that pairs cannot decide, or an event that they know worse than
+    #     `limits.noise` says: the states are the last ones that they are sure of.
+    #   out : EventRows that hold all events to come.
+    #   pieces : as `follow_all` takes it; a motion that has filled it is RUNNING.
+    #   K : Constants of complex numbers.
+    #   tally : as `follow_all` takes it.
     K = from_complex(K)
     states, sets, counts, codes = batch
     rows, parts, recorded, tallied = 0, 0, pieces.shape[1] > 0, tally.floats.shape[0] > 0

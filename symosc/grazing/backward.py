@@ -82,16 +82,14 @@ MOST_ROOT_STEPS = 20_000
 
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
-    """Return (touch, sigma) of the first root in (0, 1] of a polynomial known within `noise`; sigma None: no root.
-
-    `touch` says that the polynomial comes to 0 within the noise, and whether it passes is undecided.
-
-    If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls
-    from above the noise to below it with one change of sign, there is exactly one. If its slope changes sign exactly
-    once, from falling to rising, the value at the bottom decides. Above the noise there is no root, below it there are
-    two, of which the first one counts. Within the noise it is a touch. Otherwise the interval is divided; what is still
-    undecided at the smallest width is a touch too.
-    """
+    """Return (touch, sigma) of the first root in (0, 1] of a polynomial known within `noise`; sigma None: no root."""
+    # `touch` says that the polynomial comes to 0 within the noise, and whether it passes is undecided.
+    #
+    # If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls
+    # from above the noise to below it with one change of sign, there is exactly one. If its slope changes sign exactly
+    # once, from falling to rising, the value at the bottom decides. Above the noise there is no root, below it there
+    # are two, of which the first one counts. Within the noise it is a touch. Otherwise the interval is divided; what is
+    # still undecided at the smallest width is a touch too.
     if p[0] - sum(abs(term) for term in p[1:]) > noise:
         return False, None
     one = 1 + 0 * p[0]
@@ -151,11 +149,9 @@ def _polynomial(p: list[Number], sigma: Number) -> Number:
 
 
 def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps: Number) -> Number:
-    """Return the root of p, positive at `low` and negative at `high`, by Newton's method within the bracket.
-
-    Only steps of Newton's method can show that it has converged. A step that leaves the bracket is replaced by a
-    halving, whose length says nothing.
-    """
+    """Return the root of p, positive at `low` and negative at `high`, by Newton's method within the bracket."""
+    # Only steps of Newton's method can show that it has converged. A step that leaves the bracket is replaced by a
+    # halving, whose length says nothing.
     sigma = 0.5 * (low + high)
     before, settled = high - low, eps**0.75
     for _ in range(MOST_ROOT_STEPS):
@@ -237,11 +233,10 @@ class BackwardStep(NamedTuple):
 
 
 class BackwardSteps:
-    """Backward steps from tangencies at one belt, in the arithmetic `functions` with rounding unit `eps`.
+    """Backward steps from tangencies at one belt, in the arithmetic `functions` with rounding unit `eps`."""
 
-    A step is linear in v, a and the sine and cosine of the phase. So in double precision one product with a matrix
-    gives its Taylor coefficients, its Bernstein coefficients (less v) and the state at its end.
-    """
+    # A step is linear in v, a and the sine and cosine of the phase. So in double precision one product with a matrix
+    # gives its Taylor coefficients, its Bernstein coefficients (less v) and the state at its end.
 
     def __init__(
         self, K: Constants, boundary: int, domain: int, functions: Context = math, eps: Number = EPS, step: float = STEP
@@ -279,10 +274,8 @@ class BackwardSteps:
     def over(
         self, theta: Number, order: int, state: BackwardState
     ) -> tuple[BackwardHit | None, BackwardStep, BackwardState]:
-        """Take a backward step from a state; return its first contact or None, the step, and the state with new errors.
-
-        `order` is that of the first G-function that does not vanish at the tangency, 1 or 3.
-        """
+        """Take a backward step from a state; return its first contact or None, the step, and the state at its end."""
+        # `order` is that of the first G-function that does not vanish at the tangency, 1 or 3.
         K, H, eps = self.K, self.H, self.eps
         tau, v, a = state.tau, state.v, state.a
         step = self._taylor_step(v, a, *self.wave(theta, tau))
@@ -372,15 +365,14 @@ def _changes_over(T: list[Number], sigma: Number) -> tuple[Number, Number, Numbe
 
 
 class Instant(NamedTuple):
-    """A flight at the time tau before its tangency.
+    """A flight at the time tau before its tangency."""
 
-    A shift of theta_m along the contacts moves the state at fixed tau by
-
-        dv/d(theta_m) = (a - E1(-tau) G1)/Omega
-        dx/d(theta_m) = (v + (E0(-tau) + (c/m) E1(-tau)) G1 m/k)/Omega
-
-    with G1 = G^(1) at the tangency: at a fixed time neighbouring contacts differ in x only.
-    """
+    # A shift of theta_m along the contacts moves the state at fixed tau by
+    #
+    #     dv/d(theta_m) = (a - E1(-tau) G1)/Omega
+    #     dx/d(theta_m) = (v + (E0(-tau) + (c/m) E1(-tau)) G1 m/k)/Omega
+    #
+    # with G1 = G^(1) at the tangency: at a fixed time neighbouring contacts differ in x only.
 
     dx: Number  # displacement from the tangency
     v: Number
@@ -535,11 +527,9 @@ class Origins:
         repeats: int = len(REPEATED_STEPS),
         most_steps: int = MOST_BACKWARD_STEPS,
     ) -> Arrival:
-        """Follow the flow back from a tangency in doubles, to the first contact or over `far`.
-
-        `order` is that of the first G-function that does not vanish there. An undecided step is repeated with `digits`
-        (keeping them if it has the contact), then with twice as many; without `careful` it is a touch.
-        """
+        """Follow the flow back from a tangency in doubles, to the first contact or over `far`."""
+        # `order` is that of the first G-function that does not vanish there. An undecided step is repeated with
+        # `digits` (keeping them if it has the contact), then with twice as many; without `careful` it is a touch.
         steps, theta = self.steps, float(angle)
         far = SEARCH_PERIODS * self.K.period if far is None else far
         state, repeats_left = steps.begin(0.0), MOST_REPEATS
@@ -607,10 +597,8 @@ class Origins:
     def exact(
         self, angle: Angle | float, order: int, far: Callable[[Flights], Number], wanted: int
     ) -> tuple[Arrival, Flights]:
-        """Return the origin of a flow with `wanted` digits after the point, and its flights.
-
-        `far` is the time to search, as a number of the given flights.
-        """
+        """Return the origin of a flow with `wanted` digits after the point, and its flights."""
+        # `far` is the time to search, as a number of the given flights.
         flights = self.flights(wanted + 20)
         found = self.arrival(angle, order, float(far(flights)), digits=min(wanted + 20, MOST_REPEAT_DIGITS))
         while True:

@@ -298,11 +298,9 @@ class _Check:
 
 
 class Ways:
-    """The three ways for one mapping; the contact is at x_m(theta), v_lambda, acceleration 0.
+    """The three ways to decide whether a phase of one mapping grazes."""
 
-    Of the window its parameters and its place are used, not its phases. `size` is the sum of the sizes of the terms of
-    G^(1), > 0; `fine` has FLOW_DIGITS digits.
-    """
+    # Of the window its parameters and its place are used, not its phases.
 
     def __init__(self, window: GrazingWindow) -> None:
         self.window, self.p, self.side = window, window.parameters, window.place.side
@@ -333,12 +331,10 @@ class Ways:
         return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED)
 
     def verdict_by_intervals(self, theta: Number, zero: bool) -> tuple[int, int]:
-        """Decide by the first nonzero G-function in 50-digit intervals whether theta grazes; return verdict and order.
-
-        `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where
-        that is 0, G^(2) = -(B0 Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one
-        decides.
-        """
+        """Decide by the first nonzero G-function in 50-digit intervals whether theta grazes: (verdict, order)."""
+        # `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where
+        # that is 0, G^(2) = -(B0 Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one
+        # decides.
         iv, p, interval = self._intervals, self.p, partial(number_of, context=self._intervals)
         angle = iv.mpf(bounds(theta, self.fine.context))
         s, c, Om, drive = iv.sin(angle), iv.cos(angle), interval(p.Omega), interval(p.B0 * p.Omega / p.m)
@@ -401,11 +397,9 @@ class Ways:
         return verdicts
 
     def integrated(self, theta: np.ndarray, tau: float) -> np.ndarray:
-        """Return the velocity gap at tau by DOP853, positive into the domain, divided by size tau^2.
-
-        The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of time/tau. The force is
-        the difference from its value 0 at the contact, where a difference of cosines is written as a product.
-        """
+        """Return the velocity gap at tau by DOP853, positive into the domain, divided by size tau^2."""
+        # The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of time/tau. The force is
+        # the difference from its value 0 at the contact, where a difference of cosines is written as a product.
         from scipy.integrate import solve_ivp
 
         K, n = self.K, len(theta)

@@ -393,11 +393,9 @@ def _needs_middle(left: Sample, right: Sample) -> bool:
 
 
 def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
-    """Return both sides of the first change of origin, or of a jump, between two neighbours.
-
-    That is: the samples visited behind `left`, those before `right` from it inward, and theta_m of the edge. None:
-    there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
-    """
+    """Return both sides of the first change of origin, or of a jump, between two neighbours."""
+    # That is: the samples visited behind `left`, those before `right` from it inward, and theta_m of the edge. None:
+    # there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
     if left.origin == right.origin and _continuous(left, right):
         return None
     lefts: list[Sample] = []

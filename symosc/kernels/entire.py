@@ -61,10 +61,8 @@ def closed_form(tau, s, c, K):
 
 
 def series(tau, cm, w0sq, Om):
-    """Return E0, E1, E2, R2, I2 from their Taylor series.
-
-    The n-th derivatives at 0 obey s[n+1] = -cm s[n] - w0sq s[n-1] (for S) and z[n+1] = s[n] + i Omega z[n] (for Z).
-    """
+    """Return E0, E1, E2, R2, I2 from their Taylor series."""
+    # The n-th derivatives at 0 obey s[n+1] = -cm s[n] - w0sq s[n-1] (for S) and z[n+1] = s[n] + i Omega z[n] (for Z).
     before, term = 0.0, tau  # s[n] tau^n / n! for n = 0 and 1: the terms of E1
     E0, E1, E2 = 1.0, tau, 0.5 * tau * tau
     r, i = E2, 0.0  # z[n+1] tau^(n+1) / (n+1)!

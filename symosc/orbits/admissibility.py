@@ -121,10 +121,7 @@ def scales(equations: ClosingEquations, points: Points) -> Scales:
 
 
 def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
-    """Return every inequality of a root with its margin, in the order of the pieces.
-
-    The margins are computed in the arithmetic of the equations, and rounded to floats at the end.
-    """
+    """Return every inequality of a root with its margin, in the order of the pieces."""
     number, K = equations.exact or float, equations.K
     points = [(number(x), number(theta)) for x, theta in points]
     sizes, found = scales(equations, points), list[Condition]()
@@ -213,10 +210,8 @@ def holds(
 
 
 def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
-    """Return the velocity extrema of a flight between two times; `at_rest`: a zero of a0 does not count.
-
-    They are bracketed in doubles, and then located in the arithmetic of the equations.
-    """
+    """Return the velocity extrema of a flight between two times; `at_rest`: a zero of a0 does not count."""
+    # They are bracketed in doubles, and then located in the arithmetic of the equations.
     coarse = equations.coarse.K
     v0, a0, s0, c0 = (float(value) for value in flight)
     span, count = float(tau - begin), int(min(MOST_VELOCITY_SAMPLES, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
@@ -252,11 +247,10 @@ def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: C
 
 
 def grazing_distance(equations: ClosingEquations, points: Points) -> float:
-    """Return the least velocity difference by which a flight avoids or passes a graze.
-
-    At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go past
-    the belt if the motion of its domain went on. Both are 0 where the orbit grazes, seen from below and from above.
-    """
+    """Return the least velocity difference by which a flight avoids or passes a graze."""
+    # At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go
+    # past the belt if the motion of its domain went on. Both are 0 where the orbit grazes, seen from below and from
+    # above.
     K, nearest = equations.K, inf
     points = [(float(x), float(theta)) for x, theta in points]
     nearest = min([c.value for c in conditions(equations, points) if "stays in" in c.text], default=inf)
@@ -347,10 +341,8 @@ def _undecided(found: list[Condition]) -> list[Condition]:
 
 
 def engine_contradiction(equations: ClosingEquations, points: Points, digits: int | None = None) -> Condition | None:
-    """Follow an orbit from its root by the engine; return the first piece that it does not follow, None if it closes.
-
-    It starts at the end of a flight where the forces on both sides of the belt are farthest from 0.
-    """
+    """Follow an orbit from its root by the engine; return the first piece that differs, None if it closes."""
+    # It starts at the end of a flight where the forces on both sides of the belt are farthest from 0.
     pieces, number, K, p = equations.pieces, equations.exact or float, equations.K, equations.parameters
 
     def least_force(i: int) -> float:

@@ -326,10 +326,8 @@ def _follow(
 
 
 def _first_points(curve: Curve, direction: float) -> list[BranchPoint]:
-    """Return the first point, and a slightly later one if the first is at an end (margins are rounding noise).
-
-    On the way between the two nothing is proven (as before an end, see NO_GAP).
-    """
+    """Return the first point, and a slightly later one if the first is at an end (margins are rounding noise)."""
+    # On the way between the two nothing is proven (as before an end, see NO_GAP).
     first = curve.first(direction)
     if all(condition.value > MARGINAL_START * condition.scale for condition in first.conditions):
         return [first]
@@ -343,11 +341,9 @@ def _first_points(curve: Curve, direction: float) -> list[BranchPoint]:
 def _scan(
     curve: Curve, a: BranchPoint, b: BranchPoint, around: float = np.inf
 ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-    """Divide a piece of a branch after its point a; return its orbits, and the first point that is no orbit, or None.
-
-    None if the points do not lie on one smooth curve. `around` is the length of the shortest piece around it that is
-    known to end in a change.
-    """
+    """Divide a piece of a branch after its point a; return its orbits, and the first point that is none, or None."""
+    # None if the points do not lie on one smooth curve. `around` is the length of the shortest piece around it that is
+    # known to end in a change.
     length, changed = curve.distance(a, b), bool(b.failures)
     around = min(around, length) if changed else around
     if changed and length < NO_GAP:

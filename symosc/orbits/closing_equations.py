@@ -256,12 +256,10 @@ class Solution:
 
 
 def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
-    """Solve the closing equations by Newton's method, damped by the natural monotonicity test.
-
-    A step is accepted if the next simplified correction is shorter than the step (Deuflhard, Newton Methods for
-    Nonlinear Problems, 2004, section 3.3). That does not depend on how the equations are scaled: f1 is a length, f2 a
-    velocity or, at the end of a stick, an acceleration.
-    """
+    """Solve the closing equations by Newton's method, damped by the natural monotonicity test."""
+    # A step is accepted if the next simplified correction is shorter than the step (Deuflhard, Newton Methods for
+    # Nonlinear Problems, 2004, section 3.3). That does not depend on how the equations are scaled: f1 is a length, f2 a
+    # velocity or, at the end of a stick, an acceleration.
     points = np.array(guess, dtype=float)
     scale = np.array([max(np.ptp(points[:, 0]), np.abs(points[:, 0]).max(), 1e-3), 1.0])
     values = np.array(equations.residuals(points), dtype=float)
@@ -301,10 +299,8 @@ def _newton_step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndar
 
 
 def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
-    """Solve the closing equations in doubles; where rounding stops Newton's method, with more digits.
-
-    Near the birth of a short piece its duration has few digits in doubles, and steps that small are all noise.
-    """
+    """Solve the closing equations in doubles; where rounding stops Newton's method, with more digits."""
+    # Near the birth of a short piece its duration has few digits in doubles, and steps that small are all noise.
     with np.errstate(all="ignore"):
         solution = newton(equations, guess)
     if solution.converged or not np.isfinite(solution.residual) or solution.residual > ROUNDED:
@@ -320,10 +316,8 @@ def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
 
 
 def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
-    """Return the largest part of a step that leaves every flight at least 1 - SHORTEN of its duration.
-
-    A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
-    """
+    """Return the largest part of a step that leaves every flight at least 1 - SHORTEN of its duration."""
+    # A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
     durations = equations.durations(points)
     changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]
     flights = np.array([not piece.sticks for piece in equations.pieces])
@@ -334,11 +328,10 @@ def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) 
 
 
 def polish(equations: ClosingEquations, points: Points) -> Solution:
-    """Refine a solution in the arithmetic of `equations` (mpmath) by plain Newton steps.
-
-    Converged means that the last correction is as small as the digits allow. Where the Jacobian is singular the
-    corrections shrink by a constant factor only: they stop at about the root of that, or the matrix cannot be inverted.
-    """
+    """Refine a solution in the arithmetic of `equations` (mpmath) by plain Newton steps."""
+    # Converged means that the last correction is as small as the digits allow. Where the Jacobian is singular the
+    # corrections shrink by a constant factor only: they stop at about the root of that, or the matrix cannot be
+    # inverted.
     context = equations.arithmetic.context  # type: ignore[attr-defined]
     points = [tuple(context.convert(value) for value in point) for point in points]
     n, last, linear = len(points), context.inf, 0

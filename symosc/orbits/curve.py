@@ -86,11 +86,10 @@ class BranchPoint:
 
 
 class Curve:
-    """A curve of roots in z = (x/size, phase, parameter/range).
+    """A curve of roots in z = (x/size, phase, parameter/range)."""
 
-    Arclength measures positions from their mean: a shift of the whole orbit, such as by A0/k, changes nothing else
-    and needs no steps. So lengths and angles are those of `level(z)`.
-    """
+    # Arclength measures positions from their mean: a shift of the whole orbit, such as by A0/k, changes nothing else
+    # and needs no steps. So lengths and angles are those of `level(z)`.
 
     def __init__(self, orbit: PeriodicOrbit, parameter: str, low: float, high: float) -> None:
         self.orbit, self.parameter, self.low, self.high = orbit, parameter, low, high
@@ -113,10 +112,7 @@ class Curve:
         return self._equations[value]
 
     def linearised(self, z: np.ndarray, slope: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Return residuals (2n,) and their Jacobian (2n, 2n + 1) with respect to the scaled unknowns.
-
-        Its last column, by the parameter, is taken from `slope` if that is given.
-        """
+        """Return residuals (2n,) and their Jacobian (2n, 2n + 1) by scaled unknowns; `slope`: its last column."""
         points, value = self.split(z)
         equations = self.equations(value)
         values, column = np.array(equations.residuals(points)), self.slope(z) if slope is None else slope
@@ -340,11 +336,9 @@ def _of_stick(
 
 
 def word_beyond(curve: Curve, point: BranchPoint, direction: float) -> tuple[str | None, str]:
-    """Return the orbit's word just beyond an end; or None and the motion there as text ("" if unknown).
-
-    The motion is simulated there from the orbit at the end, and the words that it goes through are solved for. One with
-    an admissible orbit is the answer: with c > 0 there is no second one (`symosc.orbits.floquet`).
-    """
+    """Return the orbit's word just beyond an end; or None and the motion there as text ("" if unknown)."""
+    # The motion is simulated there from the orbit at the end, and the words that it goes through are solved for. One
+    # with an admissible orbit is the answer: with c > 0 there is no second one (`symosc.orbits.floquet`).
     instead = ""
     for distance in DISTANCES:
         value = point.value + direction * distance * (curve.high - curve.low)

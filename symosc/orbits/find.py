@@ -374,10 +374,8 @@ def mappings_between(passages: list[Passage]) -> list[str | None]:
 
 
 def settled_word(equations: ClosingEquations, passages: list[Passage]) -> Word | None:
-    """Return the word of the periodic motion to which a simulation settles, or None if it does not soon.
-
-    It begins with the first mapping of the equations' word if it has that.
-    """
+    """Return the word of the periodic motion to which a simulation settles, or None if it does not soon."""
+    # It begins with the first mapping of the equations' word if it has that.
     labels, last = mappings_between(passages), passages[-1]
     for n in range(1, len(labels) // 2):
         before = passages[-1 - n]
@@ -439,10 +437,8 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
 
 
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[list[Guess]]:
-    """Yield guesses from simulations started on the word's belts in batches, smallest closing error first.
-
-    They start at 7 positions, in units of the largest displacement expected, at 8 phases.
-    """
+    """Yield guesses from simulations started on the word's belts in batches, smallest closing error first."""
+    # They start at 7 positions, in units of the largest displacement expected, at 8 phases.
     centre, size = largest_displacement(equations)
     boundaries = sorted({piece.start for piece in equations.pieces})
     most = max(LEAST_RUN_EVENTS, 8 * len(equations.pieces))

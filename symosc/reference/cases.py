@@ -184,10 +184,8 @@ def _named(name: str, p: Parameters, start: tuple[NumberLike, NumberLike, Number
 
 
 def start_before_a_peak(p: Parameters, mapping: str, height: Fraction, t_m: str, t0: str) -> tuple[str, str, str]:
-    """Return t0, x0, v0 from which v peaks at t_m, `height` beyond the belt that `mapping` grazes (short of it if < 0).
-
-    That is the start of the orbit that grazes a belt which is faster by `height`.
-    """
+    """Return t0, x0, v0 from which v peaks at t_m, `height` beyond the belt that `mapping` grazes."""
+    # That is the start of the orbit that grazes a belt which is faster by `height`, or short of it (height < 0).
     where = place(mapping)
     beyond = 1 if where.domain == where.boundary else -1
     speed = p.belt(where.boundary) + beyond * height
@@ -220,10 +218,9 @@ def start_with_force(p: Parameters, domain: int, boundary: int, t0: str, force: 
 
 
 def start_before_a_dip(p: Parameters, height: str, t0: str) -> tuple[str, str, str]:
-    """Return t0, x0, v0 on belt 1 from which F^(1), falling along the stick, has its least value `height`.
-
-    It is least at the phase pi + asin(k v1/(B0 Omega)), where its slope -(k v1 + B0 Omega sin(theta))/m turns positive.
-    """
+    """Return t0, x0, v0 on belt 1 from which F^(1), falling along the stick, has its least value `height`."""
+    # It is least at the phase pi + asin(k v1/(B0 Omega)), where its slope -(k v1 + B0 Omega sin(theta))/m turns
+    # positive.
     context = mp_context(40)
     ratio = p.k * p.v1 / (p.B0 * p.Omega)
     theta = context.pi + context.asin(context.mpf(ratio.numerator) / ratio.denominator)
@@ -393,10 +390,8 @@ def _rest(
 
 
 def _creeping() -> Iterator[ReferenceCase]:
-    """Yield flights from v = -1 towards v = 0: g = |v|, u = g' + r2 g = `push` at the start; contact only if u < 0.
-
-    Then it is at t = log(1 + (r2 - r1) g/|u|)/(r2 - r1), and at t = g/|u| if the two roots are one.
-    """
+    """Yield flights from v = -1 towards v = 0: g = |v|, u = g' + r2 g = `push` at the start; contact only if u < 0."""
+    # Then it is at t = log(1 + (r2 - r1) g/|u|)/(r2 - r1), and at t = g/|u| if the two roots are one.
     for number, push in enumerate(("-1e-1", "-1e-9", "0", "1e-9"), 1):  # late, very late, just not, not
         for roots, (r1, r2) in (("two roots", (1, 3)), ("one root", (2, 2))):
             u = Fraction(push)
@@ -455,13 +450,7 @@ ORBIT_DIGITS = 60
 
 
 def wall(F: NumberLike, Omega: NumberLike, c: NumberLike = 0, P: NumberLike = 1) -> Parameters:
-    """Return the parameters of a mass on a spring that rubs on a wall.
-
-    Examples
-    --------
-    >>> wall("0.4", "1.5").mu1
-    Fraction(2, 5)
-    """
+    """Return the parameters of a mass on a spring that rubs on a wall."""
     return Parameters(m=1, c=c, k=1, A0=0, B0=P, Omega=Omega, v1=0, v2=FAR_BELT, mu1=F, mu2=0, FN=1)
 
 
@@ -496,13 +485,7 @@ def _slides() -> Iterator[ReferenceCase]:
 
 
 def amplitude(c: str, F: str, Omega: str) -> str:
-    """Return Den Hartog's amplitude for m = k = P = FN = 1 as an expression.
-
-    Examples
-    --------
-    >>> amplitude("0", "0.4", "1.5")[:40]
-    'sqrt((1/(1 - (1.5)**2))**2 - (0.4)**2*(t'
-    """
+    """Return Den Hartog's amplitude for m = k = P = FN = 1 as an expression."""
     if Fraction(c) == 0:
         return f"sqrt((1/(1 - ({Omega})**2))**2 - ({F})**2*(tan(pi/(2*({Omega})))/({Omega}))**2)"
     zeta = f"(({c})/2)"
@@ -550,10 +533,8 @@ def _decay() -> Iterator[ReferenceCase]:
 
 
 def continuum() -> Iterator[ReferenceCase]:
-    """Yield motions at Omega = 1/(2 n), c = 0: from d + x_0, with x_0 = 1/(1 - Omega^2), turning at d -+ x_0 for ever.
-
-    That is so for |d| < Omega^2 x_0 - F; beyond it they stop.
-    """
+    """Yield motions at Omega = 1/(2 n), c = 0 that turn at d -+ x_0 for ever, x_0 = 1/(1 - Omega^2)."""
+    # That is so for |d| < Omega^2 x_0 - F; beyond it they stop.
     members = ((1, "0.1", ("0", "0.1", "-0.2", "0.2333", "0.2334", "0.3")), (2, "0.05", ("0", "0.01", "-0.0166")))
     for n, F, middles in members:
         Omega = Fraction(1, 2 * n)

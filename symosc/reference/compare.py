@@ -104,10 +104,9 @@ def compare(found: Iterable[FoundEvents], reference: Sequence[Event], window: fl
 
 
 def relative_error(value: Number, exact: Number, start: Number = 0) -> float:
-    """Return |value - exact| relative to max(1, |exact - start|).
-
-    For a time `start` is t0: a late start is no excuse for a late event. What rounding t0 to a double does is no error.
-    """
+    """Return |value - exact| relative to max(1, |exact - start|)."""
+    # For a time `start` is t0: a late start is no excuse for a late event. What rounding t0 to a double does is no
+    # error.
     rounding = ulp(float(start)) if start else 0
     return float(max(0, abs(exact - value) - rounding) / max(1, abs(exact - start)))
 
@@ -115,10 +114,8 @@ def relative_error(value: Number, exact: Number, start: Number = 0) -> float:
 def align(
     found: Sequence[FoundEvents], reference: Sequence[OfAKind], times: Sequence[float], window: float
 ) -> list[tuple[int, int]]:
-    """Return the pairs (reference, found) of the best alignment: as many as possible, and of these the nearest.
-
-    `found` is in order of time; `times` are those of the reference, and no pair is farther apart than the window.
-    """
+    """Return the pairs (reference, found) of the best alignment: as many as possible, and of these the nearest."""
+    # `found` is in order of time; `times` are those of the reference, and no pair is farther apart than the window.
     found_times, pairs = [event.t for event in found], []
     for i, (event, time) in enumerate(zip(reference, times, strict=True)):
         for j in range(bisect_left(found_times, time - window), bisect_right(found_times, time + window)):

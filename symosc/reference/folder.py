@@ -56,11 +56,9 @@ def write_cases(
     workers: int = 2,
     progress: Callable[[int], None] | None = None,
 ) -> Path:
-    """Write cases into a folder, all or nothing; the same cases give the same bytes.
-
-    `path` is a new folder, or one of an earlier run without other files in it, or an OutputError is raised. `progress`
-    is called with how many cases more are done.
-    """
+    """Write cases into a folder, all or nothing; the same cases give the same bytes."""
+    # `path` is a new folder, or one of an earlier run without other files in it, or an OutputError is raised.
+    # `progress` is called with how many cases more are done.
     wanted = reference_cases() if cases is None else cases
     check_folder(path, _of_an_earlier_run)  # before the work
     texts, rows = {}, []
@@ -119,13 +117,7 @@ def _case_files(case: ReferenceCase) -> Record:
 
 
 def exact_text(value: Fraction) -> str:
-    """Return a number as text that is exact: all digits of a decimal that ends, else a quotient.
-
-    Examples
-    --------
-    >>> exact_text(Fraction(1, 8)), exact_text(Fraction(1, 3)), len(exact_text(1 + Fraction(1, 10**95)))
-    ('0.125', '1/3', 97)
-    """
+    """Return a number as exact text: all digits of a decimal that ends ("0.125"), else a quotient ("1/3")."""
     exact = Context(prec=MOST_DIGITS, traps=[Inexact])
     try:
         found = exact.divide(Decimal(value.numerator), Decimal(value.denominator))
@@ -231,10 +223,7 @@ def _of_an_earlier_run(folder: Path) -> set[str]:
 
 @dataclass(frozen=True)
 class StoredCase:
-    """A case as stored in files; `count` is the number of all events, if only the last period's are given.
-
-    `changes` are the derivatives of each event: (dt, dx) by name, those that exist.
-    """
+    """A case as stored in files."""
 
     name: str
     group: str
@@ -244,7 +233,8 @@ class StoredCase:
     on_belt: bool
     events: tuple[KnownEvent, ...]
     conditions: tuple[float, ...]
-    count: int
+    count: int  # of all events, if only the last period's are given
+    # the derivatives of each event that exist: (dt, dx) by name
     changes: tuple[dict[str, tuple[float, float]], ...] = ()
 
     @cached_property

@@ -57,14 +57,11 @@ class GivenEvent(NamedTuple):
 
 @dataclass
 class CaseResult:
-    """A solver's result for a case: its events in order of time, and the end time that it states.
-
-    Its seconds if given, and a note why it has nothing.
-    """
+    """A solver's result for a case: its events in order of time, and the end time that it states."""
 
     events: list[GivenEvent] = field(default_factory=list)
     seconds: float | None = None
-    note: str = ""
+    note: str = ""  # why it has no events
     end: Fraction | None = None
 
 

@@ -64,33 +64,28 @@ class Wrong(NamedTuple):
 
 @dataclass
 class CaseScore:
-    """The faults of results on a case: events missed, invented, of a wrong kind, `late` (with too large an error), ...
-
-    `without_x` events were judged by their time alone; `stopped` is where the results end, if that is before the case
-    does; `units` is the largest error in units; `derivatives` of the known ones have been judged, `error_d` is their
-    largest error. Without results (not `given`) the numbers mean nothing.
-    """
+    """The faults of the results on a case; without results (not `given`) the numbers mean nothing."""
 
     name: str
     group: str
     events: int
     condition: float
     given: bool = True
-    missed: int = 0
-    invented: int = 0
-    kinds: int = 0
-    late: int = 0
-    without_x: int = 0
-    stopped: float | None = None
+    missed: int = 0  # events of the reference that were not found
+    invented: int = 0  # found events that are none of the reference
+    kinds: int = 0  # events of a wrong kind or at another belt
+    late: int = 0  # events with too large an error
+    without_x: int = 0  # events judged by their time alone
+    stopped: float | None = None  # where the results end, if that is before the case does
     grazes: int = 0
     grazes_found: int = 0
     error_t: float | None = None
     error_x: float | None = None
-    units: float | None = None
-    known_derivatives: int = 0
-    derivatives: int = 0
+    units: float | None = None  # largest error in units
+    known_derivatives: int = 0  # of the case
+    derivatives: int = 0  # of the known ones, those that were judged
     wrong_derivatives: int = 0
-    error_d: float | None = None
+    error_d: float | None = None  # largest error of a derivative
     seconds: float | None = None
     note: str = ""
     wrong: list[Wrong] = field(default_factory=list)

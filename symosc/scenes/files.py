@@ -73,11 +73,9 @@ class SceneFile(NamedTuple):
 
 
 def line_of(text: str, path: Sequence[str]) -> int | None:
-    """Return the line on which a key or table of a TOML text is complete, which tomllib does not tell; None: not found.
-
-    The lines up to it are the first ones that are TOML and have it: so strings of several lines, inline tables and
-    dotted keys are all read by the same rules as the file itself.
-    """
+    """Return the line on which a key or table of a TOML text is complete (tomllib does not tell), or None."""
+    # The lines up to it are the first ones that are TOML and have it: so strings of several lines, inline tables and
+    # dotted keys are all read by the same rules as the file itself.
     begin, read = "", 0
     for n, line in enumerate(text.splitlines(keepends=True), 1):
         begin += line

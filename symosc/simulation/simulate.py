@@ -175,10 +175,8 @@ def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction]
 def in_doubles(
     start: Start, most: int, accuracy: float, advance: Advance = None, loops: PairLoops | None = None
 ) -> Trajectory:
-    """Follow a motion in doubles, with more digits from an event on that these cannot decide; return a Trajectory.
-
-    Given `loops` in pairs, these come first whatever is loaded, with the noise that `simulate_many` allows.
-    """
+    """Follow a motion in doubles, with more digits from an event on that these cannot decide; return a Trajectory."""
+    # Given `loops` in pairs, these come first whatever is loaded, with the noise that `simulate_many` allows.
     needed = attainable(accuracy, start.start_error)
     limits = Limits(most, needed, PAIR_NOISE) if loops else Limits(most, needed)
     motion = MotionInDoubles(start, isinf(accuracy))

@@ -117,10 +117,7 @@ def _about_column(name: str, dimension: str) -> dict[str, str]:
 
 
 def call_text(plan: SweepPlan, given: Record) -> str:
-    """Return the call of `sweep` that gives this result again, as Python source.
-
-    Names in it are those of `symosc`. A table, and an axis of many values, are called by the name of the coordinate.
-    """
+    """Return the call of `sweep` that gives this result again, as Python source; large inputs stand by their names."""
     over: Any = given["over"]
     coordinates = plan.grid.coordinates
     if plan.grid.is_table():
@@ -169,10 +166,8 @@ def output_path(path: Any) -> Path:
 
 
 def plan_of(path: Path, to_replace: bool = False) -> str | None:
-    """Return the name of the plan that a finished output belongs to; None if there is no output.
-
-    SweepError if there is something else, or, with `to_replace`, also something else.
-    """
+    """Return the name of the plan that a finished output belongs to; None if there is no output."""
+    # SweepError if there is something else.
     if not os.path.lexists(path):
         return None
     try:
@@ -214,10 +209,8 @@ def read_columns(path: Path) -> Columns:
 
 
 def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
-    """Write a result atomically: first into `folder`, next to it, then move it to its place.
-
-    OutputError if it cannot be written, SweepError if there is something else in its place.
-    """
+    """Write a result atomically: first into `folder`, next to it, then move it to its place."""
+    # OutputError if it cannot be written, SweepError if there is something else in its place.
     suffix = path.suffix.lower()
     draft = folder / f"{DRAFT}{suffix}"
     try:

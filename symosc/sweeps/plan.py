@@ -53,11 +53,10 @@ class Coordinate(NamedTuple):
 
 
 class Grid:
-    """The cells of a sweep, in C order of its dimensions, which have the lengths `sizes`.
+    """The cells of a sweep, in C order of its dimensions, which have the lengths `sizes`."""
 
-    Values are doubles, each read as the decimal that it prints as: a coordinate of the result says exactly what was
-    computed. What is not swept stays exact.
-    """
+    # Values are doubles, each read as the decimal that it prints as: a coordinate of the result says exactly what was
+    # computed. What is not swept stays exact.
 
     def __init__(self, coordinates: dict[str, Coordinate]) -> None:
         self.coordinates = coordinates
@@ -241,16 +240,14 @@ def read_duration(name: str, given: Any) -> Duration:
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
-    """A sweep with all settings that decide its numbers.
+    """A sweep with all settings that decide its numbers."""
 
-    `scene` is what is not swept, `record` are columns of summaries, `sections` the points of a section, 0 if none is
-    recorded. Periods of `t_end` count from the start of each motion; `skip` is left out of it from its start on.
-    """
+    # Periods of `t_end` count from the start of each motion; `skip` is left out of it from its start on.
 
-    scene: Scene
+    scene: Scene  # what is not swept
     grid: Grid
-    record: tuple[str, ...]
-    sections: int
+    record: tuple[str, ...]  # columns of summaries
+    sections: int  # points of a section, 0 if none is recorded
     t_end: Duration
     skip: Duration
 
@@ -309,10 +306,8 @@ class SweepPlan:
 
 
 def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
-    """Make the call of a chunk, in any process; return its columns and the processor seconds.
-
-    SweepError unless the sources here have the hash `kernels`: a worker with another version of symosc.
-    """
+    """Make the call of a chunk, in any process; return its columns and the processor seconds."""
+    # SweepError unless the sources here have the hash `kernels`: a worker with another version of symosc.
     if kernels != kernels_hash():
         raise SweepError("a worker has another version of symosc than this program")
     wall, processor = perf_counter(), process_time()
@@ -325,11 +320,9 @@ def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[s
 
 
 def cycles(words: np.ndarray) -> np.ndarray:
-    """Return words with all rotations of a cycle, such as P32 and P23, made equal: the largest in text order.
-
-    Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
-    shows borders only where the cycle itself changes.
-    """
+    """Return words with all rotations of a cycle, such as P32 and P23, made equal: the largest in text order."""
+    # Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
+    # shows borders only where the cycle itself changes.
     texts, places = np.unique(words, return_inverse=True)
     return np.array([cycle(str(text)) for text in texts])[places]
 

@@ -181,10 +181,8 @@ class Here(Executor):
 
 
 def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
-    """Return the executor (None: this process), and the number of chunks submitted at a time.
-
-    `workers` are threads of this process (default: all cores), or chunks under way in an executor.
-    """
+    """Return the executor (None: this process), and the number of chunks submitted at a time."""
+    # `workers` are threads of this process (default: all cores), or chunks under way in an executor.
     count = None if workers is None else whole_number("workers", workers, 1)
     if executor is None:
         return Here(count), 1
@@ -216,10 +214,8 @@ def dask_client(address: str) -> Any:
 
 
 def carried_out(plan: SweepPlan, gaps: list[Range], executor: Executor, under_way: int) -> Iterator[Done]:
-    """Compute the cells in `gaps` and yield chunks in order of completion.
-
-    SweepError if a worker fails; the chunks that were yielded stand.
-    """
+    """Compute the cells in `gaps` and yield chunks in order of completion."""
+    # SweepError if a worker fails; the chunks that were yielded stand.
     todo, size, pending = list(reversed(gaps)), FIRST_CHUNK, dict[Future[Chunk], Range]()
     try:
         while todo or pending:

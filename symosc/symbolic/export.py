@@ -65,28 +65,12 @@ RESERVED = {
 def export(
     word: WordLike, language: str = "python", fix: Parameters | None = None, name: str | None = None
 ) -> dict[str, str]:
-    """Return the source files of a word's residual and Jacobian, text by file name.
-
-    Parameters
-    ----------
-    word : str, list or Word
-        A mapping structure such as "P32"; it need not close.
-    language : str
-        "python" (math, floats), "numpy" (arrays), "c" (C99, with a header) or "julia".
-    fix : Parameters, optional
-        Fold these parameters in. Without, the functions take the constants that `constants` computes.
-    name : str, optional
-        Base of the file names and, in C and Julia, of the names; the word in small letters if None. A Julia module is
-        called like it, with a capital, and "Map" behind if the source has a function of that name: P2Map.
-
-    Raises
-    ------
-    WordError
-        If the word cannot be read or has an impossible step.
-    ParameterError
-        For an unknown language, a name that is not an identifier or that the language reserves, and a `fix` that is not
-        Parameters.
-    """
+    """Return the source files of a word's residual and Jacobian, text by file name."""
+    # `language` is "python" (math, floats), "numpy" (arrays), "c" (C99, with a header) or "julia"; `fix` folds
+    # parameters in, else the functions take what `constants` computes; the word need not close. `name` begins file
+    # names and, in C and Julia, names (None: the word in small letters); a Julia module has it with a capital, and
+    # "Map" behind if the source has a function of that name: P2Map. WordError or ParameterError for arguments that make
+    # no program.
     if not isinstance(language, str) or language not in LANGUAGES:
         raise ParameterError("language", language, f"must be one of {', '.join(LANGUAGES)}")
     if fix is not None and not isinstance(fix, Parameters):
@@ -106,14 +90,8 @@ def export(
 
 
 def write_export(folder: str | Path, *arguments: Any, force: bool = False, **options: Any) -> list[Path]:
-    """Write the files of `export` to a folder, which is made if needed, and return their paths.
-
-    Raises
-    ------
-    OutputError
-        If a file cannot be written, or is there with another content (with `force` it is replaced); and what `export`
-        raises.
-    """
+    """Write the files of `export` to a folder, which is made if needed, and return their paths."""
+    # OutputError if a file cannot be written, or, without `force`, is there with another content.
     folder = read_path(folder)
     texts = {Path(folder) / name: text for name, text in export(*arguments, **options).items()}
     for path, text in texts.items():  # before the first of them is written
@@ -306,10 +284,8 @@ def _add(name: str, library: dict[str, ast.FunctionDef], functions: dict[str, as
 
 
 def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
-    """Return the name of a mapping's function, and the source of it and of its Jacobian.
-
-    For arrays, the arguments are made flat and of one length, and all results get their shape.
-    """
+    """Return the name of a mapping's function, and the source of it and of its Jacobian."""
+    # For arrays, the arguments are made flat and of one length, and all results get their shape.
     begin, end = f"K.v{row.start.boundary}", f"K.v{row.end.boundary}"
     if row.sticks:
         domain = NEIGHBOURS[row.start.boundary][exit == "above"]
@@ -423,10 +399,9 @@ class _Fold(ast.NodeTransformer):
 
 
 class _Language(ast.NodeTransformer):
-    """A printer of functions: expressions as in Python, with the differing parts substituted.
+    """A printer of functions: expressions as in Python, with the differing parts substituted."""
 
-    `returns` says how many numbers each function returns. C and Julia differ in the texts and methods below.
-    """
+    # `returns` says how many numbers each function returns. C and Julia differ in the texts and methods below.
 
     member, end, condition, otherwise, close = ".", "", "if {}", "else", "end"
     renamed: dict[str, str] = {}  # noqa: RUF012 (a table, never changed)

@@ -82,11 +82,9 @@ def convolve(expr: Expr) -> Expr:
 
 
 def repeated_apart() -> dict[str, Expr]:
-    """Return the functions of repeated roots where all roots are apart, as steps; D, u and z are between them.
-
-    U1 = S*S is explicit; the others follow from D f = g, which their rates make an equation without derivatives. With
-    p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
-    """
+    """Return the functions of repeated roots where all roots are apart, as steps; D, u and z are between them."""
+    # U1 = S*S is explicit; the others follow from D f = g, which their rates make an equation without derivatives. With
+    # p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
     first = (E1 - tau * (E0 + h * E1)) / (2 * omega_d**2)
     found = {"U1": first, "U0": sp.factor(solution.time_derivative(first).subs(cm, 2 * h))}
     found |= {"U2": sp.solve(_operator(U2) - E2, U2)[0], "D": p**2 + q**2}
@@ -122,10 +120,8 @@ def by_start() -> dict[str, Expr]:
 
 
 def flight_jacobian() -> dict[str, Expr]:
-    """Return the derivatives of f1 (names x_*) and f2 (v_*) with respect to x_i, theta_i and theta_j.
-
-    The others are constants: f1 has the derivative -1 by x_j, f2 has none.
-    """
+    """Return the derivatives of f1 (names x_*) and f2 (v_*) with respect to x_i, theta_i and theta_j."""
+    # The others are constants: f1 has the derivative -1 by x_j, f2 has none.
     start = by_start()
     found = {}
     for name, end in (("x", v_end), ("v", a_end)):
@@ -138,10 +134,8 @@ def flight_jacobian() -> dict[str, Expr]:
 
 
 def flight_parameters() -> dict[str, Expr]:
-    """Return the derivatives of x(tau) and of v(tau) - v_i with respect to m, c, k, A, B0, Omega and v_i.
-
-    At fixed x_i, theta_i and tau: where theta_j is fixed, a change of Omega moves the end as well.
-    """
+    """Return the derivatives of x(tau) and of v(tau) - v_i with respect to m, c, k, A, B0, Omega and v_i."""
+    # At fixed x_i, theta_i and tau: where theta_j is fixed, a change of Omega moves the end as well.
     flow = solution.flow()
     c0, s0 = sp.cos(theta_i), sp.sin(theta_i)
     forcing = {
