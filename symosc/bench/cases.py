@@ -1,13 +1,8 @@
 """Run all solvers on the reference cases: the score of each, and whether symosc keeps its error bound.
 
 A solver follows a case at its finest tolerance, in a process of its own and within a limit of processor time, so that
-other work on the machine changes no score. In the hard cases (`symosc.reference.cases`) symosc's own errors must
-be within
-
-    max(1e-12, 100 * condition * 1e-16)
-
-at every event: as good as doubles can be where the case is well-conditioned, and elsewhere as good as the rounding of
-its numbers allows.
+other work on the machine changes no score. In the hard cases (`symosc.reference.cases`) symosc's own errors must be
+within max(1e-12, 100 * condition * 1e-16) at every event: as good as the rounding of the case's numbers allows.
 """
 
 from __future__ import annotations

@@ -1,16 +1,13 @@
 """Event logic for ODE integrators as a careful user writes it: floats, Theorems 4 to 6, independent of the engine.
 
-A motion is a chain of flights through a domain and sticks on a belt. A solver gives ``leave(q, s, mode, t, x, v,
-t_end)``, which follows one of them with the solver's settings `s` and returns (side, t, x): side -1 or +1 where it was
-left, 0 where it lasts until t_end, UNSOLVED where the solver gave up. `follow` decides from the forces on both sides of
-the belt what comes next. All is in scalars, so that numba can compile it together with a solver; solvers in Python call
-the same source.
+A solver gives ``leave(q, s, mode, t, x, v, t_end)``, which follows one flight or stick with the solver's settings `s`
+and returns (side, t, x): side -1 or +1 where it was left, 0 where it lasts until t_end, UNSOLVED where the solver gave
+up. `follow` decides from the forces on both sides of the belt what comes next. All is in scalars, so that numba can
+compile it together with a solver; solvers in Python call the same source.
 
-The clock starts anew with each flight and stick (`from_now`). Otherwise, after many periods, the rounding of Omega t
-would be more than a fine tolerance allows, and steps would shrink to nothing.
-
-A contact without a change of sign is no event to an integrator: exact grazes are not found. Only a flight that ends at
-a belt by so little that the forces send it back is a "graze" here.
+The clock starts anew with each flight and stick (`from_now`): after many periods the rounding of Omega t would be more
+than a fine tolerance allows. A contact without a change of sign is no event to an integrator: only a flight that ends
+at a belt by so little that the forces send it back is a "graze" here.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """Ways to differentiate events, as careful users of other tools set them up, and their score on the reference cases.
 
-Where a tool has no derivatives through events, a flight has them: the Jacobian of (x, v) at its end by (x, v) at its
-start and by (m, c, k, A, B0, Omega, phase) at a fixed duration. What an event does to them is the same for all such
-tools (`through_events`): the implicit function theorem for its time, and the saltation of the state. diffrax
-differentiates through its events itself; finite differences run the motion 28 times.
+Where a tool has no derivatives through events, its flights have them, at a fixed duration; `through_events` does for
+all such tools what an event does to them (implicit function theorem, saltation). diffrax differentiates through its
+events itself; finite differences run the motion 28 times.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """DOP853 compiled by numba: an adaptive Runge-Kutta method with the event logic inside, nothing of it in Python.
 
-Coefficients, error estimate and dense output are those of `scipy.integrate.DOP853` (Hairer, Norsett & Wanner). Steps
-are limited. An exit is searched where the sign of a margin differs between the two ends of a step, and up to the
-turning point where the derivative of a margin vanishes in between. The event is refined by steps of the method itself,
-not by its interpolant, and flights start off the belt.
+Coefficients, error estimate and dense output are those of `scipy.integrate.DOP853` (Hairer, Norsett & Wanner). An exit
+is searched where a margin changes its sign over a limited step, and up to its turning point inside. Steps of the method
+itself refine the event, not its interpolant, and flights start off the belt.
 """
 
 from __future__ import annotations

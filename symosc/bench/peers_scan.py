@@ -1,9 +1,8 @@
 """The closed form as a careful user writes it, scanned at a fixed distance for a change of sign, compiled by numba.
 
-It evaluates the particular plus the homogeneous solution in sines, cosines and exponentials, with one formula for each
-regime of damping. It takes a number of samples per period (of drive or spring, the shorter one), and a root finder
-between two samples of different sign. What happens between two samples is not seen, and the formulas divide by k and by
-the distance from resonance.
+One formula for each regime of damping, sampled some times per period (of drive or spring, the shorter one), and a root
+finder between two samples of different sign. What happens between two samples is not seen, and the formulas divide by k
+and by the distance from resonance.
 """
 
 from __future__ import annotations

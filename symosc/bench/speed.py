@@ -2,8 +2,7 @@
 
 Calls of a group are measured in turns, because some machines change their pace every second. Times are the best of the
 turns, ratios within a group their medians. The unit c is the time of an event of fig5 that `simulate_many` only counts,
-on one core. One evaluation of the closed form (one exp, the sine and cosine of two angles, and the arithmetic that
-makes position and velocity of them) is timed too: less than that no event can cost.
+on one core. One evaluation of the closed form is timed too: less than that no event can cost.
 """
 
 from __future__ import annotations

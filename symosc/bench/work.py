@@ -1,8 +1,7 @@
 """Work-precision diagrams: time per event and error of every solver, at every tolerance, on the shipped scenes.
 
-All solvers get the same tasks, a scene followed from its start over a number of events, and are compared with the same
-run in 40 digits. There are two spans. The errors are measured on a short one, which all solvers get. The times are
-measured on a long one, so that the fixed cost of a call does not count, if a solver finishes it soon.
+Errors, against a run in 40 digits, are of a short span that all solvers get; times are of a long one, if the solver
+finishes it soon, so that the fixed cost of a call does not count.
 """
 
 from __future__ import annotations

@@ -1,12 +1,9 @@
 """Velocities for positions given without: those with which the exact motion leads from one position to the next.
 
 In one domain the displacement over a step is linear in the velocity at its start, so each step has one velocity for
-each domain, and on a belt that of the belt. The velocity of a motion does not jump. So where two steps agree about the
-sample between them, both are in one piece, and that is its velocity. Steps with an event in them agree with none; the
-exact motion leads over them from the sample before.
-
-Rounded positions show nothing of the velocity over short steps. If an exact motion is within their rounding at all
-times, their velocities are those of that motion: the scene's own, or one whose start is fitted.
+each domain, and on a belt that of the belt. Where two steps agree about the sample between them, that is its velocity.
+The exact motion leads over steps with an event, which agree with none. Where positions are rounded, over short steps,
+it is the velocity of an exact motion within their rounding at all times: the scene's own, or one with a fitted start.
 """
 
 from __future__ import annotations

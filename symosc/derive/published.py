@@ -1,8 +1,8 @@
 """Published results that the model contains, each computed twice: by its formula, and by running this package.
 
 The parameters are A0 = 0, B0 = P, v1 = 0, mu1 FN = F, mu2 = 0 and a v2 that no velocity reaches: an oscillator that
-rubs on a wall. The formulas are those of `symosc.symbolic.coulomb`, evaluated with 50 digits; the package's values come
-from `find_orbit` and `simulate`. The chapter `literature`, the page docs/literature.md and the tests use these tables.
+rubs on a wall. Formulas (`symosc.symbolic.coulomb`) have 50 digits; the package's values come from `find_orbit` and
+`simulate`. The chapter `literature`, the page docs/literature.md and the tests use these tables.
 """
 
 from __future__ import annotations

@@ -1,15 +1,12 @@
 r"""The parts of a chapter: LaTeX text, and steps, each with the check that it must pass.
 
 A chapter has texts (also ``\subsection{...}``, ``\begin{theorem}[title]\label{...}`` and ``\end{theorem}``), `Step`,
-`facts` (checks of the paragraph before), `Table` and `Illustration`, in tuples or lists nested as needed; `flat` reads
-them. Steps that follow each other share a display. A check is run on the statement itself, so what is printed is what
-was checked. It ends as
+`facts` (checks of the paragraph before), `Table` and `Illustration`, in tuples or lists nested as needed. Steps that
+follow each other share a display. A check is run on the statement that is printed. It raises `StepError`, or ends as
 
     exact     sympy reduces a difference to 0, or the solution of an equation is verified exactly
     sign      the sign of an expression follows from the signs of its letters, or from exact numbers
     numeric   both sides agree with 50 digits at the given root, or a printed decimal to its last digit
-
-or it raises `StepError`: then nothing is printed.
 """
 
 from __future__ import annotations

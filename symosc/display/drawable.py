@@ -1,7 +1,6 @@
 """Base classes of results that display themselves: by ``.plot()``, and as a page in notebooks.
 
-`symosc.plot` and `symosc.plot.notebooks`, above the answers, register here what draws each kind of them, what makes its
-page and what writes a report about it, so that no answer imports a figure. `symosc` adds the loaders of these packages.
+`symosc.plot` and `symosc.plot.notebooks` register here what shows each kind of them: no answer imports a figure.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """One object for each kind of numbers, with the engine's scalar source bound to it.
 
-The inner loop (SOURCES) is plain functions on numbers. A copy of a function that sees other globals (mpmath's sin, cos
-and precision, or the compiled forms of the functions that it calls) does the same with other numbers: nothing is
-written twice, and each copy still reports the file and line where it was written. `bind` makes such copies,
-`compile_modules` lets numba compile them. With that there are
+The inner loop (SOURCES) is plain functions on numbers. `bind` copies a function so that it sees other globals (mpmath's
+sin, cos and precision, or compiled functions), `compile_modules` lets numba compile the copies: nothing is written
+twice, and each copy reports the line where it was written. So there are
 
 - `Arithmetic`: doubles, as CPython runs the source; `compiled` has the same functions compiled by numba;
 - `MpArithmetic`: any number of digits, by mpmath, and by MPFR where gmpy2 is installed;

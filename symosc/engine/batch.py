@@ -1,8 +1,7 @@
 """Many trajectories in one loop, in doubles and in double-double numbers; events go into columns.
 
-These are the loops that `simulate_many` compiles. `follow_pairs` and `first_pairs` are bound to pairs
-(`symosc.engine.arithmetic`); what they hand out are doubles. Numbers with more digits become doubles whose only error
-is the rounding, unless their own is not negligible beside it: so the same doubles come out of any number of digits.
+These are the loops that `simulate_many` compiles. `follow_pairs` and `first_pairs` are bound to pairs; what they hand
+out are doubles, whose only error is their rounding unless that of the pairs is not negligible beside it.
 """
 
 from __future__ import annotations

@@ -1,10 +1,8 @@
 """The paper's Figs. 1 to 10, and figures of Theorem 7: their data and their drawing.
 
-Fig. 1 is a drawing; Fig. 2 is computed from a set of parameters, the arrows of Fig. 3 from the accelerations (9), and
-every curve of Fig. 4 is a motion of one oscillator. Figs. 5 to 10 have the paper's panels, order and colours, with dots
-where its text puts them: belts are black and the mass is red; blue circles and green squares are onset and end of a
-stick (in Fig. 7 of the first period), red triangles switching points, red stars contacts. In the figures of Theorem 7
-the phases at which a mapping grazes stand against its belt's speed.
+Figs. 5 to 10 have the paper's panels, order and colours, with dots where its text puts them: belts are black and the
+mass is red; blue circles and green squares are onset and end of a stick (in Fig. 7 of the first period), red triangles
+switching points, red stars contacts.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """Compare a solver's events with those of a reference: errors, missed and invented events.
 
-The two lists are aligned as sequences. An event can be matched with one of the same kind on the same boundary that is
-at most a window of time away. Matches keep the order of both lists. Of all such alignments one with the most matches is
-taken, and of these the nearest. So one missed event does not shift all later ones, and of repeated reports of an event
-the nearest counts and the others are invented.
+The two lists are aligned as sequences: events of one kind on one boundary match within a window of time, in the order
+of both lists. Of the alignments with the most matches the nearest is taken: so one missed event does not shift all
+later ones, and of repeated reports of an event the nearest counts and the others are invented.
 """
 
 from __future__ import annotations

@@ -2,8 +2,7 @@
 
 In doubles `MotionInDoubles` calls the loop of `simulate_many`, compiled where this process has loaded it or the motion
 is long, else run by CPython, with the same bits. With many digits (`Motion`) doubles search first, and only the last
-step to an event takes the digits (`symosc.engine.next_event`). `FinerMotion` takes over where doubles are in doubt. It
-hands out doubles with no error but their rounding, so they are the same whichever numbers they come from.
+step to an event takes the digits. `FinerMotion` takes over where doubles are in doubt, and hands out doubles.
 """
 
 from __future__ import annotations

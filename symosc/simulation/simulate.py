@@ -1,8 +1,7 @@
 """`simulate`: one motion, in doubles with automatic precision escalation or with any number of digits.
 
-In double precision each step brings an estimate of its error along. When a contact is undecided, or an event is known
-to less than `accuracy`, the same problem is followed with more digits from the exact start up to there, and on as long
-as doubles are in doubt (`symosc.simulation.motion.FinerMotion`); they go on from its rounded result. With `digits` the
+Where a contact is undecided in doubles, or an event is known to less than `accuracy`, the same problem is followed with
+more digits from the exact start up to there, and on as long as doubles are in doubt (`FinerMotion`). With `digits` the
 working precision is raised until every event is known to that many digits.
 """
 

@@ -1,8 +1,7 @@
 """The result of a sweep as an xarray.Dataset, and its files: netCDF, zarr and CSV, written whole with their plan.
 
-Each file has a SHA-256 checksum of all its bytes, those of the checksum itself as zeros: behind the netCDF file, where
-its readers do not look, in the attributes of the zarr group, and in the first line of the CSV file. For other readers
-the columns in netCDF and zarr have checksums too, which these formats know.
+Each file has a SHA-256 checksum of all its bytes, those of the checksum itself as zeros: after the netCDF file, in the
+attributes of the zarr group, in the first line of the CSV file. The columns in netCDF and zarr have checksums too.
 """
 
 from __future__ import annotations

@@ -1,10 +1,8 @@
 """Code generation: print the kernels to symosc/kernels/_generated.py (`symosc codegen --regenerate`).
 
-A kernel is a straight-line program of formulas from `symosc.symbolic.solution`. They are printed as they were derived:
-simplifying them further would bring back the cancellation that they avoid. Printing finds common subexpressions and
-writes + - * / only, so that the module runs on floats, numpy arrays, mpmath numbers and in numba.
-
-To add a kernel, add a `Kernel` to `kernels`, and to MEANING what its arguments stand for.
+A `Kernel` is a straight-line program of formulas from `symosc.symbolic.solution`, printed as they were derived:
+simplifying them would bring back the cancellation that they avoid. Common subexpressions are found, and only + - * /
+are written, so that the module runs on floats, numpy arrays, mpmath numbers and in numba.
 """
 
 from __future__ import annotations

@@ -1,10 +1,9 @@
 """Export of a word's residual and Jacobian as standalone source, for programs without symosc.
 
-The source is that of the library. Its scalar kernels are read as syntax trees, what the word does not need is left out,
-and the rest is printed in the language that is asked for. With fixed parameters their constants become numbers, the
-branches that these decide are cut, and so is what nothing calls any more. The kernels use little of Python: assignments
-(also of tuples), if, for over a range, break, return, arithmetic, comparisons and calls. All values are real numbers,
-except for flags and loop counters.
+The library's scalar kernels are read as syntax trees, what the word does not need is left out, and the rest is printed
+in another language: assignments (also of tuples), if, for over a range, break, return, arithmetic, comparisons, calls.
+With fixed parameters their constants become numbers, and the branches that these decide are cut. All values are real
+numbers, except for flags and loop counters.
 
 A word of n mappings has n + 1 switching points z = (x_0, theta_0, ..., x_n, theta_n), phases unwrapped, in order of
 time. `residual` returns f1, f2 of each mapping, 2 n numbers; `jacobian` for each mapping the derivatives of its f1 and
