@@ -109,15 +109,10 @@ def unmasked(name: str, value: Any) -> Any:
     return value
 
 
-def _is_truth(value: object) -> bool:
-    """Return whether a value is a boolean of Python or of numpy, without importing numpy."""
-    return type(value).__name__ in ("bool", "bool_")
-
-
 def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
     """Return `value` as an int, or raise ParameterError if it is not one or out of range."""
     allowed = f"must be a whole number >= {least}" if most is None else f"must be a whole number from {least} to {most}"
-    if _is_truth(unmasked(name, value)):
+    if type(unmasked(name, value)).__name__ in ("bool", "bool_"):  # numpy need not be loaded
         raise ParameterError(name, value, allowed)
     try:
         number = operator.index(value)

@@ -148,7 +148,9 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
         raise refused(f"has no value of at most {float(LARGEST):g} in size") from None
     if isinstance(found, Fraction):
         return found, True
-    low, high = (read_exact(name, _end(end)) for end in (found.a, found.b))
+    from mpmath import mp
+
+    low, high = (read_exact(name, mp.make_mpf(end._mpi_[0])) for end in (found.a, found.b))
     if (high - low) * 10 ** (KNOWN_DIGITS + 5) > min(abs(low), abs(high)):
         raise refused(f"is not known to {KNOWN_DIGITS} digits, as they cancel; write it as a number, 0 if it is that")
     return rounded((low + high) / 2), False
@@ -175,13 +177,6 @@ def _enclosures() -> Any:
 
 def _enclosed(value: Any) -> Any:
     return _enclosures().mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
-
-
-def _end(end: Any) -> Any:
-    """Return an end of an enclosure as a number of mpmath."""
-    from mpmath import mp
-
-    return mp.make_mpf(end._mpi_[0])
 
 
 def rounded(value: Fraction) -> Fraction:

@@ -12,7 +12,6 @@ import csv
 import io
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from math import asin, atan2, hypot, inf, nan, pi, sqrt
@@ -282,7 +281,7 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
     if free is not None:
         if p.c == 0:
             raise ConvergenceError("", (), 1, inf, "without a damper the motion between the belts goes on for ever")
-        z = linear_response(p)
+        z = float(p.B0) / complex(float(p.k - p.m * p.Omega**2), float(p.c * p.Omega))  # the first harmonic
         return Settled("linear", (0, float(p.A(free) / p.k) + z.real, -float(p.Omega) * z.imag))
     orbit = _near(p, before) or _followed(p, guess) or settled_orbit(p, most=SETTLED_AFTER)
     status = "orbit" if orbit.stable else "marginal orbit"
@@ -323,12 +322,6 @@ def _orbit(p: Parameters, word: str, points: list[tuple[float, float]]) -> Perio
     except (ConvergenceError, ParameterError, WordError):
         return None
     return found if found.admissible else None
-
-
-def linear_response(p: Parameters) -> complex:
-    """Return the first harmonic of the motion that meets no belt."""
-    m, c, k, Omega, B0 = (float(each) for each in (p.m, p.c, p.k, p.Omega, p.B0))
-    return B0 / complex(k - m * Omega**2, c * Omega)
 
 
 def meets_no_belt(p: Parameters) -> int | None:
@@ -448,7 +441,8 @@ def measured(model: OtherModel, settled: Settled) -> Row:
     for part in parts(motion):
         mode, weights = part.segment.mode, part.weights
         cos, sin = np.cos(Omega * (part.t + float(model.delay))), np.sin(Omega * (part.t + float(model.delay)))
-        w, rate, second = model.shift.at(cos, sin), *(each.at(cos, sin) for each in _rates(model.shift, model.Omega))
+        shifts = model.shift, model.shift.rate(model.Omega), model.shift.rate(model.Omega).rate(model.Omega)
+        w, rate, second = (each.at(cos, sin) for each in shifts)
         y, base_rate = model.base.at(cos, sin), model.base.rate(model.Omega).at(cos, sin)
         force, x, v = model.force.at(cos, sin), part.z + w, part.u + rate
         driven = float(p.A0) + drive * np.cos(Omega * part.t) - c * part.u - k * part.z  # all but friction
@@ -471,7 +465,9 @@ def measured(model: OtherModel, settled: Settled) -> Row:
     times = np.clip(np.concatenate(turns), float(motion.t_start), float(motion.t_end))
     amplitude = np.ptp(motion(times)[0] + motion_of_belts(model, times + float(model.delay))[0]) / 2
     first *= 2 / period
-    excitation, Y, B0 = _excitation(model), abs(float(model.Y)), abs(float(model.B0))
+    # What phases refer to: the base, the force, or the belts' speeds.
+    excitation = _phasor(model.base if model.Y else model.force if model.B0 else harmonic(model.W, model.W_phase))
+    Y, B0 = abs(float(model.Y)), abs(float(model.B0))
     closure = np.abs(motion([motion.t_start, motion.t_end]) @ [1, -1]) / [1, Omega]
     n = settled.periods
     return Row(
@@ -490,17 +486,6 @@ def measured(model: OtherModel, settled: Settled) -> Row:
     )
 
 
-def _rates(function: Harmonic, Omega: Fraction) -> tuple[Harmonic, Harmonic]:
-    """Return the first and the second derivative of a harmonic."""
-    rate = function.rate(Omega)
-    return rate, rate.rate(Omega)
-
-
 def _phasor(function: Harmonic) -> complex:
     """Return the complex amplitude E of a harmonic Re(E exp(i Omega t))."""
     return complex(float(function.C), -float(function.S))
-
-
-def _excitation(model: OtherModel) -> complex:
-    """Return the complex amplitude of the excitation to which phases refer: base, force, or the belts' speeds."""
-    return _phasor(model.base if model.Y else model.force if model.B0 else harmonic(model.W, model.W_phase))

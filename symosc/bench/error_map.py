@@ -138,11 +138,6 @@ def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
     return values
 
 
-def formula_of(tau: float, K: Constants) -> str:
-    """Name the formula by which symosc computes E0, E1, ...: "series", "apart" (the cheap one) or "careful"."""
-    return str(_naming_basis(tau, 0.0, 1.0, K)[0])
-
-
 def _namer(name: str) -> Callable[..., tuple[str, ...]]:
     return lambda *arguments: (name,) * 5
 
@@ -165,8 +160,12 @@ def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
 
 
 def _formulas(zetas: np.ndarray, ratios: np.ndarray, taus: Sequence[float]) -> list[list[list[str]]]:
+    """Name the formula by which symosc computes E0, E1, ...: "series", "apart" (the cheap one) or "careful"."""
     rows = [[constants(scaled_parameters(value_at(zeta), value_at(ratio))) for ratio in ratios] for zeta in zetas]
-    return [[["" if tau > K.chunk else formula_of(tau, K) for K in row] for row in rows] for tau in taus]
+    return [
+        [["" if tau > K.chunk else str(_naming_basis(tau, 0.0, 1.0, K)[0]) for K in row] for row in rows]
+        for tau in taus
+    ]
 
 
 # -- the picture -------------------------------------------------------------------------------------------------------

@@ -95,11 +95,6 @@ def stages(q, s, mode, t, x, v, h, begin, end):
     return X, V
 
 
-def first_stage(q, s, mode, t, x, v):
-    """Store the derivative (v, force) at the start of a step in s.K as the first Runge-Kutta stage."""
-    s.K[0, 0], s.K[1, 0] = v, force(q, mode, t, x, v) if mode < 4 else 0.0
-
-
 def error_of(s, x, v, X, V, h):
     """Return the error of a step in units of the tolerance, as DOP853 estimates it."""
     third = fifth = 0.0
@@ -185,7 +180,7 @@ def refined(q, s, mode, side, step, tau):
 def leave(q, s, mode, t, x, v, t_end):
     """Follow one flight or stick, step by step."""
     h = s.first
-    first_stage(q, s, mode, t, x, v)
+    s.K[0, 0], s.K[1, 0] = v, force(q, mode, t, x, v) if mode < 4 else 0.0  # the first Runge-Kutta stage
     last_slope = turn(q, mode, t, x, v)
     for _ in range(MOST_DOP853_STEPS):
         h = min(h, s.longest, t_end - t)

@@ -100,7 +100,8 @@ class Family:
         along = _horner(curve, self.change)
         box = pushed
         for _ in range(MOST_INFLATIONS):
-            box = [_inflated(each) for each in box]
+            wider = [(INFLATION * abs(each).upper()).mid() for each in box]
+            box = [arb(0, each) + arb(0, arb(2) ** (8 - ctx.prec)) for each in wider]
             whole = [c + r for c, r in zip(along, box, strict=True)]
             J = self.wide.jacobian([_scaled(each, PROVEN_WIDTH) for each in whole])
             turned = ((unit_matrix(len(start)) - Y * J) * column(box)).entries()
@@ -162,11 +163,6 @@ def _horner(coefficients: list[Values], at: Ball) -> Values:
 def _scaled(value: Ball, factor: float) -> Ball:
     """Return a ball with the same middle and its radius multiplied by a factor."""
     return value.mid() + arb(0, (factor * value.rad()).mid())
-
-
-def _inflated(value: Ball) -> Ball:
-    """Return a ball about 0 that contains the given one and is wider by a factor."""
-    return arb(0, (INFLATION * abs(value).upper()).mid()) + arb(0, arb(2) ** (8 - ctx.prec))
 
 
 # -- the end of a branch -----------------------------------------------------------------------------------------------

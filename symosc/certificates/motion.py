@@ -70,8 +70,10 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
             if found is not None:
                 return found
         low, on_it, count = high, False, count + 1
-        if count % 8 == 0 and never_meets(flight, boundary, end):
-            return None
+        if count % 8 == 0:
+            wall = -flight.side(boundary) * flight.oscillator.speed[boundary]
+            if wall > flight.stays_within(flight.at(end)):  # for ever
+                return None
         if count > MOST_PIECES:
             raise Undecided(f"a flight of more than {MOST_PIECES} pieces", flight.t0 + end)
     return None
@@ -96,12 +98,6 @@ def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple
         yield end, curved >= 0, curved <= 0
         if end is stop:
             return
-
-
-def never_meets(flight: Flight, boundary: int, tau: Ball) -> bool:
-    """Return whether a flight certainly stays on its side of a belt from tau on."""
-    bound = flight.stays_within(flight.at(tau))
-    return bool(-flight.side(boundary) * flight.oscillator.speed[boundary] > bound)
 
 
 def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tuple[Jet, Jet] | None:

@@ -139,13 +139,6 @@ SHAPES = {
 }
 
 
-def in_range(p):
-    """Raise Stop for parameters outside the range of the model."""
-    right = min(p["m"], p["Omega"], p["v2"] - p["v1"]) > 0 <= min(p[each] for each in ("c", "k", "mu1", "mu2", "FN"))
-    check(right, "parameters out of range: m, Omega > 0; c, k, mu1, mu2, FN >= 0; v1 < v2", BAD)
-    return p
-
-
 # -- motions -----------------------------------------------------------------------------------------------------------
 
 
@@ -153,7 +146,10 @@ class Problem:
     """An oscillator: its parameters, its modes, and the work limits."""
 
     def __init__(self, p, limits):
-        self.p, self.limits, self.mode = in_range(p), limits, cache(lambda i: Mode(p, i))
+        least = min(p[each] for each in ("c", "k", "mu1", "mu2", "FN"))
+        right = min(p["m"], p["Omega"], p["v2"] - p["v1"]) > 0 <= least
+        check(right, "parameters out of range: m, Omega > 0; c, k, mu1, mu2, FN >= 0; v1 < v2", BAD)
+        self.p, self.limits, self.mode = p, limits, cache(lambda i: Mode(p, i))
 
     def step(self, count=1):
         """Count steps against the work limit."""

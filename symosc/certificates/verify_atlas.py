@@ -473,7 +473,7 @@ class Box:
             if i in word.looks and not least > 0:
                 plan[2][word.looks[i]] = True  # by short steps, then
                 continue
-            require_open(least, "an inequality of a word in a box")
+            check(least > 0, "an inequality of a word in a box", OPEN)  # smaller boxes may decide it
         word.stays(e, around, plan, problem)
 
     def contract(self, p, u, slopes):
@@ -510,11 +510,6 @@ class Box:
     def squares(self, side, u, slope):
         """Return the second coefficients of r in a direction, from everywhere in the box."""
         return [coefficient(each, 2) for each in self.series(side, [u, slope, [arb(0)] * len(u)], 3, True)[0]]
-
-
-def require_open(value, what):
-    """Raise Stop unless all numbers in a ball are > 0; smaller boxes may decide it."""
-    check(value > 0, what, OPEN)
 
 
 def rests(p, over, box):

@@ -144,18 +144,16 @@ def _response(problem: Scene, over: str, output: str | None, as_json: bool, pipe
         plot.save(plot.response_figure(found), output)
     columns = {head: column.tolist() for head, column in found.columns().items()}
     if as_json:
-        finite = {head: [_finite(value) for value in column] for head, column in columns.items()}
-        write_json({"scene": problem.name, **finite})
+        known = {
+            head: [None if value in (inf, -inf) or value != value else value for value in column]
+            for head, column in columns.items()
+        }
+        write_json({"scene": problem.name, **known})  # JSON has no infinity
     elif not piped:
         table = zip(*columns.values(), strict=True)
         rows = [[f"{each:.8g}" if isinstance(each, float) else each for each in row] for row in table]
         write_table(rows, [head.replace("_", " ") for head in columns])
     return 0
-
-
-def _finite(value: Any) -> Any:
-    """Return a value that JSON has: None in place of a number that is not finite."""
-    return None if isinstance(value, float) and not -inf < value < inf else value
 
 
 def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
@@ -181,7 +179,10 @@ def _report(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> str:
     if found.admissible:
         lines.append(_start(scene, found))
     if branch is not None:
-        lines += ["", f"{len(branch.values)} orbits over {branch.parameter}:", *(_end(branch, i) for i in (0, 1))]
+        lines += ["", f"{len(branch.values)} orbits over {branch.parameter}:"]
+        for end in branch.ends:
+            beyond = f"; beyond it {end.beyond}" if end.beyond else ""
+            lines.append(f"  {branch.parameter} = {end.value:.12g}: {end.kind}, {end.message}{beyond}")
     return "\n".join(lines)
 
 
@@ -195,12 +196,6 @@ def _start(scene: Scene, found: PeriodicOrbit) -> str:
         return f"{place}; the motion from it does not come within {near.within:g}"
     periods = f"{near.periods} period{'' if near.periods == 1 else 's'}"
     return f"{place}; the motion from it is within {near.within:g} after {periods}"
-
-
-def _end(branch: Branch, i: int) -> str:
-    end = branch.ends[i]
-    behind = f"; beyond it {end.beyond}" if end.beyond else ""
-    return f"  {branch.parameter} = {end.value:.12g}: {end.kind}, {end.message}{behind}"
 
 
 def _number(value: Any, digits: int | None) -> str:

@@ -107,7 +107,9 @@ def sweep(scene: str, axes: tuple[str, ...], settings: tuple[str, ...], picture:
 
         plot.save(plot.swept_figure(dataset), picture)
     if as_json:
-        write_json(_data(dataset, output))
+        about = {"output": output, "sizes": {str(name): size for name, size in dataset.sizes.items()}}
+        about |= {"columns": _columns(dataset), **{str(name): value for name, value in dataset.attrs.items()}}
+        write_json(about)
     elif not piped:
         write(_report(dataset, [path for path in (output, picture) if path is not None]))
 
@@ -158,11 +160,6 @@ def _columns(dataset: xarray.Dataset) -> Record:
         else:
             found[str(name)] = {"least": column.values.min().item(), "largest": column.values.max().item()}
     return found
-
-
-def _data(dataset: xarray.Dataset, output: str | None) -> Record:
-    about = {"output": output, "sizes": {str(name): size for name, size in dataset.sizes.items()}}
-    return about | {"columns": _columns(dataset), **{str(name): value for name, value in dataset.attrs.items()}}
 
 
 def _report(dataset: xarray.Dataset, written: list[str]) -> str:

@@ -59,14 +59,9 @@ def _rank(term: Expr) -> tuple[float, bool, Any]:
         held = any(name.startswith("F_{s") for name in letters)
         first = -2 if "x_i" in letters or held else -1 if letters & SPEEDS else first
         if first == len(ORDER) and not term.could_extract_minus_sign():
-            first = -3 if term.is_number else -1.5 if _is_basis(outside) else first
+            bare = {symbol for factor in outside if not factor.is_Function for symbol in factor.free_symbols}
+            first = -3 if term.is_number else -1.5 if bare <= set(solution.BASIS) else first
     return first, term.could_extract_minus_sign(), sp.default_sort_key(term)
-
-
-def _is_basis(outside: list[Expr]) -> bool:
-    """Return whether a term is a single basis function or wave."""
-    bare = {symbol for factor in outside if not factor.is_Function for symbol in factor.free_symbols}
-    return bare <= set(solution.BASIS)
 
 
 def terms(expr: Expr) -> list[Expr]:
@@ -158,7 +153,8 @@ class PaperPrinter(LatexPrinter):
             elif parts and re.match(r"[\d.]", text):
                 text = rf"\cdot {text}"
             parts.append(text)
-        return r" \, ".join(parts) if _long_names(parts) else " ".join(parts)
+        long = any(part.startswith(("x_{", r"\dot")) and ")" in part for part in parts[:-1])
+        return (r" \, " if long else " ").join(parts)
 
     def _print_Pow(self, expr: Expr) -> str:
         base, power = expr.as_base_exp()
@@ -261,10 +257,6 @@ def _one_root(expr: Expr) -> Expr:
     inside = sp.Mul(*(f.base if f.exp > 0 else 1 / f.base for f in halves))
     root = sp.Symbol(rf"\sqrt{{{latex(inside)}}}", positive=True)
     return sp.Mul(*rest, root, evaluate=False) if rest else root
-
-
-def _long_names(parts: list[str]) -> bool:
-    return any(part.startswith(("x_{", r"\dot")) and ")" in part for part in parts[:-1])
 
 
 def _parentheses(text: str) -> str:

@@ -270,12 +270,6 @@ class Tracer(Origins):
         self.gain = float(p.B0 / p.k)
         self.steps_left = MOST_CURVE_STEPS
 
-    def _is_quartic(self, theta_m: float) -> bool:
-        """Return whether a phase is that of the fourth-order tangency, to double precision."""
-        p, level = self.p, self.K.w0sq * self.v
-        equal = abs(p.k * p.belt(self.place.boundary)) == abs(p.B0 * p.Omega)
-        return equal and abs(level + self.K.fB * sin(theta_m)) <= QUARTIC * abs(level)
-
     @cached_property
     def _autonomous(self) -> Arrival:
         """The arrival of a system without drive, the same for all phases."""
@@ -287,7 +281,9 @@ class Tracer(Origins):
         if self.p.B0 == 0:  # every phase has the same flight
             arrival = self._autonomous
         else:
-            order = 3 if self._is_quartic(theta_m) else 1
+            level, top = K.w0sq * self.v, abs(self.p.B0 * self.p.Omega)
+            flat = abs(level + K.fB * sin(theta_m)) <= QUARTIC * abs(level)
+            order = 3 if flat and abs(self.p.k * self.p.belt(self.place.boundary)) == top else 1
             steps = max(LEAST_STEPS, min(MOST_BACKWARD_STEPS, self.steps_left))
             arrival = self.arrival(theta_m, order, None, careful, CURVE_DIGITS, repeats=1, most_steps=steps)
         arrival = Arrival(arrival.kind, arrival.boundary, *map(float, arrival[2:]))

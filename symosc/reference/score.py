@@ -167,7 +167,8 @@ class _Judge:
     def judge(self, events: Sequence[GivenEvent]) -> None:
         """Judge all events as right or wrong."""
         found = self._of_last_period(events)
-        pairs = self._pairs(found)
+        placed = [FoundEvents(float(event.t), 0.0, event.kind, self._boundary(event)) for event in found]
+        pairs = align(placed, self.case.events, self.case.times, WINDOW * self.period)
         for i, j in pairs:
             self._found(i, found[j])
         lost = sorted(set(range(len(self.case.events))) - {i for i, _ in pairs})
@@ -207,11 +208,6 @@ class _Judge:
                 wrong = Wrong(name, begin, *((what, "") if name == "missed" else ("", what)))
                 self.judged.wrong.append(wrong)
         return last
-
-    def _pairs(self, found: Sequence[GivenEvent]) -> list[tuple[int, int]]:
-        known = self.case.events
-        placed = [FoundEvents(float(event.t), 0.0, event.kind, self._boundary(event)) for event in found]
-        return align(placed, known, self.case.times, WINDOW * self.period)
 
     def _boundary(self, event: GivenEvent) -> int:
         """Return the belt of an event; where it is not given, that of the nearest event of its kind."""

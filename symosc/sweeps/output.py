@@ -215,7 +215,10 @@ def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
     try:
         remove(draft)
         WRITERS[suffix](dataset.assign_attrs({CHECKSUM_ATTRIBUTE: NO_CHECKSUM}), draft)
-        _set_checksum(draft)
+        checksum, _, begin = _checksum(draft)
+        with _checksum_place(draft).open("r+b") as file:
+            file.seek(begin)
+            file.write(checksum.encode())
         for each in (*_files_in(draft).values(), *filter(Path.is_dir, draft.rglob("*")), draft):
             _to_disk(each)
         if plan_of(path, to_replace=True) is not None and path.is_dir():
@@ -258,13 +261,6 @@ def _checksum(path: Path) -> tuple[str, str, int]:
             content = content[end:]
         found.update(content)
     return found.hexdigest(), stated, begin
-
-
-def _set_checksum(draft: Path) -> None:
-    checksum, _, begin = _checksum(draft)
-    with _checksum_place(draft).open("r+b") as file:
-        file.seek(begin)
-        file.write(checksum.encode())
 
 
 def _write_netcdf(dataset: xarray.Dataset, draft: Path) -> None:

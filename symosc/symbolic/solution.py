@@ -64,15 +64,13 @@ def acceleration(x: Expr = x, v: Expr = v, theta: Expr = theta) -> Expr:
     return A_m + f0 * sp.cos(theta) - w0sq * x - cm * v
 
 
-def along_flow(expr: Expr) -> Expr:
-    """Return d/dt of a function of (x, v, theta) along the flow of the domain."""
-    return sp.expand(v * expr.diff(x) + acceleration() * expr.diff(v) + Omega * expr.diff(theta))
-
-
 @cache
 def g_function(order: int) -> Expr:
     """Return G^(order, alpha)(x, v, theta) on a boundary v = v_lambda, d/dt of the order before (eqs. (18), (19))."""
-    return acceleration() if order == 0 else along_flow(g_function(order - 1))
+    if order == 0:
+        return acceleration()
+    G = g_function(order - 1)
+    return sp.expand(v * G.diff(x) + acceleration() * G.diff(v) + Omega * G.diff(theta))
 
 
 def next_derivative(y1: Expr, y0: Expr, forcing_n: Expr) -> Expr:

@@ -68,11 +68,6 @@ def gamma_of(p: Parameters, acceleration: Fraction, velocity: Fraction) -> Fract
     return p.c / p.m * acceleration + p.k / p.m * velocity
 
 
-def slope_at_contact(p: Parameters, acceleration: Fraction, velocity: Fraction, sine: Fraction) -> Fraction:
-    """Eqs. (62), (66): the left side, which has to be < 0 from below and > 0 from above."""
-    return -p.c / p.m * acceleration - p.k / p.m * velocity - p.B0 * p.Omega / p.m * sine
-
-
 # --- exact contacts ---
 
 
@@ -332,7 +327,7 @@ def grazing_inequality() -> Evidence:
     cases = _zero_force_contacts()
     for domain, contact in cases:
         p, force, s = contact.p, contact.force(domain), contact.s
-        slope = slope_at_contact(p, force, contact.speed, s)
+        slope = -p.c / p.m * force - p.k / p.m * contact.speed - p.B0 * p.Omega / p.m * s  # (62), (66): the left side
         wrong += slope != contact.derivatives(domain)[1] or force != 0
         differs += slope != -(gamma_of(p, force, contact.speed) + p.B0 * p.Omega / p.m * s)
     numbers = {
