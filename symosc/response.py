@@ -50,7 +50,7 @@ MOST_HALVES, ROUNDING = 30, 1e-10
 LONGEST_TURN = 2.0
 
 
-#: Periods after which motions from harmonic balance are looked at, and after which that from rest is given up.
+#: Periods after which motions from harmonic balance are examined, and after which that from rest is given up.
 FOLLOWED = 3, 12, 48
 SETTLED_AFTER = 1000
 
@@ -94,7 +94,7 @@ class FrequencyResponse(Drawable):
         Of a moving base: the amplitude over that of the base. Else: half the range of the force that spring, damper and
         friction pass on, over that of the excitation. nan if neither base nor force oscillates.
     phase : array
-        How far the first harmonic of x is behind the excitation, in (-pi, pi]: behind the base, if that moves, else
+        By how much the first harmonic of x lags the excitation, in (-pi, pi]: the base, if that moves, else
         the force, else the speeds of the belts.
     harmonic : array
         The amplitude of the first harmonic of x.

@@ -52,8 +52,8 @@ def value_at(place: float) -> Fraction:
     if abs(place - NEAREST) < 1e-9:
         return Fraction(1)
     if place > NEAREST:
-        return 1 + _power(place - 2 * NEAREST)
-    part = _power(-abs(place))
+        return 1 + _power_of_ten_text(place - 2 * NEAREST)
+    part = _power_of_ten_text(-abs(place))
     return part / (1 + part) if place < 0 else 1 / (1 + part)
 
 
@@ -67,12 +67,12 @@ def place_of(value: float, beyond: float = 0.0) -> float:
     return log10((value + beyond) / below)
 
 
-def _power(exponent: float) -> Fraction:
+def _power_of_ten_text(exponent: float) -> Fraction:
     return Fraction(repr(float(10.0**exponent)))
 
 
 def axis(low: int, high: int, points: int) -> np.ndarray:
-    """Return places on an axis, nearly evenly spaced from the number 10^low to 10^high; the number 1 is one of them."""
+    """Return places on an axis, about evenly spaced from the number 10^low to 10^high; the number 1 is one of them."""
     first, last = place_of(10.0**low), place_of(10.0**high)
     before = round((points - 1) * (NEAREST - first) / (last - first))
     below, above = np.linspace(first, NEAREST, before + 1), np.linspace(NEAREST, last, points - before)
@@ -150,6 +150,7 @@ _naming_basis = types.FunctionType(
 
 
 def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
+    """Return the function from tau to the exact E0, E1, E2, R2, I2."""
     context = mp_context(MAP_DIGITS)
 
     def number(value: Fraction) -> Number:

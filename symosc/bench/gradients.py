@@ -113,7 +113,7 @@ def through_events(scene: Scene, events: Sequence[FoundEvents], jacobian: Jacobi
 
 
 def _behind(event: FoundEvents, mode: int) -> int:
-    """Return the mode behind an event of a flight."""
+    """Return the mode after the event that ends a flight."""
     if event.kind == "stick":
         return 3 + event.boundary
     return mode if event.kind == "graze" else 2 * event.boundary + 1 - mode

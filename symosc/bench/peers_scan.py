@@ -146,7 +146,7 @@ def compiled() -> Record:
 
 
 def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
-    """Prepare the scan with so many samples per period."""
+    """Prepare the scan with `points` samples per period."""
     return runner(scene, compiled(), scan_of(problem(scene.parameters), points, tolerance), 0.0)
 
 

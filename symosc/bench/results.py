@@ -44,7 +44,7 @@ def replaced(text: str, section: str, content: str, name: str | Path = "README")
 def write(readme: str | Path, result: Record) -> list[Path]:
     """Write the results of the parts ("speed", "work_precision", ...) into README and separate files; return these."""
     text, folder = check(readme), Path(readme).parent / RESULTS_FOLDER
-    measured, command = result["work_precision"], _command(result)
+    measured, command = result["work_precision"], _command_text(result)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -77,7 +77,7 @@ def overview(result: Record) -> str:
     return f"""\
 # Results
 
-Written by one run of `{_command(result)}`.
+Written by one run of `{_command_text(result)}`.
 
 ## Speed and error
 
@@ -146,5 +146,5 @@ def looser(measured: Record) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def _command(result: Record) -> str:
+def _command_text(result: Record) -> str:
     return f"symosc bench {'--quick ' if result['quick'] else ''}--results README.md"

@@ -427,11 +427,11 @@ BRIEF = (
 def brief(result: Record) -> str:
     """Return the README's table, of the rows BRIEF, in Markdown."""
     found = {(group["title"], row["what"]): row for group in result["groups"] for row in group["rows"]}
-    rows = [[f"{title}: {what}", _time(found[title, what])] for title, what in BRIEF if (title, what) in found]
+    rows = [[f"{title}: {what}", _time_text(found[title, what])] for title, what in BRIEF if (title, what) in found]
     return tabulate(rows, ["", "time"], tablefmt="github", disable_numparse=True, colalign=("left", "right"))
 
 
-def _time(row: Record) -> str:
+def _time_text(row: Record) -> str:
     return duration(row["s"]) + ("" if row["per"] == "call" else f" per {row['per']}")
 
 
@@ -442,7 +442,7 @@ def table(result: Record, form: str = "simple") -> str:
         rows.append([f"**{group['title']}**" if form == "github" else f"{group['title']}:", "", "", ""])
         for row in group["rows"]:
             ratios = (f"{float(f'{row[key]:.3g}'):g}" for key in ("over_first", "over_c"))
-            rows.append([row["what"], _time(row), *ratios])
+            rows.append([row["what"], _time_text(row), *ratios])
     errors = [
         [each["scene"], each["events"], f"{each['error']:.1e}", f"{each['estimate']:.1e}"] for each in result["errors"]
     ]

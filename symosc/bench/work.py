@@ -279,7 +279,7 @@ def summary(result: Record) -> str:
 
 
 def rounded(value: float, digits: int) -> str:
-    """Return a number as text with so many significant digits, without exponent between 1e-4 and 1e6."""
+    """Return a number as text with `digits` significant digits, without exponent between 1e-4 and 1e6."""
     return f"{float(f'{value:.{digits}g}'):g}"
 
 

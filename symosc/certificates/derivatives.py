@@ -3,7 +3,7 @@
 From event to event the flow is that of `symosc.certificates.flow`, with series for t, x and v at its start and for the
 parameter that changes. At the time of the next event, which is known, v (on a belt: the force that vanishes) has then
 a derivative, and the implicit function theorem gives that of the event. It holds because each event is proven to be
-transversal: the slope there is not 0, nor is the force behind it. So nearby motions have the same events.
+transversal: the slope there is not 0, nor is the force after it. So nearby motions have the same events.
 """
 
 from __future__ import annotations

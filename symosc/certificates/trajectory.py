@@ -355,7 +355,7 @@ def question(task: ToProve, bits: int) -> Record:
 
 
 def event_row(event: ProvenEvent, digits: int) -> Record:
-    """Return an event as a row of the file, with at most so many digits."""
+    """Return an event as a row of the file, with at most `digits` digits."""
     row: Record = {"kind": event.kind, "boundary": event.boundary, "source": event.source, "target": event.target}
     return row | {name: list(outward(value, _known(value, digits))) for name, value in (("t", event.t), ("x", event.x))}
 

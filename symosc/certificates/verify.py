@@ -19,15 +19,15 @@ certificates" has the equation of motion, what each kind of file states, and the
    them. The least f is > 0 for one of low and high, < 0 for the other, and its derivative by the start (that of f) is
    not 0: one start touches. If c = B0 = 0, v^2 + v'^2 m/k is constant: if it is the belt's speed squared, f = 0 at a
    least f, as v is not beyond that speed.
-5. With a start_error the states behind an event are f(centre) + D (start - centre), D the derivatives of all starts.
+5. With a start_error the states after an event are f(centre) + D (start - centre), D the derivatives of all starts.
 6. "settled": let B be the box of the first event of `cycle`, c its middle, e its half-widths, P the motion from B to
    the last event of `cycle`, less the periods. If all motions from B have these events, and P(B) lies in B, each motion
    that comes into B has them again and again. If D contains the derivatives of P over B and |D| e <= q e, q < 1, P is a
    contraction: it has one fixed point c + u in B, u = (1 - D)^-1 (P(c) - c). After n cycles a motion is within 2 q^n e
    of it. `may_stick_until`: all starts leave the belt to one side, where F falls to 0, before that time.
-7. Derivatives by a number q, of exact starts without a graze: z_q' = M z_q + M_q z at fixed times behind an event,
+7. Derivatives by a number q, of exact starts without a graze: z_q' = M z_q + M_q z at fixed times after an event,
    where x_q = dx - v dt, v_q = dv - v' dt. The next event has dt = -(row_q z + row z_q)/f', dx = x_q + v dt. They
-   exist, as f' and the forces behind an event are not 0 (3 above), nor is a force on the belt where a motion begins.
+   exist, as f' and the forces after an event are not 0 (3 above), nor is a force on the belt where a motion begins.
 8. "window": with f = f' = 0 at a contact, m f'' = s, s = side (k v + B0 Omega sin theta), side = 1 below the belt, -1
    above it. It grazes where s > 0, not where s < 0. At a zero of s with cos theta != 0 the motion passes. Where |k v| =
    |B0| Omega, s = 0 at one phase, and there f'''' has the sign of side k v, which decides in the "full" order.

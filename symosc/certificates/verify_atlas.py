@@ -186,7 +186,7 @@ class Word:
         self.size = size
 
     def unknowns(self, row, Om):
-        """Return u from the phases and positions of a row, nearly."""
+        """Return u approximately, from the phases and positions of a row."""
         check(len(row["phases"]) == len(row["x"]) == self.count, "a phase and an x at each event", BAD)
         phases, found = [float(arb(each)) for each in row["phases"]], []
         phases.append(phases[0] + 2 * float(arb.pi()))
@@ -233,7 +233,7 @@ class Word:
         return found, margins
 
     def plan(self, e, u):
-        """Return which turns may be in each stick, and where each flight is looked at (5 above); None: short steps."""
+        """Return which turns may be in each stick, and where to evaluate each g (5 above); None: short steps."""
         turns, cuts, steps = [], list[Any](), []
         for i, flight in enumerate(self.flights):
             end = u[flight.at] + e.Om * u[flight.tau]
@@ -310,7 +310,7 @@ def signs(e, flight, u):
 
 
 def marks(ups, times, most):
-    """Return at which parts of a flight g is looked at, and for how long before and after; nothing is proven here."""
+    """Choose at which parts of a flight to evaluate g, and for how long before and after; this proves nothing."""
     most, tau, found = 0.95 * float(most), float(times[-1]), []
     spare = 2 * max(float(each.rad()) for each in times) + tau / 500
     for i, (up, (a, b)) in enumerate(zip(ups, pairwise(map(float, times)), strict=True)):
@@ -551,7 +551,7 @@ def mirror_of(p, over):
 
 
 def parted(problem, over, word, row, box, u):
-    """Prove a box, in parts if it takes that."""
+    """Prove a box, divided into parts if necessary."""
     parts, count = [(box, u)], 0
     while parts:
         part, near = parts.pop()

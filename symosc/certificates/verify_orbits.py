@@ -161,7 +161,7 @@ def orbit(data, source, limits):
         inside(x, row["x"])
 
     def apart(i, earlier):
-        """Say if surely event i is not the first one, so many forcing periods later."""
+        """Return whether event i surely differs from the first one after that many forcing periods."""
         (t, x), (t0, x0) = points[i], points[0]
         return not ((t - t0) * periods).overlaps(earlier * turn) or not x.overlaps(x0)
 
@@ -429,7 +429,7 @@ class Family:
                 inside(value, ends)
 
     def apart(self, i, earlier):
-        """Return whether event i surely differs from the first one so many forcing periods later, for all values."""
+        """Return whether event i surely differs from the first one after that many forcing periods, for all values."""
         (t, x), (t0, x0) = self.points[2 * i : 2 * i + 2], self.points[:2]
         return not (t - t0).overlaps(earlier * self.all.e.turn) or not x.overlaps(x0)
 

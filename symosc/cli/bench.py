@@ -77,7 +77,7 @@ def bench(
         results.check(readme)
     result: Record = {"quick": quick}
     if readme is not None or not hard_cases:
-        result |= _speed(quick)
+        result |= _run_speed(quick)
     if readme is not None:
         result["scores"] = cases.run(progress=partial(_bar, "reference cases"))
     elif hard_cases:
@@ -103,7 +103,7 @@ def bench(
     return code
 
 
-def _speed(quick: bool) -> Record:
+def _run_speed(quick: bool) -> Record:
     from symosc.bench import speed, work
 
     if find_spec("numba") is None:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 COLUMN_NAMES = ("t", "x", "v", "id")
 
 
-def _columns(text: str | None) -> dict[str, str]:
+def _split_columns(text: str | None) -> dict[str, str]:
     names: dict[str, str] = {}
     for part in () if text is None else text.split(","):
         form = "t=NAME, x=NAME, v=NAME or id=NAME"
@@ -155,7 +155,7 @@ def _checked(problem: Scene, files: tuple[str, ...], options: Record) -> Any:
         limits["global_tolerance"] = float(read_exact("global_tolerance", options["global_tolerance"]))
     workers = 1 if options["workers"] is None else options["workers"]
     limits |= {"own_start": options["own_start"], "partial": options["partial"]}
-    limits |= {"columns": _columns(options["columns"]), "workers": workers}
+    limits |= {"columns": _split_columns(options["columns"]), "workers": workers}
     if options["solver"] is not None:
         source: Any = run_solver(options["solver"], problem)
     else:

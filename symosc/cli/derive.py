@@ -105,14 +105,14 @@ def derive(subject: str, output: str | None, form: str, as_json: bool, **options
         if options["pdf"] or form == "html":
             raise click.BadParameter("is for chapters", param_hint="--pdf" if options["pdf"] else "--format html")
         problem = None if scene is None else load_scene(scene)
-        return _fragment(subject, problem, output, as_json, options)
+        return _print_fragment(subject, problem, output, as_json, options)
     for name, value in of_fragments.items():
         if value:
             raise click.BadParameter(f"is for fragments ({', '.join(FRAGMENTS)})", param_hint=f"--{name}")
-    return _chapters(subject, scene, output, form, as_json, options["pdf"])
+    return _write_chapters(subject, scene, output, form, as_json, options["pdf"])
 
 
-def _fragment(name: str, scene: Any, output: str | None, as_json: bool, options: dict[str, Any]) -> int:
+def _print_fragment(name: str, scene: Any, output: str | None, as_json: bool, options: dict[str, Any]) -> int:
     from symosc.derive import fragments
     from symosc.derive.scope import fragment_scope
     from symosc.derive.steps import StepError
@@ -138,7 +138,7 @@ def _fragment(name: str, scene: Any, output: str | None, as_json: bool, options:
     return 0
 
 
-def _chapters(subject: str, scene: str | None, output: str | None, form: str, as_json: bool, pdf: bool) -> int:
+def _write_chapters(subject: str, scene: str | None, output: str | None, form: str, as_json: bool, pdf: bool) -> int:
     printed = goes_to_stdout(output, "--output", as_json)
     from symosc.derive import document
     from symosc.derive.pdf import has_latex, make_pdf
@@ -246,7 +246,7 @@ def codegen(ctx: click.Context, /, word: str | None, check: bool, regenerate: bo
         if check or regenerate:
             flag = "--check" if check else "--regenerate"
             raise click.UsageError(f"{flag} is about symosc's own kernels; leave WORD out")
-        return _export(word, **options)
+        return _export_code(word, **options)
     given = [name for name in options if ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE]
     if given:
         names = {parameter.name: max(parameter.opts, key=len) for parameter in ctx.command.params}
@@ -257,7 +257,7 @@ def codegen(ctx: click.Context, /, word: str | None, check: bool, regenerate: bo
     return _kernels(regenerate)
 
 
-def _export(
+def _export_code(
     word: str, language: str, fix: str | None, name: str | None, output: str, force: bool, as_json: bool
 ) -> int:
     from symosc.scenes import load_scene

@@ -123,11 +123,11 @@ def orbit(
 
         plot.save(plot.orbit_figure(found) if branch is None else plot.branch_figure(branch), output)
     if as_json:
-        write_json(_data(problem, found, branch))
+        write_json(_orbit_data(problem, found, branch))
     elif not piped:
-        write(_report(problem, found, branch))
+        write(_report_text(problem, found, branch))
     elif not found.admissible:
-        click.echo(_report(problem, found, branch), err=True)
+        click.echo(_report_text(problem, found, branch), err=True)
     return 0 if found.admissible else FAILED
 
 
@@ -156,7 +156,7 @@ def _response(problem: Scene, over: str, output: str | None, as_json: bool, pipe
     return 0
 
 
-def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
+def _orbit_data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
     data = {"scene": scene.name, **found.as_dict()}
     if found.admissible:
         data["start"] = found.approach(scene)._asdict()
@@ -165,19 +165,19 @@ def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
     return data if branch is None else data | {"branch": branch.as_dict()}
 
 
-def _report(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> str:
+def _report_text(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> str:
     rows = []
     for piece, (t, x) in zip(found.equations().pieces, found.points, strict=True):
         does = f"moves in Omega{piece.mode} from v{piece.start} to v{piece.end}"
         if piece.sticks:
             does = f"sticks to belt {piece.start}"
-        rows.append([_number(t, found.digits), _number(x, found.digits), piece.label, does])
+        rows.append([_decimal(t, found.digits), _decimal(x, found.digits), piece.label, does])
     table = plain_table(["t", "x", "map", "from here it"], rows)
     sizes = ", ".join(_complex(value) for value in found.multipliers)
     lines = [table, "", f"{found.word}: {found.message}"]
-    lines.append(f"period {_number(found.period, found.digits)}, multipliers {sizes}, residual {found.residual:.1e}")
+    lines.append(f"period {_decimal(found.period, found.digits)}, multipliers {sizes}, residual {found.residual:.1e}")
     if found.admissible:
-        lines.append(_start(scene, found))
+        lines.append(_start_text(scene, found))
     if branch is not None:
         lines += ["", f"{len(branch.values)} orbits over {branch.parameter}:"]
         for end in branch.ends:
@@ -186,7 +186,7 @@ def _report(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> str:
     return "\n".join(lines)
 
 
-def _start(scene: Scene, found: PeriodicOrbit) -> str:
+def _start_text(scene: Scene, found: PeriodicOrbit) -> str:
     near = found.approach(scene)
     place = f"the start of {scene.name} (t = {show(scene.t0)}) is off the orbit by {near.offset_x:.3g} in x and"
     place += f" {near.offset_v:.3g} in v"
@@ -198,7 +198,7 @@ def _start(scene: Scene, found: PeriodicOrbit) -> str:
     return f"{place}; the motion from it is within {near.within:g} after {periods}"
 
 
-def _number(value: Any, digits: int | None) -> str:
+def _decimal(value: Any, digits: int | None) -> str:
     return FLOAT_FORMAT.format(value) if digits is None else value.context.nstr(value, digits)
 
 

@@ -111,7 +111,7 @@ def sweep(scene: str, axes: tuple[str, ...], settings: tuple[str, ...], picture:
         about |= {"columns": _columns(dataset), **{str(name): value for name, value in dataset.attrs.items()}}
         write_json(about)
     elif not piped:
-        write(_report(dataset, [path for path in (output, picture) if path is not None]))
+        write(_report_text(dataset, [path for path in (output, picture) if path is not None]))
 
 
 def _swept(problem: Any, over: dict[str, str], asked: Record, options: Record) -> xarray.Dataset:
@@ -162,7 +162,7 @@ def _columns(dataset: xarray.Dataset) -> Record:
     return found
 
 
-def _report(dataset: xarray.Dataset, written: list[str]) -> str:
+def _report_text(dataset: xarray.Dataset, written: list[str]) -> str:
     total = dataset["status"].size
     sizes = " × ".join(f"{name} ({dataset.sizes[name]})" for name in map(str, dataset["status"].dims))
     lines = [f"{sizes}: {total:,} motions"]

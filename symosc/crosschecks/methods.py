@@ -226,7 +226,7 @@ def _force(case: Case, chosen: np.ndarray, held: bool = False) -> Force:
 
 
 def truncation(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of errors such as any method has, with their size and order."""
+    """Yield the diagnosis of truncation errors, with their size and order."""
     wrong = case.inside_wrong
     if len(wrong) < 3:
         return

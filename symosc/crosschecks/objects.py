@@ -378,7 +378,7 @@ MOST_TIMES = 200_000
 
 
 def _grid(t0: float, t_end: float, problem: Scene | Parameters) -> np.ndarray:
-    """Return times between two given ones, so many in the shorter period of the drive and the free motion."""
+    """Return evenly spaced times, fine enough for the shorter period of the drive and the free motion."""
     p = problem if isinstance(problem, Parameters) else problem.parameters
     period = 2.0 * pi / fastest_rate(p)
     count = ceil(min((t_end - t0) / period * 200, float(MOST_TIMES)))

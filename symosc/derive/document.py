@@ -66,7 +66,7 @@ class Checked(NamedTuple):
     parts: list[Part]
 
     def steps(self) -> list[tuple[Step, StepEvidence]]:
-        """Return every step with its evidence, those behind sentences and tables included."""
+        """Return every step with its evidence, those of sentences and tables included."""
         return [pair for part in self.parts for pair in zip(steps_of(part.item), part.evidence, strict=True)]
 
     def displays(self) -> Iterator[Part | list[Part]]:
@@ -230,7 +230,7 @@ def as_latex(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = No
     """Return a chapter as LaTeX, to be read in by the main document."""
     out = [HEADER + rf"\section{{{chapter.title}}}" + rf"\label{{sec:{chapter.key}}}"]
     for part in chapter.displays():
-        piece = _piece(part, scope)
+        piece = _piece_latex(part, scope)
         goes_on = piece.startswith((r"\begin{align}", r"\end{")) and not out[-1].endswith(r"\end{align}")
         if goes_on or out[-1].splitlines()[-1].startswith(r"\begin{proof}"):
             out[-1] += "\n" + piece  # no new paragraph
@@ -239,7 +239,7 @@ def as_latex(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = No
     return resolved("\n\n".join(out), numbers_of([chapter]) if numbers is None else numbers) + "\n"
 
 
-def _piece(part: Part | list[Part], scope: Scope) -> str:
+def _piece_latex(part: Part | list[Part], scope: Scope) -> str:
     if isinstance(part, list):
         return align(part, scope, lambda each: rf"\markit{{{each.marks}}}\label{{{each.label}}}")
     item, mark = part.item, rf"\checkedby{{{part.marks}}}" if part.evidence else ""

@@ -116,10 +116,10 @@ def latex_to_unicode(text: str) -> str:
     for prose in parts[::2]:
         if "\\" in prose:
             raise ValueError(f"{prose!r}: only formulas may have commands")
-    return "".join(_formula(p) if odd % 2 else p.replace("~", " ").replace("--", "–") for odd, p in enumerate(parts))
+    return "".join(_unicode(p) if odd % 2 else p.replace("~", " ").replace("--", "–") for odd, p in enumerate(parts))
 
 
-def _formula(text: str) -> str:
+def _unicode(text: str) -> str:
     for latex, plain in _ACCENTS.items():
         text = text.replace(latex, plain)
     out, place = "", 0
@@ -132,7 +132,7 @@ def _formula(text: str) -> str:
             if group is None:
                 raise ValueError(f"{text!r}: ends with {found[0]}")
             place, inside = group.end(), group[1] or group[2]
-            root = _formula(inside) if command else ""
+            root = _unicode(inside) if command else ""
             out += (f"√{root}" if root.isalnum() else f"√({root})") if command else _script(found[4], inside)
         elif command in _FUNCTIONS:
             out += f"{command} "
@@ -155,5 +155,5 @@ def _script(place: str, script: str) -> str:
     letters = script.replace(r"\alpha", "α").replace(" ", "")
     if all(ord(letter) in table for letter in letters):
         return letters.translate(table)
-    inside = _formula(script)
+    inside = _unicode(script)
     return f"{place}{inside}" if len(inside) == 1 else f"{place}({inside})"

@@ -238,7 +238,7 @@ def _factor_key(factor: Expr) -> tuple[int, int, Any]:
 
 
 def _drag_in_front(expr: Expr) -> tuple[Expr, bool]:
-    """Write -(mu_1 - mu_2) for a factor (-mu_1 + mu_2), as the paper does; the second value tells that it was done."""
+    """Write -(mu_1 - mu_2) for a factor (-mu_1 + mu_2), as the paper does; return also whether it was done."""
     for factor in sp.Mul.make_args(expr):
         letters = {symbol.name for symbol in factor.free_symbols}
         mu_1 = next((symbol for symbol in factor.free_symbols if symbol.name == "mu_1"), sp.S.One)

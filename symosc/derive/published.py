@@ -183,6 +183,7 @@ def last_friction(n: int) -> float:
 
 
 def _largest(path: Callable[[Fraction], Trajectory]) -> float:
+    """Bisect for the largest number whose motion crosses four times and does nothing else."""
     low, high = Fraction(0), Fraction(1)
     while high - low > 1e-9:
         middle = (low + high) / 2
@@ -299,7 +300,7 @@ def stops(parameters: Parameters) -> int | None:
 
 
 def from_rest(p: Parameters, cycles: int) -> Trajectory:
-    """Return so many cycles of the motion from rest at 0."""
+    """Return the first `cycles` cycles of the motion from rest at 0."""
     return simulate(p, t0=0, x0=0, v0=0, t_end=Fraction(cycles * (2 * pi / float(p.Omega))), accuracy=1e-6)
 
 

@@ -150,7 +150,7 @@ class FragmentScope(Scope):
 
 
 def _rounded(expr: Expr, digits: int) -> Expr:
-    """Round numbers, and constants such as sqrt(3), to so many digits; whole numbers up to 100 stay."""
+    """Round numbers, and constants such as sqrt(3), to `digits` digits; whole numbers up to 100 stay."""
     if expr.is_number and not expr.has(sp.pi) and not (expr.is_Integer and abs(expr) <= 100):
         value = sp.N(expr, digits + 5)
         return sp.Rational(str(sp.Float(value, digits))) if value.is_Float and value != 0 else expr

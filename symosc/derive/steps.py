@@ -294,7 +294,7 @@ class Close(Check):
 
 
 def decimal(name: str, number: Any, decimals: int, check: Check | None = None, **options: Any) -> Step:
-    """Return the step that a letter has a value, rounded to so many decimals."""
+    """Return the step that a letter has a value, rounded to `decimals` decimals."""
     check = check or Close(lambda: number, decimals)
     return step(sp.Symbol(name, real=True), "=", rounded(number, decimals), check, decimals=True, **options)
 

@@ -24,18 +24,15 @@ def register(kind: type | str, show: Show, what: Literal["draw", "page", "write"
     """Register what shows answers of a kind, which is a class or its qualified name."""
     # "draw": ``answer.plot(**options)`` returns ``show(answer, **options)``. "page": notebooks show the HTML of
     # ``show(answer)``. "write": ``answer.to_html(path)`` returns ``show(answer, path)``.
-    _registered[what][kind if isinstance(kind, str) else _name(kind)] = show
-
-
-def _name(kind: type) -> str:
-    return f"{kind.__module__}.{kind.__qualname__}"
+    _registered[what][kind if isinstance(kind, str) else f"{kind.__module__}.{kind.__qualname__}"] = show
 
 
 def _found(answer: object, what: str, load: list[Callable[[], object]]) -> Show | None:
+    """Return what is registered for the class of an answer, after the loaders have run; None if nothing is."""
     while load:
         load.pop()()
-    shows = _registered[what]
-    return next((shows[name] for name in map(_name, type(answer).__mro__) if name in shows), None)
+    shows, names = _registered[what], (f"{kind.__module__}.{kind.__qualname__}" for kind in type(answer).__mro__)
+    return next((shows[name] for name in names if name in shows), None)
 
 
 class Drawable:

@@ -31,7 +31,7 @@ def page(kind: str, line: str, *parts: str) -> Markup:
 def table(heads: Sequence[str], rows: Sequence[Sequence[Any]], count: int | None = None) -> Markup:
     """Return a table, the middle of a long one left out; of `count` rows only those that `ends` names need be given."""
     left_out = (len(rows) if count is None else count) - HEAD_ROWS - TAIL_ROWS
-    shown_rows = [_row(each) for each in (rows if left_out <= 0 else [*rows[:HEAD_ROWS], *rows[-TAIL_ROWS:]])]
+    shown_rows = [_row_html(each) for each in (rows if left_out <= 0 else [*rows[:HEAD_ROWS], *rows[-TAIL_ROWS:]])]
     if left_out > 0:
         gap = Markup('<tr><td colspan="{}" style="{};opacity:0.6">… {:,} more</td></tr>')
         shown_rows.insert(HEAD_ROWS, gap.format(len(heads), CELL, left_out))
@@ -41,12 +41,12 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[Any]], count: int | None
 
 
 def ends(count: int) -> list[int]:
-    """Return the numbers of the rows that a table of so many rows shows."""
+    """Return the numbers of the rows that a table of `count` rows shows."""
     every = range(count)
     return list(every) if count <= HEAD_ROWS + TAIL_ROWS else [*every[:HEAD_ROWS], *every[-TAIL_ROWS:]]
 
 
-def _row(cells: Sequence[Any]) -> Markup:
+def _row_html(cells: Sequence[Any]) -> Markup:
     each = (Markup('<td style="{}">{}</td>').format(CELL, shown(cell)) for cell in cells)
     return Markup("<tr>{}</tr>").format(Markup("").join(each))
 

@@ -252,7 +252,7 @@ def _float_constants(parameters: Parameters) -> Constants:
 
 @lru_cache(maxsize=256)
 def _reduced(angle: Fraction, digits: int) -> tuple[int, Any]:
-    """Return (turns, remainder) of an angle, cached: many starts have the same angle."""
+    """Divide an angle by 2 pi: return (turns, remainder), cached, as many starts have the same angle."""
     if angle == 0:
         return 0, None
     context = mp_context(digits + 20 + len(str(abs(int(angle)))))
@@ -273,7 +273,7 @@ def compiled() -> dict[str, Any]:
 
 
 def compiled_with(width: int) -> dict[str, Any]:
-    """Return the functions for doubles compiled by numba, with so many lanes side by side."""
+    """Return the functions for doubles compiled by numba, with `width` lanes side by side."""
     try:
         from symosc.kernels import lane_types
         from symosc.kernels.borrowed import borrowed

@@ -269,7 +269,7 @@ def doubt_row(states, count, most, accuracy, table):
 
 def next_undecided(state, count, row, most, accuracy, K):
     """Return the number of the next event that `follow_all` cannot decide; 0 if there is none soon."""
-    # Before the state there were `count` events; events behind number `most` are of no interest.
+    # Before the state there were `count` events; events after number `most` are of no interest.
     t0 = float(row[15])
     for _ in range(LOOK_AHEAD):
         step, _, decided, t_error, state = searched(state, row, K)

@@ -76,7 +76,7 @@ FAR = 1e300  # larger than any root
 SHRINK = 1e-3  # how far a safe step stays before the root that it aims at, as a part of the step
 # A root of P is taken as found when Halley's last step was shorter than this part of it: the next would be its cube.
 FIRM = 1e-2
-# A root behind which the gap gets deeper than this part of its size is no touch.
+# A root after which the gap gets deeper than this part of its size is no touch.
 DEEP = 1e-9
 MARCH_SLACK = 1e-10  # what a gap must exceed while marching, as a part of its size
 # A gap of so many times what a stride needs (its fourth power counts) allows a step of 50 strides.

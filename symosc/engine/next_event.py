@@ -447,7 +447,7 @@ def phase_after(theta, theta_low, tau, K):
 
 
 def in_two_parts(theta, theta_low):
-    """Normalise a phase in two parts: the nearest number and the rest; slightly below 0, as 0 and the rest."""
+    """Normalise a phase in two parts: the nearest number and the rest; one slightly below 0 becomes 0 and the rest."""
     total = theta + theta_low
     theta_low = theta_low - (total - theta)
     return select(total < 0.0, 0.0 * total, total), select(total < 0.0, theta_low + total, theta_low)

@@ -190,7 +190,7 @@ def any_of(typingctx: Any, flags: Any) -> Any:
 
 @intrinsic
 def bits_of(typingctx: Any, flags: Any) -> Any:
-    """Return the flags of all lanes as the bits of a whole number, lane 0 in the last one."""
+    """Return the flags of all lanes as the bits of a whole number, lane 0 as the lowest bit."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         return builder.zext(builder.bitcast(arguments[0], ir.IntType(flags.width)), LONG)

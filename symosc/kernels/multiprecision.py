@@ -122,7 +122,7 @@ class BasisMP:
     # Close roots cost digits in divided differences, and so do short times. How many is known beforehand, so they are
     # computed with as many more, in contexts of their own; coinciding roots are found in rational arithmetic. Very
     # short times use the Taylor series. The precision of `context` (of mpmath, or a `symosc.kernels.mpfr.MpfrContext`)
-    # is that of the results; `more` returns such a context with at least so many bits.
+    # is that of the results; `more` returns such a context with at least that many bits.
 
     def __init__(self, context: Context, parameters: Parameters, more: Callable[[int], Context] = with_bits) -> None:
         self.context = context

@@ -364,7 +364,7 @@ def _whole(x):
 
 @overload(operator.setitem)
 def _stored(array, index, value):
-    """Compile the storing of a pair in a complex array."""
+    """Compile ``array[index] = pair`` for complex arrays."""
     if isinstance(array, types.Array) and array.dtype is types.complex128 and value is pair_type:
 
         def stored(array, index, value):

@@ -423,7 +423,7 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
 
 @lru_cache(maxsize=64)
 def _engine(p: Parameters, digits: int | None) -> Arithmetic:
-    """Return the engine's arithmetic with so many digits."""
+    """Return the engine's arithmetic with that many digits, None for doubles."""
     return many_digits(p, digits) if digits else Arithmetic(p)
 
 

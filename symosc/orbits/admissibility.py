@@ -90,8 +90,8 @@ class Condition(NamedTuple):
 
 GRAZING, BIRTH, VANISHING = "grazing", "birth of a stick", "vanishing of a stick"
 SLIP_BIRTH, SLIP_VANISHING, FLIGHT_VANISHING = "birth of a slip", "vanishing of a slip", "vanishing of a flight"
-# A flight that no longer reaches its belt takes the stick behind it with it; a slip that vanishes takes its own arrival
-# with it; a crossing that turns into a stick makes the flight behind it leave into the wrong domain.
+# A flight that no longer reaches its belt takes the stick after it with it; a slip that vanishes takes its own arrival
+# with it; a crossing that turns into a stick makes the flight after it leave into the wrong domain.
 ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, STAYS_INSIDE, FLIGHT_LASTS, ENGINE = range(8)
 
 

@@ -316,7 +316,7 @@ def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
 
 
 def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
-    """Return the largest part of a step that leaves every flight at least 1 - SHORTEN of its duration."""
+    """Return the largest part of a Newton step that leaves every flight at least 1 - SHORTEN of its duration."""
     # A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
     durations = equations.durations(points)
     changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]

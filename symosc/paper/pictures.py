@@ -189,8 +189,8 @@ def _contact(view: View, contact: Contact) -> str:
 def motion_caption(name: str) -> str:
     """Return the caption of Fig. 9 or 10 from the printed start."""
     return (
-        f"As printed. {_six_panels(figures.motion_view(name))} The printed start is not on the periodic orbit: "
-        f"{_distance(f'{name}-orbit')} {parameters_and_start(name)}"
+        f"As printed. {_panels_text(figures.motion_view(name))} The printed start is not on the periodic orbit: "
+        f"{_distance_text(f'{name}-orbit')} {parameters_and_start(name)}"
     )
 
 
@@ -201,13 +201,13 @@ def orbit_caption(orbit: str) -> str:
     once = [event for event in events if event.t < events[0].t + 0.999 * T]
     points = ", ".join(f"({number(float(event.t), 7)}, {number(float(event.x), 7)})" for event in once)
     return (
-        f"The periodic orbit {load_scene(orbit).structure} with its period T = {number(T, 7)}. {_six_panels(view)} It "
-        f"switches at (t, x) = {points}. Diamond: the start printed in the paper; {_distance(orbit)} "
+        f"The periodic orbit {load_scene(orbit).structure} with its period T = {number(T, 7)}. {_panels_text(view)} It "
+        f"switches at (t, x) = {points}. Diamond: the start printed in the paper; {_distance_text(orbit)} "
         f"{parameters_and_start(orbit)}"
     )
 
 
-def _six_panels(view: View) -> str:
+def _panels_text(view: View) -> str:
     low, high = view.domains
     sticks = any(event.kind == "stick" for event in view.trajectory.events)
     marks = MARKS if sticks else "Triangles: the mass passes a belt."
@@ -217,7 +217,7 @@ def _six_panels(view: View) -> str:
     )
 
 
-def _distance(orbit: str) -> str:
+def _distance_text(orbit: str) -> str:
     scene = load_scene(orbit)
     away = find_orbit(scene.parameters, str(scene.structure)).approach(printed_scene(orbit))
     return (

@@ -375,7 +375,7 @@ def group_table(scores: Sequence[Score], form: str = "simple") -> str:
     times = [[case.seconds for case in score.given if case.seconds is not None] for score in scores]
     if any(times):
         rows.append(["seconds", "", *(f"{sum(each):.3g}" if each else "" for each in times)])
-    return _tabulate(rows, ["group", "cases", *(score.name for score in scores)], form)
+    return _tabulate_escaped(rows, ["group", "cases", *(score.name for score in scores)], form)
 
 
 def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool = True) -> str:
@@ -389,7 +389,7 @@ def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool 
         row += [case_cell(score.cases[i]) for score in scores]
         numbers = ["" if value is None else f"{value:.0e}" for value in (case.error_t, case.error_x, case.seconds)]
         rows.append(row + numbers if alone else row)
-    return _tabulate(rows, [*heads, *(["error of t", "error of x", "seconds"] if alone else [])], form)
+    return _tabulate_escaped(rows, [*heads, *(["error of t", "error of x", "seconds"] if alone else [])], form)
 
 
 def faults(score: Score) -> list[str]:
@@ -479,7 +479,7 @@ def as_html(scores: Sequence[Score], title: str, version: int) -> str:
     return f'<!DOCTYPE html>\n<html lang="en">\n<head>\n{head}\n</head>\n<body>\n{body}\n</body>\n</html>\n'
 
 
-def _tabulate(rows: Sequence[Sequence[str]], heads: Sequence[str], form: str) -> str:
+def _tabulate_escaped(rows: Sequence[Sequence[str]], heads: Sequence[str], form: str) -> str:
     def cells(row: Sequence[str]) -> list[str]:  # in Markdown a bar would end the cell
         return [each.replace("|", "\\|") if form == "github" else each for each in row]
 

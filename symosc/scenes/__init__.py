@@ -230,7 +230,7 @@ CONVERTERS["parameters"] = parameters_of
 
 
 def end_time(given: Any, p: Parameters, t0: Any) -> Any:
-    """Return an end time; text such as "10T" is so many periods of the drive after t0."""
+    """Return an end time; text such as "10T" is ten periods of the drive after t0."""
     if not (isinstance(given, str) and given.strip().endswith("T")):
         return given
     periods = read_exact("t_end", given.strip()[:-1].strip())
@@ -363,7 +363,7 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
     """Return a scene as the text of a TOML file, which reads back as the same scene; `explained` adds comments."""
 
     def line(name: str, text: str) -> str:
-        written = f"{name} = {_number(text)}"
+        written = f"{name} = {_toml_number(text)}"
         if not explained:
             return written
         meaning, _, _, allowed = QUANTITIES[name]
@@ -390,9 +390,9 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
     lines += ["", "[start]", *([START_COMMENT] if explained else [])]
     lines += [line(name, show(getattr(own, name))) for name in ("t0", "x0", "v0")]
     if own.start_error is not None:
-        lines.append(f"start_error = [{', '.join(_number(show(each)) for each in own.start_error)}]")
+        lines.append(f"start_error = [{', '.join(_toml_number(show(each)) for each in own.start_error)}]")
     return "\n".join(lines)
 
 
-def _number(text: str) -> str:
+def _toml_number(text: str) -> str:
     return json.dumps(text) if "/" in text else text  # TOML has no fractions; as text they are read exactly

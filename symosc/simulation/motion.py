@@ -128,7 +128,7 @@ class SearchInDoubles:
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (arithmetic.K, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
-        """Return the next event and, if it is undecided, how long no wall is met; None outside the range of doubles."""
+        """Return the next event and, if it is undecided, for how long the flight meets no wall; None on overflow."""
         keep_state(self._rows, 0, state)
         try:
             code, boundary, decided, t_error, free = self._search(self._rows, self._careful)
@@ -432,7 +432,7 @@ class MotionInPairs:
 
 
 class MotionInDigits(Motion):
-    """A motion with digits whose events are recorded in doubles; it may go on from where `other` stopped."""
+    """A motion with many digits whose events are recorded in doubles; it may go on from where `other` stopped."""
 
     # One that did is not sure of an event that it knows worse than the limits say.
 
@@ -490,7 +490,7 @@ class MotionInDigits(Motion):
 
 
 class FinerMotion:
-    """The same problem in more precise numbers, followed only as far as doubles require; all in doubles comes out."""
+    """The same problem in more precise numbers, followed only as far as doubles require, and handed out in doubles."""
 
     # Pairs follow it, by `loops` or where this process has their loop, else FINER_DIGITS digits. Past a contact that
     # they leave open as many go on as confirm a graze (`digits_to_confirm_graze`): from the state before it with its
@@ -558,7 +558,7 @@ class FinerMotion:
         return self._go_on(int(max(needed, most)), now)
 
     def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
-        """Follow the motion with so many digits, from where `other` stopped, or from t0 to where it is now."""
+        """Follow the motion with `digits` digits, from where `other` stopped, or from t0 to where it is now."""
         self._take()
         count, steps = self.count, sum(pieces.shape[1] for pieces in self.pieces)
         self._now = now = MotionInDigits(self._doubles, self._limits, digits, other)

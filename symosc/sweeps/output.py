@@ -189,7 +189,7 @@ def _about(path: Path) -> bytes:
 
 
 def _end_of_netcdf(plan: str, checksum: str) -> bytes:
-    """Return the content behind the HDF5 part of a netCDF file."""
+    """Return what follows the HDF5 part of a netCDF file."""
     return f"\n{PLAN_ATTRIBUTE}: {plan}\n{CHECKSUM_ATTRIBUTE}: {checksum}\n".encode()
 
 

@@ -99,10 +99,10 @@ def _axes(over: Any) -> dict[str, np.ndarray]:
         raise ParameterError("over", over, OVER_FORM)
     if not 1 <= len(over) <= MOST_AXES:
         raise ParameterError("over", list(over), f"must have one to {MOST_AXES} axes")
-    return {_known(name): read_axis(name, values) for name, values in over.items()}
+    return {_known_name(name): read_axis(name, values) for name, values in over.items()}
 
 
-def _known(name: Any) -> str:
+def _known_name(name: Any) -> str:
     if name not in SWEPT_NAMES:
         known = f"cannot be swept; what can be is {', '.join(SWEPT_NAMES)}"
         raise ParameterError("over", name, known + meant(name, SWEPT_NAMES))
@@ -111,7 +111,7 @@ def _known(name: Any) -> str:
 
 def read_axis(name: str, values: Any) -> np.ndarray:
     """Return the values of an axis, all different: those that are given, or N evenly spaced ones of "LO:HI:N"."""
-    found = _evenly(name, values) if isinstance(values, str) else _numbers(name, values)
+    found = _evenly_spaced(name, values) if isinstance(values, str) else _numbers(name, values)
     if not len(found):
         raise ParameterError(name, values, f"has no values; {AXIS_FORM}")
     ordered = np.sort(found)
@@ -127,7 +127,7 @@ def _whole(name: str, text: str, least: int) -> int:
     return whole_number(name, int(text) if text.isascii() and text.isdigit() else None, least)
 
 
-def _evenly(name: str, text: str) -> np.ndarray:
+def _evenly_spaced(name: str, text: str) -> np.ndarray:
     parts = text.split(":")
     if len(parts) != 3:
         raise ParameterError(name, text, AXIS_FORM)
@@ -166,7 +166,7 @@ def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
         rows = {name: [row[name] for row in over] for name in over[0]}
     else:
         return None
-    columns = {_known(name): _numbers(name, values) for name, values in rows.items()}
+    columns = {_known_name(name): _numbers(name, values) for name, values in rows.items()}
     if not columns or not len(next(iter(columns.values()))):
         raise ParameterError("over", "a table", "must have a column and a row")
     return columns

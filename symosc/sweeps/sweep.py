@@ -209,7 +209,7 @@ def dask_client(address: str) -> Any:
     try:
         return Client(address, timeout=CONNECT_SECONDS)
     except (OSError, ValueError, TimeoutError) as error:
-        allowed = f"no scheduler of dask answers there ({_brief(error)})"
+        allowed = f"no scheduler of dask answers there ({_error_text(error)})"
         raise ParameterError("executor", address, allowed) from None
 
 
@@ -257,10 +257,10 @@ def _worker_errors() -> Iterator[None]:
     except (SymoscError, MemoryError):
         raise
     except Exception as error:
-        raise SweepError(f"a worker failed: {_brief(error)}") from error
+        raise SweepError(f"a worker failed: {_error_text(error)}") from error
 
 
-def _brief(error: BaseException) -> str:
+def _error_text(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split())
 
 

@@ -84,7 +84,7 @@ def forcing(n: int) -> Expr:
 
 
 def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
-    """Return F^(alpha) at tau after it was `start` on a belt of speed v: x = x_i + v tau."""
+    """Return F^(alpha) on a belt at the time tau of a stick (x = x_i + v tau), given its value at the onset."""
     # `cosines` stands for cos(theta_i + Omega tau) - cos(theta_i), which a caller can compute without cancellation.
     here, there = acceleration(x_i, v, theta_i), acceleration(x_i + v * tau, v, theta_i + Omega * tau)
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)

@@ -261,7 +261,7 @@ def rational(value: Fraction) -> Expr:
 
 
 def sign_of(number: Expr) -> int:
-    """Return the exact sign of a real constant; ParameterError if it can be shown neither to be 0 nor not to be."""
+    """Return the exact sign of a real constant; ParameterError if it is undecided whether it is 0."""
     if number.is_Rational:
         return int(sp.sign(number))
     for digits in (30, 200):

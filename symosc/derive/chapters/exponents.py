@@ -274,7 +274,7 @@ def _exponents_table() -> Table:
         decay += CONTEXT.log(_force(p, after, *where) / _force(p, before, *where)) / number(orbit.period)
 
     def growth(scene: str, of: Any) -> Any:
-        """Return an exponent as the rate at which a distance grows between two times, whole periods apart."""
+        """Return a Lyapunov exponent as the rate at which a distance grows between two times, whole periods apart."""
         early, late = (of(sensitivities(scene, "x0", t_end=f"{n}T").lyapunov) for n in (50, 100))
         return 2 * late - early
 

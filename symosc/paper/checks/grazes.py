@@ -483,7 +483,7 @@ class NearestGraze:
 
     @property
     def rounds(self) -> bool:
-        """Whether a start that grazes rounds to the printed one."""
+        """Whether the rounded start of some grazing flow is the printed one."""
         return self.t_low <= self.t_high
 
 

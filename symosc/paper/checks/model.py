@@ -57,7 +57,7 @@ def added_force(p: Parameters, alpha: int) -> Fraction:
 
 
 def vector_field(p: Parameters, alpha: int, x: Fraction, v: Fraction, cosine: Fraction) -> Fraction:
-    """Eq. (9)."""
+    """Eq. (9): the acceleration F^(alpha) in a domain."""
     rest = {1: p.A0 + (p.mu1 + p.mu2) * p.FN, 2: p.A0 - (p.mu1 - p.mu2) * p.FN, 3: p.A0 - (p.mu1 + p.mu2) * p.FN}
     return -p.c / p.m * v - p.k / p.m * x + p.B0 / p.m * cosine + rest[alpha] / p.m
 

@@ -76,7 +76,7 @@ _SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def text(value: Any, digits: int = 15) -> str:
-    """Return a number of any kind as text: a Fraction or an int exactly, others with so many digits."""
+    """Return a number of any kind as text: a Fraction or an int exactly, others with `digits` digits."""
     if isinstance(value, int):
         return str(value)
     if isinstance(value, Fraction):
@@ -306,7 +306,7 @@ def fly_again(p: Parameters, stretches: list[Stretch]) -> Opinion:
 
 
 def _force(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
-    """Eq. (9)."""
+    """Return the acceleration F^(alpha) of eq. (9)."""
     A, B0, Omega, k, c, m = (float(value) for value in (p.A(alpha), p.B0, p.Omega, p.k, p.c, p.m))
     return (A + B0 * np.cos(Omega * t) - k * x - c * v) / m
 

@@ -72,14 +72,14 @@ def gamma_of(p: Parameters, acceleration: Fraction, velocity: Fraction) -> Fract
 
 
 def turn(s: Any, c: Any) -> Any:
-    """Return an angle from its sine and cosine as a number in [0, 4) that grows with it; rational for rational ones."""
+    """Map an angle, given by sine and cosine, to a number in [0, 4) that grows with it; rationals stay rational."""
     if s >= 0:
         return s / (s + c) if c > 0 else 1 - c / (s - c)
     return 2 + s / (s + c) if c < 0 else 3 + c / (c - s)
 
 
 def angle(where: Any) -> float:
-    """Return the angle in radians that `turn` gives as `where`."""
+    """Convert a number that `turn` returned to the angle in radians."""
     quarter, part = divmod(float(where), 1.0)
     return (quarter + atan2(part, 1.0 - part) * 2 / pi) * pi / 2
 
