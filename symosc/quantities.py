@@ -232,6 +232,7 @@ def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
 
 @cache
 def _registry() -> Any:
+    """Return pint's registry of units; MissingExtraError without pint."""
     try:
         import pint
     except ImportError:

@@ -139,6 +139,7 @@ def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
 
 
 def _namer(name: str) -> Callable[..., tuple[str, ...]]:
+    """Return a function that returns a name in place of each of its five results."""
     return lambda *arguments: (name,) * 5
 
 

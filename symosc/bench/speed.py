@@ -98,6 +98,7 @@ def floor_s() -> float:
 
 
 def _seconds(action: Callable[[], object], clock: Callable[[], float]) -> float:
+    """Return the seconds that a call takes, by a clock."""
     begin = clock()
     action()
     return clock() - begin
@@ -142,6 +143,7 @@ def _starts(count: int, name: str = "fig9") -> tuple[Parameters, np.ndarray, np.
 
 
 def _ensemble(count: int) -> Iterator[Call]:
+    """Yield calls of `simulate_many` that count events or return their rows."""
     p, starts, ends = _starts(count)
     follow = partial(simulate_many, p, starts, ends, **ONE_CORE)
     events = int(follow(record=COUNTS).events.sum())
@@ -236,6 +238,7 @@ def _shrinking_sticks(ends: int, motions: int) -> Iterator[Call]:
 
 
 def _residuals(points: int) -> Iterator[Call]:
+    """Yield calls that evaluate the residuals of P3 at many points."""
     p, rng = load_scene("fig9").parameters, np.random.default_rng(0)
     x_i, x_j = rng.uniform(-5, 5, (2, points))
     theta_i = rng.uniform(0, 6.28, points)

@@ -234,6 +234,7 @@ def table(result: Record, markdown: bool = False) -> str:
 
 
 def _cells(row: Record, limit: float) -> list[str]:
+    """Return a row of the results as text."""
     times = ["" if row[name] is None else rounded(row[name], 3) for name in ("over_ours", "us_per_event")]
     error = "" if row["error"] is None else f"{row['error']:.1e}"
     counts = ["" if row[name] is None else str(row[name]) for name in ("compared", "missed", "invented")]

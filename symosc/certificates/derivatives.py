@@ -72,6 +72,7 @@ def _changes(
 
 
 def _series(value: Ball, slope: Ball) -> Ball:
+    """Return a power series of two terms."""
     return arb_series([value, slope], prec=2)
 
 

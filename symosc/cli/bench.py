@@ -115,6 +115,7 @@ def _run_speed(quick: bool) -> Record:
 
 
 def _scores(option: str, page: str) -> int:
+    """Run all solvers on the reference cases and write the page; return the exit code."""
     from symosc.bench import cases, gradients
     from symosc.files import check_folder_of
 

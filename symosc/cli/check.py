@@ -164,6 +164,7 @@ def _checked(problem: Scene, files: tuple[str, ...], options: Record) -> Any:
 
 
 def _only_one(result: Any, option: str) -> Any:
+    """Return a result; raise BadParameter if it is a list of several."""
     if isinstance(result, list):
         raise click.BadParameter(f"shows one solution, and there are {len(result)}", param_hint=option)
     return result

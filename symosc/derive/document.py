@@ -240,6 +240,7 @@ def as_latex(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = No
 
 
 def _piece_latex(part: Part | list[Part], scope: Scope) -> str:
+    """Return a part of a chapter as LaTeX."""
     if isinstance(part, list):
         return align(part, scope, lambda each: rf"\markit{{{each.marks}}}\label{{{each.label}}}")
     item, mark = part.item, rf"\checkedby{{{part.marks}}}" if part.evidence else ""
@@ -332,6 +333,7 @@ def as_html(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = Non
 
 
 def _html_piece(part: Part | list[Part], scope: Scope, html: ToHtml, level: int) -> str:
+    """Return a part of a chapter as HTML."""
     if isinstance(part, list):
         return _display_html(part, scope, html)
     item, number = part.item, part.number
@@ -388,6 +390,7 @@ def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
 
 
 def _cells(heads: Sequence[str], body: Iterable[Sequence[str]], html: ToHtml) -> str:
+    """Return a table as HTML."""
     top = "".join(f"<th>{html(head)}</th>" for head in heads)
     lines = "\n".join("<tr>" + "".join(f"<td>{html(value)}</td>" for value in row) + "</tr>" for row in body)
     return f'<div class="wide"><table class="cells">\n<tr>{top}</tr>\n{lines}\n</table></div>'

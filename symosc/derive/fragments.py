@@ -92,6 +92,7 @@ def as_latex(
 
 
 def _table(table: Table, scope: FragmentScope, tags: dict[str, str]) -> str:
+    """Return a table as LaTeX."""
     lines = [" & ".join(cell(value, scope) for value in row) for row in table.rows]
     heads = [head + (f", {tags[f'column{i}']}" if f"column{i}" in tags else "") for i, head in enumerate(table.heads)]
     begin = "\\begin{center}\n" + rf"\begin{{tabular}}{{{'l' * len(heads)}}}"

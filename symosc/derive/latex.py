@@ -50,6 +50,7 @@ def named(latex: str, **assumptions: Any) -> Expr:
 
 
 def _rank(term: Expr) -> tuple[float, bool, Any]:
+    """Return the sort key of a term of a sum."""
     outside = [factor for factor in sp.Mul.make_args(term) if not factor.is_Add and not isinstance(factor, sp.exp)]
     letters = {symbol.name for factor in outside or [term] for symbol in factor.free_symbols}
     if not letters:

@@ -512,6 +512,7 @@ def _counts() -> Iterator[Value]:
 
 
 def _border(case: str, formula: Any, border: Border) -> Value:
+    """Return the value of F/P at a border, by formula and by bisection of simulations."""
     note = f"{border.below} stops below, {border.above} above"
     return Value("F/P", case, formula, border.middle, 7, 1e-7, note)
 

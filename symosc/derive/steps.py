@@ -170,6 +170,7 @@ def flat(parts: Items) -> list[Any]:
 
 
 def _text_parts(text: str) -> Iterator[Any]:
+    """Yield headings, environments and paragraphs of a LaTeX text."""
     place = 0
     for found in _MARKUP.finditer(text):
         yield from (Prose(part) for part in [text[place : found.start()].strip()] if part)
@@ -317,6 +318,7 @@ class AtRoot(Check):
 
 
 def _within(statement: Relation, off: Any, tolerance: Any) -> StepEvidence:
+    """Return the evidence that both sides agree within a tolerance, or raise StepError."""
     if not off <= tolerance:
         raise StepError(str(statement), f"the sides differ by {CONTEXT.nstr(off, 3)}")
     return StepEvidence("numeric", CONTEXT.nstr(off, 2), 1)

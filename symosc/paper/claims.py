@@ -109,6 +109,7 @@ def read_claims(
 
 
 def _claim(name: str, part: str, table: dict[str, Any], where: str, targets: dict[str, str], checks: str) -> Claim:
+    """Read and check a claim."""
     for key in REQUIRED:
         if key not in table:
             raise RecordsError(where, f"{key} is missing")

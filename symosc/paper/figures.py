@@ -138,6 +138,7 @@ def later_stick(view: View) -> Contact:
 
 
 def _contact_mark(contact: Contact) -> Mark:
+    """Return the mark of a contact."""
     return Mark("grazing point" if contact.until == contact.since else "contact", SWITCH_COLOR, contact.since)
 
 

@@ -74,6 +74,7 @@ def write_cases(
 
 
 def _compute_files(cases: Sequence[ReferenceCase], workers: int) -> Iterator[Record]:
+    """Yield the files of each case, computed in `workers` processes."""
     if len(cases) <= CASES_IN_LINE or workers < 2:
         yield from map(_case_files, cases)
         return

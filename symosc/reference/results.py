@@ -111,6 +111,7 @@ def _of_file(path: Path, name: str | None) -> Results:
 
 
 def _wrong(what: str) -> ParameterError:
+    """Return the error for a file of results."""
     return ParameterError("file", "", what)
 
 

@@ -264,7 +264,7 @@ def _checksum(path: Path) -> tuple[str, str, int]:
 
 
 def _write_netcdf(dataset: xarray.Dataset, draft: Path) -> None:
-    """Make the file in memory: where the disk is full, HDF5 ends the program with a segmentation fault."""
+    """Write a netCDF file, made in memory: on a full disk HDF5 ends the program with a segmentation fault."""
     import h5netcdf
 
     content = BytesIO()

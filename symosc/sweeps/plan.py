@@ -95,6 +95,7 @@ def read_grid(scene: Scene, over: Any, starts: Any = None) -> Grid:
 
 
 def _axes(over: Any) -> dict[str, np.ndarray]:
+    """Read the swept axes by name."""
     if not isinstance(over, Mapping):
         raise ParameterError("over", over, OVER_FORM)
     if not 1 <= len(over) <= MOST_AXES:
@@ -187,6 +188,7 @@ def start_rows(starts: Any) -> Any:
 
 
 def _starts(starts: Any) -> dict[str, np.ndarray]:
+    """Return the columns of swept starts by name."""
     unmasked("starts", starts)
     try:
         rows = np.atleast_2d(np.asarray(starts, dtype=object))

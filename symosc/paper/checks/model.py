@@ -78,10 +78,12 @@ def domain_of(p: Parameters, v: Fraction) -> list[int]:
 
 
 def _parameter_sets() -> list[Parameters]:
+    """Return random parameter sets."""
     return [contact.p for contact in contacts(1, CASES, seed=3)]
 
 
 def _both_boundaries(seed: int) -> Iterator[RationalContact]:
+    """Yield random contacts with both boundaries."""
     for boundary in NEIGHBOURS:
         yield from contacts(boundary, CASES, seed=seed + boundary)
 

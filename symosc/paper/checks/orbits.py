@@ -370,6 +370,7 @@ def misprint(scene: Scene) -> Evidence:
 
 
 def _free_numbers(found: list[Nearest]) -> dict[str, str]:
+    """Return the result for each number that was left free, as text."""
     numbers = {}
     for each in found:
         what = "orbit minus start" if each.orbit else "misses the start after one period by"
