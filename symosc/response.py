@@ -46,13 +46,10 @@ from symosc.words import Word, WordError
 POINTS, CONVERGED, SMALL_MOTION = 24, 1e-14, 1e-2
 #: How often a piece is halved at most, and where halving no longer helps because rounding is all that is left.
 MOST_HALVES, ROUNDING = 30, 1e-10
-#: Periods of a motion without events are cut into parts of this angle of the fastest of drive and oscillator.
-LONGEST_TURN = 2.0
 
 
 #: Periods after which motions from harmonic balance are examined, and after which that from rest is given up.
 FOLLOWED = 3, 12, 48
-SETTLED_AFTER = 1000
 
 
 class Row(NamedTuple):
@@ -283,7 +280,7 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
             raise ConvergenceError("", (), 1, inf, "without a damper the motion between the belts goes on for ever")
         z = float(p.B0) / complex(float(p.k - p.m * p.Omega**2), float(p.c * p.Omega))  # the first harmonic
         return Settled("linear", (0, float(p.A(free) / p.k) + z.real, -float(p.Omega) * z.imag))
-    orbit = _near(p, before) or _followed(p, guess) or settled_orbit(p, most=SETTLED_AFTER)
+    orbit = _near(p, before) or _followed(p, guess) or settled_orbit(p, most=1000)
     status = "orbit" if orbit.stable else "marginal orbit"
     (t, x), belt = orbit.points[0], orbit.equations().pieces[0].start
     sizes = max(abs(complex(each)) for each in orbit.multipliers)
@@ -391,7 +388,8 @@ def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def parts(motion: Trajectory) -> Iterator[Part]:
     """Yield the parts of a motion, cut so short that polynomials through Gauss's points have converged."""
     p, (points, weights, coefficients) = motion.parameters, _gauss()
-    longest = LONGEST_TURN / max(float(p.Omega), sqrt(p.k / p.m))
+    # Periods of a motion without events are cut into parts of this angle of the fastest of drive and oscillator.
+    longest = 2.0 / max(float(p.Omega), sqrt(p.k / p.m))
     scale = sizes_of(motion)
     for segment in motion.segments:
         begin, end = float(segment.t_start), float(segment.t_end)

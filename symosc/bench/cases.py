@@ -50,8 +50,6 @@ from symosc.reference.score import (
 
 #: Seconds of processor time for a case, the solver's preparation included.
 CASE_LIMIT = 4.0
-#: The limit by the clock is this many times that of processor time; it ends what Python cannot interrupt.
-CLOCK_FACTOR = 10.0
 #: The error that symosc may have in a hard case, unless 100 units (condition * 1e-16) are more.
 OUR_TOLERANCE = 1e-12
 KNOWN = "known"
@@ -85,7 +83,8 @@ def run(
     ]
     known = {i: _value(outcome) for (_, i), outcome in in_parallel(chunks, FIRST_LIMIT, None, steps).items()}
     jobs = [[Job((s.name, i), found_by, (s, case, limit)) for i, case in enumerate(chosen)] for s in able]
-    outcomes = in_parallel(jobs, CLOCK_FACTOR * limit, FIRST_LIMIT, steps)
+    # The limit by the clock is this many times that of processor time; it ends what Python cannot interrupt.
+    outcomes = in_parallel(jobs, 10.0 * limit, FIRST_LIMIT, steps)
     next(steps, None)  # lets a progress bar come to its end
     made = {key: _result(outcome, limit) for key, outcome in outcomes.items()}
 

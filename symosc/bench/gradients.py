@@ -39,8 +39,6 @@ from symosc.simulation.tangents import NAMES
 
 #: Tolerance of the tools, and relative step of central differences: the cube root of the error of a run, about.
 TOLERANCE, DIFFERENCE = 1e-12, 1e-4
-#: Seconds of processor time for a case.
-GRADIENT_LIMIT = 4.0
 #: ``jacobian(m, c, k, A, B, Omega, phase, x, v, duration)`` returns the derivatives of x and v, each by START and WHAT.
 Jacobian = Callable[..., tuple[np.ndarray, np.ndarray]]
 X, V, OF_M, OF_C, OF_K, OF_A, OF_B, OF_OMEGA, OF_PHASE = COLUMNS = range(9)
@@ -408,7 +406,7 @@ def run(
     """Judge the derivatives that each way to differentiate finds in the reference cases; return plain data."""
     some = reference_cases() if chosen is None else chosen
     some = [case for case in some if not case.periods]
-    return cases.run(progress, solvers(), some, GRADIENT_LIMIT, with_derivatives=True)
+    return cases.run(progress, solvers(), some, 4.0, with_derivatives=True)  # seconds of processor time for a case
 
 
 def table(scores: Sequence[Score]) -> str:

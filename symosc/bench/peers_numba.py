@@ -49,10 +49,6 @@ STAGE_WEIGHTS[:STAGES, :STAGES], STAGE_WEIGHTS[STAGES, :STAGES], STAGE_WEIGHTS[S
 E3, E5, DENSE_WEIGHTS = DOP853.E3, DOP853.E5, DOP853.D
 DENSE_TERMS = len(DENSE_WEIGHTS) + 3
 STEP_SAFETY, STEP_SHRINK, STEP_GROWTH, STEP_EXPONENT = 0.9, 0.2, 10.0, -1.0 / (DOP853.error_estimator_order + 1)
-#: The first step of each flight and stick, as a part of the period.
-FIRST_STEPS = 20
-MOST_DOP853_STEPS = 1_000_000
-REFINEMENTS = 3
 
 
 class Settings(NamedTuple):
@@ -79,7 +75,8 @@ class SolverStep(NamedTuple):
 def settings(q: Problem, tolerance: float) -> Settings:
     """Return the settings for a tolerance."""
     stages, terms = np.zeros((2, ALL_STAGES)), np.zeros((2, DENSE_TERMS))
-    return Settings(tolerance, ATOL * tolerance, q.period / STEPS_PER_PERIOD, q.period / FIRST_STEPS, stages, terms)
+    # The first step of each flight and stick, as a part of the period.
+    return Settings(tolerance, ATOL * tolerance, q.period / STEPS_PER_PERIOD, q.period / 20, stages, terms)
 
 
 def stages(q, s, mode, t, x, v, h, begin, end):
@@ -165,7 +162,7 @@ def exit_within(q, s, mode, step, end, tolerance):
 def refined(q, s, mode, side, step, tau):
     """Return the exit's time and position by Newton's method on steps of the method itself."""
     x = step.x
-    for _ in range(REFINEMENTS):
+    for _ in range(3):
         x, v = stages(q, s, mode, step.t, step.x, step.v, tau, 1, STAGES + 1)
         below, above = margins(q, mode, step.t + tau, x, v)
         slope = abs(turn(q, mode, step.t + tau, x, v))
@@ -182,7 +179,7 @@ def leave(q, s, mode, t, x, v, t_end):
     h = s.first
     s.K[0, 0], s.K[1, 0] = v, force(q, mode, t, x, v) if mode < 4 else 0.0  # the first Runge-Kutta stage
     last_slope = turn(q, mode, t, x, v)
-    for _ in range(MOST_DOP853_STEPS):
+    for _ in range(1_000_000):
         h = min(h, s.longest, t_end - t)
         X, V = stages(q, s, mode, t, x, v, h, 1, STAGES + 1)
         error = error_of(s, x, v, X, V, h)

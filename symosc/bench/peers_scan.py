@@ -25,7 +25,6 @@ UNDERDAMPED, CRITICAL, OVERDAMPED = range(3)
 # The first sample of a flight or stick, as a part of the distance of two samples: at its start, the sign of what is
 # looked for is that of the rounding.
 FIRST_SAMPLE = 1e-5
-MOST_SCAN_SAMPLES = 10_000_000
 
 
 class Scan(NamedTuple):
@@ -124,7 +123,7 @@ def leave(q, s, mode, t, x, v, t_end):
     tau = FIRST_SAMPLE * s.distance
     x, v = state_at(q, mode, piece, tau)
     below, above = margins(q, mode, t + tau, x, v)
-    for _ in range(MOST_SCAN_SAMPLES):
+    for _ in range(10_000_000):
         later = tau + s.distance
         x, v = state_at(q, mode, piece, later)
         next_below, next_above = margins(q, mode, t + later, x, v)

@@ -21,9 +21,7 @@ try:
 except ImportError:
     raise MissingExtraError("certify", "certify") from None
 
-#: Before it, the negative of a ball was wrong.
-OLDEST_FLINT = (0, 9)
-if tuple(int(part) for part in FLINT_VERSION.split(".")[:2]) < OLDEST_FLINT:
+if tuple(int(part) for part in FLINT_VERSION.split(".")[:2]) < (0, 9):  # before it, the negative of a ball was wrong.
     raise MissingExtraError(f"certify with python-flint {FLINT_VERSION}, which has unsound balls,", "certify")
 
 #: A ball: an enclosure of a real number.

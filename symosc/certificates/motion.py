@@ -39,8 +39,6 @@ from symosc.certificates.flow import Curve, Flight, FlightPoint, Jet, Oscillator
 from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
 
 ON_A_BELT = 3  # modes above it are sticks, on belt mode - ON_A_BELT
-#: Pieces are at most this long, in units of 1/omega_d: less than pi.
-LONGEST_PIECE = 2.8
 #: Tangents are used on pieces shorter than this, in units of 1/omega_d: less than pi/2.
 LONGEST_DIP = 1.4
 MOST_PIECES = 20_000
@@ -82,7 +80,8 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
 def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple[Ball, bool, bool]]:
     """Yield ends of pieces of a flight up to `stop`, with whether H is convex and whether it is concave on each."""
     o, begin, at = flight.oscillator, flight.t0, arb(0)
-    longest = (arb(LONGEST_PIECE) / o.omega_d).mid() if o.damping < 0 else None
+    # Pieces are at most this long, in units of 1/omega_d: less than pi.
+    longest = (arb(2.8) / o.omega_d).mid() if o.damping < 0 else None
     for turn, drift in o.turns(boundary).after(begin):
         end = None if turn is None else turn - begin
         if end is None or end >= stop:

@@ -45,11 +45,8 @@ from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.words import Word
 
-MOST_POLISHINGS = 12
 #: Boxes to try, as parts of the period and of the largest position: the first one that works is stated.
 BOXES = (1e-7, 1e-9, 1e-12, 1e-16, 1e-20, 1e-26, 1e-34)
-MOST_CONTRACTIONS = 4
-MOST_COURSE_STEPS = 4000
 #: First step, as a part of the piece; shortest step.
 FIRST_COURSE_STEP, SHORTEST_COURSE_STEP = 1 / 8, 2.0**-60
 #: Multipliers whose difference squared is less than this are enclosed together.
@@ -58,8 +55,6 @@ LEAST_ORBIT_BITS, MOST_ORBIT_BITS = 128, 1024
 #: Digits of the enclosures of points and of multipliers in a file; the radius that the first must have, relatively.
 POINT_DIGITS, MULTIPLIER_PLACES = 25, 16
 ACCURATE = 10.0 ** (-POINT_DIGITS - 2)
-#: A system is called singular if a multiplier is 1 to this part.
-NEARLY_ONE = 1e-12
 #: This part of the box in which an orbit is proven to be alone is stated: a checker with wider balls needs a margin.
 STATED = arb(2) ** -24
 #: By how much a hint is more than the first-order value; the least radius in a hint.
@@ -159,7 +154,7 @@ class ClosingBalls:
     def polished(self, values: Values) -> Values:
         """Return exact numbers near a root by Newton's method, without proof; Undecided if it does not converge."""
         values = [value.mid() for value in values]
-        for _ in range(MOST_POLISHINGS):
+        for _ in range(12):
             try:
                 step = self.jacobian(values).mid().solve(column(self.residuals(values)).mid())
             except ZeroDivisionError:
@@ -198,7 +193,7 @@ class ClosingBalls:
 
     def _narrowed(self, box: Values) -> Values:
         """Return a narrower enclosure of the root in a box with exactly one root."""
-        for _ in range(MOST_CONTRACTIONS):
+        for _ in range(4):
             image = self.krawczyk(box)
             if image is None:
                 break
@@ -289,7 +284,7 @@ def prove_positive(margin: Margin, span: Ball) -> None:
     if margin.at_start == 0 and not margin.curve(begin).g > 0:
         raise Undecided(f"{margin.what} at its start")
     step = (last * FIRST_COURSE_STEP).mid()
-    for _ in range(MOST_COURSE_STEPS):
+    for _ in range(4000):
         end = (begin + step).mid()
         final = bool(end >= last)
         if final:
@@ -410,7 +405,7 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
         T, D = closing.stability(near)
     except Undecided:
         return ""
-    if not abs(float((1 - T + D).mid())) < NEARLY_ONE:
+    if not abs(float((1 - T + D).mid())) < 1e-12:  # a multiplier that is 1 to this part makes it singular
         return ""
     return "; it is marginal (a multiplier is 1, as nearly as can be seen), and need not be isolated: there may be many"
 

@@ -31,9 +31,6 @@ from symosc.scenes import START_NAMES
 if TYPE_CHECKING:
     import xarray
 
-# Values of a column that are printed, the most frequent first.
-SHOWN_VALUES = 8
-
 
 def _columns_begun(context: click.Context, option: click.Parameter, begun: str) -> list[CompletionItem]:
     from symosc.simulation.tables import SUMMARY_COLUMNS
@@ -170,7 +167,8 @@ def _report_text(dataset: xarray.Dataset, written: list[str]) -> str:
         if "least" in found and "largest" in found:
             lines.append(f"{name}: from {found['least']:.6g} to {found['largest']:.6g}")
             continue
-        shown = [f"{value or 'no event'} {count / total:.1%}" for value, count in list(found.items())[:SHOWN_VALUES]]
+        # Values of a column that are printed, the most frequent first.
+        shown = [f"{value or 'no event'} {count / total:.1%}" for value, count in list(found.items())[:8]]
         more = len(found) - len(shown)
         lines.append(f"{name}: {', '.join(shown)}{f', and {more} more' if more else ''}")
     return "\n".join([*lines, *map(wrote, written)])

@@ -66,19 +66,12 @@ SEARCH_PERIODS = 100
 REPEAT_DIGITS, MOST_REPEAT_DIGITS = 60, 200
 # How many undecided steps of one flight are repeated: one that keeps to a boundary for longer stays undecided.
 MOST_REPEATS = 40
-MOST_CONTACT_NEWTON = 200
-# How far Newton's method may carry a contact away from where the search has found it, as a part of a step.
-NEAR_TOUCH = 1e-3
 
 
 # --- the first root of a polynomial that is known within a noise ---
 
 # Where an interval is divided: not a fraction at which roots are likely.
 CUT = 0.4831
-# The smallest interval: where the slope has several roots nearer to each other than this, it is a touch.
-NARROWEST = 2.0**-60
-# Newton's method halves its bracket at worst: enough for thousands of digits.
-MOST_ROOT_STEPS = 20_000
 
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
@@ -94,7 +87,8 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Numbe
         return False, None
     one = 1 + 0 * p[0]
     slope = [k * term for k, term in enumerate(p)][1:]
-    narrowest = max(eps**0.5 / 16, NARROWEST)
+    # The smallest interval: where the slope has several roots nearer to each other than this, it is a touch.
+    narrowest = max(eps**0.5 / 16, 2.0**-60)
     stack = [(0 * one, one, bernstein(p))]
     while stack:
         low, high, b = stack.pop()
@@ -154,7 +148,7 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
     # halving, whose length says nothing.
     sigma = 0.5 * (low + high)
     before, settled = high - low, eps**0.75
-    for _ in range(MOST_ROOT_STEPS):
+    for _ in range(20_000):  # at worst it halves its bracket: enough for thousands of digits
         value, rise = _polynomial(p, sigma), _polynomial(slope, sigma)
         if value > 0:
             low = sigma
@@ -438,7 +432,8 @@ class Flights:
         if speed is not None:
             begin, time_error = tau, abs(float(found.v_error) / (float(found.a) or 1.0))
             tau = self._contact_time(theta, tau, speed, found.kind == TOUCH)
-            if tau is None or abs(tau - begin) > NEAR_TOUCH * STEP / float(self.K.rate) + time_error:
+            # Newton's method may carry a contact this far from where the search has found it, as a part of a step.
+            if tau is None or abs(tau - begin) > 1e-3 * STEP / float(self.K.rate) + time_error:
                 return None
         now = self.instant(theta, tau)
         v = now.v if speed is None else speed
@@ -447,7 +442,7 @@ class Flights:
     def _contact_time(self, theta: Number, tau: Number, speed: Number, touch: bool) -> Number:
         """Return the time at which v is `speed`, or, for a graze, nearest to it, by Newton's method."""
         before = None
-        for _ in range(MOST_CONTACT_NEWTON):
+        for _ in range(200):
             now = self.instant(theta, tau)
             top, slope = (now.v - speed, now.a) if not touch else (now.a, now.b)
             if touch and abs(now.b) * float(self.K.rate) < 1e-6 * abs(now.w):

@@ -40,7 +40,6 @@ from symosc.mappings.numbers import number_of, symbolic
 from symosc.scenes import ParametersLike
 
 CHECK_PHASES, MOST_CHECK_PHASES = 10_000, 1_000_000
-DECADES = range(3, 15)
 YES, NO, NOT_DECIDED = 1, -1, 0
 # Rounding errors, in units of EPS and the size of the terms.
 FLOW_ROUNDING = 16.0
@@ -53,8 +52,6 @@ FINE_FLOW_TIMES = ("1e-21", "1e-24")
 # DOP853: times before and after the contact, over the largest rate; the second one where the first cannot decide.
 DOP853_TIMES = (1e-2, 1e-13)
 DECIDER_TOLERANCE = 1e-13
-# What the scaled result of DOP853 may be wrong by (measured: 1e-15).
-DOP853_ERROR = 1e-13
 #: The three ways, and why they leave a phase undecided.
 G_SIGNS, EXACT_FLOW, DOP853 = "G-functions", "exact flow", "DOP853"
 WHY_UNDECIDED = {
@@ -243,7 +240,7 @@ class _Check:
             angle = sympy.asin(symbolic(-self.window.gamma / self.window.amplitude))
             zeros = {end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)}
         special = sorted(zeros | {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}, key=float)
-        offsets = [Fraction(0)] + [Fraction(sign, 10**k) for k in DECADES for sign in (1, -1)]
+        offsets = [Fraction(0)] + [Fraction(sign, 10**k) for k in range(3, 15) for sign in (1, -1)]
         rows = []
         for base in special:
             number = self.ways.fine.context.mpf(str(base.evalf(FLOW_DIGITS + 10)))
@@ -393,7 +390,8 @@ class Ways:
             if len(left):
                 tau = time_over_rate / self.K.rate
                 gaps = [self.integrated(theta[left], sign * tau) for sign in (-1.0, 1.0)]
-                verdicts[left] = _verdicts(gaps, DOP853_ERROR + self._third_order(tau) / self.size)
+                # What the scaled result of DOP853 may be wrong by (measured: 1e-15).
+                verdicts[left] = _verdicts(gaps, 1e-13 + self._third_order(tau) / self.size)
         return verdicts
 
     def integrated(self, theta: np.ndarray, tau: float) -> np.ndarray:

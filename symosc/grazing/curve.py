@@ -43,7 +43,6 @@ LEAST_CURVE_POINTS, MOST_CURVE_POINTS = 8, 20_000
 MOST_CURVE_STEPS, LEAST_STEPS = 40_000, 50
 # Digits with which a contact that doubles leave undecided is searched again.
 CURVE_DIGITS = 30
-LARGEST_EXPONENT = 700.0
 # At |k v_lambda| = |B0| Omega, G^(1) below this part of its terms is that of the tangency of fourth order.
 QUARTIC = 1e-13
 PIECE_POINTS = 33
@@ -59,8 +58,6 @@ CURVE_AGREEMENT = 0.25
 CURVE_JUMP = 1e-3
 # Shorter pieces are not searched: there double precision begins to take near contacts for touches.
 FINEST_CURVE = 1e-6
-# How near to an open end of the window the curve is sampled.
-END_GAP = 1e-7
 
 #: Where the flow of a sample came from.
 OWN, OTHER, NOWHERE, UNKNOWN = "own belt", "other belt", "no belt", "not within the search"
@@ -293,7 +290,7 @@ class Tracer(Origins):
             return Sample(theta_m, x_m, NOWHERE if arrival.kind == NEVER else UNKNOWN, nan, nan, nan, nan)
         G1 = -(K.w0sq * self.v + K.fB * sin(theta_m))
         E0, E1, *_ = basis(arrival.tau, K)
-        growth = exp(min(K.cm * arrival.tau, LARGEST_EXPONENT))
+        growth = exp(min(K.cm * arrival.tau, 700.0))
         slope_theta = -growth * E1 * G1 / arrival.a if arrival.a != 0.0 else inf
         if arrival.kind == TOUCH:  # neighbours that touch as well do it after the same time
             slope_theta = 1.0
@@ -320,7 +317,7 @@ def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:
     if closed:
         return low + (high - low) * (np.arange(n + 1) / n)
     inner = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(pi * (np.arange(n - 2) + 0.5) / (n - 2))
-    gap = END_GAP * (high - low)
+    gap = 1e-7 * (high - low)  # how near to an open end of the window the curve is sampled
     return np.concatenate([[low + gap], inner[(inner > low + gap) & (inner < high - gap)], [high - gap]])
 
 

@@ -104,9 +104,6 @@ def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: 
 
 # --- the ends in double precision ---
 
-# Products of pairs are right to some units of 2^-104: closer to equality than this, rational numbers must decide.
-UNDECIDED_BELOW = 2.0**-98
-
 
 def window(k, v, B, Omega, side, full):
     """Return (kind, low, high, theta_cr) of the window; k, v, B and Omega are pairs."""
@@ -125,7 +122,8 @@ def window(k, v, B, Omega, side, full):
     difference, rest = pair_sum(ph, pl, -qh, -ql)
     excess_sign = sign(difference) if difference != 0.0 else sign(rest)
     exact = k[1] == 0.0 and v[1] == 0.0 and B[1] == 0.0 and Omega[1] == 0.0
-    if not exact and abs(difference) <= UNDECIDED_BELOW:
+    # Products of pairs are right to some units of 2^-104: closer to equality than this, rational numbers must decide.
+    if not exact and abs(difference) <= 2.0**-98:
         return EQUALITY_UNDECIDED, nan, nan, nan
     kind = window_kind(side, p_sign, q_sign, excess_sign, full)
     slope = -p_sign * q_sign  # sign of sin(theta_cr)

@@ -39,16 +39,12 @@ SUSPECT = 1e-6  # ... may be what fails where the root is too ill-conditioned to
 FINE_DIGITS = 50
 # ... and is 0 if it is below this part of them even there.
 NOTHING_LEFT = 1e-25
-# Digits that the engine is asked for where the margins are small.
-ENGINE_DIGITS = (30, 60)
 # How far the engine's events may be from the orbit's, as a part of a period and of the size of the positions. A start
 # that is rounded to doubles moves an arrival with a margin of MARGINAL by 1e-7.
 SAME_POINT = 1e-6
 VANISHING_PART = 1e-2  # a duration that Newton's method in more digits reduces to this part of itself goes to 0
 SAME_EXACTLY = 1e-12
 SAMPLE = 0.25  # step of the samples that bracket extrema of the velocity, in units of 1/rate
-MOST_VELOCITY_SAMPLES = 4000
-FINEST_SAMPLES = 64.0  # an extremum is known to this many rounding errors of its time
 
 
 class Condition(NamedTuple):
@@ -214,7 +210,7 @@ def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations
     # They are bracketed in doubles, and then located in the arithmetic of the equations.
     coarse = equations.coarse.K
     v0, a0, s0, c0 = (float(value) for value in flight)
-    span, count = float(tau - begin), int(min(MOST_VELOCITY_SAMPLES, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
+    span, count = float(tau - begin), int(min(4000, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
     times = float(begin) + span * np.arange(at_rest, count + 1) / count
     _, _, slopes = motion(v0, a0, s0, c0, coarse.cm, coarse.w0sq, coarse.f0, coarse.Om, *basis(times, coarse)[:5])
     rising = slopes > 0
@@ -228,7 +224,8 @@ def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: C
     """Return the zero of the acceleration in a bracket, by Newton steps within it."""
     states, K = equations.arithmetic.namespace["state_at"], equations.K
     number = equations.exact or float
-    allowed = FINEST_SAMPLES * equations.arithmetic.namespace["EPS"]
+    # An extremum is known to this many rounding errors of its time
+    allowed = 64.0 * equations.arithmetic.namespace["EPS"]
     low, high = number(low), number(high)
     tau = (low + high) / 2
     for _ in range(100):
@@ -294,7 +291,7 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     if failed:
         return failed
     found = []
-    for digits in ENGINE_DIGITS:
+    for digits in (30, 60):  # that the engine is asked for where margins are small
         wrong = engine_contradiction(fine, root.points, digits)
         if wrong is None:
             return []

@@ -52,7 +52,6 @@ NO_GAP, NEAR_CHANGE = 1e-7, 1e-4
 MARGINAL_START, AWAY = 1e-6, (1e-6, 1e-5, 1e-4)  # below which a start is at an end, and how far from it to begin
 FAR_BEHIND = 1e-3  # arclength before an end at which margins are what they are compared with there
 MOST_BACK = 12  # an end is moved back by at most RESOLUTION 4^MOST_BACK
-UNDECIDED_LENGTH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
 
 
 class BranchError(SymoscError, ValueError):
@@ -356,7 +355,8 @@ def _scan(
             b = _verified(curve, b)  # and so is m: between two orbits nothing has changed
             if not b.failures:
                 return [m, b], None
-        elif length < UNDECIDED_LENGTH:  # all is rounding noise here; next to a change it says nothing
+        # Length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
+        elif length < 1e-9:  # all is rounding noise here; next to a change it says nothing
             if around <= NEAR_CHANGE:
                 return [m], None
             # A margin is so small that doubles cannot tell whether it passes 0.

@@ -46,13 +46,10 @@ MOST_POLISHING = 80
 MOST_LINEAR = 16
 # Corrections in more digits that stop shrinking have converged if they are below this power of the arithmetic's unit.
 POLISHED = 0.8
-LEAST_DAMPING = 2.0**-16
 # A step may take at most this part of a piece's duration away: a flight must not shrink to its trivial root tau = 0.
 SHORTEN = 0.8
 # Below this size of a (relative) correction Newton's method is taken to converge; it then goes on to the last digit.
 CONVERGING = 1e-8
-# Without damping, directions that the equations fix by less than this are left alone.
-SAME_ROW = 1e-9
 # A residual below this may be rounding errors: Newton's method then goes on with more digits.
 ROUNDED, MORE_DIGITS = 1e-9, 40
 SINGULAR = "the Jacobian became singular"
@@ -284,7 +281,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
             if after <= (1 - damping / 4) * size or (size < CONVERGING and damping == 1.0):
                 break
             damping /= 2
-            if damping < LEAST_DAMPING:
+            if damping < 2.0**-16:
                 return Solution(best[1], best[0], steps, False, "no step brings it nearer to a solution")
         points = trial
         best = min(best, (np.abs(values).max(), points), key=lambda pair: pair[0])
@@ -294,7 +291,8 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
 def _newton_step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Return the Newton correction; without damping, the nearest of many roots is wanted."""
     if equations.K.cm == 0:
-        return np.linalg.lstsq(matrix, right, rcond=SAME_ROW)[0].reshape(-1, 2)
+        # Without damping, directions that the equations fix by less than this are left alone.
+        return np.linalg.lstsq(matrix, right, rcond=1e-9)[0].reshape(-1, 2)
     return np.linalg.solve(matrix, right).reshape(-1, 2)
 
 

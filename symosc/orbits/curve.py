@@ -54,16 +54,12 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.words import Word, WordError, read_word
 
 LEAST_SIZE = 0.1  # of the largest displacement expected
-CORRECTIONS = 12
-LARGEST_CORRECTION = 1.0  # in arclength; farther off another root is found
 SHARPEST_TURN = 0.9  # cosine of the angle between tangents of neighbouring points
 DIFFERENCE = 1e-6  # of the range, for the derivative with respect to the parameter: Newton's method needs no more
-REMEMBERED = 32
 
 
 MARGIN_SAFETY = 4.0
 LEAST_PARTS, MOST_PARTS, REFINED = 12, 800, 8
-DEEPEST = 30
 Node = tuple[ClosingEquations, np.ndarray]
 
 
@@ -105,7 +101,7 @@ class Curve:
     def equations(self, value: float) -> ClosingEquations:
         """Return the closing equations for a value of the parameter."""
         if value not in self._equations:
-            while len(self._equations) >= REMEMBERED:
+            while len(self._equations) >= 32:
                 del self._equations[next(iter(self._equations))]
             parameters = self.orbit.parameters.replace(**{self.parameter: value})
             self._equations[value] = ClosingEquations(parameters, self.word, self.orbit.periods)
@@ -160,7 +156,7 @@ class Curve:
     def correct(self, guess: np.ndarray, normal: np.ndarray) -> np.ndarray | None:
         """Return the point of the curve in the plane through `guess` with that normal, or None."""
         z, before, row, slope = guess, np.inf, self.level(normal), None
-        for _ in range(CORRECTIONS):
+        for _ in range(12):
             try:
                 slope = self.slope(z) if slope is None else slope  # good enough for all steps from a near guess
                 values, matrix = self.linearised(z, slope)
@@ -169,7 +165,7 @@ class Curve:
             except (np.linalg.LinAlgError, ParameterError, ZeroDivisionError):
                 return None
             size, whole = np.abs(self.level(step)).max(), max(1.0, np.abs(z).max())
-            if not np.isfinite(size) or size > LARGEST_CORRECTION:
+            if not np.isfinite(size) or size > 1.0:  # in arclength; farther off another root is found
                 return None
             z = z + step
             if size <= 4 * EPS * whole or (size < CONVERGING and size > before / 4):
@@ -239,7 +235,7 @@ def no_margin_vanishes(nodes: list[Node], margins: list[tuple[Condition, ...]]) 
     for i, duration in enumerate(equations.durations(points)):
         parts = duration / equations.K.Om * equations.K.rate / SAMPLE
         u = np.linspace(0.0, 1.0, 1 + int(min(MOST_PARTS, max(LEAST_PARTS, parts))))
-        if not _stay_positive(nodes, i, u, DEEPEST):
+        if not _stay_positive(nodes, i, u, 30):
             return False
     return True
 

@@ -30,8 +30,6 @@ from symosc.simulation.problems import named
 from symosc.simulation.trajectory import MAP_LABELS
 from symosc.words import Word, WordError, WordLike, read_word
 
-# The search tries evenly spaced points over all periods; beyond these it takes minutes.
-MOST_ORBIT_PERIODS = 200
 # All switchings are solved for at once: much longer words would take minutes.
 MOST_MAPPINGS = 40
 # Roots of a repeated word whose points repeat within this (relative) are one orbit, run through several times.
@@ -42,8 +40,6 @@ LEAST_RUN_EVENTS = 60
 SETTLING_EVENTS, SETTLED = 400, 1e-6
 #: Forcing periods by which the motion from rest may have settled.
 SETTLING_PERIODS = (50, 1_000, 20_000)
-# Events that are nearer to each other than this part of the time are one in doubles.
-SAME_TIME = 2.0**-50
 
 
 @public
@@ -114,7 +110,8 @@ def find_orbit(
         raise WordError(f"{str(found)[:20]}...", reason)
     if parameters.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
-    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
+    # The search tries evenly spaced points over all periods; beyond these it takes minutes.
+    periods = None if periods is None else whole_number("periods", periods, 1, 200)
     digits = read_digits(digits)
     equations = ClosingEquations(parameters, found, periods or 1)
     if guess is None:
@@ -141,7 +138,8 @@ def settled_orbit(parameters: Parameters, digits: int | None = None, most: int =
         if word not in tried:
             tried.append(word)
             last = simulate_many(parameters, (0, 0, 0), end).t[-len(word) :]
-            if np.diff(last).min(initial=inf) <= SAME_TIME * end:
+            # Events that are nearer to each other than this part of the time are one in doubles.
+            if np.diff(last).min(initial=inf) <= 2.0**-50 * end:
                 reason = f"the motion from rest comes too near to a graze: no stick has a length from t = {last[0]:.6g}"
                 break
             found = find_orbit(parameters, word, digits=digits)

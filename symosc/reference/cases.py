@@ -456,14 +456,13 @@ BALANCE = "the energy of a free or resonant oscillator with constant friction, h
 AT_A_TURN = (
     "contacts are exactly where the drift of the belt turns, between two pieces of the proof; see the closed form"
 )
-FAR_BELT = 10**6
 # Digits of a start on an orbit whose amplitude is not rational.
 ORBIT_DIGITS = 60
 
 
 def wall(F: NumberLike, Omega: NumberLike, c: NumberLike = 0, P: NumberLike = 1) -> Parameters:
     """Return the parameters of a mass on a spring that rubs on a wall."""
-    return Parameters(m=1, c=c, k=1, A0=0, B0=P, Omega=Omega, v1=0, v2=FAR_BELT, mu1=F, mu2=0, FN=1)
+    return Parameters(m=1, c=c, k=1, A0=0, B0=P, Omega=Omega, v1=0, v2=10**6, mu1=F, mu2=0, FN=1)
 
 
 def coulomb() -> Iterator[ReferenceCase]:

@@ -39,8 +39,6 @@ if TYPE_CHECKING:
 #: The attribute by which a Dataset has what is ours.
 ACCESSOR = "symosc"
 PLAN_ATTRIBUTE, CALL_ATTRIBUTE = "plan", "call"
-#: Axes with more values are not written out in the call; the coordinates have them.
-MOST_WRITTEN = 2000
 NETCDF_ENGINE: Literal["h5netcdf"] = "h5netcdf"
 #: The first line of a CSV file: the attributes and the types of the columns, as JSON.
 COMMENT = "# "
@@ -48,7 +46,6 @@ CHECKSUM_ATTRIBUTE, NO_CHECKSUM = "sha256", "0" * 64
 CHECKSUM_FORM, PLAN_FORM = (
     re.compile(name.encode() + rb'"?: "?([0-9a-f]{64})') for name in (CHECKSUM_ATTRIBUTE, PLAN_ATTRIBUTE)
 )
-MOST_LINE = 1 << 24
 SECTION_NAMES = ("period", "component")
 #: Files of a zarr group that is a sweep's.
 ZARR_NAMES = "|".join((*SUMMARY_COLUMNS, *QUANTITIES, *SECTION_NAMES))
@@ -135,7 +132,8 @@ def call_text(plan: SweepPlan, given: Record) -> str:
 def _axis_text(name: str, given: Any, coordinate: Coordinate) -> str:
     if isinstance(given, str):
         return repr(given)
-    if len(coordinate.values) > MOST_WRITTEN:
+    # Axes with more values are not written out in the call; the coordinates have them.
+    if len(coordinate.values) > 2000:
         return f"dataset[{name!r}].values"
     return repr(coordinate.values.tolist())
 
@@ -185,7 +183,7 @@ def _about(path: Path) -> bytes:
         if suffix == ".nc":
             size = len(_end_of_netcdf(NO_CHECKSUM, NO_CHECKSUM))
             file.seek(-min(size, file.seek(0, os.SEEK_END)), os.SEEK_END)
-        return file.readline(MOST_LINE) if suffix == ".csv" else file.read()
+        return file.readline(1 << 24) if suffix == ".csv" else file.read()
 
 
 def _end_of_netcdf(plan: str, checksum: str) -> bytes:
