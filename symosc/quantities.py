@@ -86,8 +86,6 @@ def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
     return (number if exact else rounded(number)), exact
 
 
-# --- expressions ---
-
 #: Digits to which an expression with pi is known, and bits with which it is computed.
 KNOWN_DIGITS, ENCLOSURE_BITS = 40, 400
 #: Bits of the numerator and denominator of an exact value.
@@ -190,8 +188,6 @@ def half_unit(value: Fraction) -> Fraction:
     exponent = Decimal(value.numerator).adjusted() - Decimal(value.denominator).adjusted() + 1
     return Fraction(10) ** (exponent - KNOWN_DIGITS) / 2
 
-
-# --- quantities ---
 
 #: A number, and the name of a unit with powers of one digit.
 _QUANTITY = re.compile(

@@ -229,9 +229,6 @@ def dop853_jacobian(tolerance: float) -> Jacobian:
     return jacobian
 
 
-# -- finite differences ------------------------------------------------------------------------------------------------
-
-
 def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]:
     """Prepare central differences of scipy's DOP853; forward ones where a number may not be less."""
     follow = partial(peers_scipy.prepare, "DOP853")

@@ -27,8 +27,6 @@ from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
-# -- velocities --
-
 NOTE = "velocities were not given: they are those with which the exact motion leads from one position to the next"
 # Longest step, in units of 1/rate, over which a velocity is found without that of the sample before.
 LONGEST_FLIGHT = 1.0

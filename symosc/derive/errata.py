@@ -55,9 +55,6 @@ def read_errata(path: Path = ERRATA_FILE) -> tuple[Erratum, ...]:
     return tuple(found)
 
 
-# --- files of records ---
-
-
 class RecordsError(SymoscError, ValueError):
     """A file of records that cannot be used; `where` is the file, and the record in it."""
 

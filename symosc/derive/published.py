@@ -425,9 +425,6 @@ def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, fl
     return [(float(p.Omega) * start.t, end.t - start.t) for start, end in slides], candidates
 
 
-# --- exponents ---
-
-
 def largest_exponent(count: int, seed: int = 0) -> float:
     """Return the largest Lyapunov exponent of random oscillators over 60 periods; m = k = 1, where it is never > 0."""
     dice = random.Random(seed)

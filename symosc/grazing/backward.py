@@ -489,9 +489,6 @@ def rounded(state: BackwardState) -> BackwardState:
     return BackwardState(tau, dx, v, a, *errors)
 
 
-# --- the search ---
-
-
 class Origins:
     """The origins of the flows into the tangencies of one mapping; ParameterError without grazing or for k = 0."""
 

@@ -291,9 +291,6 @@ class _Check:
         self.mismatches.append({"theta": str(theta), "way": way, "window": expected, "found": found})
 
 
-# --- the three ways ---
-
-
 class Ways:
     """The three ways to decide whether a phase of one mapping grazes."""
 

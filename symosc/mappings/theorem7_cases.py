@@ -102,9 +102,6 @@ def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: 
     return label if amplitude_sign > 0 else f"{label} shifted by pi"
 
 
-# --- the ends in double precision ---
-
-
 def window(k, v, B, Omega, side, full):
     """Return (kind, low, high, theta_cr) of the window; k, v, B and Omega are pairs."""
     # An ARC reaches from low up to high, both excluded, a WRAPPED_ARC from low through 0 to high. With ALL_BUT_ONE, low

@@ -199,9 +199,6 @@ def write(folder: Path, texts: Mapping[str, str]) -> None:
         raise OutputError(str(folder), error.strerror or str(error)) from None
 
 
-# --- templates ---
-
-
 def render(template: str, context: Mapping[str, Any]) -> str:
     """Return a template of the folder templates, filled in."""
     environment = Environment(

@@ -209,9 +209,6 @@ def _in_processes(tasks: Tasks, workers: int) -> Generator[tuple[tuple[str, str]
     yield from ((key, Done(error=f"the pool of processes broke down, {POOLS} times")) for key in tasks)
 
 
-# --- what a worker does ---
-
-
 def timed(task: Callable[[], Any]) -> Done:
     """Call a task; return its result or its error, with the processor time."""
     begin, done = process_time(), Done()

@@ -18,8 +18,6 @@ from symosc.crosschecks.events import WINDOW, in_order
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event
 
-# -- compare --
-
 #: What `relative_error` is, for readers of tables.
 ERRORS = "of event times relative to max(1, t - t0), of positions to max(1, |x|)"
 #: The error that an event may have in a score.

@@ -23,8 +23,6 @@ from symosc.exact import read_exact
 from symosc.files import read_path
 from symosc.simulation.tangents import NAMES
 
-# -- results --
-
 EVENT_WORDS = ("cross", "stick", "slip", "graze")
 #: The kind of a line that says how far a case was followed.
 FOLLOWED_TO = "end"
@@ -182,9 +180,6 @@ def _cell(value: Any) -> Any:
     if isinstance(value, str):
         return value.strip() or None
     return None if value is None or value != value else value
-
-
-# -- an event ----------------------------------------------------------------------------------------------------------
 
 
 def _add(where: str, result: CaseResult, entry: Record) -> None:

@@ -98,9 +98,6 @@ def repeated_apart() -> dict[str, Expr]:
     return found
 
 
-# --- flights ---
-
-
 @cache
 def flight_residual() -> dict[str, Expr]:
     """Return f1 and f2, summed so that neither loses digits when start and end are close."""
@@ -203,9 +200,6 @@ def _operator(expr: Expr) -> Expr:
     """Return D applied to an expression."""
     first = rate(expr)
     return sp.expand(rate(first) + cm * first + w0sq * expr)
-
-
-# --- sticks ---
 
 
 def stick_residual() -> dict[str, Expr]:

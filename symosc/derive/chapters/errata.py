@@ -103,9 +103,6 @@ def _exit_errata() -> Items:
     )
 
 
-# --- figures ---
-
-
 def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any]:
     """Return x at a contact at `time`, and (x, v) where the flow that grazes there was at t = 2.5, as expressions."""
     scope = Scope(load_scene(scene))

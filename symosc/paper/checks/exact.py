@@ -15,7 +15,6 @@ import numpy as np
 
 from symosc.model import NEIGHBOURS, Parameters
 
-# --- the flow of eq. (5) near a contact, in rational numbers ---
 # Parameters, place and the sine and cosine of the phase are all rational, so whether a force vanishes is decided
 # exactly, and so is on which side of the belt's speed the flow of a domain is a short time before and after.
 
@@ -186,8 +185,6 @@ def tally(cases: Iterable[Any], questions: Mapping[str, Callable[[Any], Any]]) -
             counts[name] += bool(question(case))
     return counts
 
-
-# --- flights ---
 
 #: Roots that are closer than this part of their size are moved apart: the flow then is off by less than 1e-8.
 FAR_APART = 1e-8
