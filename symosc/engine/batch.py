@@ -174,13 +174,24 @@ def keep_state(states, i, state):
 
 
 def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectories from number `begin` on until all end or a buffer is full; return (next, rows, parts)."""
-    # `next` is the trajectory to go on with (`begin` may have been begun before), `rows` and `parts` the number of
-    # events and of pieces. A trajectory is FULL after `most` events; it ends as INEXACT at the first event known to
-    # less than `accuracy`, relative to max(1, |value|, |t0| for t). `batch` and `tally` are updated. Events go to `out`
-    # (EventRows) where the tally is for no motion, else they are only counted; pieces go to the (PIECE_COLUMNS, m)
-    # buffer `pieces`, none where m is 0. `table` has the constants of the parameter sets
-    # (`symosc.engine.constant_table`).
+    """Follow trajectories from number `begin` on until all have ended or a buffer is full.
+
+    Parameters
+    ----------
+    begin : first trajectory to follow; it may have been begun before.
+    batch : Batch, updated.
+    most : events after which a trajectory is FULL.
+    accuracy : a trajectory ends as INEXACT at the first event known to less, relative to max(1, |value|, |t0| for t).
+    out : EventRows
+    pieces : (PIECE_COLUMNS, m) buffer of the pieces that steps lead to; none are recorded where m is 0.
+    tally : Tally, updated; events are recorded where it is for no motion, else only counted.
+    table : constants of the parameter sets, as `symosc.engine.constant_table` makes them.
+
+    Returns
+    -------
+    (next, rows, parts)
+        The trajectory to go on with, and the number of events and of pieces.
+    """
     rows, parts, batch = 0, 0, borrowed_batch(batch)
     out, pieces, tally, table = borrowed_rows(out), borrowed(pieces), borrowed_tally(tally), borrowed(table)
     for i in range(begin, batch.states.shape[0]):
@@ -191,8 +202,10 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
 
 
 def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectory i until it ends or a buffer is full, or for one step (`once`); return (rows, parts)."""
-    # Other arguments are those of `follow_all`.
+    """Follow trajectory i until it ends or a buffer is full, or `once`: for one step; return (rows, parts).
+
+    Other arguments are those of `follow_all`.
+    """
     states, sets, counts, codes = batch
     recorded, tallied = pieces.shape[1] > 0, tally.floats.shape[0] > 0
     before, K = state_of(states, i), table[sets[i]]

@@ -30,6 +30,8 @@ from symosc.simulation.problems import named
 from symosc.simulation.trajectory import MAP_LABELS
 from symosc.words import Word, WordError, WordLike, read_word
 
+# The search tries evenly spaced points over all periods; beyond these it takes minutes.
+MOST_ORBIT_PERIODS = 200
 # All switchings are solved for at once: much longer words would take minutes.
 MOST_MAPPINGS = 40
 # Roots of a repeated word whose points repeat within this (relative) are one orbit, run through several times.
@@ -110,8 +112,7 @@ def find_orbit(
         raise WordError(f"{str(found)[:20]}...", reason)
     if parameters.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
-    # The search tries evenly spaced points over all periods; beyond these it takes minutes.
-    periods = None if periods is None else whole_number("periods", periods, 1, 200)
+    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
     digits = read_digits(digits)
     equations = ClosingEquations(parameters, found, periods or 1)
     if guess is None:

@@ -230,7 +230,7 @@ CONVERTERS["parameters"] = parameters_of
 
 
 def end_time(given: Any, p: Parameters, t0: Any) -> Any:
-    """Return an end time; text such as "10T" is ten periods of the drive after t0."""
+    """Return an end time; text such as "10T" is so many periods of the drive after t0."""
     if not (isinstance(given, str) and given.strip().endswith("T")):
         return given
     periods = read_exact("t_end", given.strip()[:-1].strip())
