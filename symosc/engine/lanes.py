@@ -513,10 +513,8 @@ def keep_lanes(found, state):
 
 
 def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectories as `follow_all` does, those of one parameter set side by side where that is possible.
-
-    Not in order: where a buffer is full, a trajectory may have ended before one of a smaller number.
-    """
+    """Follow trajectories as `follow_all` does, those of one parameter set side by side where that is possible."""
+    # Not in order: where a buffer is full, a trajectory may have ended before one of a smaller number.
     rows, parts, count = 0, 0, batch.states.shape[0]
     batch = borrowed_batch(batch)
     _, sets, _, codes = batch
