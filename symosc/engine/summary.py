@@ -422,7 +422,7 @@ def widened(seen, x, v):
 
 
 def flight_extremes(mode, begin, last, start, x0, seen, K):
-    """Extend the extremes so that they include a flight in the domain `mode` from the time `begin` to `last` (Flown)."""
+    """Extend the extremes so that they include a flight in the domain `mode` from time `begin` to `last` (Flown)."""
     # `start` is its Launch, x0 the position there. The belts bound the velocity of a flight. Where the extremes so far
     # are as far out, or where the velocity has one sign, there is nothing to find.
     slowest, fastest = speeds_around(mode, K)

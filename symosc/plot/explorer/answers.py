@@ -104,7 +104,7 @@ def state_of(scene: Scene) -> dict[str, str]:
 
 
 def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
-    """Return the texts of a link, and its errors; missing numbers are those of the scene that it names, else of `default`."""
+    """Return the texts of a link, and its errors; the scene that it names, or `default`, gives missing ones."""
     given, notes = {}, []
     for name, text in parse_qsl(query, keep_blank_values=True):
         if name in FIELDS or name in OTHER_KEYS:
