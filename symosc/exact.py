@@ -152,7 +152,10 @@ MOST_ZEROS, LONGEST_DECIMAL = 20, 60
 
 def show(value: Fraction) -> str:
     """Return a short text that reads back as `value`: a decimal where it ends, else a fraction."""
-    twos, fives, rest = _twos_and_fives(value.denominator)
+    twos, fives = (value.denominator & -value.denominator).bit_length() - 1, 0
+    rest = value.denominator >> twos
+    while rest % 5 == 0:
+        rest, fives = rest // 5, fives + 1
     decimals = max(twos, fives)
     digits = _digits(abs(value.numerator) * 10**decimals // value.denominator) if rest == 1 else ""
     significant = digits.rstrip("0")
@@ -171,12 +174,3 @@ def show(value: Fraction) -> str:
 def _digits(number: int) -> str:
     """Return all digits of a whole number as text."""
     return str(Decimal(number))  # an int of more than 4300 digits cannot be printed
-
-
-def _twos_and_fives(denominator: int) -> tuple[int, int, int]:
-    """Return the exponents of 2 and 5 in a number, and the remaining factor."""
-    twos, fives = (denominator & -denominator).bit_length() - 1, 0
-    rest = denominator >> twos
-    while rest % 5 == 0:
-        rest, fives = rest // 5, fives + 1
-    return twos, fives, rest

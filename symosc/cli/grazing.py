@@ -137,7 +137,11 @@ def grazing(
     from symosc.grazing.window import grazing_window
 
     windows = [grazing_window(p, mapping, order) for mapping in chosen or PLACES]
-    reports = [] if phases is None else _checks(p, chosen or list(PLACES), phases)
+    reports = []
+    if phases is not None:
+        from symosc.grazing.check import check_grazing
+
+        reports = [check_grazing(p, mapping, n=phases, progress=True) for mapping in chosen or PLACES]
     if output is not None:
         _draw_windows(windows, against, output)
     if as_json:
@@ -150,12 +154,6 @@ def grazing(
     elif not piped:
         _print_windows(windows, reports)
     return int(any(not report.ok for report in reports))
-
-
-def _checks(p: Parameters, mappings: list[str], phases: int) -> list[GrazingReport]:
-    from symosc.grazing.check import check_grazing
-
-    return [check_grazing(p, mapping, n=phases, progress=True) for mapping in mappings]
 
 
 def _print_windows(windows: list[GrazingWindow], reports: list[GrazingReport]) -> None:

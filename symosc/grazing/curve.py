@@ -343,10 +343,12 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
     run, begin, reason = [samples[0]], low, limit
     ahead = samples[:0:-1]
     while ahead:
-        if _needs_middle(run[-1], ahead[-1]):
-            ahead.append(tracer.sample(0.5 * (run[-1].theta_m + ahead[-1].theta_m)))
+        left, right = run[-1], ahead[-1]
+        own = left.origin == right.origin == OWN
+        if own and right.theta_m - left.theta_m > FINEST_CURVE and not _continuous(left, right):  # steep
+            ahead.append(tracer.sample(0.5 * (left.theta_m + right.theta_m)))
             continue
-        edges = _edge(tracer, run[-1], ahead[-1])
+        edges = _edge(tracer, left, right)
         if edges is None:
             run.append(ahead.pop())
             continue
@@ -376,13 +378,6 @@ def _continuous(left: Sample, right: Sample) -> bool:
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
     return not abs(change) > CURVE_STRIDE or abs(change - expected) <= CURVE_AGREEMENT * abs(change)
-
-
-def _needs_middle(left: Sample, right: Sample) -> bool:
-    """Return whether a steep interval of the curve needs another sample."""
-    if not left.origin == right.origin == OWN or _continuous(left, right):
-        return False
-    return right.theta_m - left.theta_m > FINEST_CURVE
 
 
 def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:

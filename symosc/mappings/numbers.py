@@ -186,15 +186,10 @@ def of_sympy(value: Expr) -> ExactPhase | None:
     return ExactPhase(Fraction(int(rest.p), int(rest.q)), Fraction(int(multiple.p), int(multiple.q)))
 
 
-def rational_sine(phase: ExactPhase) -> Fraction | None:
-    """Return the sine of a phase if it is rational, else None."""
-    sixths = phase.multiple * 6 % 12
-    return RATIONAL_SINES.get(int(sixths)) if phase.rest == 0 and sixths.denominator == 1 else None
-
-
 def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
     """Return the sign of level + amplitude sin(phase), exactly."""
-    sine = rational_sine(phase)
+    sixths = phase.multiple * 6 % 12
+    sine = RATIONAL_SINES.get(int(sixths)) if phase.rest == 0 and sixths.denominator == 1 else None
     if sine is not None or amplitude == 0:
         total = level + amplitude * (sine or 0)
         return (total > 0) - (total < 0)

@@ -21,7 +21,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from html import escape
 from math import inf, isfinite, pi, sqrt
 from typing import Any, NamedTuple
@@ -152,7 +151,10 @@ def judge_case(case: StoredCase, result: CaseResult | None, tolerance: float) ->
     judged.seconds = result.seconds
     judge = _Judge(case, judged, tolerance)
     judge.judge(result.events)
-    judge.judge_end(result.end)
+    end, t_end = result.end, case.t_end
+    if end is not None and end < t_end and relative_error(end, t_end, case.t0) > tolerance:
+        judged.stopped = float(end)
+        judge._fault("ends early", float(end), f"{float(t_end):.10g}", f"{float(end):.10g}")
     judged.wrong.sort(key=lambda wrong: wrong.t)
     return judged
 
@@ -173,26 +175,16 @@ class _Judge:
             self._found(i, found[j])
         lost = sorted(set(range(len(self.case.events))) - {i for i, _ in pairs})
         extra = sorted(set(range(len(found))) - {j for _, j in pairs})
-        extra = self._without_start(extra, found)
+        # Solvers list a start on a belt, which is no event.
+        near = self.tolerance * self.period + ROUNDING_UNIT * UNITS_ALLOWED * abs(float(self.case.t0))
+        if self.case.on_belt and extra and abs(float(found[extra[0]].t - self.case.t0)) <= near:
+            extra = extra[1:]
         lost, extra = self._grazes(lost, extra, found)
         lost, extra = self._kinds(lost, extra, found)
         for i in lost:
             self._fault("missed", self.case.times[i], _event_text(self.case.events[i]), "")
         for j in extra:
             self._fault("invented", float(found[j].t), "", _event_text(found[j]))
-
-    def judge_end(self, end: Fraction | None) -> None:
-        """Record a fault if the results end before the case does."""
-        t_end = self.case.t_end
-        if end is not None and end < t_end and relative_error(end, t_end, self.case.t0) > self.tolerance:
-            self.judged.stopped = float(end)
-            self._fault("ends early", float(end), f"{float(t_end):.10g}", f"{float(end):.10g}")
-
-    def _without_start(self, extra: list[int], found: Sequence[GivenEvent]) -> list[int]:
-        """Remove the event that solvers list for a start on a belt, which is no event."""
-        near = self.tolerance * self.period + ROUNDING_UNIT * UNITS_ALLOWED * abs(float(self.case.t0))
-        at_start = self.case.on_belt and extra and abs(float(found[extra[0]].t - self.case.t0)) <= near
-        return extra[1:] if at_start else extra
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
         """Return the events that are compared one by one; those before them only count."""
