@@ -76,7 +76,7 @@ def check_new_folder(folder: Path, wanted: str = "the output is a folder") -> No
 
 
 def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
-    """Write to standard output."""
+    """Write a draft by `write` and copy it to standard output."""
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / f"draft{suffix}"
         write(draft)

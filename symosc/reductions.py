@@ -90,7 +90,7 @@ def cos_sin(angle: Fraction, digits: int = DIGITS) -> tuple[Fraction, Fraction, 
 
 @cache
 def _context(digits: int) -> Any:
-    """Return a context of mpmath."""
+    """Return an mpmath context with `digits` digits."""
     from mpmath import mp
 
     context = mp.clone()

@@ -28,7 +28,7 @@ FIRST_SAMPLE = 1e-5
 
 
 class Scan(NamedTuple):
-    """How to scan (distance of samples, tolerance of a root), and constants of the closed form."""
+    """The settings of a scan (distance of samples, tolerance of a root), and constants of the closed form."""
 
     distance: float
     tolerance: float

@@ -245,7 +245,7 @@ class Turns:
             self.angle = ball(ratio).asin()
 
     def time(self, index: int) -> Ball:
-        """Return the time of a turn; after one of even index sin(Omega t) is larger than there."""
+        """Return the time of the turn with this index; sin(Omega t) rises through a turn of even index."""
         turn, odd = divmod(index, 2)
         angle = arb.pi() - self.angle if odd else self.angle
         return (angle + 2 * turn * arb.pi()) / self.Omega

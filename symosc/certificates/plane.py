@@ -230,7 +230,7 @@ class Flights:
     # -- the inequalities ----------------------------------------------------------------------------------------------
 
     def turn(self, o: Oscillator, belt: int, index: int) -> Ball:
-        """Return the phase of a turn of the forces on a belt; after one of even index B0 sin theta is larger."""
+        """Return the phase of a turn of the forces on a belt; B0 sin theta rises through one of even index."""
         if isinstance(o.speed[belt], arb) and o.speed[belt].is_zero():
             return index * arb.pi()
         angle = (-o.k * o.speed[belt] / o.drive / o.m).asin()

@@ -117,7 +117,7 @@ def read(value, shape, where):
 
 
 def mode_number(value, where):
-    """Read a mode."""
+    """Read the name of a mode as its number."""
     return MODES.index(read(value, set(MODES[1:]), where))
 
 
@@ -476,7 +476,7 @@ def what(row):
 
 
 def table(rows):
-    """Return events as text."""
+    """Return rows of events as a table of text."""
     for i, row in enumerate(rows, 1):
         ends = [f"{row[name][0]} < {name} < {row[name][1]}" for name in "tx" if name in row]
         yield "; ".join(["{}: {} at belt {}, {} to {}".format(i, *what(row)), *ends])
@@ -746,7 +746,7 @@ def prove(data, limits):
 
 
 def judge(data, **limits):
-    """Return an exit code and the answer about the contents of a file; one line if the code is not 0."""
+    """Prove the contents of a file again; return an exit code and the answer, one line if the code is not 0."""
     with LOCK:
         before, ctx.prec = (ctx.prec, ctx.cap), 256
         try:
@@ -761,7 +761,7 @@ def judge(data, **limits):
 
 
 def verify(path, **limits):
-    """Return an exit code and the answer about a file."""
+    """Prove a file again; return an exit code and the answer in words."""
     most = (LIMITS | limits)["bytes"]
     try:
         with open(path, "rb") as file:

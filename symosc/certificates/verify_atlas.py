@@ -139,13 +139,13 @@ class Flight:
         self.side = 1 if self.mode > self.onto else -1
 
     def start(self, e, u):
-        """Return x at the start."""
+        """Return x at the start of the flight, from the unknowns u."""
         if not self.slips:
             return u[self.at + 1]
         return (e.A[self.mode] + e.B0 * u[self.at].cos() - e.c * e.belts[self.belt]) / e.k
 
     def after(self, e, u, s):
-        """Return x, v and v' after a time s."""
+        """Return x, v and v' of the flight after a time s, from the unknowns u."""
         x, v, A, phase = self.start(e, u), e.belts[self.belt], e.A[self.mode] / e.k, u[self.at]
         S, S1, Z, Z1 = e.free(s)
         turn = times_i(phase).exp() * lifted(e.B0 / e.m)
@@ -413,7 +413,7 @@ class Box:
         return (self.Y * orbits.column(values)).entries()
 
     def surface(self, problem):
-        """Prove the word."""
+        """Prove that for all parameters of the box the word has one orbit."""
         word, size = self.word, self.word.size
         first = [
             [-each.mid() for each in self.by([r[1] for r in self.series(side, [self.u], 2)[0]])] for side in SIDES[:2]

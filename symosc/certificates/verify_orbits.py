@@ -501,7 +501,7 @@ def branch(data, source, limits):
 
 
 def pairs(row):
-    """Return t and x of a row of a branch as text."""
+    """Return t and x of the events in a row of a branch, as text."""
     return "; ".join(
         f"{low} < {name}{i} < {high}"
         for i, both in enumerate(zip(row["t"], row["x"], strict=True), 1)

@@ -173,7 +173,7 @@ class Task:
 
     @property
     def limit(self) -> float:
-        """Allowed global error, relative."""
+        """The global error that is allowed, relative to the sizes of x and v."""
         usual = max(self.tolerance, min(1000.0 * self.tolerance, 0.01))  # errors of steps add up
         return usual if self.given_limit is None else self.given_limit
 

@@ -206,7 +206,7 @@ def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.ndarray, sure: np.ndarray) -> np.ndarray:
-    """Return the velocities where two steps agree, there and at their other ends; NaN elsewhere."""
+    """Return the velocities of samples where two steps agree, and at the other ends of these steps; else NaN."""
     v = np.full(starts.shape[1] + 1, np.nan)
     left, right = left[sure], right[sure]
     v[sure], v[sure + 2] = starts[left, sure], ends[right, sure + 1]

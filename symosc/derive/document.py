@@ -427,7 +427,7 @@ def printed(chapters: list[Checked], scope: Scope, form: str) -> str:
 
 
 def _made(folder: Path) -> Path:
-    """Make a folder if needed."""
+    """Make a folder if needed; OutputError if that fails."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -110,7 +110,7 @@ def _taken(items: Items, label: str) -> list[Step]:
 
 
 def _constant(alpha: int) -> Step:
-    """Return the fragment of A_alpha."""
+    """Return the fragment for the constant force A_alpha."""
     return equation(named(f"A_{alpha}"), solution.force_constant(alpha), motion.coulomb(alpha), f"A{alpha}")
 
 

@@ -393,7 +393,7 @@ def _slide_ends(F: Any, phases: Any) -> list[Any]:
 
 @cache
 def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
-    """Return x(x_i, theta_i, tau), v(theta_i, tau) and a(theta_i, tau) of a slide from rest without acceleration."""
+    """Return the functions x(x_i, theta_i, tau), v(theta_i, tau), a(theta_i, tau) of a slide from rest with a = 0."""
     flight, known = Flight(p), {solution.v_i: 0, solution.a_i: 0, solution.f0: 1}
     x, v, a = (expr.xreplace(known) for expr in solution.flow(flight.regime))
 
@@ -407,7 +407,7 @@ def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
 
 
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:
-    """Return (phase, duration) of each slide down in half a settled cycle, and nearby grazes and births."""
+    """Return (phase, duration) of each slide down in half a settled cycle, and grazes and births nearby."""
     path = from_rest(p, 22)
     late = [event for event in path.events if event.t > 40 * pi / float(p.Omega)]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
@@ -538,7 +538,7 @@ def _ends() -> Iterator[Value]:
 
 
 def _cycles() -> Iterator[Value]:
-    """Yield where two limit cycles stop."""
+    """Yield the positions at which the mass stops in two limit cycles."""
     for Omega in ("0.3", "0.15"):
         p = wall("0.5", Omega, "0.1")
         run = sorted({round(x, 12): x for _, x in find_orbit(p).points if x > 0}.values(), reverse=True)

@@ -151,7 +151,7 @@ def borrowed_tally(tally):
 
 
 def state_of(states, i):
-    """Return the state in row i."""
+    """Return row i of a table of states as a State."""
     # float() and int(): under CPython numpy's own scalars would be slower.
     row = states[i]
     S = Covariance(float(row[8]), float(row[9]), float(row[10]))

@@ -233,7 +233,7 @@ def newton_root(s, over, F, G1, G2, G3, resolution):
 
 
 class Marched(NamedTuple):
-    """The end of a march."""
+    """The end of a march in fixed steps."""
 
     now: Flown  # up to there no wall is met; without dx and the entire functions
     M4: Number  # the bound of the fourth derivative from there on

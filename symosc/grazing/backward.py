@@ -262,7 +262,7 @@ class BackwardSteps:
         return np.array(columns).T.copy()
 
     def begin(self, zero: Number) -> BackwardState:
-        """Return the state at the tangency."""
+        """Return the state at the tangency, from which the steps go back."""
         return BackwardState(zero, zero, self.touched.v + zero, zero, zero, zero, zero)
 
     def over(

@@ -417,6 +417,6 @@ def _verdicts(gaps: list[np.ndarray], least: float) -> np.ndarray:
 
 
 def bounds(value: Number, context: Context) -> list[str]:
-    """Return decimals just below and above a value, 5 digits finer than the intervals."""
+    """Return decimals just below and above a value, the ends of an interval of 50 digits."""
     shift = context.mpf(10) ** (-INTERVAL_DIGITS - 5) * max(1, abs(value))
     return [context.nstr(value + sign * shift, INTERVAL_DIGITS + 15) for sign in (-1, 1)]

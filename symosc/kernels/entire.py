@@ -113,14 +113,14 @@ def impulse(tau, K):
 
 
 def impulse_integral(tau, E1, K):
-    """Return E2, the integral of E1, from (e[0, l1] - e[l1, l2]) / (0 - l2); not for k = 0 without damping."""
+    """Return E2, the integral of E1, by divided differences; not for k = 0 without damping."""
     real1, imag1, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, imag1, tau)
     return -((real - E1) * real2 + imag * imag2) / (real2 * real2 + imag2 * imag2)
 
 
 def wave_integrals(tau, s, c, E1, K):
-    """Return R2, I2 from (e[i Om, l1] - e[l1, l2]) / (i Om - l2), with s, c = sin, cos(Omega tau)."""
+    """Return R2, I2, the integrals with the drive, by divided differences; s, c are sin, cos(Omega tau)."""
     real1, _, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, K.detuning, tau)  # over l1 - i Om
     top_real, top_imag = c * real - s * imag - E1, c * imag + s * real

@@ -243,7 +243,7 @@ def load(block, points, begin):
 
 
 def pair(block, n):
-    """Return the n-th of the loaded pairs of points: x_i, theta_i, x_j, theta_j."""
+    """Return x_i, theta_i, x_j, theta_j of the n-th pair of points in a block."""
     return block[n], block[BLOCK + n], block[2 * BLOCK + n], block[3 * BLOCK + n]
 
 

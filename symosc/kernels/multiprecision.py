@@ -232,5 +232,5 @@ class BasisMP:
 
 
 def _number(value: Fraction, context: Context) -> Number:
-    """Return a parameter as a number of a context."""
+    """Return a fraction as a number of an mpmath or MPFR context."""
     return context.mpf(value.numerator) / value.denominator

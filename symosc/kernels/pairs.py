@@ -349,7 +349,7 @@ def _absolute(x):
 
 @overload(int)
 def _whole(x):
-    """Return a pair truncated to a whole number."""
+    """Return the integer part of a pair, for numba's `int`."""
 
     def whole(x):
         size = abs(x)

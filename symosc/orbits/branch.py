@@ -325,7 +325,7 @@ def _follow(
 
 
 def _first_points(curve: Curve, direction: float) -> list[BranchPoint]:
-    """Return the first point, and a slightly later one if the first is at an end (margins are rounding noise)."""
+    """Return the first point, and one just after it if the first is at an end, where margins are rounding noise."""
     # On the way between the two nothing is proven (as before an end, see NO_GAP).
     first = curve.first(direction)
     if all(condition.value > MARGINAL_START * condition.scale for condition in first.conditions):
@@ -391,7 +391,7 @@ def _proven(curve: Curve, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> boo
 
 
 def _verified(curve: Curve, point: BranchPoint) -> BranchPoint:
-    """Return the branch point with its failures as decided by more digits and by the engine, not in doubles alone."""
+    """Decide the failures of a branch point anew, with more digits and by following it with the engine."""
     return replace(point, failures=tuple(failures(curve.equations(point.value), point.points)))
 
 
@@ -428,7 +428,7 @@ def _with_end(
 
 
 def _inside(curve: Curve, last: BranchPoint) -> BranchPoint:
-    """Return the last branch point that is an orbit also by more digits, at most some roundings before the last."""
+    """Return the last point of a branch that more digits confirm as an orbit: `last`, or one just before it."""
     for back in (0.0, *(RESOLUTION * 4.0**j for j in range(MOST_BACK))):
         z = curve.of(last) - back * last.tangent
         point = last if back == 0.0 else curve.accepted(curve.correct(z, last.tangent), last)

@@ -276,7 +276,7 @@ def _message(
 
 
 def _instead(equations: ClosingEquations, resting: bool = False) -> str:
-    """Describe how the motion at these parameters ends; `resting`: the root is a stick that may last forever."""
+    """Describe what the motion at these parameters does instead of the orbit; `resting`: the root may stick forever."""
     for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
         positions = rest_positions(equations.parameters, boundary)
         if positions is not None:

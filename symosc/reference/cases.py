@@ -349,7 +349,7 @@ GRAZE_TIMES = {"P2": "1.1", "P3": "3.3", "P5": "0.55", "P6": "3.85"}
 
 
 def grazes() -> Iterator[ReferenceCase]:
-    """Yield the cases."""
+    """Yield motions that graze a belt exactly."""
     for regime, changes in DAMPED.items():
         p = GRAZING.replace(**changes)
         for mapping, t_m in GRAZE_TIMES.items():
@@ -381,7 +381,7 @@ GAP = Fraction(1)
 
 
 def rests() -> Iterator[ReferenceCase]:
-    """Yield the cases."""
+    """Yield motions that come to rest, or creep towards it."""
     yield from _creeping()
     yield from _towards_a_limit()
     yield from _belt_start_cases()
@@ -466,7 +466,7 @@ def wall(F: NumberLike, Omega: NumberLike, c: NumberLike = 0, P: NumberLike = 1)
 
 
 def coulomb() -> Iterator[ReferenceCase]:
-    """Yield the cases with closed forms."""
+    """Yield Coulomb oscillators, whose events have closed forms."""
     yield from _slides()
     yield from _borders()
     yield from _resonance()

@@ -40,7 +40,7 @@ class FoundEvents(NamedTuple):
 
 
 class OfAKind(Protocol):
-    """An event with kind and boundary, as the alignment requires."""
+    """Protocol of an event with a kind and a boundary, for `align`."""
 
     @property
     def kind(self) -> str:
@@ -65,7 +65,7 @@ class Comparison:
 
     @property
     def error(self) -> float | None:
-        """The larger of the two errors."""
+        """The larger of the errors of times and of positions."""
         return None if self.error_t is None or self.error_x is None else max(self.error_t, self.error_x)
 
     @property

@@ -183,7 +183,7 @@ def _cell(value: Any) -> Any:
 
 
 def _add(where: str, result: CaseResult, entry: Record) -> None:
-    """Read an event into a result."""
+    """Append an event, or the end time, of a file's entry to a result."""
     if "seconds" in entry:
         seconds = _number(where, entry, "seconds")
         if seconds is None or seconds < 0:

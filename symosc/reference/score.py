@@ -110,7 +110,7 @@ class Score:
 
     @property
     def given(self) -> list[CaseScore]:
-        """The cases that there are results for."""
+        """The cases for which the solver has results."""
         return [case for case in self.cases if case.given]
 
     @property
@@ -404,7 +404,7 @@ def verdict(score: Score) -> str:
 
 
 def legend(score: Score) -> list[str]:
-    """Return the explanation of the numbers."""
+    """Return lines that explain the numbers of a score."""
     return [
         "Numbers: the largest error of time, relative to max(1, t - t0), and of position, relative to max(1, |x|), in "
         "units of max(1, condition) * 1e-16, which is what rounding the problem's numbers to doubles does. 'right': "

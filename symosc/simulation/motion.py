@@ -191,7 +191,7 @@ class MotionInDoubles:
         return joined(self._events)
 
     def pieces(self) -> np.ndarray:
-        """Return the pieces so far, in columns."""
+        """Return the pieces of the motion so far, in columns."""
         return np.concatenate(self._pieces, axis=1)
 
     def follow(self, most: int, accuracy: float) -> None:
@@ -296,7 +296,7 @@ class Motion:
         self._columns.append((s.n, *map(float, (s.theta, s.mode, s.x, s.v, a)), elapsed))
 
     def columns(self) -> np.ndarray:
-        """Return the pieces so far, in columns."""
+        """Return the pieces of the motion so far, in columns."""
         return np.array(self._columns, dtype=float).T
 
     def step(self) -> None:

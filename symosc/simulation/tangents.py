@@ -34,7 +34,7 @@ def read_wrt(wrt: Any) -> tuple[str, ...]:
 
 
 def codes_of(wrt: Sequence[str]) -> np.ndarray:
-    """Return the codes of columns."""
+    """Return the code of each name by which is differentiated."""
     return np.array([NAMES.index(name) for name in wrt], dtype=np.int64)
 
 

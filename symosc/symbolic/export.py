@@ -470,7 +470,7 @@ class _Language(ast.NodeTransformer):
 
 
 class _Julia(_Language):
-    """Julia 1.x."""
+    """The printer of functions for Julia 1.x."""
 
     def function(self, node: ast.FunctionDef) -> str:
         """Return the lines of a function."""
@@ -496,7 +496,7 @@ class _Julia(_Language):
 
 
 class _C(_Language):
-    """C99. A function with several results writes them to the array `out`."""
+    """The printer of functions for C99; one with several results writes them to the array `out`."""
 
     member, end, condition, otherwise, close = "->", ";", "if ({}) {{", "} else {", "}"
     renamed = {"abs": "fabs"}  # noqa: RUF012
@@ -675,7 +675,7 @@ def _about(program: _Program, mark: str, run: str) -> list[str]:
 
 
 def _python(program: _Program, arrays: bool) -> str:
-    """Return the Python source."""
+    """Return the Python source of a program."""
     functions = [ast.unparse(node) for node in program.functions.values()]
     used = set().union(*map(_names, program.functions.values())) | ({"sqrt"} if program.passed else set())
     imports = ["from collections import namedtuple", ""] * bool(program.passed) + ["import numpy as np"] * arrays
@@ -726,7 +726,7 @@ def _python_setup(program: _Program) -> str:
 
 
 def _c(program: _Program, name: str) -> dict[str, str]:
-    """Return the C source and header."""
+    """Return the C source and header of a program."""
     c, count, fixed = _C(program.returns(), f"{name}_constants"), len(program.maps), program.values is not None
     constants = "" if fixed else f"const {name}_constants *K, "
     public = [label for label in program.functions if re.match(r"P[1-8]", label)]
@@ -797,7 +797,7 @@ def _c_setup(program: _Program, c: _C, signature: str) -> str:
 
 
 def _julia(program: _Program, name: str) -> str:
-    """Return the Julia source."""
+    """Return the Julia source of a program."""
     julia, passed = _Julia(program.returns()), program.passed
     exports = ["residual", "jacobian", *["constants"] * bool(passed)]
     numbers = program.numbers()

@@ -41,7 +41,7 @@ REGIME_WORDS = {
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Yield the texts and steps of the chapter."""
     generic = generic_basis()
     rates = []
     for symbol, rate in solution.rates().items():

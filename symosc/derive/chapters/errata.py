@@ -33,7 +33,7 @@ TITLE = "Errata"
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
+    """Return the texts and steps of the chapter."""
     figure = scope.scene and scope.scene.name.partition("-")[0]
     figures = [
         section() for name, section in (("fig7", _figure7_errata), ("fig8", _figure8_errata)) if figure in (None, name)

@@ -44,7 +44,7 @@ SCENE, EVENTS, DIGITS = "fig5", 6, 30
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Yield the texts and steps of the chapter."""
     s, e = sp.symbols("s varepsilon", real=True)
     place, speed = named("x"), named(r"\dot{x}")
     near_x, near_v = place + speed * s + BEFORE * s**2 / 2 + e * (DX + DV * s), speed + BEFORE * s + e * DV

@@ -46,7 +46,7 @@ CASES = (
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Yield the texts and steps of the chapter."""
     rows = []
     for mapping, place in PLACES.items():
         rate, sine = "<>" if place.side > 0 else "><"

@@ -59,7 +59,7 @@ def at_both(scope: Scope) -> Each:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Yield the texts and steps of the chapter."""
     total, first, second = named(r"m\ddot{x}"), named("T_1"), named("T_2")
     right = A0 + B0 * WAVE - k * x - c * v + first + second
     checks = tuple(

@@ -525,7 +525,7 @@ def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray
 
 
 def nearest_graze(scene: Scene, mapping: str, half_unit: float) -> NearestGraze:
-    """Find the point of the curve of grazing starts next to the printed start, and where it is in its rounding box."""
+    """Find the grazing start nearest to the printed one, and the times of those that round to it."""
     printed = np.array([[float(scene.x0)], [float(scene.v0)]])
 
     def away(t: float) -> float:

@@ -250,7 +250,7 @@ def frequency() -> Evidence:
 
 
 def motion_states() -> Evidence:
-    """Section 3: five motion states."""
+    """Section 3 counts five motion states: in three domains and on two boundaries."""
     p = load_scene("fig5").parameters
     places = [domain_of(p, v) for v in (p.v1 - 1, p.v1, (p.v1 + p.v2) / 2, p.v2, p.v2 + 1)]
     domains, boundaries = (sum(place in wanted for place in places) for wanted in ([[1], [2], [3]], [[12], [23]]))

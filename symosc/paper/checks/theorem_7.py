@@ -129,7 +129,7 @@ class Row(NamedTuple):
 
     @property
     def right(self) -> bool:
-        """Whether both say the same."""
+        """Whether the paper's cases and the exact flow agree."""
         return self.printed == self.grazes
 
 
