@@ -102,7 +102,7 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
 
 
 class Flights:
-    """The closing equations of a word: unknown are phase, duration and, after a crossing, position of each flight."""
+    """The closing equations of a word in few unknowns: phase, duration and, after a crossing, x of each flight."""
 
     # `labels` begin with a flight, and with the half whose mirror image is the rest if there is one.
 
@@ -150,7 +150,7 @@ class Flights:
         return found
 
     def fly(self, o: Oscillator, leg: Leg, u: Values) -> Flown:
-        """Return a flight; `u` are balls or power series."""
+        """Follow a flight from its unknowns in `u`, balls or power series, to its end."""
         piece, (phase, *place, tau) = leg.piece, u[leg.at : leg.at + 3 - leg.piece.after_stick]
         speed = o.speed[piece.start]
         if place:
@@ -248,7 +248,7 @@ class Flights:
         return [index for index, phase in turns if not phase < low and not phase > high]
 
     def drift(self, o: Oscillator, belt: int, phase: Ball) -> Ball:
-        """Return what pushes downward on a belt: -m times the derivative of both forces."""
+        """Return the drift k v + B0 Omega sin(theta) of a belt: -m times the derivative of both forces on it."""
         return o.k * o.speed[belt] + o.B0 * o.Omega * phase.sin()
 
     def sections(self, o: Oscillator, leg: Leg, u: Values) -> tuple[list[int], Values] | None:

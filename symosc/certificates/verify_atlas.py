@@ -203,7 +203,7 @@ class Word:
         return (u[0] + arb.pi(), (e.A[1] + e.A[3]) / e.k - x) if self.half else (u[0] + 2 * arb.pi(), x)
 
     def r(self, e, u, plan=None):
-        """Return r, and the margins: what has to be > 0 (4 above)."""
+        """Return the residuals r of the word, and its margins, which have to be > 0 (2 and 4 above)."""
         found, margins, self.looks = [], [], {}  # the margins by which a flight is looked at, and its number
         for i, flight in enumerate(self.flights):
             s, (phase, x), v = u[flight.tau], self.next(e, i, u), e.belts[flight.onto]
@@ -248,7 +248,7 @@ class Word:
         return turns, cuts, steps
 
     def stays(self, e, u, plan, problem):
-        """Prove 5 above for all u in a box, where the margins are > 0."""
+        """Prove for all u in a box, where the margins are > 0, that no flight meets a belt before its end (5 above)."""
         for flight, cuts, steps in zip(self.flights, *plan[1:], strict=True):
             near = {flight.mode - 1, flight.mode} & {1, 2}
             sides = {belt: (1 if flight.mode > belt else -1, e.belts[belt]) for belt in near}
@@ -380,7 +380,7 @@ class Box:
         return Plane(self.p | dict(zip(self.over, values, strict=True)))
 
     def series(self, side, rows, count, wide=False, plan=None):
-        """Return r and the margins as series from the middle, or from everywhere in the box."""
+        """Return r and the margins as power series in one direction, from the middle or from all places of the box."""
         ctx.cap = count
         start = self.wide if wide else self.middle
         e = self.plane([arb_series([b, h * i], prec=count) for b, h, i in zip(start, self.half, side, strict=True)])

@@ -105,7 +105,7 @@ def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
 
 
 def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
-    """Return the functions U0, U1, U2, V, W, P, Q of repeated roots at `tau` >= 0, from the entire functions there."""
+    """Return U0, U1, U2, V, W, P, Q, the divided differences over repeated roots, at `tau` >= 0."""
     if K.apart and K.omega_d * tau >= FAR_APART:
         return repeated_apart(tau, K.h, K.omega_d, K.cm, K.w0sq, K.Om, K.p, K.q, E0, E1, E2, R2, I2, s, c)
     zero = 0.0 * K.Om

@@ -402,7 +402,7 @@ def _rest_case(
 
 
 def _creeping() -> Iterator[ReferenceCase]:
-    """Yield flights from v = -1 towards v = 0: g = |v|, u = g' + r2 g = `push` at the start; contact only if u < 0."""
+    """Yield flights that creep towards v = 0 with the gap g = -v; they meet the belt only if u = g' + r2 g < 0."""
     # Then it is at t = log(1 + (r2 - r1) g/|u|)/(r2 - r1), and at t = g/|u| if the two roots are one.
     for number, push in enumerate(("-1e-1", "-1e-9", "0", "1e-9"), 1):  # late, very late, just not, not
         for roots, (r1, r2) in (("two roots", (1, 3)), ("one root", (2, 2))):

@@ -64,7 +64,7 @@ def need_xarray() -> ModuleType:
 
 
 class SweptDataset(Drawable):
-    """What a sweep's Dataset has of symosc, as ``dataset.symosc``: ``dataset.symosc.plot()`` draws it.
+    """The accessor ``dataset.symosc`` of a sweep's result: ``dataset.symosc.plot()`` draws it.
 
     Examples
     --------

@@ -78,7 +78,7 @@ class Grid:
 
 
 def read_grid(scene: Scene, over: Any, starts: Any = None) -> Grid:
-    """Return the cells of axes by name or of a table, and of rows of starts, from each of which a set is followed."""
+    """Return the cells of a sweep: of its axes by name, or the rows of a table, each from every row of `starts`."""
     table = _table_columns(over)
     axes = table if table is not None else _axes(over)
     found = {name: Coordinate(name if table is None else SET_AXIS, values) for name, values in axes.items()}

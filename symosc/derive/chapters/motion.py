@@ -54,7 +54,7 @@ def _values_at_belt(belt: int) -> dict[Any, Any]:
 
 
 def at_both(scope: Scope) -> Each:
-    """Return the check of a statement at both belts, at their speeds."""
+    """Return the check that a statement on belt lambda holds for both belts, at their speeds."""
     return Each(tuple(Exact(_values_at_belt(belt)) for belt in scope.boundaries))
 
 

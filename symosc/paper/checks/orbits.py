@@ -396,7 +396,7 @@ def _end_of_stick(scene: Scene) -> dict[str, str]:
 
 
 def _one_digit(scene: Scene, start: list[Nearest]) -> str:
-    """Describe a start with only x0 or t0 different from the orbit's, in one digit."""
+    """Say which of x0 and t0 differs from the orbit's in one printed digit only."""
     remarks = ""
     for each in start:
         printed, orbit = f"{float(getattr(scene, each.name)):.4f}", f"{each.value:.4f}"
