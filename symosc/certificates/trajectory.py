@@ -22,17 +22,7 @@ from typing import NamedTuple
 from flint import arb, arb_mat, ctx
 
 from symosc.aliases import Record
-from symosc.certificates.balls import (
-    Ball,
-    StateSet,
-    Undecided,
-    around,
-    ball,
-    exact_ends,
-    made_by,
-    outward,
-    size,
-)
+from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends, made_by, outward, size
 from symosc.certificates.certificate import Certificate, changes_of, confirmed, events_of
 from symosc.certificates.derivatives import NUMBERS, Change, event_changes
 from symosc.certificates.flow import Flight, Jet, Oscillator

@@ -14,16 +14,7 @@ from numpy.typing import ArrayLike
 from symosc.aliases import NumberLike, Progress, Record, SceneName, SolutionLike
 from symosc.arguments import public
 from symosc.crosschecks.causes import Fault, explain
-from symosc.crosschecks.events import (
-    WINDOW,
-    FoundEvent,
-    Match,
-    Matcher,
-    Reach,
-    find_events,
-    given_events,
-    labels,
-)
+from symosc.crosschecks.events import WINDOW, FoundEvent, Match, Matcher, Reach, find_events, given_events, labels
 from symosc.crosschecks.files import read_solutions
 from symosc.crosschecks.objects import dense_note, of_function
 from symosc.crosschecks.report import CrossCheck, CrossChecks, check_all

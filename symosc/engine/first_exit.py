@@ -50,17 +50,7 @@ from typing import NamedTuple
 
 from symosc.aliases import Number
 from symosc.engine.flow import derivatives, fifth_derivative, state_at, turned, velocity_scale
-from symosc.engine.state import (
-    HIT,
-    LOST,
-    NOTHING,
-    STALLED,
-    TANGENCY,
-    FlightEnd,
-    Flown,
-    StickEnd,
-    Walls,
-)
+from symosc.engine.state import HIT, LOST, NOTHING, STALLED, TANGENCY, FlightEnd, Flown, StickEnd, Walls
 from symosc.kernels._generated import next_derivative, stick_acceleration
 from symosc.kernels.elementary import cos, select, sin
 from symosc.kernels.entire import EPS, SIXTH

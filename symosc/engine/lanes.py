@@ -66,18 +66,7 @@ from symosc.engine.next_event import (
     phase_after,
     time_with_errors,
 )
-from symosc.engine.state import (
-    CROSS,
-    ON_BELT,
-    RUNNING,
-    SLIP,
-    STICK,
-    Covariance,
-    Flown,
-    NextEvent,
-    State,
-    Walls,
-)
+from symosc.engine.state import CROSS, ON_BELT, RUNNING, SLIP, STICK, Covariance, Flown, NextEvent, State, Walls
 from symosc.engine.summary import EVENTS_SO_FAR, SKIPPED, STICKS, tally_step
 from symosc.kernels._generated import acceleration, basis_apart, motion, stick_acceleration
 from symosc.kernels.elementary import WIDEST, exp, select, sine_cosine

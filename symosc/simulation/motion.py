@@ -51,18 +51,7 @@ from symosc.engine.constant_table import table_of
 from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EXACT_COLUMNS, FLOAT_COLUMNS, Event, event_codes
 from symosc.engine.flow import Constants, clock_time
 from symosc.engine.start import MOST_PERIODS, Start, continued, first_state, is_steady, last_time, rounded, settles
-from symosc.engine.state import (
-    END,
-    FAILED,
-    GRAZE,
-    ON_BELT,
-    REST,
-    RUNNING,
-    UNDECIDED,
-    Covariance,
-    NextEvent,
-    State,
-)
+from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, RUNNING, UNDECIDED, Covariance, NextEvent, State
 from symosc.engine.summary import no_tally
 from symosc.errors import ParameterError
 from symosc.exact import show

@@ -11,19 +11,7 @@ from symosc.derive.chapters.jacobians import AFTER, BEFORE
 from symosc.derive.chapters.orbits import FUNCTIONS
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.steps import (
-    CONTEXT,
-    Close,
-    Exact,
-    Items,
-    Sign,
-    Table,
-    decimal,
-    equation,
-    facts,
-    number,
-    step,
-)
+from symosc.derive.steps import CONTEXT, Close, Exact, Items, Sign, Table, decimal, equation, facts, number, step
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
