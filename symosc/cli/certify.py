@@ -118,12 +118,7 @@ def certify(
 
 
 def _proof(
-    problem: Scene,
-    start_error: str | None,
-    wrt: str | None,
-    word: str | None,
-    span: str | None,
-    mapping: str | None,
+    problem: Scene, start_error: str | None, wrt: str | None, word: str | None, span: str | None, mapping: str | None
 ) -> Certificate | None:
     """Return the certificate that is asked for; None, after a line that says so, if there is no such orbit."""
     from symosc.certificates.certify import certify as prove

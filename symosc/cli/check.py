@@ -222,12 +222,7 @@ def cases(output: str | None, group: str | None, as_json: bool) -> int:
 @click.option("--plot", "picture", metavar="FIGURE", help="Draw all errors: .pdf, .svg or .png. -: SVG to stdout.")
 @json_option
 def score(
-    folder: str,
-    results: tuple[str, ...],
-    tolerance: str | None,
-    output: str | None,
-    picture: str | None,
-    as_json: bool,
+    folder: str, results: tuple[str, ...], tolerance: str | None, output: str | None, picture: str | None, as_json: bool
 ) -> int:
     """Judge the events that solvers have found in the reference cases.
 

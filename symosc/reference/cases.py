@@ -283,21 +283,11 @@ def _regime_cases() -> list[HardCase]:
     free = _scene_like("m = 1e-5, c = 0", "fig10", FIG10, "1.47", m="1e-5", c=0)
     add("light mass", free.name, free)
     group = "fast and slow drive"
-    add(
-        group,
-        "Omega = 1e3",
-        _scene_like("Omega = 1e3", "fig9", ("0", "0", "0"), "0.04", Omega=1000, B0=3000),
-        True,
-    )
+    add(group, "Omega = 1e3", _scene_like("Omega = 1e3", "fig9", ("0", "0", "0"), "0.04", Omega=1000, B0=3000), True)
     add(group, "Omega = 1e-3", _scene_like("Omega = 1e-3", "fig6", FIG6, "6000", Omega="1e-3"), True)
     for t0, text in ((10**8, "1e8"), (10**10, "1e10")):
         for base, (_, x0, v0), span in (("fig9", FIG9, 10), ("fig10", FIG10, 15)):
-            add(
-                "late start",
-                f"t0 = {text} ({base})",
-                _scene_like("late", base, (t0, x0, v0), t0 + span),
-                t0 == 10**10,
-            )
+            add("late start", f"t0 = {text} ({base})", _scene_like("late", base, (t0, x0, v0), t0 + span), t0 == 10**10)
     return cases
 
 

@@ -212,12 +212,7 @@ def stick_jacobian() -> dict[str, Expr]:
     residual = stick_residual()
     # tau = (theta_j - theta_i)/Omega
     by_tau = residual["f1"].diff(tau) / Omega
-    return {
-        "x_th0": -by_tau,
-        "x_th1": by_tau,
-        "v_x1": residual["f2"].diff(x_j),
-        "v_th1": residual["f2"].diff(theta_j),
-    }
+    return {"x_th0": -by_tau, "x_th1": by_tau, "v_x1": residual["f2"].diff(x_j), "v_th1": residual["f2"].diff(theta_j)}
 
 
 def stick_parameters() -> dict[str, Expr]:

@@ -100,10 +100,7 @@ def reaches_belt(scene: Scene, belt: int) -> Evidence:
     p, path = scene.parameters, motion(scene, LATE)
     first = next((event for event in path.events if event.boundary == belt), None)
     square, speed = steady_square(p), f"v{subscripted(belt)}"
-    numbers = {
-        "square of the steady velocity amplitude": text(square),
-        f"square of {speed}": text(p.belt(belt) ** 2),
-    }
+    numbers = {"square of the steady velocity amplitude": text(square), f"square of {speed}": text(p.belt(belt) ** 2)}
     if first is not None:
         numbers["t of the first contact"] = text(first.t, 20)
         finding = f"The first contact is a {first.kind} at t = {text(first.t, 11)}."

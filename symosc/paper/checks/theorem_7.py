@@ -270,11 +270,7 @@ def equality() -> Evidence:
             equal = f"γ = {gamma} = {'-' if where.side < 0 else ''}B₀Ω/m"
             values = ", ".join(map(str, contact.derivatives(where.domain)))
             numbers[f"{mapping}, {equal}: F, G⁽¹⁾, G⁽²⁾, G⁽³⁾"] = values
-    numbers |= {
-        "contacts at the excluded phase": total,
-        "printed as no graze": excluded,
-        "the flow returns": returning,
-    }
+    numbers |= {"contacts at the excluded phase": total, "printed as no graze": excluded, "the flow returns": returning}
     finding = f"At {returning} of {total} contacts at the excluded phase the flow returns to its domain"
     if excluded and returning:
         finding += ": F = G⁽¹⁾ = G⁽²⁾ = 0, a tangency of fourth order, which Theorem 6 does not see"
