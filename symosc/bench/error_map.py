@@ -52,8 +52,8 @@ def value_at(place: float) -> Fraction:
     if abs(place - NEAREST) < 1e-9:
         return Fraction(1)
     if place > NEAREST:
-        return 1 + _power_of_ten_text(place - 2 * NEAREST)
-    part = _power_of_ten_text(-abs(place))
+        return 1 + _power_of_ten(place - 2 * NEAREST)
+    part = _power_of_ten(-abs(place))
     return part / (1 + part) if place < 0 else 1 / (1 + part)
 
 
@@ -67,7 +67,7 @@ def place_of(value: float, beyond: float = 0.0) -> float:
     return log10((value + beyond) / below)
 
 
-def _power_of_ten_text(exponent: float) -> Fraction:
+def _power_of_ten(exponent: float) -> Fraction:
     return Fraction(repr(float(10.0**exponent)))
 
 

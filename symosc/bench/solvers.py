@@ -59,32 +59,17 @@ class LazyEvents(Sequence[FoundEvents]):
 
 @dataclass(frozen=True)
 class Solver:
-    """A solver to compare with: how it finds the events of a scene, with which tolerances, and what it needs.
+    """A solver to compare with: how it finds the events of a scene, with which tolerances, and what it needs."""
 
-    Attributes
-    ----------
-    name : str
-        What tables and plots call it.
-    prepare : callable
-        ``prepare(scene, tolerance)`` returns a function without arguments that follows the scene from its start to its
-        end and returns its events (`FoundEvents`), `LazyEvents` where they come in arrays. What a user would do once
-        (compile, build the integrator) is done in `prepare`.
-    tolerances : tuple of float
-        What a work-precision curve runs through, coarse to fine; one entry 0.0 for a solver without a tolerance.
-    needs : str
-        The module that must be importable, "" if it comes with symosc.
-    note : str
-        What its precautions are.
-    extra : str
-        The extra that installs what it needs.
-    """
-
-    name: str
+    name: str  # in tables and plots
+    # prepare(scene, tolerance) returns a function that follows the scene from its start to its end and returns its
+    # events (`FoundEvents`), `LazyEvents` where they come in arrays. It does what a user would do once (compile, build
+    # the integrator).
     prepare: Callable[[Scene, float], Callable[[], Sequence[Any]]]
-    tolerances: tuple[float, ...]
-    needs: str = ""
-    note: str = ""
-    extra: str = "bench"
+    tolerances: tuple[float, ...]  # of a work-precision curve, coarse to fine; 0.0 alone for a solver without one
+    needs: str = ""  # the module that must be importable, "" if it comes with symosc
+    note: str = ""  # its precautions
+    extra: str = "bench"  # the extra that installs what it needs
 
     @property
     def missing(self) -> str:
