@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -145,7 +145,7 @@ def _response(problem: Scene, over: str, output: str | None, as_json: bool, pipe
     columns = {head: column.tolist() for head, column in found.columns().items()}
     if as_json:
         known = {
-            head: [None if value in (inf, -inf) or value != value else value for value in column]
+            head: [None if isinstance(value, float) and not isfinite(value) else value for value in column]
             for head, column in columns.items()
         }
         write_json({"scene": problem.name, **known})  # JSON has no infinity
