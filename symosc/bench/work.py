@@ -295,11 +295,9 @@ BEST, WORST = 1e-17, 1.0
 
 
 def figure(result: Record) -> Figure:
-    """Draw the result of `run`: error against time per event, a panel per scene, a curve per solver.
-
-    A cross over a mark: events were missed or invented; no line leads there. Runs that failed have no time; each panel
-    says how many there were.
-    """
+    """Draw the result of `run`: error against time per event, a panel per scene, a curve per solver."""
+    # A cross over a mark: events were missed or invented; no line leads there. Runs that failed have no time; each
+    # panel says how many there were.
     scenes = list(dict.fromkeys(row["scene"] for row in result["rows"]))
     styles = _styles(list(dict.fromkeys(row["solver"] for row in result["rows"])))
     columns = min(COLUMNS, len(scenes) + 1)

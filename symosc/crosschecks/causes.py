@@ -270,13 +270,12 @@ def tried_samples(check: Any) -> slice:
 
 
 class Case:
-    """Samples of a solution whose faults are to be explained, and the exact motion over each of their steps.
+    """Samples of a solution whose faults are to be explained, and the exact motion over each of their steps."""
 
-    `offset` is the number of the first of them among all samples of the `check`; `near` are distances from a belt that
-    count as on it; `sizes` the defects in units of the allowed ones; `moving_wrong` the wrong steps in which time
-    passes; `domain` that of each sample, 0 at a belt; `inside` the steps in one domain, for the samples and the exact
-    motion, and `inside_wrong` and `flights_wrong` those of them that are wrong, and their fraction.
-    """
+    # `offset` is the number of the first of them among all samples of the `check`; `near` are distances from a belt
+    # that count as on it; `sizes` the defects in units of the allowed ones; `moving_wrong` the wrong steps in which
+    # time passes; `domain` that of each sample, 0 at a belt; `inside` the steps in one domain, for the samples and the
+    # exact motion, and `inside_wrong` and `flights_wrong` those of them that are wrong, and their fraction.
 
     def __init__(self, check: Any) -> None:
         """Follow the exact motion over all steps, or, of many, over a part that begins before the first wrong one."""
@@ -313,10 +312,9 @@ class Case:
         return np.maximum(1.0, part * np.nan_to_num(self.sizes, nan=0.0, posinf=0.0))
 
     def share(self, sizes: np.ndarray, of: np.ndarray | None = None, part: float = EXPLAINS) -> float:
-        """Return the fraction of the wrong steps that an alternative explains, minus that of right ones it spoils.
-
-        `sizes` are the defects that it leaves in the steps `of` (default: all); a step is explained if `part` is left.
-        """
+        """Return the fraction of the wrong steps that an alternative explains, minus that of right ones it spoils."""
+        # `sizes` are the defects that it leaves in the steps `of` (default: all); a step is explained if `part` is
+        # left.
         chosen = slice(None) if of is None else of
         wrong = self.wrong[chosen]
         fits = sizes <= self.limits(part)[chosen]
@@ -360,10 +358,8 @@ class Case:
     def between(
         self, begin: np.ndarray, until: np.ndarray, near: np.ndarray, p: Parameters | None = None
     ) -> np.ndarray:
-        """Return the exact motion from states t, x, v (rows) minus the samples `until`; shape (rows, 2).
-
-        No row may begin before the one before ends.
-        """
+        """Return the exact motion from states t, x, v (rows) minus the samples `until`; shape (rows, 2)."""
+        # No row may begin before the one before ends.
         end = np.column_stack([self.steps.t, self.steps.states])[until]
         found = begin[:, 1:] - end[:, 1:]
         moving = begin[:, 0] < end[:, 0]
