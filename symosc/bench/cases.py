@@ -132,6 +132,7 @@ def _result(outcome: Outcome, limit: float) -> CaseResult:
 
 
 def _value(outcome: Outcome) -> Any:
+    """Return the value of an outcome, or raise RuntimeError for a failure."""
     if outcome.failure:
         raise RuntimeError(f"no events of a reference case: {outcome.failure}")
     return outcome.value

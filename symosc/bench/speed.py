@@ -166,6 +166,7 @@ def _ensemble(count: int) -> Iterator[Call]:
 
 
 def _derivatives(count: int) -> Iterator[Call]:
+    """Yield calls of `simulate_many` with and without derivatives."""
     p, starts, ends = _starts(count)
     follow = partial(simulate_many, p, starts, ends, **ONE_CORE)
     events = len(follow())
@@ -275,6 +276,7 @@ def lambdified(p: Parameters, cse: bool) -> Callable[..., Any]:
 
 
 def _orbits_and_windows(points: int) -> Iterator[Call]:
+    """Yield calls that find an orbit or grazing windows."""
     p = load_scene("fig10").parameters
     guess = [(round(point.t, 1), round(point.x, 1)) for point in find_orbit(p, "P4645").points]
     yield Call("orbit P4645 of fig10 from a guess of one decimal", "call", partial(find_orbit, p, "P4645", guess=guess))

@@ -146,6 +146,7 @@ def _scene_and_files(
 
 
 def _checked(problem: Scene, files: tuple[str, ...], options: Record) -> Any:
+    """Check the solutions in files, or of a solver, as the options say."""
     from symosc.crosschecks.compare import STEP_TOLERANCE, crosscheck
     from symosc.crosschecks.objects import run_solver
 

@@ -261,6 +261,7 @@ def _solve(
 
 
 def _answers(p: Parameters | None, mapping: str, asked: Any, phases: str | None, order: Order) -> list[Any]:
+    """Ask which parameter values give an empty window, all phases, or the given phases."""
     from symosc.symbolic.inverse import values_containing, values_empty, values_everything
 
     if phases is None:

@@ -112,6 +112,7 @@ def sweep(scene: str, axes: tuple[str, ...], settings: tuple[str, ...], picture:
 
 
 def _swept(problem: Any, over: dict[str, str], asked: Record, options: Record) -> xarray.Dataset:
+    """Run the sweep; an interrupt says what is done."""
     from symosc.sweeps.sweep import sweep as sweep_all
     from symosc.sweeps.sweep import sweep_status
 

@@ -117,6 +117,7 @@ def latex_to_unicode(text: str) -> str:
 
 
 def _unicode(text: str) -> str:
+    """Write a LaTeX formula in Unicode."""
     for latex, plain in _ACCENTS.items():
         text = text.replace(latex, plain)
     out, place = "", 0

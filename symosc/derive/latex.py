@@ -133,6 +133,7 @@ class PaperPrinter(LatexPrinter):
         return f"{sign}{self._fraction(front_above, front_below)} {self._product(rest_above, alone=False)}"
 
     def _fraction(self, above: list[Expr], below: list[Expr]) -> str:
+        """Print a quotient of products, without fractions in fractions."""
         if not below:
             return self._product(above)
         top = self._print(above[0]) if len(above) == 1 else self._product(above)
@@ -142,6 +143,7 @@ class PaperPrinter(LatexPrinter):
         return rf"\frac{{{top}}}{{{bottom}}}"
 
     def _product(self, factors: list[Expr], alone: bool = True) -> str:
+        """Print the factors of a product in order."""
         if not factors:
             return "1"
         single = alone and len(factors) == 1
@@ -299,6 +301,7 @@ def _group_width(tokens: list[str], place: int) -> tuple[float, int]:
 
 
 def _item_width(tokens: list[str], place: int) -> tuple[float, int]:
+    """Return the width of the item that begins at a token, and where it ends."""
     if place >= len(tokens):
         return 0.0, place
     token, place = tokens[place], place + 1
@@ -347,6 +350,7 @@ def _pieces(expr: Expr, decimals: bool, room: float, first: bool) -> list[str]:
 
 
 def _term_pieces(term: Expr, decimals: bool, room: float, first: bool) -> list[str]:
+    """Return a term with its sign, broken inside its longest sum if it is too wide."""
     text = _signed(latex(term, decimals), first)
     sums = [factor for factor in sp.Mul.make_args(term) if factor.is_Add]
     if width(text) <= room or not sums:

@@ -579,6 +579,7 @@ def _inversions() -> Iterator[Value]:
 
 
 def _growth() -> Iterator[Value]:
+    """Yield the rise per cycle at resonance: that which differs most from the formula."""
     for F, P in (("0.5", "1"), ("0.3", "0.5")):
         formula, rises = MP.pi * MP.mpf(P) - 4 * MP.mpf(F), resonance_growth(F, P)
         _, worst = max((abs(MP.mpf(rise) - formula), rise) for rise in rises)

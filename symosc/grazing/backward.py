@@ -254,6 +254,7 @@ class BackwardSteps:
         self._matrix = self._linear() if functions is math else None
 
     def _linear(self) -> np.ndarray:
+        """Return the matrix that maps v, a, sine and cosine to all numbers of a step."""
         columns = []
         for i in range(4):
             *T, behind = self._taylor(*(float(i == j) for j in range(4)))

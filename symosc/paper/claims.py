@@ -206,6 +206,7 @@ def items_of(source: str) -> list[Item]:
 
 
 def _numbers(source: str, at: int) -> Iterator[int]:
+    """Yield the numbers of a list such as "(26), (32) to (34)"."""
     last = 0
     while match := _NUMBER.match(source, at):
         number, at = int(match["number"]), match.end()

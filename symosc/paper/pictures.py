@@ -176,6 +176,7 @@ def grazing_P3_caption(name: str) -> str:
 
 
 def _contact(view: View, contact: Contact) -> str:
+    """Return a sentence about a contact with belt 1."""
     x = number(float(view.trajectory(contact.since)[0]), 7)
     if contact.since == contact.until:
         return f"From the exact start the mass grazes belt 1 at t = {number(contact.since, 9)}, x = {x}."

@@ -83,6 +83,7 @@ def read_results(path: str | Path, names: Container[str]) -> Results:
 
 
 def _of_folder(folder: Path, names: Container[str]) -> Results:
+    """Return the results in a folder, by case."""
     found: Results = {}
     for path in sorted(folder.iterdir()):
         for file in sorted(path.glob("events.*")) if path.is_dir() else [path]:

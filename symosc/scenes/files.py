@@ -127,6 +127,7 @@ def read_scene_file(text: str, where: str) -> SceneFile:
 
 
 def _check_keys(file: SceneFile, name: str) -> None:
+    """Raise SceneError for missing or unknown keys of a table."""
     table = file.data[name] if name else file.data
     if not isinstance(table, dict):
         raise SceneError(file.where, f"{file.place(name)}: [{name}] must be a table")

@@ -104,6 +104,7 @@ def _axes(over: Any) -> dict[str, np.ndarray]:
 
 
 def _known_name(name: Any) -> str:
+    """Return the name of what is swept; ParameterError if it cannot be."""
     if name not in SWEPT_NAMES:
         known = f"cannot be swept; what can be is {', '.join(SWEPT_NAMES)}"
         raise ParameterError("over", name, known + meant(name, SWEPT_NAMES))

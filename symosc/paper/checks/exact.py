@@ -81,6 +81,7 @@ class RationalContact:
 
     @cached_property
     def _series(self) -> dict[int, list[Fraction]]:
+        """Return the power series of x' along the flows of both domains."""
         p = self.p
         return {
             alpha: velocity_series(p, p.A0 + friction_on_mass(p, alpha), self.x, self.speed, self.s, self.c)

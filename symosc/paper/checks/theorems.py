@@ -89,6 +89,7 @@ def all_contacts() -> tuple[Contact, ...]:
 
 
 def _vector(name: str, t: Any) -> Any:
+    """Return a vector of functions of t."""
     import sympy as sp
 
     return sp.Matrix([sp.Function(f"{name}{i}")(t) for i in range(DIMENSION)])
