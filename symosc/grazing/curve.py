@@ -426,7 +426,7 @@ def _end_reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
 
 
 def _filled(tracer: Tracer, run: PhaseRun) -> PhaseRun:
-    """Return a run with at least PIECE_POINTS samples away from its ends, where edge samples gather."""
+    """Add samples to a run until PIECE_POINTS of them are away from its ends, where those of the edges gather."""
     first, last = run.samples[0].theta_m, run.samples[-1].theta_m
     margin = 0.1 * (last - first)
     if sum(first + margin < each.theta_m < last - margin for each in run.samples) >= PIECE_POINTS:

@@ -138,7 +138,7 @@ def kernels() -> list[Kernel]:
 
 
 def _kernel(name: str, doc: str, arguments: str, steps: dict[str, Expr], own: dict[str, Expr] | None = None) -> Kernel:
-    """Return a kernel that returns all its steps; `own`: the arguments with a meaning other than in MEANING."""
+    """Make a kernel that returns all its steps; `own` arguments mean something else than in MEANING."""
     return Kernel(name, doc, {each: (MEANING | (own or {}))[each] for each in arguments.split()}, steps, tuple(steps))
 
 
