@@ -11,39 +11,21 @@ from .crosschecks.events import FoundEvent as FoundEvent
 from .crosschecks.events import Match as Match
 from .display.drawable import Listing as Listing
 from .engine.events import Event as Event
-from .errors import (
-    MissingExtraError as MissingExtraError,
-)
-from .errors import (
-    OutputError as OutputError,
-)
-from .errors import (
-    ParameterError as ParameterError,
-)
+from .errors import MissingExtraError as MissingExtraError
+from .errors import OutputError as OutputError
+from .errors import ParameterError as ParameterError
 from .errors import ResultError as ResultError
-from .errors import (
-    SceneError as SceneError,
-)
+from .errors import SceneError as SceneError
 from .errors import SweepError as SweepError
-from .errors import (
-    SymoscError as SymoscError,
-)
+from .errors import SymoscError as SymoscError
 from .fit import Fit as Fit
 from .fit import fit as fit
 from .grazing.check import GrazingReport as GrazingReport
 from .grazing.check import check_grazing as check_grazing
-from .grazing.curve import (
-    CurveEnd as CurveEnd,
-)
-from .grazing.curve import (
-    CurvePiece as CurvePiece,
-)
-from .grazing.curve import (
-    GrazingCurve as GrazingCurve,
-)
-from .grazing.curve import (
-    grazing_curve as grazing_curve,
-)
+from .grazing.curve import CurveEnd as CurveEnd
+from .grazing.curve import CurvePiece as CurvePiece
+from .grazing.curve import GrazingCurve as GrazingCurve
+from .grazing.curve import grazing_curve as grazing_curve
 from .grazing.solve import GrazingSolutions as GrazingSolutions
 from .grazing.solve import solve_grazing as solve_grazing
 from .grazing.start import GrazingStart as GrazingStart
@@ -58,15 +40,9 @@ from .mappings.compiled import CompiledResidual as CompiledResidual
 from .mappings.compiled import compiled_residual as compiled_residual
 from .mappings.equations import MapError as MapError
 from .mappings.equations import MapPoint as MapPoint
-from .mappings.equations import (
-    jacobian as jacobian,
-)
-from .mappings.equations import (
-    parameter_jacobian as parameter_jacobian,
-)
-from .mappings.equations import (
-    residual as residual,
-)
+from .mappings.equations import jacobian as jacobian
+from .mappings.equations import parameter_jacobian as parameter_jacobian
+from .mappings.equations import residual as residual
 from .mappings.equations import solve_map as solve_map
 from .mappings.theorem7_cases import Place as Place
 from .model import Parameters as Parameters
@@ -82,18 +58,10 @@ from .orbits.branch import BranchError as BranchError
 from .orbits.branch import continue_orbit as continue_orbit
 from .orbits.closing_equations import ConvergenceError as ConvergenceError
 from .orbits.find import find_orbit as find_orbit
-from .orbits.periodic_orbit import (
-    Approach as Approach,
-)
-from .orbits.periodic_orbit import (
-    OrbitSensitivities as OrbitSensitivities,
-)
-from .orbits.periodic_orbit import (
-    PeriodicOrbit as PeriodicOrbit,
-)
-from .orbits.periodic_orbit import (
-    SwitchingPoint as SwitchingPoint,
-)
+from .orbits.periodic_orbit import Approach as Approach
+from .orbits.periodic_orbit import OrbitSensitivities as OrbitSensitivities
+from .orbits.periodic_orbit import PeriodicOrbit as PeriodicOrbit
+from .orbits.periodic_orbit import SwitchingPoint as SwitchingPoint
 from .reductions import OtherModel as OtherModel
 from .reference.case import KnownEvent as KnownEvent
 from .reference.case import ReferenceCase as ReferenceCase
@@ -116,28 +84,14 @@ from .simulation.trajectory import Trajectory as Trajectory
 from .sweeps.sweep import SweepStatus as SweepStatus
 from .sweeps.sweep import sweep as sweep
 from .sweeps.sweep import sweep_status as sweep_status
-from .symbolic.inverse import (
-    Answer as Answer,
-)
-from .symbolic.inverse import (
-    Answers as Answers,
-)
+from .symbolic.inverse import Answer as Answer
+from .symbolic.inverse import Answers as Answers
 from .symbolic.inverse import GrazingQuestion as GrazingQuestion
-from .symbolic.inverse import (
-    ParameterRegion as ParameterRegion,
-)
-from .symbolic.inverse import (
-    ParameterValues as ParameterValues,
-)
-from .symbolic.inverse import (
-    values_containing as values_containing,
-)
-from .symbolic.inverse import (
-    values_empty as values_empty,
-)
-from .symbolic.inverse import (
-    values_everything as values_everything,
-)
+from .symbolic.inverse import ParameterRegion as ParameterRegion
+from .symbolic.inverse import ParameterValues as ParameterValues
+from .symbolic.inverse import values_containing as values_containing
+from .symbolic.inverse import values_empty as values_empty
+from .symbolic.inverse import values_everything as values_everything
 from .symbolic.theorem7 import Case as Case
 from .symbolic.theorem7 import Theorem7Cases as Theorem7Cases
 from .symbolic.theorem7 import theorem7 as theorem7

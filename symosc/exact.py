@@ -37,11 +37,9 @@ SMALLEST = 1 / LARGEST
 
 
 def read_exact(name: str, value: object) -> Fraction:
-    """Return `value` as an exact Fraction, at most LARGEST in size.
-
-    A float is read as the decimal that it prints as (0.8 is 4/5); an mpmath number as its exact binary value.
-    ParameterError for all that is no finite exact number of moderate size.
-    """
+    """Return `value` as an exact Fraction, at most LARGEST in size."""
+    # A float is read as the decimal that it prints as (0.8 is 4/5); an mpmath number as its exact binary value.
+    # ParameterError for all that is no finite exact number of moderate size.
     number = _read(name, value)
     if abs(number) > LARGEST:
         raise ParameterError(name, value, f"must be at most {float(LARGEST):g} in size")
@@ -102,10 +100,8 @@ def _read_mpf(name: str, value: Any) -> Fraction:
 
 
 def unmasked(name: str, value: Any) -> Any:
-    """Return `value`, or raise ParameterError if it is an array, or has some, of which something is masked (numpy.ma).
-
-    Most functions of numpy read what is behind the mask.
-    """
+    """Return `value`, or raise ParameterError if it is, or has, an array of numpy.ma with something masked."""
+    # Most functions of numpy read what is behind the mask.
     masked = sys.modules.get("numpy.ma")
     each = value if isinstance(value, (list, tuple)) else (value,)
     if masked and any(isinstance(part, masked.MaskedArray) and masked.is_masked(part) for part in each):
@@ -113,15 +109,10 @@ def unmasked(name: str, value: Any) -> Any:
     return value
 
 
-def _is_truth(value: object) -> bool:
-    """Return whether a value is a boolean of Python or of numpy, without importing numpy."""
-    return type(value).__name__ in ("bool", "bool_")
-
-
 def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
     """Return `value` as an int, or raise ParameterError if it is not one or out of range."""
     allowed = f"must be a whole number >= {least}" if most is None else f"must be a whole number from {least} to {most}"
-    if _is_truth(unmasked(name, value)):
+    if type(unmasked(name, value)).__name__ in ("bool", "bool_"):  # numpy need not be loaded
         raise ParameterError(name, value, allowed)
     try:
         number = operator.index(value)
@@ -138,10 +129,7 @@ def read_digits(digits: object, most: int = MOST_ASKED_DIGITS) -> int | None:
 
 
 def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
-    """Return the half-widths to which t0, x0 and v0 are known, from one number for all, three numbers, or None (exact).
-
-    ParameterError unless they are numbers >= 0.
-    """
+    """Return the half-widths to which t0, x0 and v0 are known, from one number >= 0, three numbers, or None (exact)."""
     if value is None:
         return None
     is_array = hasattr(type(value), "dtype")
@@ -164,7 +152,10 @@ MOST_ZEROS, LONGEST_DECIMAL = 20, 60
 
 def show(value: Fraction) -> str:
     """Return a short text that reads back as `value`: a decimal where it ends, else a fraction."""
-    twos, fives, rest = _twos_and_fives(value.denominator)
+    twos, fives = (value.denominator & -value.denominator).bit_length() - 1, 0
+    rest = value.denominator >> twos
+    while rest % 5 == 0:
+        rest, fives = rest // 5, fives + 1
     decimals = max(twos, fives)
     digits = _digits(abs(value.numerator) * 10**decimals // value.denominator) if rest == 1 else ""
     significant = digits.rstrip("0")
@@ -183,12 +174,3 @@ def show(value: Fraction) -> str:
 def _digits(number: int) -> str:
     """Return all digits of a whole number as text."""
     return str(Decimal(number))  # an int of more than 4300 digits cannot be printed
-
-
-def _twos_and_fives(denominator: int) -> tuple[int, int, int]:
-    """Return the exponents of 2 and 5 in a number, and the remaining factor."""
-    twos, fives = (denominator & -denominator).bit_length() - 1, 0
-    rest = denominator >> twos
-    while rest % 5 == 0:
-        rest, fives = rest // 5, fives + 1
-    return twos, fives, rest

@@ -19,10 +19,8 @@ DRAFT_PREFIX = ".symosc-"
 
 
 def write_whole(path: str | Path, write: Callable[[Path], object], suffix: str = "") -> Path:
-    """Write a draft next to `path` by `write`, then move it there; on an error nothing remains.
-
-    ``"-"`` is standard output; the draft then has the given suffix. OutputError if the folder cannot be written to.
-    """
+    """Write a draft next to `path` by `write`, then move it there; on an error nothing remains."""
+    # ``"-"`` is standard output; the draft then has the given suffix. OutputError if the folder cannot be written to.
     name = read_path(path)
     target, draft = Path(name), None
     try:
@@ -78,7 +76,7 @@ def check_new_folder(folder: Path, wanted: str = "the output is a folder") -> No
 
 
 def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
-    """Write to standard output."""
+    """Write a draft by `write` and copy it to standard output."""
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / f"draft{suffix}"
         write(draft)
@@ -106,11 +104,9 @@ def write_text(path: str | Path, text: str) -> Path:
 
 
 def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[Path], Container[str]]) -> Path:
-    """Write a folder of text files whole or not at all, in place of an earlier one.
-
-    `earlier(folder)` returns the names of the files that an earlier run has written; a folder with any other file stays
-    as it is. OutputError then, and if it cannot be written.
-    """
+    """Write a folder of text files whole or not at all, in place of an earlier one."""
+    # `earlier(folder)` returns the names of the files that an earlier run has written; a folder with any other file
+    # stays as it is. OutputError then, and if it cannot be written.
     target, draft = check_folder(path, earlier), None
     try:
         draft = Path(tempfile.mkdtemp(prefix=DRAFT_PREFIX, dir=target.parent))

@@ -28,7 +28,6 @@ from symosc.simulation.trajectory import Trajectory
 #: A combination of numbers whose change by its own size changes the residuals by less than this is not determined.
 UNDETERMINED = 1e-8
 KINDS = tuple(KIND_NAMES.values())
-MOST_CALLS = 200
 
 
 @dataclass(frozen=True)
@@ -177,7 +176,7 @@ def fit(
         jac=lambda values: evaluated(values)[1],
         bounds=(low, np.inf),
         x_scale=steps,
-        max_nfev=MOST_CALLS,
+        max_nfev=200,
     )
     residuals, slopes, trajectory = evaluated(found.x)
     units, estimated = np.array(steps), sigma is None

@@ -4,14 +4,7 @@
 
 A mass is pressed with the force FN between two belts that move with v1 < v2. Below v1 (domain 1) both belts drag
 it forward, between the belts (domain 2) they pull against each other, above v2 (domain 3) both hold it back.
-
-Words that mean one thing in all modules:
-
-- boundary: its number, 1 or 2. Boundary 1 is v = v1, between domains 1 and 2; boundary 2 is v = v2.
-- belt: the machine's part that makes a boundary. ``p.belt(boundary)`` is its speed, ``K.belt1`` its constants.
-- side: where a motion leaves a domain or a stick, -1 downwards and +1 upwards; 0 if it does not leave.
-- mode: what the mass does, a code of MODE_NAMES.
-- word: a sequence of mappings in order of time (`symosc.words`).
+Boundary 1 is v = v1, boundary 2 is v = v2. docs/reference/glossary.md explains the words that the code uses.
 """
 
 from __future__ import annotations

@@ -86,8 +86,6 @@ def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
     return (number if exact else rounded(number)), exact
 
 
-# --- expressions ---
-
 #: Digits to which an expression with pi is known, and bits with which it is computed.
 KNOWN_DIGITS, ENCLOSURE_BITS = 40, 400
 #: Bits of the numerator and denominator of an exact value.
@@ -148,7 +146,9 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
         raise refused(f"has no value of at most {float(LARGEST):g} in size") from None
     if isinstance(found, Fraction):
         return found, True
-    low, high = (read_exact(name, _end(end)) for end in (found.a, found.b))
+    from mpmath import mp
+
+    low, high = (read_exact(name, mp.make_mpf(end._mpi_[0])) for end in (found.a, found.b))
     if (high - low) * 10 ** (KNOWN_DIGITS + 5) > min(abs(low), abs(high)):
         raise refused(f"is not known to {KNOWN_DIGITS} digits, as they cancel; write it as a number, 0 if it is that")
     return rounded((low + high) / 2), False
@@ -177,13 +177,6 @@ def _enclosed(value: Any) -> Any:
     return _enclosures().mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
 
 
-def _end(end: Any) -> Any:
-    """Return an end of an enclosure as a number of mpmath."""
-    from mpmath import mp
-
-    return mp.make_mpf(end._mpi_[0])
-
-
 def rounded(value: Fraction) -> Fraction:
     """Return a number with 40 digits."""
     context = Context(prec=KNOWN_DIGITS, rounding=ROUND_HALF_EVEN)
@@ -195,8 +188,6 @@ def half_unit(value: Fraction) -> Fraction:
     exponent = Decimal(value.numerator).adjusted() - Decimal(value.denominator).adjusted() + 1
     return Fraction(10) ** (exponent - KNOWN_DIGITS) / 2
 
-
-# --- quantities ---
 
 #: A number, and the name of a unit with powers of one digit.
 _QUANTITY = re.compile(
@@ -237,6 +228,7 @@ def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
 
 @cache
 def _registry() -> Any:
+    """Return pint's registry of units; MissingExtraError without pint."""
     try:
         import pint
     except ImportError:

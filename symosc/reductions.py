@@ -90,7 +90,7 @@ def cos_sin(angle: Fraction, digits: int = DIGITS) -> tuple[Fraction, Fraction, 
 
 @cache
 def _context(digits: int) -> Any:
-    """Return a context of mpmath."""
+    """Return an mpmath context with `digits` digits."""
     from mpmath import mp
 
     context = mp.clone()
@@ -379,7 +379,7 @@ def number_of(value: Number) -> Callable[[Fraction], Number]:
 
 
 def _known(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
-    """Return a - b of numbers known to 40 digits, and its half-width; a difference that is only rounding is 0."""
+    """Subtract numbers known to 40 digits: return a - b, 0 if it is only rounding, and its half-width."""
     size = abs(a) + abs(b)
     return rounded(a - b) if abs(a - b) * 10 ** (DIGITS - 20) > size else Fraction(0), half_unit(size)
 

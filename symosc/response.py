@@ -12,7 +12,6 @@ import csv
 import io
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from math import asin, atan2, hypot, inf, nan, pi, sqrt
@@ -47,13 +46,10 @@ from symosc.words import Word, WordError
 POINTS, CONVERGED, SMALL_MOTION = 24, 1e-14, 1e-2
 #: How often a piece is halved at most, and where halving no longer helps because rounding is all that is left.
 MOST_HALVES, ROUNDING = 30, 1e-10
-#: Periods of a motion without events are cut into parts of this angle of the fastest of drive and oscillator.
-LONGEST_TURN = 2.0
 
 
-#: Periods after which motions from harmonic balance are looked at, and after which that from rest is given up.
+#: Periods after which motions from harmonic balance are examined, and after which that from rest is given up.
 FOLLOWED = 3, 12, 48
-SETTLED_AFTER = 1000
 
 
 class Row(NamedTuple):
@@ -95,7 +91,7 @@ class FrequencyResponse(Drawable):
         Of a moving base: the amplitude over that of the base. Else: half the range of the force that spring, damper and
         friction pass on, over that of the excitation. nan if neither base nor force oscillates.
     phase : array
-        How far the first harmonic of x is behind the excitation, in (-pi, pi]: behind the base, if that moves, else
+        By how much the first harmonic of x lags the excitation, in (-pi, pi]: the base, if that moves, else
         the force, else the speeds of the belts.
     harmonic : array
         The amplitude of the first harmonic of x.
@@ -282,9 +278,9 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
     if free is not None:
         if p.c == 0:
             raise ConvergenceError("", (), 1, inf, "without a damper the motion between the belts goes on for ever")
-        z = linear_response(p)
+        z = float(p.B0) / complex(float(p.k - p.m * p.Omega**2), float(p.c * p.Omega))  # the first harmonic
         return Settled("linear", (0, float(p.A(free) / p.k) + z.real, -float(p.Omega) * z.imag))
-    orbit = _near(p, before) or _followed(p, guess) or settled_orbit(p, most=SETTLED_AFTER)
+    orbit = _near(p, before) or _followed(p, guess) or settled_orbit(p, most=1000)
     status = "orbit" if orbit.stable else "marginal orbit"
     (t, x), belt = orbit.points[0], orbit.equations().pieces[0].start
     sizes = max(abs(complex(each)) for each in orbit.multipliers)
@@ -325,12 +321,6 @@ def _orbit(p: Parameters, word: str, points: list[tuple[float, float]]) -> Perio
     return found if found.admissible else None
 
 
-def linear_response(p: Parameters) -> complex:
-    """Return the first harmonic of the motion that meets no belt."""
-    m, c, k, Omega, B0 = (float(each) for each in (p.m, p.c, p.k, p.Omega, p.B0))
-    return B0 / complex(k - m * Omega**2, c * Omega)
-
-
 def meets_no_belt(p: Parameters) -> int | None:
     """Return the domain in which the steady motion meets no belt and stays for ever, or None; decided exactly."""
     stiffness = (p.k - p.m * p.Omega**2) ** 2 + (p.c * p.Omega) ** 2
@@ -342,12 +332,10 @@ def meets_no_belt(p: Parameters) -> int | None:
 
 
 def harmonic_balance(p: Parameters) -> tuple[float, complex]:
-    """Return mean and first harmonic of x by harmonic balance: friction is replaced by its mean and first harmonic.
-
-    For v = -V sin(a) these are, of a belt, (2/pi) mu FN arcsin(v_lambda/V) and -(4/pi) mu FN sqrt(1 - (v_lambda/V)^2)
-    sin(a), and where V < |v_lambda| the whole force and 0. The size of both sides of the balance increases with V, so
-    that there is one solution; inf where it grows for ever.
-    """
+    """Return mean and first harmonic of x by harmonic balance: friction is replaced by its mean and first harmonic."""
+    # For v = -V sin(a) these are, of a belt, (2/pi) mu FN arcsin(v_lambda/V) and -(4/pi) mu FN sqrt(1 - (v_lambda/V)^2)
+    # sin(a), and where V < |v_lambda| the whole force and 0. The size of both sides of the balance increases with V, so
+    # that there is one solution; inf where it grows for ever.
     m, c, k, Omega, B0 = (float(each) for each in (p.m, p.c, p.k, p.Omega, p.B0))
     belts = [(float(mu * p.FN), float(v)) for mu, v in ((p.mu1, p.v1), (p.mu2, p.v2))]
     smallest, most = (4 / pi * sum(force for force, v in belts if abs(v) <= limit) for limit in (0, inf))
@@ -400,7 +388,8 @@ def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def parts(motion: Trajectory) -> Iterator[Part]:
     """Yield the parts of a motion, cut so short that polynomials through Gauss's points have converged."""
     p, (points, weights, coefficients) = motion.parameters, _gauss()
-    longest = LONGEST_TURN / max(float(p.Omega), sqrt(p.k / p.m))
+    # Periods of a motion without events are cut into parts of this angle of the fastest of drive and oscillator.
+    longest = 2.0 / max(float(p.Omega), sqrt(p.k / p.m))
     scale = sizes_of(motion)
     for segment in motion.segments:
         begin, end = float(segment.t_start), float(segment.t_end)
@@ -437,10 +426,7 @@ def turning_points(values: np.ndarray) -> np.ndarray:
 
 
 def measured(model: OtherModel, settled: Settled) -> Row:
-    """Return the response of a settled motion, by integrals and extremes over its cycle.
-
-    ConvergenceError if it comes too near to a graze.
-    """
+    """Return the response of a settled motion: integrals and extremes over a cycle; ConvergenceError near a graze."""
     p, Omega = model.parameters, float(model.Omega)
     period = 2 * pi * settled.periods / Omega
     t0, x0, v0 = settled.start
@@ -453,7 +439,8 @@ def measured(model: OtherModel, settled: Settled) -> Row:
     for part in parts(motion):
         mode, weights = part.segment.mode, part.weights
         cos, sin = np.cos(Omega * (part.t + float(model.delay))), np.sin(Omega * (part.t + float(model.delay)))
-        w, rate, second = model.shift.at(cos, sin), *(each.at(cos, sin) for each in _rates(model.shift, model.Omega))
+        shifts = model.shift, model.shift.rate(model.Omega), model.shift.rate(model.Omega).rate(model.Omega)
+        w, rate, second = (each.at(cos, sin) for each in shifts)
         y, base_rate = model.base.at(cos, sin), model.base.rate(model.Omega).at(cos, sin)
         force, x, v = model.force.at(cos, sin), part.z + w, part.u + rate
         driven = float(p.A0) + drive * np.cos(Omega * part.t) - c * part.u - k * part.z  # all but friction
@@ -476,7 +463,9 @@ def measured(model: OtherModel, settled: Settled) -> Row:
     times = np.clip(np.concatenate(turns), float(motion.t_start), float(motion.t_end))
     amplitude = np.ptp(motion(times)[0] + motion_of_belts(model, times + float(model.delay))[0]) / 2
     first *= 2 / period
-    excitation, Y, B0 = _excitation(model), abs(float(model.Y)), abs(float(model.B0))
+    # What phases refer to: the base, the force, or the belts' speeds.
+    excitation = _phasor(model.base if model.Y else model.force if model.B0 else harmonic(model.W, model.W_phase))
+    Y, B0 = abs(float(model.Y)), abs(float(model.B0))
     closure = np.abs(motion([motion.t_start, motion.t_end]) @ [1, -1]) / [1, Omega]
     n = settled.periods
     return Row(
@@ -495,17 +484,6 @@ def measured(model: OtherModel, settled: Settled) -> Row:
     )
 
 
-def _rates(function: Harmonic, Omega: Fraction) -> tuple[Harmonic, Harmonic]:
-    """Return the first and the second derivative of a harmonic."""
-    rate = function.rate(Omega)
-    return rate, rate.rate(Omega)
-
-
 def _phasor(function: Harmonic) -> complex:
     """Return the complex amplitude E of a harmonic Re(E exp(i Omega t))."""
     return complex(float(function.C), -float(function.S))
-
-
-def _excitation(model: OtherModel) -> complex:
-    """Return the complex amplitude of the excitation to which phases refer: base, force, or the belts' speeds."""
-    return _phasor(model.base if model.Y else model.force if model.B0 else harmonic(model.W, model.W_phase))

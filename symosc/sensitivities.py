@@ -38,8 +38,6 @@ STARTS = ("t0", "x0", "v0")
 SPARE, PHASE_DIGITS = 10, 40
 #: Digits of derivatives that lose too many of those of doubles.
 MORE_DIGITS = 30
-#: A rounding that dx may have from v dt, relative to max(1, |dx|): with t0 = 1e8 all times depend much on Omega.
-MOST_ROUNDING = 1e-12
 #: So many events and times are worth looking for compiled code on disk.
 MANY = 2_000
 #: What a derivative does not exist for, by the reason's code.
@@ -269,7 +267,8 @@ def sensitivities(
     columns = _Columns(motion, start)
     dt, dx, marks, why, *_ = columns.changes(names, len(names))
     belts = max(abs(float(start.parameters.v1)), abs(float(start.parameters.v2)))
-    late = EPS * belts * np.abs(dt) > MOST_ROUNDING * np.maximum(1, np.abs(dx))
+    # A rounding that dx may have from v dt, relative to max(1, |dx|): with t0 = 1e8 all times depend much on Omega.
+    late = EPS * belts * np.abs(dt) > 1e-12 * np.maximum(1, np.abs(dx))
     if digits is None and ((why >= tangent.ROUGH).any() or late.any()):
         exact = simulate(start.parameters, **about, max_events=max_events, digits=MORE_DIGITS)
         if [event.kind for event in exact.events] == [event.kind for event in motion.events]:

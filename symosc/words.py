@@ -162,10 +162,7 @@ def collapsed(labels: Sequence[str]) -> str:
     """Return labels as text, a part that repeats to the end, or nearly, written once: P1 P3 (P1 P2)×46 P1."""
     if len(labels) <= MOST_PRINTED:
         return " ".join(labels)
-    best, count = (
-        (0, 1, 0),
-        len(labels),
-    )  # begin, length and number of the repetitions
+    best, count = (0, 1, 0), len(labels)  # begin, length and number of the repetitions
     for length in range(1, min(LONGEST_PART, count // 3) + 1):
         same = next((n for n in range(count - 1 - length, -1, -1) if labels[n] != labels[n + length]), -1)
         times = (count - 1 - same) // length

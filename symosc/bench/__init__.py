@@ -1,9 +1,6 @@
 """Benchmarks: run time and error of this package and of other solvers on the same scenes.
 
-speed, work and error_map measure, cases scores on the reference cases, results writes README and docs/results. May
-import: up to plot.
-
-To add a solver, write a module peers_*.py with a tuple ``SOLVERS``, like peers_scipy; it is found by its name.
+speed, work and error_map measure, cases scores on the reference cases, results writes README and docs/results.
 """
 
 from __future__ import annotations

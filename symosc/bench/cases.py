@@ -1,13 +1,8 @@
 """Run all solvers on the reference cases: the score of each, and whether symosc keeps its error bound.
 
 A solver follows a case at its finest tolerance, in a process of its own and within a limit of processor time, so that
-other work on the machine changes no score. In the hard cases (`symosc.reference.cases`) symosc's own errors must
-be within
-
-    max(1e-12, 100 * condition * 1e-16)
-
-at every event: as good as doubles can be where the case is well-conditioned, and elsewhere as good as the rounding of
-its numbers allows.
+other work on the machine changes no score. In the hard cases (`symosc.reference.cases`) symosc's own errors must be
+within max(1e-12, 100 * condition * 1e-16) at every event: as good as the rounding of the case's numbers allows.
 """
 
 from __future__ import annotations
@@ -55,8 +50,6 @@ from symosc.reference.score import (
 
 #: Seconds of processor time for a case, the solver's preparation included.
 CASE_LIMIT = 4.0
-#: The limit by the clock is this many times that of processor time; it ends what Python cannot interrupt.
-CLOCK_FACTOR = 10.0
 #: The error that symosc may have in a hard case, unless 100 units (condition * 1e-16) are more.
 OUR_TOLERANCE = 1e-12
 KNOWN = "known"
@@ -75,13 +68,11 @@ def run(
     limit: float = CASE_LIMIT,
     with_derivatives: bool = False,
 ) -> Record:
-    """Run solvers (None: all) on cases (None: all) and judge their events.
-
-    `progress` gets a sequence of steps and returns it as an iterable that may show how far it is; `limit` is in seconds
-    of processor time. Keys: scores and ours (lists of `symosc.reference.score.Score`; the second one with
-    OUR_TOLERANCE, of the hard cases and symosc's own solvers), violations (where those did not keep the bound), ok,
-    limit_s, skipped (solver: why it cannot run), machine.
-    """
+    """Run solvers (None: all) on cases (None: all) and judge their events."""
+    # `progress` gets a sequence of steps and returns it as an iterable that may show how far it is; `limit` is in
+    # seconds of processor time. Keys: scores and ours (lists of `symosc.reference.score.Score`; the second one with
+    # OUR_TOLERANCE, of the hard cases and symosc's own solvers), violations (where those did not keep the bound), ok,
+    # limit_s, skipped (solver: why it cannot run), machine.
     solvers = all_solvers() if solvers is None else solvers
     chosen = list(reference_cases() if cases is None else cases)
     able = [solver for solver in solvers if not solver.missing]
@@ -92,7 +83,8 @@ def run(
     ]
     known = {i: _value(outcome) for (_, i), outcome in in_parallel(chunks, FIRST_LIMIT, None, steps).items()}
     jobs = [[Job((s.name, i), found_by, (s, case, limit)) for i, case in enumerate(chosen)] for s in able]
-    outcomes = in_parallel(jobs, CLOCK_FACTOR * limit, FIRST_LIMIT, steps)
+    # The limit by the clock is this many times that of processor time; it ends what Python cannot interrupt.
+    outcomes = in_parallel(jobs, 10.0 * limit, FIRST_LIMIT, steps)
     next(steps, None)  # lets a progress bar come to its end
     made = {key: _result(outcome, limit) for key, outcome in outcomes.items()}
 
@@ -140,6 +132,7 @@ def _result(outcome: Outcome, limit: float) -> CaseResult:
 
 
 def _value(outcome: Outcome) -> Any:
+    """Return the value of an outcome, or raise RuntimeError for a failure."""
     if outcome.failure:
         raise RuntimeError(f"no events of a reference case: {outcome.failure}")
     return outcome.value

@@ -47,15 +47,13 @@ RATIO_RANGE, ZETA_RANGE = (-2, 2), (-10, 2)
 
 
 def value_at(place: float) -> Fraction:
-    """Return the number at a place of an axis that is logarithmic in the distances from 0, from 1 and to infinity.
-
-    Below NEAREST the place is log10(value/(1 - value)), above it 2 NEAREST + log10(value - 1), in between is 1.
-    """
+    """Return the number at a place of an axis that is logarithmic in the distances from 0, from 1 and to infinity."""
+    # Below NEAREST the place is log10(value/(1 - value)), above it 2 NEAREST + log10(value - 1), in between is 1.
     if abs(place - NEAREST) < 1e-9:
         return Fraction(1)
     if place > NEAREST:
-        return 1 + _power(place - 2 * NEAREST)
-    part = _power(-abs(place))
+        return 1 + _power_of_ten(place - 2 * NEAREST)
+    part = _power_of_ten(-abs(place))
     return part / (1 + part) if place < 0 else 1 / (1 + part)
 
 
@@ -69,12 +67,12 @@ def place_of(value: float, beyond: float = 0.0) -> float:
     return log10((value + beyond) / below)
 
 
-def _power(exponent: float) -> Fraction:
+def _power_of_ten(exponent: float) -> Fraction:
     return Fraction(repr(float(10.0**exponent)))
 
 
 def axis(low: int, high: int, points: int) -> np.ndarray:
-    """Return places on an axis, nearly evenly spaced from the number 10^low to 10^high; the number 1 is one of them."""
+    """Return places on an axis, about evenly spaced from the number 10^low to 10^high; the number 1 is one of them."""
     first, last = place_of(10.0**low), place_of(10.0**high)
     before = round((points - 1) * (NEAREST - first) / (last - first))
     below, above = np.linspace(first, NEAREST, before + 1), np.linspace(NEAREST, last, points - before)
@@ -89,14 +87,12 @@ def scaled_parameters(zeta: Fraction, ratio: Fraction) -> Parameters:
 def run(
     quick: bool = False, progress: Callable[[Sequence[Any]], Iterable[Any]] = iter, taus: Sequence[float] = TAUS
 ) -> Record:
-    """Measure the map for some values of w0 tau and return plain data; with `quick` at fewer points.
-
-    `progress` gets a sequence of steps and returns it as an iterable that may show how far it is. Keys: taus; zeta and
-    ratio (places on the axes, see `value_at`); cheap and symosc: errors, one matrix per tau, rows over zeta and columns
-    over Omega/w0, nan where the formula cannot be evaluated or the time is longer than what symosc evaluates at once;
-    formulas (matrices on the finer grid border_zeta, border_ratio): "series", "apart" (the cheap closed form),
-    "careful", or "" for such a time; largest: the largest error of symosc, in the map.
-    """
+    """Measure the map for some values of w0 tau and return plain data; with `quick` at fewer points."""
+    # `progress` gets a sequence of steps and returns it as an iterable that may show how far it is. Keys: taus; zeta
+    # and ratio (places on the axes, see `value_at`); cheap and symosc: errors, one matrix per tau, rows over zeta and
+    # columns over Omega/w0, nan where the formula cannot be evaluated or the time is longer than what symosc evaluates
+    # at once; formulas (matrices on the finer grid border_zeta, border_ratio): "series", "apart" (the cheap closed
+    # form), "careful", or "" for such a time; largest: the largest error of symosc, in the map.
     points = QUICK_MAP_POINTS if quick else MAP_POINTS
     zetas, ratios = axis(*ZETA_RANGE, points), axis(*RATIO_RANGE, points)
     shape = (len(taus), len(zetas), len(ratios))
@@ -142,12 +138,8 @@ def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
     return values
 
 
-def formula_of(tau: float, K: Constants) -> str:
-    """Name the formula by which symosc computes E0, E1, ...: "series", "apart" (the cheap one) or "careful"."""
-    return str(_naming_basis(tau, 0.0, 1.0, K)[0])
-
-
 def _namer(name: str) -> Callable[..., tuple[str, ...]]:
+    """Return a function that returns a name in place of each of its five results."""
     return lambda *arguments: (name,) * 5
 
 
@@ -159,6 +151,7 @@ _naming_basis = types.FunctionType(
 
 
 def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
+    """Return the function from tau to the exact E0, E1, E2, R2, I2."""
     context = mp_context(MAP_DIGITS)
 
     def number(value: Fraction) -> Number:
@@ -169,8 +162,12 @@ def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
 
 
 def _formulas(zetas: np.ndarray, ratios: np.ndarray, taus: Sequence[float]) -> list[list[list[str]]]:
+    """Name the formula by which symosc computes E0, E1, ...: "series", "apart" (the cheap one) or "careful"."""
     rows = [[constants(scaled_parameters(value_at(zeta), value_at(ratio))) for ratio in ratios] for zeta in zetas]
-    return [[["" if tau > K.chunk else formula_of(tau, K) for K in row] for row in rows] for tau in taus]
+    return [
+        [["" if tau > K.chunk else str(_naming_basis(tau, 0.0, 1.0, K)[0]) for K in row] for row in rows]
+        for tau in taus
+    ]
 
 
 # -- the picture -------------------------------------------------------------------------------------------------------

@@ -1,16 +1,13 @@
 """Event logic for ODE integrators as a careful user writes it: floats, Theorems 4 to 6, independent of the engine.
 
-A motion is a chain of flights through a domain and sticks on a belt. A solver gives ``leave(q, s, mode, t, x, v,
-t_end)``, which follows one of them with the solver's settings `s` and returns (side, t, x): side -1 or +1 where it was
-left, 0 where it lasts until t_end, UNSOLVED where the solver gave up. `follow` decides from the forces on both sides of
-the belt what comes next. All is in scalars, so that numba can compile it together with a solver; solvers in Python call
-the same source.
+A solver gives ``leave(q, s, mode, t, x, v, t_end)``, which follows one flight or stick with the solver's settings `s`
+and returns (side, t, x): side -1 or +1 where it was left, 0 where it lasts until t_end, UNSOLVED where the solver gave
+up. `follow` decides from the forces on both sides of the belt what comes next. All is in scalars, so that numba can
+compile it together with a solver; solvers in Python call the same source.
 
-The clock starts anew with each flight and stick (`from_now`). Otherwise, after many periods, the rounding of Omega t
-would be more than a fine tolerance allows, and steps would shrink to nothing.
-
-A contact without a change of sign is no event to an integrator: exact grazes are not found. Only a flight that ends at
-a belt by so little that the forces send it back is a "graze" here.
+The clock starts anew with each flight and stick (`from_now`): after many periods the rounding of Omega t would be more
+than a fine tolerance allows. A contact without a change of sign is no event to an integrator: only a flight that ends
+at a belt by so little that the forces send it back is a "graze" here.
 """
 
 from __future__ import annotations
@@ -65,10 +62,7 @@ class PeerError(SymoscError, RuntimeError):
 
 
 class Problem(NamedTuple):
-    """A parameter set: eq. (9) per mass, belt speeds, the shorter one of the periods of drive and free oscillation.
-
-    theta is the phase of the drive at t = 0.
-    """
+    """A parameter set: eq. (9) per mass, belt speeds, the shorter one of the periods of drive and free oscillation."""
 
     A1: float
     A2: float
@@ -80,7 +74,7 @@ class Problem(NamedTuple):
     v1: float
     v2: float
     period: float
-    theta: float
+    theta: float  # the phase of the drive at t = 0
 
 
 def problem(p: Parameters, origin: Fraction = Fraction(0)) -> Problem:
@@ -223,11 +217,9 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
 
 
 def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Callable[[], Sequence[FoundEvents]]:
-    """Return a function that follows a scene and returns its events, or raises PeerError.
-
-    `functions` are those of this module and of a solver, bound together; `settings` is the argument `s` of `leave`.
-    Flights from a belt start the part `offset` of the larger belt speed off it.
-    """
+    """Return a function that follows a scene and returns its events, or raises PeerError."""
+    # `functions` are those of this module and of a solver, bound together; `settings` is the argument `s` of `leave`.
+    # Flights from a belt start the part `offset` of the larger belt speed off it.
     q, t0, x, v = problem(scene.parameters, scene.t0), float(scene.t0), float(scene.x0), float(scene.v0)
     arguments = q, settings, 0.0, x, v, *start_mode(q, x, v), offset * max(abs(q.v1), abs(q.v2))
     duration = float(scene.t_end - scene.t0)

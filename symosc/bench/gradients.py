@@ -1,9 +1,8 @@
 """Ways to differentiate events, as careful users of other tools set them up, and their score on the reference cases.
 
-Where a tool has no derivatives through events, a flight has them: the Jacobian of (x, v) at its end by (x, v) at its
-start and by (m, c, k, A, B0, Omega, phase) at a fixed duration. What an event does to them is the same for all such
-tools (`through_events`): the implicit function theorem for its time, and the saltation of the state. diffrax
-differentiates through its events itself; finite differences run the motion 28 times.
+Where a tool has no derivatives through events, its flights have them, at a fixed duration; `through_events` does for
+all such tools what an event does to them (implicit function theorem, saltation). diffrax differentiates through its
+events itself; finite differences run the motion 28 times.
 """
 
 from __future__ import annotations
@@ -40,8 +39,6 @@ from symosc.simulation.tangents import NAMES
 
 #: Tolerance of the tools, and relative step of central differences: the cube root of the error of a run, about.
 TOLERANCE, DIFFERENCE = 1e-12, 1e-4
-#: Seconds of processor time for a case.
-GRADIENT_LIMIT = 4.0
 #: ``jacobian(m, c, k, A, B, Omega, phase, x, v, duration)`` returns the derivatives of x and v, each by START and WHAT.
 Jacobian = Callable[..., tuple[np.ndarray, np.ndarray]]
 X, V, OF_M, OF_C, OF_K, OF_A, OF_B, OF_OMEGA, OF_PHASE = COLUMNS = range(9)
@@ -114,7 +111,7 @@ def through_events(scene: Scene, events: Sequence[FoundEvents], jacobian: Jacobi
 
 
 def _behind(event: FoundEvents, mode: int) -> int:
-    """Return the mode behind an event of a flight."""
+    """Return the mode after the event that ends a flight."""
     if event.kind == "stick":
         return 3 + event.boundary
     return mode if event.kind == "graze" else 2 * event.boundary + 1 - mode
@@ -232,9 +229,6 @@ def dop853_jacobian(tolerance: float) -> Jacobian:
     return jacobian
 
 
-# -- finite differences ------------------------------------------------------------------------------------------------
-
-
 def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]:
     """Prepare central differences of scipy's DOP853; forward ones where a number may not be less."""
     follow = partial(peers_scipy.prepare, "DOP853")
@@ -274,11 +268,9 @@ def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundChange
 
 @lru_cache(maxsize=1)
 def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return a function that follows a flight or stick to an event, and its derivatives through the event by JAX.
-
-    The first argument are the parameters, then t, x, v at the start and the phase at this time; then the duration, the
-    signs of the friction, whether it flies, and the event function: of v, of the force, and of both belt speeds.
-    """
+    """Return a function that follows a flight or stick to an event, and its derivatives through the event by JAX."""
+    # The arguments are the parameters; t, x, v and the phase at the start; the duration, the signs of the friction,
+    # whether it flies, and the event function: of v, of the force, and of both belt speeds.
     import diffrax
     import jax
     import jax.numpy as jnp
@@ -411,7 +403,7 @@ def run(
     """Judge the derivatives that each way to differentiate finds in the reference cases; return plain data."""
     some = reference_cases() if chosen is None else chosen
     some = [case for case in some if not case.periods]
-    return cases.run(progress, solvers(), some, GRADIENT_LIMIT, with_derivatives=True)
+    return cases.run(progress, solvers(), some, 4.0, with_derivatives=True)  # seconds of processor time for a case
 
 
 def table(scores: Sequence[Score]) -> str:

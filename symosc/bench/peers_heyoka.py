@@ -25,9 +25,6 @@ from symosc.model import NEIGHBOURS
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
-#: Steps that a run may take: this number per period, and as many before the first one.
-MOST_HEYOKA_STEPS = 100 * CHATTER
-
 
 class Tables(NamedTuple):
     """A_alpha/m, belt speeds, the integrator's parameters by mode, and v at starts by boundary and domain."""
@@ -110,7 +107,8 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
     v = starts[boundary, mode] if boundary and mode < 4 else v0
     start = np.array([x0, v, q.swing * cos(q.theta), q.swing * sin(q.theta)])
     duration = float(scene.t_end - scene.t0)
-    most = MOST_HEYOKA_STEPS * (1 + int(duration / q.period))
+    # Steps that a run may take: this number per period, and as many before the first one.
+    most = 100 * CHATTER * (1 + int(duration / q.period))
 
     def run() -> LazyEvents:
         nonlocal now, append, item, state, p_now

@@ -1,9 +1,8 @@
 """DOP853 compiled by numba: an adaptive Runge-Kutta method with the event logic inside, nothing of it in Python.
 
-Coefficients, error estimate and dense output are those of `scipy.integrate.DOP853` (Hairer, Norsett & Wanner). Steps
-are limited. An exit is searched where the sign of a margin differs between the two ends of a step, and up to the
-turning point where the derivative of a margin vanishes in between. The event is refined by steps of the method itself,
-not by its interpolant, and flights start off the belt.
+Coefficients, error estimate and dense output are those of `scipy.integrate.DOP853` (Hairer, Norsett & Wanner). An exit
+is searched where a margin changes its sign over a limited step, and up to its turning point inside. Steps of the method
+itself refine the event, not its interpolant, and flights start off the belt.
 """
 
 from __future__ import annotations
@@ -50,10 +49,6 @@ STAGE_WEIGHTS[:STAGES, :STAGES], STAGE_WEIGHTS[STAGES, :STAGES], STAGE_WEIGHTS[S
 E3, E5, DENSE_WEIGHTS = DOP853.E3, DOP853.E5, DOP853.D
 DENSE_TERMS = len(DENSE_WEIGHTS) + 3
 STEP_SAFETY, STEP_SHRINK, STEP_GROWTH, STEP_EXPONENT = 0.9, 0.2, 10.0, -1.0 / (DOP853.error_estimator_order + 1)
-#: The first step of each flight and stick, as a part of the period.
-FIRST_STEPS = 20
-MOST_DOP853_STEPS = 1_000_000
-REFINEMENTS = 3
 
 
 class Settings(NamedTuple):
@@ -80,7 +75,8 @@ class SolverStep(NamedTuple):
 def settings(q: Problem, tolerance: float) -> Settings:
     """Return the settings for a tolerance."""
     stages, terms = np.zeros((2, ALL_STAGES)), np.zeros((2, DENSE_TERMS))
-    return Settings(tolerance, ATOL * tolerance, q.period / STEPS_PER_PERIOD, q.period / FIRST_STEPS, stages, terms)
+    # The first step of each flight and stick, as a part of the period.
+    return Settings(tolerance, ATOL * tolerance, q.period / STEPS_PER_PERIOD, q.period / 20, stages, terms)
 
 
 def stages(q, s, mode, t, x, v, h, begin, end):
@@ -94,11 +90,6 @@ def stages(q, s, mode, t, x, v, h, begin, end):
         X, V = x + h * dx, v + h * dv
         s.K[0, stage], s.K[1, stage] = V, force(q, mode, t + h * STAGE_TIMES[stage], X, V) if mode < 4 else 0.0
     return X, V
-
-
-def first_stage(q, s, mode, t, x, v):
-    """Store the derivative (v, force) at the start of a step in s.K as the first Runge-Kutta stage."""
-    s.K[0, 0], s.K[1, 0] = v, force(q, mode, t, x, v) if mode < 4 else 0.0
 
 
 def error_of(s, x, v, X, V, h):
@@ -171,7 +162,7 @@ def exit_within(q, s, mode, step, end, tolerance):
 def refined(q, s, mode, side, step, tau):
     """Return the exit's time and position by Newton's method on steps of the method itself."""
     x = step.x
-    for _ in range(REFINEMENTS):
+    for _ in range(3):
         x, v = stages(q, s, mode, step.t, step.x, step.v, tau, 1, STAGES + 1)
         below, above = margins(q, mode, step.t + tau, x, v)
         slope = abs(turn(q, mode, step.t + tau, x, v))
@@ -186,9 +177,9 @@ def refined(q, s, mode, side, step, tau):
 def leave(q, s, mode, t, x, v, t_end):
     """Follow one flight or stick, step by step."""
     h = s.first
-    first_stage(q, s, mode, t, x, v)
+    s.K[0, 0], s.K[1, 0] = v, force(q, mode, t, x, v) if mode < 4 else 0.0  # the first Runge-Kutta stage
     last_slope = turn(q, mode, t, x, v)
-    for _ in range(MOST_DOP853_STEPS):
+    for _ in range(1_000_000):
         h = min(h, s.longest, t_end - t)
         X, V = stages(q, s, mode, t, x, v, h, 1, STAGES + 1)
         error = error_of(s, x, v, X, V, h)

@@ -1,9 +1,8 @@
 """The closed form as a careful user writes it, scanned at a fixed distance for a change of sign, compiled by numba.
 
-It evaluates the particular plus the homogeneous solution in sines, cosines and exponentials, with one formula for each
-regime of damping. It takes a number of samples per period (of drive or spring, the shorter one), and a root finder
-between two samples of different sign. What happens between two samples is not seen, and the formulas divide by k and by
-the distance from resonance.
+One formula for each regime of damping, sampled some times per period (of drive or spring, the shorter one), and a root
+finder between two samples of different sign. What happens between two samples is not seen, and the formulas divide by k
+and by the distance from resonance.
 """
 
 from __future__ import annotations
@@ -26,22 +25,17 @@ UNDERDAMPED, CRITICAL, OVERDAMPED = range(3)
 # The first sample of a flight or stick, as a part of the distance of two samples: at its start, the sign of what is
 # looked for is that of the rounding.
 FIRST_SAMPLE = 1e-5
-MOST_SCAN_SAMPLES = 10_000_000
 
 
 class Scan(NamedTuple):
-    """How to scan (distance of samples, tolerance of a root), and constants of the closed form.
-
-    `decay` and `second` are h and omega_d (underdamped), h and 0 (critical) or the characteristic roots (overdamped).
-    P and Q are the amplitudes of the particular solution's cosine and sine.
-    """
+    """The settings of a scan (distance of samples, tolerance of a root), and constants of the closed form."""
 
     distance: float
     tolerance: float
     regime: int
-    decay: float
+    decay: float  # h, omega_d (underdamped); h, 0 (critical); or both characteristic roots (overdamped)
     second: float
-    P: float
+    P: float  # amplitudes of the particular solution's cosine, and (Q) sine
     Q: float
 
 
@@ -129,7 +123,7 @@ def leave(q, s, mode, t, x, v, t_end):
     tau = FIRST_SAMPLE * s.distance
     x, v = state_at(q, mode, piece, tau)
     below, above = margins(q, mode, t + tau, x, v)
-    for _ in range(MOST_SCAN_SAMPLES):
+    for _ in range(10_000_000):
         later = tau + s.distance
         x, v = state_at(q, mode, piece, later)
         next_below, next_above = margins(q, mode, t + later, x, v)
@@ -151,7 +145,7 @@ def compiled() -> Record:
 
 
 def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
-    """Prepare the scan with so many samples per period."""
+    """Prepare the scan with `points` samples per period."""
     return runner(scene, compiled(), scan_of(problem(scene.parameters), points, tolerance), 0.0)
 
 

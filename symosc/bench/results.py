@@ -32,10 +32,8 @@ def check(readme: str | Path) -> str:
 
 
 def replaced(text: str, section: str, content: str, name: str | Path = "README") -> str:
-    """Return a text with other content between the marks ``<!-- section: begin -->`` and ``<!-- section: end -->``.
-
-    Each must be there once, in this order, or an OutputError is raised. The first may say more before it closes.
-    """
+    """Return a text with other content between the marks ``<!-- section: begin -->`` and ``<!-- section: end -->``."""
+    # Each must be there once, in this order, or an OutputError is raised. The first may say more before it closes.
     begin, end = f"<!-- {section}: begin", f"<!-- {section}: end -->"
     pattern = re.compile(rf"({re.escape(begin)}[^>]*-->\n).*?({re.escape(end)})", re.DOTALL)
     if text.count(begin) != 1 or text.count(end) != 1 or not pattern.search(text):
@@ -44,13 +42,9 @@ def replaced(text: str, section: str, content: str, name: str | Path = "README")
 
 
 def write(readme: str | Path, result: Record) -> list[Path]:
-    """Write the results into the README, with pictures and full tables in separate files; return these files.
-
-    `result` has whether it was quick, and what `run` returns in speed, work ("work_precision"), cases ("scores") and
-    error_map.
-    """
+    """Write the results of the parts ("speed", "work_precision", ...) into README and separate files; return these."""
     text, folder = check(readme), Path(readme).parent / RESULTS_FOLDER
-    measured, command = result["work_precision"], _command(result)
+    measured, command = result["work_precision"], _command_text(result)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -83,7 +77,7 @@ def overview(result: Record) -> str:
     return f"""\
 # Results
 
-Written by one run of `{_command(result)}`.
+Written by one run of `{_command_text(result)}`.
 
 ## Speed and error
 
@@ -152,5 +146,5 @@ def looser(measured: Record) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def _command(result: Record) -> str:
+def _command_text(result: Record) -> str:
     return f"symosc bench {'--quick ' if result['quick'] else ''}--results README.md"

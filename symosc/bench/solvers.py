@@ -59,32 +59,17 @@ class LazyEvents(Sequence[FoundEvents]):
 
 @dataclass(frozen=True)
 class Solver:
-    """A solver to compare with: how it finds the events of a scene, with which tolerances, and what it needs.
+    """A solver to compare with: how it finds the events of a scene, with which tolerances, and what it needs."""
 
-    Attributes
-    ----------
-    name : str
-        What tables and plots call it.
-    prepare : callable
-        ``prepare(scene, tolerance)`` returns a function without arguments that follows the scene from its start to its
-        end and returns its events (`FoundEvents`), `LazyEvents` where they come in arrays. What a user would do once
-        (compile, build the integrator) is done in `prepare`.
-    tolerances : tuple of float
-        What a work-precision curve runs through, coarse to fine; one entry 0.0 for a solver without a tolerance.
-    needs : str
-        The module that must be importable, "" if it comes with symosc.
-    note : str
-        What its precautions are.
-    extra : str
-        The extra that installs what it needs.
-    """
-
-    name: str
+    name: str  # in tables and plots
+    # prepare(scene, tolerance) returns a function that follows the scene from its start to its end and returns its
+    # events (`FoundEvents`), `LazyEvents` where they come in arrays. It does what a user would do once (compile, build
+    # the integrator).
     prepare: Callable[[Scene, float], Callable[[], Sequence[Any]]]
-    tolerances: tuple[float, ...]
-    needs: str = ""
-    note: str = ""
-    extra: str = "bench"
+    tolerances: tuple[float, ...]  # of a work-precision curve, coarse to fine; 0.0 alone for a solver without one
+    needs: str = ""  # the module that must be importable, "" if it comes with symosc
+    note: str = ""  # its precautions
+    extra: str = "bench"  # the extra that installs what it needs
 
     @property
     def missing(self) -> str:
@@ -137,15 +122,11 @@ def all_solvers() -> tuple[Solver, ...]:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The result of a call: its value, or a failure and None.
-
-    The failure is "hang" (the time limit was reached), "exception: <type>: <message>" or "crash: <how the process
-    ended>". `warnings` has the first lines of the different warnings.
-    """
+    """The result of a call: its value, or None and a failure."""
 
     value: Any = None
-    failure: str = ""
-    warnings: tuple[str, ...] = ()
+    failure: str = ""  # "hang" (time limit), "exception: <type>: <message>" or "crash: <how the process ended>"
+    warnings: tuple[str, ...] = ()  # first lines of the different warnings
 
     @property
     def lost(self) -> bool:
@@ -154,16 +135,7 @@ class Outcome:
 
 
 class Worker:
-    """A process that runs one call at a time; use it in a ``with`` statement.
-
-    What calls write to standard output or standard error, from C and Fortran too, is dropped.
-
-    Examples
-    --------
-    >>> with Worker() as worker:
-    ...     worker.call(10.0, divmod, 7, 2).value
-    (3, 1)
-    """
+    """A process that runs one call at a time, in a ``with`` statement; what calls print is dropped."""
 
     def __init__(self) -> None:
         self._pool = ProcessPool(max_workers=1, initializer=_drop_output, context=get_context("spawn"))
@@ -176,10 +148,8 @@ class Worker:
         self._pool.join()
 
     def call(self, limit: float, function: Callable[..., Any], *arguments: object) -> Outcome:
-        """Return the outcome of ``function(*arguments)`` (picklable) within `limit` seconds.
-
-        The clock includes what the function imports or compiles, but not the start of the process.
-        """
+        """Return the outcome of ``function(*arguments)`` (picklable) within `limit` seconds."""
+        # The clock includes what the function imports or compiles, but not the start of the process.
         # An argument that cannot be pickled ends in an exception here: that is the caller's mistake.
         future = self._pool.schedule(_guarded, args=(function, arguments), timeout=limit)
         try:
@@ -193,10 +163,8 @@ class Worker:
 
 @contextmanager
 def processor_limit(seconds: float) -> Iterator[None]:
-    """Raise TimeoutError in a block that takes more processor time; compiled code is interrupted when it returns.
-
-    In the main thread only, and where the system has such a timer.
-    """
+    """Raise TimeoutError in a block that takes more processor time; compiled code is interrupted when it returns."""
+    # In the main thread only, and where the system has such a timer.
     if not hasattr(signal, "setitimer"):
         yield
         return
@@ -251,11 +219,9 @@ class Job(NamedTuple):
 def in_parallel(
     chunks: Sequence[Sequence[Job]], limit: float, first_limit: float | None, steps: Iterator[Any]
 ) -> dict[Any, Outcome]:
-    """Run each chunk of jobs in a separate worker, PROCESSES at a time; return the outcomes by key.
-
-    With `first_limit` the first job of a new process may take that long: it imports and compiles. So the first job of
-    a chunk is done again where a process was lost, and does not count.
-    """
+    """Run each chunk of jobs in a separate worker, PROCESSES at a time; return the outcomes by key."""
+    # With `first_limit` the first job of a new process may take that long: it imports and compiles. So the first job of
+    # a chunk is done again where a process was lost, and does not count.
     stop, turn = Flag(), Lock()
 
     def follow(chunk: Sequence[Job]) -> dict[Any, Outcome]:

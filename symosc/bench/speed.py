@@ -2,8 +2,7 @@
 
 Calls of a group are measured in turns, because some machines change their pace every second. Times are the best of the
 turns, ratios within a group their medians. The unit c is the time of an event of fig5 that `simulate_many` only counts,
-on one core. One evaluation of the closed form (one exp, the sine and cosine of two angles, and the arithmetic that
-makes position and velocity of them) is timed too: less than that no event can cost.
+on one core. One evaluation of the closed form is timed too: less than that no event can cost.
 """
 
 from __future__ import annotations
@@ -52,16 +51,13 @@ LONG, SHORT = 5.0, 0.01
 
 
 class Call(NamedTuple):
-    """A measured call: its name, the unit of its time, the function, and its number of units (None: len of its result).
-
-    A call is made once before it is measured, unless it is of interest the first time (`once`).
-    """
+    """A measured call: its name, the unit of its time, the function, and its number of units."""
 
     what: str
     per: str
     action: Callable[[], Any]
-    units: float | None = 1
-    once: bool = False
+    units: float | None = 1  # None: len of the result
+    once: bool = False  # whether the first call is of interest; else a call is made before it is measured
 
 
 class Group(NamedTuple):
@@ -102,6 +98,7 @@ def floor_s() -> float:
 
 
 def _seconds(action: Callable[[], object], clock: Callable[[], float]) -> float:
+    """Return the seconds that a call takes, by a clock."""
     begin = clock()
     action()
     return clock() - begin
@@ -146,6 +143,7 @@ def _starts(count: int, name: str = "fig9") -> tuple[Parameters, np.ndarray, np.
 
 
 def _ensemble(count: int) -> Iterator[Call]:
+    """Yield calls of `simulate_many` that count events or return their rows."""
     p, starts, ends = _starts(count)
     follow = partial(simulate_many, p, starts, ends, **ONE_CORE)
     events = int(follow(record=COUNTS).events.sum())
@@ -168,6 +166,7 @@ def _ensemble(count: int) -> Iterator[Call]:
 
 
 def _derivatives(count: int) -> Iterator[Call]:
+    """Yield calls of `simulate_many` with and without derivatives."""
     p, starts, ends = _starts(count)
     follow = partial(simulate_many, p, starts, ends, **ONE_CORE)
     events = len(follow())
@@ -240,6 +239,7 @@ def _shrinking_sticks(ends: int, motions: int) -> Iterator[Call]:
 
 
 def _residuals(points: int) -> Iterator[Call]:
+    """Yield calls that evaluate the residuals of P3 at many points."""
     p, rng = load_scene("fig9").parameters, np.random.default_rng(0)
     x_i, x_j = rng.uniform(-5, 5, (2, points))
     theta_i = rng.uniform(0, 6.28, points)
@@ -276,6 +276,7 @@ def lambdified(p: Parameters, cse: bool) -> Callable[..., Any]:
 
 
 def _orbits_and_windows(points: int) -> Iterator[Call]:
+    """Yield calls that find an orbit or grazing windows."""
     p = load_scene("fig10").parameters
     guess = [(round(point.t, 1), round(point.x, 1)) for point in find_orbit(p, "P4645").points]
     yield Call("orbit P4645 of fig10 from a guess of one decimal", "call", partial(find_orbit, p, "P4645", guess=guess))
@@ -331,13 +332,11 @@ def _processes(quick: bool, cache: str) -> Iterator[Call]:
 
 
 def run(quick: bool = False, progress: Callable[[Sequence[Any]], Iterable[Any]] = iter) -> Record:
-    """Measure everything; with `quick` fewer repeats and smaller tasks.
-
-    `progress` gets the turns of a group and returns them as an iterable that may show how far it is. Keys: machine;
-    floor_ns, one evaluation of the closed form; c_ns, the time of a counted event of fig5; errors (`measure_errors`);
-    and groups, each with a title and rows: what, per (the unit), s (seconds per unit), over_c, and over_first (as a
-    multiple of the group's first row).
-    """
+    """Measure everything; with `quick` fewer repeats and smaller tasks."""
+    # `progress` gets the turns of a group and returns them as an iterable that may show how far it is. Keys: machine;
+    # floor_ns, one evaluation of the closed form; c_ns, the time of a counted event of fig5; errors (`measure_errors`);
+    # and groups, each with a title and rows: what, per (the unit), s (seconds per unit), over_c, and over_first (as a
+    # multiple of the group's first row).
     repeats = 3 if quick else 7
     measured = [_measured(group, repeats, progress) for group in groups(quick)]
     c = measured[0]["rows"][0]["s"]
@@ -380,10 +379,8 @@ def _first(call: Call, clock: Callable[[], float]) -> tuple[float, float]:
 
 
 def measure_errors() -> list[Record]:
-    """Compare `simulate` with 40 digits: scene, events, largest error, and largest error as the events estimate it.
-
-    Errors are of times and positions, relative to max(1, |value|).
-    """
+    """Compare `simulate` with 40 digits: scene, events, largest error, and largest estimated error."""
+    # Errors are of times and positions, relative to max(1, |value|).
 
     def relative(error: Number, value: Number) -> float:
         return float(abs(error) / max(1, abs(value)))
@@ -402,13 +399,7 @@ def measure_errors() -> list[Record]:
 
 
 def duration(seconds: float) -> str:
-    """Return a time in the unit that fits it.
-
-    Examples
-    --------
-    >>> duration(2.053e-7), duration(0.0123), duration(40.0)
-    ('205 ns', '12.3 ms', '40 s')
-    """
+    """Return a time in the unit that fits it, such as "12.3 ms"."""
     for unit, name in ((1, "s"), (1e-3, "ms"), (1e-6, "µs")):
         if seconds >= unit:
             return f"{float(f'{seconds / unit:.3g}'):g} {name}"
@@ -441,11 +432,11 @@ BRIEF = (
 def brief(result: Record) -> str:
     """Return the README's table, of the rows BRIEF, in Markdown."""
     found = {(group["title"], row["what"]): row for group in result["groups"] for row in group["rows"]}
-    rows = [[f"{title}: {what}", _time(found[title, what])] for title, what in BRIEF if (title, what) in found]
+    rows = [[f"{title}: {what}", _time_text(found[title, what])] for title, what in BRIEF if (title, what) in found]
     return tabulate(rows, ["", "time"], tablefmt="github", disable_numparse=True, colalign=("left", "right"))
 
 
-def _time(row: Record) -> str:
+def _time_text(row: Record) -> str:
     return duration(row["s"]) + ("" if row["per"] == "call" else f" per {row['per']}")
 
 
@@ -456,7 +447,7 @@ def table(result: Record, form: str = "simple") -> str:
         rows.append([f"**{group['title']}**" if form == "github" else f"{group['title']}:", "", "", ""])
         for row in group["rows"]:
             ratios = (f"{float(f'{row[key]:.3g}'):g}" for key in ("over_first", "over_c"))
-            rows.append([row["what"], _time(row), *ratios])
+            rows.append([row["what"], _time_text(row), *ratios])
     errors = [
         [each["scene"], each["events"], f"{each['error']:.1e}", f"{each['estimate']:.1e}"] for each in result["errors"]
     ]

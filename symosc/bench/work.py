@@ -1,8 +1,7 @@
 """Work-precision diagrams: time per event and error of every solver, at every tolerance, on the shipped scenes.
 
-All solvers get the same tasks, a scene followed from its start over a number of events, and are compared with the same
-run in 40 digits. There are two spans. The errors are measured on a short one, which all solvers get. The times are
-measured on a long one, so that the fixed cost of a call does not count, if a solver finishes it soon.
+Errors, against a run in 40 digits, are of a short span that all solvers get; times are of a long one, if the solver
+finishes it soon, so that the fixed cost of a call does not count.
 """
 
 from __future__ import annotations
@@ -61,14 +60,12 @@ class Span:
 
 @dataclass(frozen=True)
 class Timed:
-    """What the worker process reports of a solver on a span; times in seconds.
-
-    Right after each call one closed-form evaluation is timed: some machines change their pace by the second.
-    """
+    """The worker process's report on a solver and a span; times in seconds."""
 
     prepare_s: float
     first_call_s: float
     times_s: list[float]
+    # one closed-form evaluation right after each call: some machines change their pace by the second
     floors_s: list[float]
     found: list[FoundEvents]
 
@@ -82,10 +79,8 @@ def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
 
 
 def measure(solver: Solver, scene: Scene, tolerance: float, until: float, limit: float, budget: float) -> Timed:
-    """Prepare a solver and call it once, then again until `budget` seconds are spent; return events before `until`.
-
-    Only what the call itself does is timed: events that it returns `LazyEvents` are read afterwards.
-    """
+    """Prepare a solver and call it once, then again until `budget` seconds are spent; return events before `until`."""
+    # Only what the call itself does is timed: events that it returns `LazyEvents` are read afterwards.
     begin = time.perf_counter()
     follow = solver.prepare(scene, tolerance)
     prepared = time.perf_counter()
@@ -108,22 +103,20 @@ def run(
     solvers: Sequence[Solver] | None = None,
     scenes: dict[str, tuple[int, int, int]] | None = None,
 ) -> Record:
-    """Measure and return plain data; with `quick` two scenes, and only the finest tolerance of each peer.
-
-    `progress` gets the sequence of measurements and returns it as an iterable that may show how far it is; `solvers`
-    and `scenes` (as in SCENE_SPANS) replace all. Keys: machine; floor_ns, one closed-form evaluation; limit_s; skipped,
-    solver: why it cannot run here; notes, solver: its precautions; and rows, one per scene, solver and tolerance, with
-
-        scene, solver, tolerance;
-        failure: "" or what went wrong; the numbers that are then not known are None;
-        prepare_s, first_call_s, times_s (all repeats), timed_events: of the longest span that the solver finished;
-        floor_ns, over_floor: the floor as it was then (the best), and the median time per event as its multiple;
-        us_per_event: so many floors, as long as the best one of the run; over_ours: that by ours;
-        error, error_t, error_x: over the short span, the same for all solvers, as in `Comparison`;
-        missed, invented, missed_grazes, first_wrong: as in `Comparison`, over the first `compared` events of the
-        longest span;
-        warnings: what the solver warned of.
-    """
+    """Measure and return plain data; with `quick` two scenes, and only the finest tolerance of each peer."""
+    # `progress` gets the sequence of measurements and returns it as an iterable that may show how far it is; `solvers`
+    # and `scenes` (as in SCENE_SPANS) replace all. Keys: machine; floor_ns, one closed-form evaluation; limit_s;
+    # skipped, solver: why it cannot run here; notes, solver: its precautions; and rows, one per scene, solver and
+    # tolerance, with
+    #     scene, solver, tolerance;
+    #     failure: "" or what went wrong; the numbers that are then not known are None;
+    #     prepare_s, first_call_s, times_s (all repeats), timed_events: of the longest span that the solver finished;
+    #     floor_ns, over_floor: the floor as it was then (the best), and the median time per event as its multiple;
+    #     us_per_event: so many floors, as long as the best one of the run; over_ours: that by ours;
+    #     error, error_t, error_x: over the short span, the same for all solvers, as in `Comparison`;
+    #     missed, invented, missed_grazes, first_wrong: as in `Comparison`, over the first `compared` events of the
+    #         longest span;
+    #     warnings: what the solver warned of.
     solvers = all_solvers() if solvers is None else solvers
     chosen = scenes or (QUICK_SCENE_SPANS if quick else SCENE_SPANS)
     limit, budget = (QUICK_SPAN_LIMIT, QUICK_BUDGET) if quick else (SPAN_LIMIT, BUDGET)
@@ -241,6 +234,7 @@ def table(result: Record, markdown: bool = False) -> str:
 
 
 def _cells(row: Record, limit: float) -> list[str]:
+    """Return a row of the results as text."""
     times = ["" if row[name] is None else rounded(row[name], 3) for name in ("over_ours", "us_per_event")]
     error = "" if row["error"] is None else f"{row['error']:.1e}"
     counts = ["" if row[name] is None else str(row[name]) for name in ("compared", "missed", "invented")]
@@ -251,11 +245,8 @@ def _cells(row: Record, limit: float) -> list[str]:
 
 
 def best_rows(result: Record) -> dict[tuple[str, str], Record]:
-    """Return for each solver and scene the row at the tolerance that served it best.
-
-    That is the one with the fewest missed and invented events, and of those the one with the smallest error. A solver
-    that failed at every tolerance is there with its last row.
-    """
+    """Return for each solver and scene the row with the fewest missed and invented events, then the smallest error."""
+    # A solver that failed at every tolerance is there with its last row.
 
     def badness(row: Record) -> tuple[float, ...]:
         if row["missed"] is None:
@@ -289,7 +280,7 @@ def summary(result: Record) -> str:
 
 
 def rounded(value: float, digits: int) -> str:
-    """Return a number as text with so many significant digits, without exponent between 1e-4 and 1e6."""
+    """Return a number as text with `digits` significant digits, without exponent between 1e-4 and 1e6."""
     return f"{float(f'{value:.{digits}g}'):g}"
 
 
@@ -304,11 +295,9 @@ BEST, WORST = 1e-17, 1.0
 
 
 def figure(result: Record) -> Figure:
-    """Draw the result of `run`: error against time per event, a panel per scene, a curve per solver.
-
-    A cross over a mark: events were missed or invented; no line leads there. Runs that failed have no time; each panel
-    says how many there were.
-    """
+    """Draw the result of `run`: error against time per event, a panel per scene, a curve per solver."""
+    # A cross over a mark: events were missed or invented; no line leads there. Runs that failed have no time; each
+    # panel says how many there were.
     scenes = list(dict.fromkeys(row["scene"] for row in result["rows"]))
     styles = _styles(list(dict.fromkeys(row["solver"] for row in result["rows"])))
     columns = min(COLUMNS, len(scenes) + 1)

@@ -20,16 +20,10 @@ Modules, lowest layer first:
     atlas           `atlas`: a plane of two parameters, its words, borders, and proven boxes
     verify_atlas    proves the boxes of an atlas again; needs verify.py and verify_orbits.py
 
-Another kind of proof builds on `motion`: `next_event` takes a `Moving` (a mode and a set of (t, x), as wide as wanted)
-and returns the proven event and the set after it. `Undecided` says what is undecided, and whether it may be a graze.
-Parameters are exact in `flow.Oscillator` and `flow.Turns`: whether a motion is underdamped, resonant or has turns is
-decided in rationals. A family over a parameter may pass through critical damping, where entire functions take over, but
-not through resonance. Its file has the same "format" and its own "kind", for which `verify.KINDS` names what proves it
-and `verify.SHAPES` its shape; there `Motion.behind` gives the motion after a stated event with the derivatives of all
-starts (`columns`). `certificate.confirmed` asks the checker before a certificate says that it is proven.
+Another kind of proof builds on `motion`: `next_event` takes a set of states (`Moving`) and returns the proven event and
+the set after it, or raises `Undecided`. `verify.KINDS` names what proves a kind of file again, and `verify.SHAPES` its
+shape. A family over a parameter may pass through critical damping, but not through resonance.
 
 Not proven, and reported as such: grazes from exact starts with damping or drive (double zeros), forces that are exactly
 0 where they turn, motions of more than MOST_PROVEN_EVENTS events that settle on no orbit.
-
-The package may import orbits, grazing, simulation and what is below them; plot, bench, paper and cli may import it.
 """

@@ -21,9 +21,7 @@ try:
 except ImportError:
     raise MissingExtraError("certify", "certify") from None
 
-#: Before it, the negative of a ball was wrong.
-OLDEST_FLINT = (0, 9)
-if tuple(int(part) for part in FLINT_VERSION.split(".")[:2]) < OLDEST_FLINT:
+if tuple(int(part) for part in FLINT_VERSION.split(".")[:2]) < (0, 9):  # before it, the negative of a ball was wrong.
     raise MissingExtraError(f"certify with python-flint {FLINT_VERSION}, which has unsound balls,", "certify")
 
 #: A ball: an enclosure of a real number.
@@ -32,11 +30,9 @@ Matrix: TypeAlias = Sequence[Sequence[Ball]]
 
 
 class Undecided(Exception):
-    """Raised if balls cannot decide a sign; more bits, or a more accurate start, may.
+    """Raised if balls cannot decide a sign; more bits, or a more accurate start, may."""
 
-    `what` says it in words, `near` is the time near which it is. If a graze is possible, `graze` has the belt and the
-    time after the start of the flight.
-    """
+    # `near` is a time nearby. If a graze is possible, `graze` has the belt and the time after the start of the flight.
 
     def __init__(self, what: str, near: Ball | None = None, graze: tuple[int, Ball] | None = None) -> None:
         self.what, self.near, self.graze = what, near, graze
@@ -87,11 +83,9 @@ def exact_ends(value: Ball) -> tuple[Fraction, Fraction]:
 
 
 def outward(value: Ball, digits: int) -> tuple[str, str]:
-    """Return the ends of a ball as decimals, the lower one rounded down and the higher one up.
-
-    They are one unit of the last digit further apart than necessary, so that a checker that knows the number only a
-    little better can prove them.
-    """
+    """Return the ends of a ball as decimals, the lower one rounded down and the higher one up."""
+    # They are one unit of the last digit further apart than necessary: a checker that knows the number only a little
+    # better can prove them.
     low, high = exact_ends(value)
     scale = max(abs(low), abs(high), Fraction(1))
     unit = Fraction(10) ** (len(str(int(scale))) - digits)
@@ -107,13 +101,12 @@ def _decimal(exact: Fraction) -> str:
 
 @dataclass(frozen=True)
 class StateSet:
-    """A set of states ``centre + matrix y`` with an exact centre and matrix, and y in a box of balls around 0.
+    """A set of states ``centre + matrix y`` with an exact centre and matrix, and y in a box of balls around 0."""
 
-    The image of a map with the value f at the centre and the Jacobian J over the whole set lies in ``f + (J matrix) y``
-    (mean value theorem). It is turned into an orthogonal frame along its longest side (Lohner's QR), in which the box
-    stays small where the map contracts: sets do not grow by being put into boxes. `slopes` are the derivatives by the
-    coordinates of the box with which the set began, over the whole set.
-    """
+    # The image of a map with the value f at the centre and the Jacobian J over the whole set lies in f + (J matrix) y
+    # (mean value theorem). It is turned into an orthogonal frame along its longest side (Lohner's QR), in which the box
+    # stays small where the map contracts: sets do not grow by being put into boxes. `slopes` are the derivatives by the
+    # coordinates of the box with which the set began, over the whole set.
 
     centre: Sequence[Ball]
     matrix: Matrix

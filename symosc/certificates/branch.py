@@ -85,10 +85,7 @@ class Family:
         self._prove(near)
 
     def _prove(self, near: Values) -> None:
-        """Prove that there is one root for every value of the parameter, or raise Undecided.
-
-        It sets the curve, the tube around it, balls in which each root is the only one, and enclosures of all roots.
-        """
+        """Prove that there is one root for every value of the parameter, or raise Undecided."""
         start = self.thin.polished(near)
         try:
             Y = self.thin.jacobian(start).mid().inv().mid()
@@ -103,7 +100,8 @@ class Family:
         along = _horner(curve, self.change)
         box = pushed
         for _ in range(MOST_INFLATIONS):
-            box = [_inflated(each) for each in box]
+            wider = [(INFLATION * abs(each).upper()).mid() for each in box]
+            box = [arb(0, each) + arb(0, arb(2) ** (8 - ctx.prec)) for each in wider]
             whole = [c + r for c, r in zip(along, box, strict=True)]
             J = self.wide.jacobian([_scaled(each, PROVEN_WIDTH) for each in whole])
             turned = ((unit_matrix(len(start)) - Y * J) * column(box)).entries()
@@ -165,11 +163,6 @@ def _horner(coefficients: list[Values], at: Ball) -> Values:
 def _scaled(value: Ball, factor: float) -> Ball:
     """Return a ball with the same middle and its radius multiplied by a factor."""
     return value.mid() + arb(0, (factor * value.rad()).mid())
-
-
-def _inflated(value: Ball) -> Ball:
-    """Return a ball about 0 that contains the given one and is wider by a factor."""
-    return arb(0, (INFLATION * abs(value).upper()).mid()) + arb(0, arb(2) ** (8 - ctx.prec))
 
 
 # -- the end of a branch -----------------------------------------------------------------------------------------------
@@ -273,10 +266,7 @@ class BranchProver:
         return Family(self.p, self.name, low, high, self.pieces, self.periods, near)
 
     def _end(self, kind: str, value: Fraction, near: Values, side: int) -> ProvenEnd:
-        """Prove a branch end: one root for all values around it, and an inequality that fails for it beyond.
-
-        That all inequalities hold on its inner side is proven with the branch.
-        """
+        """Prove a branch end: one root for all values around it, and an inequality that fails for it beyond."""
         if kind == END_OF_RANGE:
             return ProvenEnd(value, {"kind": kind, "inside": show(value), "outside": show(value)})
         width = Fraction(10) ** floor(log10(END_WIDTH * max(abs(value), self.ends[1][1] - self.ends[0][1])))
@@ -294,10 +284,7 @@ class BranchProver:
         return ProvenEnd(inside, row | {"inequality": broken.text, "at": at} | _points(family))
 
     def _cover(self, low: Fraction, high: Fraction, progress: Callable[[float], None] | None) -> None:
-        """Prove the orbits for all values from low to high, by intervals of adapted widths.
-
-        Where two intervals meet both have the same root there.
-        """
+        """Prove the orbits for all values from low to high, by intervals of adapted widths that share roots."""
         whole, (kind, value, near) = high - low, self.ends[0]
         width = FIRST_WIDTH * whole if kind == END_OF_RANGE else (low - value) / 2
         at = low

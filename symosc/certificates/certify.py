@@ -25,11 +25,6 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene, from_rest, load_scene
 from symosc.simulation.tangents import read_wrt
 
-#: A motion of a scene with a structure that lasts longer, in radians of the drive, may settle on the orbit.
-SETTLES_AFTER = 6000
-#: Digits of enclosures that may be asked for.
-MOST_PROVEN_DIGITS = 500
-
 
 @public
 def certify(
@@ -124,7 +119,7 @@ def certify(
 
 
 def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[str, ...]) -> Certificate:
-    """Prove the motion of a scene."""
+    """Prove the motion of a scene, by its orbit where it settles on one."""
     from symosc.certificates.settled import prove_settled
     from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_trajectory
 
@@ -133,11 +128,12 @@ def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[
     if start_error is not None:
         scene = replace(scene, start_error=start_error)
     errors = read_start_error(scene.start_error) or EXACT
-    wanted = read_digits(digits, MOST_PROVEN_DIGITS) or DIGITS
+    wanted = read_digits(digits, 500) or DIGITS  # digits of enclosures that may be asked for
     if wrt and any(errors):
         raise ParameterError("wrt", wrt, "is for a start that is known exactly")
     task = ToProve(scene.parameters, (scene.t0, scene.x0, scene.v0), errors, scene.t_end, wanted, wrt)
-    if not wrt and scene.structure and scene.parameters.Omega * (scene.t_end - scene.t0) > SETTLES_AFTER:
+    # A motion of a scene with a structure that lasts longer, in radians of the drive, may settle on the orbit.
+    if not wrt and scene.structure and scene.parameters.Omega * (scene.t_end - scene.t0) > 6000:
         try:
             settled = prove_settled(task, find_orbit(scene.parameters, scene.structure))
         except ConvergenceError:  # there is no such orbit

@@ -3,7 +3,7 @@
 From event to event the flow is that of `symosc.certificates.flow`, with series for t, x and v at its start and for the
 parameter that changes. At the time of the next event, which is known, v (on a belt: the force that vanishes) has then
 a derivative, and the implicit function theorem gives that of the event. It holds because each event is proven to be
-transversal: the slope there is not 0, nor is the force behind it. So nearby motions have the same events.
+transversal: the slope there is not 0, nor is the force after it. So nearby motions have the same events.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from flint import arb, arb_series
 
 from symosc.certificates.balls import Ball, Undecided, ball
 from symosc.certificates.certificate import STARTS, provable
-from symosc.certificates.flow import Flight, Oscillator
+from symosc.certificates.flow import Flight, Oscillator, first_coefficient
 from symosc.certificates.motion import ON_A_BELT, ProvenEvent
 from symosc.model import MODE_NAMES, PARAMETER_NAMES, Parameters
 
@@ -60,24 +60,20 @@ def _changes(
         if mode > ON_A_BELT:
             at_end = x + speed * (then - t)
             force = o.force(NUMBERS[event.target], then, at_end, speed)
-            dt = _slope(force) / _value(o.km * speed + o.drive * (o.Omega * then).sin())
+            dt = _slope(force) / first_coefficient(o.km * speed + o.drive * (o.Omega * then).sin())
         else:
             flight = Flight(o, mode, t, x, v)
             there = flight.at(then - t)
-            at_end, dt = flight.x(there), (_slope(speed) - _slope(there.v)) / _value(there.a)
-        dx = _slope(at_end) + _value(speed) * dt
+            at_end, dt = flight.x(there), (_slope(speed) - _slope(there.v)) / first_coefficient(there.a)
+        dx = _slope(at_end) + first_coefficient(speed) * dt
         found.append((dt, dx))
         mode, t, x, v = NUMBERS[event.target], _series(event.t, dt), _series(event.x, dx), speed
     return found
 
 
 def _series(value: Ball, slope: Ball) -> Ball:
+    """Return a power series of two terms."""
     return arb_series([value, slope], prec=2)
-
-
-def _value(series: Ball) -> Ball:
-    """Return the value of a series, or of a ball."""
-    return series[0] if isinstance(series, arb_series) else series
 
 
 def _slope(series: Ball) -> Ball:

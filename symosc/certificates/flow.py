@@ -32,11 +32,9 @@ def first_coefficient(value: Ball) -> Ball:
 
 
 def entire_0f1(b: Ball, z: Ball) -> Ball:
-    """Return 0F1(b; z), an entire function of a ball or a power series.
-
-    0F1(1/2; w^2/4) is cosh w, and 0F1(3/2; w^2/4) is sinh w/w, where w^2 may have any sign. The derivative is
-    0F1(b + 1; z)/b, which gives the Taylor series.
-    """
+    """Return 0F1(b; z), an entire function of a ball or a power series."""
+    # 0F1(1/2; w^2/4) is cosh w, and 0F1(3/2; w^2/4) is sinh w/w, where w^2 may have any sign. The derivative is 0F1(b +
+    # 1; z)/b, which gives the Taylor series.
     if not isinstance(z, arb_series):
         return z.hypgeom_0f1(b)
     total, factor = z * 0, arb_series([1], prec=z.prec)
@@ -47,11 +45,11 @@ def entire_0f1(b: Ball, z: Ball) -> Ball:
 
 
 class Oscillator:
-    """The constants of an oscillator as balls of the working precision, with its exactly known properties.
+    """The constants of an oscillator as balls of the working precision, with its exactly known properties."""
 
-    `ranges` replaces parameters of `p` by a ball, or by a power series in a change of one parameter (arb_series), whose
-    first coefficient may be a ball: a family of oscillators. Undecided if it may be at resonance without damping.
-    """
+    # `ranges` replaces parameters of `p` by a ball, or by a power series in a change of one parameter (arb_series),
+    # whose first coefficient may be a ball: a family of oscillators. Undecided if it may be at resonance without
+    # damping.
 
     def __init__(self, p: Parameters, ranges: Mapping[str, Ball] | None = None) -> None:
         self.p, ranges = p, ranges or {}
@@ -188,19 +186,15 @@ class Flight:
         return self.x0 + self.v0 * there.tau + way / o.m
 
     def moved(self, there: FlightPoint, start: Sequence[Ball]) -> tuple[Ball, Ball]:
-        """Return the derivatives of x and v at a fixed time by t, x (and v) at the start.
-
-        A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
-        """
+        """Return the derivatives of x and v at a fixed time by t, x (and v) at the start."""
+        # A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
         dt, dx, *rest = start
         x, v = dx - self.v0 * dt, (rest[0] if rest else arb(0)) - self.a0 * dt
         return there.phi * x + there.E * v, there.E1 * v - self.oscillator.km * there.E * x
 
     def stays_within(self, there: FlightPoint) -> Ball:
-        """Return a bound of |v| from this point on forever, or infinity.
-
-        The free motion y loses energy: y^2 + (m/k) y'^2 never grows.
-        """
+        """Return a bound of |v| from this point on forever, or infinity."""
+        # The free motion y loses energy: y^2 + (m/k) y'^2 never grows.
         o = self.oscillator
         if o.resonant or o.p.k == 0:
             return arb.pos_inf()
@@ -251,7 +245,7 @@ class Turns:
             self.angle = ball(ratio).asin()
 
     def time(self, index: int) -> Ball:
-        """Return the time of a turn; after those of even index sin(Omega t) is above its value there."""
+        """Return the time of the turn with this index; sin(Omega t) rises through a turn of even index."""
         turn, odd = divmod(index, 2)
         angle = arb.pi() - self.angle if odd else self.angle
         return (angle + 2 * turn * arb.pi()) / self.Omega

@@ -39,8 +39,6 @@ from symosc.certificates.flow import Curve, Flight, FlightPoint, Jet, Oscillator
 from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
 
 ON_A_BELT = 3  # modes above it are sticks, on belt mode - ON_A_BELT
-#: Pieces are at most this long, in units of 1/omega_d: less than pi.
-LONGEST_PIECE = 2.8
 #: Tangents are used on pieces shorter than this, in units of 1/omega_d: less than pi/2.
 LONGEST_DIP = 1.4
 MOST_PIECES = 20_000
@@ -50,10 +48,8 @@ MOST_PIECES = 20_000
 
 
 def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[Jet, Jet] | None:
-    """Find the piece of a flight, before `stop`, in which the gap to a belt has its first zero and no other.
-
-    None if there is none. `on_it`: the flight starts on that belt, from where it is known to leave it.
-    """
+    """Find a piece of a flight, before `stop`, in which the gap to a belt has its first zero and no other, or None."""
+    # `on_it`: the flight starts on that belt, from where it is known to leave it.
     gap = flight.gap(boundary)
     low = gap(arb(0))
     if on_it:
@@ -72,8 +68,10 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
             if found is not None:
                 return found
         low, on_it, count = high, False, count + 1
-        if count % 8 == 0 and never_meets(flight, boundary, end):
-            return None
+        if count % 8 == 0:
+            wall = -flight.side(boundary) * flight.oscillator.speed[boundary]
+            if wall > flight.stays_within(flight.at(end)):  # for ever
+                return None
         if count > MOST_PIECES:
             raise Undecided(f"a flight of more than {MOST_PIECES} pieces", flight.t0 + end)
     return None
@@ -82,7 +80,8 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
 def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple[Ball, bool, bool]]:
     """Yield ends of pieces of a flight up to `stop`, with whether H is convex and whether it is concave on each."""
     o, begin, at = flight.oscillator, flight.t0, arb(0)
-    longest = (arb(LONGEST_PIECE) / o.omega_d).mid() if o.damping < 0 else None
+    # Pieces are at most this long, in units of 1/omega_d: less than pi.
+    longest = (arb(2.8) / o.omega_d).mid() if o.damping < 0 else None
     for turn, drift in o.turns(boundary).after(begin):
         end = None if turn is None else turn - begin
         if end is None or end >= stop:
@@ -98,12 +97,6 @@ def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple
         yield end, curved >= 0, curved <= 0
         if end is stop:
             return
-
-
-def never_meets(flight: Flight, boundary: int, tau: Ball) -> bool:
-    """Return whether a flight certainly stays on its side of a belt from tau on."""
-    bound = flight.stays_within(flight.at(tau))
-    return bool(-flight.side(boundary) * flight.oscillator.speed[boundary] > bound)
 
 
 def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tuple[Jet, Jet] | None:
@@ -157,11 +150,9 @@ def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball
 
 
 def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
-    """Enclose the only zero of a gap between two times, at the first of which the gap is > 0 and at the second < 0.
-
-    Newton's method finds it, kept between points where the sign is known; two signs prove the enclosure. The slope has
-    one sign on it.
-    """
+    """Enclose the only zero of a gap between two times, at the first of which the gap is > 0 and at the second < 0."""
+    # Newton's method finds it, kept between points where the sign is known; two signs prove the enclosure. The slope
+    # has one sign on it.
     ends, here = (low, high), high.mid()
     low, high = low.mid(), high.mid()
     sample, step = gap(here), high
@@ -201,10 +192,8 @@ def fenced(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: 
 
 
 def sharper(gap: Curve, found: Ball, slope: Ball) -> Ball:
-    """Narrow the enclosure `found` of a gap's zero by two interval Newton steps.
-
-    `slope` encloses the derivative of the gap over `found`, and may do so for other starts as well.
-    """
+    """Narrow the enclosure `found` of a gap's zero by two interval Newton steps."""
+    # `slope` encloses the derivative of the gap over `found`, and may do so for other starts as well.
     for _ in range(2):
         middle = found.mid()
         step = middle - gap(middle).g / slope
@@ -224,10 +213,8 @@ class Slip(NamedTuple):
 
 
 def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> Slip | None:
-    """Return the end of a stick from (t, x), or None if it lasts for a time `stop` at least.
-
-    At its start F^(below) >= 0 >= F^(above) is known, and that it goes into the stick where one of them is 0.
-    """
+    """Return the end of a stick from (t, x), or None if it lasts for a time `stop` at least."""
+    # At its start F^(below) >= 0 >= F^(above) is known, and that it goes into the stick where one of them is 0.
     begin, turns = stop * 0, o.turns(boundary)
     for lasted, (turn, drift) in enumerate(turns.after(t), 1):
         if drift == 0:
@@ -263,16 +250,12 @@ class Circle(NamedTuple):
 
 
 class Moving(NamedTuple):
-    """A set of states in one mode: (t, x), or (t, x, v) before the first event of a start off the belts.
+    """A set of states in one mode: (t, x), or (t, x, v) before the first event of a start off the belts."""
 
-    `mode` is a code of `symosc.model.MODE_NAMES`; `boundary` the belt that it is on or leaves just now (into its mode,
-    which is proven), or 0; `circle` is known where velocities go round one from an exact state.
-    """
-
-    mode: int
-    boundary: int
+    mode: int  # a code of `symosc.model.MODE_NAMES`
+    boundary: int  # the belt that it is on or leaves just now (into its mode, which is proven), or 0
     states: StateSet
-    circle: Circle | None = None
+    circle: Circle | None = None  # known where velocities go round one from an exact state
 
     def flight(self, o: Oscillator, values: list[Ball]) -> Flight:
         """Return the flight from t, x and v; on a belt v is the belt's and is not given."""

@@ -45,11 +45,8 @@ from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.words import Word
 
-MOST_POLISHINGS = 12
 #: Boxes to try, as parts of the period and of the largest position: the first one that works is stated.
 BOXES = (1e-7, 1e-9, 1e-12, 1e-16, 1e-20, 1e-26, 1e-34)
-MOST_CONTRACTIONS = 4
-MOST_COURSE_STEPS = 4000
 #: First step, as a part of the piece; shortest step.
 FIRST_COURSE_STEP, SHORTEST_COURSE_STEP = 1 / 8, 2.0**-60
 #: Multipliers whose difference squared is less than this are enclosed together.
@@ -58,8 +55,6 @@ LEAST_ORBIT_BITS, MOST_ORBIT_BITS = 128, 1024
 #: Digits of the enclosures of points and of multipliers in a file; the radius that the first must have, relatively.
 POINT_DIGITS, MULTIPLIER_PLACES = 25, 16
 ACCURATE = 10.0 ** (-POINT_DIGITS - 2)
-#: A system is called singular if a multiplier is 1 to this part.
-NEARLY_ONE = 1e-12
 #: This part of the box in which an orbit is proven to be alone is stated: a checker with wider balls needs a margin.
 STATED = arb(2) ** -24
 #: By how much a hint is more than the first-order value; the least radius in a hint.
@@ -86,15 +81,12 @@ class Root(NamedTuple):
 
 
 class Margin(NamedTuple):
-    """One function that must stay positive: its text, the function, and whether it is 0 at its start and its end.
-
-    `at_start` is how many of g, g' are 0 at the start, `at_end` whether g is 0 at the end.
-    """
+    """A function that must stay positive: its text, the function, and where it is known to be 0."""
 
     what: str
     curve: Curve
-    at_start: int
-    at_end: bool
+    at_start: int  # how many of g, g' are 0 at the start
+    at_end: bool  # whether g is 0 at the end
 
 
 class ClosingBalls:
@@ -162,7 +154,7 @@ class ClosingBalls:
     def polished(self, values: Values) -> Values:
         """Return exact numbers near a root by Newton's method, without proof; Undecided if it does not converge."""
         values = [value.mid() for value in values]
-        for _ in range(MOST_POLISHINGS):
+        for _ in range(12):
             try:
                 step = self.jacobian(values).mid().solve(column(self.residuals(values)).mid())
             except ZeroDivisionError:
@@ -201,7 +193,7 @@ class ClosingBalls:
 
     def _narrowed(self, box: Values) -> Values:
         """Return a narrower enclosure of the root in a box with exactly one root."""
-        for _ in range(MOST_CONTRACTIONS):
+        for _ in range(4):
             image = self.krawczyk(box)
             if image is None:
                 break
@@ -232,10 +224,8 @@ class ClosingBalls:
         return found
 
     def forces_at(self, i: int, values: Values) -> list[tuple[int, str, Ball, int]]:
-        """Return each force that Theorems 4 and 5 need at the start of piece i: domain, text, value and wanted sign.
-
-        None where a stick ends: one force is 0 there, and that the other one holds is part of the stick.
-        """
+        """Return the forces that Theorems 4 and 5 need at the start of piece i: domain, text, value and wanted sign."""
+        # None where a stick ends: one force is 0 there, and that the other one holds is part of the stick.
         o, piece, before = self.oscillator, self.pieces[i], self.pieces[i - 1]
         if before.sticks:
             return []
@@ -294,7 +284,7 @@ def prove_positive(margin: Margin, span: Ball) -> None:
     if margin.at_start == 0 and not margin.curve(begin).g > 0:
         raise Undecided(f"{margin.what} at its start")
     step = (last * FIRST_COURSE_STEP).mid()
-    for _ in range(MOST_COURSE_STEPS):
+    for _ in range(4000):
         end = (begin + step).mid()
         final = bool(end >= last)
         if final:
@@ -415,7 +405,7 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
         T, D = closing.stability(near)
     except Undecided:
         return ""
-    if not abs(float((1 - T + D).mid())) < NEARLY_ONE:
+    if not abs(float((1 - T + D).mid())) < 1e-12:  # a multiplier that is 1 to this part makes it singular
         return ""
     return "; it is marginal (a multiplier is 1, as nearly as can be seen), and need not be isolated: there may be many"
 
@@ -436,10 +426,8 @@ def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[
 
 
 def _reaches(closing: ClosingBalls, root: Root, begin: int) -> list[Ball]:
-    """Estimate how far apart in time motions from the first box meet each event; a hint for the checker, no proof.
-
-    It is many times the first-order value: the checker uses balls that are wider than the set.
-    """
+    """Estimate how far apart in time motions from the first box meet each event; a hint for the checker, no proof."""
+    # Many times the first-order value: the checker uses balls that are wider than the set.
     n, values = len(closing.pieces), [value.mid() for value in root.points]
     wide_t, wide_x = (STATED * value.rad().mid() for value in root.box[2 * begin : 2 * begin + 2])
     moved, found = arb_mat([[wide_t, 0], [0, wide_x]]), [2 * wide_t]

@@ -85,9 +85,6 @@ def listed_orbits() -> tuple[ListedOrbit, ...]:
     return tuple(found)
 
 
-# -- the proof of all --------------------------------------------------------------------------------------------------
-
-
 def prove_list(
     orbits: Sequence[ListedOrbit] | None = None, workers: int = 2, progress: Callable[[int, int], None] | None = None
 ) -> Proven:

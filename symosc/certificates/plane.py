@@ -62,7 +62,7 @@ Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
 
 
 class NotInBox(Exception):
-    """Raised if a box is not proven: the side along which to divide it, and that it is so many times too large."""
+    """Raised if a box cannot be proven: along which side to divide it, and how many times too large it is."""
 
     def __init__(self, what: str, along: int | None = None, excess: float = 1) -> None:
         self.what, self.along, self.excess = what, along, excess
@@ -70,7 +70,7 @@ class NotInBox(Exception):
 
 
 class Leg(NamedTuple):
-    """A flight of a word: its piece, where its unknowns are, and the stick after it."""
+    """A flight of a word: its piece, the indices of its unknowns, and the stick after it."""
 
     piece: OrbitPiece
     at: int
@@ -89,11 +89,9 @@ class Flown(NamedTuple):
 
 
 def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
-    """Return the modes' mirror images in an oscillator that is symmetric about A0/k, or nothing.
-
-    It is if both belts are alike, or if one of them is transparent and the speed of the other one is 0; the parameters
-    in `names` may have any values.
-    """
+    """Return the modes' mirror images in an oscillator that is symmetric about A0/k, or nothing."""
+    # It is if both belts are alike, or if one of them is transparent and the speed of the other one is 0; the
+    # parameters in `names` may have any values.
     free = set(names)
     if not free & {"v1", "v2", "mu1", "mu2"} and p.v1 == -p.v2 and p.mu1 == p.mu2:
         return {1: 3, 2: 2, 3: 1, 4: 5, 5: 4}
@@ -104,10 +102,9 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
 
 
 class Flights:
-    """The closing equations of a word: unknown are phase, duration and, after a crossing, position of each flight.
+    """The closing equations of a word in few unknowns: phase, duration and, after a crossing, x of each flight."""
 
-    `labels` begin with a flight, and with the half whose mirror image is the rest if there is one.
-    """
+    # `labels` begin with a flight, and with the half whose mirror image is the rest if there is one.
 
     def __init__(self, labels: tuple[str, ...], mirror: dict[int, int]) -> None:
         pieces = pieces_of(Word(labels))
@@ -153,7 +150,7 @@ class Flights:
         return found
 
     def fly(self, o: Oscillator, leg: Leg, u: Values) -> Flown:
-        """Return a flight; `u` are balls or power series."""
+        """Follow a flight from its unknowns in `u`, balls or power series, to its end."""
         piece, (phase, *place, tau) = leg.piece, u[leg.at : leg.at + 3 - leg.piece.after_stick]
         speed = o.speed[piece.start]
         if place:
@@ -174,7 +171,7 @@ class Flights:
         return u[0] + self.turns * arb.pi(), (o.A[1] + o.A[3]) / o.k - x if self.mirrored else x
 
     def residuals(self, o: Oscillator, u: Values) -> tuple[list[Flown], Values]:
-        """Return the flights, and what has to be 0."""
+        """Return the flights, and the residuals of the closing equations."""
         flown, found = [self.fly(o, leg, u) for leg in self.legs], list[Ball]()
         for i, (leg, there) in enumerate(zip(self.legs, flown, strict=True)):
             speed, (phase, x) = o.speed[leg.piece.end], self.onto(o, i, u, flown)
@@ -233,7 +230,7 @@ class Flights:
     # -- the inequalities ----------------------------------------------------------------------------------------------
 
     def turn(self, o: Oscillator, belt: int, index: int) -> Ball:
-        """Return the phase of a turn of the forces on a belt; after those of even index B0 sin theta rises above it."""
+        """Return the phase of a turn of the forces on a belt; B0 sin theta rises through one of even index."""
         if isinstance(o.speed[belt], arb) and o.speed[belt].is_zero():
             return index * arb.pi()
         angle = (-o.k * o.speed[belt] / o.drive / o.m).asin()
@@ -251,7 +248,7 @@ class Flights:
         return [index for index, phase in turns if not phase < low and not phase > high]
 
     def drift(self, o: Oscillator, belt: int, phase: Ball) -> Ball:
-        """Return what pushes downward on a belt: -m times the derivative of both forces."""
+        """Return the drift k v + B0 Omega sin(theta) of a belt: -m times the derivative of both forces on it."""
         return o.k * o.speed[belt] + o.B0 * o.Omega * phase.sin()
 
     def sections(self, o: Oscillator, leg: Leg, u: Values) -> tuple[list[int], Values] | None:
@@ -282,7 +279,7 @@ class Flights:
         return Plan(turns, cuts)
 
     def cuts(self, o: Oscillator, leg: Leg, u: Values) -> tuple[Cut, ...] | None:
-        """Return where a flight back to its belt is looked at; None: take steps."""
+        """Return the times at which the gap of a flight back to its belt is evaluated; None: in short steps instead."""
         found, longest = self.sections(o, leg, u), longest_part(o)
         if found is None:
             return None
@@ -305,7 +302,7 @@ class Flights:
         return tuple(Cut(round(cut.part / tau * 1024) / 1024, cut.reach) for cut in cuts)
 
     def stays(self, o: Oscillator, leg: Leg, u: Values, cuts: tuple[Cut, ...]) -> bool:
-        """Return whether a flight that is beyond its belt at the cuts is so all the time, by the signs of L g."""
+        """Return whether a flight with a positive gap at the cuts has one all the time, by the signs of L g."""
         found, longest = self.sections(o, leg, u), longest_part(o)
         if found is None:
             return False
@@ -332,7 +329,7 @@ class Flights:
     def margins(
         self, o: Oscillator, u: Values, flown: Sequence[Flown], plan: Plan, slopes: Sequence[dict[str, Values]] = ()
     ) -> list[Inequality]:
-        """Return what has to be positive, with its derivatives if those of the flights are given."""
+        """Return the quantities that must be positive, with derivatives if those of the flights are given."""
         found = list[Inequality]()
 
         def add(text: str, value: Ball, *parts: tuple[int, Values]) -> None:
@@ -426,11 +423,10 @@ class Flights:
 
 
 class Drive:
-    """The free motion after a time, and the response E * sin(theta) and E * cos(theta) to the drive from a phase on.
+    """The free motion after a time, and the response E * sin(theta) and E * cos(theta) to the drive from a phase on."""
 
-    With lambda = -h + i omega_d and X(lambda) = int exp(lambda (tau - s) + i Omega s) ds the response to exp(i Omega s)
-    is the difference quotient of X at lambda and its conjugate. Near resonance the first X is an entire function.
-    """
+    # With lambda = -h + i omega_d and X(lambda) = int exp(lambda (tau - s) + i Omega s) ds the response to exp(i Omega
+    # s) is the difference quotient of X at lambda and its conjugate. Near resonance the first X is an entire function.
 
     def __init__(self, o: Oscillator, phase: Ball, tau: Ball) -> None:
         begins, turned, free = imaginary(phase).exp(), imaginary(o.Omega * tau).exp(), None
@@ -514,14 +510,14 @@ class Plan(NamedTuple):
 
 
 class Cut(NamedTuple):
-    """A part of a flight at which its gap is > 0, as is that of free motion from there, so much earlier and later."""
+    """A part of a flight with a gap > 0, and for how long before and after free motion from there has one."""
 
     part: float
     reach: float
 
 
 class Inequality(NamedTuple):
-    """What has to be positive, and its derivatives by the unknowns."""
+    """A quantity that must be positive, and its derivatives by the unknowns."""
 
     text: str
     value: Ball
@@ -548,10 +544,9 @@ def box_arithmetic() -> Iterator[None]:
 
 
 class Surface:
-    """The roots for all parameters of a box, nearly: polynomials of degree 2 in the place in the box.
+    """Approximate roots for all parameters of a box: polynomials of degree 2 in the place in the box."""
 
-    NotInBox if the orbit near the unknowns `near` at the middle does not have the word.
-    """
+    # NotInBox if the orbit near the unknowns `near` at the middle does not have the word.
 
     def __init__(
         self, p: Parameters, names: Sequence[str], box: Rectangle, flights: Flights, near: Sequence[float]
@@ -593,7 +588,7 @@ class Surface:
         return self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in zip(base, self.half, d, strict=True)])
 
     def near(self, a: float, b: float) -> tuple[float, ...]:
-        """Return the unknowns at a place in the box, nearly."""
+        """Return approximate unknowns at a place in the box."""
         return tuple(float(each) for each in (self.at(arb(a), arb(b)) if self.slopes else self.u))
 
     def points(self) -> list[tuple[float, float]]:
@@ -741,5 +736,5 @@ def _by(Y: arb_mat, values: Values) -> Values:
 
 
 def _mids(values: Values) -> Values:
-    """Return the middles."""
+    """Return the middles of balls."""
     return [each.mid() for each in values]

@@ -40,13 +40,10 @@ BOX_MARGIN, LEAST_BOX, MOST_Q, MOST_TURNS = 8, Fraction(1, 10**22), 0.9, 8
 
 
 class Cycle(NamedTuple):
-    """A box of (t, x), by middle and half-widths, that is mapped into itself after `turns` rounds of the orbit.
-
-    And the events of the motions from it, with the sets of states after each.
-    """
+    """A box of (t, x) that `turns` rounds of the orbit map into itself, with its events and the sets after them."""
 
     middle: tuple[Fraction, Fraction]
-    widths: tuple[Fraction, Fraction]
+    widths: tuple[Fraction, Fraction]  # half-widths
     turns: int
     events: list[ProvenEvent]
     states: list[StateSet]

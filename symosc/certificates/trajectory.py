@@ -22,17 +22,7 @@ from typing import NamedTuple
 from flint import arb, arb_mat, ctx
 
 from symosc.aliases import Record
-from symosc.certificates.balls import (
-    Ball,
-    StateSet,
-    Undecided,
-    around,
-    ball,
-    exact_ends,
-    made_by,
-    outward,
-    size,
-)
+from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends, made_by, outward, size
 from symosc.certificates.certificate import Certificate, changes_of, confirmed, events_of
 from symosc.certificates.derivatives import NUMBERS, Change, event_changes
 from symosc.certificates.flow import Flight, Jet, Oscillator
@@ -70,16 +60,13 @@ class ToProve(NamedTuple):
 
 
 class Proof(NamedTuple):
-    """The initial mode, proven events, the undecided question, and the free number of a start that grazes.
-
-    The last is its name and the two fractions between which it is. `changes` are dt and dx of all events by each name.
-    """
+    """The initial mode, proven events, the undecided question, and the free number of a start that grazes."""
 
     mode: str
     events: list[ProvenEvent]
     undecided: Undecided | None = None
-    free: tuple[str, Fraction, Fraction] | None = None
-    changes: list[list[Change]] | None = None
+    free: tuple[str, Fraction, Fraction] | None = None  # its name and the two fractions between which it is
+    changes: list[list[Change]] | None = None  # dt and dx of all events by each name
 
 
 def prove_trajectory(task: ToProve) -> Certificate:
@@ -242,10 +229,8 @@ def _krawczyk(
     low: Ball,
     high: Ball,
 ) -> None:
-    """Prove that for exactly one free number between low and high a flight grazes in a box of times.
-
-    `flight` and `state` are of all these starts, `tau` is when their gap is lowest, `place` that of the free number.
-    """
+    """Prove that for exactly one free number between low and high a flight grazes in a box of times."""
+    # `flight` and `state` are of all these starts, `tau` is when their gap is lowest, `place` that of the free number.
     side, speed = flight.side(boundary), o.speed[boundary]
     lowest, free = flight.t0 + tau, low.union(high)
     times = around(lowest.mid(), 4 * lowest.rad())
@@ -360,7 +345,7 @@ def question(task: ToProve, bits: int) -> Record:
 
 
 def event_row(event: ProvenEvent, digits: int) -> Record:
-    """Return an event as a row of the file, with at most so many digits."""
+    """Return an event as a row of the file, with at most `digits` digits."""
     row: Record = {"kind": event.kind, "boundary": event.boundary, "source": event.source, "target": event.target}
     return row | {name: list(outward(value, _known(value, digits))) for name, value in (("t", event.t), ("x", event.x))}
 

@@ -19,15 +19,15 @@ certificates" has the equation of motion, what each kind of file states, and the
    them. The least f is > 0 for one of low and high, < 0 for the other, and its derivative by the start (that of f) is
    not 0: one start touches. If c = B0 = 0, v^2 + v'^2 m/k is constant: if it is the belt's speed squared, f = 0 at a
    least f, as v is not beyond that speed.
-5. With a start_error the states behind an event are f(centre) + D (start - centre), D the derivatives of all starts.
+5. With a start_error the states after an event are f(centre) + D (start - centre), D the derivatives of all starts.
 6. "settled": let B be the box of the first event of `cycle`, c its middle, e its half-widths, P the motion from B to
    the last event of `cycle`, less the periods. If all motions from B have these events, and P(B) lies in B, each motion
    that comes into B has them again and again. If D contains the derivatives of P over B and |D| e <= q e, q < 1, P is a
    contraction: it has one fixed point c + u in B, u = (1 - D)^-1 (P(c) - c). After n cycles a motion is within 2 q^n e
    of it. `may_stick_until`: all starts leave the belt to one side, where F falls to 0, before that time.
-7. Derivatives by a number q, of exact starts without a graze: z_q' = M z_q + M_q z at fixed times behind an event,
+7. Derivatives by a number q, of exact starts without a graze: z_q' = M z_q + M_q z at fixed times after an event,
    where x_q = dx - v dt, v_q = dv - v' dt. The next event has dt = -(row_q z + row z_q)/f', dx = x_q + v dt. They
-   exist, as f' and the forces behind an event are not 0 (3 above), nor is a force on the belt where a motion begins.
+   exist, as f' and the forces after an event are not 0 (3 above), nor is a force on the belt where a motion begins.
 8. "window": with f = f' = 0 at a contact, m f'' = s, s = side (k v + B0 Omega sin theta), side = 1 below the belt, -1
    above it. It grazes where s > 0, not where s < 0. At a zero of s with cos theta != 0 the motion passes. Where |k v| =
    |B0| Omega, s = 0 at one phase, and there f'''' has the sign of side k v, which decides in the "full" order.
@@ -117,7 +117,7 @@ def read(value, shape, where):
 
 
 def mode_number(value, where):
-    """Read a mode."""
+    """Read the name of a mode as its number."""
     return MODES.index(read(value, set(MODES[1:]), where))
 
 
@@ -139,13 +139,6 @@ SHAPES = {
 }
 
 
-def in_range(p):
-    """Raise Stop for parameters outside the range of the model."""
-    right = min(p["m"], p["Omega"], p["v2"] - p["v1"]) > 0 <= min(p[each] for each in ("c", "k", "mu1", "mu2", "FN"))
-    check(right, "parameters out of range: m, Omega > 0; c, k, mu1, mu2, FN >= 0; v1 < v2", BAD)
-    return p
-
-
 # -- motions -----------------------------------------------------------------------------------------------------------
 
 
@@ -153,7 +146,10 @@ class Problem:
     """An oscillator: its parameters, its modes, and the work limits."""
 
     def __init__(self, p, limits):
-        self.p, self.limits, self.mode = in_range(p), limits, cache(lambda i: Mode(p, i))
+        least = min(p[each] for each in ("c", "k", "mu1", "mu2", "FN"))
+        right = min(p["m"], p["Omega"], p["v2"] - p["v1"]) > 0 <= least
+        check(right, "parameters out of range: m, Omega > 0; c, k, mu1, mu2, FN >= 0; v1 < v2", BAD)
+        self.p, self.limits, self.mode = p, limits, cache(lambda i: Mode(p, i))
 
     def step(self, count=1):
         """Count steps against the work limit."""
@@ -228,13 +224,12 @@ class Mode:
 
 
 class Motion:
-    """A motion in one mode from starts t, x, v in a set: centre + columns [-1, 1] + rest [-1, 1].
+    """A motion in one mode from starts t, x, v in a set: centre + columns [-1, 1] + rest [-1, 1]."""
 
-    `columns` contain the derivatives by the numbers that it began with; or, if there is a `rest`, exact numbers near
-    them, so that the set of a long motion does not grow by what is not known of the derivatives. `leaves` are the ends
-    whose f is 0 at the start, and the order of the first derivative that is not. `amplitude` is v^2 + v'^2 m/k, where
-    that is constant and known.
-    """
+    # `columns` contain the derivatives by the numbers that it began with; or, if there is a `rest`, exact numbers near
+    # them, so that the set of a long motion does not grow by what is not known of the derivatives. `leaves` are the
+    # ends whose f is 0 at the start, and the order of the first derivative that is not. `amplitude` is v^2 + v'^2 m/k,
+    # where that is constant and known.
 
     def __init__(self, problem, mode, belt, centre, columns=(), leaves=None, amplitude=None, rest=None):
         self.problem, self.mode, self.belt, self.centre = problem, problem.mode(mode), belt, centre
@@ -481,7 +476,7 @@ def what(row):
 
 
 def table(rows):
-    """Return events as text."""
+    """Return rows of events as a table of text."""
     for i, row in enumerate(rows, 1):
         ends = [f"{row[name][0]} < {name} < {row[name][1]}" for name in "tx" if name in row]
         yield "; ".join(["{}: {} at belt {}, {} to {}".format(i, *what(row)), *ends])
@@ -751,7 +746,7 @@ def prove(data, limits):
 
 
 def judge(data, **limits):
-    """Return an exit code and the answer about the contents of a file; one line if the code is not 0."""
+    """Prove the contents of a file again; return an exit code and the answer, one line if the code is not 0."""
     with LOCK:
         before, ctx.prec = (ctx.prec, ctx.cap), 256
         try:
@@ -766,7 +761,7 @@ def judge(data, **limits):
 
 
 def verify(path, **limits):
-    """Return an exit code and the answer about a file."""
+    """Prove a file again; return an exit code and the answer in words."""
     most = (LIMITS | limits)["bytes"]
     try:
         with open(path, "rb") as file:

@@ -139,13 +139,13 @@ class Flight:
         self.side = 1 if self.mode > self.onto else -1
 
     def start(self, e, u):
-        """Return x at the start."""
+        """Return x at the start of the flight, from the unknowns u."""
         if not self.slips:
             return u[self.at + 1]
         return (e.A[self.mode] + e.B0 * u[self.at].cos() - e.c * e.belts[self.belt]) / e.k
 
     def after(self, e, u, s):
-        """Return x, v and v' after a time s."""
+        """Return x, v and v' of the flight after a time s, from the unknowns u."""
         x, v, A, phase = self.start(e, u), e.belts[self.belt], e.A[self.mode] / e.k, u[self.at]
         S, S1, Z, Z1 = e.free(s)
         turn = times_i(phase).exp() * lifted(e.B0 / e.m)
@@ -186,7 +186,7 @@ class Word:
         self.size = size
 
     def unknowns(self, row, Om):
-        """Return u from the phases and positions of a row, nearly."""
+        """Return u approximately, from the phases and positions of a row."""
         check(len(row["phases"]) == len(row["x"]) == self.count, "a phase and an x at each event", BAD)
         phases, found = [float(arb(each)) for each in row["phases"]], []
         phases.append(phases[0] + 2 * float(arb.pi()))
@@ -203,7 +203,7 @@ class Word:
         return (u[0] + arb.pi(), (e.A[1] + e.A[3]) / e.k - x) if self.half else (u[0] + 2 * arb.pi(), x)
 
     def r(self, e, u, plan=None):
-        """Return r, and the margins: what has to be > 0 (4 above)."""
+        """Return the residuals r of the word, and its margins, which have to be > 0 (2 and 4 above)."""
         found, margins, self.looks = [], [], {}  # the margins by which a flight is looked at, and its number
         for i, flight in enumerate(self.flights):
             s, (phase, x), v = u[flight.tau], self.next(e, i, u), e.belts[flight.onto]
@@ -233,7 +233,7 @@ class Word:
         return found, margins
 
     def plan(self, e, u):
-        """Return which turns may be in each stick, and where each flight is looked at (5 above); None: short steps."""
+        """Return which turns may be in each stick, and where to evaluate each g (5 above); None: short steps."""
         turns, cuts, steps = [], list[Any](), []
         for i, flight in enumerate(self.flights):
             end = u[flight.at] + e.Om * u[flight.tau]
@@ -248,7 +248,7 @@ class Word:
         return turns, cuts, steps
 
     def stays(self, e, u, plan, problem):
-        """Prove 5 above for all u in a box, where the margins are > 0."""
+        """Prove for all u in a box, where the margins are > 0, that no flight meets a belt before its end (5 above)."""
         for flight, cuts, steps in zip(self.flights, *plan[1:], strict=True):
             near = {flight.mode - 1, flight.mode} & {1, 2}
             sides = {belt: (1 if flight.mode > belt else -1, e.belts[belt]) for belt in near}
@@ -310,7 +310,7 @@ def signs(e, flight, u):
 
 
 def marks(ups, times, most):
-    """Return at which parts of a flight g is looked at, and for how long before and after; nothing is proven here."""
+    """Choose at which parts of a flight to evaluate g, and for how long before and after; this proves nothing."""
     most, tau, found = 0.95 * float(most), float(times[-1]), []
     spare = 2 * max(float(each.rad()) for each in times) + tau / 500
     for i, (up, (a, b)) in enumerate(zip(ups, pairwise(map(float, times)), strict=True)):
@@ -380,7 +380,7 @@ class Box:
         return Plane(self.p | dict(zip(self.over, values, strict=True)))
 
     def series(self, side, rows, count, wide=False, plan=None):
-        """Return r and the margins as series from the middle, or from everywhere in the box."""
+        """Return r and the margins as power series in one direction, from the middle or from all places of the box."""
         ctx.cap = count
         start = self.wide if wide else self.middle
         e = self.plane([arb_series([b, h * i], prec=count) for b, h, i in zip(start, self.half, side, strict=True)])
@@ -413,7 +413,7 @@ class Box:
         return (self.Y * orbits.column(values)).entries()
 
     def surface(self, problem):
-        """Prove the word."""
+        """Prove that for all parameters of the box the word has one orbit."""
         word, size = self.word, self.word.size
         first = [
             [-each.mid() for each in self.by([r[1] for r in self.series(side, [self.u], 2)[0]])] for side in SIDES[:2]
@@ -473,7 +473,7 @@ class Box:
             if i in word.looks and not least > 0:
                 plan[2][word.looks[i]] = True  # by short steps, then
                 continue
-            require_open(least, "an inequality of a word in a box")
+            check(least > 0, "an inequality of a word in a box", OPEN)  # smaller boxes may decide it
         word.stays(e, around, plan, problem)
 
     def contract(self, p, u, slopes):
@@ -510,11 +510,6 @@ class Box:
     def squares(self, side, u, slope):
         """Return the second coefficients of r in a direction, from everywhere in the box."""
         return [coefficient(each, 2) for each in self.series(side, [u, slope, [arb(0)] * len(u)], 3, True)[0]]
-
-
-def require_open(value, what):
-    """Raise Stop unless all numbers in a ball are > 0; smaller boxes may decide it."""
-    check(value > 0, what, OPEN)
 
 
 def rests(p, over, box):
@@ -556,7 +551,7 @@ def mirror_of(p, over):
 
 
 def parted(problem, over, word, row, box, u):
-    """Prove a box, in parts if it takes that."""
+    """Prove a box, divided into parts if necessary."""
     parts, count = [(box, u)], 0
     while parts:
         part, near = parts.pop()

@@ -99,10 +99,8 @@ def course(data):
 
 
 def least(events, periods, apart):
-    """Prove that no smaller number of forcing periods is a period (3 above).
-
-    `apart` says if surely t or x of an event, that many forcing periods earlier, are not those of the first one.
-    """
+    """Prove that no smaller number of forcing periods is a period (3 above)."""
+    # `apart` says whether t or x of an event surely differs from the first one's, that many forcing periods earlier.
     n = len(events) - 1
     for q in range(2, periods + 1):
         if periods % q == n % q == 0 and all(events[i] == events[(i + n // q) % n] for i in range(n)):
@@ -163,7 +161,7 @@ def orbit(data, source, limits):
         inside(x, row["x"])
 
     def apart(i, earlier):
-        """Say if surely event i is not the first one, so many forcing periods later."""
+        """Return whether event i surely differs from the first one after that many forcing periods."""
         (t, x), (t0, x0) = points[i], points[0]
         return not ((t - t0) * periods).overlaps(earlier * turn) or not x.overlaps(x0)
 
@@ -274,17 +272,14 @@ class Piece:
 
 
 class Margin(NamedTuple):
-    """A function that must be > 0 on a piece: its text, the kind of branch end where it fails, and f.
-
-    And which derivative of f is not 0 at the start, if f is 0 at the end, and if it is > 0 all the time between them.
-    """
+    """A function that must be > 0 on a piece: its text, the kind of branch end where it fails, and f."""
 
     text: str
     kind: str
     f: Callable[..., Any]
-    order: int = 0
-    zero: bool = False
-    during: bool = False
+    order: int = 0  # which derivative of f is not 0 at the start
+    zero: bool = False  # whether f is 0 at the end
+    during: bool = False  # whether f is > 0 all the time between them
 
 
 class Course:
@@ -434,7 +429,7 @@ class Family:
                 inside(value, ends)
 
     def apart(self, i, earlier):
-        """Return whether event i surely differs from the first one so many forcing periods later, for all values."""
+        """Return whether event i surely differs from the first one after that many forcing periods, for all values."""
         (t, x), (t0, x0) = self.points[2 * i : 2 * i + 2], self.points[:2]
         return not (t - t0).overlaps(earlier * self.all.e.turn) or not x.overlaps(x0)
 
@@ -506,7 +501,7 @@ def branch(data, source, limits):
 
 
 def pairs(row):
-    """Return t and x of a row of a branch as text."""
+    """Return t and x of the events in a row of a branch, as text."""
     return "; ".join(
         f"{low} < {name}{i} < {high}"
         for i, both in enumerate(zip(row["t"], row["x"], strict=True), 1)

@@ -145,7 +145,7 @@ def _fail(message: str) -> NoReturn:
     sys.exit(BAD_INPUT)
 
 
-def _cite(context: click.Context, option: click.Parameter, wanted: bool) -> None:
+def _print_citation(context: click.Context, option: click.Parameter, wanted: bool) -> None:
     if not wanted:
         return
     from symosc.derive.citation import bibtex
@@ -161,7 +161,7 @@ def _cite(context: click.Context, option: click.Parameter, wanted: bool) -> None
     is_flag=True,
     is_eager=True,
     expose_value=False,
-    callback=_cite,
+    callback=_print_citation,
     help="Print BibTeX of symosc and the paper.",
 )
 def main() -> None:

@@ -77,7 +77,7 @@ def bench(
         results.check(readme)
     result: Record = {"quick": quick}
     if readme is not None or not hard_cases:
-        result |= _speed(quick)
+        result |= _run_speed(quick)
     if readme is not None:
         result["scores"] = cases.run(progress=partial(_bar, "reference cases"))
     elif hard_cases:
@@ -103,7 +103,7 @@ def bench(
     return code
 
 
-def _speed(quick: bool) -> Record:
+def _run_speed(quick: bool) -> Record:
     from symosc.bench import speed, work
 
     if find_spec("numba") is None:
@@ -115,6 +115,7 @@ def _speed(quick: bool) -> Record:
 
 
 def _scores(option: str, page: str) -> int:
+    """Run all solvers on the reference cases and write the page; return the exit code."""
     from symosc.bench import cases, gradients
     from symosc.files import check_folder_of
 

@@ -111,19 +111,14 @@ def certify(
     if as_json:
         write_json(certificate.as_dict())
     elif not piped:
-        _report(certificate)
+        _print_certificate(certificate)
     if not certificate.proven:
         complain(f"not proven: {certificate.message}")
     return 0 if certificate.proven else FAILED
 
 
 def _proof(
-    problem: Scene,
-    start_error: str | None,
-    wrt: str | None,
-    word: str | None,
-    span: str | None,
-    mapping: str | None,
+    problem: Scene, start_error: str | None, wrt: str | None, word: str | None, span: str | None, mapping: str | None
 ) -> Certificate | None:
     """Return the certificate that is asked for; None, after a line that says so, if there is no such orbit."""
     from symosc.certificates.certify import certify as prove
@@ -135,7 +130,7 @@ def _proof(
     if word is None and span is None:
         names = None if wrt is None else [name.strip() for name in wrt.split(",")]
         return prove(problem, start_error=read_error(start_error), wrt=names)
-    found = _orbit(problem, word)
+    found = _orbit_certificate(problem, word)
     if found is None or span is None:
         return None if found is None else prove(found)
     from symosc.orbits.branch import continue_orbit
@@ -145,7 +140,7 @@ def _proof(
     return prove(branch, progress=True)
 
 
-def _orbit(problem: Scene, word: str | None) -> PeriodicOrbit | None:
+def _orbit_certificate(problem: Scene, word: str | None) -> PeriodicOrbit | None:
     from symosc.orbits.closing_equations import ConvergenceError
     from symosc.orbits.find import find_orbit
 
@@ -163,7 +158,7 @@ def _orbit(problem: Scene, word: str | None) -> PeriodicOrbit | None:
     return found
 
 
-def _report(certificate: Certificate) -> None:
+def _print_certificate(certificate: Certificate) -> None:
     # The events of a branch have no times: these depend on the parameter.
     timed = [event for event in certificate.events if len(event) > 3]
     rows = [[common_digits(*t), common_digits(*x), kind, f"{old} -> {new}"] for kind, old, new, t, x in timed]

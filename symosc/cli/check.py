@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 COLUMN_NAMES = ("t", "x", "v", "id")
 
 
-def _columns(text: str | None) -> dict[str, str]:
+def _split_columns(text: str | None) -> dict[str, str]:
     names: dict[str, str] = {}
     for part in () if text is None else text.split(","):
         form = "t=NAME, x=NAME, v=NAME or id=NAME"
@@ -146,6 +146,7 @@ def _scene_and_files(
 
 
 def _checked(problem: Scene, files: tuple[str, ...], options: Record) -> Any:
+    """Check the solutions in files, or of a solver, as the options say."""
     from symosc.crosschecks.compare import STEP_TOLERANCE, crosscheck
     from symosc.crosschecks.objects import run_solver
 
@@ -155,7 +156,7 @@ def _checked(problem: Scene, files: tuple[str, ...], options: Record) -> Any:
         limits["global_tolerance"] = float(read_exact("global_tolerance", options["global_tolerance"]))
     workers = 1 if options["workers"] is None else options["workers"]
     limits |= {"own_start": options["own_start"], "partial": options["partial"]}
-    limits |= {"columns": _columns(options["columns"]), "workers": workers}
+    limits |= {"columns": _split_columns(options["columns"]), "workers": workers}
     if options["solver"] is not None:
         source: Any = run_solver(options["solver"], problem)
     else:
@@ -164,6 +165,7 @@ def _checked(problem: Scene, files: tuple[str, ...], options: Record) -> Any:
 
 
 def _only_one(result: Any, option: str) -> Any:
+    """Return a result; raise BadParameter if it is a list of several."""
     if isinstance(result, list):
         raise click.BadParameter(f"shows one solution, and there are {len(result)}", param_hint=option)
     return result
@@ -221,12 +223,7 @@ def cases(output: str | None, group: str | None, as_json: bool) -> int:
 @click.option("--plot", "picture", metavar="FIGURE", help="Draw all errors: .pdf, .svg or .png. -: SVG to stdout.")
 @json_option
 def score(
-    folder: str,
-    results: tuple[str, ...],
-    tolerance: str | None,
-    output: str | None,
-    picture: str | None,
-    as_json: bool,
+    folder: str, results: tuple[str, ...], tolerance: str | None, output: str | None, picture: str | None, as_json: bool
 ) -> int:
     """Judge the events that solvers have found in the reference cases.
 

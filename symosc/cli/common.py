@@ -131,10 +131,8 @@ start_error_option = click.option(
 
 
 def goes_to_stdout(output: str | None, option: str, as_json: bool = False) -> bool:
-    """Return whether a file goes to standard output; then the command prints nothing else there.
-
-    BadParameter if the name is empty, or if JSON is to be printed as well.
-    """
+    """Return whether a file goes to standard output; then the command prints nothing else there."""
+    # BadParameter if the name is empty, or if JSON is to be printed as well.
     if output == "":
         raise click.BadParameter("give the name of a file; '-' is standard output", param_hint=option)
     if output == STDOUT and as_json:

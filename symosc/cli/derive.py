@@ -12,7 +12,6 @@ import click
 from click.core import ParameterSource
 from click.shell_completion import CompletionItem
 
-from symosc.aliases import Record
 from symosc.cli.common import (
     FAILED,
     WholeNumber,
@@ -97,7 +96,8 @@ def derive(subject: str, output: str | None, form: str, as_json: bool, **options
     from symosc.scenes import load_scene
 
     if subject != "all" and subject not in CHAPTERS and subject not in FRAGMENTS:
-        raise ParameterError("subject", subject, _unknown(subject, ["all", *CHAPTERS], list(FRAGMENTS)))
+        known = f"must be one of all, {', '.join(CHAPTERS)} (chapters) or {', '.join(FRAGMENTS)} (fragments)"
+        raise ParameterError("subject", subject, known + meant(subject, ["all", *CHAPTERS, *FRAGMENTS]))
     of_fragments = {"set": options["settings"], "form": options["motion"], "digits": options["digits"]}
     of_fragments |= {name: options[name] for name in ("tags", "prefix", "alone")}
     scene = options["scene"]
@@ -105,19 +105,14 @@ def derive(subject: str, output: str | None, form: str, as_json: bool, **options
         if options["pdf"] or form == "html":
             raise click.BadParameter("is for chapters", param_hint="--pdf" if options["pdf"] else "--format html")
         problem = None if scene is None else load_scene(scene)
-        return _fragment(subject, problem, output, as_json, options)
+        return _print_fragment(subject, problem, output, as_json, options)
     for name, value in of_fragments.items():
         if value:
             raise click.BadParameter(f"is for fragments ({', '.join(FRAGMENTS)})", param_hint=f"--{name}")
-    return _chapters(subject, scene, output, form, as_json, options["pdf"])
+    return _write_chapters(subject, scene, output, form, as_json, options["pdf"])
 
 
-def _unknown(subject: str, chapters: list[str], fragments: list[str]) -> str:
-    known = f"must be one of {', '.join(chapters)} (chapters) or {', '.join(fragments)} (fragments)"
-    return known + meant(subject, [*chapters, *fragments])
-
-
-def _fragment(name: str, scene: Any, output: str | None, as_json: bool, options: dict[str, Any]) -> int:
+def _print_fragment(name: str, scene: Any, output: str | None, as_json: bool, options: dict[str, Any]) -> int:
     from symosc.derive import fragments
     from symosc.derive.scope import fragment_scope
     from symosc.derive.steps import StepError
@@ -143,7 +138,7 @@ def _fragment(name: str, scene: Any, output: str | None, as_json: bool, options:
     return 0
 
 
-def _chapters(subject: str, scene: str | None, output: str | None, form: str, as_json: bool, pdf: bool) -> int:
+def _write_chapters(subject: str, scene: str | None, output: str | None, form: str, as_json: bool, pdf: bool) -> int:
     printed = goes_to_stdout(output, "--output", as_json)
     from symosc.derive import document
     from symosc.derive.pdf import has_latex, make_pdf
@@ -175,9 +170,13 @@ def _chapters(subject: str, scene: str | None, output: str | None, form: str, as
             complain(f"{error}")
             status = FAILED
     if as_json:
-        write_json(_log(chapters, problem, paths))
+        steps = [{"subject": chapter.key, **row} for chapter in chapters for row in chapter.log()]
+        named = problem.name if problem else None
+        write_json({"scene": named, "files": [str(path) for path in paths], "steps": steps})
     else:
-        write(_summary(chapters))
+        kinds = [evidence.kind for chapter in chapters for _, evidence in chapter.steps()]
+        parts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in ("exact", "sign", "numeric") if kind in kinds)
+        write(f"{len(kinds)} steps checked: {parts}")
         for path in paths:
             write(str(path))
     return status
@@ -205,17 +204,6 @@ def _bars() -> Iterator[Callable[[str, int, int], None]]:
                 note(f"{subject}: {count} steps checked")
 
         yield progress
-
-
-def _log(chapters: list[Any], scene: Any, paths: list[Path]) -> Record:
-    steps = [{"subject": chapter.key, **row} for chapter in chapters for row in chapter.log()]
-    return {"scene": scene.name if scene else None, "files": [str(path) for path in paths], "steps": steps}
-
-
-def _summary(chapters: list[Any]) -> str:
-    kinds = [evidence.kind for chapter in chapters for _, evidence in chapter.steps()]
-    parts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in ("exact", "sign", "numeric") if kind in kinds)
-    return f"{len(kinds)} steps checked: {parts}"
 
 
 @click.command()
@@ -258,7 +246,7 @@ def codegen(ctx: click.Context, /, word: str | None, check: bool, regenerate: bo
         if check or regenerate:
             flag = "--check" if check else "--regenerate"
             raise click.UsageError(f"{flag} is about symosc's own kernels; leave WORD out")
-        return _export(word, **options)
+        return _export_code(word, **options)
     given = [name for name in options if ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE]
     if given:
         names = {parameter.name: max(parameter.opts, key=len) for parameter in ctx.command.params}
@@ -269,7 +257,7 @@ def codegen(ctx: click.Context, /, word: str | None, check: bool, regenerate: bo
     return _kernels(regenerate)
 
 
-def _export(
+def _export_code(
     word: str, language: str, fix: str | None, name: str | None, output: str, force: bool, as_json: bool
 ) -> int:
     from symosc.scenes import load_scene

@@ -137,29 +137,27 @@ def grazing(
     from symosc.grazing.window import grazing_window
 
     windows = [grazing_window(p, mapping, order) for mapping in chosen or PLACES]
-    reports = [] if phases is None else _checks(p, chosen or list(PLACES), phases)
+    reports = []
+    if phases is not None:
+        from symosc.grazing.check import check_grazing
+
+        reports = [check_grazing(p, mapping, n=phases, progress=True) for mapping in chosen or PLACES]
     if output is not None:
-        _draw(windows, against, output)
+        _draw_windows(windows, against, output)
     if as_json:
         data: Record = {"scene": name, "parameters": windows[0].parameters.as_dict(), "order": windows[0].order}
         data |= {"checks": [report.to_dict() for report in reports]} if reports else {}
-        write_json(data | {"windows": [_data(window) for window in windows]})
+        write_json(data | {"windows": [_window_data(window) for window in windows]})
     elif as_latex and not piped:
         for window in windows:
             write(window.latex())
     elif not piped:
-        _print(windows, reports)
+        _print_windows(windows, reports)
     return int(any(not report.ok for report in reports))
 
 
-def _checks(p: Parameters, mappings: list[str], phases: int) -> list[GrazingReport]:
-    from symosc.grazing.check import check_grazing
-
-    return [check_grazing(p, mapping, n=phases, progress=True) for mapping in mappings]
-
-
-def _print(windows: list[GrazingWindow], reports: list[GrazingReport]) -> None:
-    write_table([_row(window) for window in windows], ["map", "case", "gamma", "B0 Omega/m", "Theta_cr", "window"])
+def _print_windows(windows: list[GrazingWindow], reports: list[GrazingReport]) -> None:
+    write_table([_cells(window) for window in windows], ["map", "case", "gamma", "B0 Omega/m", "Theta_cr", "window"])
     for window in windows:
         if window.parameters.k == 0 and window.kind:
             fixed = ", ".join(map(str, window.contact_phases)) or "at no phase of it"
@@ -185,14 +183,14 @@ def _parameters(scene: str | None, settings: tuple[str, ...]) -> tuple[str | Non
     return None, Parameters(**changes)
 
 
-def _row(window: GrazingWindow) -> list[str]:
+def _cells(window: GrazingWindow) -> list[str]:
     from symosc.grazing.window import critical_text, phases_text
 
     numbers = [show(window.gamma), show(window.amplitude)]
     return [window.mapping, window.case, *numbers, critical_text(window), phases_text(window)]
 
 
-def _data(window: GrazingWindow) -> Record:
+def _window_data(window: GrazingWindow) -> Record:
     from symosc.grazing.window import critical_text, phases_text
 
     theta_cr, exact = None, critical_text(window)
@@ -213,20 +211,20 @@ def _data(window: GrazingWindow) -> Record:
     }
 
 
-def _plane(axes: Axes, window: GrazingWindow) -> None:
+def _draw_plane(axes: Axes, window: GrazingWindow) -> None:
     from symosc.grazing.curve import grazing_curve
     from symosc.plot.windows import draw_plane
 
     draw_plane(axes, grazing_curve(window.parameters, window.mapping, progress=True))
 
 
-def _draw(windows: list[GrazingWindow], against: str | None, output: str) -> None:
+def _draw_windows(windows: list[GrazingWindow], against: str | None, output: str) -> None:
     from symosc.plot.drawing import save
     from symosc.plot.windows import sweep_figure, window_figure
 
     window = windows[0]
     if against is None:
-        drawing = window_figure(windows, _plane if window.parameters.k else None)
+        drawing = window_figure(windows, _draw_plane if window.parameters.k else None)
     else:
         name, low, high = against, None, None
         if "=" in against:
@@ -263,6 +261,7 @@ def _solve(
 
 
 def _answers(p: Parameters | None, mapping: str, asked: Any, phases: str | None, order: Order) -> list[Any]:
+    """Ask which parameter values give an empty window, all phases, or the given phases."""
     from symosc.symbolic.inverse import values_containing, values_empty, values_everything
 
     if phases is None:

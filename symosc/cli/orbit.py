@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -123,11 +123,11 @@ def orbit(
 
         plot.save(plot.orbit_figure(found) if branch is None else plot.branch_figure(branch), output)
     if as_json:
-        write_json(_data(problem, found, branch))
+        write_json(_orbit_data(problem, found, branch))
     elif not piped:
-        write(_report(problem, found, branch))
+        write(_report_text(problem, found, branch))
     elif not found.admissible:
-        click.echo(_report(problem, found, branch), err=True)
+        click.echo(_report_text(problem, found, branch), err=True)
     return 0 if found.admissible else FAILED
 
 
@@ -144,8 +144,11 @@ def _response(problem: Scene, over: str, output: str | None, as_json: bool, pipe
         plot.save(plot.response_figure(found), output)
     columns = {head: column.tolist() for head, column in found.columns().items()}
     if as_json:
-        finite = {head: [_finite(value) for value in column] for head, column in columns.items()}
-        write_json({"scene": problem.name, **finite})
+        known = {
+            head: [None if isinstance(value, float) and not isfinite(value) else value for value in column]
+            for head, column in columns.items()
+        }
+        write_json({"scene": problem.name, **known})  # JSON has no infinity
     elif not piped:
         table = zip(*columns.values(), strict=True)
         rows = [[f"{each:.8g}" if isinstance(each, float) else each for each in row] for row in table]
@@ -153,12 +156,7 @@ def _response(problem: Scene, over: str, output: str | None, as_json: bool, pipe
     return 0
 
 
-def _finite(value: Any) -> Any:
-    """Return a value that JSON has: None in place of a number that is not finite."""
-    return None if isinstance(value, float) and not -inf < value < inf else value
-
-
-def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
+def _orbit_data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
     data = {"scene": scene.name, **found.as_dict()}
     if found.admissible:
         data["start"] = found.approach(scene)._asdict()
@@ -167,25 +165,28 @@ def _data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
     return data if branch is None else data | {"branch": branch.as_dict()}
 
 
-def _report(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> str:
+def _report_text(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> str:
     rows = []
     for piece, (t, x) in zip(found.equations().pieces, found.points, strict=True):
         does = f"moves in Omega{piece.mode} from v{piece.start} to v{piece.end}"
         if piece.sticks:
             does = f"sticks to belt {piece.start}"
-        rows.append([_number(t, found.digits), _number(x, found.digits), piece.label, does])
+        rows.append([_decimal(t, found.digits), _decimal(x, found.digits), piece.label, does])
     table = plain_table(["t", "x", "map", "from here it"], rows)
     sizes = ", ".join(_complex(value) for value in found.multipliers)
     lines = [table, "", f"{found.word}: {found.message}"]
-    lines.append(f"period {_number(found.period, found.digits)}, multipliers {sizes}, residual {found.residual:.1e}")
+    lines.append(f"period {_decimal(found.period, found.digits)}, multipliers {sizes}, residual {found.residual:.1e}")
     if found.admissible:
-        lines.append(_start(scene, found))
+        lines.append(_start_text(scene, found))
     if branch is not None:
-        lines += ["", f"{len(branch.values)} orbits over {branch.parameter}:", *(_end(branch, i) for i in (0, 1))]
+        lines += ["", f"{len(branch.values)} orbits over {branch.parameter}:"]
+        for end in branch.ends:
+            beyond = f"; beyond it {end.beyond}" if end.beyond else ""
+            lines.append(f"  {branch.parameter} = {end.value:.12g}: {end.kind}, {end.message}{beyond}")
     return "\n".join(lines)
 
 
-def _start(scene: Scene, found: PeriodicOrbit) -> str:
+def _start_text(scene: Scene, found: PeriodicOrbit) -> str:
     near = found.approach(scene)
     place = f"the start of {scene.name} (t = {show(scene.t0)}) is off the orbit by {near.offset_x:.3g} in x and"
     place += f" {near.offset_v:.3g} in v"
@@ -197,13 +198,7 @@ def _start(scene: Scene, found: PeriodicOrbit) -> str:
     return f"{place}; the motion from it is within {near.within:g} after {periods}"
 
 
-def _end(branch: Branch, i: int) -> str:
-    end = branch.ends[i]
-    behind = f"; beyond it {end.beyond}" if end.beyond else ""
-    return f"  {branch.parameter} = {end.value:.12g}: {end.kind}, {end.message}{behind}"
-
-
-def _number(value: Any, digits: int | None) -> str:
+def _decimal(value: Any, digits: int | None) -> str:
     return FLOAT_FORMAT.format(value) if digits is None else value.context.nstr(value, digits)
 
 

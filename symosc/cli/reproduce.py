@@ -60,11 +60,11 @@ def carry_out(plan: Plan, output: Path, as_json: bool = False, workers: int | No
     if as_json:
         write_json(report.data(results))
     else:
-        _show(results, output)
+        _print_summary(results, output)
     return 0 if results.ok else FAILED
 
 
-def _show(results: Results, output: Path) -> None:
+def _print_summary(results: Results, output: Path) -> None:
     from symosc.derive.errata import SEVERITIES
 
     rows = []

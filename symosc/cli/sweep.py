@@ -31,9 +31,6 @@ from symosc.scenes import START_NAMES
 if TYPE_CHECKING:
     import xarray
 
-# Values of a column that are printed, the most frequent first.
-SHOWN_VALUES = 8
-
 
 def _columns_begun(context: click.Context, option: click.Parameter, begun: str) -> list[CompletionItem]:
     from symosc.simulation.tables import SUMMARY_COLUMNS
@@ -107,12 +104,15 @@ def sweep(scene: str, axes: tuple[str, ...], settings: tuple[str, ...], picture:
 
         plot.save(plot.swept_figure(dataset), picture)
     if as_json:
-        write_json(_data(dataset, output))
+        about = {"output": output, "sizes": {str(name): size for name, size in dataset.sizes.items()}}
+        about |= {"columns": _columns(dataset), **{str(name): value for name, value in dataset.attrs.items()}}
+        write_json(about)
     elif not piped:
-        write(_report(dataset, [path for path in (output, picture) if path is not None]))
+        write(_report_text(dataset, [path for path in (output, picture) if path is not None]))
 
 
 def _swept(problem: Any, over: dict[str, str], asked: Record, options: Record) -> xarray.Dataset:
+    """Run the sweep; an interrupt says what is done."""
     from symosc.sweeps.sweep import sweep as sweep_all
     from symosc.sweeps.sweep import sweep_status
 
@@ -160,12 +160,7 @@ def _columns(dataset: xarray.Dataset) -> Record:
     return found
 
 
-def _data(dataset: xarray.Dataset, output: str | None) -> Record:
-    about = {"output": output, "sizes": {str(name): size for name, size in dataset.sizes.items()}}
-    return about | {"columns": _columns(dataset), **{str(name): value for name, value in dataset.attrs.items()}}
-
-
-def _report(dataset: xarray.Dataset, written: list[str]) -> str:
+def _report_text(dataset: xarray.Dataset, written: list[str]) -> str:
     total = dataset["status"].size
     sizes = " × ".join(f"{name} ({dataset.sizes[name]})" for name in map(str, dataset["status"].dims))
     lines = [f"{sizes}: {total:,} motions"]
@@ -173,7 +168,8 @@ def _report(dataset: xarray.Dataset, written: list[str]) -> str:
         if "least" in found and "largest" in found:
             lines.append(f"{name}: from {found['least']:.6g} to {found['largest']:.6g}")
             continue
-        shown = [f"{value or 'no event'} {count / total:.1%}" for value, count in list(found.items())[:SHOWN_VALUES]]
+        # Values of a column that are printed, the most frequent first.
+        shown = [f"{value or 'no event'} {count / total:.1%}" for value, count in list(found.items())[:8]]
         more = len(found) - len(shown)
         lines.append(f"{name}: {', '.join(shown)}{f', and {more} more' if more else ''}")
     return "\n".join([*lines, *map(wrote, written)])

@@ -2,8 +2,7 @@
 
 `files` and `objects` read solutions as `samples`, `velocities` completes positions; `compare` is the whole check,
 `report` its result. `diagnosis` tries causes (columns, models, methods, friction) on the wrong steps.
-May import: kernels to simulation.
 
-To add a kind of file or object, write a reader in files or objects. To add a cause, write its text in causes, a
-function that yields a Diagnosis, its line in STAGES of diagnosis, and a kind of fault in tests/support/fault_kinds.py.
+To add a cause, write its text in causes, a function that yields a Diagnosis, its line in STAGES of diagnosis, and a
+kind of fault in tests/support/fault_kinds.py.
 """

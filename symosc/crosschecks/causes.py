@@ -174,11 +174,9 @@ def explain(
     allowed: np.ndarray,
     near: np.ndarray,
 ) -> tuple[Fault, ...]:
-    """Return the chosen steps as faults, each with a guess at its cause.
-
-    `modes` are those of the samples, 0 where they only pass a belt; `sizes` the defects in units of `allowed`; `near`
-    the distances from a belt that count as on it.
-    """
+    """Return the chosen steps as faults, each with a guess at its cause."""
+    # `modes` are those of the samples, 0 where they only pass a belt; `sizes` the defects in units of `allowed`; `near`
+    # the distances from a belt that count as on it.
     since = np.array(chosen, dtype=int)
     misses = []  # of flights with the force of each domain, to the next sample and to the one after
     for n in (1, 2):
@@ -272,13 +270,12 @@ def tried_samples(check: Any) -> slice:
 
 
 class Case:
-    """Samples of a solution whose faults are to be explained, and the exact motion over each of their steps.
+    """Samples of a solution whose faults are to be explained, and the exact motion over each of their steps."""
 
-    `offset` is the number of the first of them among all samples of the `check`; `near` are distances from a belt that
-    count as on it; `sizes` the defects in units of the allowed ones; `moving_wrong` the wrong steps in which time
-    passes; `domain` that of each sample, 0 at a belt; `inside` the steps in one domain, for the samples and the exact
-    motion, and `inside_wrong` and `flights_wrong` those of them that are wrong, and their fraction.
-    """
+    # `offset` is the number of the first of them among all samples of the `check`; `near` are distances from a belt
+    # that count as on it; `sizes` the defects in units of the allowed ones; `moving_wrong` the wrong steps in which
+    # time passes; `domain` that of each sample, 0 at a belt; `inside` the steps in one domain, for the samples and the
+    # exact motion, and `inside_wrong` and `flights_wrong` those of them that are wrong, and their fraction.
 
     def __init__(self, check: Any) -> None:
         """Follow the exact motion over all steps, or, of many, over a part that begins before the first wrong one."""
@@ -315,10 +312,9 @@ class Case:
         return np.maximum(1.0, part * np.nan_to_num(self.sizes, nan=0.0, posinf=0.0))
 
     def share(self, sizes: np.ndarray, of: np.ndarray | None = None, part: float = EXPLAINS) -> float:
-        """Return the fraction of the wrong steps that an alternative explains, minus that of right ones it spoils.
-
-        `sizes` are the defects that it leaves in the steps `of` (default: all); a step is explained if `part` is left.
-        """
+        """Return the fraction of the wrong steps that an alternative explains, minus that of right ones it spoils."""
+        # `sizes` are the defects that it leaves in the steps `of` (default: all); a step is explained if `part` is
+        # left.
         chosen = slice(None) if of is None else of
         wrong = self.wrong[chosen]
         fits = sizes <= self.limits(part)[chosen]
@@ -362,10 +358,8 @@ class Case:
     def between(
         self, begin: np.ndarray, until: np.ndarray, near: np.ndarray, p: Parameters | None = None
     ) -> np.ndarray:
-        """Return the exact motion from states t, x, v (rows) minus the samples `until`; shape (rows, 2).
-
-        No row may begin before the one before ends.
-        """
+        """Return the exact motion from states t, x, v (rows) minus the samples `until`; shape (rows, 2)."""
+        # No row may begin before the one before ends.
         end = np.column_stack([self.steps.t, self.steps.states])[until]
         found = begin[:, 1:] - end[:, 1:]
         moving = begin[:, 0] < end[:, 0]
@@ -383,10 +377,8 @@ class Case:
 
 
 def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks: np.ndarray) -> Fit | None:
-    """Fit numbers to steps, some of which may have other faults; None if the steps do not determine them.
-
-    `misses` returns by how much the steps miss with given numbers, (steps, 2); `ticks` are changes for derivatives.
-    """
+    """Fit numbers to steps, of which some may have other faults; None if the steps do not determine them."""
+    # `misses(numbers)` is by how much the steps miss, (steps, 2); `ticks` are changes for derivatives.
     value = np.array(start, dtype=float)
     kept, error = None, np.zeros(len(value))
     for _ in range(8):
@@ -439,10 +431,8 @@ def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndar
 def best_between(
     misses: Callable[[np.ndarray], np.ndarray], low: np.ndarray, high: np.ndarray, points: int, enough: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the numbers between two limits, one per step, at which the steps miss least, and what is left there.
-
-    A grid of so many points is made finer around the best one, at most 8 times or until all misses are small enough.
-    """
+    """Return the numbers in [low, high], one per step, at which the steps miss least, and what they miss there."""
+    # A grid of `points` is refined around the best one, at most 8 times or until all misses are <= `enough`.
     best, leaves = low.copy(), np.full(len(low), np.inf)
     begin, end = low, high
     for _ in range(8):

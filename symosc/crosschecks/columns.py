@@ -240,7 +240,7 @@ def even_times(case: Case) -> Iterator[Candidate]:
 
 
 def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
-    """Return even times like `t`, with the step rounded to so many digits (0: exact ends; None: rounded ends)."""
+    """Return even times like `t`, with the step rounded to `digits` digits (0: exact ends; None: rounded ends)."""
     if not digits:
         ends = (float(t[0]), float(t[-1])) if digits == 0 else (float(f"{t[0]:.6g}"), float(f"{t[-1]:.6g}"))
         return np.linspace(*ends, len(t))

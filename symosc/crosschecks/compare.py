@@ -14,16 +14,7 @@ from numpy.typing import ArrayLike
 from symosc.aliases import NumberLike, Progress, Record, SceneName, SolutionLike
 from symosc.arguments import public
 from symosc.crosschecks.causes import Fault, explain
-from symosc.crosschecks.events import (
-    WINDOW,
-    FoundEvent,
-    Match,
-    Matcher,
-    Reach,
-    find_events,
-    given_events,
-    labels,
-)
+from symosc.crosschecks.events import WINDOW, FoundEvent, Match, Matcher, Reach, find_events, given_events, labels
 from symosc.crosschecks.files import read_solutions
 from symosc.crosschecks.objects import dense_note, of_function
 from symosc.crosschecks.report import CrossCheck, CrossChecks, check_all
@@ -173,7 +164,7 @@ class Task:
 
     @property
     def limit(self) -> float:
-        """Allowed global error, relative."""
+        """The global error that is allowed, relative to the sizes of x and v."""
         usual = max(self.tolerance, min(1000.0 * self.tolerance, 0.01))  # errors of steps add up
         return usual if self.given_limit is None else self.given_limit
 
@@ -317,10 +308,8 @@ class Task:
         )
 
     def _start(self, loose: np.ndarray, rounding: np.ndarray) -> tuple[Record, str]:
-        """Return the start of the exact motion, and a note if it differs from the scene's start.
-
-        That is {} for the scene's own start, which may have more digits than the sample, or the first sample.
-        """
+        """Return the start of the exact motion, and a note if it differs from the scene's start."""
+        # {} is the scene's own start, which may have more digits than the first sample.
         scene, samples, limit = self.scene, self.samples, self.limit
         start = {"t0": float(samples.t[0]), "x0": float(samples.x[0]), "v0": float(samples.v[0])}
         if isinstance(scene, Parameters):
@@ -358,11 +347,9 @@ class Task:
         return f"the solution ends at t = {last:.10g}; the motion of {scene.name} goes on to t = {t_end:.10g}"
 
     def _wrong_spans(self, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
-        """Return spans of rounded samples over which the exact motion leads elsewhere, by first and last sample.
-
-        Dense samples with few digits hide a wrong model in each step, and not over many. The tolerances of the steps
-        add up. Of all lengths that is chosen of which many spans are wrong, and a great part.
-        """
+        """Return spans of rounded samples over which the exact motion leads elsewhere, by first and last sample."""
+        # Rounding hides a wrong model in each dense step, and not over many; the tolerances of the steps add up.
+        # Of all lengths the one is chosen of which many spans are wrong, and a great part.
         p, samples, best = self.parameters, self.samples, np.empty((0, 2), int)
         count, length, most = len(samples.t), SPAN_FACTOR, 0.0
         while length < count and np.any(loose):

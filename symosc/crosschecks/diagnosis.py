@@ -43,12 +43,10 @@ STAGES: tuple[tuple[Callable[[Case], Iterable[Candidate | Diagnosis]], ...], ...
 
 
 def diagnose(check: Any) -> tuple[Diagnosis, ...]:
-    """Return the probable causes of the errors of a `CrossCheck`, the most probable first.
-
-    Each alternative is followed over all steps, and has to make the wrong ones right. For those that are named the
-    whole check is repeated with the change, and its result is their evidence. Where several explain the samples as
-    well, the others are the `alternatives` of the first.
-    """
+    """Return the probable causes of the errors of a `CrossCheck`, the most probable first."""
+    # Each alternative is followed over all steps, and has to make the wrong ones right. For those that are named the
+    # whole check is repeated with the change, and its result is their evidence. Where several explain the samples as
+    # well, the others are the `alternatives` of the first.
     few_digits = tuple(columns.few_digits(check))
     if check.ok:
         return few_digits

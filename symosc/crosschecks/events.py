@@ -109,10 +109,8 @@ class Match:
 
 
 def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray:
-    """Return the mode code of each sample: 1 to 3 in a domain, 4 or 5 at a belt.
-
-    A sample is at a belt within the velocity `near` of it, or within `drift` while the exact motion would stick.
-    """
+    """Return the mode code of each sample: 1 to 3 in a domain, 4 or 5 at a belt."""
+    # A sample is at a belt within the velocity `near` of it, or within `drift` while the exact motion would stick.
     v, K = steps.v, steps.K
     label = np.int8(1) + (v > K.belt1.v) + (v > K.belt2.v)
     for boundary, speed in ((1, K.belt1.v), (2, K.belt2.v)):
@@ -123,10 +121,8 @@ def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray
 
 
 def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tuple[list[FoundEvent], np.ndarray]:
-    """Return the events shown by the labels of the samples in order of time, and the modes of the samples.
-
-    `wrong` marks the wrong steps. The modes are the labels, 0 for samples that only pass or graze a belt.
-    """
+    """Return the events that the labels of the samples show, in order of time, and the modes of the samples."""
+    # The modes are the labels, 0 for samples that only pass or graze a belt.
     modes = label.copy()
     starts = np.flatnonzero((np.diff(label, prepend=0) != 0) | _reached_by_flight(steps, label, wrong))
     ends = np.append(starts[1:], len(label)) - 1
@@ -223,17 +219,13 @@ def given_events(steps: ExactSteps, pairs: Iterable[tuple[float, str]]) -> list[
 
 @dataclass(frozen=True)
 class Reach:
-    """Bounds of the time errors of events, from the tolerance and the errors of the samples.
-
-    `errors` are the allowed errors of the samples in x and v, (n, 2); `allowed_v` is the tolerance as a velocity;
-    `listed` the rounding of the times of a list.
-    """
+    """Bounds of the time errors of events, from the tolerance and the errors of the samples."""
 
     steps: ExactSteps
-    errors: np.ndarray
-    allowed_v: float
+    errors: np.ndarray  # allowed errors of the samples in x and v, (n, 2)
+    allowed_v: float  # the tolerance as a velocity
     tolerance: float
-    listed: np.ndarray
+    listed: np.ndarray  # rounding of the times of a list
 
     def of(self, event: Event) -> float:
         """Return the time error bound of an exact event."""
@@ -302,11 +294,10 @@ class Reach:
 
 
 class Matcher:
-    """Exact events matched with those of the samples, or of a solver's list (`given`).
+    """Match exact events with those of the samples, or of a solver's list (`given`)."""
 
-    `exact` may have events shortly after the last sample too; `label` are the codes of `labels`; `wrong` marks steps.
-    The results `matched`, `missed`, `invented`, `unresolved` and `notes` are those of `CrossCheck`.
-    """
+    # `exact` may have events shortly after the last sample too; `label` are the codes of `labels`; `wrong` marks steps.
+    # The results `matched`, `missed`, `invented`, `unresolved` and `notes` are those of `CrossCheck`.
 
     def __init__(
         self,
@@ -501,11 +492,9 @@ class Matcher:
                 self.unresolved.append(event)
 
     def match_times(self, times: Sequence[float]) -> None:
-        """Match the exact events with the times of a solver's list without kinds.
-
-        Such a list need not be complete. An exact event that is not in it is judged by the samples; a time at which
-        there is no event is invented.
-        """
+        """Match the exact events with the times of a solver's list without kinds."""
+        # Such a list may be incomplete: the samples judge an exact event that it lacks. A time without event is
+        # invented.
         matched, used = {id(match.event): match for match in self.matched}, set[int]()
         for time in times:
             gaps = np.abs(self.times - time)

@@ -64,11 +64,9 @@ Reader = Callable[[IO[bytes], Any, str], Any]
 def read_solutions(
     source: Any, columns: Mapping[str, str | None] | None = None, problem: Problem = None
 ) -> list[Samples]:
-    """Read solutions from a file, standard input ("-"), a list of files, or any object of docs/checking.md.
-
-    `columns` names the columns t, x, v and id (None: there is no such column); a function needs a `problem` for its
-    times. ParameterError if the file cannot be read, a column is missing or the samples are wrong.
-    """
+    """Read solutions from a file, standard input ("-"), a list of files, or any object of docs/checking.md."""
+    # `columns` names the columns t, x, v and id (None: there is no such column); a function needs a `problem` for its
+    # times. ParameterError if the file cannot be read, a column is missing or the samples are wrong.
     asked: Asked = read_column_names(columns)
     if isinstance(source, (list, tuple)) and source and all(isinstance(each, (str, Path)) for each in source):
         found = [(path, each) for path in source for each in read_solutions(path, columns, problem)]
@@ -83,10 +81,8 @@ def read_solutions(
 
 
 def read_content(path: str | Path, choose: Choose) -> Any:
-    """Return the contents of a file: columns, an array, JSON values with Decimals, or lines of text.
-
-    A line is its place in the file, and its cells that are not empty by the names that `choose` gives them.
-    """
+    """Return the contents of a file: columns, an array, JSON values with Decimals, or lines of text."""
+    # A line is its place in the file, and its cells that are not empty by the names that `choose` gives them.
 
     def cells_by_name(file: IO[bytes], asked: Any, where: str) -> list[tuple[str, dict[str, str]]]:
         _, columns, rows = _table(file, choose, where)
@@ -548,18 +544,7 @@ def _read_mat(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def has_wrong_tags(data: bytes) -> bool:
-    """Return whether a version 5 file has an unknown or overlong tag, at which scipy crashes.
-
-    Examples
-    --------
-    >>> from io import BytesIO
-    >>> from scipy.io import savemat
-    >>> file = BytesIO()
-    >>> savemat(file, {"t": [0.0, 1.0]})
-    >>> data = file.getvalue()
-    >>> has_wrong_tags(data), has_wrong_tags(data[:176] + b"\\xff" + data[177:])
-    (False, True)
-    """
+    """Return whether a MATLAB file of version 5 has an unknown or overlong tag, at which scipy crashes."""
     order = {b"IM": "<", b"MI": ">"}.get(data[126:MAT_HEADER])
     if order is None:
         return False  # version 4, or no such file: scipy says so

@@ -106,7 +106,7 @@ def at_belts(case: Case) -> Iterator[Diagnosis]:
 
 
 def _push(case: Case, x: np.ndarray, v: np.ndarray, theta: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Return the acceleration at a belt by all forces but the friction of that belt."""
+    """Return the acceleration at a belt that all forces but its friction cause."""
     K = case.steps.K
     below, above = np.array([NEIGHBOURS[b] for b in (1, 2)])[boundary - 1].T
     A = np.array([K.A1, K.A2, K.A3])

@@ -191,10 +191,8 @@ def _not_located(case: Case, name: str, h: float, share: float, unseen: bool, he
 
 
 def _share_repeated(case: Case, chosen: np.ndarray, method: Method | None, count: int, held: bool = False) -> float:
-    """Return the fraction of steps reproduced by so many substeps of a method, with friction by each stage's v.
-
-    `held`: with the friction at the beginning of each of its steps.
-    """
+    """Return the fraction of steps that `count` substeps of a method reproduce."""
+    # Friction is that of each stage's v; `held`: that at the beginning of each substep.
     if not len(chosen):
         return 0.0
     s, K = case.steps, case.steps.K
@@ -228,7 +226,7 @@ def _force(case: Case, chosen: np.ndarray, held: bool = False) -> Force:
 
 
 def truncation(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of errors such as any method has, with their size and order."""
+    """Yield the diagnosis of truncation errors, with their size and order."""
     wrong = case.inside_wrong
     if len(wrong) < 3:
         return

@@ -139,10 +139,8 @@ Problem = Scene | Parameters | None
 
 
 def solutions_in(source: Any, asked: Asked, problem: Problem = None, where: str = "") -> list[Samples]:
-    """Return the solutions in an object; `where` names it in messages.
-
-    A list of objects is several solutions, or pieces of one if each begins where the one before ends.
-    """
+    """Return the solutions in an object; `where` names it in messages."""
+    # A list of objects is several solutions, or pieces of one if each begins where the one before ends.
     where = where or type(source).__name__
     if isinstance(source, Trajectory):
         events = tuple((float(event.t), event.kind) for event in source.events)
@@ -380,7 +378,7 @@ MOST_TIMES = 200_000
 
 
 def _grid(t0: float, t_end: float, problem: Scene | Parameters) -> np.ndarray:
-    """Return times between two given ones, so many in the shorter period of the drive and the free motion."""
+    """Return evenly spaced times, fine enough for the shorter period of the drive and the free motion."""
     p = problem if isinstance(problem, Parameters) else problem.parameters
     period = 2.0 * pi / fastest_rate(p)
     count = ceil(min((t_end - t0) / period * 200, float(MOST_TIMES)))
@@ -444,10 +442,8 @@ def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until
 
 
 def _solver_events(result: Any, problem: Problem) -> tuple[tuple[tuple[float, str], ...] | None, tuple[str, ...]]:
-    """Return the events at a belt in scipy's `t_events` with kind "", and notes on others listed.
-
-    Two functions that vanish together, such as an event that ends a piece, are one event.
-    """
+    """Return the events at a belt in scipy's `t_events` with kind "", and notes on others listed."""
+    # Two functions that vanish together, such as an event that ends a piece, are one event.
     lists, states = getattr(result, "t_events", None), getattr(result, "y_events", None)
     if lists is None or problem is None:
         return None, ()
@@ -486,10 +482,8 @@ def _solver_events(result: Any, problem: Problem) -> tuple[tuple[tuple[float, st
 
 
 def run_solver(name: str, scene: Scene) -> Any:
-    """Call the FUNCTION of "MODULE:FUNCTION" or "file.py:FUNCTION" with (parameters, t0, x0, v0, t_end).
-
-    Its prints go to standard error. ParameterError if there is no such function, it fails, or it returns nothing.
-    """
+    """Call the FUNCTION of "MODULE:FUNCTION" or "file.py:FUNCTION" with (parameters, t0, x0, v0, t_end)."""
+    # It prints to standard error. ParameterError if it does not exist, fails, or returns nothing.
     module, colon, function = name.rpartition(":")
     if not (module and colon and function):
         raise ParameterError("solver", name, "must be MODULE:FUNCTION, such as mysolver:solve")

@@ -23,20 +23,16 @@ LONGEST_ITEM = 60
 
 @dataclass(frozen=True)
 class Samples:
-    """A solution at times; `v` is NaN for positions only, until it is computed with error `v_off`.
-
-    `events` are pairs (t, kind), with the kind "" if unknown; `name` distinguishes several solutions; `notes` say how
-    it was read; `dense` is the solver's own function t -> (x, v).
-    """
+    """A solution at times; `v` is NaN for positions only, until it is computed with error `v_off`."""
 
     t: np.ndarray
     x: np.ndarray
     v: np.ndarray
-    events: tuple[tuple[float, str], ...] | None = None
-    name: str = ""
-    notes: tuple[str, ...] = ()
+    events: tuple[tuple[float, str], ...] | None = None  # (t, kind), with the kind "" if unknown
+    name: str = ""  # distinguishes several solutions
+    notes: tuple[str, ...] = ()  # how it was read
     v_off: np.ndarray | None = None
-    dense: Callable[[np.ndarray], Any] | None = None
+    dense: Callable[[np.ndarray], Any] | None = None  # the solver's own function t -> (x, v)
 
     @property
     def lacks_v(self) -> bool:
@@ -50,10 +46,8 @@ def fastest_rate(p: Parameters) -> float:
 
 
 def checked(t: object, x: object, v: object = None, events: object = None) -> Samples:
-    """Return samples as float arrays; without `v`, positions only.
-
-    ParameterError unless all are finite real numbers, one-dimensional, of one length >= 2, and t never decreases.
-    """
+    """Return samples as float arrays; without `v`, positions only."""
+    # ParameterError unless all are finite real numbers, one-dimensional, of one length >= 2, and t never decreases.
     arrays = {name: _array(name, values) for name, values in (("t", t), ("x", x))}
     arrays["v"] = np.zeros(len(arrays["t"])) if v is None else _array("v", v)
     lengths = {name: len(array) for name, array in arrays.items()}
@@ -76,10 +70,8 @@ def checked(t: object, x: object, v: object = None, events: object = None) -> Sa
 
 
 def check_joints(samples: Samples, part: float, slack_x: np.ndarray, slack_v: np.ndarray) -> None:
-    """Raise ParameterError where a time occurs twice with different states.
-
-    At a joint of two pieces the states differ by at most `part` of the largest |x| and |v|, and by the slack.
-    """
+    """Raise ParameterError where a time occurs twice with different states."""
+    # At a joint of two pieces the states differ by at most `part` of the largest |x| and |v|, and by the slack.
     twice = np.flatnonzero(np.diff(samples.t) == 0.0)
     for name, values, slack in (("x", samples.x, slack_x), ("v", samples.v, slack_v)):
         limit = part * np.max(np.abs(values)) + np.broadcast_to(slack, values.shape)[twice] * 2.0
@@ -192,11 +184,9 @@ class Digits(NamedTuple):
 
 
 def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None = None) -> dict[str, Digits]:
-    """Return the rounding of the columns "t", "x", "v" and of listed "events" that have fewer digits than a double.
-
-    In a stick v is one of `speeds`, rounded likewise. Times are taken as rounded only if x or v are rounded and the
-    times are not an even grid: a time such as 0.05 is exact, unless the first one is the scene's start, rounded.
-    """
+    """Return the rounding of the columns "t", "x", "v" and of listed "events" that have fewer digits than a double."""
+    # In a stick v is one of `speeds`, rounded likewise. Times are taken as rounded only if x or v are rounded and the
+    # times are not an even grid: a time such as 0.05 is exact, unless the first one is the scene's start, rounded.
     x, v = find_digits(samples.x, samples.x[:1]), find_digits(samples.v, [*speeds, samples.v[0]])
     if not samples.lacks_v:
         x, v = x or _as_neighbour(samples.x, v), v or _as_neighbour(samples.v, x)
@@ -214,11 +204,9 @@ def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None
 
 
 def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN) -> Digits | None:
-    """Return the rounding of `values`, or None if they have all digits or fewer than `least` show it.
-
-    Both fixed decimals and significant digits are tried. Any rounded numbers fit both, one of them with more digits
-    than were written; the coarser unit is the right one for every number. Numbers that are 0 or `natural` show nothing.
-    """
+    """Return the rounding of `values`, or None if they have all digits or fewer than `least` show it."""
+    # Fixed decimals and significant digits are tried. Rounded numbers fit both, one of them with more digits than were
+    # written; the coarser unit is the right one for every number. Numbers that are 0 or `natural` show nothing.
     numbers = values[(values != 0.0) & ~np.isin(values, list(natural))]
     if len(numbers) < least:
         return None
@@ -266,11 +254,9 @@ def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 
 
 def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the step of an even grid that contains all numbers, as from an analogue-digital converter.
-
-    Two halves of the numbers, or all but one of a few, must give the same step, of a few numbers to a factor of 2: a
-    single number beside a grid would make a much finer one.
-    """
+    """Return the step of an even grid that contains all numbers, as from an analogue-digital converter."""
+    # Two halves of the numbers, or all but one of a few, must give the same step, of a few numbers to a factor of 2: a
+    # single number beside a grid would make a much finer one.
     levels = np.unique(np.abs(numbers))
     if len(levels) < 6:
         return None

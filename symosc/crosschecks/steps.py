@@ -108,21 +108,17 @@ class StepEvents(NamedTuple):
 
 @dataclass(frozen=True)
 class ExactSteps:
-    """The exact motion from each sample to the next one.
-
-    `theta` are phases; `defects` the exact motion over the step minus the next sample, shape (n - 1, 2); `first` and
-    `last` the modes (MODE_NAMES) just after the sample and at the end of the step.
-    """
+    """The exact motion from each sample to the next one."""
 
     parameters: Parameters
     K: Constants
     t: np.ndarray
     x: np.ndarray
     v: np.ndarray
-    theta: np.ndarray
-    defects: np.ndarray
-    first: np.ndarray
-    last: np.ndarray
+    theta: np.ndarray  # phases
+    defects: np.ndarray  # the exact motion over the step minus the next sample, (n - 1, 2)
+    first: np.ndarray  # the mode (MODE_NAMES) just after the sample
+    last: np.ndarray  # the mode at the end of the step
     events: StepEvents
 
     @property
@@ -155,12 +151,10 @@ class ExactSteps:
 
 
 def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scales: Any) -> ExactSteps:
-    """Restart the exact motion from every sample and follow it to the time of the next one.
-
-    A sample with |v - v_belt| <= `near` (a number or (n,)) may be meant to be on the belt or beside it. Both are tried,
-    and the one that agrees better with the next sample, in units `scales` ((2,) or (n - 1, 2)), counts. Where a time is
-    repeated nothing moves: the defect is the jump.
-    """
+    """Restart the exact motion from every sample and follow it to the time of the next one."""
+    # A sample with |v - v_belt| <= `near` (a number or (n,)) may be meant to be on the belt or beside it: the one
+    # counts that agrees better with the next sample, in units `scales` ((2,) or (n - 1, 2)). Where a time is repeated
+    # nothing moves: the defect is the jump.
     K = Arithmetic(parameters).K._replace(sigmas=0.0)
     count = len(t) - 1
     scales = np.broadcast_to(scales, (count, 2))

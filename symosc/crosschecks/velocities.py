@@ -1,12 +1,9 @@
 """Velocities for positions given without: those with which the exact motion leads from one position to the next.
 
 In one domain the displacement over a step is linear in the velocity at its start, so each step has one velocity for
-each domain, and on a belt that of the belt. The velocity of a motion does not jump. So where two steps agree about the
-sample between them, both are in one piece, and that is its velocity. Steps with an event in them agree with none; the
-exact motion leads over them from the sample before.
-
-Rounded positions show nothing of the velocity over short steps. If an exact motion is within their rounding at all
-times, their velocities are those of that motion: the scene's own, or one whose start is fitted.
+each domain, and on a belt that of the belt. Where two steps agree about the sample between them, that is its velocity.
+The exact motion leads over steps with an event, which agree with none. Where positions are rounded, over short steps,
+it is the velocity of an exact motion within their rounding at all times: the scene's own, or one with a fitted start.
 """
 
 from __future__ import annotations
@@ -29,8 +26,6 @@ from symosc.model import Parameters
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
-
-# -- velocities --
 
 NOTE = "velocities were not given: they are those with which the exact motion leads from one position to the next"
 # Longest step, in units of 1/rate, over which a velocity is found without that of the sample before.
@@ -176,10 +171,7 @@ def _is_start(scene: Scene | Parameters, samples: Samples, off: float, clock: fl
 
 
 def _flown(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocities at the starts and ends of the steps in domains 1 to 3, shape (3, n - 1).
-
-    NaN where a step cannot be such.
-    """
+    """Return velocities at both ends of flights over the steps in domains 1 to 3, (3, n - 1); NaN if impossible."""
     tau, s, c = np.diff(t), np.sin(theta[:-1]), np.cos(theta[:-1])
     usable = (tau > 0.0) & (K.rate * tau < LONGEST_FLIGHT)
     E0, E1, E2, R2, I2, _, _ = entire_array.basis(np.where(usable, tau, 0.5 * LONGEST_FLIGHT / K.rate), K)
@@ -214,7 +206,7 @@ def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.ndarray, sure: np.ndarray) -> np.ndarray:
-    """Return the velocities where two steps agree, there and at their other ends; NaN elsewhere."""
+    """Return the velocities of samples where two steps agree, and at the other ends of these steps; else NaN."""
     v = np.full(starts.shape[1] + 1, np.nan)
     left, right = left[sure], right[sure]
     v[sure], v[sure + 2] = starts[left, sure], ends[right, sure + 1]

@@ -93,10 +93,10 @@ def reference_line(key: str) -> str:
     kind, _, fields = entries()[key]
     doi = f", doi:{fields['doi']}" if "doi" in fields else ""
     place = PLACES[kind].format_map(fields)
-    return rf"{_authors(fields['author'])}, \emph{{{fields['title']}}}, {place}{doi}."
+    return rf"{_authors_text(fields['author'])}, \emph{{{fields['title']}}}, {place}{doi}."
 
 
-def _authors(text: str) -> str:
+def _authors_text(text: str) -> str:
     if text.startswith("{"):
         return text.strip("{}")
     people = []

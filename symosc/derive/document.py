@@ -66,7 +66,7 @@ class Checked(NamedTuple):
     parts: list[Part]
 
     def steps(self) -> list[tuple[Step, StepEvidence]]:
-        """Return every step with its evidence, those behind sentences and tables included."""
+        """Return every step with its evidence, those of sentences and tables included."""
         return [pair for part in self.parts for pair in zip(steps_of(part.item), part.evidence, strict=True)]
 
     def displays(self) -> Iterator[Part | list[Part]]:
@@ -171,10 +171,7 @@ def numbers_of(chapters: Iterable[Checked]) -> dict[str, str]:
 
 
 def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str] | None = None) -> str:
-    """Return a text in which references to other documents name the chapter.
-
-    With `link` the other references are replaced too, by what it makes of (label, shown).
-    """
+    """Name the chapter in references to other documents; with `link`, replace the others by link(label, shown)."""
 
     def replace(found: re.Match[str]) -> str:
         word, command, label = found.groups()
@@ -233,7 +230,7 @@ def as_latex(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = No
     """Return a chapter as LaTeX, to be read in by the main document."""
     out = [HEADER + rf"\section{{{chapter.title}}}" + rf"\label{{sec:{chapter.key}}}"]
     for part in chapter.displays():
-        piece = _piece(part, scope)
+        piece = _piece_latex(part, scope)
         goes_on = piece.startswith((r"\begin{align}", r"\end{")) and not out[-1].endswith(r"\end{align}")
         if goes_on or out[-1].splitlines()[-1].startswith(r"\begin{proof}"):
             out[-1] += "\n" + piece  # no new paragraph
@@ -242,7 +239,8 @@ def as_latex(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = No
     return resolved("\n\n".join(out), numbers_of([chapter]) if numbers is None else numbers) + "\n"
 
 
-def _piece(part: Part | list[Part], scope: Scope) -> str:
+def _piece_latex(part: Part | list[Part], scope: Scope) -> str:
+    """Return a part of a chapter as LaTeX."""
     if isinstance(part, list):
         return align(part, scope, lambda each: rf"\markit{{{each.marks}}}\label{{{each.label}}}")
     item, mark = part.item, rf"\checkedby{{{part.marks}}}" if part.evidence else ""
@@ -335,6 +333,7 @@ def as_html(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = Non
 
 
 def _html_piece(part: Part | list[Part], scope: Scope, html: ToHtml, level: int) -> str:
+    """Return a part of a chapter as HTML."""
     if isinstance(part, list):
         return _display_html(part, scope, html)
     item, number = part.item, part.number
@@ -391,6 +390,7 @@ def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
 
 
 def _cells(heads: Sequence[str], body: Iterable[Sequence[str]], html: ToHtml) -> str:
+    """Return a table as HTML."""
     top = "".join(f"<th>{html(head)}</th>" for head in heads)
     lines = "\n".join("<tr>" + "".join(f"<td>{html(value)}</td>" for value in row) + "</tr>" for row in body)
     return f'<div class="wide"><table class="cells">\n<tr>{top}</tr>\n{lines}\n</table></div>'
@@ -427,7 +427,7 @@ def printed(chapters: list[Checked], scope: Scope, form: str) -> str:
 
 
 def _made(folder: Path) -> Path:
-    """Make a folder if needed."""
+    """Make a folder if needed; OutputError if that fails."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -22,20 +22,16 @@ TEXTS = ("where", "printed", "holds", "proof")
 
 @dataclass(frozen=True)
 class Erratum:
-    """An error or gap of the paper, counted once however many claims it shows in.
-
-    Its number in the list, its key of SEVERITIES, its place in the paper, what stands there and what holds, why in
-    about two lines, and what of the supplement shows it (LaTeX, may be empty).
-    """
+    """An error or gap of the paper, counted once however many claims it shows in."""
 
     number: int
-    id: str
-    severity: str
-    where: str
-    printed: str
+    id: str  # how claims name it
+    severity: str  # a key of SEVERITIES
+    where: str  # its place in the paper
+    printed: str  # what stands there
     holds: str
     proof: str
-    shown: str = ""
+    shown: str = ""  # what of the supplement shows it (LaTeX, may be empty)
 
     def in_unicode(self) -> Erratum:
         """Return the erratum with texts that need no LaTeX, for the report and the letter."""
@@ -57,9 +53,6 @@ def read_errata(path: Path = ERRATA_FILE) -> tuple[Erratum, ...]:
         one_of(where, "severity", row["severity"], SEVERITIES)
         found.append(Erratum(number, name, **{key: one_line(value) for key, value in row.items()}))
     return tuple(found)
-
-
-# --- files of records ---
 
 
 class RecordsError(SymoscError, ValueError):
@@ -120,10 +113,11 @@ def latex_to_unicode(text: str) -> str:
     for prose in parts[::2]:
         if "\\" in prose:
             raise ValueError(f"{prose!r}: only formulas may have commands")
-    return "".join(_formula(p) if odd % 2 else p.replace("~", " ").replace("--", "–") for odd, p in enumerate(parts))
+    return "".join(_unicode(p) if odd % 2 else p.replace("~", " ").replace("--", "–") for odd, p in enumerate(parts))
 
 
-def _formula(text: str) -> str:
+def _unicode(text: str) -> str:
+    """Write a LaTeX formula in Unicode."""
     for latex, plain in _ACCENTS.items():
         text = text.replace(latex, plain)
     out, place = "", 0
@@ -136,7 +130,7 @@ def _formula(text: str) -> str:
             if group is None:
                 raise ValueError(f"{text!r}: ends with {found[0]}")
             place, inside = group.end(), group[1] or group[2]
-            root = _formula(inside) if command else ""
+            root = _unicode(inside) if command else ""
             out += (f"√{root}" if root.isalnum() else f"√({root})") if command else _script(found[4], inside)
         elif command in _FUNCTIONS:
             out += f"{command} "
@@ -159,5 +153,5 @@ def _script(place: str, script: str) -> str:
     letters = script.replace(r"\alpha", "α").replace(" ", "")
     if all(ord(letter) in table for letter in letters):
         return letters.translate(table)
-    inside = _formula(script)
+    inside = _unicode(script)
     return f"{place}{inside}" if len(inside) == 1 else f"{place}({inside})"

@@ -64,11 +64,8 @@ def check_fragment(name: str, scope: FragmentScope) -> Checked:
 def as_latex(
     fragment: Checked, scope: FragmentScope, prefix: str = PREFIX, paper_tags: bool = False, alone: bool = False
 ) -> str:
-    """Return a fragment as LaTeX.
-
-    Labels begin with `prefix` (symosc:P3-f1), equations that are the paper's have the paper's numbers as hard tags with
-    `paper_tags`, and `alone` makes it a document of its own.
-    """
+    """Return a fragment as LaTeX, with labels that begin with `prefix` (symosc:P3-f1)."""
+    # `paper_tags` gives equations of the paper their numbers as hard tags; `alone` makes a document of its own.
     if not re.fullmatch(r"[A-Za-z0-9.:_-]*", prefix):
         raise ParameterError("prefix", prefix, "may have letters, digits and . : _ - only")
     tags = FRAGMENTS[fragment.key].tags if paper_tags else {}
@@ -95,6 +92,7 @@ def as_latex(
 
 
 def _table(table: Table, scope: FragmentScope, tags: dict[str, str]) -> str:
+    """Return a table as LaTeX."""
     lines = [" & ".join(cell(value, scope) for value in row) for row in table.rows]
     heads = [head + (f", {tags[f'column{i}']}" if f"column{i}" in tags else "") for i, head in enumerate(table.heads)]
     begin = "\\begin{center}\n" + rf"\begin{{tabular}}{{{'l' * len(heads)}}}"
@@ -112,7 +110,7 @@ def _taken(items: Items, label: str) -> list[Step]:
 
 
 def _constant(alpha: int) -> Step:
-    """Return the fragment of A_alpha."""
+    """Return the fragment for the constant force A_alpha."""
     return equation(named(f"A_{alpha}"), solution.force_constant(alpha), motion.coulomb(alpha), f"A{alpha}")
 
 

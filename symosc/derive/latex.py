@@ -50,6 +50,7 @@ def named(latex: str, **assumptions: Any) -> Expr:
 
 
 def _rank(term: Expr) -> tuple[float, bool, Any]:
+    """Return the sort key of a term of a sum."""
     outside = [factor for factor in sp.Mul.make_args(term) if not factor.is_Add and not isinstance(factor, sp.exp)]
     letters = {symbol.name for factor in outside or [term] for symbol in factor.free_symbols}
     if not letters:
@@ -59,14 +60,9 @@ def _rank(term: Expr) -> tuple[float, bool, Any]:
         held = any(name.startswith("F_{s") for name in letters)
         first = -2 if "x_i" in letters or held else -1 if letters & SPEEDS else first
         if first == len(ORDER) and not term.could_extract_minus_sign():
-            first = -3 if term.is_number else -1.5 if _is_basis(outside) else first
+            bare = {symbol for factor in outside if not factor.is_Function for symbol in factor.free_symbols}
+            first = -3 if term.is_number else -1.5 if bare <= set(solution.BASIS) else first
     return first, term.could_extract_minus_sign(), sp.default_sort_key(term)
-
-
-def _is_basis(outside: list[Expr]) -> bool:
-    """Return whether a term is a single basis function or wave."""
-    bare = {symbol for factor in outside if not factor.is_Function for symbol in factor.free_symbols}
-    return bare <= set(solution.BASIS)
 
 
 def terms(expr: Expr) -> list[Expr]:
@@ -137,6 +133,7 @@ class PaperPrinter(LatexPrinter):
         return f"{sign}{self._fraction(front_above, front_below)} {self._product(rest_above, alone=False)}"
 
     def _fraction(self, above: list[Expr], below: list[Expr]) -> str:
+        """Print a quotient of products, without fractions in fractions."""
         if not below:
             return self._product(above)
         top = self._print(above[0]) if len(above) == 1 else self._product(above)
@@ -146,6 +143,7 @@ class PaperPrinter(LatexPrinter):
         return rf"\frac{{{top}}}{{{bottom}}}"
 
     def _product(self, factors: list[Expr], alone: bool = True) -> str:
+        """Print the factors of a product in order."""
         if not factors:
             return "1"
         single = alone and len(factors) == 1
@@ -158,7 +156,8 @@ class PaperPrinter(LatexPrinter):
             elif parts and re.match(r"[\d.]", text):
                 text = rf"\cdot {text}"
             parts.append(text)
-        return r" \, ".join(parts) if _long_names(parts) else " ".join(parts)
+        long = any(part.startswith(("x_{", r"\dot")) and ")" in part for part in parts[:-1])
+        return (r" \, " if long else " ").join(parts)
 
     def _print_Pow(self, expr: Expr) -> str:
         base, power = expr.as_base_exp()
@@ -242,7 +241,7 @@ def _factor_key(factor: Expr) -> tuple[int, int, Any]:
 
 
 def _drag_in_front(expr: Expr) -> tuple[Expr, bool]:
-    """Write -(mu_1 - mu_2) for a factor (-mu_1 + mu_2), as the paper does; the second value tells that it was done."""
+    """Write -(mu_1 - mu_2) for a factor (-mu_1 + mu_2), as the paper does; return also whether it was done."""
     for factor in sp.Mul.make_args(expr):
         letters = {symbol.name for symbol in factor.free_symbols}
         mu_1 = next((symbol for symbol in factor.free_symbols if symbol.name == "mu_1"), sp.S.One)
@@ -261,10 +260,6 @@ def _one_root(expr: Expr) -> Expr:
     inside = sp.Mul(*(f.base if f.exp > 0 else 1 / f.base for f in halves))
     root = sp.Symbol(rf"\sqrt{{{latex(inside)}}}", positive=True)
     return sp.Mul(*rest, root, evaluate=False) if rest else root
-
-
-def _long_names(parts: list[str]) -> bool:
-    return any(part.startswith(("x_{", r"\dot")) and ")" in part for part in parts[:-1])
 
 
 def _parentheses(text: str) -> str:
@@ -306,6 +301,7 @@ def _group_width(tokens: list[str], place: int) -> tuple[float, int]:
 
 
 def _item_width(tokens: list[str], place: int) -> tuple[float, int]:
+    """Return the width of the item that begins at a token, and where it ends."""
     if place >= len(tokens):
         return 0.0, place
     token, place = tokens[place], place + 1
@@ -323,10 +319,8 @@ def _item_width(tokens: list[str], place: int) -> tuple[float, int]:
 
 
 def lines(statement: Relation, decimals: bool = False, left_width: float | None = None) -> list[str]:
-    """Return a statement as the rows of an align environment: `left &= right`, broken before + and - where needed.
-
-    `left_width` is the width of the column left of the relation sign, if other statements share it.
-    """
+    """Return a statement as the rows of an align environment: `left &= right`, broken before + and - where needed."""
+    # `left_width` is the width of the column left of the relation sign, if other statements share it.
     left = latex(statement.left, decimals)
     taken = width(left) if left_width is None else left_width
     rows = _broken(statement.right, decimals, max(LINE_WIDTH - taken - 4.0, 0.3 * LINE_WIDTH))
@@ -356,6 +350,7 @@ def _pieces(expr: Expr, decimals: bool, room: float, first: bool) -> list[str]:
 
 
 def _term_pieces(term: Expr, decimals: bool, room: float, first: bool) -> list[str]:
+    """Return a term with its sign, broken inside its longest sum if it is too wide."""
     text = _signed(latex(term, decimals), first)
     sums = [factor for factor in sp.Mul.make_args(term) if factor.is_Add]
     if width(text) <= room or not sums:

@@ -37,9 +37,9 @@ def font_style() -> str:
 
 def words(text: str) -> str:
     """Return a paragraph of LaTeX, with formulas between dollars, as HTML."""
-    text = ITEMS.sub(_list, text)
+    text = ITEMS.sub(_list_html, text)
     parts = text.split("$")
-    html = "".join(formula(part) if odd % 2 else _plain(part) for odd, part in enumerate(parts))
+    html = "".join(formula(part) if odd % 2 else _plain_text(part) for odd, part in enumerate(parts))
     # No line begins with the comma after a formula.
     return re.sub(r"(<math(?:(?!<math).)*</math>[,.;:)]+)", r'<span class="tight">\1</span>', html)
 
@@ -57,7 +57,7 @@ def formula(latex: str, display: bool = False) -> str:
     return mathml.replace('display="inline"', 'displaystyle="true"' if display else "", 1)
 
 
-def _plain(text: str) -> str:
+def _plain_text(text: str) -> str:
     text = escape(text.replace("-{}-", "\0"), quote=False)
     for command, element in WORDS.items():
         text = re.sub(rf"\\{command}\{{([^{{}}]*)\}}", rf"<{element}>\1</{element}>", text)
@@ -67,6 +67,6 @@ def _plain(text: str) -> str:
     return text.replace("``", "“").replace("''", "”")
 
 
-def _list(found: re.Match[str]) -> str:
+def _list_html(found: re.Match[str]) -> str:
     items = re.sub(r"\\item(?:\[([^\]]*)\])?\s*", r"\\LIST \1 ", found[2].strip())
     return rf"\OPENLIST {items} \CLOSELIST"

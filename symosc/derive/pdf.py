@@ -17,10 +17,7 @@ def has_latex() -> bool:
 
 
 def make_pdf(main: Path) -> Path:
-    """Compile a document, which may read files in neighbouring folders, and return the PDF's path.
-
-    SymoscError for an error, a warning, or a box that is overfull by more than 5 points, which is what the eye sees.
-    """
+    """Compile a LaTeX document and return the PDF's path; SymoscError for errors, warnings, boxes 5 pt too wide."""
     with tempfile.TemporaryDirectory() as scratch:
         work = Path(scratch)
         shutil.copy(main, work)

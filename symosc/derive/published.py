@@ -1,8 +1,8 @@
 """Published results that the model contains, each computed twice: by its formula, and by running this package.
 
 The parameters are A0 = 0, B0 = P, v1 = 0, mu1 FN = F, mu2 = 0 and a v2 that no velocity reaches: an oscillator that
-rubs on a wall. The formulas are those of `symosc.symbolic.coulomb`, evaluated with 50 digits; the package's values come
-from `find_orbit` and `simulate`. The chapter `literature`, the page docs/literature.md and the tests use these tables.
+rubs on a wall. Formulas (`symosc.symbolic.coulomb`) have 50 digits; the package's values come from `find_orbit` and
+`simulate`. The chapter `literature`, the page docs/literature.md and the tests use these tables.
 """
 
 from __future__ import annotations
@@ -67,10 +67,7 @@ class Flight:
 
 
 class Formulas(Flight):
-    """The closed forms of the motion without stops.
-
-    ParameterError without a spring, and at undamped resonance: there is no bounded motion to compute.
-    """
+    """The closed forms of the motion without stops; ParameterError without a spring or at undamped resonance."""
 
     def __init__(self, p: Parameters) -> None:
         if p.k == 0:
@@ -96,10 +93,8 @@ class Formulas(Flight):
         return self.value(coulomb.slide_function(), self.basis(angle / self.numbers[solution.Omega]) | {phi: angle})
 
     def largest_slide_bound(self) -> tuple[Any, Any]:
-        """Return the supremum of B over (0, pi) and the angle where it is, 0 for the limit at the turning point.
-
-        A maximum inside counts if it is above that limit by 1e-10, relative to it: far above rounding errors.
-        """
+        """Return the supremum of B over (0, pi) and its angle, 0 for the limit at the turning point."""
+        # A maximum inside counts if it is above that limit by 1e-10, relative to it: far above rounding errors.
 
         def slope(angle: Any) -> Any:
             return MP.diff(self.slide_bound, angle)
@@ -152,20 +147,16 @@ def _turning_points(parameters: Parameters, x0: Any, t_end: int, digits: int | N
 
 
 def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
-    """Return the rise of the highest points per cycle at Omega = 1, c = 0.
-
-    The start is the one whose turning points are at theta = pi/2 + n pi: x = (P/2 - F)/k at t = 0, with any velocity
-    that is large enough.
-    """
+    """Return the rise of the highest points per cycle at Omega = 1, c = 0."""
+    # The start is the one whose turning points are at theta = pi/2 + n pi: x = (P/2 - F)/k at t = 0, with any velocity
+    # that is large enough.
     highest = _turning_points(wall(F, 1, P=P), Fraction(P) / 2 - Fraction(F), 40, digits)[::2]
     return [after - before for before, after in pairwise(highest)]
 
 
 def one_sided_orbit(F: Any, n: int, middle: Fraction) -> PeriodicOrbit:
-    """Return the orbit without stops at Omega = 1/(2 n), c = 0 whose turning points lie around a middle.
-
-    In double precision: its neighbours are orbits too, so that equations of more digits are singular there.
-    """
+    """Return the orbit without stops at Omega = 1/(2 n), c = 0 whose turning points lie around a middle."""
+    # In doubles: its neighbours are orbits too, so that equations of more digits are singular there.
     guess = [(0, float(middle + _free_amplitude(n))), (2 * pi * n, float(middle - _free_amplitude(n)))]
     return find_orbit(wall(F, Fraction(1, 2 * n)), "P32", guess=guess)
 
@@ -192,6 +183,7 @@ def last_friction(n: int) -> float:
 
 
 def _largest(path: Callable[[Fraction], Trajectory]) -> float:
+    """Bisect for the largest number whose motion crosses four times and does nothing else."""
     low, high = Fraction(0), Fraction(1)
     while high - low > 1e-9:
         middle = (low + high) / 2
@@ -308,7 +300,7 @@ def stops(parameters: Parameters) -> int | None:
 
 
 def from_rest(p: Parameters, cycles: int) -> Trajectory:
-    """Return so many cycles of the motion from rest at 0."""
+    """Return the first `cycles` cycles of the motion from rest at 0."""
     return simulate(p, t0=0, x0=0, v0=0, t_end=Fraction(cycles * (2 * pi / float(p.Omega))), accuracy=1e-6)
 
 
@@ -353,16 +345,13 @@ def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
 
 
 def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
-    """Solve for the F/P near a border (c = 0) at which a stop, or a slide, is born; return it and which of the two.
-
-    With P = k = 1 half a cycle is n slides down. Each starts where a stop ends, x = cos(theta) + F, and ends at rest,
-    the last one at minus the first one's start: 2 n equations for n phases and n durations. The border is where
-
-    - "graze": a slide comes to rest on the way without staying, v = x'' = 0: a stop of no length (with its time, two
-      more equations for two more unknowns, the other one being F);
-    - "birth": a stop lasts to theta = pi, where the drive just reaches what would move it, x = F - 1: a slide of no
-      length.
-    """
+    """Solve for the F/P near a border (c = 0) at which a stop, or a slide, is born; return it and which of the two."""
+    # With P = k = 1 half a cycle is n slides down. Each starts where a stop ends, x = cos(theta) + F, and ends at rest,
+    # the last one at minus the first one's start: 2 n equations for n phases and n durations. The border is where
+    # "graze": a slide comes to rest on the way without staying, v = x'' = 0: a stop of no length (with its time, two
+    #     more equations for two more unknowns, the other one being F);
+    # "birth": a stop lasts to theta = pi, where the drive just reaches what would move it, x = F - 1: a slide of no
+    #     length.
     few, count = min((border.low, border.below), (border.high, border.above), key=lambda side: side[1])
     p = wall(Fraction(few), Omega)
     slides, candidates = _slides_near_border(p, count // 2)
@@ -380,10 +369,7 @@ def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
 
 
 def solve_stop_positions(p: Parameters) -> list[Any]:
-    """Solve for the positions at which the mass stops in half a settled cycle, from the highest stop down.
-
-    m = k = P = 1, with or without damping.
-    """
+    """Solve for the stops of the mass in half a settled cycle, from the highest down; m = k = P = 1, any damping."""
     slides, _ = _slides_near_border(p, (stops(p) or 0) // 2)
     n, F = len(slides), number(p.mu1)
     guess = [*(phase for phase, _ in slides), *(time for _, time in slides)]
@@ -407,7 +393,7 @@ def _slide_ends(F: Any, phases: Any) -> list[Any]:
 
 @cache
 def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
-    """Return x(x_i, theta_i, tau), v(theta_i, tau) and a(theta_i, tau) of a slide from rest without acceleration."""
+    """Return the functions x(x_i, theta_i, tau), v(theta_i, tau), a(theta_i, tau) of a slide from rest with a = 0."""
     flight, known = Flight(p), {solution.v_i: 0, solution.a_i: 0, solution.f0: 1}
     x, v, a = (expr.xreplace(known) for expr in solution.flow(flight.regime))
 
@@ -421,7 +407,7 @@ def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
 
 
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:
-    """Return (phase, duration) of each slide down in half a settled cycle, and nearby grazes and births."""
+    """Return (phase, duration) of each slide down in half a settled cycle, and grazes and births nearby."""
     path = from_rest(p, 22)
     late = [event for event in path.events if event.t > 40 * pi / float(p.Omega)]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
@@ -437,9 +423,6 @@ def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, fl
         peaks = np.flatnonzero((speeds[1:-1] > speeds[:-2]) & (speeds[1:-1] >= speeds[2:])) + 1
         candidates += [(-float(speeds[i]), "graze", j, float(times[i] - start.t)) for i in peaks]
     return [(float(p.Omega) * start.t, end.t - start.t) for start, end in slides], candidates
-
-
-# --- exponents ---
 
 
 def largest_exponent(count: int, seed: int = 0) -> float:
@@ -479,19 +462,15 @@ RESTING = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1
 
 
 class Value(NamedTuple):
-    """A number computed twice, by a formula and by running the package.
+    """A number computed twice, by a formula and by running the package."""
 
-    Its letter and the parameters in LaTeX (those that are not named are 1 (m, k, P, F_N) or 0 (c)), the two numbers,
-    how many decimals are worth printing, what the two may differ by (relative), and what else was seen in running.
-    """
-
-    name: str
-    case: str
+    name: str  # its letter in LaTeX
+    case: str  # the parameters in LaTeX; those that are not named are 1 (m, k, P, F_N) or 0 (c)
     formula: Any
     package: Any
-    decimals: int = 12
-    tolerance: float = 1e-12
-    note: str = ""
+    decimals: int = 12  # as many as are worth printing
+    tolerance: float = 1e-12  # allowed relative difference
+    note: str = ""  # what else was seen in running the package
 
     @property
     def difference(self) -> Any:
@@ -530,6 +509,7 @@ def _counts() -> Iterator[Value]:
 
 
 def _border(case: str, formula: Any, border: Border) -> Value:
+    """Return the value of F/P at a border, by formula and by bisection of simulations."""
     note = f"{border.below} stops below, {border.above} above"
     return Value("F/P", case, formula, border.middle, 7, 1e-7, note)
 
@@ -558,7 +538,7 @@ def _ends() -> Iterator[Value]:
 
 
 def _cycles() -> Iterator[Value]:
-    """Yield where two limit cycles stop."""
+    """Yield the positions at which the mass stops in two limit cycles."""
     for Omega in ("0.3", "0.15"):
         p = wall("0.5", Omega, "0.1")
         run = sorted({round(x, 12): x for _, x in find_orbit(p).points if x > 0}.values(), reverse=True)
@@ -599,6 +579,7 @@ def _inversions() -> Iterator[Value]:
 
 
 def _growth() -> Iterator[Value]:
+    """Yield the rise per cycle at resonance: that which differs most from the formula."""
     for F, P in (("0.5", "1"), ("0.3", "0.5")):
         formula, rises = MP.pi * MP.mpf(P) - 4 * MP.mpf(F), resonance_growth(F, P)
         _, worst = max((abs(MP.mpf(rise) - formula), rise) for rise in rises)

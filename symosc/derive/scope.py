@@ -118,16 +118,12 @@ class Scope:
 
 @dataclass(frozen=True)
 class FragmentScope(Scope):
-    """Numbers for some symbols of a fragment, and the form of the motion.
+    """The numbers of some symbols of a fragment, and the form of the motion."""
 
-    `values` are the parameters given as numbers, `form` is "entire" (the five basis functions) or "paper"
-    (e^{-ct/2m} cos omega_d t), `digits` rounds the numbers, `instances` is what letters are in this fragment, such as
-    the velocity at the start.
-    """
-
-    values: tuple[tuple[str, Any], ...] = ()
-    form: str = "entire"
-    digits: int | None = None
+    values: tuple[tuple[str, Any], ...] = ()  # the parameters given as numbers
+    form: str = "entire"  # "entire" (the five basis functions) or "paper" (e^{-ct/2m} cos omega_d t)
+    digits: int | None = None  # to which numbers are rounded
+    # what letters are in this fragment, such as the velocity at the start
     instances: dict[Expr, Expr] = field(default_factory=dict, hash=False, compare=False)
 
     @property
@@ -154,7 +150,7 @@ class FragmentScope(Scope):
 
 
 def _rounded(expr: Expr, digits: int) -> Expr:
-    """Round numbers, and constants such as sqrt(3), to so many digits; whole numbers up to 100 stay."""
+    """Round numbers, and constants such as sqrt(3), to `digits` digits; whole numbers up to 100 stay."""
     if expr.is_number and not expr.has(sp.pi) and not (expr.is_Integer and abs(expr) <= 100):
         value = sp.N(expr, digits + 5)
         return sp.Rational(str(sp.Float(value, digits))) if value.is_Float and value != 0 else expr

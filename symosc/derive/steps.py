@@ -1,15 +1,12 @@
 r"""The parts of a chapter: LaTeX text, and steps, each with the check that it must pass.
 
 A chapter has texts (also ``\subsection{...}``, ``\begin{theorem}[title]\label{...}`` and ``\end{theorem}``), `Step`,
-`facts` (checks of the paragraph before), `Table` and `Illustration`, in tuples or lists nested as needed; `flat` reads
-them. Steps that follow each other share a display. A check is run on the statement itself, so what is printed is what
-was checked. It ends as
+`facts` (checks of the paragraph before), `Table` and `Illustration`, in tuples or lists nested as needed. Steps that
+follow each other share a display. A check is run on the statement that is printed. It raises `StepError`, or ends as
 
     exact     sympy reduces a difference to 0, or the solution of an equation is verified exactly
     sign      the sign of an expression follows from the signs of its letters, or from exact numbers
     numeric   both sides agree with 50 digits at the given root, or a printed decimal to its last digit
-
-or it raises `StepError`: then nothing is printed.
 """
 
 from __future__ import annotations
@@ -78,16 +75,13 @@ class Check:
 
 @dataclass(frozen=True)
 class Step:
-    """One displayed line: its statement, its check, its name for references in the chapter, and LaTeX text behind it.
-
-    `decimals` prints numbers as decimals where they end, also outside scenes.
-    """
+    """One displayed line: its statement, its check, its name for references in the chapter, and LaTeX text after it."""
 
     statement: Relation
     check: Check
     label: str = ""
     note: str = ""
-    decimals: bool = False
+    decimals: bool = False  # print numbers as decimals where they end, also outside scenes
 
     def verify(self) -> StepEvidence:
         """Run the check."""
@@ -176,6 +170,7 @@ def flat(parts: Items) -> list[Any]:
 
 
 def _text_parts(text: str) -> Iterator[Any]:
+    """Yield headings, environments and paragraphs of a LaTeX text."""
     place = 0
     for found in _MARKUP.finditer(text):
         yield from (Prose(part) for part in [text[place : found.start()].strip()] if part)
@@ -198,12 +193,11 @@ def steps_of(item: Any) -> tuple[Step, ...]:
 
 @dataclass(frozen=True)
 class Exact(Check):
-    """The sides are equal after substitution of all names by their values.
+    """Check that the sides are equal after substitution of all names by their values."""
 
-    `meaning` has an independent expression (or a function that returns it) by its name, and is applied until nothing
-    changes. `tidy` reduces a difference that vanishes to 0; what it leaves is simplified. Unless the letters that are
-    left are `independent` of each other, no random values try to refute the statement first.
-    """
+    # `meaning` has an independent expression (or a function that returns it) by its name, and is applied until nothing
+    # changes. `tidy` reduces a difference that vanishes to 0; what it leaves is simplified. Unless the letters that are
+    # left are `independent` of each other, no random values try to refute the statement first.
 
     meaning: dict[Expr, Any] = field(default_factory=dict)
     tidy: Callable[[Expr], Expr] = sp.expand
@@ -231,11 +225,9 @@ class Each(Check):
 
 @dataclass(frozen=True)
 class Solves(Check):
-    """The right side, plus `shift`, is the solution y of D y = force with y(0), y'(0) given.
+    """Check that the right side plus `shift` solves D y = force, D = d^2/dtau^2 + cm d/dtau + w0sq, from its start."""
 
-    With D = d^2/dtau^2 + cm d/dtau + w0sq. Only one function does this, so the check pins down every sign. `general`:
-    in the basis functions of all regimes, with their relations alone.
-    """
+    # Only one function does this, so every sign is checked. `general`: in the basis functions of all regimes.
 
     force: Expr
     start: Expr
@@ -303,7 +295,7 @@ class Close(Check):
 
 
 def decimal(name: str, number: Any, decimals: int, check: Check | None = None, **options: Any) -> Step:
-    """Return the step that a letter has a value, rounded to so many decimals."""
+    """Return the step that a letter has a value, rounded to `decimals` decimals."""
     check = check or Close(lambda: number, decimals)
     return step(sp.Symbol(name, real=True), "=", rounded(number, decimals), check, decimals=True, **options)
 
@@ -326,6 +318,7 @@ class AtRoot(Check):
 
 
 def _within(statement: Relation, off: Any, tolerance: Any) -> StepEvidence:
+    """Return the evidence that both sides agree within a tolerance, or raise StepError."""
     if not off <= tolerance:
         raise StepError(str(statement), f"the sides differ by {CONTEXT.nstr(off, 3)}")
     return StepEvidence("numeric", CONTEXT.nstr(off, 2), 1)

@@ -1,5 +1,5 @@
 """Display of results: plots, notebook pages, terminal tables and progress bars.
 
 `drawable` is their base class, `html` has the parts of pages, `tables` prints tables, `progress` shows bars, `frames`
-imports pandas and xarray. May import: the top-level modules.
+imports pandas and xarray.
 """

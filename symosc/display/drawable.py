@@ -1,7 +1,6 @@
 """Base classes of results that display themselves: by ``.plot()``, and as a page in notebooks.
 
-`symosc.plot` and `symosc.plot.notebooks`, above the answers, register here what draws each kind of them, what makes its
-page and what writes a report about it, so that no answer imports a figure. `symosc` adds the loaders of these packages.
+`symosc.plot` and `symosc.plot.notebooks` register here what shows each kind of them: no answer imports a figure.
 """
 
 from __future__ import annotations
@@ -22,23 +21,18 @@ page_loaders: list[Callable[[], object]] = []
 
 
 def register(kind: type | str, show: Show, what: Literal["draw", "page", "write"] = "draw") -> None:
-    """Register what shows answers of a kind, which is a class or its qualified name.
-
-    "draw": ``answer.plot(**options)`` returns ``show(answer, **options)``. "page": notebooks show the HTML of
-    ``show(answer)``. "write": ``answer.to_html(path)`` returns ``show(answer, path)``.
-    """
-    _registered[what][kind if isinstance(kind, str) else _name(kind)] = show
-
-
-def _name(kind: type) -> str:
-    return f"{kind.__module__}.{kind.__qualname__}"
+    """Register what shows answers of a kind, which is a class or its qualified name."""
+    # "draw": ``answer.plot(**options)`` returns ``show(answer, **options)``. "page": notebooks show the HTML of
+    # ``show(answer)``. "write": ``answer.to_html(path)`` returns ``show(answer, path)``.
+    _registered[what][kind if isinstance(kind, str) else f"{kind.__module__}.{kind.__qualname__}"] = show
 
 
 def _found(answer: object, what: str, load: list[Callable[[], object]]) -> Show | None:
+    """Return what is registered for the class of an answer, after the loaders have run; None if nothing is."""
     while load:
         load.pop()()
-    shows = _registered[what]
-    return next((shows[name] for name in map(_name, type(answer).__mro__) if name in shows), None)
+    shows, names = _registered[what], (f"{kind.__module__}.{kind.__qualname__}" for kind in type(answer).__mro__)
+    return next((shows[name] for name in names if name in shows), None)
 
 
 class Drawable:

@@ -31,7 +31,7 @@ def page(kind: str, line: str, *parts: str) -> Markup:
 def table(heads: Sequence[str], rows: Sequence[Sequence[Any]], count: int | None = None) -> Markup:
     """Return a table, the middle of a long one left out; of `count` rows only those that `ends` names need be given."""
     left_out = (len(rows) if count is None else count) - HEAD_ROWS - TAIL_ROWS
-    shown_rows = [_row(each) for each in (rows if left_out <= 0 else [*rows[:HEAD_ROWS], *rows[-TAIL_ROWS:]])]
+    shown_rows = [_row_html(each) for each in (rows if left_out <= 0 else [*rows[:HEAD_ROWS], *rows[-TAIL_ROWS:]])]
     if left_out > 0:
         gap = Markup('<tr><td colspan="{}" style="{};opacity:0.6">… {:,} more</td></tr>')
         shown_rows.insert(HEAD_ROWS, gap.format(len(heads), CELL, left_out))
@@ -41,12 +41,12 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[Any]], count: int | None
 
 
 def ends(count: int) -> list[int]:
-    """Return the numbers of the rows that a table of so many rows shows."""
+    """Return the numbers of the rows that a table of `count` rows shows."""
     every = range(count)
     return list(every) if count <= HEAD_ROWS + TAIL_ROWS else [*every[:HEAD_ROWS], *every[-TAIL_ROWS:]]
 
 
-def _row(cells: Sequence[Any]) -> Markup:
+def _row_html(cells: Sequence[Any]) -> Markup:
     each = (Markup('<td style="{}">{}</td>').format(CELL, shown(cell)) for cell in cells)
     return Markup("<tr>{}</tr>").format(Markup("").join(each))
 
@@ -66,10 +66,8 @@ def facts(values: dict[str, Any]) -> Markup:
 
 
 def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) -> Markup:
-    """Return a small picture of a curve, "" if it has no two points; NaN breaks it, and each of `marks` gets a dot.
-
-    `says` is what the picture shows, in words: for who cannot see it, and when the mouse is over it.
-    """
+    """Return a small picture of a curve with a dot at each of `marks`, "" if it has no two points; NaN breaks it."""
+    # `says` is what the picture shows, in words: for who cannot see it, and when the mouse is over it.
     x, y = (np.asarray(each, dtype=float) for each in (x, y))
     if len(x) > MOST_POINTS:
         chosen = np.linspace(0, len(x) - 1, MOST_POINTS).astype(int)

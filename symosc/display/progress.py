@@ -77,10 +77,8 @@ def bar(label: str, total: float, unit: str = "steps") -> Iterator[Report]:
 
 @contextmanager
 def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
-    """Yield a function that takes the part done and a count of `unit`; a bar appears after two seconds.
-
-    The part may fall back to 0 where work begins anew; rate and time left then begin anew.
-    """
+    """Yield a function that takes the part done and a count of `unit`; a bar appears after two seconds."""
+    # The part may fall back to 0 where work begins anew; rate and time left then begin anew.
     if callable(progress):
         yield lambda part, count: progress(part, 1.0)
         return
@@ -100,7 +98,7 @@ def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
             elif show is not None:
                 seconds = now - since
                 left = pace(part, 1 - part, seconds, "")
-                show(part, 1.0, f"{_rate(count / max(seconds, 1e-9), unit)}, {left}")
+                show(part, 1.0, f"{_rate_text(count / max(seconds, 1e-9), unit)}, {left}")
             elif now - begin >= wait:
                 show = stack.enter_context(_drawn(label, 0, 1.0, ""))
 
@@ -137,10 +135,10 @@ def pace(done: float, left: float, seconds: float, unit: str = "motions") -> str
     """Return the rate and the time left, of work done in some seconds; without a unit only the time."""
     rate = done / max(seconds, 1e-9)
     time = timedelta(seconds=round(left / max(rate, 1e-9))) if done > 0 or left == 0 else "?"
-    return f"{_rate(rate, unit)}, {time} left" if unit else f"{time} left"
+    return f"{_rate_text(rate, unit)}, {time} left" if unit else f"{time} left"
 
 
-def _rate(rate: float, unit: str) -> str:
+def _rate_text(rate: float, unit: str) -> str:
     return f"{rate:,.0f} {unit}/s" if rate >= 10 else f"{rate:.2g} {unit}/s"
 
 

@@ -27,13 +27,13 @@ def plain_table(heads: Sequence[str], rows: Sequence[Sequence[str]], decimals: C
 
 
 def at_points(cells: Sequence[str]) -> list[str]:
-    """Return numbers with spaces behind them, so that their points are below each other."""
+    """Append spaces to numbers so that their decimal points are below each other."""
     behind = [_behind_point(cell) for cell in cells]
     return [cell + " " * (max(behind) - each) for cell, each in zip(cells, behind, strict=True)]
 
 
 def _behind_point(cell: str) -> int:
-    """Return the number of characters behind a number's point, -1 if it has none."""
+    """Return the number of characters after a number's decimal point, -1 without one."""
     try:
         float(cell)
     except ValueError:

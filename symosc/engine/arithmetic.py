@@ -1,9 +1,8 @@
 """One object for each kind of numbers, with the engine's scalar source bound to it.
 
-The inner loop (SOURCES) is plain functions on numbers. A copy of a function that sees other globals (mpmath's sin, cos
-and precision, or the compiled forms of the functions that it calls) does the same with other numbers: nothing is
-written twice, and each copy still reports the file and line where it was written. `bind` makes such copies,
-`compile_modules` lets numba compile them. With that there are
+The inner loop (SOURCES) is plain functions on numbers. `bind` copies a function so that it sees other globals (mpmath's
+sin, cos and precision, or compiled functions), `compile_modules` lets numba compile the copies: nothing is written
+twice, and each copy reports the line where it was written. So there are
 
 - `Arithmetic`: doubles, as CPython runs the source; `compiled` has the same functions compiled by numba;
 - `MpArithmetic`: any number of digits, by mpmath, and by MPFR where gmpy2 is installed;
@@ -84,11 +83,9 @@ def bind(
     wrap: Callable[[Any], Any] | None = None,
     literal: Callable[[float], Any] | None = None,
 ) -> dict[str, Any]:
-    """Copy the functions of `modules` so that they use `replaced` and each other in place of their modules' globals.
-
-    `wrap` is applied to every copy, such as ``numba.njit``. `literal` converts the floats that stand in the
-    source, once: such as 0.5 and the limits with a name. A name in `replaced` must be one that the functions could see.
-    """
+    """Copy the functions of `modules` so that they use `replaced` and each other in place of their modules' globals."""
+    # `wrap` is applied to every copy, such as numba.njit; `literal` converts the floats in the source once, such as 0.5
+    # and the limits with a name. A name in `replaced` must be one that the functions could see.
     modules = tuple(modules)
     shared: dict[str, Any] = {}
     for module in modules:
@@ -124,12 +121,11 @@ def compile_modules(
     literal: Callable[[float], Any] | None = None,
     beside: Iterable[types.ModuleType] = (),
 ) -> dict[str, Any]:
-    """Compile the functions of `modules` by numba, each when it is first called; the code is kept on disk.
-
-    Not every caller gets a copy of its own of the functions `outlined`, None for all. `callees` are compiled functions
-    that stand for those of the same name; those that no module sees are left out. `replaced` and `literal` are as in
-    `bind`. The modules `beside` are compiled too, such as operators of a type. MissingExtraError without numba.
-    """
+    """Compile the functions of `modules` by numba, each when it is first called; the code is kept on disk."""
+    # Not every caller gets a copy of its own of the functions `outlined`, None for all. `callees` are compiled
+    # functions that stand for those of the same name; those that no module sees are left out. `replaced` and `literal`
+    # are as in `bind`. The modules `beside` are compiled too, such as operators of a type. MissingExtraError without
+    # numba.
     try:
         import numba
 
@@ -200,21 +196,18 @@ IN_DOUBLES = {name: value for module in SOURCES for name, value in vars(module).
 
 
 class Arithmetic:
-    """The engine in double precision, and the interface of all arithmetics.
+    """The engine in double precision, and the interface of all arithmetics."""
 
-    `K` are the constants of the parameters, `number` rounds a Fraction to such a number, and `namespace` is the
-    engine's source bound to them. `advance`, `advance_near` (None for a search in all digits), `time_with_errors` and
-    `event_numbers` follow motions, perhaps in numbers of their own, to which `inner_K` belongs: `inward` and `outward`
-    convert, and all arithmetic on those belongs between `enter` and `leave`.
-    """
+    # `advance` to `event_numbers` may follow motions in inner numbers: `inward` and `outward` convert, and arithmetic
+    # on those belongs between `enter` and `leave`.
 
     K: Constants
-    inner_K: Constants
+    inner_K: Constants  # constants in the numbers that follow motions
     digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
-    number: Callable[[Fraction], Number] = staticmethod(float)
+    number: Callable[[Fraction], Number] = staticmethod(float)  # rounds a Fraction to such a number
     namespace = IN_DOUBLES
     advance: Any = staticmethod(next_event.advance)
-    advance_near: Any = None
+    advance_near: Any = None  # None: search in all digits
     time_with_errors: Any = staticmethod(next_event.time_with_errors)
     event_numbers: Any = staticmethod(events.event_numbers)
 
@@ -259,7 +252,7 @@ def _float_constants(parameters: Parameters) -> Constants:
 
 @lru_cache(maxsize=256)
 def _reduced(angle: Fraction, digits: int) -> tuple[int, Any]:
-    """Return (turns, remainder) of an angle, cached: many starts have the same angle."""
+    """Divide an angle by 2 pi: return (turns, remainder), cached, as many starts have the same angle."""
     if angle == 0:
         return 0, None
     context = mp_context(digits + 20 + len(str(abs(int(angle)))))
@@ -280,7 +273,7 @@ def compiled() -> dict[str, Any]:
 
 
 def compiled_with(width: int) -> dict[str, Any]:
-    """Return the functions for doubles compiled by numba, with so many lanes side by side."""
+    """Return the functions for doubles compiled by numba, with `width` lanes side by side."""
     try:
         from symosc.kernels import lane_types
         from symosc.kernels.borrowed import borrowed
@@ -306,12 +299,11 @@ def compiled_tangents() -> dict[str, Any]:
 
 
 class MpArithmetic(Arithmetic):
-    """Numbers of mpmath with `digits` decimal digits; `context` is their mpmath context.
+    """Numbers of mpmath with `digits` decimal digits; `context` is their mpmath context."""
 
-    Motions are followed by MPFR where gmpy2 is installed, at the same precision and six times as fast. Both round the
-    four operations and the square root correctly, so results differ, if at all, in the last bits of a sine. With `fast`
-    False all is done by mpmath, also the search for events.
-    """
+    # Motions are followed by MPFR where gmpy2 is installed, at the same precision and six times as fast. Both round the
+    # four operations and the square root correctly, so results differ, if at all, in the last bits of a sine. With
+    # `fast` False all is done by mpmath, also the search for events.
 
     def __init__(self, parameters: Parameters, digits: int, fast: bool = True) -> None:
         from symosc.kernels.multiprecision import BasisMP

@@ -1,8 +1,7 @@
 """Many trajectories in one loop, in doubles and in double-double numbers; events go into columns.
 
-These are the loops that `simulate_many` compiles. `follow_pairs` and `first_pairs` are bound to pairs
-(`symosc.engine.arithmetic`); what they hand out are doubles. Numbers with more digits become doubles whose only error
-is the rounding, unless their own is not negligible beside it: so the same doubles come out of any number of digits.
+These are the loops that `simulate_many` compiles. `follow_pairs` and `first_pairs` are bound to pairs; what they hand
+out are doubles, whose only error is their rounding unless that of the pairs is not negligible beside it.
 """
 
 from __future__ import annotations
@@ -82,11 +81,9 @@ class PairLimits(NamedTuple):
 
 
 def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
-    """Return an uninitialised array, as ``np.empty`` does; a large one begins at a large memory page.
-
-    To touch a page for the first time costs a microsecond or more: with pages of 4 KiB up to a quarter of the time of
-    an event. numpy asks the system for pages of 2 MiB, but gets them only between multiples of 2 MiB.
-    """
+    """Return an uninitialised array, as ``np.empty`` does; a large one begins at a large memory page."""
+    # To touch a page for the first time costs a microsecond or more: with pages of 4 KiB up to a quarter of the time of
+    # an event. numpy asks the system for pages of 2 MiB, but gets them only between multiples of 2 MiB.
     size = math.prod(shape) * np.dtype(dtype).itemsize
     if size < PAGE:
         return np.empty(shape, dtype)
@@ -154,7 +151,7 @@ def borrowed_tally(tally):
 
 
 def state_of(states, i):
-    """Return the state in row i."""
+    """Return row i of a table of states as a State."""
     # float() and int(): under CPython numpy's own scalars would be slower.
     row = states[i]
     S = Covariance(float(row[8]), float(row[9]), float(row[10]))
@@ -284,10 +281,8 @@ def doubt_row(states, count, most, accuracy, table):
 
 
 def next_undecided(state, count, row, most, accuracy, K):
-    """Return the number of the next event that `follow_all` cannot decide; 0 if there is none soon.
-
-    Before the state there were `count` events; events behind number `most` are of no interest.
-    """
+    """Return the number of the next event that `follow_all` cannot decide; 0 if there is none soon."""
+    # Before the state there were `count` events; events after number `most` are of no interest.
     t0 = float(row[15])
     for _ in range(LOOK_AHEAD):
         step, _, decided, t_error, state = searched(state, row, K)
@@ -353,30 +348,19 @@ def first_pairs(pairs, K):
 
 
 def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
-    """Follow trajectories to a number of events, or to their end; return events and states in doubles.
-
-    The search for each event is made in doubles as far as these are sure (`advance_near`). A motion that doubles could
-    soon not decide again is followed farther, as long as the buffer holds its events.
-
-    Parameters
-    ----------
-    chosen : (m,) numbers of the trajectories to follow, in order.
-    wanted : (n,) events to come to, in all; for a motion that has filled `pieces` those to go on to.
-    pairs : (n, STATE_WIDTH) complex array, updated: states in pairs.
-    batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING, END,
-        REST, or UNDECIDED before a contact that pairs cannot decide, or an event that they know worse than
-        `limits.noise` says: the states are the last ones that they are sure of.
-    out : EventRows that hold all events to come.
-    pieces : as `follow_all` takes it; a motion that has filled it is RUNNING.
-    K : Constants of complex numbers
-    tally : as `follow_all` takes it.
-    limits : PairLimits
-
-    Returns
-    -------
-    (rows, parts)
-        The number of rows and of pieces that were filled.
-    """
+    """Follow trajectories in pairs to a number of events, or to their end; return (rows, parts) filled."""
+    # Doubles search for each event as far as they are sure (`advance_near`). A motion that doubles could soon not
+    # decide again is followed farther, as long as the buffer holds its events.
+    #   chosen : (m,) numbers of the trajectories to follow, in order.
+    #   wanted : (n,) events to come to, in all; for a motion that has filled `pieces` those to go on to.
+    #   pairs : (n, STATE_WIDTH) complex array, updated: states in pairs.
+    #   batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING,
+    #     END, REST, or UNDECIDED before a contact that pairs cannot decide, or an event that they know worse than
+    #     `limits.noise` says: the states are the last ones that they are sure of.
+    #   out : EventRows that hold all events to come.
+    #   pieces : as `follow_all` takes it; a motion that has filled it is RUNNING.
+    #   K : Constants of complex numbers.
+    #   tally : as `follow_all` takes it.
     K = from_complex(K)
     states, sets, counts, codes = batch
     rows, parts, recorded, tallied = 0, 0, pieces.shape[1] > 0, tally.floats.shape[0] > 0

@@ -59,7 +59,7 @@ class ParameterColumns:
 
 
 def table_of(rows: Iterable[Constants]) -> np.ndarray:
-    """Return a one-row or longer table of the given constants."""
+    """Return a table with a row for each of the given constants."""
     return np.array([tuple(row) for row in rows], dtype=ROW)
 
 

@@ -57,10 +57,8 @@ class Event:
 
 
 def event_numbers(before, found, clock, K):
-    """Return the numbers of an event, Number and float fields in the order of `Event`.
-
-    Arguments are the state before the search, the NextEvent found, and (t, t_error, x_error) of `time_with_errors`.
-    """
+    """Return the numbers of an event, Number and float fields in the order of `Event`."""
+    # From the state before the search, the NextEvent found, and (t, t_error, x_error) of `time_with_errors`.
     state = found.state
     t, t_error, x_error = clock
     return t, state.x, state.v, state.theta, t_error, x_error

@@ -50,17 +50,7 @@ from typing import NamedTuple
 
 from symosc.aliases import Number
 from symosc.engine.flow import derivatives, fifth_derivative, state_at, turned, velocity_scale
-from symosc.engine.state import (
-    HIT,
-    LOST,
-    NOTHING,
-    STALLED,
-    TANGENCY,
-    FlightEnd,
-    Flown,
-    StickEnd,
-    Walls,
-)
+from symosc.engine.state import HIT, LOST, NOTHING, STALLED, TANGENCY, FlightEnd, Flown, StickEnd, Walls
 from symosc.kernels._generated import next_derivative, stick_acceleration
 from symosc.kernels.elementary import cos, select, sin
 from symosc.kernels.entire import EPS, SIXTH
@@ -76,7 +66,7 @@ FAR = 1e300  # larger than any root
 SHRINK = 1e-3  # how far a safe step stays before the root that it aims at, as a part of the step
 # A root of P is taken as found when Halley's last step was shorter than this part of it: the next would be its cube.
 FIRM = 1e-2
-# A root behind which the gap gets deeper than this part of its size is no touch.
+# A root after which the gap gets deeper than this part of its size is no touch.
 DEEP = 1e-9
 MARCH_SLACK = 1e-10  # what a gap must exceed while marching, as a part of its size
 # A gap of so many times what a stride needs (its fourth power counts) allows a step of 50 strides.
@@ -114,10 +104,8 @@ def positive_on(s, P):
 
 
 def safe_step(cap, P):
-    """Return (s, root): P > 0 on [0, s], s <= cap; `root` estimates the first root of P (cap if none is earlier).
-
-    First the root of the quadratic, then Halley's method; the result is checked before it is used.
-    """
+    """Return (s, root): P > 0 on [0, s], s <= cap; `root` estimates the first root of P (cap if none is earlier)."""
+    # First the root of the quadratic, then Halley's method; the result is checked before it is used.
     p0, p1, p2, p3, p4 = P
     if p0 <= 0.0:
         return 0.0 * cap, cap
@@ -157,11 +145,9 @@ def gap_to(side, now, walls):
 
 
 def gap_bound(side, now, M4, margin, walls):
-    """Return the coefficients and the degree of the bound P of the gap to the wall on a side, from `now` on.
-
-    The margin for the error of the start is held back from the gap, or half the gap if that is not much larger. At a
-    start on the wall P is divided by its root there.
-    """
+    """Return the coefficients and the degree of the bound P of the gap to the wall on a side, from `now` on."""
+    # The margin for the error of the start is held back from the gap, or half the gap if that is not much larger. At a
+    # start on the wall P is divided by its root there.
     g, g1, g2, g3 = gap_to(side, now, walls), -side * now.F, -side * now.G1, -side * now.G2
     top, zero = -0.25 * SIXTH * M4, 0.0 * g
     if not (now.tau == 0.0 and (walls.on_below if side < 0 else walls.on_above)):
@@ -176,11 +162,9 @@ def gap_bound(side, now, M4, margin, walls):
 
 
 def is_near(root, P, degree, M4, size, K):
-    """Return three flags of a root: it is isolated, it is within NEAR/rate, and the gap is clearly negative behind it.
-
-    One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its sign
-    up to there and over what makes up for `missing` (Kantorovich).
-    """
+    """Return three flags of a root: it is isolated, within NEAR/rate, and the gap is clearly negative after it."""
+    # One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its
+    # sign up to there and over what makes up for `missing` (Kantorovich).
     p0, p1, p2, p3, p4 = P
     slope = -(p1 + (2.0 * p2 + (3.0 * p3 + 4.0 * p4 * root) * root) * root)
     bend = abs(2.0 * p2 + (6.0 * p3 + 12.0 * p4 * root) * root)
@@ -201,10 +185,8 @@ def is_near(root, P, degree, M4, size, K):
 
 
 def local_root(over, F, G1, G2, G3, resolution):
-    """Return the root near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24; FAR if none is found.
-
-    The inverted series places a near simple root to `resolution`; from there on Newton's method.
-    """
+    """Return the root near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24; FAR if none is found."""
+    # The inverted series places a near simple root to `resolution`; from there on Newton's method.
     s = 0.0 * resolution
     if abs(over * G1) < 0.1 * F * F:
         s, missing = root_by_series(over, F, G1, G2, G3)
@@ -241,7 +223,7 @@ def newton_root(s, over, F, G1, G2, G3, resolution):
 
 
 class Marched(NamedTuple):
-    """The end of a march."""
+    """The end of a march in fixed steps."""
 
     now: Flown  # up to there no wall is met; without dx and the entire functions
     M4: Number  # the bound of the fourth derivative from there on
@@ -250,19 +232,17 @@ class Marched(NamedTuple):
 
 
 def march(tau_max, v0, now, walls, margin, K):
-    """Go ahead in fixed steps that certainly meet no wall, without evaluating exp, sin or cos.
-
-    Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
-    so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
-    Strides are tried where the gaps look wide enough.
-
-    Both ends of a step are known, and so is Hermite's cubic of a gap g between them. At the part t of a step of length
-    h its error is
-
-        |g - cubic| <= 6 t^2 (1 - t)^2 M4 h^4/144,
-
-    at the most a sixteenth of the rest of Taylor's formula from one end (`is_free`).
-    """
+    """Go ahead in fixed steps that certainly meet no wall, without evaluating exp, sin or cos."""
+    # Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
+    # so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
+    # Strides are tried where the gaps look wide enough.
+    #
+    # Both ends of a step are known, and so is Hermite's cubic of a gap g between them. At the part t of a step of
+    # length h its error is
+    #
+    #     |g - cubic| <= 6 t^2 (1 - t)^2 M4 h^4/144,
+    #
+    # at the most a sixteenth of the rest of Taylor's formula from one end (`is_free`).
     v_free, F_free, slack, beyond_below, beyond_above = free_motion(v0, now, walls, margin, K)
     has_below, has_above = walls.has_below and not beyond_below, walls.has_above and not beyond_above
     walls = Walls(walls.below, walls.above, has_below, has_above, walls.on_below, walls.on_above)
@@ -339,14 +319,12 @@ def gaps_exceed(least, dv, walls):
 
 
 def is_free(side, now, there, lift, slack, walls):
-    """Return whether a step certainly meets no wall, except at its start if that is on the wall.
-
-    The cubic less its error is a polynomial of degree four whose Bernstein coefficients are g0, g0 + d0/4,
-    (g0 + g1)/2 + (d0 - d1)/6 - M4 h^4/144, g1 - d1/4 and g1, with the values g0, g1 and the slopes times h, d0, d1, at
-    both ends. If they are positive, so is the gap. At a start on the wall, where g0 = 0, the other four show that it
-    has no other root. Without a slope there (d0 = 0) the bend b0 counts, times h^2: the coefficients of the cubic
-    through g0, d0, b0 and g1, less t^3 (1 - t) M4 h^4/24, are 0, 0, b0/12, b0/8 + g1/4 - M4 h^4/96 and g1.
-    """
+    """Return whether a step certainly meets no wall, except at its start if that is on the wall."""
+    # The cubic less its error is a polynomial of degree four whose Bernstein coefficients are g0, g0 + d0/4, (g0 +
+    # g1)/2 + (d0 - d1)/6 - M4 h^4/144, g1 - d1/4 and g1, with the values g0, g1 and the slopes times h, d0, d1, at both
+    # ends. If they are positive, so is the gap. At a start on the wall, where g0 = 0, the other four show that it has
+    # no other root. Without a slope there (d0 = 0) the bend b0 counts, times h^2: the coefficients of the cubic through
+    # g0, d0, b0 and g1, less t^3 (1 - t) M4 h^4/24, are 0, 0, b0/12, b0/8 + g1/4 - M4 h^4/96 and g1.
     h, gap = there.tau - now.tau, walls.below if side < 0 else walls.above
     g0, d0, g1, d1 = gap - side * now.dv, -side * h * now.F, gap - side * there.dv, -side * h * there.F
     if now.tau == 0.0 and (walls.on_below if side < 0 else walls.on_above):
@@ -368,10 +346,8 @@ def opens(d0, b0, g1, d1, lift, slack):
 
 
 def meets_once(side, now, there, M4, slack, walls):
-    """Return whether a gap is certainly positive at `now`, negative at `there`, and 0 exactly once between them.
-
-    It is if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1, keeps its sign.
-    """
+    """Return whether a gap is certainly positive at `now`, negative at `there`, and 0 exactly once between them."""
+    # It is if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1, keeps its sign.
     meets = (gap_to(side, there, walls) < -slack) & (gap_to(side, now, walls) > slack)
     h = there.tau - now.tau
     d0, b0, d1, b1 = -side * now.F, -side * now.G1, -side * there.F, -side * there.G1
@@ -395,11 +371,10 @@ def tolerance(now, start_gap, start, S, K):
 
 
 def closest_approach(tau, earliest, side, M4, start, walls, S, K):
-    """Find the minimum of a gap near `tau`, but after `earliest`, by Newton's method; return its verdict and its time.
-
-    NOTHING: the gap is positive up to tau_min. HIT: it is negative at tau_min. TANGENCY: it is 0 there within its
-    error, and not for good; LOST: for good. STALLED: no minimum was found nearby, or the way to it is not proven free.
-    """
+    """Find the minimum of a gap near `tau`, after `earliest`, by Newton's method; return its verdict and time."""
+    # NOTHING: the gap is positive up to tau_min. HIT: it is negative at tau_min. TANGENCY: it is 0 there within its
+    # error, and not for good; LOST: for good. STALLED: no minimum was found nearby, or the way to it is not proven
+    # free.
     begin, sign = tau, -side
     start_gap = walls.below if side < 0 else walls.above
     last, depth_known = FAR, False
@@ -460,11 +435,9 @@ def closed_side(now, thin, start, walls, S, K):
 
 
 def first_exit(tau_max, start, walls, S, K):
-    """Find the first contact of a flight with a wall within the time tau_max; return a `FlightEnd`.
-
-    Its code is NOTHING (at tau_max), HIT, TANGENCY or STALLED. A contact is returned even if the last correction moved
-    it past tau_max. `start` is a Launch, `walls` are Walls, S is the Covariance of the errors of the start.
-    """
+    """Find the first contact of a flight with a wall within the time tau_max; return a `FlightEnd`."""
+    # Its code is NOTHING (at tau_max), HIT, TANGENCY or STALLED. A contact is returned even if the last correction
+    # moved it past tau_max. S is the Covariance of the errors of the start.
     now, flat, thin, margin = search_begin(tau_max, start, walls, S, K)
     v0 = start.v
     if K.apart and not flat:
@@ -477,11 +450,9 @@ def first_exit(tau_max, start, walls, S, K):
 
 
 def search_begin(tau_max, start, walls, S, K):
-    """Return where the search along a flight begins, whether its start is flat, the limit of thin gaps, and the margin.
-
-    A gap whose square is below `thin` is compared with its error. The margin is what the error of the start can do to a
-    gap; where that is less than rounding, `tolerance` includes it.
-    """
+    """Return where the search of a flight begins, whether its start is flat, the limit of thin gaps, and the margin."""
+    # A gap whose square is below `thin` is compared with its error. The margin is what the error of the start can do to
+    # a gap; where that is less than rounding, `tolerance` includes it.
     v0, F0, s0, c0 = start
     zero = 0.0 * tau_max
     G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
@@ -598,10 +569,8 @@ def graze_ahead(now, side, step, M4, start, walls, S, K):
 
 
 def root_between(now, there, side, v0, walls, K):
-    """Estimate when the gap to the wall on a side closes, known to have one root between the points `now` and `there`.
-
-    A step of Newton's method from the secant's root on Hermite's cubic, with the secant's slope; then `sharpened`.
-    """
+    """Estimate when the gap to the wall on a side closes, once, between the points `now` and `there`."""
+    # A step of Newton's method from the secant's root on Hermite's cubic, with the secant's slope; then `sharpened`.
     h = there.tau - now.tau
     part = part_to_root(now, there, side, walls)
     if part < 0.5:
@@ -621,10 +590,8 @@ def part_to_root(now, there, side, walls):
 
 
 def sharpened(root, side, now, walls, K):
-    """Refine the estimated time of a root by one step of Halley's method on a polynomial of degree five.
-
-    So one evaluation of the flow is enough to make it exact. The root is counted from `now`.
-    """
+    """Refine the estimated time of a root by one step of Halley's method on a polynomial of degree five."""
+    # So one evaluation of the flow is enough to make it exact. The root is counted from `now`.
     half, third, fourth = 0.5 * now.G1, SIXTH * now.G2, 0.25 * SIXTH * now.G3
     fifth = 0.05 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
     gap = gap_to(side, now, walls)
@@ -639,11 +606,9 @@ def sharpened(root, side, now, walls, K):
 
 
 def polish(tau, low, high, side, start, walls, K):
-    """Refine the time `tau` of a contact in [low, high] to full precision, by roots of local polynomials.
-
-    The gap is positive at `low`. A step that leaves the bracket is replaced by halving it; it narrows. Mostly the first
-    point is near enough.
-    """
+    """Refine the time `tau` of a contact in [low, high] to full precision, by roots of local polynomials."""
+    # The gap is positive at `low`. A step that leaves the bracket is replaced by halving it; it narrows. Mostly the
+    # first point is near enough.
     now, slack = state_at(tau, start, K), 4.0 * EPS * high
     for _ in range(MOST_HALVINGS):
         gap = gap_to(side, now, walls)
@@ -711,12 +676,10 @@ def ahead(angle):
 
 
 def belt_exit(tau_max, held, belt, K):
-    """Find the end of a stick within `tau_max` (at most one forcing period); return a `StickEnd`.
-
-    `held` is the State at its beginning, with F^(below) >= 0 >= F^(above). NOTHING: the stick lasts (Delta at tau_max).
-    HIT: it ends at tau into the domain below (side -1) or above (+1), where Delta has `slope` and `bend`. TANGENCY: a
-    force is 0 within its error at tau.
-    """
+    """Find the end of a stick within `tau_max` (at most one forcing period); return a `StickEnd`."""
+    # `held` is the State at its beginning, with F^(below) >= 0 >= F^(above). NOTHING: the stick lasts (Delta at
+    # tau_max). HIT: it ends at tau into the domain below (side -1) or above (+1), where Delta has `slope` and `bend`.
+    # TANGENCY: a force is 0 within its error at tau.
     zero = 0.0 * tau_max
     tau, Delta, s, c, c_end = zero, zero, held.s, held.c, held.c
     first, second, c_first = tau_max, tau_max, belt.c_cr  # the next two times at which Delta turns
@@ -760,12 +723,10 @@ def force_noise(F_below, tau, S11, belt, K):
 
 
 def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
-    """Find the end of a stick between `low` and `high`: the only root there of force + Delta, which is monotone.
-
-    Delta, s and c are those at `low`. Steps to the root of the local parabola (Euler's method, which needs no slope),
-    corrected for the third derivative, and `local_root` from nearby. Halving when a step leaves the bracket or the
-    steps do not shrink.
-    """
+    """Find the end of a stick between `low` and `high`: the only root there of force + Delta, which is monotone."""
+    # Delta, s and c are those at `low`. Steps to the root of the local parabola (Euler's method, which needs no slope),
+    # corrected for the third derivative, and `local_root` from nearby. Halving when a step leaves the bracket or the
+    # steps do not shrink.
     tau, over = low, force + Delta
     # The inflection of Delta (cos(theta) = 0), where it is steepest and s and c are known, begins nearer to the root.
     sine = 1.0 if side * K.fB < 0.0 else -1.0

@@ -67,10 +67,9 @@ class MarchConstants(NamedTuple):
 
 
 class Constants(NamedTuple):
-    """A parameter set as the numbers that the fast paths use; floats or mpmath numbers, correctly rounded.
+    """A parameter set as the numbers that the fast paths use; floats or mpmath numbers, correctly rounded."""
 
-    Units: 1/time for cm, h, omega_d, w0, Om and the roots; acceleration for f0 and A1 to A3; velocity for V0.
-    """
+    # Units: 1/time for cm, h, omega_d, w0, Om and the roots; acceleration for f0 and A1 to A3; velocity for V0.
 
     cm: Number  # c/m
     w0sq: Number  # k/m
@@ -120,12 +119,10 @@ def constants(
     angle: Callable[[Number, Number], Number] = atan2,
     pi: Number = pi,
 ) -> Constants:
-    """Return the constants of `parameters`; each is derived in rational numbers and rounded once.
-
-    `number` rounds a Fraction: ``float``, or a conversion to mpmath; `root`, `angle` and `pi` are square root, atan2
-    and pi of such numbers. Parameters may be columns of exact numbers (`symosc.engine.constant_table`): then the
-    constants are arrays.
-    """
+    """Return the constants of `parameters`; each is derived in rational numbers and rounded once."""
+    # `number` rounds a Fraction: ``float``, or a conversion to mpmath; `root`, `angle` and `pi` are square root, atan2
+    # and pi of such numbers. Parameters may be columns of exact numbers (`symosc.engine.constant_table`): then the
+    # constants are arrays.
     m, Om = parameters.m, parameters.Omega
     h, w0sq, f0 = parameters.c / (2 * m), parameters.k / m, parameters.B0 / m
     omega, zero, doubles = number(Om), number(Fraction(0)), isinstance(pi, float)
@@ -299,10 +296,8 @@ def derivatives(v, F, s, c, K):
 
 
 def stiff_derivatives(tau, start, s, c, K):
-    """Return the second to fourth derivative of v from the shares of both roots and of the steady motion.
-
-    `derivatives` multiplies what rounding left of F by the fast root once per order; here it has died away.
-    """
+    """Return the second to fourth derivative of v from the shares of both roots and of the steady motion."""
+    # `derivatives` multiplies what rounding left of F by the fast root once per order; here it has died away.
     v0, F0, s0, c0 = start
     Om2 = K.Om * K.Om
     v_free = v0 - (K.Ss * s0 + K.Sc * c0)  # with k = 0 the mean velocity is a part of it: its root is 0
@@ -322,10 +317,8 @@ def fifth_derivative(G3, G2, c, K):
 
 
 def velocity_scale(tau, v0, F0, K):
-    """Return the size of the terms that add up to v - v0 at `tau` after a start: the scale of its rounding error.
-
-    Not the terms themselves: they come back to 0 after a period of a free oscillation, their errors do not.
-    """
+    """Return the size of the terms that add up to v - v0 at `tau` after a start: the scale of its rounding error."""
+    # Not the terms themselves: they come back to 0 after a period of a free oscillation, their errors do not.
     rise = 0.5 * tau * tau
     drive = abs(K.fB) * rise
     if K.steady:

@@ -66,18 +66,7 @@ from symosc.engine.next_event import (
     phase_after,
     time_with_errors,
 )
-from symosc.engine.state import (
-    CROSS,
-    ON_BELT,
-    RUNNING,
-    SLIP,
-    STICK,
-    Covariance,
-    Flown,
-    NextEvent,
-    State,
-    Walls,
-)
+from symosc.engine.state import CROSS, ON_BELT, RUNNING, SLIP, STICK, Covariance, Flown, NextEvent, State, Walls
 from symosc.engine.summary import EVENTS_SO_FAR, SKIPPED, STICKS, tally_step
 from symosc.kernels._generated import acceleration, basis_apart, motion, stick_acceleration
 from symosc.kernels.elementary import WIDEST, exp, select, sine_cosine
@@ -513,10 +502,8 @@ def keep_lanes(found, state):
 
 
 def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectories as `follow_all` does, those of one parameter set side by side where that is possible.
-
-    Not in order: where a buffer is full, a trajectory may have ended before one of a smaller number.
-    """
+    """Follow trajectories as `follow_all` does, those of one parameter set side by side where that is possible."""
+    # Not in order: where a buffer is full, a trajectory may have ended before one of a smaller number.
     rows, parts, count = 0, 0, batch.states.shape[0]
     batch = borrowed_batch(batch)
     _, sets, _, codes = batch

@@ -109,12 +109,10 @@ USUAL_LENGTH = 1.0625
 
 
 def advance(state, t_end, t_end_low, K):
-    """Advance a state to its next event, or to the end of an interval without events; return a `NextEvent`.
-
-    Its code is CROSS, STICK, SLIP, GRAZE (an event on `boundary`), MOVED (no event, the search goes on from here), END,
-    REST (no event will come any more; at rest or in a steady motion: the state is the last start, from which the end
-    is reached in one piece) or FAILED. The simulation ends at the time t_end + t_end_low.
-    """
+    """Advance a state to its next event, or to the end of an interval without events; return a `NextEvent`."""
+    # Its code is CROSS, STICK, SLIP, GRAZE (an event on `boundary`), MOVED (no event, the search goes on from here),
+    # END, REST (no event will come any more; at rest or in a steady motion: the state is the last start, from which the
+    # end is reached in one piece) or FAILED. The simulation ends at the time t_end + t_end_low.
     remaining = (t_end - state.t) + (t_end_low - state.t_low)
     tau_max = remaining if remaining < K.chunk else K.chunk
     if state.mode > ON_BELT:
@@ -149,10 +147,8 @@ def past_end(tau_max, remaining):
 
 
 def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
-    """Continue the search along a flight until it ends apart from all walls; return its end.
-
-    Two searches must not meet where a belt is: each would leave a touch there to the other.
-    """
+    """Continue the search along a flight until it ends apart from all walls; return its end."""
+    # Two searches must not meet where a belt is: each would leave a touch there to the other.
     while end.code == NOTHING and tau_max < remaining and tau_max <= 1.5 * K.chunk:
         if not ends_beside_wall(state, end.now, K):
             break
@@ -218,11 +214,9 @@ def no_contact(state, there, now, remaining, K):
 
 
 def never_leaves(start, S, lower, upper, domain, K):
-    """Return whether v stays between two speeds forever, by the amplitudes of the steady motion and the transient.
-
-    `lower` and `upper` are the speeds of the belts around the domain, -inf and inf where there is none; S is the
-    covariance of the errors of `start`, a Launch.
-    """
+    """Return whether v stays between two speeds forever, by the amplitudes of the steady motion and the transient."""
+    # `lower` and `upper` are the speeds of the belts around the domain, -inf and inf where there is none; S is the
+    # covariance of the errors of `start`.
     if not K.steady or (K.w0 == 0.0 and K.cm == 0.0):
         return False
     v, F, s, c = start
@@ -279,11 +273,9 @@ def flight_noise(state, now, K):
 
 
 def carried_error(S, now, x_noise, v_noise, K):
-    """Carry the covariance S of (x, v) from the launch of a flight to the point `now`, and add rounding errors.
-
-    Perturbations obey the unforced equation in every domain, so the entire functions carry them: dx gains E1 dv,
-    dv gains -(k/m) E1 dx. The rounding errors of the step are added.
-    """
+    """Carry the covariance S of (x, v) from the launch of a flight to the point `now`, and add rounding errors."""
+    # Perturbations obey the unforced equation in every domain, so the entire functions carry them: dx gains E1 dv, dv
+    # gains -(k/m) E1 dx. The rounding errors of the step are added.
     E0, E1, S11, S12, S22 = now.E0, now.E1, S.S11, S.S12, S.S22
     C, D = 1.0 - K.w0sq * now.E2, -K.w0sq * E1
     return Covariance(
@@ -297,12 +289,10 @@ def carried_error(S, now, x_noise, v_noise, K):
 
 
 def meet_belt(there, end, v_noise, remaining, K):
-    """Return the event where a flight meets a belt: a graze, or a stick or crossing (Theorems 4 and 5).
-
-    `there` is the State at the contact, in the domain that the flight comes from, `end` its FlightEnd, v_noise the
-    rounding error of the velocity, and `remaining` the time to the end from the start of the flight. A vague contact
-    that is no touch is a triple root: the velocity goes on through that of the belt, as far as friction lets it.
-    """
+    """Return the event where a flight meets a belt: a graze, or a stick or crossing (Theorems 4 and 5)."""
+    # `there` is the State at the contact, in the domain that the flight comes from, `end` its FlightEnd, v_noise the
+    # rounding error of the velocity, and `remaining` the time to the end from the start of the flight. A vague contact
+    # that is no touch is a triple root: the velocity goes on through that of the belt, as far as friction lets it.
     mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
     belt, upward, now = (K.belt1 if boundary == 1 else K.belt2), end.side > 0, end.now
     G1, G2, G3 = derivatives(v, F, now.s, now.c, K)
@@ -364,10 +354,8 @@ def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
 
 
 def resolve(v, F_below, F_above, s, c, K):
-    """Return where a motion goes on from a point of a boundary: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4, 5).
-
-    F_below - F_above = 2 mu FN/m >= 0 always, so the flow cannot leave on both sides at once.
-    """
+    """Return where a motion goes on from a point of a boundary: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4, 5)."""
+    # F_below - F_above = 2 mu FN/m >= 0 always, so the flow cannot leave on both sides at once.
     if following_sign(v, F_above, s, c, K) > 0:
         return DOMAIN_ABOVE
     if following_sign(v, F_below, s, c, K) < 0:
@@ -376,11 +364,9 @@ def resolve(v, F_below, F_above, s, c, K):
 
 
 def following_sign(v, F, s, c, K):
-    """Return the sign (-1, 0, 1) of the first G-function that does not vanish at a contact.
-
-    v is the velocity of the belt, F the acceleration, which is exact (F = 0 means that it vanishes), and s, c are sine
-    and cosine of the phase.
-    """
+    """Return the sign (-1, 0, 1) of the first G-function that does not vanish at a contact."""
+    # v is the velocity of the belt, F the acceleration, which is exact (F = 0 means that it vanishes), and s, c are
+    # sine and cosine of the phase.
     if F != 0.0:
         return 1 if F > 0.0 else -1
     before, now, power = v, F, 1.0
@@ -461,7 +447,7 @@ def phase_after(theta, theta_low, tau, K):
 
 
 def in_two_parts(theta, theta_low):
-    """Normalise a phase in two parts: the nearest number and the rest; slightly below 0, as 0 and the rest."""
+    """Normalise a phase in two parts: the nearest number and the rest; one slightly below 0 becomes 0 and the rest."""
     total = theta + theta_low
     theta_low = theta_low - (total - theta)
     return select(total < 0.0, 0.0 * total, total), select(total < 0.0, theta_low + total, theta_low)
@@ -503,10 +489,8 @@ def slow_passing_time(error, first, second, third, K):
 
 
 def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
-    """Return the time of an event, and standard errors of t and x that include their rounding.
-
-    What a motion is locked to is the phase: the rounding of Omega is taken back in the time that it stands for.
-    """
+    """Return the time of an event, and standard errors of t and x that include their rounding."""
+    # What a motion is locked to is the phase: the rounding of Omega is taken back in the time that it stands for.
     out = clock_time(t, t_low, t0, K)
     t_error, x_error = t_error + EPS * (abs(out) + 0.25 * (t - t0)), abs(v) * t_error + sqrt(S11) + EPS * abs(x)
     return out, t_error, x_error
@@ -516,15 +500,14 @@ def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
 
 
 def advance_near(state, rough, found, free, t_end, t_end_low, K):
-    """Advance a state to its next event with many digits, near the result that doubles have already found.
-
-    Doubles decide by more than the rounding of their start and their own. Where they are sure which contact is the
-    first and how it is met, many digits would find the same one. So these begin at its time, take a step of Newton's
-    method or two with the exact flow, and go on as after a search of their own. Where doubles see a touch they begin
-    there too (`contact_at_dip`). They search themselves where the end found so is not the one expected, where doubles
-    cannot decide otherwise, and where the end of the search is the question. `rough` is the state in doubles, with the
-    rounding as its error, `found` the NextEvent of `advance` in doubles, `free` their `free_time` if that is a touch.
-    """
+    """Advance a state to its next event with many digits, near the result that doubles have already found."""
+    # Doubles decide by more than the rounding of their start and their own. Where they are sure which contact is the
+    # first and how it is met, many digits would find the same one. So these begin at its time, take a step of Newton's
+    # method or two with the exact flow, and go on as after a search of their own. Where doubles see a touch they begin
+    # there too (`contact_at_dip`). They search themselves where the end found so is not the one expected, where doubles
+    # cannot decide otherwise, and where the end of the search is the question. `rough` is the state in doubles, with
+    # the rounding as its error, `found` the NextEvent of `advance` in doubles, `free` their `free_time` if that is a
+    # touch.
     code, boundary, decided, t_error, there = found
     tau = (there.t - rough.t) + (there.t_low - rough.t_low)
     if K.creeps or not tau > 0.0:
@@ -564,11 +547,9 @@ def free_time(state, K):
 
 
 def contact_at_dip(tau, free, side, start, walls, S, K):
-    """Find the contact where a gap dips below 0 near `tau`, if it is surely the first contact; else STALLED.
-
-    It is if the polynomial bound of the gap to each wall, taken backward from it, is positive as far as the flight is
-    not known to be `free`.
-    """
+    """Find the contact where a gap dips below 0 near `tau`, if it is surely the first contact; else STALLED."""
+    # It is if the polynomial bound of the gap to each wall, taken backward from it, is positive as far as the flight is
+    # not known to be `free`.
     now = state_at(tau, start, K)
     for _ in range(MOST_CORRECTIONS):
         third, fourth = SIXTH * now.G3, 0.25 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)

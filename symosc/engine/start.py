@@ -80,10 +80,8 @@ class BeltStart(NamedTuple):
 
 
 def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, allowed: Number = 0) -> BeltStart:
-    """Decide how a motion goes on from a point of a belt (Theorems 4 and 5), in the given arithmetic.
-
-    A force that is not larger than `allowed` is 0: then its first G-function that does not vanish decides.
-    """
+    """Decide how a motion goes on from a point of a belt (Theorems 4 and 5), in the given arithmetic."""
+    # A force that is not larger than `allowed` is 0: then its first G-function that does not vanish decides.
     K = arithmetic.K
     v, (s, c) = (K.belt1 if boundary == 1 else K.belt2).v, phase
     below, above = (
@@ -106,11 +104,9 @@ def belt_state(
 def start_rows(
     at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, times: Sequence[Any], K: Any
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return batch rows for many starts, some on a belt (`at` > 0), where the forces decide how each goes on.
-
-    `times` are t, t_low, t_end, t_end_low and t0, and K may be columns of constants by name. Also return where a force
-    on the belt is so small that doubles do not decide.
-    """
+    """Return batch rows for many starts, some on a belt (`at` > 0), where the forces decide how each goes on."""
+    # `times` are t, t_low, t_end, t_end_low and t0, and K may be columns of constants by name. Also return where a
+    # force on the belt is so small that doubles do not decide.
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
     s, c = SINE_COSINE(theta)
     A_below, A_above = (np.choose(n - 1, [K.A1, K.A2, K.A3]) for n in (mode, mode + (at > 0)))
@@ -133,12 +129,10 @@ def force_terms(boundary: int, x: Number, K: Constants) -> Number:
 
 
 def first_state(start: Start, arithmetic: Arithmetic) -> State:
-    """Return the initial state of a motion; its periods of the drive are counted from t0.
-
-    On a belt the forces decide where it goes (`belt_start`). Where one of them may be 0 that is decided with more
-    digits than the numbers of the problem have together: at t0 = 0 the forces are rational, and so this is exact. A
-    force that the error of the start can make 0 is 0.
-    """
+    """Return the initial state of a motion; its periods of the drive are counted from t0."""
+    # On a belt the forces decide where it goes (`belt_start`). Where one of them may be 0 that is decided with more
+    # digits than the numbers of the problem have together: at t0 = 0 the forces are rational, and so this is exact. A
+    # force that the error of the start can make 0 is 0.
     p, K, number = start.parameters, arithmetic.K, arithmetic.number
     eps = arithmetic.namespace["EPS"]
     _, theta = arithmetic.phase(start.t0)
@@ -208,11 +202,9 @@ def is_steady(start: Start) -> bool:
 
 
 def settles(start: Start) -> bool:
-    """Return whether a start between the belts comes to rest without a contact, decided in rational numbers.
-
-    The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g >= 0
-    follows from the squares of its two parts.
-    """
+    """Return whether a start between the belts comes to rest without a contact, decided in rational numbers."""
+    # The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g >= 0 follows from the
+    # squares of its two parts.
     p = start.parameters
     if p.B0 != 0 or start.start_error or start.v0 in (p.v1, p.v2):
         return False
@@ -244,11 +236,10 @@ def rounded(state: State, start: Start) -> State:
 
 
 def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
-    """Convert a state of mpmath numbers to more digits; its rounding `eps` becomes a part of its error.
-
-    Phase and time have the rounding too: it is an error of x and v that such a part of a period makes. Where the force
-    is 0, at the end of a stick or a touch, the time is made right to all digits: else a force would act for ever.
-    """
+    """Convert a state of mpmath numbers to more digits; its rounding `eps` becomes a part of its error."""
+    # Phase and time have the rounding too: it is an error of x and v that such a part of a period makes. Where the
+    # force is 0, at the end of a stick or a touch, the time is made right to all digits: else a force would act for
+    # ever.
     K, rounded, S = arithmetic.K, arithmetic.rounded, state.S
     theta, t, x, v = rounded(state.theta) + state.theta_low, rounded(state.t) + state.t_low, rounded(state.x), state.v
     v = (K.belt1 if state.at == 1 else K.belt2).v if state.at else rounded(v)

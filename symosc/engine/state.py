@@ -32,12 +32,11 @@ class Covariance(NamedTuple):
 
 
 class State(NamedTuple):
-    """The state at an event or between events.
+    """The state at an event or between events."""
 
-    Phase and time are both carried, each in two parts: Omega t loses no digits however large t becomes, and t none
-    however slow the drive is. Sine and cosine of the phase come from the search, and anew from theta in each forcing
-    period, so that their rounding errors do not add up.
-    """
+    # Phase and time are both carried, each in two parts: Omega t loses no digits however large t becomes, and t none
+    # however slow the drive is. Sine and cosine of the phase come from the search, and anew from theta in each forcing
+    # period, so that their rounding errors do not add up.
 
     mode: int
     at: int  # 1, 2 if the state is on that belt at the beginning of a flight or during a stick, else 0

@@ -222,10 +222,8 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
 
 
 def repeats_flight(i, state, tau, seen, tally, K):
-    """Return whether a flight agrees, within half the slack of the extremes, with one that was already searched.
-
-    The difference of two flights in a domain obeys the unforced equation: its energy dv^2 + (k/m) dx^2 never grows.
-    """
+    """Return whether a flight agrees, within half the slack of the extremes, with one that was already searched."""
+    # The difference of two flights in a domain obeys the unforced equation: its energy dv^2 + (k/m) dx^2 never grows.
     dv_most = 0.5 * WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
     dx_most = 0.5 * WIDTH_SLACK * (abs(seen.x_min) + abs(seen.x_max))
     most = min(dv_most, K.w0 * dx_most)
@@ -315,10 +313,8 @@ def rest_of(tau, K):
 
 
 def rest_stretches(i, state, remaining, t0, tally, K):
-    """Add the stick time and the extremes of a motion after its last event.
-
-    Its extremes are searched piece by piece, until the transient is over; then one period shows all that is to come.
-    """
+    """Add the stick time and the extremes of a motion after its last event."""
+    # Its extremes are searched piece by piece, until the transient is over; then one period shows all that is to come.
     decay = K.h if K.under else -K.l1
     fades = decay > 0.0 and K.w0 > 0.0 and state.mode <= ON_BELT
     now, passed = state, 0.0
@@ -349,12 +345,10 @@ def flown(x, start, tau, s_Om, c_Om, K):
 
 
 def settle(tally, sets, table, sections, repeats):
-    """Write the last sections of motions, and the number of periods after which they repeat.
-
-    `sets` (n,) are the parameter sets of the motions, `table` their constants. `sections` (n, m, 2) is filled with x
-    and v at the last m sections in order of time, as far as they were reached, and `repeats`, (n,) or (0,), with the
-    periods, 0 for a motion that does not repeat.
-    """
+    """Write the last sections of motions, and the number of periods after which they repeat."""
+    # `sets` (n,) are the parameter sets of the motions, `table` their constants. `sections` (n, m, 2) is filled with x
+    # and v at the last m sections in order of time, as far as they were reached, and `repeats`, (n,) or (0,), with the
+    # periods, 0 for a motion that does not repeat.
     wanted = sections.shape[1]
     for i in range(sets.shape[0]):
         K = table[sets[i]]
@@ -428,11 +422,9 @@ def widened(seen, x, v):
 
 
 def flight_extremes(mode, begin, last, start, x0, seen, K):
-    """Extend the extremes so that they include a flight in the domain `mode` from the time `begin` to `last` (Flown).
-
-    `start` is its Launch, x0 the position there. The belts bound the velocity of a flight. Where the extremes so far
-    are as far out, or where the velocity has one sign, there is nothing to find.
-    """
+    """Extend the extremes so that they include a flight in the domain `mode` from time `begin` to `last` (Flown)."""
+    # `start` is its Launch, x0 the position there. The belts bound the velocity of a flight. Where the extremes so far
+    # are as far out, or where the velocity has one sign, there is nothing to find.
     slowest, fastest = speeds_around(mode, K)
     open_ends = Open(seen.v_min > slowest, seen.v_max < fastest, slowest < 0.0 < fastest)
     if not (open_ends.v_min or open_ends.v_max or open_ends.x):

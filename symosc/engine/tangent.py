@@ -89,11 +89,9 @@ def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by
 
 
 def piece_changes(start, t, turn, codes, deep, letters, K, work):
-    """Write derivatives of x and v at the fixed time t into `work`, and return the acceleration there.
-
-    The phase has gone on by `turn`. `deep` says whether any column needs the functions of repeated roots: those by m,
-    c, k and Omega.
-    """
+    """Write derivatives of x and v at the fixed time t into `work`, and return the acceleration there."""
+    # The phase has gone on by `turn`. `deep` says whether any column needs the functions of repeated roots: those by m,
+    # c, k and Omega.
     if start.mode > ON_BELT:
         belt = V1 + start.mode - ON_BELT - 1
         for j in range(len(codes)):
@@ -145,10 +143,8 @@ def vanishes(domain, now, K):
 
 
 def force_changes(domain, now, codes, letters, K, work):
-    """Write the derivatives of the acceleration of a domain at a fixed time into row SIZE; return its rate there.
-
-    Rows END_X and END_V have the derivatives of x and v at this time.
-    """
+    """Write the derivatives of the acceleration of a domain at a fixed time into row SIZE; return its rate there."""
+    # Rows END_X and END_V have the derivatives of x and v at this time.
     F, rounding = force(domain, now, K)
     F = 0.0 * F if abs(F) <= VANISHES * rounding else F
     of_c, of_k, of_A, of_B, of_v, of_m, _, _ = stick_parameters(
@@ -164,10 +160,8 @@ def force_changes(domain, now, codes, letters, K, work):
 
 
 def vanishing_times(domain, now, codes, letters, K, work):
-    """Write the derivatives of the time at which a domain's force vanishes into row DT; return how regular they are.
-
-    Rows END_X and END_V have the derivatives of x and v at this fixed time.
-    """
+    """Write the derivatives of the time at which a domain's force vanishes into row DT; return how regular they are."""
+    # Rows END_X and END_V have the derivatives of x and v at this fixed time.
     of_way, of_drive = force_changes(domain, now, codes, letters, K, work)
     rate, rounding = of_way + of_drive, EPS * (abs(of_way) + abs(K.f0 * K.Om))
     flat = abs(rate) <= VANISHES * rounding
@@ -177,10 +171,8 @@ def vanishing_times(domain, now, codes, letters, K, work):
 
 
 def contact_times(domain, other, belt, now, a, codes, K, work):
-    """Write the derivatives of the time at which a flight meets a belt into row DT; return how regular they are.
-
-    `a` is the acceleration that the flight arrives with: the balance of forces at a rounded point may know it worse.
-    """
+    """Write the derivatives of the time at which a flight meets a belt into row DT; return how regular they are."""
+    # `a` is the acceleration that the flight arrives with: the balance of forces at a rounded point may know it worse.
     for j in range(len(codes)):
         own = 1.0 if codes[j] == belt else 0.0
         work[DT, j] = (own - work[END_V, j]) / (1.0 if a == 0.0 else a)
@@ -203,13 +195,11 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
 
 
 def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out, work):
-    """Write the derivatives of all events of some motions into `out`.
-
-    `cuts` are the first rows of the motions and the end of the last one, `starts` rows of mode, t, theta, x, v.
-    `rows` are t, theta, x, v of the events and their kind, boundary and target. `out` has dt, dx, marks and reasons of
-    the events, and for each motion the logarithms of what its last columns and its areas have grown by: columns beyond
-    those of dt are kept near 1 and counted there.
-    """
+    """Write the derivatives of all events of some motions into `out`."""
+    # `cuts` are the first rows of the motions and the end of the last one, `starts` rows of mode, t, theta, x, v.
+    # `rows` are t, theta, x, v of the events and their kind, boundary and target. `out` has dt, dx, marks and reasons
+    # of the events, and for each motion the logarithms of what its last columns and its areas have grown by: columns
+    # beyond those of dt are kept near 1 and counted there.
     times, thetas, xs, vs, kinds_, boundaries, targets = rows
     dts, dxs, marks, reasons, growth = out
     count = dts.shape[1]
@@ -255,11 +245,9 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
 
 
 def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out, work):
-    """Write derivatives of x and v at fixed times into `out` (2, times, columns).
-
-    Each time is in the piece of this number: `starts` are rows as those of `tangents`, `launched` (3, pieces, columns)
-    the derivatives of t, x and v there.
-    """
+    """Write derivatives of x and v at fixed times into `out` (2, times, columns)."""
+    # Each time is in the piece of this number: `starts` are rows as those of `tangents`, `launched` (3, pieces,
+    # columns) the derivatives of t, x and v there.
     K, own = table[0], letters[0]
     mine = Letters(own[0], own[1], own[2], own[3])
     for n in range(len(times)):
@@ -275,10 +263,8 @@ def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out
 
 
 def begin(start, codes, count, letters, K, work):
-    """Write the derivatives at a start into `work`; return by which of `count` numbers the motion is differentiable.
-
-    On a belt it is not by what takes the start off the belt, nor by what may move a force there that is 0.
-    """
+    """Write the derivatives at a start into `work`; return by which of `count` numbers the motion is differentiable."""
+    # On a belt it is not by what takes the start off the belt, nor by what may move a force there that is 0.
     regular = [True] * count
     for j in range(len(codes)):
         for row in range(DV + 1):

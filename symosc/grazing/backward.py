@@ -66,37 +66,29 @@ SEARCH_PERIODS = 100
 REPEAT_DIGITS, MOST_REPEAT_DIGITS = 60, 200
 # How many undecided steps of one flight are repeated: one that keeps to a boundary for longer stays undecided.
 MOST_REPEATS = 40
-MOST_CONTACT_NEWTON = 200
-# How far Newton's method may carry a contact away from where the search has found it, as a part of a step.
-NEAR_TOUCH = 1e-3
 
 
 # --- the first root of a polynomial that is known within a noise ---
 
 # Where an interval is divided: not a fraction at which roots are likely.
 CUT = 0.4831
-# The smallest interval: where the slope has several roots nearer to each other than this, it is a touch.
-NARROWEST = 2.0**-60
-# Newton's method halves its bracket at worst: enough for thousands of digits.
-MOST_ROOT_STEPS = 20_000
 
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
-    """Return (touch, sigma) of the first root in (0, 1] of a polynomial known within `noise`; sigma None: no root.
-
-    `touch` says that the polynomial comes to 0 within the noise, and whether it passes is undecided.
-
-    If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls
-    from above the noise to below it with one change of sign, there is exactly one. If its slope changes sign exactly
-    once, from falling to rising, the value at the bottom decides. Above the noise there is no root, below it there are
-    two, of which the first one counts. Within the noise it is a touch. Otherwise the interval is divided; what is still
-    undecided at the smallest width is a touch too.
-    """
+    """Return (touch, sigma) of the first root in (0, 1] of a polynomial known within `noise`; sigma None: no root."""
+    # `touch` says that the polynomial comes to 0 within the noise, and whether it passes is undecided.
+    #
+    # If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls
+    # from above the noise to below it with one change of sign, there is exactly one. If its slope changes sign exactly
+    # once, from falling to rising, the value at the bottom decides. Above the noise there is no root, below it there
+    # are two, of which the first one counts. Within the noise it is a touch. Otherwise the interval is divided; what is
+    # still undecided at the smallest width is a touch too.
     if p[0] - sum(abs(term) for term in p[1:]) > noise:
         return False, None
     one = 1 + 0 * p[0]
     slope = [k * term for k, term in enumerate(p)][1:]
-    narrowest = max(eps**0.5 / 16, NARROWEST)
+    # The smallest interval: where the slope has several roots nearer to each other than this, it is a touch.
+    narrowest = max(eps**0.5 / 16, 2.0**-60)
     stack = [(0 * one, one, bernstein(p))]
     while stack:
         low, high, b = stack.pop()
@@ -151,14 +143,12 @@ def _polynomial(p: list[Number], sigma: Number) -> Number:
 
 
 def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps: Number) -> Number:
-    """Return the root of p, positive at `low` and negative at `high`, by Newton's method within the bracket.
-
-    Only steps of Newton's method can show that it has converged. A step that leaves the bracket is replaced by a
-    halving, whose length says nothing.
-    """
+    """Return the root of p, positive at `low` and negative at `high`, by Newton's method within the bracket."""
+    # Only steps of Newton's method can show that it has converged. A step that leaves the bracket is replaced by a
+    # halving, whose length says nothing.
     sigma = 0.5 * (low + high)
     before, settled = high - low, eps**0.75
-    for _ in range(MOST_ROOT_STEPS):
+    for _ in range(20_000):  # at worst it halves its bracket: enough for thousands of digits
         value, rise = _polynomial(p, sigma), _polynomial(slope, sigma)
         if value > 0:
             low = sigma
@@ -237,11 +227,10 @@ class BackwardStep(NamedTuple):
 
 
 class BackwardSteps:
-    """Backward steps from tangencies at one belt, in the arithmetic `functions` with rounding unit `eps`.
+    """Backward steps from tangencies at one belt, in the arithmetic `functions` with rounding unit `eps`."""
 
-    A step is linear in v, a and the sine and cosine of the phase. So in double precision one product with a matrix
-    gives its Taylor coefficients, its Bernstein coefficients (less v) and the state at its end.
-    """
+    # A step is linear in v, a and the sine and cosine of the phase. So in double precision one product with a matrix
+    # gives its Taylor coefficients, its Bernstein coefficients (less v) and the state at its end.
 
     def __init__(
         self, K: Constants, boundary: int, domain: int, functions: Context = math, eps: Number = EPS, step: float = STEP
@@ -265,6 +254,7 @@ class BackwardSteps:
         self._matrix = self._linear() if functions is math else None
 
     def _linear(self) -> np.ndarray:
+        """Return the matrix that maps v, a, sine and cosine to all numbers of a step."""
         columns = []
         for i in range(4):
             *T, behind = self._taylor(*(float(i == j) for j in range(4)))
@@ -273,16 +263,14 @@ class BackwardSteps:
         return np.array(columns).T.copy()
 
     def begin(self, zero: Number) -> BackwardState:
-        """Return the state at the tangency."""
+        """Return the state at the tangency, from which the steps go back."""
         return BackwardState(zero, zero, self.touched.v + zero, zero, zero, zero, zero)
 
     def over(
         self, theta: Number, order: int, state: BackwardState
     ) -> tuple[BackwardHit | None, BackwardStep, BackwardState]:
-        """Take a backward step from a state; return its first contact or None, the step, and the state with new errors.
-
-        `order` is that of the first G-function that does not vanish at the tangency, 1 or 3.
-        """
+        """Take a backward step from a state; return its first contact or None, the step, and the state at its end."""
+        # `order` is that of the first G-function that does not vanish at the tangency, 1 or 3.
         K, H, eps = self.K, self.H, self.eps
         tau, v, a = state.tau, state.v, state.a
         step = self._taylor_step(v, a, *self.wave(theta, tau))
@@ -372,15 +360,14 @@ def _changes_over(T: list[Number], sigma: Number) -> tuple[Number, Number, Numbe
 
 
 class Instant(NamedTuple):
-    """A flight at the time tau before its tangency.
+    """A flight at the time tau before its tangency."""
 
-    A shift of theta_m along the contacts moves the state at fixed tau by
-
-        dv/d(theta_m) = (a - E1(-tau) G1)/Omega
-        dx/d(theta_m) = (v + (E0(-tau) + (c/m) E1(-tau)) G1 m/k)/Omega
-
-    with G1 = G^(1) at the tangency: at a fixed time neighbouring contacts differ in x only.
-    """
+    # A shift of theta_m along the contacts moves the state at fixed tau by
+    #
+    #     dv/d(theta_m) = (a - E1(-tau) G1)/Omega
+    #     dx/d(theta_m) = (v + (E0(-tau) + (c/m) E1(-tau)) G1 m/k)/Omega
+    #
+    # with G1 = G^(1) at the tangency: at a fixed time neighbouring contacts differ in x only.
 
     dx: Number  # displacement from the tangency
     v: Number
@@ -446,7 +433,8 @@ class Flights:
         if speed is not None:
             begin, time_error = tau, abs(float(found.v_error) / (float(found.a) or 1.0))
             tau = self._contact_time(theta, tau, speed, found.kind == TOUCH)
-            if tau is None or abs(tau - begin) > NEAR_TOUCH * STEP / float(self.K.rate) + time_error:
+            # Newton's method may carry a contact this far from where the search has found it, as a part of a step.
+            if tau is None or abs(tau - begin) > 1e-3 * STEP / float(self.K.rate) + time_error:
                 return None
         now = self.instant(theta, tau)
         v = now.v if speed is None else speed
@@ -455,7 +443,7 @@ class Flights:
     def _contact_time(self, theta: Number, tau: Number, speed: Number, touch: bool) -> Number:
         """Return the time at which v is `speed`, or, for a graze, nearest to it, by Newton's method."""
         before = None
-        for _ in range(MOST_CONTACT_NEWTON):
+        for _ in range(200):
             now = self.instant(theta, tau)
             top, slope = (now.v - speed, now.a) if not touch else (now.a, now.b)
             if touch and abs(now.b) * float(self.K.rate) < 1e-6 * abs(now.w):
@@ -502,9 +490,6 @@ def rounded(state: BackwardState) -> BackwardState:
     return BackwardState(tau, dx, v, a, *errors)
 
 
-# --- the search ---
-
-
 class Origins:
     """The origins of the flows into the tangencies of one mapping; ParameterError without grazing or for k = 0."""
 
@@ -535,11 +520,9 @@ class Origins:
         repeats: int = len(REPEATED_STEPS),
         most_steps: int = MOST_BACKWARD_STEPS,
     ) -> Arrival:
-        """Follow the flow back from a tangency in doubles, to the first contact or over `far`.
-
-        `order` is that of the first G-function that does not vanish there. An undecided step is repeated with `digits`
-        (keeping them if it has the contact), then with twice as many; without `careful` it is a touch.
-        """
+        """Follow the flow back from a tangency in doubles, to the first contact or over `far`."""
+        # `order` is that of the first G-function that does not vanish there. An undecided step is repeated with
+        # `digits` (keeping them if it has the contact), then with twice as many; without `careful` it is a touch.
         steps, theta = self.steps, float(angle)
         far = SEARCH_PERIODS * self.K.period if far is None else far
         state, repeats_left = steps.begin(0.0), MOST_REPEATS
@@ -607,10 +590,8 @@ class Origins:
     def exact(
         self, angle: Angle | float, order: int, far: Callable[[Flights], Number], wanted: int
     ) -> tuple[Arrival, Flights]:
-        """Return the origin of a flow with `wanted` digits after the point, and its flights.
-
-        `far` is the time to search, as a number of the given flights.
-        """
+        """Return the origin of a flow with `wanted` digits after the point, and its flights."""
+        # `far` is the time to search, as a number of the given flights.
         flights = self.flights(wanted + 20)
         found = self.arrival(angle, order, float(far(flights)), digits=min(wanted + 20, MOST_REPEAT_DIGITS))
         while True:

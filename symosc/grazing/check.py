@@ -40,7 +40,6 @@ from symosc.mappings.numbers import number_of, symbolic
 from symosc.scenes import ParametersLike
 
 CHECK_PHASES, MOST_CHECK_PHASES = 10_000, 1_000_000
-DECADES = range(3, 15)
 YES, NO, NOT_DECIDED = 1, -1, 0
 # Rounding errors, in units of EPS and the size of the terms.
 FLOW_ROUNDING = 16.0
@@ -53,8 +52,6 @@ FINE_FLOW_TIMES = ("1e-21", "1e-24")
 # DOP853: times before and after the contact, over the largest rate; the second one where the first cannot decide.
 DOP853_TIMES = (1e-2, 1e-13)
 DECIDER_TOLERANCE = 1e-13
-# What the scaled result of DOP853 may be wrong by (measured: 1e-15).
-DOP853_ERROR = 1e-13
 #: The three ways, and why they leave a phase undecided.
 G_SIGNS, EXACT_FLOW, DOP853 = "G-functions", "exact flow", "DOP853"
 WHY_UNDECIDED = {
@@ -243,7 +240,7 @@ class _Check:
             angle = sympy.asin(symbolic(-self.window.gamma / self.window.amplitude))
             zeros = {end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)}
         special = sorted(zeros | {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}, key=float)
-        offsets = [Fraction(0)] + [Fraction(sign, 10**k) for k in DECADES for sign in (1, -1)]
+        offsets = [Fraction(0)] + [Fraction(sign, 10**k) for k in range(3, 15) for sign in (1, -1)]
         rows = []
         for base in special:
             number = self.ways.fine.context.mpf(str(base.evalf(FLOW_DIGITS + 10)))
@@ -294,15 +291,10 @@ class _Check:
         self.mismatches.append({"theta": str(theta), "way": way, "window": expected, "found": found})
 
 
-# --- the three ways ---
-
-
 class Ways:
-    """The three ways for one mapping; the contact is at x_m(theta), v_lambda, acceleration 0.
+    """The three ways to decide whether a phase of one mapping grazes."""
 
-    Of the window its parameters and its place are used, not its phases. `size` is the sum of the sizes of the terms of
-    G^(1), > 0; `fine` has FLOW_DIGITS digits.
-    """
+    # Of the window its parameters and its place are used, not its phases.
 
     def __init__(self, window: GrazingWindow) -> None:
         self.window, self.p, self.side = window, window.parameters, window.place.side
@@ -333,12 +325,10 @@ class Ways:
         return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED)
 
     def verdict_by_intervals(self, theta: Number, zero: bool) -> tuple[int, int]:
-        """Decide by the first nonzero G-function in 50-digit intervals whether theta grazes; return verdict and order.
-
-        `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where
-        that is 0, G^(2) = -(B0 Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one
-        decides.
-        """
+        """Decide by the first nonzero G-function in 50-digit intervals whether theta grazes: (verdict, order)."""
+        # `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where
+        # that is 0, G^(2) = -(B0 Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one
+        # decides.
         iv, p, interval = self._intervals, self.p, partial(number_of, context=self._intervals)
         angle = iv.mpf(bounds(theta, self.fine.context))
         s, c, Om, drive = iv.sin(angle), iv.cos(angle), interval(p.Omega), interval(p.B0 * p.Omega / p.m)
@@ -397,15 +387,14 @@ class Ways:
             if len(left):
                 tau = time_over_rate / self.K.rate
                 gaps = [self.integrated(theta[left], sign * tau) for sign in (-1.0, 1.0)]
-                verdicts[left] = _verdicts(gaps, DOP853_ERROR + self._third_order(tau) / self.size)
+                # What the scaled result of DOP853 may be wrong by (measured: 1e-15).
+                verdicts[left] = _verdicts(gaps, 1e-13 + self._third_order(tau) / self.size)
         return verdicts
 
     def integrated(self, theta: np.ndarray, tau: float) -> np.ndarray:
-        """Return the velocity gap at tau by DOP853, positive into the domain, divided by size tau^2.
-
-        The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of time/tau. The force is
-        the difference from its value 0 at the contact, where a difference of cosines is written as a product.
-        """
+        """Return the velocity gap at tau by DOP853, positive into the domain, divided by size tau^2."""
+        # The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of time/tau. The force is
+        # the difference from its value 0 at the contact, where a difference of cosines is written as a product.
         from scipy.integrate import solve_ivp
 
         K, n = self.K, len(theta)
@@ -428,6 +417,6 @@ def _verdicts(gaps: list[np.ndarray], least: float) -> np.ndarray:
 
 
 def bounds(value: Number, context: Context) -> list[str]:
-    """Return decimals just below and above a value, 5 digits finer than the intervals."""
+    """Return decimals just below and above a value, the ends of an interval of 50 digits."""
     shift = context.mpf(10) ** (-INTERVAL_DIGITS - 5) * max(1, abs(value))
     return [context.nstr(value + sign * shift, INTERVAL_DIGITS + 15) for sign in (-1, 1)]

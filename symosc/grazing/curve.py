@@ -43,7 +43,6 @@ LEAST_CURVE_POINTS, MOST_CURVE_POINTS = 8, 20_000
 MOST_CURVE_STEPS, LEAST_STEPS = 40_000, 50
 # Digits with which a contact that doubles leave undecided is searched again.
 CURVE_DIGITS = 30
-LARGEST_EXPONENT = 700.0
 # At |k v_lambda| = |B0| Omega, G^(1) below this part of its terms is that of the tangency of fourth order.
 QUARTIC = 1e-13
 PIECE_POINTS = 33
@@ -59,8 +58,6 @@ CURVE_AGREEMENT = 0.25
 CURVE_JUMP = 1e-3
 # Shorter pieces are not searched: there double precision begins to take near contacts for touches.
 FINEST_CURVE = 1e-6
-# How near to an open end of the window the curve is sampled.
-END_GAP = 1e-7
 
 #: Where the flow of a sample came from.
 OWN, OTHER, NOWHERE, UNKNOWN = "own belt", "other belt", "no belt", "not within the search"
@@ -270,12 +267,6 @@ class Tracer(Origins):
         self.gain = float(p.B0 / p.k)
         self.steps_left = MOST_CURVE_STEPS
 
-    def _is_quartic(self, theta_m: float) -> bool:
-        """Return whether a phase is that of the fourth-order tangency, to double precision."""
-        p, level = self.p, self.K.w0sq * self.v
-        equal = abs(p.k * p.belt(self.place.boundary)) == abs(p.B0 * p.Omega)
-        return equal and abs(level + self.K.fB * sin(theta_m)) <= QUARTIC * abs(level)
-
     @cached_property
     def _autonomous(self) -> Arrival:
         """The arrival of a system without drive, the same for all phases."""
@@ -287,7 +278,9 @@ class Tracer(Origins):
         if self.p.B0 == 0:  # every phase has the same flight
             arrival = self._autonomous
         else:
-            order = 3 if self._is_quartic(theta_m) else 1
+            level, top = K.w0sq * self.v, abs(self.p.B0 * self.p.Omega)
+            flat = abs(level + K.fB * sin(theta_m)) <= QUARTIC * abs(level)
+            order = 3 if flat and abs(self.p.k * self.p.belt(self.place.boundary)) == top else 1
             steps = max(LEAST_STEPS, min(MOST_BACKWARD_STEPS, self.steps_left))
             arrival = self.arrival(theta_m, order, None, careful, CURVE_DIGITS, repeats=1, most_steps=steps)
         arrival = Arrival(arrival.kind, arrival.boundary, *map(float, arrival[2:]))
@@ -297,7 +290,7 @@ class Tracer(Origins):
             return Sample(theta_m, x_m, NOWHERE if arrival.kind == NEVER else UNKNOWN, nan, nan, nan, nan)
         G1 = -(K.w0sq * self.v + K.fB * sin(theta_m))
         E0, E1, *_ = basis(arrival.tau, K)
-        growth = exp(min(K.cm * arrival.tau, LARGEST_EXPONENT))
+        growth = exp(min(K.cm * arrival.tau, 700.0))
         slope_theta = -growth * E1 * G1 / arrival.a if arrival.a != 0.0 else inf
         if arrival.kind == TOUCH:  # neighbours that touch as well do it after the same time
             slope_theta = 1.0
@@ -324,7 +317,7 @@ def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:
     if closed:
         return low + (high - low) * (np.arange(n + 1) / n)
     inner = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(pi * (np.arange(n - 2) + 0.5) / (n - 2))
-    gap = END_GAP * (high - low)
+    gap = 1e-7 * (high - low)  # how near to an open end of the window the curve is sampled
     return np.concatenate([[low + gap], inner[(inner > low + gap) & (inner < high - gap)], [high - gap]])
 
 
@@ -350,10 +343,12 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
     run, begin, reason = [samples[0]], low, limit
     ahead = samples[:0:-1]
     while ahead:
-        if _needs_middle(run[-1], ahead[-1]):
-            ahead.append(tracer.sample(0.5 * (run[-1].theta_m + ahead[-1].theta_m)))
+        left, right = run[-1], ahead[-1]
+        own = left.origin == right.origin == OWN
+        if own and right.theta_m - left.theta_m > FINEST_CURVE and not _continuous(left, right):  # steep
+            ahead.append(tracer.sample(0.5 * (left.theta_m + right.theta_m)))
             continue
-        edges = _edge(tracer, run[-1], ahead[-1])
+        edges = _edge(tracer, left, right)
         if edges is None:
             run.append(ahead.pop())
             continue
@@ -385,19 +380,10 @@ def _continuous(left: Sample, right: Sample) -> bool:
     return not abs(change) > CURVE_STRIDE or abs(change - expected) <= CURVE_AGREEMENT * abs(change)
 
 
-def _needs_middle(left: Sample, right: Sample) -> bool:
-    """Return whether a steep interval of the curve needs another sample."""
-    if not left.origin == right.origin == OWN or _continuous(left, right):
-        return False
-    return right.theta_m - left.theta_m > FINEST_CURVE
-
-
 def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
-    """Return both sides of the first change of origin, or of a jump, between two neighbours.
-
-    That is: the samples visited behind `left`, those before `right` from it inward, and theta_m of the edge. None:
-    there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
-    """
+    """Return both sides of the first change of origin, or of a jump, between two neighbours."""
+    # That is: the samples visited behind `left`, those before `right` from it inward, and theta_m of the edge. None:
+    # there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
     if left.origin == right.origin and _continuous(left, right):
         return None
     lefts: list[Sample] = []
@@ -440,7 +426,7 @@ def _end_reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
 
 
 def _filled(tracer: Tracer, run: PhaseRun) -> PhaseRun:
-    """Return a run with at least PIECE_POINTS samples away from its ends, where edge samples gather."""
+    """Add samples to a run until PIECE_POINTS of them are away from its ends, where those of the edges gather."""
     first, last = run.samples[0].theta_m, run.samples[-1].theta_m
     margin = 0.1 * (last - first)
     if sum(first + margin < each.theta_m < last - margin for each in run.samples) >= PIECE_POINTS:

@@ -58,8 +58,6 @@ MOST_NOTES = 3
 CURVE_SPARE_DIGITS = 40
 MOST_CURVE_NEWTON = 20
 NEWTON_HALVINGS = 60
-# A flight at the end of a curve that doubles still resolve, over its slope there: more means that it has no limit.
-ENDLESS = 1e-4
 # The reason of an end where the search ended (`symosc.grazing.curve`).
 SEARCH_ENDS = "(within the search)"
 # Solutions nearer to each other than this are one.
@@ -464,7 +462,8 @@ class Candidates:
         if end.reason.endswith(SEARCH_ENDS):
             self.notes.append(f"beside theta_m = {end.theta_m:.6g} the flights are longer than the search")
             return
-        steep = not abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m) < ENDLESS  # or nan
+        # The end of a curve that doubles still resolve, over its slope there: more means that it has no limit.
+        steep = not abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m) < 1e-4  # or nan
         if steep and (self.name != "x_i" or abs(float(self.target)) > abs(point.value)):
             self.notes.append(
                 f"at theta_m = {end.theta_m:.12g} the curve goes on for ever; solutions beyond theta = "

@@ -243,7 +243,7 @@ def _result(
     digits: int | None,
     periods: float,
 ) -> GrazingStart:
-    """Return an arrival as a GrazingStart."""
+    """Return the arrival of a backward flow as a GrazingStart."""
     p, boundary, context = flights.p, flights.place.boundary, flights.context
     theta_m, t_m = flights.number(angle), flights.number(time)
     x_m = flights.contact(theta_m)

@@ -2,7 +2,6 @@
 
 elementary has sine, cosine and exp. entire is for doubles and numba, formulas for SIMD loops, entire_array for numpy,
 multiprecision for any number of digits, in mpmath's numbers or in MPFR's (mpfr); lane_types are numba's types for
-several doubles in a register; mapping evaluates the equations of maps; pairs are double-double numbers for
-CPython and numba; double_double computes with pairs of doubles in plain Python. May import: the top-level
-modules.
+several doubles in a register; mapping evaluates the equations of maps; pairs are double-double numbers for CPython and
+numba; double_double computes with pairs of doubles in plain Python.
 """

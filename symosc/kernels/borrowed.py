@@ -26,5 +26,5 @@ def _without_owner(typing_context: Any, array: Any) -> Any:
 
 @numba.njit(forceinline=True)
 def borrowed(array):
-    """Return an array without an owner."""
+    """Return a view of an array whose references numba does not count."""
     return _without_owner(array)  # type: ignore[call-arg]

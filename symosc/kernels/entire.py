@@ -61,10 +61,8 @@ def closed_form(tau, s, c, K):
 
 
 def series(tau, cm, w0sq, Om):
-    """Return E0, E1, E2, R2, I2 from their Taylor series.
-
-    The n-th derivatives at 0 obey s[n+1] = -cm s[n] - w0sq s[n-1] (for S) and z[n+1] = s[n] + i Omega z[n] (for Z).
-    """
+    """Return E0, E1, E2, R2, I2 from their Taylor series."""
+    # The n-th derivatives at 0 obey s[n+1] = -cm s[n] - w0sq s[n-1] (for S) and z[n+1] = s[n] + i Omega z[n] (for Z).
     before, term = 0.0, tau  # s[n] tau^n / n! for n = 0 and 1: the terms of E1
     E0, E1, E2 = 1.0, tau, 0.5 * tau * tau
     r, i = E2, 0.0  # z[n+1] tau^(n+1) / (n+1)!
@@ -115,14 +113,14 @@ def impulse(tau, K):
 
 
 def impulse_integral(tau, E1, K):
-    """Return E2, the integral of E1, from (e[0, l1] - e[l1, l2]) / (0 - l2); not for k = 0 without damping."""
+    """Return E2, the integral of E1, by divided differences; not for k = 0 without damping."""
     real1, imag1, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, imag1, tau)
     return -((real - E1) * real2 + imag * imag2) / (real2 * real2 + imag2 * imag2)
 
 
 def wave_integrals(tau, s, c, E1, K):
-    """Return R2, I2 from (e[i Om, l1] - e[l1, l2]) / (i Om - l2), with s, c = sin, cos(Omega tau)."""
+    """Return R2, I2, the integrals with the drive, by divided differences; s, c are sin, cos(Omega tau)."""
     real1, _, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, K.detuning, tau)  # over l1 - i Om
     top_real, top_imag = c * real - s * imag - E1, c * imag + s * real

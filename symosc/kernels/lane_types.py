@@ -190,7 +190,7 @@ def any_of(typingctx: Any, flags: Any) -> Any:
 
 @intrinsic
 def bits_of(typingctx: Any, flags: Any) -> Any:
-    """Return the flags of all lanes as the bits of a whole number, lane 0 in the last one."""
+    """Return the flags of all lanes as the bits of a whole number, lane 0 as the lowest bit."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         return builder.zext(builder.bitcast(arguments[0], ir.IntType(flags.width)), LONG)
@@ -243,10 +243,8 @@ def number_in(typingctx: Any, table: Any, row: Any, n: Any) -> Any:
 
 
 def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset[str]) -> Any:
-    """Return the function that loads a NamedTuple of lanes, some fields tuples themselves, from the rows of an array.
-
-    Of the fields that are `alike` in all lanes it is a number.
-    """
+    """Return the function that loads a NamedTuple of lanes, or a nested one, from the rows of an array."""
+    # Of the fields that are `alike` in all lanes it is a number.
 
     def typed(of: Any, outer: bool = True) -> Any:
         def entry(name: str) -> Any:

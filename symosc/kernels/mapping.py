@@ -105,7 +105,7 @@ def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
 
 
 def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
-    """Return the functions U0, U1, U2, V, W, P, Q of repeated roots at `tau` >= 0, from the entire functions there."""
+    """Return U0, U1, U2, V, W, P, Q, the divided differences over repeated roots, at `tau` >= 0."""
     if K.apart and K.omega_d * tau >= FAR_APART:
         return repeated_apart(tau, K.h, K.omega_d, K.cm, K.w0sq, K.Om, K.p, K.q, E0, E1, E2, R2, I2, s, c)
     zero = 0.0 * K.Om
@@ -124,10 +124,8 @@ def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
 
 
 def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
-    """Return the divided difference of z -> exp(z tau) over the four `nodes`, the first one n0 times, and so on.
-
-    `known` keeps the differences at this `tau`, `there` says which. A stack, since numba keeps no recursion on disk.
-    """
+    """Return the divided difference of z -> exp(z tau) over the four `nodes`, the first one n0 times, and so on."""
+    # `known` keeps the differences at this `tau`, `there` says which. A stack, since numba keeps no recursion on disk.
     stack = [(n0, n1, n2, n3)]
     key = key_of(stack[0])
     while not there[key]:
@@ -174,10 +172,8 @@ def farthest(counts, nodes):
 
 
 def difference_by_series(counts, nodes, tau):
-    """Return the divided difference over nodes near each other: sum of h_j / (n + j)! about their centre.
-
-    h_j is the complete homogeneous symmetric polynomial of degree j of the nodes, which are n + 1.
-    """
+    """Return the divided difference over nodes near each other: sum of h_j / (n + j)! about their centre."""
+    # h_j is the complete homogeneous symmetric polynomial of degree j of the nodes, which are n + 1.
     size, largest, total = 0, 0.0 * tau, 0.0 * nodes[0]
     for i in range(4):
         if counts[i] > 0:
@@ -247,7 +243,7 @@ def load(block, points, begin):
 
 
 def pair(block, n):
-    """Return the n-th of the loaded pairs of points: x_i, theta_i, x_j, theta_j."""
+    """Return x_i, theta_i, x_j, theta_j of the n-th pair of points in a block."""
     return block[n], block[BLOCK + n], block[2 * BLOCK + n], block[3 * BLOCK + n]
 
 
@@ -293,10 +289,8 @@ def flights_and_slopes(points, speeds, A, K, f, J):
 
 
 def sticks(points, v, sides, K, f):
-    """Fill f (2, n) with f1, f2 of sticks at speed v.
-
-    `sides` has A_alpha/m of the domains that a stick may slip into; of f2 the smaller counts.
-    """
+    """Fill f (2, n) with f1, f2 of sticks at speed v."""
+    # `sides` has A_alpha/m of the domains that a stick may slip into; of f2 the smaller counts.
     below, above = sides
     block = np.empty(6 * BLOCK)
     for begin in range(0, len(points[0]), BLOCK):

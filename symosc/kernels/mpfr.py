@@ -28,10 +28,9 @@ def mpfr_context(bits: int) -> MpfrContext:
 
 
 class MpfrContext:
-    """A fixed precision of MPFR, of `prec` bits, with the largest range of exponents.
+    """A fixed precision of MPFR, of `prec` bits, with the largest range of exponents."""
 
-    Division by 0 and results that are no numbers raise, as they do with mpmath.
-    """
+    # Division by 0 and results that are no numbers raise, as they do with mpmath.
 
     sin, cos, exp, sqrt = (staticmethod(getattr(gmpy2, name)) for name in ("sin", "cos", "exp", "sqrt"))
     mpf, mpc = mpfr, mpc

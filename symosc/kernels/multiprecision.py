@@ -23,10 +23,8 @@ from symosc.model import Parameters
 
 @contextmanager
 def interrupts_held_back() -> Iterator[None]:
-    """Delay an interrupt (Ctrl-C) until the end of a block.
-
-    gmpy2, which mpmath loads too, drops every exception of some lines that it runs while it is imported.
-    """
+    """Delay an interrupt (Ctrl-C) until the end of a block."""
+    # gmpy2, which mpmath loads too, drops every exception of some lines that it runs while it is imported.
     usual = signal.getsignal(signal.SIGINT)
     if usual is None or threading.current_thread() is not threading.main_thread():
         yield  # handlers can be set by the main thread only, and one that is not Python's cannot be put back
@@ -119,13 +117,12 @@ def _complex(digits: int, real: object, imag: object) -> Number:
 
 
 class BasisMP:
-    """The entire functions of `symosc.kernels.entire.basis` for many digits: a callable with its signature.
+    """The entire functions of `symosc.kernels.entire.basis` for many digits: a callable with its signature."""
 
-    Close roots cost digits in divided differences, and so do short times. How many is known beforehand, so they are
-    computed with as many more, in contexts of their own; coinciding roots are found in rational arithmetic. Very short
-    times use the Taylor series. The precision of `context` (of mpmath, or a `symosc.kernels.mpfr.MpfrContext`) is that
-    of the results; `more` returns such a context with at least so many bits.
-    """
+    # Close roots cost digits in divided differences, and so do short times. How many is known beforehand, so they are
+    # computed with as many more, in contexts of their own; coinciding roots are found in rational arithmetic. Very
+    # short times use the Taylor series. The precision of `context` (of mpmath, or a `symosc.kernels.mpfr.MpfrContext`)
+    # is that of the results; `more` returns such a context with at least that many bits.
 
     def __init__(self, context: Context, parameters: Parameters, more: Callable[[int], Context] = with_bits) -> None:
         self.context = context
@@ -235,5 +232,5 @@ class BasisMP:
 
 
 def _number(value: Fraction, context: Context) -> Number:
-    """Return a parameter as a number of a context."""
+    """Return a fraction as a number of an mpmath or MPFR context."""
     return context.mpf(value.numerator) / value.denominator

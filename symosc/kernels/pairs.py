@@ -349,7 +349,7 @@ def _absolute(x):
 
 @overload(int)
 def _whole(x):
-    """Return a pair truncated to a whole number."""
+    """Return the integer part of a pair, for numba's `int`."""
 
     def whole(x):
         size = abs(x)
@@ -364,7 +364,7 @@ def _whole(x):
 
 @overload(operator.setitem)
 def _stored(array, index, value):
-    """Compile the storing of a pair in a complex array."""
+    """Compile ``array[index] = pair`` for complex arrays."""
     if isinstance(array, types.Array) and array.dtype is types.complex128 and value is pair_type:
 
         def stored(array, index, value):
@@ -424,11 +424,9 @@ def root(x):
 
 @register_jitable
 def turned_sine(x, quarters):
-    """Return the sine of an angle plus quarter turns: absolute error at most 1.8e-32 for angles up to 1e6.
-
-    The angle is a multiple j of pi/1024, which the table has, and a rest of at most pi/2048, for which Taylor's series
-    takes five terms; only their first coefficients need two doubles.
-    """
+    """Return the sine of an angle plus quarter turns: absolute error at most 1.8e-32 for angles up to 1e6."""
+    # The angle is a multiple j of pi/1024, which the table has, and a rest of at most pi/2048, for which Taylor's
+    # series takes five terms; only their first coefficients need two doubles.
     steps = math.floor(x.hi * PER_TURN + 0.5)
     many = pair(float(steps), 0.0)
     rest = ((x - many * TURN1) - many * TURN2) - many * TURN3

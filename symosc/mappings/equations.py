@@ -206,16 +206,10 @@ def _parameter_jacobian(
     if end != begin:  # f2 = (v - v_i) + (v_i - v_j), whose last part vanishes when it is one belt
         columns |= {begin: (x_v0, 1 + v_v0), end: (zero, zero - 1)}
     x_A, v_A = columns["A0"]
-    for name, weight in friction_weights(p, domain, numbers.number).items():
+    (drag1, drag2), (mu1, mu2, FN) = friction_signs(domain), map(numbers.number, (p.mu1, p.mu2, p.FN))
+    for name, weight in (("mu1", drag1 * FN), ("mu2", drag2 * FN), ("FN", drag1 * mu1 + drag2 * mu2)):  # of A_alpha
         columns[name] = x_A * weight, v_A * weight
     return tuple(tuple(columns[name][equation] for name in PARAMETER_NAMES) for equation in (0, 1))
-
-
-def friction_weights(p: Parameters, domain: int, number: Callable[[Fraction], Number]) -> dict[str, Number]:
-    """Return the derivatives of A_alpha by mu1, mu2 and FN."""
-    drag1, drag2 = friction_signs(domain)
-    mu1, mu2, FN = (number(value) for value in (p.mu1, p.mu2, p.FN))
-    return {"mu1": drag1 * FN, "mu2": drag2 * FN, "FN": drag1 * mu1 + drag2 * mu2}
 
 
 def _chosen(exit: str | None, force_below: Numbers, force_above: Numbers, below: Any, above: Any) -> Any:
@@ -429,7 +423,7 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
 
 @lru_cache(maxsize=64)
 def _engine(p: Parameters, digits: int | None) -> Arithmetic:
-    """Return the engine's arithmetic with so many digits."""
+    """Return the engine's arithmetic with that many digits, None for doubles."""
     return many_digits(p, digits) if digits else Arithmetic(p)
 
 

@@ -102,7 +102,6 @@ PHASE_TEXT = re.compile(r"(?:pi|[\d.\s()+\-*/])+", re.ASCII)
 #: The sines that are rational, by the phase in units of pi/6.
 RATIONAL_SINES = {0: Fraction(0), 1: Fraction(1, 2), 3: Fraction(1), 5: Fraction(1, 2), 6: Fraction(0)}
 RATIONAL_SINES |= {7: Fraction(-1, 2), 9: Fraction(-1), 11: Fraction(-1, 2)}
-SINE_DIGITS = 30
 
 
 class ExactPhase(NamedTuple):
@@ -187,19 +186,14 @@ def of_sympy(value: Expr) -> ExactPhase | None:
     return ExactPhase(Fraction(int(rest.p), int(rest.q)), Fraction(int(multiple.p), int(multiple.q)))
 
 
-def rational_sine(phase: ExactPhase) -> Fraction | None:
-    """Return the sine of a phase if it is rational, else None."""
-    sixths = phase.multiple * 6 % 12
-    return RATIONAL_SINES.get(int(sixths)) if phase.rest == 0 and sixths.denominator == 1 else None
-
-
 def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
     """Return the sign of level + amplitude sin(phase), exactly."""
-    sine = rational_sine(phase)
+    sixths = phase.multiple * 6 % 12
+    sine = RATIONAL_SINES.get(int(sixths)) if phase.rest == 0 and sixths.denominator == 1 else None
     if sine is not None or amplitude == 0:
         total = level + amplitude * (sine or 0)
         return (total > 0) - (total < 0)
-    digits = SINE_DIGITS
+    digits = 30
     while True:
         context = mp_context(digits + len(str(int(max(map(abs, phase))))))
         value = context.sin(phase.number(context)) + number_of(level / amplitude, context)
@@ -270,13 +264,11 @@ def times(value: Angle, factor: Fraction) -> Angle:
 
 # --- LaTeX ---
 
-# Digits of a float in print; an mpmath number has those that its digits= asked for.
-FLOAT_DIGITS = 10
-
 
 def latex_number(value: Any) -> str:
     """Return a number as LaTeX: a decimal, with a power of ten where it is very large or small."""
-    text = f"{value:.{FLOAT_DIGITS}g}" if isinstance(value, float) else str(value)
+    # Digits of a float in print; an mpmath number has those that its digits= asked for.
+    text = f"{value:.10g}" if isinstance(value, float) else str(value)
     mantissa, _, exponent = text.partition("e")
     return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
 

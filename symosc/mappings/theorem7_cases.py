@@ -76,11 +76,9 @@ def place(mapping: str) -> Place:
 
 
 def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: int, full: bool) -> int:
-    """Return the kind of window from the signs of gamma, the amplitude and |gamma| - |amplitude|.
-
-    At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there. G^(3) = -gamma Omega^2 has the
-    sign of a graze at `side` iff the rest of the circle is in the window; then `full` includes the phase.
-    """
+    """Return the kind of window from the signs of gamma, the amplitude and |gamma| - |amplitude|."""
+    # At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there. G^(3) = -gamma Omega^2 has the
+    # sign of a graze at `side` iff the rest of the circle is in the window; then `full` includes the phase.
     level = side * gamma_sign
     if amplitude_sign == 0:
         return EVERYTHING if level > 0 else EMPTY  # with gamma = 0 too, the flow stays in the boundary for ever
@@ -92,11 +90,9 @@ def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: in
 
 
 def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: int) -> str:
-    """Return the paper's case: (55.1) is the first of (55); letters mark cases missing in the paper.
-
-    a: gamma has the wrong sign and |gamma| = |amplitude|; b, c: B0 = 0, everything and nothing. B0 < 0 is B0 > 0
-    half a period later.
-    """
+    """Return the paper's case: (55.1) is the first of (55); letters mark cases missing in the paper."""
+    # a: gamma has the wrong sign and |gamma| = |amplitude|; b, c: B0 = 0, everything and nothing. B0 < 0 is B0 > 0 half
+    # a period later.
     if amplitude_sign == 0:
         return f"({place.equation}.{'b' if place.side * gamma_sign > 0 else 'c'})"
     # By the sign of gamma, then of |gamma| - |amplitude| from -1 to 1.
@@ -106,19 +102,11 @@ def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: 
     return label if amplitude_sign > 0 else f"{label} shifted by pi"
 
 
-# --- the ends in double precision ---
-
-# Products of pairs are right to some units of 2^-104: closer to equality than this, rational numbers must decide.
-UNDECIDED_BELOW = 2.0**-98
-
-
 def window(k, v, B, Omega, side, full):
-    """Return (kind, low, high, theta_cr) of the window; k, v, B and Omega are pairs.
-
-    An ARC reaches from low up to high, both excluded, a WRAPPED_ARC from low through 0 to high. With ALL_BUT_ONE,
-    low = high is the excluded phase. EQUALITY_UNDECIDED: too near |k v| = |B0 Omega| for numbers that are no doubles.
-    theta_cr is nan where Theta_cr does not exist.
-    """
+    """Return (kind, low, high, theta_cr) of the window; k, v, B and Omega are pairs."""
+    # An ARC reaches from low up to high, both excluded, a WRAPPED_ARC from low through 0 to high. With ALL_BUT_ONE, low
+    # = high is the excluded phase. EQUALITY_UNDECIDED: too near |k v| = |B0 Omega| for numbers that are no doubles.
+    # theta_cr is nan where Theta_cr does not exist.
     ph, pl, pe = scaled_product(k[0], k[1], v[0], v[1])
     qh, ql, qe = scaled_product(B[0], B[1], Omega[0], Omega[1])
     p_sign, q_sign = sign(ph), sign(qh)
@@ -131,7 +119,8 @@ def window(k, v, B, Omega, side, full):
     difference, rest = pair_sum(ph, pl, -qh, -ql)
     excess_sign = sign(difference) if difference != 0.0 else sign(rest)
     exact = k[1] == 0.0 and v[1] == 0.0 and B[1] == 0.0 and Omega[1] == 0.0
-    if not exact and abs(difference) <= UNDECIDED_BELOW:
+    # Products of pairs are right to some units of 2^-104: closer to equality than this, rational numbers must decide.
+    if not exact and abs(difference) <= 2.0**-98:
         return EQUALITY_UNDECIDED, nan, nan, nan
     kind = window_kind(side, p_sign, q_sign, excess_sign, full)
     slope = -p_sign * q_sign  # sign of sin(theta_cr)

@@ -2,7 +2,5 @@
 
 closing_equations finds roots; admissibility says which of them are orbits; floquet has their multipliers; find and
 branch find orbits and follow them, the latter along a curve. border follows the ends of branches in a second parameter;
-its equations are in border_system. May import: kernels to simulation.
-
-To add a reason for a branch to end, add its margin to admissibility and its mark to plot.figures.
+its equations are in border_system. A reason for a branch to end has a margin in admissibility, a mark in plot.figures.
 """

@@ -39,16 +39,12 @@ SUSPECT = 1e-6  # ... may be what fails where the root is too ill-conditioned to
 FINE_DIGITS = 50
 # ... and is 0 if it is below this part of them even there.
 NOTHING_LEFT = 1e-25
-# Digits that the engine is asked for where the margins are small.
-ENGINE_DIGITS = (30, 60)
 # How far the engine's events may be from the orbit's, as a part of a period and of the size of the positions. A start
 # that is rounded to doubles moves an arrival with a margin of MARGINAL by 1e-7.
 SAME_POINT = 1e-6
 VANISHING_PART = 1e-2  # a duration that Newton's method in more digits reduces to this part of itself goes to 0
 SAME_EXACTLY = 1e-12
 SAMPLE = 0.25  # step of the samples that bracket extrema of the velocity, in units of 1/rate
-MOST_VELOCITY_SAMPLES = 4000
-FINEST_SAMPLES = 64.0  # an extremum is known to this many rounding errors of its time
 
 
 class Condition(NamedTuple):
@@ -90,8 +86,8 @@ class Condition(NamedTuple):
 
 GRAZING, BIRTH, VANISHING = "grazing", "birth of a stick", "vanishing of a stick"
 SLIP_BIRTH, SLIP_VANISHING, FLIGHT_VANISHING = "birth of a slip", "vanishing of a slip", "vanishing of a flight"
-# A flight that no longer reaches its belt takes the stick behind it with it; a slip that vanishes takes its own arrival
-# with it; a crossing that turns into a stick makes the flight behind it leave into the wrong domain.
+# A flight that no longer reaches its belt takes the stick after it with it; a slip that vanishes takes its own arrival
+# with it; a crossing that turns into a stick makes the flight after it leave into the wrong domain.
 ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, STAYS_INSIDE, FLIGHT_LASTS, ENGINE = range(8)
 
 
@@ -121,10 +117,7 @@ def scales(equations: ClosingEquations, points: Points) -> Scales:
 
 
 def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
-    """Return every inequality of a root with its margin, in the order of the pieces.
-
-    The margins are computed in the arithmetic of the equations, and rounded to floats at the end.
-    """
+    """Return every inequality of a root with its margin, in the order of the pieces."""
     number, K = equations.exact or float, equations.K
     points = [(number(x), number(theta)) for x, theta in points]
     sizes, found = scales(equations, points), list[Condition]()
@@ -213,13 +206,11 @@ def holds(
 
 
 def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
-    """Return the velocity extrema of a flight between two times; `at_rest`: a zero of a0 does not count.
-
-    They are bracketed in doubles, and then located in the arithmetic of the equations.
-    """
+    """Return the velocity extrema of a flight between two times; `at_rest`: a zero of a0 does not count."""
+    # They are bracketed in doubles, and then located in the arithmetic of the equations.
     coarse = equations.coarse.K
     v0, a0, s0, c0 = (float(value) for value in flight)
-    span, count = float(tau - begin), int(min(MOST_VELOCITY_SAMPLES, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
+    span, count = float(tau - begin), int(min(4000, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
     times = float(begin) + span * np.arange(at_rest, count + 1) / count
     _, _, slopes = motion(v0, a0, s0, c0, coarse.cm, coarse.w0sq, coarse.f0, coarse.Om, *basis(times, coarse)[:5])
     rising = slopes > 0
@@ -233,7 +224,8 @@ def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: C
     """Return the zero of the acceleration in a bracket, by Newton steps within it."""
     states, K = equations.arithmetic.namespace["state_at"], equations.K
     number = equations.exact or float
-    allowed = FINEST_SAMPLES * equations.arithmetic.namespace["EPS"]
+    # An extremum is known to this many rounding errors of its time
+    allowed = 64.0 * equations.arithmetic.namespace["EPS"]
     low, high = number(low), number(high)
     tau = (low + high) / 2
     for _ in range(100):
@@ -252,11 +244,10 @@ def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: C
 
 
 def grazing_distance(equations: ClosingEquations, points: Points) -> float:
-    """Return the least velocity difference by which a flight avoids or passes a graze.
-
-    At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go past
-    the belt if the motion of its domain went on. Both are 0 where the orbit grazes, seen from below and from above.
-    """
+    """Return the least velocity difference by which a flight avoids or passes a graze."""
+    # At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go
+    # past the belt if the motion of its domain went on. Both are 0 where the orbit grazes, seen from below and from
+    # above.
     K, nearest = equations.K, inf
     points = [(float(x), float(theta)) for x, theta in points]
     nearest = min([c.value for c in conditions(equations, points) if "stays in" in c.text], default=inf)
@@ -300,7 +291,7 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     if failed:
         return failed
     found = []
-    for digits in ENGINE_DIGITS:
+    for digits in (30, 60):  # that the engine is asked for where margins are small
         wrong = engine_contradiction(fine, root.points, digits)
         if wrong is None:
             return []
@@ -347,10 +338,8 @@ def _undecided(found: list[Condition]) -> list[Condition]:
 
 
 def engine_contradiction(equations: ClosingEquations, points: Points, digits: int | None = None) -> Condition | None:
-    """Follow an orbit from its root by the engine; return the first piece that it does not follow, None if it closes.
-
-    It starts at the end of a flight where the forces on both sides of the belt are farthest from 0.
-    """
+    """Follow an orbit from its root by the engine; return the first piece that differs, None if it closes."""
+    # It starts at the end of a flight where the forces on both sides of the belt are farthest from 0.
     pieces, number, K, p = equations.pieces, equations.exact or float, equations.K, equations.parameters
 
     def least_force(i: int) -> float:

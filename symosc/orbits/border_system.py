@@ -145,7 +145,7 @@ class BorderSystem:
         self.scale = np.array([*[size * weight, weight] * self.n, *[weight] * len(self.timed), *widths])
 
     def _at_rest_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
-        """Return the pieces, where flights after these crossings start with the acceleration 0, exactly."""
+        """Return the pieces; flights after these crossings start with an acceleration of exactly 0."""
         pieces = list(self.pieces)
         for i in crossings:
             j = (i + 1) % self.n

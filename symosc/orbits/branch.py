@@ -52,7 +52,6 @@ NO_GAP, NEAR_CHANGE = 1e-7, 1e-4
 MARGINAL_START, AWAY = 1e-6, (1e-6, 1e-5, 1e-4)  # below which a start is at an end, and how far from it to begin
 FAR_BEHIND = 1e-3  # arclength before an end at which margins are what they are compared with there
 MOST_BACK = 12  # an end is moved back by at most RESOLUTION 4^MOST_BACK
-UNDECIDED_LENGTH = 1e-9  # length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
 
 
 class BranchError(SymoscError, ValueError):
@@ -326,10 +325,8 @@ def _follow(
 
 
 def _first_points(curve: Curve, direction: float) -> list[BranchPoint]:
-    """Return the first point, and a slightly later one if the first is at an end (margins are rounding noise).
-
-    On the way between the two nothing is proven (as before an end, see NO_GAP).
-    """
+    """Return the first point, and one just after it if the first is at an end, where margins are rounding noise."""
+    # On the way between the two nothing is proven (as before an end, see NO_GAP).
     first = curve.first(direction)
     if all(condition.value > MARGINAL_START * condition.scale for condition in first.conditions):
         return [first]
@@ -343,11 +340,9 @@ def _first_points(curve: Curve, direction: float) -> list[BranchPoint]:
 def _scan(
     curve: Curve, a: BranchPoint, b: BranchPoint, around: float = np.inf
 ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-    """Divide a piece of a branch after its point a; return its orbits, and the first point that is no orbit, or None.
-
-    None if the points do not lie on one smooth curve. `around` is the length of the shortest piece around it that is
-    known to end in a change.
-    """
+    """Divide a piece of a branch after its point a; return its orbits, and the first point that is none, or None."""
+    # None if the points do not lie on one smooth curve. `around` is the length of the shortest piece around it that is
+    # known to end in a change.
     length, changed = curve.distance(a, b), bool(b.failures)
     around = min(around, length) if changed else around
     if changed and length < NO_GAP:
@@ -360,7 +355,8 @@ def _scan(
             b = _verified(curve, b)  # and so is m: between two orbits nothing has changed
             if not b.failures:
                 return [m, b], None
-        elif length < UNDECIDED_LENGTH:  # all is rounding noise here; next to a change it says nothing
+        # Length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
+        elif length < 1e-9:  # all is rounding noise here; next to a change it says nothing
             if around <= NEAR_CHANGE:
                 return [m], None
             # A margin is so small that doubles cannot tell whether it passes 0.
@@ -395,7 +391,7 @@ def _proven(curve: Curve, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> boo
 
 
 def _verified(curve: Curve, point: BranchPoint) -> BranchPoint:
-    """Return the branch point with its failures as decided by more digits and by the engine, not in doubles alone."""
+    """Decide the failures of a branch point anew, with more digits and by following it with the engine."""
     return replace(point, failures=tuple(failures(curve.equations(point.value), point.points)))
 
 
@@ -432,7 +428,7 @@ def _with_end(
 
 
 def _inside(curve: Curve, last: BranchPoint) -> BranchPoint:
-    """Return the last branch point that is an orbit also by more digits, at most some roundings before the last."""
+    """Return the last point of a branch that more digits confirm as an orbit: `last`, or one just before it."""
     for back in (0.0, *(RESOLUTION * 4.0**j for j in range(MOST_BACK))):
         z = curve.of(last) - back * last.tangent
         point = last if back == 0.0 else curve.accepted(curve.correct(z, last.tangent), last)

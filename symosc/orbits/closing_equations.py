@@ -46,13 +46,10 @@ MOST_POLISHING = 80
 MOST_LINEAR = 16
 # Corrections in more digits that stop shrinking have converged if they are below this power of the arithmetic's unit.
 POLISHED = 0.8
-LEAST_DAMPING = 2.0**-16
 # A step may take at most this part of a piece's duration away: a flight must not shrink to its trivial root tau = 0.
 SHORTEN = 0.8
 # Below this size of a (relative) correction Newton's method is taken to converge; it then goes on to the last digit.
 CONVERGING = 1e-8
-# Without damping, directions that the equations fix by less than this are left alone.
-SAME_ROW = 1e-9
 # A residual below this may be rounding errors: Newton's method then goes on with more digits.
 ROUNDED, MORE_DIGITS = 1e-9, 40
 SINGULAR = "the Jacobian became singular"
@@ -256,12 +253,10 @@ class Solution:
 
 
 def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
-    """Solve the closing equations by Newton's method, damped by the natural monotonicity test.
-
-    A step is accepted if the next simplified correction is shorter than the step (Deuflhard, Newton Methods for
-    Nonlinear Problems, 2004, section 3.3). That does not depend on how the equations are scaled: f1 is a length, f2 a
-    velocity or, at the end of a stick, an acceleration.
-    """
+    """Solve the closing equations by Newton's method, damped by the natural monotonicity test."""
+    # A step is accepted if the next simplified correction is shorter than the step (Deuflhard, Newton Methods for
+    # Nonlinear Problems, 2004, section 3.3). That does not depend on how the equations are scaled: f1 is a length, f2 a
+    # velocity or, at the end of a stick, an acceleration.
     points = np.array(guess, dtype=float)
     scale = np.array([max(np.ptp(points[:, 0]), np.abs(points[:, 0]).max(), 1e-3), 1.0])
     values = np.array(equations.residuals(points), dtype=float)
@@ -286,7 +281,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
             if after <= (1 - damping / 4) * size or (size < CONVERGING and damping == 1.0):
                 break
             damping /= 2
-            if damping < LEAST_DAMPING:
+            if damping < 2.0**-16:
                 return Solution(best[1], best[0], steps, False, "no step brings it nearer to a solution")
         points = trial
         best = min(best, (np.abs(values).max(), points), key=lambda pair: pair[0])
@@ -296,15 +291,14 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
 def _newton_step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Return the Newton correction; without damping, the nearest of many roots is wanted."""
     if equations.K.cm == 0:
-        return np.linalg.lstsq(matrix, right, rcond=SAME_ROW)[0].reshape(-1, 2)
+        # Without damping, directions that the equations fix by less than this are left alone.
+        return np.linalg.lstsq(matrix, right, rcond=1e-9)[0].reshape(-1, 2)
     return np.linalg.solve(matrix, right).reshape(-1, 2)
 
 
 def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
-    """Solve the closing equations in doubles; where rounding stops Newton's method, with more digits.
-
-    Near the birth of a short piece its duration has few digits in doubles, and steps that small are all noise.
-    """
+    """Solve the closing equations in doubles; where rounding stops Newton's method, with more digits."""
+    # Near the birth of a short piece its duration has few digits in doubles, and steps that small are all noise.
     with np.errstate(all="ignore"):
         solution = newton(equations, guess)
     if solution.converged or not np.isfinite(solution.residual) or solution.residual > ROUNDED:
@@ -320,10 +314,8 @@ def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
 
 
 def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
-    """Return the largest part of a step that leaves every flight at least 1 - SHORTEN of its duration.
-
-    A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
-    """
+    """Return the largest part of a Newton step that leaves every flight at least 1 - SHORTEN of its duration."""
+    # A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
     durations = equations.durations(points)
     changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]
     flights = np.array([not piece.sticks for piece in equations.pieces])
@@ -334,11 +326,10 @@ def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) 
 
 
 def polish(equations: ClosingEquations, points: Points) -> Solution:
-    """Refine a solution in the arithmetic of `equations` (mpmath) by plain Newton steps.
-
-    Converged means that the last correction is as small as the digits allow. Where the Jacobian is singular the
-    corrections shrink by a constant factor only: they stop at about the root of that, or the matrix cannot be inverted.
-    """
+    """Refine a solution in the arithmetic of `equations` (mpmath) by plain Newton steps."""
+    # Converged means that the last correction is as small as the digits allow. Where the Jacobian is singular the
+    # corrections shrink by a constant factor only: they stop at about the root of that, or the matrix cannot be
+    # inverted.
     context = equations.arithmetic.context  # type: ignore[attr-defined]
     points = [tuple(context.convert(value) for value in point) for point in points]
     n, last, linear = len(points), context.inf, 0

@@ -54,16 +54,12 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.words import Word, WordError, read_word
 
 LEAST_SIZE = 0.1  # of the largest displacement expected
-CORRECTIONS = 12
-LARGEST_CORRECTION = 1.0  # in arclength; farther off another root is found
 SHARPEST_TURN = 0.9  # cosine of the angle between tangents of neighbouring points
 DIFFERENCE = 1e-6  # of the range, for the derivative with respect to the parameter: Newton's method needs no more
-REMEMBERED = 32
 
 
 MARGIN_SAFETY = 4.0
 LEAST_PARTS, MOST_PARTS, REFINED = 12, 800, 8
-DEEPEST = 30
 Node = tuple[ClosingEquations, np.ndarray]
 
 
@@ -86,11 +82,10 @@ class BranchPoint:
 
 
 class Curve:
-    """A curve of roots in z = (x/size, phase, parameter/range).
+    """A curve of roots in z = (x/size, phase, parameter/range)."""
 
-    Arclength measures positions from their mean: a shift of the whole orbit, such as by A0/k, changes nothing else
-    and needs no steps. So lengths and angles are those of `level(z)`.
-    """
+    # Arclength measures positions from their mean: a shift of the whole orbit, such as by A0/k, changes nothing else
+    # and needs no steps. So lengths and angles are those of `level(z)`.
 
     def __init__(self, orbit: PeriodicOrbit, parameter: str, low: float, high: float) -> None:
         self.orbit, self.parameter, self.low, self.high = orbit, parameter, low, high
@@ -106,17 +101,14 @@ class Curve:
     def equations(self, value: float) -> ClosingEquations:
         """Return the closing equations for a value of the parameter."""
         if value not in self._equations:
-            while len(self._equations) >= REMEMBERED:
+            while len(self._equations) >= 32:
                 del self._equations[next(iter(self._equations))]
             parameters = self.orbit.parameters.replace(**{self.parameter: value})
             self._equations[value] = ClosingEquations(parameters, self.word, self.orbit.periods)
         return self._equations[value]
 
     def linearised(self, z: np.ndarray, slope: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Return residuals (2n,) and their Jacobian (2n, 2n + 1) with respect to the scaled unknowns.
-
-        Its last column, by the parameter, is taken from `slope` if that is given.
-        """
+        """Return residuals (2n,) and their Jacobian (2n, 2n + 1) by scaled unknowns; `slope`: its last column."""
         points, value = self.split(z)
         equations = self.equations(value)
         values, column = np.array(equations.residuals(points)), self.slope(z) if slope is None else slope
@@ -164,7 +156,7 @@ class Curve:
     def correct(self, guess: np.ndarray, normal: np.ndarray) -> np.ndarray | None:
         """Return the point of the curve in the plane through `guess` with that normal, or None."""
         z, before, row, slope = guess, np.inf, self.level(normal), None
-        for _ in range(CORRECTIONS):
+        for _ in range(12):
             try:
                 slope = self.slope(z) if slope is None else slope  # good enough for all steps from a near guess
                 values, matrix = self.linearised(z, slope)
@@ -173,7 +165,7 @@ class Curve:
             except (np.linalg.LinAlgError, ParameterError, ZeroDivisionError):
                 return None
             size, whole = np.abs(self.level(step)).max(), max(1.0, np.abs(z).max())
-            if not np.isfinite(size) or size > LARGEST_CORRECTION:
+            if not np.isfinite(size) or size > 1.0:  # in arclength; farther off another root is found
                 return None
             z = z + step
             if size <= 4 * EPS * whole or (size < CONVERGING and size > before / 4):
@@ -243,7 +235,7 @@ def no_margin_vanishes(nodes: list[Node], margins: list[tuple[Condition, ...]]) 
     for i, duration in enumerate(equations.durations(points)):
         parts = duration / equations.K.Om * equations.K.rate / SAMPLE
         u = np.linspace(0.0, 1.0, 1 + int(min(MOST_PARTS, max(LEAST_PARTS, parts))))
-        if not _stay_positive(nodes, i, u, DEEPEST):
+        if not _stay_positive(nodes, i, u, 30):
             return False
     return True
 
@@ -340,11 +332,9 @@ def _of_stick(
 
 
 def word_beyond(curve: Curve, point: BranchPoint, direction: float) -> tuple[str | None, str]:
-    """Return the orbit's word just beyond an end; or None and the motion there as text ("" if unknown).
-
-    The motion is simulated there from the orbit at the end, and the words that it goes through are solved for. One with
-    an admissible orbit is the answer: with c > 0 there is no second one (`symosc.orbits.floquet`).
-    """
+    """Return the orbit's word just beyond an end; or None and the motion there as text ("" if unknown)."""
+    # The motion is simulated there from the orbit at the end, and the words that it goes through are solved for. One
+    # with an admissible orbit is the answer: with c > 0 there is no second one (`symosc.orbits.floquet`).
     instead = ""
     for distance in DISTANCES:
         value = point.value + direction * distance * (curve.high - curve.low)

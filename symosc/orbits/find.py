@@ -42,8 +42,6 @@ LEAST_RUN_EVENTS = 60
 SETTLING_EVENTS, SETTLED = 400, 1e-6
 #: Forcing periods by which the motion from rest may have settled.
 SETTLING_PERIODS = (50, 1_000, 20_000)
-# Events that are nearer to each other than this part of the time are one in doubles.
-SAME_TIME = 2.0**-50
 
 
 @public
@@ -141,7 +139,8 @@ def settled_orbit(parameters: Parameters, digits: int | None = None, most: int =
         if word not in tried:
             tried.append(word)
             last = simulate_many(parameters, (0, 0, 0), end).t[-len(word) :]
-            if np.diff(last).min(initial=inf) <= SAME_TIME * end:
+            # Events that are nearer to each other than this part of the time are one in doubles.
+            if np.diff(last).min(initial=inf) <= 2.0**-50 * end:
                 reason = f"the motion from rest comes too near to a graze: no stick has a length from t = {last[0]:.6g}"
                 break
             found = find_orbit(parameters, word, digits=digits)
@@ -277,7 +276,7 @@ def _message(
 
 
 def _instead(equations: ClosingEquations, resting: bool = False) -> str:
-    """Describe how the motion at these parameters ends; `resting`: the root is a stick that may last forever."""
+    """Describe what the motion at these parameters does instead of the orbit; `resting`: the root may stick forever."""
     for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
         positions = rest_positions(equations.parameters, boundary)
         if positions is not None:
@@ -374,10 +373,8 @@ def mappings_between(passages: list[Passage]) -> list[str | None]:
 
 
 def settled_word(equations: ClosingEquations, passages: list[Passage]) -> Word | None:
-    """Return the word of the periodic motion to which a simulation settles, or None if it does not soon.
-
-    It begins with the first mapping of the equations' word if it has that.
-    """
+    """Return the word of the periodic motion to which a simulation settles, or None if it does not soon."""
+    # It begins with the first mapping of the equations' word if it has that.
     labels, last = mappings_between(passages), passages[-1]
     for n in range(1, len(labels) // 2):
         before = passages[-1 - n]
@@ -439,10 +436,8 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
 
 
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[list[Guess]]:
-    """Yield guesses from simulations started on the word's belts in batches, smallest closing error first.
-
-    They start at 7 positions, in units of the largest displacement expected, at 8 phases.
-    """
+    """Yield guesses from simulations started on the word's belts in batches, smallest closing error first."""
+    # They start at 7 positions, in units of the largest displacement expected, at 8 phases.
     centre, size = largest_displacement(equations)
     boundaries = sorted({piece.start for piece in equations.pieces})
     most = max(LEAST_RUN_EVENTS, 8 * len(equations.pieces))

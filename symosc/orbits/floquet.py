@@ -105,10 +105,8 @@ def inside(equations: ClosingEquations, points: Points, values: tuple[Number, Nu
 
 
 def rest_positions(parameters: Parameters, boundary: int) -> tuple[Fraction, Fraction] | None:
-    """Return the lowest and highest x at which the mass may rest on a belt forever, or None if it cannot.
-
-    The belt has to be at rest, and F^(below) >= 0 >= F^(above) has to hold at every phase.
-    """
+    """Return the lowest and highest x at which the mass may rest on a belt forever, or None if it cannot."""
+    # The belt has to be at rest, and F^(below) >= 0 >= F^(above) has to hold at every phase.
     p = parameters
     if p.belt(boundary) != 0 or p.k == 0:
         return None

@@ -39,10 +39,7 @@ KEYS = (*REQUIRED, "see", "verdict", "correction", "remark")
 
 @dataclass(frozen=True)
 class Evidence:
-    """The result of a check: a verdict, one or two sentences with the decisive numbers, and all numbers by name.
-
-    The verdict is computed from the numbers, never taken from the claims file; the numbers are kept as text.
-    """
+    """The result of a check: a verdict computed from its numbers, one or two sentences, and the numbers as text."""
 
     verdict: str
     finding: str
@@ -62,23 +59,19 @@ def verdict(as_printed: object, corrected: object = False) -> str:
 
 
 class Claim(NamedTuple):
-    """A statement of the paper, where it stands there, and the check that judges it.
-
-    `verdict` is the committed one; `figures` are keys of pictures, `derivation` is the key of a chapter; `correction`
-    is the statement that does hold, if this one does not, and `remark` what there is to add to one that holds.
-    """
+    """A statement of the paper, where it stands there, and the check that judges it."""
 
     id: str
     part: str
     source: str
     says: str
     check: Callable[[], Evidence]
-    verdict: str
-    figures: tuple[str, ...] = ()
-    derivation: str | None = None
-    correction: str | None = None
+    verdict: str  # the committed one
+    figures: tuple[str, ...] = ()  # keys of pictures
+    derivation: str | None = None  # the key of a chapter
+    correction: str | None = None  # the statement that does hold, if this one does not
     errata: tuple[str, ...] = ()
-    remark: str | None = None
+    remark: str | None = None  # what there is to add to one that holds
 
 
 class Unjudged(NamedTuple):
@@ -92,11 +85,9 @@ class Unjudged(NamedTuple):
 def read_claims(
     pictures: Collection[str], path: Path = CLAIMS_FILE, checks: str = CHECKS
 ) -> tuple[tuple[Claim, ...], tuple[Unjudged, ...]]:
-    """Read all claims, in the order of PARTS, and the parts of the paper without a verdict.
-
-    `pictures` are the keys that claims may refer to, `checks` is the package whose modules have the check functions. A
-    RecordsError says what is wrong with a file: its TOML, a key, a name that does not exist, a missing correction.
-    """
+    """Read all claims, in the order of PARTS, and the parts of the paper without a verdict."""
+    # `pictures` are the keys that claims may refer to, `checks` is the package with the check functions. RecordsError
+    # says what is wrong with a file.
     data = read_toml(path)
     unjudged = data.pop("unjudged", [])
     for row in unjudged:
@@ -118,6 +109,7 @@ def read_claims(
 
 
 def _claim(name: str, part: str, table: dict[str, Any], where: str, targets: dict[str, str], checks: str) -> Claim:
+    """Read and check a claim."""
     for key in REQUIRED:
         if key not in table:
             raise RecordsError(where, f"{key} is missing")
@@ -204,15 +196,7 @@ _NUMBER = re.compile(r"(?P<joint>,? and |, | to | )[(]?(?P<number>\d+)(?:[.]\d+)
 
 
 def items_of(source: str) -> list[Item]:
-    """Return the items that a source text names: sections, equations, lemmas, theorems, figures.
-
-    Examples
-    --------
-    >>> [item.label for item in items_of("Theorem 4 (i), eqs. (26), (32) to (34)")]
-    ['(26)', '(32)', '(33)', '(34)', 'Theorem 4']
-    >>> [item.label for item in items_of("Section 5, before eq. (54)")]
-    ['Section 5']
-    """
+    """Return the sections, equations, lemmas, theorems and figures that a source names: "eqs. (26), (32) to (34)"."""
     found = [Item("section", 0)] if "Abstract" in source else []
     source = _PLACE.sub("", source)
     for word, kind in _WORDS.items():
@@ -222,6 +206,7 @@ def items_of(source: str) -> list[Item]:
 
 
 def _numbers(source: str, at: int) -> Iterator[int]:
+    """Yield the numbers of a list such as "(26), (32) to (34)"."""
     last = 0
     while match := _NUMBER.match(source, at):
         number, at = int(match["number"]), match.end()

@@ -1,10 +1,8 @@
 """The paper's Figs. 1 to 10, and figures of Theorem 7: their data and their drawing.
 
-Fig. 1 is a drawing; Fig. 2 is computed from a set of parameters, the arrows of Fig. 3 from the accelerations (9), and
-every curve of Fig. 4 is a motion of one oscillator. Figs. 5 to 10 have the paper's panels, order and colours, with dots
-where its text puts them: belts are black and the mass is red; blue circles and green squares are onset and end of a
-stick (in Fig. 7 of the first period), red triangles switching points, red stars contacts. In the figures of Theorem 7
-the phases at which a mapping grazes stand against its belt's speed.
+Figs. 5 to 10 have the paper's panels, order and colours, with dots where its text puts them: belts are black and the
+mass is red; blue circles and green squares are onset and end of a stick (in Fig. 7 of the first period), red triangles
+switching points, red stars contacts.
 """
 
 from __future__ import annotations
@@ -140,6 +138,7 @@ def later_stick(view: View) -> Contact:
 
 
 def _contact_mark(contact: Contact) -> Mark:
+    """Return the mark of a contact."""
     return Mark("grazing point" if contact.until == contact.since else "contact", SWITCH_COLOR, contact.since)
 
 
@@ -339,25 +338,25 @@ def fig1() -> Figure:
     ax = drawing.add_axes((0.0, 0.0, 1.0, 1.0))
     ax.set(xlim=(-0.5, 11.7), ylim=(-3.4, 3.4), aspect="equal")
     ax.set_axis_off()
-    _wall_spring_and_damper(ax)
+    _draw_wall_spring_and_damper(ax)
     mass = Rectangle((4.7, -0.9), 2.0, 1.8, facecolor="#f3d9d6", edgecolor=MASS_COLOR, lw=LINE, zorder=3)
     ax.add_patch(mass)
     ax.text(5.7, 0.0, "$m$", **CENTER, fontsize=11, zorder=4)
     _belt(ax, 1, 2)
     _belt(ax, -1, 1)
-    _arrow(ax, (6.7, 0.35), (8.1, 0.35), MASS_COLOR)
+    _draw_arrow(ax, (6.7, 0.35), (8.1, 0.35), MASS_COLOR)
     ax.text(8.25, 0.33, r"$A_0 + B_0\cos\Omega t$", ha="left", va="center")
-    _arrow(ax, (6.7, -0.5), (7.6, -0.5), "black", lw=THIN)
+    _draw_arrow(ax, (6.7, -0.5), (7.6, -0.5), "black", lw=THIN)
     ax.text(7.75, -0.5, "$x$", ha="left", va="center")
     return drawing
 
 
-def _arrow(ax: Axes, start: tuple[float, float], end: tuple[float, float], color: str, **style: Any) -> None:
+def _draw_arrow(ax: Axes, start: tuple[float, float], end: tuple[float, float], color: str, **style: Any) -> None:
     arrow: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 8.0, "lw": LINE, "shrinkA": 0.0, "shrinkB": 0.0}
     ax.add_patch(FancyArrowPatch(start, end, color=color, **(arrow | style)))
 
 
-def _wall_spring_and_damper(ax: Axes) -> None:
+def _draw_wall_spring_and_damper(ax: Axes) -> None:
     ax.plot([0.0, 0.0], [-1.1, 1.1], color="black", lw=LINE)
     for low in np.linspace(-1.1, 0.8, 7):
         ax.plot([-0.35, 0.0], [low, low + 0.3], color="black", lw=THIN)
@@ -384,7 +383,7 @@ def _belt(ax: Axes, side: int, number: int) -> None:
         ax.plot([centre], [middle], "o", color=GREY, ms=1.8)
         bend = 0.5 * radius * np.exp(1j * np.radians([205, 335]))
         start, end = ((centre + z.real, middle + side * z.imag) for z in bend)
-        _arrow(ax, start, end, GREY, lw=THIN, mutation_scale=5.0, connectionstyle=f"arc3,rad={0.6 * side}")
+        _draw_arrow(ax, start, end, GREY, lw=THIN, mutation_scale=5.0, connectionstyle=f"arc3,rad={0.6 * side}")
     turn = np.linspace(-np.pi / 2, np.pi / 2, 60)
     bows = [(centres[1], np.cos(turn), np.sin(turn)), (centres[0], -np.cos(turn), -np.sin(turn))]
     rim = np.vstack([np.column_stack([x + radius * c, middle + radius * s]) for x, c, s in bows])
@@ -392,9 +391,9 @@ def _belt(ax: Axes, side: int, number: int) -> None:
     # A shoe behind the strand presses the belt against the mass.
     shoe = sorted((side * (contact + 0.07), side * (contact + 0.25)))
     ax.add_patch(Rectangle((mass[0], shoe[0]), mass[1] - mass[0], shoe[1] - shoe[0], facecolor=GREY, lw=0))
-    _arrow(ax, (5.7, outer + side * 0.95), (5.7, side * (contact + 0.25)), "black", zorder=5)
+    _draw_arrow(ax, (5.7, outer + side * 0.95), (5.7, side * (contact + 0.25)), "black", zorder=5)
     ax.text(5.9, outer + side * 0.6, "$F_N$", ha="left", va="center")
-    _arrow(ax, (6.95, side * (contact + 0.3)), (7.95, side * (contact + 0.3)), BELT_COLOR)
+    _draw_arrow(ax, (6.95, side * (contact + 0.3)), (7.95, side * (contact + 0.3)), BELT_COLOR)
     ax.text(7.4, side * (contact + 0.75), f"$v_{number}$", **CENTER)
     ax.text(9.75, middle, f"belt {number}", ha="left", va="center")
 
@@ -463,7 +462,7 @@ def fig3(scene: str = "fig5") -> Figure:
         ax.plot(zones[belt], [speed, speed], solid_capstyle="butt", zorder=3, **stick)
         place = x[0] + 0.035 * width, speed
         ax.text(*place, rf"$\partial\Omega_{{{lo}{hi}}}$", ha="left", va="center", bbox=BOX, zorder=5)
-    _phase_axes(ax, p, x, v)
+    _prepare_phase_axes(ax, p, x, v)
     key = [Line2D([], [], **stick), Line2D([], [], color=GREY, marker=r"$\rightarrow$", ls="", ms=8)]
     words = [r"sticks at $\Omega t = 0$", r"direction at $\Omega t = 0$"]
     drawing.legend(key, words, columnspacing=1.2, **OUTSIDE)
@@ -487,7 +486,7 @@ def _arrow_field(ax: Axes, p: Parameters, alpha: int, x: Edges, v: Edges, limits
     ax.quiver(X, V, U / size, W / size, pivot="mid", color=GREY, width=0.004, scale=16, headwidth=4.5, zorder=1)
 
 
-def _phase_axes(ax: Axes, p: Parameters, x: Edges, v: Edges) -> None:
+def _prepare_phase_axes(ax: Axes, p: Parameters, x: Edges, v: Edges) -> None:
     ax.set_xlim(x)
     ax.set_ylim(v)
     ax.set_xticks([])
@@ -533,7 +532,7 @@ def fig4() -> Figure:
     drawing = Figure(figsize=(COLUMN_WIDTH, 3.0), layout="constrained")
     ax = drawing.add_subplot()
     for label in MAPPINGS:
-        _mapping(ax, label)
+        _draw_mapping(ax, label)
     low, high = v1 - 0.8 * (v2 - v1), v2 + 0.85 * (v2 - v1)
     left, right = ax.get_xlim()[0] - 1.0, ax.get_xlim()[1] + 1.8
     for alpha, edges in enumerate(((low, v1), (v1, v2), (v2, high)), 1):
@@ -542,13 +541,13 @@ def fig4() -> Figure:
         ax.text(*place, rf"$\Omega_{alpha}$", ha="right", va="center", fontsize=11)
     for speed in (v1, v2):
         ax.axhline(speed, color=BELT_COLOR, lw=LINE, zorder=2)
-    _phase_axes(ax, p, (left, right), (low, high))
+    _prepare_phase_axes(ax, p, (left, right), (low, high))
     marks = [Line2D([], [], ls="", marker=marker, ms=3.5, color=color) for marker, color in ENDS]
     drawing.legend(marks, ["start", "end"], **OUTSIDE)
     return drawing
 
 
-def _mapping(ax: Axes, label: str) -> None:
+def _draw_mapping(ax: Axes, label: str) -> None:
     motion, count = mapping_motion(label), 200
     x, v = motion(np.linspace(float(motion.t_start), float(motion.events[0].t), count))
     sticks = motion.segments[0].mode.startswith("belt")

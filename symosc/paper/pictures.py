@@ -31,19 +31,15 @@ POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 class Picture(NamedTuple):
-    """A figure of the report, with its heading and one sentence (`alt`) for readers who do not see it.
-
-    `paper_figure` is the number of the paper's figure that it reproduces; `build` draws it, `describe` returns the
-    caption with its numbers computed, and `narrow` draws it for a phone, its panels above each other.
-    """
+    """A figure of the report, with its heading and a sentence (`alt`) for readers who do not see it."""
 
     key: str
     title: str
     alt: str
-    paper_figure: int | None
+    paper_figure: int | None  # the number of the paper's figure that it reproduces
     build: Callable[[], Figure]
-    describe: Callable[[], str]
-    narrow: Callable[[], Figure] | None = None
+    describe: Callable[[], str]  # returns the caption, with its numbers computed
+    narrow: Callable[[], Figure] | None = None  # draws it for a phone, with panels above each other
 
 
 # --- numbers and starts in captions ---
@@ -180,6 +176,7 @@ def grazing_P3_caption(name: str) -> str:
 
 
 def _contact(view: View, contact: Contact) -> str:
+    """Return a sentence about a contact with belt 1."""
     x = number(float(view.trajectory(contact.since)[0]), 7)
     if contact.since == contact.until:
         return f"From the exact start the mass grazes belt 1 at t = {number(contact.since, 9)}, x = {x}."
@@ -193,8 +190,8 @@ def _contact(view: View, contact: Contact) -> str:
 def motion_caption(name: str) -> str:
     """Return the caption of Fig. 9 or 10 from the printed start."""
     return (
-        f"As printed. {_six_panels(figures.motion_view(name))} The printed start is not on the periodic orbit: "
-        f"{_distance(f'{name}-orbit')} {parameters_and_start(name)}"
+        f"As printed. {_panels_text(figures.motion_view(name))} The printed start is not on the periodic orbit: "
+        f"{_distance_text(f'{name}-orbit')} {parameters_and_start(name)}"
     )
 
 
@@ -205,13 +202,13 @@ def orbit_caption(orbit: str) -> str:
     once = [event for event in events if event.t < events[0].t + 0.999 * T]
     points = ", ".join(f"({number(float(event.t), 7)}, {number(float(event.x), 7)})" for event in once)
     return (
-        f"The periodic orbit {load_scene(orbit).structure} with its period T = {number(T, 7)}. {_six_panels(view)} It "
-        f"switches at (t, x) = {points}. Diamond: the start printed in the paper; {_distance(orbit)} "
+        f"The periodic orbit {load_scene(orbit).structure} with its period T = {number(T, 7)}. {_panels_text(view)} It "
+        f"switches at (t, x) = {points}. Diamond: the start printed in the paper; {_distance_text(orbit)} "
         f"{parameters_and_start(orbit)}"
     )
 
 
-def _six_panels(view: View) -> str:
+def _panels_text(view: View) -> str:
     low, high = view.domains
     sticks = any(event.kind == "stick" for event in view.trajectory.events)
     marks = MARKS if sticks else "Triangles: the mass passes a belt."
@@ -221,7 +218,7 @@ def _six_panels(view: View) -> str:
     )
 
 
-def _distance(orbit: str) -> str:
+def _distance_text(orbit: str) -> str:
     scene = load_scene(orbit)
     away = find_orbit(scene.parameters, str(scene.structure)).approach(printed_scene(orbit))
     return (

@@ -199,9 +199,6 @@ def write(folder: Path, texts: Mapping[str, str]) -> None:
         raise OutputError(str(folder), error.strerror or str(error)) from None
 
 
-# --- templates ---
-
-
 def render(template: str, context: Mapping[str, Any]) -> str:
     """Return a template of the folder templates, filled in."""
     environment = Environment(
@@ -250,7 +247,7 @@ _MARKED: list[tuple[str, _Replacement]] = [
     (r"\b(\d(?:\.\d+)?)e([+-]?)0*(\d+)\b", lambda found: (
         f"{'' if found[1] == '1' else f'{found[1]}·'}10<sup>{'−' if found[2] == '-' else ''}{found[3]}</sup>"
     )),
-    (_LETTER + r"\^(?:\{([^{}]+)\}|\(([^()]+)\)|(\w))", lambda found: _raised(*found.groups())),
+    (_LETTER + r"\^(?:\{([^{}]+)\}|\(([^()]+)\)|(\w))", lambda found: _superscript(*found.groups())),
     (_LETTER + r"((?:<sup>.*?</sup>)?)_(?:\{([^{}]+)\}|(\([^()]+\)|\w+))", lambda found: (
         f"{found[1]}{found[2]}<sub>{found[3] or found[4]}</sub>"
     )),
@@ -275,6 +272,6 @@ def typeset(text: str) -> str:
     return text
 
 
-def _raised(base: str, braced: str | None, bracketed: str | None, single: str | None) -> str:
+def _superscript(base: str, braced: str | None, bracketed: str | None, single: str | None) -> str:
     power = braced or single or (f"({bracketed})" if base in "FG" else bracketed)
     return f"{base}<sup>{power}</sup>"

@@ -64,25 +64,20 @@ class Chapter(NamedTuple):
 
 @dataclass(frozen=True)
 class Plan:
-    """The tasks: claims, pictures by their keys, chapters of the derivations, and the errata that the claims show.
-
-    `unjudged` is what of the paper gets no verdict; None if the claims are a part of all.
-    """
+    """What to do: claims, pictures by key, chapters of the derivations, and the errata that the claims show."""
 
     claims: tuple[Claim, ...]
     pictures: Mapping[str, Picture]
     chapters: tuple[str, ...] = ()
     errata: tuple[Erratum, ...] = ()
+    # the parts of the paper without a verdict; None if the claims are not all
     unjudged: tuple[Unjudged, ...] | None = None
 
     def __len__(self) -> int:
         return len(self.claims) + len(self.pictures) + len(self.chapters)
 
     def only(self, prefix: str) -> Plan:
-        """Return the plan of the claims with ids that begin with `prefix`, and of their pictures.
-
-        Derivations are left out: one chapter may take as long as all claims together.
-        """
+        """Return the plan of the claims with ids that begin with `prefix`, and their pictures, without derivations."""
         claims = tuple(claim for claim in self.claims if prefix and claim.id.startswith(prefix))
         if not claims:
             heads = dict.fromkeys(claim.id.partition("-")[0] for claim in self.claims)
@@ -147,10 +142,8 @@ class Results:
 
 
 def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | None = None) -> Results:
-    """Do everything in a plan, in one process per processor, or so many; call `progress` after each task.
-
-    With 0 workers everything is done in this process, without time limits.
-    """
+    """Do everything in a plan, in `workers` processes (None: one per processor); call `progress` after each task."""
+    # With 0 workers everything is done in this process, without time limits.
     begin = perf_counter()
     # The longest first (chapters, and the searches, which are among the last claims), so that no worker is left alone
     # with one.
@@ -214,9 +207,6 @@ def _in_processes(tasks: Tasks, workers: int) -> Generator[tuple[tuple[str, str]
         if not tasks:
             return
     yield from ((key, Done(error=f"the pool of processes broke down, {POOLS} times")) for key in tasks)
-
-
-# --- what a worker does ---
 
 
 def timed(task: Callable[[], Any]) -> Done:

@@ -85,10 +85,8 @@ def style_for(ax: Axes | None) -> AbstractContextManager[None]:
 def panel_axes(
     ax: Any, panels: str, size: tuple[float, float], *, stacked: bool = False, letter_at: float | None = None
 ) -> tuple[Figure, Any]:
-    """Return a figure and the axes of its panels: those given by the user, or new ones in a row or `stacked`.
-
-    `size` is that of a new figure in inches; `letter_at` is the place of the panels' letters, None for none.
-    """
+    """Return a figure and the axes of its panels: those given by the user, or new ones in a row or `stacked`."""
+    # `size` is that of a new figure in inches; `letter_at` is the place of the panels' letters, None for none.
     if ax is not None:
         return figure_of(ax), [ax]
     drawing = Drawing(figsize=size, layout="constrained")

@@ -214,10 +214,8 @@ def default_panels(scene: Scene) -> str:
 
 
 def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *, tall: int | None = None) -> Figure:
-    """Draw panels into the rows of one figure (`width` in inches), with a letter for each and one legend below them.
-
-    What a view magnifies is drawn above the panel with the index `tall`, whose row is higher.
-    """
+    """Draw panels into the rows of one figure (`width` in inches), with a letter for each and one legend below them."""
+    # What a view magnifies is drawn above the panel with the index `tall`, whose row is higher.
     with own_style():
         square = len(panels) == 1 and panels[0][0] is PANELS["c"]
         heights = [3.0 if square else 2.0] * -(-len(panels) // columns)
@@ -346,11 +344,9 @@ BRANCH_PANELS = {"a": _positions, "b": _multipliers}
 
 
 def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return many parameter values along a part of a branch, and both moduli there, the larger one first.
-
-    Trace and determinant of the monodromy matrix are smooth along a branch and are interpolated; the multipliers are
-    not where a real pair turns complex, and follow from them.
-    """
+    """Return many parameter values along a part of a branch, and both moduli there, the larger one first."""
+    # Trace and determinant of the monodromy matrix are smooth along a branch and are interpolated; the multipliers are
+    # not where a real pair turns complex, and follow from them.
     trace, determinant = multipliers.sum(axis=1).real, multipliers.prod(axis=1).real
     columns = np.column_stack([values, trace, determinant])
     sizes = np.ptp(columns, axis=0)
@@ -389,10 +385,8 @@ def _next_words(ax: Axes, branch: Branch) -> None:
 
 
 def stability(branch: Branch) -> np.ndarray:
-    """Return a key of `STABILITY_STYLES` for each orbit of a branch.
-
-    What is not stable is marginal if no multiplier is outside the unit circle by more than rounding.
-    """
+    """Return a key of `STABILITY_STYLES` for each orbit of a branch."""
+    # What is not stable is marginal if no multiplier is outside the unit circle by more than rounding.
     from symosc.orbits.floquet import NEAR_ONE
 
     sizes = np.abs(branch.multipliers).max(axis=1)

@@ -26,15 +26,7 @@ from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.files import check_folder_of, write_text
 from symosc.fit import Fit
-from symosc.plot.drawing import (
-    STYLE,
-    add_legend,
-    legend_entries,
-    one_axes,
-    panel_axes,
-    read_panels,
-    style_for,
-)
+from symosc.plot.drawing import STYLE, add_legend, legend_entries, one_axes, panel_axes, read_panels, style_for
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 

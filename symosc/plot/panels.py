@@ -70,11 +70,10 @@ class Contact:
 
 @dataclass(frozen=True)
 class View:
-    """The data that the panels draw: samples t, x, v of the curves, and the forces at one boundary.
+    """The data that the panels draw: samples t, x, v of the curves, and the forces at one boundary."""
 
-    Panel (a) shows the displacement of a point of a belt at the `contacts`, and beyond them by the fractions
-    `belt_reach` of both axes; panel (b) shows at most two `magnified` ones in insets.
-    """
+    # Panel (a) shows the displacement of a point of a belt at the `contacts`, and beyond them by the fractions
+    # `belt_reach` of both axes; panel (b) shows at most two `magnified` ones in insets.
 
     trajectory: Trajectory
     boundary: int

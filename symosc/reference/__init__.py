@@ -1,7 +1,5 @@
 """Reference cases: problems with known, mostly proven events for tests of any solver, and the score of a solver.
 
 `cases` has them all, `case` is one with its certificate and conditions. `folder` writes and reads them as files,
-`results` reads a solver's events, `score` judges them. May import: up to certificates.
-
-To add a case, add a `ReferenceCase` to one of the functions of `cases`, and raise SET_VERSION there.
+`results` reads a solver's events, `score` judges them.
 """

@@ -257,11 +257,10 @@ def _enclosed(value: Any) -> tuple[str, str]:
 
 
 def last_period(scene: Scene, digits: int) -> Sequence[Event]:
-    """Return the events of the last forcing period before t_end on the orbit that attracts the scene's motion.
-
-    They are those of a period on the orbit, a whole number of periods later. A long run must end with them even if its
-    start is not exactly on the orbit: every period multiplies the distance by the orbit's multipliers, 0.56 and less.
-    """
+    """Return the events of the last forcing period before t_end on the orbit that attracts the scene's motion."""
+    # They are those of a period on the orbit, a whole number of periods later. A long run must end with them even if
+    # its start is not exactly on the orbit: every period multiplies the distance by the orbit's multipliers, 0.56 and
+    # less.
     p, word, context = scene.parameters, str(scene.structure), mp_context(digits + 10)
     orbit = find_orbit(p, word, guess=find_orbit(p, word), digits=digits + 10)
     start, count = orbit.points[0], len(orbit.points)
@@ -282,17 +281,9 @@ def _events_of(scene: Scene, digits: int) -> Sequence[Event]:
 
 
 def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]] = _events_of) -> list[float]:
-    """Return the condition number of every event of a scene.
-
-    They are infinite from the first event on that changes of the input, however small, turn into others. `events` is
-    called with the scene and its neighbours, and digits.
-
-    Examples
-    --------
-    >>> from symosc import load_scene
-    >>> f"{max(conditions(load_scene('fig5'))):.1f}"
-    '11.3'
-    """
+    """Return the condition number of every event of a scene."""
+    # They are infinite from the first event on that changes of the input, however small, turn into others. `events` is
+    # called with the scene and its neighbours, and digits.
     exact = {digits: events(scene, digits) for _, digits in INPUT_CHANGES[:1]}
     certain = len(exact[INPUT_CHANGES[0][1]])
     totals = [[0.0, 0.0] for _ in range(certain)]

@@ -79,7 +79,7 @@ def reference_cases() -> Sequence[ReferenceCase]:
     >>> cases[0].name, cases[-1].group
     ('paper-fig5', 'long run')
     """
-    return Listing([*_paper(), *_hard(), *grazes(), *rests(), *coulomb(), *continuum(), *_long_runs()])
+    return Listing([*_paper_cases(), *_hard_cases(), *grazes(), *rests(), *coulomb(), *continuum(), *_long_run_cases()])
 
 
 def reference_case(name: str) -> ReferenceCase:
@@ -103,7 +103,7 @@ def chosen(group: str | None) -> Sequence[ReferenceCase]:
 AT_A_SLIP = "the start is the end of a stick to all its digits: within its error the mass may stick or slip"
 
 
-def _paper() -> Iterator[ReferenceCase]:
+def _paper_cases() -> Iterator[ReferenceCase]:
     for name in filter(figure_of, scene_names()):
         scene = load_scene(name)
         reason = AT_A_SLIP if name == "fig10-orbit" else ""
@@ -136,7 +136,7 @@ class HardCase:
     periods: int = 0
 
     def reference(self, scene: Scene | None = None, digits: int = REFERENCE_DIGITS) -> Sequence[Event]:
-        """Return the events that a solver must find in the scene, or in a neighbour of it, with so many digits."""
+        """Return the events that a solver must find in the scene, or in a neighbour of it, with `digits` digits."""
         scene = scene or self.scene
         return last_period(scene, digits) if self.periods else simulate(scene, digits=digits).events
 
@@ -145,11 +145,12 @@ class HardCase:
 def hard_cases() -> tuple[HardCase, ...]:
     """Return all hard cases, in the order of GROUPS."""
     easy = (HardCase(name, "easy", replace(load_scene(name), t_end=Fraction(10)), True) for name in ("fig9", "fig10"))
-    cases = [*easy, *_peaks(), *_short_contacts(), *_shrinking_sticks(), *_regimes(), *_belts(), *_endless_runs()]
+    cases = [*easy, *_peak_cases(), *_short_contact_cases(), *_shrinking_stick_cases()]
+    cases += [*_regime_cases(), *_belt_cases(), *_endless_run_cases()]
     return tuple(sorted(cases, key=lambda case: list(GROUPS).index(case.group)))
 
 
-def _hard() -> Iterator[ReferenceCase]:
+def _hard_cases() -> Iterator[ReferenceCase]:
     for case in hard_cases():
         name = _slug(f"{case.group} {case.name}")
         scene = replace(case.scene, name=name)
@@ -172,22 +173,21 @@ def short(value: Number | Fraction) -> str:
     return str(context.nstr(context.convert(value), DIGITS_OF_A_NUMBER, min_fixed=-context.inf, max_fixed=context.inf))
 
 
-def _scene(
+def _scene_like(
     name: str, base: str, start: tuple[NumberLike, NumberLike, NumberLike], t_end: NumberLike, **changes: NumberLike
 ) -> Scene:
-    return _named(name, load_scene(base).parameters.replace(**changes), start, t_end)
+    """Return a scene with the parameters of a shipped one but for `changes`."""
+    return _scene(name, load_scene(base).parameters.replace(**changes), start, t_end)
 
 
-def _named(name: str, p: Parameters, start: tuple[NumberLike, NumberLike, NumberLike], t_end: NumberLike) -> Scene:
+def _scene(name: str, p: Parameters, start: tuple[NumberLike, NumberLike, NumberLike], t_end: NumberLike) -> Scene:
     t0, x0, v0, end = (read_exact("start", value) for value in (*start, t_end))
     return Scene(name, p, t0, x0, v0, end)
 
 
 def start_before_a_peak(p: Parameters, mapping: str, height: Fraction, t_m: str, t0: str) -> tuple[str, str, str]:
-    """Return t0, x0, v0 from which v peaks at t_m, `height` beyond the belt that `mapping` grazes (short of it if < 0).
-
-    That is the start of the orbit that grazes a belt which is faster by `height`.
-    """
+    """Return t0, x0, v0 from which v peaks at t_m, `height` beyond the belt that `mapping` grazes."""
+    # That is the start of the orbit that grazes a belt which is faster by `height`, or short of it (height < 0).
     where = place(mapping)
     beyond = 1 if where.domain == where.boundary else -1
     speed = p.belt(where.boundary) + beyond * height
@@ -198,7 +198,7 @@ def start_before_a_peak(p: Parameters, mapping: str, height: Fraction, t_m: str,
     return t0, short(Fraction(start.start["x0"])), short(Fraction(start.start["v0"]))
 
 
-def _peaks() -> list[HardCase]:
+def _peak_cases() -> list[HardCase]:
     cases = []
     for base, mapping, t_m, t0, t_end, exponents, quick in PEAKS:
         p = load_scene(base).parameters
@@ -206,7 +206,7 @@ def _peaks() -> list[HardCase]:
             for exponent in exponents:
                 start = start_before_a_peak(p, mapping, Fraction(sign, 10**exponent), t_m, t0)
                 name = f"by 1e-{exponent} ({mapping}, {base})"
-                cases.append(HardCase(name, group, _named(name, p, start, t_end), exponent in quick))
+                cases.append(HardCase(name, group, _scene(name, p, start, t_end), exponent in quick))
     return cases
 
 
@@ -220,10 +220,9 @@ def start_with_force(p: Parameters, domain: int, boundary: int, t0: str, force: 
 
 
 def start_before_a_dip(p: Parameters, height: str, t0: str) -> tuple[str, str, str]:
-    """Return t0, x0, v0 on belt 1 from which F^(1), falling along the stick, has its least value `height`.
-
-    It is least at the phase pi + asin(k v1/(B0 Omega)), where its slope -(k v1 + B0 Omega sin(theta))/m turns positive.
-    """
+    """Return t0, x0, v0 on belt 1 from which F^(1), falling along the stick, has its least value `height`."""
+    # It is least at the phase pi + asin(k v1/(B0 Omega)), where its slope -(k v1 + B0 Omega sin(theta))/m turns
+    # positive.
     context = mp_context(40)
     ratio = p.k * p.v1 / (p.B0 * p.Omega)
     theta = context.pi + context.asin(context.mpf(ratio.numerator) / ratio.denominator)
@@ -232,29 +231,29 @@ def start_before_a_dip(p: Parameters, height: str, t0: str) -> tuple[str, str, s
     return t0, short(Fraction(x_m) - p.v1 * (t_m - Fraction(t0))), speed
 
 
-def _short_contacts() -> list[HardCase]:
+def _short_contact_cases() -> list[HardCase]:
     p, group, cases = load_scene("fig5").parameters, "short stick or flight", []
     for height, where in (("-1e-6", "below"), ("-1e-12", "below"), ("1e-12", "above")):
         start = start_before_a_dip(p, height, "2.5")
         cases.append(
-            HardCase(f"stick: force {height.lstrip('-')} {where} 0", group, _named("dip", p, start, "12"), True)
+            HardCase(f"stick: force {height.lstrip('-')} {where} 0", group, _scene("dip", p, start, "12"), True)
         )
     for force in ("1e-7", "1e-9"):
         start = start_with_force(p, 1, 1, "5", f"-{force}")
-        cases.append(HardCase(f"flight from F = {force}", group, _named("flight", p, start, "12"), force == "1e-7"))
+        cases.append(HardCase(f"flight from F = {force}", group, _scene("flight", p, start, "12"), force == "1e-7"))
         start = start_with_force(p, 1, 1, "1", force)
-        cases.append(HardCase(f"stick from F = {force}", group, _named("stick", p, start, "12"), force == "1e-7"))
+        cases.append(HardCase(f"stick from F = {force}", group, _scene("stick", p, start, "12"), force == "1e-7"))
     weak = p.replace(mu1="1e-9")  # F^(1) - F^(2) is 2e-8 on belt 1: a stick ends below or above it at once
     for t0, where in (("1", "below"), ("4", "above")):
         start = start_with_force(weak, 1, 1, t0, "1e-8")
         cases.append(
-            HardCase(f"forces 2e-8 apart, ends {where}", group, _named("weak", weak, start, "12"), where == "above")
+            HardCase(f"forces 2e-8 apart, ends {where}", group, _scene("weak", weak, start, "12"), where == "above")
         )
     cases.append(HardCase("fig7-corrected as printed", group, load_scene("fig7-corrected"), True))
     return cases
 
 
-def _shrinking_sticks() -> list[HardCase]:
+def _shrinking_stick_cases() -> list[HardCase]:
     scene, group = load_scene("fig8"), "fig8's sticks"
     return [
         HardCase(f"{periods} periods of the drive", group, replace(scene, t_end=Fraction(t_end)), periods == 5)
@@ -262,7 +261,7 @@ def _shrinking_sticks() -> list[HardCase]:
     ]
 
 
-def _regimes() -> list[HardCase]:
+def _regime_cases() -> list[HardCase]:
     cases: list[HardCase] = []
 
     def add(group: str, name: str, scene: Scene, quick: bool = False) -> None:
@@ -272,40 +271,40 @@ def _regimes() -> list[HardCase]:
         for sign, letter in ((1, "+"), (-1, "-"))[: 1 if small == "0" else 2]:
             quarter = Fraction(1, 4) * (1 + sign * Fraction(small))
             name = "k = c^2/4m" if small == "0" else f"k = c^2/4m (1 {letter} {small})"
-            scene = _scene(name, "fig5", FIG5, "25", k=quarter)
+            scene = _scene_like(name, "fig5", FIG5, "25", k=quarter)
             add("near-critical damping", name, scene, name in ("k = c^2/4m", "k = c^2/4m (1 + 1e-14)"))
     for c in ("1e-2", "1e-7", "1e-12", "0"):
-        scene = _scene(f"c = {c}", "fig9", FIG9, "7.5", c=c, k="1.6", FN=20)
+        scene = _scene_like(f"c = {c}", "fig9", FIG9, "7.5", c=c, k="1.6", FN=20)
         add("resonance", f"c = {c}", scene, c in ("1e-12", "0"))
     for k in ("1e-3", "1e-9", "1e-15", "0"):
-        add("weak spring", f"k = {k}", _scene(f"k = {k}", "fig10", FIG10, "12.2", k=k), k in ("1e-15", "0"))
+        add("weak spring", f"k = {k}", _scene_like(f"k = {k}", "fig10", FIG10, "12.2", k=k), k in ("1e-15", "0"))
     for m in ("1e-2", "1e-5", "1e-8"):
-        add("light mass", f"m = {m}", _scene(f"m = {m}", "fig10", FIG10, "9.5", m=m), m == "1e-5")
-    free = _scene("m = 1e-5, c = 0", "fig10", FIG10, "1.47", m="1e-5", c=0)
+        add("light mass", f"m = {m}", _scene_like(f"m = {m}", "fig10", FIG10, "9.5", m=m), m == "1e-5")
+    free = _scene_like("m = 1e-5, c = 0", "fig10", FIG10, "1.47", m="1e-5", c=0)
     add("light mass", free.name, free)
     group = "fast and slow drive"
-    add(group, "Omega = 1e3", _scene("Omega = 1e3", "fig9", ("0", "0", "0"), "0.04", Omega=1000, B0=3000), True)
-    add(group, "Omega = 1e-3", _scene("Omega = 1e-3", "fig6", FIG6, "6000", Omega="1e-3"), True)
+    add(group, "Omega = 1e3", _scene_like("Omega = 1e3", "fig9", ("0", "0", "0"), "0.04", Omega=1000, B0=3000), True)
+    add(group, "Omega = 1e-3", _scene_like("Omega = 1e-3", "fig6", FIG6, "6000", Omega="1e-3"), True)
     for t0, text in ((10**8, "1e8"), (10**10, "1e10")):
         for base, (_, x0, v0), span in (("fig9", FIG9, 10), ("fig10", FIG10, 15)):
-            add("late start", f"t0 = {text} ({base})", _scene("late", base, (t0, x0, v0), t0 + span), t0 == 10**10)
+            add("late start", f"t0 = {text} ({base})", _scene_like("late", base, (t0, x0, v0), t0 + span), t0 == 10**10)
     return cases
 
 
-def _belts() -> list[HardCase]:
+def _belt_cases() -> list[HardCase]:
     scenes = (
-        _scene("mu1 = 0", "fig5", FIG5, "25", mu1=0),
-        _scene("mu1 = mu2 = 0", "fig5", FIG5, "25", mu1=0, mu2=0),
-        _scene("FN = 1e-9", "fig5", FIG5, "25", FN="1e-9"),
-        _scene("v2 - v1 = 1e-6", "fig5", FIG5, "25", v2="1.000001"),
-        _scene("v2 - v1 = 999", "fig5", FIG5, "25", v2=1000),
-        _scene("B0 = 0, c = 0", "fig9", ("0", "30", "0"), "8", B0=0, c=0),
-        _scene("x0 = 1e8", "fig9", ("0", "1e8", "0"), "5"),
+        _scene_like("mu1 = 0", "fig5", FIG5, "25", mu1=0),
+        _scene_like("mu1 = mu2 = 0", "fig5", FIG5, "25", mu1=0, mu2=0),
+        _scene_like("FN = 1e-9", "fig5", FIG5, "25", FN="1e-9"),
+        _scene_like("v2 - v1 = 1e-6", "fig5", FIG5, "25", v2="1.000001"),
+        _scene_like("v2 - v1 = 999", "fig5", FIG5, "25", v2=1000),
+        _scene_like("B0 = 0, c = 0", "fig9", ("0", "30", "0"), "8", B0=0, c=0),
+        _scene_like("x0 = 1e8", "fig9", ("0", "1e8", "0"), "5"),
     )
     return [HardCase(scene.name, "belts", scene, scene.name in ("mu1 = 0", "v2 - v1 = 1e-6")) for scene in scenes]
 
 
-def _endless_runs() -> list[HardCase]:
+def _endless_run_cases() -> list[HardCase]:
     cases = []
     for name in ("fig9-orbit", "fig10-orbit"):
         scene = load_scene(name)
@@ -340,7 +339,7 @@ GRAZE_TIMES = {"P2": "1.1", "P3": "3.3", "P5": "0.55", "P6": "3.85"}
 
 
 def grazes() -> Iterator[ReferenceCase]:
-    """Yield the cases."""
+    """Yield motions that graze a belt exactly."""
     for regime, changes in DAMPED.items():
         p = GRAZING.replace(**changes)
         for mapping, t_m in GRAZE_TIMES.items():
@@ -372,13 +371,13 @@ GAP = Fraction(1)
 
 
 def rests() -> Iterator[ReferenceCase]:
-    """Yield the cases."""
+    """Yield motions that come to rest, or creep towards it."""
     yield from _creeping()
     yield from _towards_a_limit()
-    yield from _on_a_belt()
+    yield from _belt_start_cases()
 
 
-def _rest(
+def _rest_case(
     name: str,
     p: Parameters,
     start: tuple[NumberLike, NumberLike],
@@ -393,10 +392,8 @@ def _rest(
 
 
 def _creeping() -> Iterator[ReferenceCase]:
-    """Yield flights from v = -1 towards v = 0: g = |v|, u = g' + r2 g = `push` at the start; contact only if u < 0.
-
-    Then it is at t = log(1 + (r2 - r1) g/|u|)/(r2 - r1), and at t = g/|u| if the two roots are one.
-    """
+    """Yield flights that creep towards v = 0 with the gap g = -v; they meet the belt only if u = g' + r2 g < 0."""
+    # Then it is at t = log(1 + (r2 - r1) g/|u|)/(r2 - r1), and at t = g/|u| if the two roots are one.
     for number, push in enumerate(("-1e-1", "-1e-9", "0", "1e-9"), 1):  # late, very late, just not, not
         for roots, (r1, r2) in (("two roots", (1, 3)), ("one root", (2, 2))):
             u = Fraction(push)
@@ -409,7 +406,7 @@ def _creeping() -> Iterator[ReferenceCase]:
             closed = (f"t[0] = {expression % show(-u)}",) if u < 0 else ()
             hard = f"the velocity creeps to the belt's, and {'meets it late' if u < 0 else 'never meets it'}: {roots}"
             t_end = 150 if r1 == r2 and u < 0 else 30
-            yield _rest(f"creeping-{number}-{roots.replace(' ', '-')}", p, (x0, -GAP), t_end, hard, closed=closed)
+            yield _rest_case(f"creeping-{number}-{roots.replace(' ', '-')}", p, (x0, -GAP), t_end, hard, closed=closed)
 
 
 def _towards_a_limit() -> Iterator[ReferenceCase]:
@@ -421,23 +418,23 @@ def _towards_a_limit() -> Iterator[ReferenceCase]:
         hard = "the velocity tends to a limit " + (
             f"{beyond} beyond the belt's speed" if b > 0 else "that is the belt's speed" if not b else "short of it"
         )
-        yield _rest(f"limit-speed-{number}", p, (0, 0), 40, hard, closed=closed)
+        yield _rest_case(f"limit-speed-{number}", p, (0, 0), 40, hard, closed=closed)
 
 
-def _on_a_belt() -> Iterator[ReferenceCase]:
+def _belt_start_cases() -> Iterator[ReferenceCase]:
     p = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1, mu2="1/10", FN=1)
     for number, x0 in enumerate((0, "1/2", "-3/5", "-4/5", 1), 1):
         edge = x0 in ("-4/5", 1)
         hard = "rest on a belt: nothing may happen, for ever" + (
             "; on the edge, where the force just falls to 0" * edge
         )
-        yield _rest(f"rest-{number}", p, (x0, 0), 200, hard, UNIQUENESS, reason=AT_THE_EDGE if edge else "")
+        yield _rest_case(f"rest-{number}", p, (x0, 0), 200, hard, UNIQUENESS, reason=AT_THE_EDGE if edge else "")
     hard = "the force reaches the edge of friction by 1e-9 or misses it by that, on a belt at rest"
     for name, x0 in (("slips", "1.000000001"), ("stays", "0.999999999")):  # A1 - |B0| = 1
-        yield _rest(f"rest-edge-{name}", p, (x0, 0), 60, hard, UNIQUENESS)
+        yield _rest_case(f"rest-edge-{name}", p, (x0, 0), 60, hard, UNIQUENESS)
     fast = p.replace(v1=1, B0=0)
     hard = "one stick, one flight, then a slow approach to rest between the belts' speeds, with nothing more to find"
-    yield _rest("stick-then-settling", fast, (0, 1), 60, hard)
+    yield _rest_case("stick-then-settling", fast, (0, 1), 60, hard)
 
 
 # -- the Coulomb oscillator and its continuum of orbits ----------------------------------------------------------------
@@ -449,31 +446,24 @@ BALANCE = "the energy of a free or resonant oscillator with constant friction, h
 AT_A_TURN = (
     "contacts are exactly where the drift of the belt turns, between two pieces of the proof; see the closed form"
 )
-FAR_BELT = 10**6
 # Digits of a start on an orbit whose amplitude is not rational.
 ORBIT_DIGITS = 60
 
 
 def wall(F: NumberLike, Omega: NumberLike, c: NumberLike = 0, P: NumberLike = 1) -> Parameters:
-    """Return the parameters of a mass on a spring that rubs on a wall.
-
-    Examples
-    --------
-    >>> wall("0.4", "1.5").mu1
-    Fraction(2, 5)
-    """
-    return Parameters(m=1, c=c, k=1, A0=0, B0=P, Omega=Omega, v1=0, v2=FAR_BELT, mu1=F, mu2=0, FN=1)
+    """Return the parameters of a mass on a spring that rubs on a wall."""
+    return Parameters(m=1, c=c, k=1, A0=0, B0=P, Omega=Omega, v1=0, v2=10**6, mu1=F, mu2=0, FN=1)
 
 
 def coulomb() -> Iterator[ReferenceCase]:
-    """Yield the cases with closed forms."""
+    """Yield Coulomb oscillators, whose events have closed forms."""
     yield from _slides()
     yield from _borders()
     yield from _resonance()
     yield from _decay()
 
 
-def _oscillator(
+def _oscillator_case(
     name: str, p: Parameters, start: tuple[Any, Any, Any], t_end: Any, *said: Any, group: str = COULOMB
 ) -> Any:
     hard, source, closed = said
@@ -492,17 +482,11 @@ def _slides() -> Iterator[ReferenceCase]:
         closed = [f"x[{i}] = {'-' if i % 2 == 0 else ''}({amplitude(c, F, Omega)})" for i in range(2 * cycles)]
         t_end = Fraction(f"{float(t0) + (cycles + 0.25) * period:.6g}")
         hard = "a start and events at velocity 0, on the belt at rest; the motion passes it and does not stop"
-        yield _oscillator(f"den-hartog-{number}", p, (t0, x0, 0), t_end, hard, DEN_HARTOG, closed)
+        yield _oscillator_case(f"den-hartog-{number}", p, (t0, x0, 0), t_end, hard, DEN_HARTOG, closed)
 
 
 def amplitude(c: str, F: str, Omega: str) -> str:
-    """Return Den Hartog's amplitude for m = k = P = FN = 1 as an expression.
-
-    Examples
-    --------
-    >>> amplitude("0", "0.4", "1.5")[:40]
-    'sqrt((1/(1 - (1.5)**2))**2 - (0.4)**2*(t'
-    """
+    """Return Den Hartog's amplitude for m = k = P = FN = 1 as an expression."""
     if Fraction(c) == 0:
         return f"sqrt((1/(1 - ({Omega})**2))**2 - ({F})**2*(tan(pi/(2*({Omega})))/({Omega}))**2)"
     zeta = f"(({c})/2)"
@@ -522,7 +506,7 @@ def _borders() -> Iterator[ReferenceCase]:
             hard = (
                 f"friction just {side} the border of motions without stops, r = {Omega}: stops are short or not there"
             )
-            yield _oscillator(
+            yield _oscillator_case(
                 f"border-{Omega}-{side}".replace(".", "-"), wall(F, Omega), (0, 1, 0), 150, hard, BORDER_SOURCE, ()
             )
 
@@ -535,7 +519,7 @@ def _resonance() -> Iterator[ReferenceCase]:
         closed += [f"x[{i}] = {'-' if i % 2 else ''}(5 + pi/4 - {F} + {i}*(pi/2 - 2*{F}))" for i in range(12)]
         start = (0, Fraction(1, 2) - Fraction(F), 5)
         hard = "undamped resonance: the amplitude grows for ever"
-        yield _oscillator(f"resonance-growth-{number}", p, start, 40, hard, BALANCE, closed)
+        yield _oscillator_case(f"resonance-growth-{number}", p, start, 40, hard, BALANCE, closed)
 
 
 def _decay() -> Iterator[ReferenceCase]:
@@ -546,14 +530,12 @@ def _decay() -> Iterator[ReferenceCase]:
         closed += [f"x[{i}] = {'-' if i % 2 == 0 else ''}({x0} - {2 * (i + 1)}*{F})" for i in range(last)]
         hard = "free decay: all turning points are on the belt at rest, and the last one is a stop for ever"
         p, t_end = wall(F, 1, P=0), int(pi * last) + 20
-        yield _oscillator(f"free-decay-{number}", p, (0, x0, 0), t_end, hard, BALANCE, closed)
+        yield _oscillator_case(f"free-decay-{number}", p, (0, x0, 0), t_end, hard, BALANCE, closed)
 
 
 def continuum() -> Iterator[ReferenceCase]:
-    """Yield motions at Omega = 1/(2 n), c = 0: from d + x_0, with x_0 = 1/(1 - Omega^2), turning at d -+ x_0 for ever.
-
-    That is so for |d| < Omega^2 x_0 - F; beyond it they stop.
-    """
+    """Yield motions at Omega = 1/(2 n), c = 0 that turn at d -+ x_0 for ever, x_0 = 1/(1 - Omega^2)."""
+    # That is so for |d| < Omega^2 x_0 - F; beyond it they stop.
     members = ((1, "0.1", ("0", "0.1", "-0.2", "0.2333", "0.2334", "0.3")), (2, "0.05", ("0", "0.01", "-0.0166")))
     for n, F, middles in members:
         Omega = Fraction(1, 2 * n)
@@ -568,13 +550,13 @@ def continuum() -> Iterator[ReferenceCase]:
             )
             name, t_end = f"continuum-{n}-{number}", Fraction(f"{(8 + 1 / 4) * 2 * n * pi:.6g}")
             start = (0, Fraction(d) + x_0, 0)
-            yield _oscillator(name, wall(F, Omega), start, t_end, hard, CSERNAK, closed, group=CONTINUUM)
+            yield _oscillator_case(name, wall(F, Omega), start, t_end, hard, CSERNAK, closed, group=CONTINUUM)
 
 
 # -- long runs ---------------------------------------------------------------------------------------------------------
 
 
-def _long_runs() -> Iterator[ReferenceCase]:
+def _long_run_cases() -> Iterator[ReferenceCase]:
     for base, periods, hard in (
         ("fig9-orbit", 150, "300 crossings of one belt on an orbit without sticks"),
         ("fig10", 75, "300 sticks and slips at two belts"),

@@ -1,9 +1,8 @@
 """Compare a solver's events with those of a reference: errors, missed and invented events.
 
-The two lists are aligned as sequences. An event can be matched with one of the same kind on the same boundary that is
-at most a window of time away. Matches keep the order of both lists. Of all such alignments one with the most matches is
-taken, and of these the nearest. So one missed event does not shift all later ones, and of repeated reports of an event
-the nearest counts and the others are invented.
+The two lists are aligned as sequences: events of one kind on one boundary match within a window of time, in the order
+of both lists. Of the alignments with the most matches the nearest is taken: so one missed event does not shift all
+later ones, and of repeated reports of an event the nearest counts and the others are invented.
 """
 
 from __future__ import annotations
@@ -18,8 +17,6 @@ from symosc.aliases import Number
 from symosc.crosschecks.events import WINDOW, in_order
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event
-
-# -- compare --
 
 #: What `relative_error` is, for readers of tables.
 ERRORS = "of event times relative to max(1, t - t0), of positions to max(1, |x|)"
@@ -43,7 +40,7 @@ class FoundEvents(NamedTuple):
 
 
 class OfAKind(Protocol):
-    """An event with kind and boundary, as the alignment requires."""
+    """Protocol of an event with a kind and a boundary, for `align`."""
 
     @property
     def kind(self) -> str:
@@ -68,7 +65,7 @@ class Comparison:
 
     @property
     def error(self) -> float | None:
-        """The larger of the two errors."""
+        """The larger of the errors of times and of positions."""
         return None if self.error_t is None or self.error_x is None else max(self.error_t, self.error_x)
 
     @property
@@ -104,10 +101,9 @@ def compare(found: Iterable[FoundEvents], reference: Sequence[Event], window: fl
 
 
 def relative_error(value: Number, exact: Number, start: Number = 0) -> float:
-    """Return |value - exact| relative to max(1, |exact - start|).
-
-    For a time `start` is t0: a late start is no excuse for a late event. What rounding t0 to a double does is no error.
-    """
+    """Return |value - exact| relative to max(1, |exact - start|)."""
+    # For a time `start` is t0: a late start is no excuse for a late event. What rounding t0 to a double does is no
+    # error.
     rounding = ulp(float(start)) if start else 0
     return float(max(0, abs(exact - value) - rounding) / max(1, abs(exact - start)))
 
@@ -115,10 +111,8 @@ def relative_error(value: Number, exact: Number, start: Number = 0) -> float:
 def align(
     found: Sequence[FoundEvents], reference: Sequence[OfAKind], times: Sequence[float], window: float
 ) -> list[tuple[int, int]]:
-    """Return the pairs (reference, found) of the best alignment: as many as possible, and of these the nearest.
-
-    `found` is in order of time; `times` are those of the reference, and no pair is farther apart than the window.
-    """
+    """Return the pairs (reference, found) of the best alignment: as many as possible, and of these the nearest."""
+    # `found` is in order of time; `times` are those of the reference, and no pair is farther apart than the window.
     found_times, pairs = [event.t for event in found], []
     for i, (event, time) in enumerate(zip(reference, times, strict=True)):
         for j in range(bisect_left(found_times, time - window), bisect_right(found_times, time + window)):

@@ -56,26 +56,25 @@ def write_cases(
     workers: int = 2,
     progress: Callable[[int], None] | None = None,
 ) -> Path:
-    """Write cases into a folder, all or nothing; the same cases give the same bytes.
-
-    `path` is a new folder, or one of an earlier run without other files in it, or an OutputError is raised. `progress`
-    is called with how many cases more are done.
-    """
+    """Write cases into a folder, all or nothing; the same cases give the same bytes."""
+    # `path` is a new folder, or one of an earlier run without other files in it, or an OutputError is raised.
+    # `progress` is called with how many cases more are done.
     wanted = reference_cases() if cases is None else cases
     check_folder(path, _of_an_earlier_run)  # before the work
     texts, rows = {}, []
-    for each in _computed(wanted, workers):
+    for each in _compute_files(wanted, workers):
         texts.update(each["texts"])
         rows.append(each["row"])
         if progress:
             progress(1)
-    texts[CASES_TABLE] = _csv(TABLE_COLUMNS, rows)
-    texts["README.md"] = _readme(rows, max(map(len, texts[CASES_TABLE].splitlines())))
-    texts[MANIFEST] = _manifest(rows, texts)
+    texts[CASES_TABLE] = _csv_text(TABLE_COLUMNS, rows)
+    texts["README.md"] = _readme_text(rows, max(map(len, texts[CASES_TABLE].splitlines())))
+    texts[MANIFEST] = _manifest_text(rows, texts)
     return write_folder(path, texts, _of_an_earlier_run)
 
 
-def _computed(cases: Sequence[ReferenceCase], workers: int) -> Iterator[Record]:
+def _compute_files(cases: Sequence[ReferenceCase], workers: int) -> Iterator[Record]:
+    """Yield the files of each case, computed in `workers` processes."""
     if len(cases) <= CASES_IN_LINE or workers < 2:
         yield from map(_case_files, cases)
         return
@@ -107,9 +106,9 @@ def _case_files(case: ReferenceCase) -> Record:
     ]
     found = {
         CASE_FILE: _toml(case),
-        EVENTS_FILE: _csv(columns, events),
-        CHANGES_FILE: _csv(("event", "wrt", "dt_low", "dt_high", "dx_low", "dx_high", "proven"), changes),
-        "trajectory.csv": _csv(("t", "x", "v", "mode"), _samples(case)),
+        EVENTS_FILE: _csv_text(columns, events),
+        CHANGES_FILE: _csv_text(("event", "wrt", "dt_low", "dt_high", "dx_low", "dx_high", "proven"), changes),
+        "trajectory.csv": _csv_text(("t", "x", "v", "mode"), _samples(case)),
         "certificate.json": json.dumps(case.certificate.as_dict(), indent=1) + "\n",
     }
     about = {"name": case.name, "group": case.group, "events": case.count, "periods": case.periods}
@@ -119,13 +118,7 @@ def _case_files(case: ReferenceCase) -> Record:
 
 
 def exact_text(value: Fraction) -> str:
-    """Return a number as text that is exact: all digits of a decimal that ends, else a quotient.
-
-    Examples
-    --------
-    >>> exact_text(Fraction(1, 8)), exact_text(Fraction(1, 3)), len(exact_text(1 + Fraction(1, 10**95)))
-    ('0.125', '1/3', 97)
-    """
+    """Return a number as exact text: all digits of a decimal that ends ("0.125"), else a quotient ("1/3")."""
     exact = Context(prec=MOST_DIGITS, traps=[Inexact])
     try:
         found = exact.divide(Decimal(value.numerator), Decimal(value.denominator))
@@ -134,7 +127,7 @@ def exact_text(value: Fraction) -> str:
     return show(value) if "/" not in show(value) else f"{found:f}"
 
 
-def _csv(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
+def _csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")
     writer.writeheader()
@@ -178,7 +171,7 @@ def _samples(case: ReferenceCase) -> list[Record]:
     return [{"t": repr(t), "x": f"{x:.15g}", "v": f"{v:.15g}", "mode": mode} for t, _, x, v, mode in rows]
 
 
-def _readme(rows: Sequence[Record], longest: int) -> str:
+def _readme_text(rows: Sequence[Record], longest: int) -> str:
     counts = [
         (group, sum(row["group"] == group for row in rows), hard)
         for group, hard in CASE_GROUPS.items()
@@ -203,7 +196,7 @@ def _readme(rows: Sequence[Record], longest: int) -> str:
     return text
 
 
-def _manifest(rows: Sequence[Record], texts: Mapping[str, str]) -> str:
+def _manifest_text(rows: Sequence[Record], texts: Mapping[str, str]) -> str:
     names = ("name", "group", "events", "condition", "proven")
     content: Record = {"format": SET_FORMAT, "set_version": SET_VERSION, "made_by": f"symosc {symosc.__version__}"}
     numbers = [row | {"condition": float(row["condition"]), "proven": row["proven"] == "yes"} for row in rows]
@@ -231,10 +224,7 @@ def _of_an_earlier_run(folder: Path) -> set[str]:
 
 @dataclass(frozen=True)
 class StoredCase:
-    """A case as stored in files; `count` is the number of all events, if only the last period's are given.
-
-    `changes` are the derivatives of each event: (dt, dx) by name, those that exist.
-    """
+    """A case as stored in files."""
 
     name: str
     group: str
@@ -244,7 +234,8 @@ class StoredCase:
     on_belt: bool
     events: tuple[KnownEvent, ...]
     conditions: tuple[float, ...]
-    count: int
+    count: int  # of all events, if only the last period's are given
+    # the derivatives of each event that exist: (dt, dx) by name
     changes: tuple[dict[str, tuple[float, float]], ...] = ()
 
     @cached_property
@@ -259,7 +250,7 @@ def read_set(path: str | Path) -> tuple[int, Sequence[StoredCase]]:
     manifest = _read_manifest(folder)
     try:
         names = [(entry["name"], manifest["files"]) for entry in manifest["cases"]]
-        return int(manifest["set_version"]), [_case(folder, name, sums) for name, sums in names]
+        return int(manifest["set_version"]), [_read_case(folder, name, sums) for name, sums in names]
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ResultError(str(folder), f"is not a set of reference cases: {type(error).__name__}, {error}") from None
 
@@ -276,7 +267,7 @@ def _read_manifest(folder: Path) -> Record:
     return content
 
 
-def _text(folder: Path, name: str, sums: Record) -> str:
+def _read_checked(folder: Path, name: str, sums: Record) -> str:
     try:
         content = (folder / name).read_bytes()
     except OSError as error:
@@ -286,9 +277,9 @@ def _text(folder: Path, name: str, sums: Record) -> str:
     return content.decode()
 
 
-def _case(folder: Path, name: str, sums: Record) -> StoredCase:
-    about = tomllib.loads(_text(folder, f"{name}/{CASE_FILE}", sums))
-    rows = list(csv.DictReader(io.StringIO(_text(folder, f"{name}/{EVENTS_FILE}", sums))))
+def _read_case(folder: Path, name: str, sums: Record) -> StoredCase:
+    about = tomllib.loads(_read_checked(folder, f"{name}/{CASE_FILE}", sums))
+    rows = list(csv.DictReader(io.StringIO(_read_checked(folder, f"{name}/{EVENTS_FILE}", sums))))
     events = tuple(
         KnownEvent(
             (row["t_low"], row["t_high"]),
@@ -307,7 +298,7 @@ def _case(folder: Path, name: str, sums: Record) -> StoredCase:
     reference = about["reference"]
     changes: tuple[dict[str, tuple[float, float]], ...] = tuple({} for _ in rows)
     if f"{name}/{CHANGES_FILE}" in sums:  # older sets have none
-        for row in csv.DictReader(io.StringIO(_text(folder, f"{name}/{CHANGES_FILE}", sums))):
+        for row in csv.DictReader(io.StringIO(_read_checked(folder, f"{name}/{CHANGES_FILE}", sums))):
             changes[int(row["event"])][row["wrt"]] = float(row["dt_low"]), float(row["dx_low"])
     return StoredCase(
         name, reference["group"], Omega, t0, t_end, v0 in (v1, v2), events, conditions, reference["events"], changes

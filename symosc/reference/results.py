@@ -23,8 +23,6 @@ from symosc.exact import read_exact
 from symosc.files import read_path
 from symosc.simulation.tangents import NAMES
 
-# -- results --
-
 EVENT_WORDS = ("cross", "stick", "slip", "graze")
 #: The kind of a line that says how far a case was followed.
 FOLLOWED_TO = "end"
@@ -57,14 +55,11 @@ class GivenEvent(NamedTuple):
 
 @dataclass
 class CaseResult:
-    """A solver's result for a case: its events in order of time, and the end time that it states.
-
-    Its seconds if given, and a note why it has nothing.
-    """
+    """A solver's result for a case: its events in order of time, and the end time that it states."""
 
     events: list[GivenEvent] = field(default_factory=list)
     seconds: float | None = None
-    note: str = ""
+    note: str = ""  # why it has no events
     end: Fraction | None = None
 
 
@@ -88,6 +83,7 @@ def read_results(path: str | Path, names: Container[str]) -> Results:
 
 
 def _of_folder(folder: Path, names: Container[str]) -> Results:
+    """Return the results in a folder, by case."""
     found: Results = {}
     for path in sorted(folder.iterdir()):
         for file in sorted(path.glob("events.*")) if path.is_dir() else [path]:
@@ -114,6 +110,7 @@ def _of_file(path: Path, name: str | None) -> Results:
 
 
 def _wrong(what: str) -> ParameterError:
+    """Return the error for a file of results."""
     return ParameterError("file", "", what)
 
 
@@ -186,11 +183,8 @@ def _cell(value: Any) -> Any:
     return None if value is None or value != value else value
 
 
-# -- an event ----------------------------------------------------------------------------------------------------------
-
-
 def _add(where: str, result: CaseResult, entry: Record) -> None:
-    """Read an event into a result."""
+    """Append an event, or the end time, of a file's entry to a result."""
     if "seconds" in entry:
         seconds = _number(where, entry, "seconds")
         if seconds is None or seconds < 0:

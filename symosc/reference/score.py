@@ -21,7 +21,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from html import escape
 from math import inf, isfinite, pi, sqrt
 from typing import Any, NamedTuple
@@ -64,33 +63,28 @@ class Wrong(NamedTuple):
 
 @dataclass
 class CaseScore:
-    """The faults of results on a case: events missed, invented, of a wrong kind, `late` (with too large an error), ...
-
-    `without_x` events were judged by their time alone; `stopped` is where the results end, if that is before the case
-    does; `units` is the largest error in units; `derivatives` of the known ones have been judged, `error_d` is their
-    largest error. Without results (not `given`) the numbers mean nothing.
-    """
+    """The faults of the results on a case; without results (not `given`) the numbers mean nothing."""
 
     name: str
     group: str
     events: int
     condition: float
     given: bool = True
-    missed: int = 0
-    invented: int = 0
-    kinds: int = 0
-    late: int = 0
-    without_x: int = 0
-    stopped: float | None = None
+    missed: int = 0  # events of the reference that were not found
+    invented: int = 0  # found events that are none of the reference
+    kinds: int = 0  # events of a wrong kind or at another belt
+    late: int = 0  # events with too large an error
+    without_x: int = 0  # events judged by their time alone
+    stopped: float | None = None  # where the results end, if that is before the case does
     grazes: int = 0
     grazes_found: int = 0
     error_t: float | None = None
     error_x: float | None = None
-    units: float | None = None
-    known_derivatives: int = 0
-    derivatives: int = 0
+    units: float | None = None  # largest error in units
+    known_derivatives: int = 0  # of the case
+    derivatives: int = 0  # of the known ones, those that were judged
     wrong_derivatives: int = 0
-    error_d: float | None = None
+    error_d: float | None = None  # largest error of a derivative
     seconds: float | None = None
     note: str = ""
     wrong: list[Wrong] = field(default_factory=list)
@@ -116,7 +110,7 @@ class Score:
 
     @property
     def given(self) -> list[CaseScore]:
-        """The cases that there are results for."""
+        """The cases for which the solver has results."""
         return [case for case in self.cases if case.given]
 
     @property
@@ -157,7 +151,10 @@ def judge_case(case: StoredCase, result: CaseResult | None, tolerance: float) ->
     judged.seconds = result.seconds
     judge = _Judge(case, judged, tolerance)
     judge.judge(result.events)
-    judge.judge_end(result.end)
+    end, t_end = result.end, case.t_end
+    if end is not None and end < t_end and relative_error(end, t_end, case.t0) > tolerance:
+        judged.stopped = float(end)
+        judge._fault("ends early", float(end), f"{float(t_end):.10g}", f"{float(end):.10g}")
     judged.wrong.sort(key=lambda wrong: wrong.t)
     return judged
 
@@ -172,31 +169,22 @@ class _Judge:
     def judge(self, events: Sequence[GivenEvent]) -> None:
         """Judge all events as right or wrong."""
         found = self._of_last_period(events)
-        pairs = self._pairs(found)
+        placed = [FoundEvents(float(event.t), 0.0, event.kind, self._boundary(event)) for event in found]
+        pairs = align(placed, self.case.events, self.case.times, WINDOW * self.period)
         for i, j in pairs:
             self._found(i, found[j])
         lost = sorted(set(range(len(self.case.events))) - {i for i, _ in pairs})
         extra = sorted(set(range(len(found))) - {j for _, j in pairs})
-        extra = self._without_start(extra, found)
+        # Solvers list a start on a belt, which is no event.
+        near = self.tolerance * self.period + ROUNDING_UNIT * UNITS_ALLOWED * abs(float(self.case.t0))
+        if self.case.on_belt and extra and abs(float(found[extra[0]].t - self.case.t0)) <= near:
+            extra = extra[1:]
         lost, extra = self._grazes(lost, extra, found)
         lost, extra = self._kinds(lost, extra, found)
         for i in lost:
             self._fault("missed", self.case.times[i], _event_text(self.case.events[i]), "")
         for j in extra:
             self._fault("invented", float(found[j].t), "", _event_text(found[j]))
-
-    def judge_end(self, end: Fraction | None) -> None:
-        """Record a fault if the results end before the case does."""
-        t_end = self.case.t_end
-        if end is not None and end < t_end and relative_error(end, t_end, self.case.t0) > self.tolerance:
-            self.judged.stopped = float(end)
-            self._fault("ends early", float(end), f"{float(t_end):.10g}", f"{float(end):.10g}")
-
-    def _without_start(self, extra: list[int], found: Sequence[GivenEvent]) -> list[int]:
-        """Remove the event that solvers list for a start on a belt, which is no event."""
-        near = self.tolerance * self.period + ROUNDING_UNIT * UNITS_ALLOWED * abs(float(self.case.t0))
-        at_start = self.case.on_belt and extra and abs(float(found[extra[0]].t - self.case.t0)) <= near
-        return extra[1:] if at_start else extra
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
         """Return the events that are compared one by one; those before them only count."""
@@ -212,11 +200,6 @@ class _Judge:
                 wrong = Wrong(name, begin, *((what, "") if name == "missed" else ("", what)))
                 self.judged.wrong.append(wrong)
         return last
-
-    def _pairs(self, found: Sequence[GivenEvent]) -> list[tuple[int, int]]:
-        known = self.case.events
-        placed = [FoundEvents(float(event.t), 0.0, event.kind, self._boundary(event)) for event in found]
-        return align(placed, known, self.case.times, WINDOW * self.period)
 
     def _boundary(self, event: GivenEvent) -> int:
         """Return the belt of an event; where it is not given, that of the nearest event of its kind."""
@@ -384,7 +367,7 @@ def group_table(scores: Sequence[Score], form: str = "simple") -> str:
     times = [[case.seconds for case in score.given if case.seconds is not None] for score in scores]
     if any(times):
         rows.append(["seconds", "", *(f"{sum(each):.3g}" if each else "" for each in times)])
-    return _tabulate(rows, ["group", "cases", *(score.name for score in scores)], form)
+    return _tabulate_escaped(rows, ["group", "cases", *(score.name for score in scores)], form)
 
 
 def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool = True) -> str:
@@ -398,7 +381,7 @@ def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool 
         row += [case_cell(score.cases[i]) for score in scores]
         numbers = ["" if value is None else f"{value:.0e}" for value in (case.error_t, case.error_x, case.seconds)]
         rows.append(row + numbers if alone else row)
-    return _tabulate(rows, [*heads, *(["error of t", "error of x", "seconds"] if alone else [])], form)
+    return _tabulate_escaped(rows, [*heads, *(["error of t", "error of x", "seconds"] if alone else [])], form)
 
 
 def faults(score: Score) -> list[str]:
@@ -421,7 +404,7 @@ def verdict(score: Score) -> str:
 
 
 def legend(score: Score) -> list[str]:
-    """Return the explanation of the numbers."""
+    """Return lines that explain the numbers of a score."""
     return [
         "Numbers: the largest error of time, relative to max(1, t - t0), and of position, relative to max(1, |x|), in "
         "units of max(1, condition) * 1e-16, which is what rounding the problem's numbers to doubles does. 'right': "
@@ -488,7 +471,7 @@ def as_html(scores: Sequence[Score], title: str, version: int) -> str:
     return f'<!DOCTYPE html>\n<html lang="en">\n<head>\n{head}\n</head>\n<body>\n{body}\n</body>\n</html>\n'
 
 
-def _tabulate(rows: Sequence[Sequence[str]], heads: Sequence[str], form: str) -> str:
+def _tabulate_escaped(rows: Sequence[Sequence[str]], heads: Sequence[str], form: str) -> str:
     def cells(row: Sequence[str]) -> list[str]:  # in Markdown a bar would end the cell
         return [each.replace("|", "\\|") if form == "github" else each for each in row]
 

@@ -208,10 +208,8 @@ def not_reduced_error(scene: Any) -> ParameterError:
 
 
 def start_numbers(given: Mapping[str, Any], p: Parameters) -> tuple[dict[str, Fraction], StartErrors | None]:
-    """Return the numbers of a start, and the half-widths to which t0, x0 and v0 are known if one is not exact.
-
-    An expression with pi is known to 40 digits. On a belt the mass has its speed, however many digits that has.
-    """
+    """Return the numbers of a start, and the half-widths to which t0, x0 and v0 are known if one is not exact."""
+    # An expression with pi is known to 40 digits. On a belt the mass has its speed, however many digits that has.
     numbers, errors = dict[str, Fraction](), dict.fromkeys(START_NAMES, Fraction(0))
     for name, value in given.items():
         numbers[name], exact = read_number(name, value)
@@ -362,13 +360,10 @@ START_COMMENT = "# The mass at the start. start_error = 1e-9 would say that thes
 
 
 def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> str:
-    """Return a scene as the text of a TOML file, which reads back as the same scene.
-
-    `explained` adds comments: what each number is, its unit, and what is allowed; `file` is its name in them.
-    """
+    """Return a scene as the text of a TOML file, which reads back as the same scene; `explained` adds comments."""
 
     def line(name: str, text: str) -> str:
-        written = f"{name} = {_number(text)}"
+        written = f"{name} = {_toml_number(text)}"
         if not explained:
             return written
         meaning, _, _, allowed = QUANTITIES[name]
@@ -395,9 +390,9 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
     lines += ["", "[start]", *([START_COMMENT] if explained else [])]
     lines += [line(name, show(getattr(own, name))) for name in ("t0", "x0", "v0")]
     if own.start_error is not None:
-        lines.append(f"start_error = [{', '.join(_number(show(each)) for each in own.start_error)}]")
+        lines.append(f"start_error = [{', '.join(_toml_number(show(each)) for each in own.start_error)}]")
     return "\n".join(lines)
 
 
-def _number(text: str) -> str:
+def _toml_number(text: str) -> str:
     return json.dumps(text) if "/" in text else text  # TOML has no fractions; as text they are read exactly

@@ -73,11 +73,9 @@ class SceneFile(NamedTuple):
 
 
 def line_of(text: str, path: Sequence[str]) -> int | None:
-    """Return the line on which a key or table of a TOML text is complete, which tomllib does not tell; None: not found.
-
-    The lines up to it are the first ones that are TOML and have it: so strings of several lines, inline tables and
-    dotted keys are all read by the same rules as the file itself.
-    """
+    """Return the line on which a key or table of a TOML text is complete (tomllib does not tell), or None."""
+    # The lines up to it are the first ones that are TOML and have it: so strings of several lines, inline tables and
+    # dotted keys are all read by the same rules as the file itself.
     begin, read = "", 0
     for n, line in enumerate(text.splitlines(keepends=True), 1):
         begin += line
@@ -129,6 +127,7 @@ def read_scene_file(text: str, where: str) -> SceneFile:
 
 
 def _check_keys(file: SceneFile, name: str) -> None:
+    """Raise SceneError for missing or unknown keys of a table."""
     table = file.data[name] if name else file.data
     if not isinstance(table, dict):
         raise SceneError(file.where, f"{file.place(name)}: [{name}] must be a table")

@@ -190,10 +190,8 @@ def in_chunks(
     workers: int,
     progress: Callable[[int, int], object],
 ) -> list[Result]:
-    """Return the results of all chunks of `count` rows in order; each thread has its own event buffer.
-
-    An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`, and is raised.
-    """
+    """Return the results of all chunks of `count` rows in order; each thread has its own event buffer."""
+    # An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`, and is raised.
     least = LEAST_IN_CHUNK if workers > 1 else LEAST_ALONE
     size = max(least, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))
     # No motions are a chunk too: it has the columns, each without an entry.
@@ -241,13 +239,7 @@ class Warmed(NamedTuple):
 
 
 def warm() -> list[Warmed]:
-    """Compile the functions that `simulate_many` calls, unless they are on disk already.
-
-    Raises
-    ------
-    MissingExtraError
-        If numba is not installed.
-    """
+    """Compile the functions that `simulate_many` calls, unless they are on disk; MissingExtraError without numba."""
     loops, search, doubt = chosen_loops(True), compiled()["search_row"], compiled()["doubt_row"]
     scene, nothing = load_scene("fig8"), np.arange(0)
     start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)

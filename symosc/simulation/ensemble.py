@@ -201,12 +201,11 @@ class Task(NamedTuple):
 
 
 class Chunk:
-    """A part of many motions, followed to their ends and numbered from 0.
+    """A part of many motions, followed to their ends and numbered from 0."""
 
-    `buffer` is used meanwhile. `keep`, if given, returns the tally of motions from their numbers and their rows at
-    the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
-    events in order of motion and time, `alone` the trajectories of motions that were followed alone.
-    """
+    # `buffer` is used meanwhile. `keep`, if given, returns the tally of motions from their numbers and their rows at
+    # the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
+    # events in order of motion and time, `alone` the trajectories of motions that were followed alone.
 
     def __init__(
         self,
@@ -282,10 +281,8 @@ class Chunk:
         return found
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
-        """Follow motions of one parameter set in pairs past an event undecided in doubles, then in doubles.
-
-        Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
-        """
+        """Follow motions of one parameter set in pairs past an event undecided in doubles, then in doubles."""
+        # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         most, K = self.task.most, pair_constants(parameters)
         pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
         states, sets, counts, codes = (column[members] for column in self.batch)

@@ -2,8 +2,7 @@
 
 In doubles `MotionInDoubles` calls the loop of `simulate_many`, compiled where this process has loaded it or the motion
 is long, else run by CPython, with the same bits. With many digits (`Motion`) doubles search first, and only the last
-step to an event takes the digits (`symosc.engine.next_event`). `FinerMotion` takes over where doubles are in doubt. It
-hands out doubles with no error but their rounding, so they are the same whichever numbers they come from.
+step to an event takes the digits. `FinerMotion` takes over where doubles are in doubt, and hands out doubles.
 """
 
 from __future__ import annotations
@@ -52,18 +51,7 @@ from symosc.engine.constant_table import table_of
 from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EXACT_COLUMNS, FLOAT_COLUMNS, Event, event_codes
 from symosc.engine.flow import Constants, clock_time
 from symosc.engine.start import MOST_PERIODS, Start, continued, first_state, is_steady, last_time, rounded, settles
-from symosc.engine.state import (
-    END,
-    FAILED,
-    GRAZE,
-    ON_BELT,
-    REST,
-    RUNNING,
-    UNDECIDED,
-    Covariance,
-    NextEvent,
-    State,
-)
+from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, RUNNING, UNDECIDED, Covariance, NextEvent, State
 from symosc.engine.summary import no_tally
 from symosc.errors import ParameterError
 from symosc.exact import show
@@ -99,10 +87,7 @@ def check_reached(start: Start, periods: int) -> None:
 
 
 def single_loop(count: int) -> tuple[Callable[..., tuple[int, int, int]], int]:
-    """Return the event loop for one motion that has had `count` events, and how many events it finds at most.
-
-    It is compiled if that is loaded or pays.
-    """
+    """Return the event loop for one motion after `count` events, compiled if that pays, and its largest block."""
     functions = loaded_loop()
     if functions:
         return functions["follow_all"], LARGEST_BLOCK
@@ -116,10 +101,10 @@ def fits_pairs(start: Start) -> bool:
 
 
 class SearchInDoubles:
-    """The search for the next events of one motion in doubles, compiled where that is loaded; not thread-safe.
+    """The search for the next events of one motion in doubles, compiled where that is loaded; not thread-safe."""
 
-    `K` are the constants by which doubles are in doubt. What they find for others exceeds the errors of a state always.
-    """
+    # `K` are the constants by which doubles are in doubt. What they find for others exceeds the errors of a state
+    # always.
 
     def __init__(self, start: Start, K: Constants) -> None:
         arithmetic, functions = Arithmetic(start.parameters), loaded_loop() or {}
@@ -132,7 +117,7 @@ class SearchInDoubles:
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (arithmetic.K, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
-        """Return the next event and, if it is undecided, how long no wall is met; None outside the range of doubles."""
+        """Return the next event and, if it is undecided, for how long the flight meets no wall; None on overflow."""
         keep_state(self._rows, 0, state)
         try:
             code, boundary, decided, t_error, free = self._search(self._rows, self._careful)
@@ -150,11 +135,10 @@ class SearchInDoubles:
 
 
 class MotionInDoubles:
-    """A motion in doubles: a batch of one, its events and pieces in columns.
+    """A motion in doubles: a batch of one, its events and pieces in columns."""
 
-    `code` is RUNNING, or what the motion ended with (`symosc.engine.batch.follow_all`). With `bare` decisions exceed
-    their own rounding only, not the errors of the state.
-    """
+    # `code` is RUNNING, or what the motion ended with (`symosc.engine.batch.follow_all`). With `bare` decisions exceed
+    # their own rounding only, not the errors of the state.
 
     def __init__(self, start: Start, bare: bool = False) -> None:
         arithmetic = Arithmetic(start.parameters)
@@ -196,7 +180,7 @@ class MotionInDoubles:
         return joined(self._events)
 
     def pieces(self) -> np.ndarray:
-        """Return the pieces so far, in columns."""
+        """Return the pieces of the motion so far, in columns."""
         return np.concatenate(self._pieces, axis=1)
 
     def follow(self, most: int, accuracy: float) -> None:
@@ -222,12 +206,11 @@ class MotionInDoubles:
 
 
 class Motion:
-    """The states and events of one initial value problem so far, with many digits.
+    """The states and events of one initial value problem so far, with many digits."""
 
-    `code` is what the last step ended with, and `decided` whether the numbers at hand decide that; `first_at` is the
-    belt on which the start is, or 0. `begin` is a state from which the motion goes on, known in all digits, and `K` are
-    the constants by which doubles are in doubt.
-    """
+    # `code` is what the last step ended with, and `decided` whether the numbers at hand decide that; `first_at` is the
+    # belt on which the start is, or 0. `begin` is a state from which the motion goes on, known in all digits, and `K`
+    # are the constants by which doubles are in doubt.
 
     def __init__(
         self, start: Start, digits: MpArithmetic | int, begin: State | None = None, K: Constants | None = None
@@ -302,7 +285,7 @@ class Motion:
         self._columns.append((s.n, *map(float, (s.theta, s.mode, s.x, s.v, a)), elapsed))
 
     def columns(self) -> np.ndarray:
-        """Return the pieces so far, in columns."""
+        """Return the pieces of the motion so far, in columns."""
         return np.array(self._columns, dtype=float).T
 
     def step(self) -> None:
@@ -387,10 +370,9 @@ class Limits(NamedTuple):
 
 
 class MotionInPairs:
-    """A motion in double-double numbers, by compiled code, followed only as far as doubles require.
+    """A motion in pairs of doubles, compiled, followed only as far as doubles require."""
 
-    Before an event that pairs do not decide, or know too little of, it stops.
-    """
+    # Before an event that pairs do not decide, or know too little of, it stops.
 
     def __init__(self, doubles: MotionInDoubles, limits: Limits, loops: PairLoops) -> None:
         start, exact = doubles.start, many_digits(doubles.start.parameters, ROUNDED_FROM)
@@ -439,10 +421,9 @@ class MotionInPairs:
 
 
 class MotionInDigits(Motion):
-    """A motion with digits whose events are recorded in doubles; it may go on from where `other` stopped.
+    """A motion with many digits whose events are recorded in doubles; it may go on from where `other` stopped."""
 
-    One that did is not sure of an event that it knows worse than the limits say.
-    """
+    # One that did is not sure of an event that it knows worse than the limits say.
 
     def __init__(
         self, doubles: MotionInDoubles, limits: Limits, digits: int, other: MotionInPairs | MotionInDigits | None = None
@@ -459,10 +440,8 @@ class MotionInDigits(Motion):
         return self._skipped + len(self._events)
 
     def reach(self, count: int) -> bool:
-        """Follow the motion to `count` events or to its end; return False after a step that could not be decided.
-
-        It goes on to the next event that doubles do not decide or know well enough.
-        """
+        """Follow the motion to `count` events or to its end; return False after a step that could not be decided."""
+        # It goes on to the next event that doubles do not decide or know well enough.
         self.goal = count
         while not self.ended:
             if self.count >= self.goal:
@@ -500,13 +479,12 @@ class MotionInDigits(Motion):
 
 
 class FinerMotion:
-    """The same problem in more precise numbers, followed only as far as doubles require; all in doubles comes out.
+    """The same problem in more precise numbers, followed only as far as doubles require, and handed out in doubles."""
 
-    Pairs follow it, by `loops` or where this process has their loop, else FINER_DIGITS digits. Past a contact that they
-    leave open as many go on as confirm a graze (`digits_to_confirm_graze`): from the state before it with its error,
-    or, if that is what leaves it open, from t0. They decide it, or it is a graze. Where they did decide, the next one
-    takes twice as many: where sticks get shorter, so do gaps.
-    """
+    # Pairs follow it, by `loops` or where this process has their loop, else FINER_DIGITS digits. Past a contact that
+    # they leave open as many go on as confirm a graze (`digits_to_confirm_graze`): from the state before it with its
+    # error, or, if that is what leaves it open, from t0. They decide it, or it is a graze. Where they did decide, the
+    # next one takes twice as many: where sticks get shorter, so do gaps.
 
     def __init__(self, doubles: MotionInDoubles, limits: Limits, loops: PairLoops | None = None) -> None:
         self.start, self._doubles, self._limits = doubles.start, doubles, limits
@@ -535,10 +513,7 @@ class FinerMotion:
         return self._now.rounded_state()
 
     def reach(self, count: int) -> bool:
-        """Follow the motion to `count` events or to its end, and on while doubles are in doubt.
-
-        Return False at a contact that cannot be decided.
-        """
+        """Follow the motion to `count` events or its end, and on while doubles are in doubt; False if undecidable."""
         reached, count = self._now.reach(count), self._now.goal
         while not reached and self._settle():
             reached, count = self._now.reach(count), self._now.goal
@@ -572,7 +547,7 @@ class FinerMotion:
         return self._go_on(int(max(needed, most)), now)
 
     def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
-        """Follow the motion with so many digits, from where `other` stopped, or from t0 to where it is now."""
+        """Follow the motion with `digits` digits, from where `other` stopped, or from t0 to where it is now."""
         self._take()
         before, count = self._now, self.count
         self._now = now = MotionInDigits(self._doubles, self._limits, digits, other)
@@ -589,13 +564,11 @@ class FinerMotion:
 
 
 def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int, least: int = 0) -> int | None:
-    """Return the precision, `least` or more, at which an undecided contact at a time counts as a graze; None: too high.
-
-    A motion that tends to one that grazes has gaps that shrink like exp(-rate t), and each of them is a near miss or a
-    crossing. The rate is the larger one of the free motion, or, where that takes too many digits, the smaller one: only
-    starts without any share of the slow decay are fooled by that. A start that is on the steady motion has none of it,
-    until something else than a graze happens.
-    """
+    """Return the precision, at least `least`, at which an undecided contact counts as a graze; None: too high."""
+    # A motion that tends to one that grazes has gaps that shrink like exp(-rate t), and each of them is a near miss or
+    # a crossing. The rate is the larger one of the free motion, or, where that takes too many digits, the smaller one:
+    # only starts without any share of the slow decay are fooled by that. A start that is on the steady motion has none
+    # of it, until something else than a graze happens.
     start = motion.start
     K = Arithmetic(start.parameters).K
     fast, slow = (K.h, K.h) if K.under else (-K.l2, -K.l1)

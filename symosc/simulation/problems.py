@@ -41,10 +41,7 @@ DECIMAL_CONTEXT = Context(prec=800)
 
 
 class NumberColumn:
-    """One number for all rows or one per row: double `hi`, remainder `lo`, and the exact numbers.
-
-    ParameterError, which names the row, if one is no finite number.
-    """
+    """One number for all rows or one per row: double `hi`, remainder `lo`, and the exact numbers."""
 
     def __init__(self, name: str, given: Any) -> None:
         given = _as_given(name, given)
@@ -125,10 +122,7 @@ def _as_given(name: str, value: Any) -> Any:
 
 
 def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
-    """Return named columns (of a mapping, table or record array) in the order of `wanted`.
-
-    Without names, as pandas' tables have where only positions were given, it is returned as it is.
-    """
+    """Return named columns (of a mapping, table or record array) in the order of `wanted`; data without names as is."""
     names = getattr(getattr(given, "dtype", None), "names", None)
     if isinstance(given, Mapping):
         names = list(given)
@@ -145,11 +139,9 @@ def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
 
 
 def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the shortest printed decimals minus the doubles, rounded once, and where that is certain.
-
-    The shortest decimal has 15, 16 or 17 digits: the first of them that is within half a unit of the double. Scaled by
-    a power of ten that is exact as a double, its distance from the double is exact.
-    """
+    """Return the shortest printed decimals minus the doubles, rounded once, and where that is certain."""
+    # The shortest decimal has 15, 16 or 17 digits: the first of them that is within half a unit of the double. Scaled
+    # by a power of ten that is exact as a double, its distance from the double is exact.
     size = abs(values)
     inside = (size >= LEAST_IN_REACH) & (size < MOST_IN_REACH) & (np.frexp(size)[0] != 0.5)
     usual = np.where(inside, size, 3.0)
@@ -261,10 +253,7 @@ class ParameterSets:
 
 
 class Problems:
-    """Initial value problems in columns; `Start` objects are made on demand.
-
-    `parameters` as `ParameterSets` takes them; `starts` is an (n, 3) or (3,) array, or columns by name.
-    """
+    """Initial value problems in columns; `Start` objects are made on demand."""
 
     def __init__(self, parameters: Any, starts: Any, t_end: Any, start_error: Any = None) -> None:
         self.sets = ParameterSets(parameters)
@@ -345,11 +334,9 @@ class Problems:
         return apart
 
     def pair_rows(self, rows: np.ndarray, states: np.ndarray, phase: Callable[[Fraction], complex]) -> np.ndarray:
-        """Return the starts of motions of one parameter set as rows of complex numbers that represent pairs.
-
-        `states` are their rows in doubles, and `phase` returns the phase at a time, as such a number. Forces and
-        what follows from them are left to `symosc.engine.batch.first_pairs`.
-        """
+        """Return the starts of motions of one parameter set as rows of complex numbers that represent pairs."""
+        # `states` are their rows in doubles, and `phase` returns the phase at a time, as such a number. Forces and what
+        # follows from them are left to `symosc.engine.batch.first_pairs`.
         made = np.zeros((len(rows), STATE_WIDTH), complex)
         made[:, :2] = states[:, :2]
         for place, column in ((4, self.x0), (5, self.v0), (11, self.t0)):

@@ -1,8 +1,7 @@
 """`simulate`: one motion, in doubles with automatic precision escalation or with any number of digits.
 
-In double precision each step brings an estimate of its error along. When a contact is undecided, or an event is known
-to less than `accuracy`, the same problem is followed with more digits from the exact start up to there, and on as long
-as doubles are in doubt (`symosc.simulation.motion.FinerMotion`); they go on from its rounded result. With `digits` the
+Where a contact is undecided in doubles, or an event is known to less than `accuracy`, the same problem is followed with
+more digits from the exact start up to there, and on as long as doubles are in doubt (`FinerMotion`). With `digits` the
 working precision is raised until every event is known to that many digits.
 """
 
@@ -175,10 +174,8 @@ def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction]
 def in_doubles(
     start: Start, most: int, accuracy: float, advance: Advance = None, loops: PairLoops | None = None
 ) -> Trajectory:
-    """Follow a motion in doubles, with more digits from an event on that these cannot decide; return a Trajectory.
-
-    Given `loops` in pairs, these come first whatever is loaded, with the noise that `simulate_many` allows.
-    """
+    """Follow a motion in doubles, with more digits from an event on that these cannot decide; return a Trajectory."""
+    # Given `loops` in pairs, these come first whatever is loaded, with the noise that `simulate_many` allows.
     needed = attainable(accuracy, start.start_error)
     limits = Limits(most, needed, PAIR_NOISE) if loops else Limits(most, needed)
     motion = MotionInDoubles(start, isinf(accuracy))

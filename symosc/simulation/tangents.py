@@ -34,7 +34,7 @@ def read_wrt(wrt: Any) -> tuple[str, ...]:
 
 
 def codes_of(wrt: Sequence[str]) -> np.ndarray:
-    """Return the codes of columns."""
+    """Return the code of each name by which is differentiated."""
     return np.array([NAMES.index(name) for name in wrt], dtype=np.int64)
 
 
@@ -90,7 +90,7 @@ def tangent_loops(wanted: bool) -> dict[str, Any] | None:
 
 
 def chosen_tangents(events: int, in_threads: bool, use_numba: bool | None) -> Callable[..., None]:
-    """Return the loop for so many events of an ensemble: compiled, unless few enough to interpret meanwhile."""
+    """Return the loop for the derivatives of `events` events: compiled, unless interpreting these is quicker."""
     if not in_threads:
         return INTERPRETED
     loops = compiled_tangents()

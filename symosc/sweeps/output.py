@@ -1,8 +1,7 @@
 """The result of a sweep as an xarray.Dataset, and its files: netCDF, zarr and CSV, written whole with their plan.
 
-Each file has a SHA-256 checksum of all its bytes, those of the checksum itself as zeros: behind the netCDF file, where
-its readers do not look, in the attributes of the zarr group, and in the first line of the CSV file. For other readers
-the columns in netCDF and zarr have checksums too, which these formats know.
+Each file has a SHA-256 checksum of all its bytes, those of the checksum itself as zeros: after the netCDF file, in the
+attributes of the zarr group, in the first line of the CSV file. The columns in netCDF and zarr have checksums too.
 """
 
 from __future__ import annotations
@@ -40,8 +39,6 @@ if TYPE_CHECKING:
 #: The attribute by which a Dataset has what is ours.
 ACCESSOR = "symosc"
 PLAN_ATTRIBUTE, CALL_ATTRIBUTE = "plan", "call"
-#: Axes with more values are not written out in the call; the coordinates have them.
-MOST_WRITTEN = 2000
 NETCDF_ENGINE: Literal["h5netcdf"] = "h5netcdf"
 #: The first line of a CSV file: the attributes and the types of the columns, as JSON.
 COMMENT = "# "
@@ -49,7 +46,6 @@ CHECKSUM_ATTRIBUTE, NO_CHECKSUM = "sha256", "0" * 64
 CHECKSUM_FORM, PLAN_FORM = (
     re.compile(name.encode() + rb'"?: "?([0-9a-f]{64})') for name in (CHECKSUM_ATTRIBUTE, PLAN_ATTRIBUTE)
 )
-MOST_LINE = 1 << 24
 SECTION_NAMES = ("period", "component")
 #: Files of a zarr group that is a sweep's.
 ZARR_NAMES = "|".join((*SUMMARY_COLUMNS, *QUANTITIES, *SECTION_NAMES))
@@ -68,7 +64,7 @@ def need_xarray() -> ModuleType:
 
 
 class SweptDataset(Drawable):
-    """What a sweep's Dataset has of symosc, as ``dataset.symosc``: ``dataset.symosc.plot()`` draws it.
+    """The accessor ``dataset.symosc`` of a sweep's result: ``dataset.symosc.plot()`` draws it.
 
     Examples
     --------
@@ -117,10 +113,7 @@ def _about_column(name: str, dimension: str) -> dict[str, str]:
 
 
 def call_text(plan: SweepPlan, given: Record) -> str:
-    """Return the call of `sweep` that gives this result again, as Python source.
-
-    Names in it are those of `symosc`. A table, and an axis of many values, are called by the name of the coordinate.
-    """
+    """Return the call of `sweep` that gives this result again, as Python source; large inputs stand by their names."""
     over: Any = given["over"]
     coordinates = plan.grid.coordinates
     if plan.grid.is_table():
@@ -139,7 +132,8 @@ def call_text(plan: SweepPlan, given: Record) -> str:
 def _axis_text(name: str, given: Any, coordinate: Coordinate) -> str:
     if isinstance(given, str):
         return repr(given)
-    if len(coordinate.values) > MOST_WRITTEN:
+    # Axes with more values are not written out in the call; the coordinates have them.
+    if len(coordinate.values) > 2000:
         return f"dataset[{name!r}].values"
     return repr(coordinate.values.tolist())
 
@@ -169,10 +163,8 @@ def output_path(path: Any) -> Path:
 
 
 def plan_of(path: Path, to_replace: bool = False) -> str | None:
-    """Return the name of the plan that a finished output belongs to; None if there is no output.
-
-    SweepError if there is something else, or, with `to_replace`, also something else.
-    """
+    """Return the name of the plan that a finished output belongs to; None if there is no output."""
+    # SweepError if there is something else.
     if not os.path.lexists(path):
         return None
     try:
@@ -191,11 +183,11 @@ def _about(path: Path) -> bytes:
         if suffix == ".nc":
             size = len(_end_of_netcdf(NO_CHECKSUM, NO_CHECKSUM))
             file.seek(-min(size, file.seek(0, os.SEEK_END)), os.SEEK_END)
-        return file.readline(MOST_LINE) if suffix == ".csv" else file.read()
+        return file.readline(1 << 24) if suffix == ".csv" else file.read()
 
 
 def _end_of_netcdf(plan: str, checksum: str) -> bytes:
-    """Return the content behind the HDF5 part of a netCDF file."""
+    """Return what follows the HDF5 part of a netCDF file."""
     return f"\n{PLAN_ATTRIBUTE}: {plan}\n{CHECKSUM_ATTRIBUTE}: {checksum}\n".encode()
 
 
@@ -214,16 +206,17 @@ def read_columns(path: Path) -> Columns:
 
 
 def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
-    """Write a result atomically: first into `folder`, next to it, then move it to its place.
-
-    OutputError if it cannot be written, SweepError if there is something else in its place.
-    """
+    """Write a result atomically: first into `folder`, next to it, then move it to its place."""
+    # OutputError if it cannot be written, SweepError if there is something else in its place.
     suffix = path.suffix.lower()
     draft = folder / f"{DRAFT}{suffix}"
     try:
         remove(draft)
         WRITERS[suffix](dataset.assign_attrs({CHECKSUM_ATTRIBUTE: NO_CHECKSUM}), draft)
-        _set_checksum(draft)
+        checksum, _, begin = _checksum(draft)
+        with _checksum_place(draft).open("r+b") as file:
+            file.seek(begin)
+            file.write(checksum.encode())
         for each in (*_files_in(draft).values(), *filter(Path.is_dir, draft.rglob("*")), draft):
             _to_disk(each)
         if plan_of(path, to_replace=True) is not None and path.is_dir():
@@ -268,15 +261,8 @@ def _checksum(path: Path) -> tuple[str, str, int]:
     return found.hexdigest(), stated, begin
 
 
-def _set_checksum(draft: Path) -> None:
-    checksum, _, begin = _checksum(draft)
-    with _checksum_place(draft).open("r+b") as file:
-        file.seek(begin)
-        file.write(checksum.encode())
-
-
 def _write_netcdf(dataset: xarray.Dataset, draft: Path) -> None:
-    """Make the file in memory: where the disk is full, HDF5 ends the program with a segmentation fault."""
+    """Write a netCDF file, made in memory: on a full disk HDF5 ends the program with a segmentation fault."""
     import h5netcdf
 
     content = BytesIO()

@@ -53,11 +53,10 @@ class Coordinate(NamedTuple):
 
 
 class Grid:
-    """The cells of a sweep, in C order of its dimensions, which have the lengths `sizes`.
+    """The cells of a sweep, in C order of its dimensions, which have the lengths `sizes`."""
 
-    Values are doubles, each read as the decimal that it prints as: a coordinate of the result says exactly what was
-    computed. What is not swept stays exact.
-    """
+    # Values are doubles, each read as the decimal that it prints as: a coordinate of the result says exactly what was
+    # computed. What is not swept stays exact.
 
     def __init__(self, coordinates: dict[str, Coordinate]) -> None:
         self.coordinates = coordinates
@@ -79,7 +78,7 @@ class Grid:
 
 
 def read_grid(scene: Scene, over: Any, starts: Any = None) -> Grid:
-    """Return the cells of axes by name or of a table, and of rows of starts, from each of which a set is followed."""
+    """Return the cells of a sweep: of its axes by name, or the rows of a table, each from every row of `starts`."""
     table = _table_columns(over)
     axes = table if table is not None else _axes(over)
     found = {name: Coordinate(name if table is None else SET_AXIS, values) for name, values in axes.items()}
@@ -96,14 +95,16 @@ def read_grid(scene: Scene, over: Any, starts: Any = None) -> Grid:
 
 
 def _axes(over: Any) -> dict[str, np.ndarray]:
+    """Read the swept axes by name."""
     if not isinstance(over, Mapping):
         raise ParameterError("over", over, OVER_FORM)
     if not 1 <= len(over) <= MOST_AXES:
         raise ParameterError("over", list(over), f"must have one to {MOST_AXES} axes")
-    return {_known(name): read_axis(name, values) for name, values in over.items()}
+    return {_known_name(name): read_axis(name, values) for name, values in over.items()}
 
 
-def _known(name: Any) -> str:
+def _known_name(name: Any) -> str:
+    """Return the name of what is swept; ParameterError if it cannot be."""
     if name not in SWEPT_NAMES:
         known = f"cannot be swept; what can be is {', '.join(SWEPT_NAMES)}"
         raise ParameterError("over", name, known + meant(name, SWEPT_NAMES))
@@ -112,7 +113,7 @@ def _known(name: Any) -> str:
 
 def read_axis(name: str, values: Any) -> np.ndarray:
     """Return the values of an axis, all different: those that are given, or N evenly spaced ones of "LO:HI:N"."""
-    found = _evenly(name, values) if isinstance(values, str) else _numbers(name, values)
+    found = _evenly_spaced(name, values) if isinstance(values, str) else _numbers(name, values)
     if not len(found):
         raise ParameterError(name, values, f"has no values; {AXIS_FORM}")
     ordered = np.sort(found)
@@ -128,7 +129,7 @@ def _whole(name: str, text: str, least: int) -> int:
     return whole_number(name, int(text) if text.isascii() and text.isdigit() else None, least)
 
 
-def _evenly(name: str, text: str) -> np.ndarray:
+def _evenly_spaced(name: str, text: str) -> np.ndarray:
     parts = text.split(":")
     if len(parts) != 3:
         raise ParameterError(name, text, AXIS_FORM)
@@ -167,7 +168,7 @@ def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
         rows = {name: [row[name] for row in over] for name in over[0]}
     else:
         return None
-    columns = {_known(name): _numbers(name, values) for name, values in rows.items()}
+    columns = {_known_name(name): _numbers(name, values) for name, values in rows.items()}
     if not columns or not len(next(iter(columns.values()))):
         raise ParameterError("over", "a table", "must have a column and a row")
     return columns
@@ -188,6 +189,7 @@ def start_rows(starts: Any) -> Any:
 
 
 def _starts(starts: Any) -> dict[str, np.ndarray]:
+    """Return the columns of swept starts by name."""
     unmasked("starts", starts)
     try:
         rows = np.atleast_2d(np.asarray(starts, dtype=object))
@@ -241,16 +243,14 @@ def read_duration(name: str, given: Any) -> Duration:
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
-    """A sweep with all settings that decide its numbers.
+    """A sweep with all settings that decide its numbers."""
 
-    `scene` is what is not swept, `record` are columns of summaries, `sections` the points of a section, 0 if none is
-    recorded. Periods of `t_end` count from the start of each motion; `skip` is left out of it from its start on.
-    """
+    # Periods of `t_end` count from the start of each motion; `skip` is left out of it from its start on.
 
-    scene: Scene
+    scene: Scene  # what is not swept
     grid: Grid
-    record: tuple[str, ...]
-    sections: int
+    record: tuple[str, ...]  # columns of summaries
+    sections: int  # points of a section, 0 if none is recorded
     t_end: Duration
     skip: Duration
 
@@ -309,10 +309,8 @@ class SweepPlan:
 
 
 def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
-    """Make the call of a chunk, in any process; return its columns and the processor seconds.
-
-    SweepError unless the sources here have the hash `kernels`: a worker with another version of symosc.
-    """
+    """Make the call of a chunk, in any process; return its columns and the processor seconds."""
+    # SweepError unless the sources here have the hash `kernels`: a worker with another version of symosc.
     if kernels != kernels_hash():
         raise SweepError("a worker has another version of symosc than this program")
     wall, processor = perf_counter(), process_time()
@@ -325,11 +323,9 @@ def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[s
 
 
 def cycles(words: np.ndarray) -> np.ndarray:
-    """Return words with all rotations of a cycle, such as P32 and P23, made equal: the largest in text order.
-
-    Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
-    shows borders only where the cycle itself changes.
-    """
+    """Return words with all rotations of a cycle, such as P32 and P23, made equal: the largest in text order."""
+    # Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
+    # shows borders only where the cycle itself changes.
     texts, places = np.unique(words, return_inverse=True)
     return np.array([cycle(str(text)) for text in texts])[places]
 

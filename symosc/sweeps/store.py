@@ -53,10 +53,8 @@ class Store:
         return found if isinstance(found, str) and PLAN_KEY_FORM.fullmatch(found) else ""
 
     def open(self, key: str, content: Record, resume: bool = True) -> None:
-        """Create or reopen the folder and lock it; without `resume` remove its chunks.
-
-        SweepError if it belongs to another plan, is no folder of a sweep, or another program works in it.
-        """
+        """Create or reopen the folder and lock it; without `resume` remove its chunks."""
+        # SweepError if it belongs to another plan, is no folder of a sweep, or another program works in it.
         try:
             self.folder.mkdir(exist_ok=True)
             self._check_owner()

@@ -181,10 +181,8 @@ class Here(Executor):
 
 
 def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
-    """Return the executor (None: this process), and the number of chunks submitted at a time.
-
-    `workers` are threads of this process (default: all cores), or chunks under way in an executor.
-    """
+    """Return the executor (None: this process), and the number of chunks submitted at a time."""
+    # `workers` are threads of this process (default: all cores), or chunks under way in an executor.
     count = None if workers is None else whole_number("workers", workers, 1)
     if executor is None:
         return Here(count), 1
@@ -211,15 +209,13 @@ def dask_client(address: str) -> Any:
     try:
         return Client(address, timeout=CONNECT_SECONDS)
     except (OSError, ValueError, TimeoutError) as error:
-        allowed = f"no scheduler of dask answers there ({_brief(error)})"
+        allowed = f"no scheduler of dask answers there ({_error_text(error)})"
         raise ParameterError("executor", address, allowed) from None
 
 
 def carried_out(plan: SweepPlan, gaps: list[Range], executor: Executor, under_way: int) -> Iterator[Done]:
-    """Compute the cells in `gaps` and yield chunks in order of completion.
-
-    SweepError if a worker fails; the chunks that were yielded stand.
-    """
+    """Compute the cells in `gaps` and yield chunks in order of completion."""
+    # SweepError if a worker fails; the chunks that were yielded stand.
     todo, size, pending = list(reversed(gaps)), FIRST_CHUNK, dict[Future[Chunk], Range]()
     try:
         while todo or pending:
@@ -261,10 +257,10 @@ def _worker_errors() -> Iterator[None]:
     except (SymoscError, MemoryError):
         raise
     except Exception as error:
-        raise SweepError(f"a worker failed: {_brief(error)}") from error
+        raise SweepError(f"a worker failed: {_error_text(error)}") from error
 
 
-def _brief(error: BaseException) -> str:
+def _error_text(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split())
 
 

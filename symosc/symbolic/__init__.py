@@ -1,7 +1,5 @@
 """Derivations and proofs by sympy (motion in a domain, mappings, Theorem 7), and the code printed from them.
 
 solution, maps and coulomb are the formulas; codegen prints the kernels, export prints programs; theorem7 and inverse
-answer exactly. May import: kernels to simulation. Nothing else loads sympy at its top but derive.
-
-To add a formula for the engine, derive it here, print it in codegen, and run ``symosc codegen --regenerate``.
+answer exactly. Nothing else loads sympy at its top but derive.
 """

@@ -151,10 +151,8 @@ def _steady(expr: Expr) -> Expr:
 
 @cache
 def resonance_growth() -> Expr:
-    """Return the growth of the turning points per cycle at r = 1, c = 0: twice that of half a cycle.
-
-    The highest point x_0 is at theta = pi/2, so that the drive pushes along with the velocity.
-    """
+    """Return the growth of the turning points per cycle at r = 1, c = 0: twice that of half a cycle."""
+    # The highest point x_0 is at theta = pi/2, so that the drive pushes along with the velocity.
     regime = solution.REGIMES["resonance"]
     at = {x_i: x_0, v_i: 0, solution.theta_i: sp.pi / 2, a_i: solution.acceleration(x_0, sp.Integer(0), sp.pi / 2)}
     lowest = solution.flow(regime).x.xreplace(at).xreplace(regime.parameters()).subs(tau, HALF)
@@ -172,10 +170,8 @@ def free_decay() -> Expr:
 
 
 def one_sided_velocity() -> Expr:
-    """Return x'/Omega of the motion d + x_0, d - x_0, ... at r = 1/(2 n), c = 0: free motion shifted by d.
-
-    Half a period is n periods of the free motion there, so that G = H = 0 and every d closes.
-    """
+    """Return x'/Omega of the motion d + x_0, d - x_0, ... at r = 1/(2 n), c = 0: free motion shifted by d."""
+    # Half a period is n periods of the free motion there, so that G = H = 0 and every d closes.
     return velocity().subs({G: 0, H: 0}).subs(x_f, x_f - d)
 
 

@@ -1,10 +1,9 @@
 """Export of a word's residual and Jacobian as standalone source, for programs without symosc.
 
-The source is that of the library. Its scalar kernels are read as syntax trees, what the word does not need is left out,
-and the rest is printed in the language that is asked for. With fixed parameters their constants become numbers, the
-branches that these decide are cut, and so is what nothing calls any more. The kernels use little of Python: assignments
-(also of tuples), if, for over a range, break, return, arithmetic, comparisons and calls. All values are real numbers,
-except for flags and loop counters.
+The library's scalar kernels are read as syntax trees, what the word does not need is left out, and the rest is printed
+in another language: assignments (also of tuples), if, for over a range, break, return, arithmetic, comparisons, calls.
+With fixed parameters their constants become numbers, and the branches that these decide are cut. All values are real
+numbers, except for flags and loop counters.
 
 A word of n mappings has n + 1 switching points z = (x_0, theta_0, ..., x_n, theta_n), phases unwrapped, in order of
 time. `residual` returns f1, f2 of each mapping, 2 n numbers; `jacobian` for each mapping the derivatives of its f1 and
@@ -65,28 +64,12 @@ RESERVED = {
 def export(
     word: WordLike, language: str = "python", fix: Parameters | None = None, name: str | None = None
 ) -> dict[str, str]:
-    """Return the source files of a word's residual and Jacobian, text by file name.
-
-    Parameters
-    ----------
-    word : str, list or Word
-        A mapping structure such as "P32"; it need not close.
-    language : str
-        "python" (math, floats), "numpy" (arrays), "c" (C99, with a header) or "julia".
-    fix : Parameters, optional
-        Fold these parameters in. Without, the functions take the constants that `constants` computes.
-    name : str, optional
-        Base of the file names and, in C and Julia, of the names; the word in small letters if None. A Julia module is
-        called like it, with a capital, and "Map" behind if the source has a function of that name: P2Map.
-
-    Raises
-    ------
-    WordError
-        If the word cannot be read or has an impossible step.
-    ParameterError
-        For an unknown language, a name that is not an identifier or that the language reserves, and a `fix` that is not
-        Parameters.
-    """
+    """Return the source files of a word's residual and Jacobian, text by file name."""
+    # `language` is "python" (math, floats), "numpy" (arrays), "c" (C99, with a header) or "julia"; `fix` folds
+    # parameters in, else the functions take what `constants` computes; the word need not close. `name` begins file
+    # names and, in C and Julia, names (None: the word in small letters); a Julia module has it with a capital, and
+    # "Map" behind if the source has a function of that name: P2Map. WordError or ParameterError for arguments that make
+    # no program.
     if not isinstance(language, str) or language not in LANGUAGES:
         raise ParameterError("language", language, f"must be one of {', '.join(LANGUAGES)}")
     if fix is not None and not isinstance(fix, Parameters):
@@ -106,14 +89,8 @@ def export(
 
 
 def write_export(folder: str | Path, *arguments: Any, force: bool = False, **options: Any) -> list[Path]:
-    """Write the files of `export` to a folder, which is made if needed, and return their paths.
-
-    Raises
-    ------
-    OutputError
-        If a file cannot be written, or is there with another content (with `force` it is replaced); and what `export`
-        raises.
-    """
+    """Write the files of `export` to a folder, which is made if needed, and return their paths."""
+    # OutputError if a file cannot be written, or, without `force`, is there with another content.
     folder = read_path(folder)
     texts = {Path(folder) / name: text for name, text in export(*arguments, **options).items()}
     for path, text in texts.items():  # before the first of them is written
@@ -306,10 +283,8 @@ def _add(name: str, library: dict[str, ast.FunctionDef], functions: dict[str, as
 
 
 def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
-    """Return the name of a mapping's function, and the source of it and of its Jacobian.
-
-    For arrays, the arguments are made flat and of one length, and all results get their shape.
-    """
+    """Return the name of a mapping's function, and the source of it and of its Jacobian."""
+    # For arrays, the arguments are made flat and of one length, and all results get their shape.
     begin, end = f"K.v{row.start.boundary}", f"K.v{row.end.boundary}"
     if row.sticks:
         domain = NEIGHBOURS[row.start.boundary][exit == "above"]
@@ -423,10 +398,9 @@ class _Fold(ast.NodeTransformer):
 
 
 class _Language(ast.NodeTransformer):
-    """A printer of functions: expressions as in Python, with the differing parts substituted.
+    """A printer of functions: expressions as in Python, with the differing parts substituted."""
 
-    `returns` says how many numbers each function returns. C and Julia differ in the texts and methods below.
-    """
+    # `returns` says how many numbers each function returns. C and Julia differ in the texts and methods below.
 
     member, end, condition, otherwise, close = ".", "", "if {}", "else", "end"
     renamed: dict[str, str] = {}  # noqa: RUF012 (a table, never changed)
@@ -496,7 +470,7 @@ class _Language(ast.NodeTransformer):
 
 
 class _Julia(_Language):
-    """Julia 1.x."""
+    """The printer of functions for Julia 1.x."""
 
     def function(self, node: ast.FunctionDef) -> str:
         """Return the lines of a function."""
@@ -522,7 +496,7 @@ class _Julia(_Language):
 
 
 class _C(_Language):
-    """C99. A function with several results writes them to the array `out`."""
+    """The printer of functions for C99; one with several results writes them to the array `out`."""
 
     member, end, condition, otherwise, close = "->", ";", "if ({}) {{", "} else {", "}"
     renamed = {"abs": "fabs"}  # noqa: RUF012
@@ -701,7 +675,7 @@ def _about(program: _Program, mark: str, run: str) -> list[str]:
 
 
 def _python(program: _Program, arrays: bool) -> str:
-    """Return the Python source."""
+    """Return the Python source of a program."""
     functions = [ast.unparse(node) for node in program.functions.values()]
     used = set().union(*map(_names, program.functions.values())) | ({"sqrt"} if program.passed else set())
     imports = ["from collections import namedtuple", ""] * bool(program.passed) + ["import numpy as np"] * arrays
@@ -752,7 +726,7 @@ def _python_setup(program: _Program) -> str:
 
 
 def _c(program: _Program, name: str) -> dict[str, str]:
-    """Return the C source and header."""
+    """Return the C source and header of a program."""
     c, count, fixed = _C(program.returns(), f"{name}_constants"), len(program.maps), program.values is not None
     constants = "" if fixed else f"const {name}_constants *K, "
     public = [label for label in program.functions if re.match(r"P[1-8]", label)]
@@ -823,7 +797,7 @@ def _c_setup(program: _Program, c: _C, signature: str) -> str:
 
 
 def _julia(program: _Program, name: str) -> str:
-    """Return the Julia source."""
+    """Return the Julia source of a program."""
     julia, passed = _Julia(program.returns()), program.passed
     exports = ["residual", "jacobian", *["constants"] * bool(passed)]
     numbers = program.numbers()

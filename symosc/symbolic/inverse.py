@@ -702,7 +702,7 @@ def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full:
 
 
 def _region_containing(level: Expr, drive: Expr, theta: Expr | PhaseInterval, full: bool) -> Expr:
-    """Return the condition for level + drive sin > 0 at a phase, or on an interval."""
+    """Return the condition on two parameters for level + drive sin(theta) > 0 at a phase, or on an interval."""
     if not isinstance(theta, PhaseInterval):
         return _region_at(level, drive, Extreme(theta, True), full)
     lowest, highest = theta.extremes()

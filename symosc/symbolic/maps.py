@@ -82,11 +82,9 @@ def convolve(expr: Expr) -> Expr:
 
 
 def repeated_apart() -> dict[str, Expr]:
-    """Return the functions of repeated roots where all roots are apart, as steps; D, u and z are between them.
-
-    U1 = S*S is explicit; the others follow from D f = g, which their rates make an equation without derivatives. With
-    p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
-    """
+    """Return the functions of repeated roots where all roots are apart, as steps; D, u and z are between them."""
+    # U1 = S*S is explicit; the others follow from D f = g, which their rates make an equation without derivatives. With
+    # p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
     first = (E1 - tau * (E0 + h * E1)) / (2 * omega_d**2)
     found = {"U1": first, "U0": sp.factor(solution.time_derivative(first).subs(cm, 2 * h))}
     found |= {"U2": sp.solve(_operator(U2) - E2, U2)[0], "D": p**2 + q**2}
@@ -98,9 +96,6 @@ def repeated_apart() -> dict[str, Expr]:
         whole = sp.solve([p * f - q * g - real, q * f + p * g - imaginary], [f, g])
         found |= {str(name): expr.subs(p**2 + q**2, sp.Symbol("D")) for name, expr in whole.items()}
     return found
-
-
-# --- flights ---
 
 
 @cache
@@ -122,10 +117,8 @@ def by_start() -> dict[str, Expr]:
 
 
 def flight_jacobian() -> dict[str, Expr]:
-    """Return the derivatives of f1 (names x_*) and f2 (v_*) with respect to x_i, theta_i and theta_j.
-
-    The others are constants: f1 has the derivative -1 by x_j, f2 has none.
-    """
+    """Return the derivatives of f1 (names x_*) and f2 (v_*) with respect to x_i, theta_i and theta_j."""
+    # The others are constants: f1 has the derivative -1 by x_j, f2 has none.
     start = by_start()
     found = {}
     for name, end in (("x", v_end), ("v", a_end)):
@@ -138,10 +131,8 @@ def flight_jacobian() -> dict[str, Expr]:
 
 
 def flight_parameters() -> dict[str, Expr]:
-    """Return the derivatives of x(tau) and of v(tau) - v_i with respect to m, c, k, A, B0, Omega and v_i.
-
-    At fixed x_i, theta_i and tau: where theta_j is fixed, a change of Omega moves the end as well.
-    """
+    """Return the derivatives of x(tau) and of v(tau) - v_i with respect to m, c, k, A, B0, Omega and v_i."""
+    # At fixed x_i, theta_i and tau: where theta_j is fixed, a change of Omega moves the end as well.
     flow = solution.flow()
     c0, s0 = sp.cos(theta_i), sp.sin(theta_i)
     forcing = {
@@ -211,9 +202,6 @@ def _operator(expr: Expr) -> Expr:
     return sp.expand(rate(first) + cm * first + w0sq * expr)
 
 
-# --- sticks ---
-
-
 def stick_residual() -> dict[str, Expr]:
     """Return f1 and f2 of a stick on a belt of speed v_i that slips into the domain with A_m."""
     return {"f1": x_i + v_i * tau - x_j, "f2": solution.acceleration(x_j, v_i, theta_j)}
@@ -224,12 +212,7 @@ def stick_jacobian() -> dict[str, Expr]:
     residual = stick_residual()
     # tau = (theta_j - theta_i)/Omega
     by_tau = residual["f1"].diff(tau) / Omega
-    return {
-        "x_th0": -by_tau,
-        "x_th1": by_tau,
-        "v_x1": residual["f2"].diff(x_j),
-        "v_th1": residual["f2"].diff(theta_j),
-    }
+    return {"x_th0": -by_tau, "x_th1": by_tau, "v_x1": residual["f2"].diff(x_j), "v_th1": residual["f2"].diff(theta_j)}
 
 
 def stick_parameters() -> dict[str, Expr]:

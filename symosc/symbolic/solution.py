@@ -64,15 +64,13 @@ def acceleration(x: Expr = x, v: Expr = v, theta: Expr = theta) -> Expr:
     return A_m + f0 * sp.cos(theta) - w0sq * x - cm * v
 
 
-def along_flow(expr: Expr) -> Expr:
-    """Return d/dt of a function of (x, v, theta) along the flow of the domain."""
-    return sp.expand(v * expr.diff(x) + acceleration() * expr.diff(v) + Omega * expr.diff(theta))
-
-
 @cache
 def g_function(order: int) -> Expr:
     """Return G^(order, alpha)(x, v, theta) on a boundary v = v_lambda, d/dt of the order before (eqs. (18), (19))."""
-    return acceleration() if order == 0 else along_flow(g_function(order - 1))
+    if order == 0:
+        return acceleration()
+    G = g_function(order - 1)
+    return sp.expand(v * G.diff(x) + acceleration() * G.diff(v) + Omega * G.diff(theta))
 
 
 def next_derivative(y1: Expr, y0: Expr, forcing_n: Expr) -> Expr:
@@ -86,10 +84,8 @@ def forcing(n: int) -> Expr:
 
 
 def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
-    """Return F^(alpha) at tau after it was `start` on a belt of speed v: x = x_i + v tau.
-
-    `cosines` stands for cos(theta_i + Omega tau) - cos(theta_i), which a caller can compute without cancellation.
-    """
+    """Return F^(alpha) on a belt at the time tau of a stick (x = x_i + v tau), given its value at the onset."""
+    # `cosines` stands for cos(theta_i + Omega tau) - cos(theta_i), which a caller can compute without cancellation.
     here, there = acceleration(x_i, v, theta_i), acceleration(x_i + v * tau, v, theta_i + Omega * tau)
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
     return start + sp.collect(sp.expand(there - here), f0).subs(wave, cosines)
@@ -152,12 +148,10 @@ def use_relations(expr: Expr) -> Expr:
 
 @cache
 def flow(regime: Regime | None = None) -> Flow:
-    """Return x, v, a at tau after (t_i, x_i, v_i), in terms of the basis functions or, for a regime, of tau.
-
-    Variation of constants gives x up to two constants, the start fixes them. A is then eliminated in favour of the
-    acceleration a_i at the start: friction enters only there, and nothing cancels when tau -> 0. Each result is
-    sorted by cause (x_i, v_i, a_i, f0); x and v are the start value and what has been added to it since.
-    """
+    """Return x, v, a at tau after (t_i, x_i, v_i), in terms of the basis functions or, for a regime, of tau."""
+    # Variation of constants gives x up to two constants, the start fixes them. A is then eliminated in favour of the
+    # acceleration a_i at the start: friction enters only there, and nothing cancels when tau -> 0. Each result is
+    # sorted by cause (x_i, v_i, a_i, f0); x and v are the start value and what has been added to it since.
     if regime is not None:
         return Flow(*(expr.xreplace(regime.basis()).xreplace(regime.parameters()) for expr in flow()))
     alpha, beta = sp.symbols("alpha beta")
@@ -182,11 +176,9 @@ def _by_cause(expr: Expr) -> Expr:
 
 
 def prove(regime: Regime | None = None) -> dict[str, Expr]:
-    """Return by name the expressions that vanish if the flow is right; each is sympy's 0 when the proof holds.
-
-    Without a regime only the definitions of the basis functions are used. With one, its closed forms are put in as
-    functions of tau: they have to obey the definitions, and the flow eq. (5) and its start, in the paper's letters.
-    """
+    """Return by name the expressions that vanish if the flow is right; each is sympy's 0 when the proof holds."""
+    # Without a regime only the definitions of the basis functions are used. With one, its closed forms are put in as
+    # functions of tau: they have to obey the definitions, and the flow eq. (5) and its start, in the paper's letters.
     residuals = _prove_in_general() if regime is None else _prove_closed_forms(regime)
     tidy = sp.expand if regime is None else collect_modes
     return {name: tidy(sp.expand_trig(residual)) for name, residual in residuals.items()}
@@ -233,20 +225,13 @@ def _prove_closed_forms(regime: Regime) -> dict[str, Expr]:
 
 @dataclass(frozen=True)
 class Regime:
-    """One damping regime: its condition, and the characteristic roots from which the closed forms follow.
-
-    Attributes
-    ----------
-    condition : sympy Boolean in m, c, k, Omega
-    centre, offset : centre +- offset solve lambda^2 + cm lambda + w0sq = 0, in the regime's own letters
-    letters : what these letters are in m, c, k
-    """
+    """One damping regime: its condition, and the characteristic roots from which the closed forms follow."""
 
     name: str
-    condition: Expr
-    centre: Expr
+    condition: Expr  # a Boolean in m, c, k, Omega
+    centre: Expr  # centre +- offset solve lambda^2 + cm lambda + w0sq = 0, in the regime's own letters
     offset: Expr
-    letters: dict[Expr, Expr] = field(hash=False)
+    letters: dict[Expr, Expr] = field(hash=False)  # what these letters are in m, c, k
 
     def parameters(self) -> dict[Expr, Expr]:
         """Return cm = -(l1 + l2) and w0sq = l1 l2 in the regime's symbols."""
@@ -265,10 +250,8 @@ class Regime:
 
 
 def divided_difference(*nodes: Expr) -> Expr:
-    """Return the divided difference of z -> exp(z tau) over nodes of which some may be equal.
-
-    Over the roots it is S; a further node z gives int_0^tau S(u) exp(z (tau - u)) du.
-    """
+    """Return the divided difference of z -> exp(z tau) over nodes of which some may be equal."""
+    # Over the roots it is S; a further node z gives int_0^tau S(u) exp(z (tau - u)) du.
 
     def difference(z: list[Expr]) -> Expr:
         if z[0] == z[-1]:
@@ -290,10 +273,8 @@ def _mode(z: Expr) -> Expr:
 
 
 def collect_modes(expr: Expr) -> Expr:
-    """Write an expression as a sum of modes (products of tau, exp, sin, cos, sinh, cosh) with factored coefficients.
-
-    Different modes are linearly independent functions, so what is 0 for all tau comes out as 0.
-    """
+    """Write an expression as a sum of modes (products of tau, exp, sin, cos, sinh, cosh) with factored coefficients."""
+    # Different modes are linearly independent functions, so what is 0 for all tau comes out as 0.
     modes = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
     stand_ins = [sp.Dummy() for _ in modes]
     poly = sp.Poly(expr.xreplace(dict(zip(modes, stand_ins, strict=True))), *stand_ins, tau)

@@ -235,13 +235,7 @@ def all_cases(where: Place, full: bool) -> tuple[Case, ...]:
 
 
 def real(name: str, value: NumberLike) -> Expr:
-    """Return `value` as a sympy expression: numbers exactly, real constants and symbols unchanged.
-
-    Raises
-    ------
-    ParameterError
-        If it is not a real number and cannot be one.
-    """
+    """Return `value` as a sympy expression: numbers exact, real constants and symbols unchanged; or ParameterError."""
     if isinstance(value, sp.Expr) and not value.is_Rational and not value.is_Float:
         if value.is_extended_real is False or value.is_infinite or value is sp.nan:
             raise ParameterError(name, value, "must be real and finite")
@@ -267,13 +261,7 @@ def rational(value: Fraction) -> Expr:
 
 
 def sign_of(number: Expr) -> int:
-    """Return the sign of a real constant, exactly.
-
-    Raises
-    ------
-    ParameterError
-        If a transcendental constant can be shown neither to be 0 nor not to be.
-    """
+    """Return the exact sign of a real constant; ParameterError if it is undecided whether it is 0."""
     if number.is_Rational:
         return int(sp.sign(number))
     for digits in (30, 200):

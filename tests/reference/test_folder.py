@@ -178,7 +178,7 @@ def test_nothing_is_left_where_it_fails(tmp_path: Path, monkeypatch: pytest.Monk
     def fail(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(folder, "_manifest", fail)
+    monkeypatch.setattr(folder, "_manifest_text", fail)
     with pytest.raises(KeyboardInterrupt):
         write_cases(target, small_set()[:2])
     assert content(target) == before

@@ -20,7 +20,7 @@ NAMES = ("grazing-sliding", "crossing-sliding", "switching-sliding", "adding-sli
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Yield the texts and steps of the chapter."""
     jump = -2 * mu_lambda * FN / m
     on_belt = solution.in_paper_letters(solution.acceleration(solution.x_i, v_lambda)).subs(Omega * t, theta)
     first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, solution.v: v_lambda})

@@ -20,7 +20,7 @@ SECOND, FOURTH, SINE = named(r"\ddot{g}"), named(r"g^{(4)}"), named(r"\sin\theta
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Yield the texts and steps of the chapter."""
     x, y = sp.Symbol("x", real=True), sp.Symbol("Y", real=True)
     f = sp.Function("f")(x)
     slope = (x - y * f).diff(x)

@@ -41,7 +41,7 @@ REGIME_WORDS = {
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Yield the texts and steps of the chapter."""
     generic = generic_basis()
     rates = []
     for symbol, rate in solution.rates().items():
@@ -110,7 +110,13 @@ def items(scope: Scope) -> Items:
         r"\cite{mccurdy1984}.",
     )
     if scope.scene:
-        yield _scene_regime(scope.regimes[0])
+        regime = scope.regimes[0]
+        name, condition = REGIME_WORDS[regime.name]
+        yield (
+            r"\subsection{The basis functions of this scene}",
+            rf"The regime is \emph{{{name}}} ({condition}). There",
+            [basis_function(symbol, regime, label=f"scene-{symbol.name}") for symbol in BASIS],
+        )
         return
     rows = []
     for regime in scope.regimes:
@@ -342,15 +348,6 @@ def tidy(expr: Any) -> Any:
     rows = {sp.Integer(1): plain} | {wave: above.coeff(letter) for letter, wave in zip(stand_ins, waves, strict=True)}
     above = sp.Add(*(_times(wave, sp.collect(row, trig, sp.factor)) for wave, row in rows.items()))
     return sp.Mul(above, 1 / sp.factor(below), evaluate=False) if below != 1 and above.is_Add else above / below
-
-
-def _scene_regime(regime: solution.Regime) -> Items:
-    name, condition = REGIME_WORDS[regime.name]
-    return (
-        r"\subsection{The basis functions of this scene}",
-        rf"The regime is \emph{{{name}}} ({condition}). There",
-        [basis_function(symbol, regime, label=f"scene-{symbol.name}") for symbol in BASIS],
-    )
 
 
 def _sampled(join: solution.Join) -> Step:

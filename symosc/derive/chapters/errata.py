@@ -33,13 +33,15 @@ TITLE = "Errata"
 
 
 def items(scope: Scope) -> Items:
-    """Return the chapter."""
+    """Return the texts and steps of the chapter."""
     figure = scope.scene and scope.scene.name.partition("-")[0]
-    figures = [section() for name, section in (("fig7", _figure7), ("fig8", _figure8)) if figure in (None, name)]
-    return _list(), _flows(), _exits(), figures, _starts()
+    figures = [
+        section() for name, section in (("fig7", _figure7_errata), ("fig8", _figure8_errata)) if figure in (None, name)
+    ]
+    return _errata_list(), _flow_errata(), _exit_errata(), figures, _start_errata()
 
 
-def _list() -> Items:
+def _errata_list() -> Items:
     errata = read_errata()
     counts = ", ".join(
         rf"{sum(each.severity == severity for each in errata)} are \emph{{{severity}}} ({meaning})"
@@ -59,7 +61,7 @@ def _list() -> Items:
     )
 
 
-def _flows() -> Items:
+def _flow_errata() -> Items:
     field = solution.in_paper_letters(solution.acceleration())
     domain, boundary = (field.diff(x) * v + field.diff(v) * rate + field.diff(t) for rate in (field, 0))
     difference = named(r"D_{\mathbf{x}^{(\alpha)}}F^{(\alpha)} - D_{\mathbf{x}^{(0)}}F^{(\alpha)}")
@@ -82,7 +84,7 @@ def _first_slip(scene: str, alpha: int) -> Any:
     return event.t
 
 
-def _exits() -> Items:
+def _exit_errata() -> Items:
     def ends(scene: str, belt: int, alpha: int, words: str) -> Items:
         numbers, other, time = Scope(load_scene(scene)).numbers, belt + 1, _first_slip(scene, alpha)
         held, true = (newton(other) - newton(alpha)).subs(numbers), -2 * (MU[belt] * FN / m).subs(numbers)
@@ -99,9 +101,6 @@ def _exits() -> Items:
         ends("fig5", 1, 1, "With the numbers of Fig.~5 the first one ends"),
         ends("fig6", 2, 2, "In Fig.~6 the mass leaves belt 2"),
     )
-
-
-# --- figures ---
 
 
 def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any]:
@@ -127,7 +126,7 @@ def _prints(printed: str, value: Any) -> Step:
     return equation(named("z"), sp.Rational(printed), Close(lambda: value, 4))
 
 
-def _figure7() -> Items:
+def _figure7_errata() -> Items:
     numbers = Scope(load_scene("fig7")).numbers
     amplitude = ((B0 * Omega) ** 2 / ((k - m * Omega**2) ** 2 + c**2 * Omega**2)).subs(numbers)
     square = named(r"V_0^2")
@@ -153,7 +152,7 @@ def _figure7() -> Items:
     )
 
 
-def _figure8() -> Items:
+def _figure8_errata() -> Items:
     _, x0, v0 = _graze("fig8", 2, sp.Integer(-4), sp.Rational("3.14158"))
     short = step(named("t"), "<", sp.Rational(3, 1000), AtRoot(lambda: {named("t"): _first_stick("fig8")}))
     return (
@@ -175,7 +174,7 @@ def _first_stick(scene: str) -> Any:
     return sp.Float(str(second.t - first.t), 30)
 
 
-def _starts() -> Items:
+def _start_errata() -> Items:
     from symosc.derive.chapters.orbits import root
 
     rows = []

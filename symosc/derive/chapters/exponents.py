@@ -11,19 +11,7 @@ from symosc.derive.chapters.jacobians import AFTER, BEFORE
 from symosc.derive.chapters.orbits import FUNCTIONS
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.steps import (
-    CONTEXT,
-    Close,
-    Exact,
-    Items,
-    Sign,
-    Table,
-    decimal,
-    equation,
-    facts,
-    number,
-    step,
-)
+from symosc.derive.steps import CONTEXT, Close, Exact, Items, Sign, Table, decimal, equation, facts, number, step
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
@@ -44,7 +32,7 @@ SCENE, EVENTS, DIGITS = "fig5", 6, 30
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Yield the texts and steps of the chapter."""
     s, e = sp.symbols("s varepsilon", real=True)
     place, speed = named("x"), named(r"\dot{x}")
     near_x, near_v = place + speed * s + BEFORE * s**2 / 2 + e * (DX + DV * s), speed + BEFORE * s + e * DV
@@ -274,7 +262,7 @@ def _exponents_table() -> Table:
         decay += CONTEXT.log(_force(p, after, *where) / _force(p, before, *where)) / number(orbit.period)
 
     def growth(scene: str, of: Any) -> Any:
-        """Return an exponent as the rate at which a distance grows between two times, whole periods apart."""
+        """Return a Lyapunov exponent as the rate at which a distance grows between two times, whole periods apart."""
         early, late = (of(sensitivities(scene, "x0", t_end=f"{n}T").lyapunov) for n in (50, 100))
         return 2 * late - early
 

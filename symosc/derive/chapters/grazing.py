@@ -46,7 +46,7 @@ CASES = (
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Yield the texts and steps of the chapter."""
     rows = []
     for mapping, place in PLACES.items():
         rate, sine = "<>" if place.side > 0 else "><"
@@ -250,11 +250,9 @@ def _with_name(phases: Any) -> Any:
 
 @dataclass(frozen=True)
 class Window(Check):
-    """The set on the right is where side (gamma + a sin theta) > 0, for given signs of gamma, a and |gamma| - |a|.
+    """Check that the set on the right is where side (gamma + a sin theta) > 0, for signs of gamma, a, |gamma| - |a|."""
 
-    Exact: the ends are zeros of gamma + a sin theta, which has at most two, and on each piece the sign is decided at a
-    phase where the sine is 1, 0 or -1. `names` are the letters in the ends.
-    """
+    # Exact: the function has at most two zeros, and between them its sign is decided where the sine is 1, 0 or -1.
 
     side: int
     gamma: Any

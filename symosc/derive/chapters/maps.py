@@ -26,7 +26,7 @@ def force(alpha: int, x: Any, v: Any, theta: Any) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Yield the texts and steps of the chapter."""
     rows: list[Any] = []
     for label in scope.maps:
         row = MAPS[label]
@@ -99,6 +99,7 @@ def items(scope: Scope) -> Items:
 
 
 def _with_numbers(scope: Scope) -> Items:
+    """Return the section with the mappings in the scene's numbers."""
     found: list[Any] = [r"\subsection{With the numbers of the scene}"]
     for label in scope.maps:
         row, letter = MAPS[label], f"P_{label[1]}"

@@ -54,12 +54,12 @@ def _values_at_belt(belt: int) -> dict[Any, Any]:
 
 
 def at_both(scope: Scope) -> Each:
-    """Return the check of a statement at both belts, at their speeds."""
+    """Return the check that a statement on belt lambda holds for both belts, at their speeds."""
     return Each(tuple(Exact(_values_at_belt(belt)) for belt in scope.boundaries))
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Yield the texts and steps of the chapter."""
     total, first, second = named(r"m\ddot{x}"), named("T_1"), named("T_2")
     right = A0 + B0 * WAVE - k * x - c * v + first + second
     checks = tuple(

@@ -25,7 +25,7 @@ def force_on_belt(phase: Any) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Yield the texts and steps of the chapter."""
     position = named(r"x(\tau)")
     on_belt = named(r"F^{(\alpha)}(\tau)")
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)

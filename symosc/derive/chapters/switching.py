@@ -16,7 +16,7 @@ TITLE = "What happens at a boundary"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter."""
+    """Yield the texts and steps of the chapter."""
     n, y = sp.Function("n")(t), sp.Function("y")(t)
     first, second = named(r"G^{(0,\alpha)}"), named(r"G^{(1,\alpha)}")
 

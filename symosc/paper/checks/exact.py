@@ -15,7 +15,6 @@ import numpy as np
 
 from symosc.model import NEIGHBOURS, Parameters
 
-# --- the flow of eq. (5) near a contact, in rational numbers ---
 # Parameters, place and the sine and cosine of the phase are all rational, so whether a force vanishes is decided
 # exactly, and so is on which side of the belt's speed the flow of a domain is a short time before and after.
 
@@ -42,10 +41,8 @@ def friction_on_mass(p: Parameters, alpha: int) -> Fraction:
 def velocity_series(
     p: Parameters, constant: Fraction, x: Fraction, v: Fraction, s: Fraction, c: Fraction
 ) -> list[Fraction]:
-    """Return Taylor coefficients of x'(tau), first v, for m x'' + c x' + k x = constant + B0 cos(theta + Omega tau).
-
-    s and c are the sine and cosine of theta.
-    """
+    """Return Taylor coefficients of x'(tau), first v, for m x'' + c x' + k x = constant + B0 cos(theta + Omega tau)."""
+    # s and c are the sine and cosine of theta.
     place = [x, v]
     wave, turned = c, -s  # cos(theta) and its derivative by theta
     scale = Fraction(1)  # Omega^n/n!
@@ -84,6 +81,7 @@ class RationalContact:
 
     @cached_property
     def _series(self) -> dict[int, list[Fraction]]:
+        """Return the power series of x' along the flows of both domains."""
         p = self.p
         return {
             alpha: velocity_series(p, p.A0 + friction_on_mass(p, alpha), self.x, self.speed, self.s, self.c)
@@ -147,11 +145,9 @@ class RationalContact:
 
 
 def contacts(boundary: int, count: int, seed: int = 0) -> Iterator[RationalContact]:
-    """Yield contacts at random rational parameters, in turn of six kinds.
-
-    Two are generic; two have the force below or above exactly 0; and two have the phase such that G^(1) = 0 as well
-    (at the top and the bottom of the sine then G^(2) = 0 too). A fifth of them is at phase 0.
-    """
+    """Yield contacts with a boundary at random rational parameters, of six kinds in turn."""
+    # Two are generic; two have the force below or above exactly 0; two have the phase such that G^(1) = 0 as well
+    # (at the top and the bottom of the sine then G^(2) = 0 too). A fifth of them is at phase 0.
     draw = random.Random(seed)
 
     def positive(top: int = 12) -> Fraction:
@@ -191,8 +187,6 @@ def tally(cases: Iterable[Any], questions: Mapping[str, Callable[[Any], Any]]) -
     return counts
 
 
-# --- flights ---
-
 #: Roots that are closer than this part of their size are moved apart: the flow then is off by less than 1e-8.
 FAR_APART = 1e-8
 #: What DOP853 is asked for, and may differ by from the exact motion, relative to the size of the motion.
@@ -200,10 +194,8 @@ DOP853_TOLERANCE, DOP853_AGREEMENT = 1e-12, 1e-9
 
 
 def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]:
-    """Return x and x' at times t of m x'' + c x' + k x = A + B0 cos(Omega t) from start = (t0, x0, v0).
-
-    The closed form is in complex numbers, independent of the package's kernels; for c > 0 or off resonance, and k > 0.
-    """
+    """Return x and x' at times t of m x'' + c x' + k x = A + B0 cos(Omega t) from start = (t0, x0, v0); k > 0."""
+    # In complex numbers, independent of the package's kernels; not for undamped resonance.
     m, c, k, B0, Omega = (float(getattr(p, name)) for name in ("m", "c", "k", "B0", "Omega"))
     t0, x0, v0 = map(float, start)
     half = cmath.sqrt(c * c - 4 * m * k) / (2 * m)
@@ -227,10 +219,7 @@ def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]
 def dop853(
     p: Parameters, constant: Fraction, span: tuple[float, float], state: Any, until_speed: float | None = None
 ) -> Any:
-    """Integrate m x'' + c x' + k x = constant + B0 cos(Omega t) from `state`; return scipy's result.
-
-    With `until_speed` the flight ends where it first has that velocity (`t_events`, `y_events`).
-    """
+    """Integrate m x'' + c x' + k x = constant + B0 cos(Omega t) by DOP853, until v is `until_speed`."""
     from scipy.integrate import solve_ivp
 
     A, m, c, k, B0, Omega = (float(value) for value in (constant, p.m, p.c, p.k, p.B0, p.Omega))

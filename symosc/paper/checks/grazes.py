@@ -51,15 +51,12 @@ LATE, GRAZE_SAMPLES = 60, 8000
 
 @dataclass(frozen=True)
 class Graze:
-    """A figure of a grazing motion: as printed, with a corrected parameter if it needs one, and its mapping.
-
-    `half_turns` is the phase of the grazing point in units of pi.
-    """
+    """A figure of a grazing motion: as printed, with a corrected parameter if it needs one, and its mapping."""
 
     printed: Scene
     scene: Scene
     mapping: str
-    half_turns: int
+    half_turns: int  # the phase of the grazing point in units of pi
 
     def source(self, to_start: bool = True) -> GrazingStart:
         """Return where the flow that grazes was at t0, or on the switching plane before."""
@@ -103,10 +100,7 @@ def reaches_belt(scene: Scene, belt: int) -> Evidence:
     p, path = scene.parameters, motion(scene, LATE)
     first = next((event for event in path.events if event.boundary == belt), None)
     square, speed = steady_square(p), f"v{subscripted(belt)}"
-    numbers = {
-        "square of the steady velocity amplitude": text(square),
-        f"square of {speed}": text(p.belt(belt) ** 2),
-    }
+    numbers = {"square of the steady velocity amplitude": text(square), f"square of {speed}": text(p.belt(belt) ** 2)}
     if first is not None:
         numbers["t of the first contact"] = text(first.t, 20)
         finding = f"The first contact is a {first.kind} at t = {text(first.t, 11)}."
@@ -476,33 +470,27 @@ LONGEST = 12
 
 @dataclass(frozen=True)
 class NearestGraze:
-    """The start of a graze next to a printed start: the time of its contact, and it minus the printed start.
-
-    `t_low` and `t_high` are the times of contact of all starts that round to the printed one; nan if there are none.
-    """
+    """The start of a graze next to a printed start: the time of its contact, and it minus the printed start."""
 
     t_m: float
     dx: float
     dv: float
-    t_low: float
+    t_low: float  # times of contact of all starts that round to the printed one, up to t_high; nan: none
     t_high: float
 
     @property
     def rounds(self) -> bool:
-        """Whether a start that grazes rounds to the printed one."""
+        """Whether the rounded start of some grazing flow is the printed one."""
         return self.t_low <= self.t_high
 
 
 @dataclass(frozen=True)
 class FreeValue:
-    """A number of a scene with which the flow from the printed start grazes at t_m, all others as printed.
-
-    `uncertainty` is what half a unit of the printed x0 and v0 changes it by.
-    """
+    """A number of a scene with which the flow from the printed start grazes at t_m, all others as printed."""
 
     name: str
     value: float
-    uncertainty: float
+    uncertainty: float  # what half a unit of the printed x0 and v0 changes the value by
     t_m: float
 
     @property
@@ -534,7 +522,7 @@ def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray
 
 
 def nearest_graze(scene: Scene, mapping: str, half_unit: float) -> NearestGraze:
-    """Find the point of the curve of grazing starts next to the printed start, and where it is in its rounding box."""
+    """Find the grazing start nearest to the printed one, and the times of those that round to it."""
     printed = np.array([[float(scene.x0)], [float(scene.v0)]])
 
     def away(t: float) -> float:

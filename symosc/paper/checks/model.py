@@ -57,7 +57,7 @@ def added_force(p: Parameters, alpha: int) -> Fraction:
 
 
 def vector_field(p: Parameters, alpha: int, x: Fraction, v: Fraction, cosine: Fraction) -> Fraction:
-    """Eq. (9)."""
+    """Eq. (9): the acceleration F^(alpha) in a domain."""
     rest = {1: p.A0 + (p.mu1 + p.mu2) * p.FN, 2: p.A0 - (p.mu1 - p.mu2) * p.FN, 3: p.A0 - (p.mu1 + p.mu2) * p.FN}
     return -p.c / p.m * v - p.k / p.m * x + p.B0 / p.m * cosine + rest[alpha] / p.m
 
@@ -78,10 +78,12 @@ def domain_of(p: Parameters, v: Fraction) -> list[int]:
 
 
 def _parameter_sets() -> list[Parameters]:
+    """Return random parameter sets."""
     return [contact.p for contact in contacts(1, CASES, seed=3)]
 
 
 def _both_boundaries(seed: int) -> Iterator[RationalContact]:
+    """Yield random contacts with both boundaries."""
     for boundary in NEIGHBOURS:
         yield from contacts(boundary, CASES, seed=seed + boundary)
 
@@ -248,7 +250,7 @@ def frequency() -> Evidence:
 
 
 def motion_states() -> Evidence:
-    """Section 3: five motion states."""
+    """Section 3 counts five motion states: in three domains and on two boundaries."""
     p = load_scene("fig5").parameters
     places = [domain_of(p, v) for v in (p.v1 - 1, p.v1, (p.v1 + p.v2) / 2, p.v2, p.v2 + 1)]
     domains, boundaries = (sum(place in wanted for place in places) for wanted in ([[1], [2], [3]], [[12], [23]]))
@@ -509,11 +511,9 @@ def four_grazes() -> Evidence:
 
 
 def position_bound(p: Parameters) -> float:
-    """Return the long-term bound of |x| from the L1 norm of the impulse response; c, k > 0.
-
-    Friction and drive together stay below a force M; then lim sup |x| <= (M/k) coth(pi zeta/(2 sqrt(1 - zeta^2))), or
-    M/k without oscillation.
-    """
+    """Return the long-term bound of |x| from the L1 norm of the impulse response; c, k > 0."""
+    # Friction and drive together stay below a force M; then lim sup |x| <= (M/k) coth(pi zeta/(2 sqrt(1 - zeta^2))), or
+    # M/k without oscillation.
     force = float(abs(p.A0) + abs(p.B0) + (p.mu1 + p.mu2) * p.FN)
     damping = float(p.c) / (2 * sqrt(p.k * p.m))
     if damping >= 1:

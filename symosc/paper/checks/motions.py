@@ -76,7 +76,7 @@ _SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def text(value: Any, digits: int = 15) -> str:
-    """Return a number of any kind as text: a Fraction or an int exactly, others with so many digits."""
+    """Return a number of any kind as text: a Fraction or an int exactly, others with `digits` digits."""
     if isinstance(value, int):
         return str(value)
     if isinstance(value, Fraction):
@@ -196,11 +196,8 @@ def forces(p: Parameters, at: SceneContact) -> Forces:
 
 
 def forces_along(p: Parameters, stick: Stick) -> list[Forces]:
-    """Return the forces at the onset of a stick, wherever they turn during it, and at its end.
-
-    On a belt both forces are monotone between the phases Theta_cr of Theorem 7: what holds at these instants holds
-    between them, not only at samples.
-    """
+    """Return the forces at the onset of a stick, wherever they turn during it, and at its end."""
+    # On a belt both forces are monotone between the phases Theta_cr of Theorem 7: what holds here holds in between.
     if stick.end is None:
         raise ValueError("the motion was not followed to the end of the stick")
     exact = arithmetic(p)
@@ -224,10 +221,7 @@ def is_zero(force: Any) -> bool:
 
 
 def certificate_of(what: Scene | PeriodicOrbit) -> dict[str, str]:
-    """Return the statement of a motion's or an orbit's certificate, for the numbers of an evidence.
-
-    Without python-flint it says that nothing is proven here; the verdict does not rest on it.
-    """
+    """Return the statement of a motion's or orbit's certificate as an evidence's number; no verdict rests on it."""
     try:
         proof = certify(what)
     except MissingExtraError:
@@ -312,7 +306,7 @@ def fly_again(p: Parameters, stretches: list[Stretch]) -> Opinion:
 
 
 def _force(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
-    """Eq. (9)."""
+    """Return the acceleration F^(alpha) of eq. (9)."""
     A, B0, Omega, k, c, m = (float(value) for value in (p.A(alpha), p.B0, p.Omega, p.k, p.c, p.m))
     return (A + B0 * np.cos(Omega * t) - k * x - c * v) / m
 
@@ -328,10 +322,7 @@ def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
 
 
 def judge(check: Callable[[], Any]) -> Evidence:
-    """Return the evidence of a check, with a recomputation of every motion and orbit that it uses.
-
-    Without it a claim about a motion would be judged by the simulator alone.
-    """
+    """Run a check and recompute every motion and orbit that it used by independent means."""
     with recording() as seen:
         evidence = check()
     if not isinstance(evidence, Evidence):

@@ -266,10 +266,7 @@ def ends(scene: Scene, belt: int) -> Evidence:
 
 
 def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
-    """Check whether the printed equations are conditions of a periodic motion: what do they leave open on its orbit?
-
-    `closed` adds the closing conditions, that the orbit ends where it starts, one period later; (54) lacks them.
-    """
+    """Check whether the printed equations determine a periodic motion; `closed` adds x and phase after one period."""
     found, p = orbit_of(scene), scene.parameters
     if found is None:
         return no_orbit(scene)
@@ -373,6 +370,7 @@ def misprint(scene: Scene) -> Evidence:
 
 
 def _free_numbers(found: list[Nearest]) -> dict[str, str]:
+    """Return the result for each number that was left free, as text."""
     numbers = {}
     for each in found:
         what = "orbit minus start" if each.orbit else "misses the start after one period by"
@@ -398,7 +396,7 @@ def _end_of_stick(scene: Scene) -> dict[str, str]:
 
 
 def _one_digit(scene: Scene, start: list[Nearest]) -> str:
-    """Describe a start with only x0 or t0 different from the orbit's, in one digit."""
+    """Say which of x0 and t0 differs from the orbit's in one printed digit only."""
     remarks = ""
     for each in start:
         printed, orbit = f"{float(getattr(scene, each.name)):.4f}", f"{each.value:.4f}"
@@ -423,27 +421,15 @@ FOLLOWED = Fraction(5, 4)
 
 @dataclass(frozen=True)
 class Nearest:
-    """The smallest distance of a motion from the printed start to a periodic one when one number varies.
+    """The smallest distance of a motion from the printed start to a periodic one when one number varies."""
 
-    Attributes
-    ----------
-    name, value : str, float
-        The parameter, or "t0", "x0", "v0", that is left free, and its value there.
-    dt, dx : float
-        By how much the motion misses the start after one period; where it is an orbit, its switching point minus the
-        start. 0 for what was left free.
-    orbit : bool
-        Whether it is the orbit of the printed structure that dt and dx are measured from.
-    searched : tuple of float
-        The range of values that was tried.
-    """
-
-    name: str
+    name: str  # the parameter, or "t0", "x0", "v0", that is left free
     value: float
+    # by how much the motion misses the start after one period; on an orbit, its switching point minus the start
     dt: float
     dx: float
-    orbit: bool = True
-    searched: tuple[float, float] = (-inf, inf)
+    orbit: bool = True  # whether dt and dx are those of an orbit of the printed structure
+    searched: tuple[float, float] = (-inf, inf)  # the range of values that was tried
 
     @property
     def distance(self) -> float:
@@ -502,7 +488,7 @@ def _search_parameter(scene: Scene, name: str) -> Nearest:
 
 
 def _least(miss: Callable[[float], np.ndarray], around: tuple[float, float]) -> tuple[float, np.ndarray]:
-    """Minimise the larger component of a miss."""
+    """Minimise the larger of |dt| and |dx| by which a motion misses its start; return place and miss."""
 
     def size(number: float) -> float:
         return min(float(np.abs(miss(float(number))).max()), 1e9)  # parabolas through infinite values are none

@@ -38,10 +38,7 @@ class Arc(NamedTuple):
 
 
 def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, list[Arc]]]:
-    """Eqs. (55) to (58): every case that holds for gamma_j and B0 Omega/m, with its phases; 0 and 2 pi are one point.
-
-    Cases are counted in the paper's order.
-    """
+    """Return the cases of eqs. (55) to (58) that hold, counted in the paper's order, with their phases; 2 pi is 0."""
     g, a = gamma, amplitude
     ratio = -g / a if a and abs(g) <= abs(a) else None  # the sine of Theta_cr
     d = turn(abs(ratio), root(1 - ratio * ratio)) if ratio is not None else ZERO  # |Theta_cr|
@@ -71,23 +68,18 @@ def gamma_of(p: Parameters, acceleration: Fraction, velocity: Fraction) -> Fract
     return p.c / p.m * acceleration + p.k / p.m * velocity
 
 
-def slope_at_contact(p: Parameters, acceleration: Fraction, velocity: Fraction, sine: Fraction) -> Fraction:
-    """Eqs. (62), (66): the left side, which has to be < 0 from below and > 0 from above."""
-    return -p.c / p.m * acceleration - p.k / p.m * velocity - p.B0 * p.Omega / p.m * sine
-
-
 # --- exact contacts ---
 
 
 def turn(s: Any, c: Any) -> Any:
-    """Return an angle from its sine and cosine as a number in [0, 4) that grows with it; rational for rational ones."""
+    """Map an angle, given by sine and cosine, to a number in [0, 4) that grows with it; rationals stay rational."""
     if s >= 0:
         return s / (s + c) if c > 0 else 1 - c / (s - c)
     return 2 + s / (s + c) if c < 0 else 3 + c / (c - s)
 
 
 def angle(where: Any) -> float:
-    """Return the angle in radians that `turn` gives as `where`."""
+    """Convert a number that `turn` returned to the angle in radians."""
     quarter, part = divmod(float(where), 1.0)
     return (quarter + atan2(part, 1.0 - part) * 2 / pi) * pi / 2
 
@@ -137,7 +129,7 @@ class Row(NamedTuple):
 
     @property
     def right(self) -> bool:
-        """Whether both say the same."""
+        """Whether the paper's cases and the exact flow agree."""
         return self.printed == self.grazes
 
 
@@ -278,11 +270,7 @@ def equality() -> Evidence:
             equal = f"γ = {gamma} = {'-' if where.side < 0 else ''}B₀Ω/m"
             values = ", ".join(map(str, contact.derivatives(where.domain)))
             numbers[f"{mapping}, {equal}: F, G⁽¹⁾, G⁽²⁾, G⁽³⁾"] = values
-    numbers |= {
-        "contacts at the excluded phase": total,
-        "printed as no graze": excluded,
-        "the flow returns": returning,
-    }
+    numbers |= {"contacts at the excluded phase": total, "printed as no graze": excluded, "the flow returns": returning}
     finding = f"At {returning} of {total} contacts at the excluded phase the flow returns to its domain"
     if excluded and returning:
         finding += ": F = G⁽¹⁾ = G⁽²⁾ = 0, a tangency of fourth order, which Theorem 6 does not see"
@@ -335,7 +323,7 @@ def grazing_inequality() -> Evidence:
     cases = _zero_force_contacts()
     for domain, contact in cases:
         p, force, s = contact.p, contact.force(domain), contact.s
-        slope = slope_at_contact(p, force, contact.speed, s)
+        slope = -p.c / p.m * force - p.k / p.m * contact.speed - p.B0 * p.Omega / p.m * s  # (62), (66): the left side
         wrong += slope != contact.derivatives(domain)[1] or force != 0
         differs += slope != -(gamma_of(p, force, contact.speed) + p.B0 * p.Omega / p.m * s)
     numbers = {

@@ -42,12 +42,12 @@ def tangency_condition(normal_away: bool, value: Fraction, slope: Fraction) -> b
 
 
 def stick_condition(below: Fraction, above: Fraction) -> bool:
-    """Eqs. (26) and (27)."""
+    """Eqs. (26) and (27), of a stick: F^(below) > 0 > F^(above)."""
     return below > 0 and above < 0
 
 
 def passing_condition(below: Fraction, above: Fraction) -> bool:
-    """Eqs. (34) and (35)."""
+    """Eqs. (34) and (35), of a passage: both forces have the same sign."""
     return below * above > 0
 
 
@@ -89,6 +89,7 @@ def all_contacts() -> tuple[Contact, ...]:
 
 
 def _vector(name: str, t: Any) -> Any:
+    """Return a vector of functions of t."""
     import sympy as sp
 
     return sp.Matrix([sp.Function(f"{name}{i}")(t) for i in range(DIMENSION)])

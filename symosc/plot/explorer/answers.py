@@ -104,10 +104,7 @@ def state_of(scene: Scene) -> dict[str, str]:
 
 
 def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
-    """Return the texts of a link, and its errors.
-
-    Numbers that it lacks are those of the shipped scene that it names, else of `default`.
-    """
+    """Return the texts of a link, and its errors; the scene that it names, or `default`, gives missing ones."""
     given, notes = {}, []
     for name, text in parse_qsl(query, keep_blank_values=True):
         if name in FIELDS or name in OTHER_KEYS:
@@ -200,10 +197,8 @@ MARKERS = {"o": "circle", "s": "square", "^": "triangle", "*": "star"}
 
 
 def answer(link: str, default: Scene) -> Record:
-    """Return the data of the page for a link: always "link", "errors" and "notes", the rest if there are no errors.
-
-    Errors say what is allowed, by the name of the field; "" for what belongs to none.
-    """
+    """Return the data of the page for a link: always "link", "errors" and "notes", the rest if there are no errors."""
+    # Errors say what is allowed, by the name of the field; "" for what belongs to none.
     state, notes = read_link(link, default)
     scene, errors = scene_of(state)
     content: Record = {"link": link_of(state), "errors": errors, "notes": notes}
@@ -339,10 +334,8 @@ def _ranges(view: View, curves: dict[str, np.ndarray]) -> dict[str, tuple[float,
 
 
 def _belts(view: View, v_range: tuple[float, float]) -> Record:
-    """Return the speeds of both belts, whether they are drawn, and their labels.
-
-    The name of a belt that is too far away to be drawn is at the edge, with an arrow.
-    """
+    """Return the speeds of both belts, whether they are drawn, and their labels."""
+    # The name of a belt that is too far away to be drawn is at the edge, with an arrow.
     speeds = [float(view.trajectory.parameters.belt(belt)) for belt in (1, 2)]
     low, high = v_range
     drawn = [low <= speed <= high for speed in speeds]

@@ -156,7 +156,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._send((files("symosc.plot.explorer") / "page" / name).read_text(encoding="utf-8"), kind)
 
     def _answer(self, query: str) -> None:
-        """Send the answer for a link."""
+        """Send the data of the page for a link."""
         with self.server.busy:
             self._json(answer(query, self.server.scene))
 
