@@ -54,11 +54,11 @@ CONSTANTS = (bool, int, float, complex, str)
 
 # Functions that are called from several places and rarely: not worth a copy in each.
 OUTLINED = """
-    advance_near apart_from_walls behind_flat_start block block_of_sets careful cell_within closest_approach
-    creeps_for_ever cut_at doubt_row finish_tally flight_extremes flown follow_all follow_group follow_lanes
-    follow_one free_time graze_belt march_rows newton_root next_undecided no_contact parts_again periods
-    point_at_end resolve rest_stretches search_row searched section series settle slow_passing_time stationary
-    stays_closed stepped stiff_derivatives tally_stretch tolerance within
+    advance_near apart_from_walls behind_flat_start block block_of_sets careful cell_extremes cell_within
+    closest_approach creeps_for_ever cut_at doubt_row finish_tally flight_extremes flown follow_all follow_group
+    follow_lanes follow_one free_time graze_belt march_rows newton_root next_undecided no_contact parts_again
+    periods point_at_end resolve rest_stretches search_row searched section series settle slow_passing_time
+    stationary stays_closed stepped stiff_derivatives tolerance within
 """
 
 

@@ -192,8 +192,7 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
     (next, rows, parts)
         The trajectory to go on with, and the number of events and of pieces.
     """
-    rows, parts, batch = 0, 0, borrowed_batch(batch)
-    out, pieces, tally, table = borrowed_rows(out), borrowed(pieces), borrowed_tally(tally), borrowed(table)
+    rows, parts = 0, 0
     for i in range(begin, batch.states.shape[0]):
         rows, parts = follow_one(i, False, rows, parts, batch, most, accuracy, out, pieces, tally, table)
         if batch.codes[i] == RUNNING:
@@ -206,6 +205,8 @@ def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, 
 
     Other arguments are those of `follow_all`.
     """
+    batch, tally, table = borrowed_batch(batch), borrowed_tally(tally), borrowed(table)
+    out, pieces = borrowed_rows(out), borrowed(pieces)
     states, sets, counts, codes = batch
     recorded, tallied = pieces.shape[1] > 0, tally.floats.shape[0] > 0
     before, K = state_of(states, i), table[sets[i]]

@@ -505,9 +505,7 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
     """Follow trajectories as `follow_all` does, those of one parameter set side by side where that is possible."""
     # Not in order: where a buffer is full, a trajectory may have ended before one of a smaller number.
     rows, parts, count = 0, 0, batch.states.shape[0]
-    batch = borrowed_batch(batch)
     _, sets, _, codes = batch
-    out, pieces, tally, table = borrowed_rows(out), borrowed(pieces), borrowed_tally(tally), borrowed(table)
     side_by_side = tally.floats.shape[0] > 0 and pieces.shape[1] == 0
     # Numbers of motions in flight and on a belt; their states, constants and results, one column for each lane.
     queue, given = np.zeros((2, 2 * LANES), np.int64), np.zeros((STATE_WIDTH, LANES))
@@ -548,6 +546,8 @@ def follow_group(
 ):
     """Follow the trajectories from `begin` to `end`, `alike` where they have one set; return the number of rows."""
     queue, given, constants, found = borrowed(queue), borrowed(given), borrowed(constants), borrowed(found)
+    batch, tally, table = borrowed_batch(batch), borrowed_tally(tally), borrowed(table)
+    out, pieces = borrowed_rows(out), borrowed(pieces)
     states, sets, counts, codes = batch
     asked = tally.asked.extent or tally.asked.stuck or tally.asked.ring > 0
     K, fullest = table[sets[begin]], out.floats.shape[1]

@@ -7,11 +7,11 @@ them make a word. An event so near a section that its error could move it across
 there. Of a section the state is kept from which it is reached; only those that are asked for, or that words do not
 already distinguish, are computed, once, at the end (`settle`).
 
-Extremes: the belts bound the velocity of a flight, so mostly one or two of the four are in question. A cell of it lies
-within the extremes so far if the bounds of `symosc.engine.first_exit`, taken at both of its ends, say so: v and x minus
-an extreme are gaps like those to a belt. Any other cell is cut, at a stationary point where there is one between its
-ends, and each new end is evaluated exactly. So no extreme is missed, and a flight that widens none costs one evaluation
-at most; one that repeats an earlier flight, as in a motion that has settled, costs none.
+Extremes: the belts bound the velocity of a flight, so mostly one or two of the four are in question. A flight lies
+within the extremes so far if one like it, whose own extremes are known, lies far enough within (`lies_within`). Any
+other is searched. A cell of it lies within the extremes found if the bounds of `symosc.engine.first_exit`, taken at
+both of its ends, say so: v and x minus an extreme are gaps like those to a belt. Any other cell is cut, at a stationary
+point where there is one between its ends, and each new end is evaluated exactly. So no extreme is missed.
 
 All functions are scalar and run on floats (CPython, numba).
 """
@@ -38,10 +38,10 @@ from symosc.words import MAPS
 SKIPPED, STUCK, X_MIN, X_MAX, V_MIN, V_MAX, T_LAST, X_LAST, V_LAST, X_LOW, X_HIGH, V_LOW, V_HIGH = range(13)
 # Columns of `Tally.ints`: events and sticks; the belt of the last event; sections so far; whether the word began at a
 # section, whether the next section comes just behind the last event; lengths of the word now and of the last one; the
-# code of the word now; flights that were searched for extremes.
-EVENTS_SO_FAR, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE, SEARCHED = range(10)
-# Columns of `Tally.flights`: domain, phase, position and velocity at the launch, and duration.
-MODE, THETA, X, V, DURATION = range(5)
+# code of the word now; flights that were searched for extremes, and the one of them that the last flight was like.
+EVENTS_SO_FAR, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE, SEARCHED, LIKE = range(11)
+# Columns of `Tally.flights`: domain, phase, position and velocity at the launch, duration, and own extremes from there.
+MODE, THETA, X, V, DURATION, OWN = range(6)
 KEPT_FLIGHTS = 8
 # Columns of `Tally.sections`: whether a flight reaches it, since when, the state at its launch, and the variances.
 FLIES, SINCE, FROM_THETA, FROM_X, FROM_V, FROM_F, S11_THERE, S22_THERE = range(8)
@@ -82,11 +82,11 @@ class Tally(NamedTuple):
 
     asked: Kept
     floats: np.ndarray  # (n, 13)
-    ints: np.ndarray  # (n, 10)
+    ints: np.ndarray  # (n, 11)
     sections: np.ndarray  # (n, ring, 8)
     words: np.ndarray  # (n, ring), of the periods that end at these sections; -1 for none
     labels: np.ndarray  # (n, 2, longest word): mappings of the word now, and of the last whole one
-    flights: np.ndarray  # (n, KEPT_FLIGHTS, 5), those last searched for extremes
+    flights: np.ndarray  # (n, KEPT_FLIGHTS, 9), those last searched for extremes
 
 
 class Extremes(NamedTuple):
@@ -115,14 +115,14 @@ def no_tally() -> Tally:
 def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
     """Return the tally of motions at their starts (rows of a batch); the time `skipped` is not counted."""
     count = len(states)
-    floats, ints = np.zeros((count, 13)), np.zeros((count, 10), np.int64)
+    floats, ints = np.zeros((count, 13)), np.zeros((count, 11), np.int64)
     floats[:, SKIPPED] = skipped
     floats[:, [X_MIN, V_MIN, X_LOW, V_LOW]], floats[:, [X_MAX, V_MAX, X_HIGH, V_HIGH]] = inf, -inf
     floats[:, [T_LAST, X_LAST, V_LAST]] = states[:, [11, 4, 5]]
     ints[:, PLANE], ints[:, WHOLE] = states[:, 1], states[:, 3] == 0.0
     # Places of sections that were not reached are never read.
     sections, words = np.empty((count, asked.ring, 8)), np.full((count, asked.ring), -1, np.int64)
-    labels, flights = np.zeros((count, 2, asked.longest), np.uint8), np.zeros((count, asked.inside * KEPT_FLIGHTS, 5))
+    labels, flights = np.zeros((count, 2, asked.longest), np.uint8), np.empty((count, asked.inside * KEPT_FLIGHTS, 9))
     return Tally(asked, floats, ints, sections, words, labels, flights)
 
 
@@ -198,43 +198,56 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
         return
     seen = Extremes(floats[i, X_MIN], floats[i, X_MAX], floats[i, V_MIN], floats[i, V_MAX])
     seen = widened(widened(seen, x, v), after.x, after.v)
-    if before.mode <= ON_BELT and not (begin == 0.0 and repeats_flight(i, before, tau, seen, tally, K)):
-        start = launch_of(before)
-        if K.stiff:
-            last = state_at(tau, start, K)
-        else:  # from the state behind it
-            F = acceleration(after.x, after.v, after.c, constant_force(before.mode, K), K.cm, K.w0sq, K.f0)
-            G1, G2, G3 = derivatives(after.v, F, after.s, after.c, K)
-            dx, dv = after.x - before.x, after.v - before.v
-            last = Flown(tau, dx, dv, F, G1, G2, G3, after.s, after.c, 1.0, 0.0, 0.0)
-        seen = flight_extremes(before.mode, begin, last, start, before.x, seen, K)
-        if begin == 0.0:
-            kept = tally.flights[i, tally.ints[i, SEARCHED] % KEPT_FLIGHTS]
-            tally.ints[i, SEARCHED] += 1
-            kept[MODE], kept[THETA], kept[X], kept[V], kept[DURATION] = (
-                before.mode,
-                before.theta,
-                before.x,
-                before.v,
-                tau,
-            )
+    if before.mode <= ON_BELT:
+        slowest, fastest = speeds_around(before.mode, K)
+        open_ends = Open(seen.v_min > slowest, seen.v_max < fastest, slowest < 0.0 < fastest)
+        search = open_ends.v_min or open_ends.v_max or open_ends.x
+        if search and not (begin == 0.0 and lies_within(i, before, tau, seen, open_ends, tally, K)):
+            start, last = launch_of(before), end_of_flight(before, after, tau, K)
+            ends = widened(Extremes(x, x, v, v), after.x, after.v)
+            own = flight_extremes(begin, last, start, before.x, ends, open_ends, K)
+            if begin == 0.0:
+                keep_flight(i, before, tau, own, tally)
+            seen = widened(widened(seen, own.x_min, own.v_min), own.x_max, own.v_max)
     floats[i, X_MIN], floats[i, X_MAX], floats[i, V_MIN], floats[i, V_MAX] = seen
 
 
-def repeats_flight(i, state, tau, seen, tally, K):
-    """Return whether a flight agrees, within half the slack of the extremes, with one that was already searched."""
-    # The difference of two flights in a domain obeys the unforced equation: its energy dv^2 + (k/m) dx^2 never grows.
-    dv_most = 0.5 * WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
-    dx_most = 0.5 * WIDTH_SLACK * (abs(seen.x_min) + abs(seen.x_max))
-    most = min(dv_most, K.w0 * dx_most)
-    if most == 0.0:  # without a spring the energy says nothing of x
+def keep_flight(i, state, tau, own, tally):
+    """Keep a flight from a state, and its own extremes."""
+    flights, n = tally.flights, tally.ints[i, SEARCHED] % KEPT_FLIGHTS
+    tally.ints[i, SEARCHED] += 1
+    flights[i, n, MODE], flights[i, n, THETA], flights[i, n, X] = state.mode, state.theta, state.x
+    flights[i, n, V], flights[i, n, DURATION] = state.v, tau
+    flights[i, n, OWN], flights[i, n, OWN + 1], flights[i, n, OWN + 2], flights[i, n, OWN + 3] = own
+
+
+def lies_within(i, state, tau, seen, open_ends, tally, K):
+    """Return whether a flight lies within the extremes, within half their slack, by the own extremes of one like it.
+
+    Two flights in one domain differ, at equal times since their launch, by a steady motion, whose drive is the
+    difference of theirs, and an unforced one, whose energy dv^2 + (k/m) dx^2 never grows. Where these are not separated
+    (near resonance) the root of the energy grows no faster than the difference of the drives, B0/m times that of the
+    phases.
+    """
+    if K.w0 == 0.0:  # without a spring the energy says nothing of x
         return False
-    for n in range(KEPT_FLIGHTS):
-        kept = tally.flights[i, n]
-        if kept[MODE] == state.mode and abs(state.v - kept[V]) <= most and tau <= kept[DURATION] * (1.0 + WIDTH_SLACK):
-            late = abs(state.theta - kept[THETA]) / K.Om
-            dx, dv = abs(state.x - kept[X]) + abs(state.v) * late, abs(state.v - kept[V]) + abs(state.Fb) * late
-            if dv + K.w0 * dx <= most:
+    flights, count, n = tally.flights, min(tally.ints[i, SEARCHED], KEPT_FLIGHTS), tally.ints[i, LIKE]
+    v_slack = 0.5 * WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
+    x_slack = 0.5 * WIDTH_SLACK * (abs(seen.x_min) + abs(seen.x_max))
+    turned_by = 2.0 * K.V0 * (1.0 + K.w0 / K.Om) if K.steady else abs(K.f0) * tau
+    for _ in range(count):  # from the one behind the last on: motions repeat
+        n = n + 1 if n + 1 < count else 0
+        if flights[i, n, MODE] == state.mode and tau <= flights[i, n, DURATION] * (1.0 + WIDTH_SLACK):
+            far = abs(state.v - flights[i, n, V]) + K.w0 * abs(state.x - flights[i, n, X])
+            far = far + turned_by * abs(state.theta - flights[i, n, THETA])
+            v_far, x_far = far - v_slack, far * K.swing - x_slack
+            if (
+                (not open_ends.v_min or flights[i, n, OWN + 2] - v_far >= seen.v_min)
+                and (not open_ends.v_max or flights[i, n, OWN + 3] + v_far <= seen.v_max)
+                and (not open_ends.x or flights[i, n, OWN] - x_far >= seen.x_min)
+                and (not open_ends.x or flights[i, n, OWN + 1] + x_far <= seen.x_max)
+            ):
+                tally.ints[i, LIKE] = n
                 return True
     return False
 
@@ -421,38 +434,51 @@ def widened(seen, x, v):
     )
 
 
-def flight_extremes(mode, begin, last, start, x0, seen, K):
-    """Extend the extremes so that they include a flight in the domain `mode` from time `begin` to `last` (Flown)."""
-    # `start` is its Launch, x0 the position there. The belts bound the velocity of a flight. Where the extremes so far
-    # are as far out, or where the velocity has one sign, there is nothing to find.
-    slowest, fastest = speeds_around(mode, K)
-    open_ends = Open(seen.v_min > slowest, seen.v_max < fastest, slowest < 0.0 < fastest)
-    if not (open_ends.v_min or open_ends.v_max or open_ends.x):
-        return seen
-    if begin > 0.0:
-        now = state_at(begin, start, K)
-    else:
-        G1, G2, G3 = derivatives(start.v, start.F, start.s, start.c, K)
-        now = Flown(0.0, 0.0, 0.0, start.F, G1, G2, G3, start.s, start.c, 1.0, 0.0, 0.0)
-    end, cell = last.tau, FIRST_CELL * K.moment
+def flight_extremes(begin, last, start, x0, own, open_ends, K):
+    """Extend the extremes of the ends of a flight, at `begin` and `last` (Flown), to its own, where they are open.
+
+    `start` is its Launch, x0 the position there.
+    """
+    now = state_at(begin, start, K) if begin > 0.0 else point(0.0, 0.0, 0.0, start, K)
+    cell = FIRST_CELL * K.moment
     for _ in range(MOST_CELLS):
-        if now.tau >= end:
+        if now.tau >= last.tau:
             break
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
         cell = 1.0 / K.Om if not K.steady and cell * K.Om > 1.0 else cell
         then = last
-        if cell < end - now.tau:
+        if cell < last.tau - now.tau:
             then = state_at(now.tau + cell, start, K)
-            seen = widened(seen, x0 + then.dx, start.v + then.dv)
-        cut = False
-        while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not cell_within(
-            now, then, M4, start.v, x0, seen, open_ends
-        ):
-            then, cut = cut_at(now, then, start, open_ends, K), True
-            seen = widened(seen, x0 + then.dx, start.v + then.dv)
-        cell = FIRST_CELL * K.moment if cut or cell < FIRST_CELL * K.moment else 2.0 * cell
-        now = then
-    return seen
+            own = widened(own, x0 + then.dx, start.v + then.dv)
+        wider = cell_extremes(now, then, M4, start, x0, own, open_ends, K)
+        cell = 2.0 * cell if wider == own else FIRST_CELL * K.moment
+        now, own = then, wider
+    return own
+
+
+def end_of_flight(before, after, tau, K):
+    """Return the end of a flight between two states (Flown): from the state behind it, without the entire functions."""
+    if K.stiff:
+        return state_at(tau, launch_of(before), K)
+    F = acceleration(after.x, after.v, after.c, constant_force(before.mode, K), K.cm, K.w0sq, K.f0)
+    return point(tau, after.x - before.x, after.v - before.v, Launch(after.v, F, after.s, after.c), K)
+
+
+def point(tau, dx, dv, there, K):
+    """Return the point of a flight at a state `there`, given as a Launch; without the entire functions."""
+    v, F, s, c = there
+    G1, G2, G3 = derivatives(v, F, s, c, K)
+    return Flown(tau, dx, dv, F, G1, G2, G3, s, c, 1.0, 0.0, 0.0)
+
+
+def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
+    """Extend the extremes so that they include a flight between two of its points, which they include."""
+    while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not cell_within(now, then, M4, start.v, x0, own, open_ends):
+        middle = cut_at(now, then, start, open_ends, K)
+        own = widened(own, x0 + middle.dx, start.v + middle.dv)
+        own = cell_extremes(now, middle, M4, start, x0, own, open_ends, K)
+        now = middle
+    return own
 
 
 def cell_within(now, then, M4, v0, x0, seen, open_ends):
@@ -527,7 +553,10 @@ def stationary(now, then, of_v, start, K):
         square = slope * slope - 0.5 * value * bend
         shift = -value * slope / square if square > 0.0 else 2.0 * width
         if abs(shift) * K.rate < NEAR:  # the extreme is off by the square of what is missing
-            dv = here.dv + (here.F + (0.5 * here.G1 + SIXTH * here.G2 * shift) * shift) * shift
+            dv = (
+                here.dv
+                + (here.F + (0.5 * here.G1 + SIXTH * (here.G2 + 0.25 * here.G3 * shift) * shift) * shift) * shift
+            )
             there = shifted(here, shift, start.v, K)
             G1, G2 = here.G1 + here.G2 * shift, here.G2 + here.G3 * shift
             s, c, E0, E1, E2 = there.s, there.c, there.E0, there.E1, there.E2

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import random
-from itertools import pairwise
 from math import cos, sin
-from typing import Any
 
-import mpmath
 import numpy as np
 import pytest
-from oracle import flow_oracle
 from regimes import random_sets
 
 from symosc import Parameters
@@ -28,7 +24,7 @@ from symosc.engine.state import (
     Launch,
     State,
 )
-from symosc.engine.summary import Extremes, flight_extremes, widened
+from symosc.engine.summary import Extremes, Open, flight_extremes, widened
 from symosc.kernels._generated import acceleration
 
 
@@ -65,8 +61,8 @@ def flight(p: Parameters, dice: random.Random) -> tuple[Constants, Launch, float
 
 
 def extremes_of(K: Constants, start: Launch, x: float, last: Flown) -> Extremes:
-    seen = widened(Extremes(x, x, start.v, start.v), x + last.dx, start.v + last.dv)
-    return flight_extremes(2, 0.0, last, start, x, seen, K)
+    ends = widened(Extremes(x, x, start.v, start.v), x + last.dx, start.v + last.dv)
+    return flight_extremes(0.0, last, start, x, ends, Open(True, True, True), K)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -84,36 +80,3 @@ def test_no_sample_is_beyond_the_extremes_and_they_are_reached(seed: int) -> Non
         gaps = np.array(found)[[0, 2]] - sampled.min(axis=0), sampled.max(axis=0) - np.array(found)[[1, 3]]
         assert max(map(np.max, gaps)) <= 1e-14 * size, p
         assert min(map(np.min, gaps)) >= -1e-2 * size, p
-
-
-def stationary_values(p: Parameters, begin: tuple[Any, Any, Any], duration: Any, which: int) -> list[Any]:
-    """Return x (0) or v (1) at the ends of a flight in domain 2 and at its stationary points, by the oracle's flow."""
-
-    times = [duration * n / 8 for n in range(9)]
-    points = [flow_oracle(p, 2, *begin, tau, dps=20) for tau in times]
-    values = [points[0][which], points[-1][which]]
-    for (a, before), (b, after) in pairwise(zip(times, points, strict=True)):
-        if before[which + 1] * after[which + 1] < 0:
-
-            def rate(tau: Any) -> Any:
-                return flow_oracle(p, 2, *begin, tau, dps=20)[which + 1]
-
-            root = mpmath.findroot(rate, (a, b), solver="anderson", tol=1e-16)
-            values.append(flow_oracle(p, 2, *begin, root, dps=20)[which])
-    return values
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("c", ["0.1", "4.7"])
-def test_extremes_are_those_of_mpmath(c: Any) -> None:
-    p = Parameters(m=1, c=c, k=5, A0=1, B0=7, Omega="1.5", v1=-90, v2=90, mu1=0, mu2=0, FN=0)
-    K, dice = Arithmetic(p).K, random.Random(4)
-    t, x, v = (dice.randint(-300, 300) / 128 for _ in range(3))
-    theta = 1.5 * t
-    start = Launch(v, acceleration(x, v, cos(theta), K.A2, K.cm, K.w0sq, K.f0), sin(theta), cos(theta))
-    found = extremes_of(K, start, x, state_at(4.0, start, K))
-    with mpmath.workdps(20):
-        for which, (low, high) in enumerate(((found.x_min, found.x_max), (found.v_min, found.v_max))):
-            values = stationary_values(p, (mpmath.mpf(t), mpmath.mpf(x), mpmath.mpf(v)), mpmath.mpf(4), which)
-            assert abs(float(min(values) - low)) < 2e-14
-            assert abs(float(max(values) - high)) < 2e-14

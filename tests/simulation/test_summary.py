@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from slow_summary import slow_summary
+from slow_summary import oracle_extremes, slow_summary
 
 from symosc import ParameterError, Parameters, load_scene, simulate, simulate_many
 from symosc.simulation.tables import Summary
@@ -53,6 +53,19 @@ def test_a_summary_says_what_a_trajectory_shows(seed: int) -> None:
     found = simulate_many(p, (t0, x0, v0), t_end, record="summary", skip=skip, sections=3, use_numba=False)
     trajectory = simulate(p, t0=t0, x0=x0, v0=v0, t_end=t_end)
     compare(found[0], slow_summary(p, trajectory, float(skip), 3), seed)
+
+
+@pytest.mark.quick(3)
+@pytest.mark.parametrize("seed", range(24))
+def test_extremes_are_those_of_the_equation(seed: int) -> None:
+    p, start, _ = scene(seed)
+    end = start[0] + 6
+    found = simulate_many(p, start, end, record=("x_min", "x_max", "v_min", "v_max"), use_numba=False)
+    expected = oracle_extremes(p, start, end)
+    for name in "xv":
+        size = abs(expected[f"{name}_min"]) + abs(expected[f"{name}_max"])
+        for what in (f"{name}_min", f"{name}_max"):
+            assert abs(getattr(found, what)[0] - expected[what]) <= 1e-14 * size, (seed, what)
 
 
 def test_what_doubles_leave_open_is_counted_from_more_digits() -> None:

@@ -1,11 +1,18 @@
-"""A summary computed the slow way: from a trajectory of `simulate`, by sampling it and looking closer."""
+"""A summary computed the slow way: from a trajectory of `simulate`, by sampling it and looking closer.
+
+The extremes also to many digits, from the oracle alone.
+"""
 
 from __future__ import annotations
 
-from math import pi
+from fractions import Fraction
+from math import ceil, pi
 from typing import Any
 
+import mpmath
 import numpy as np
+from oracle import exact, flow_oracle, simulate_oracle
+from scipy.linalg import expm
 from scipy.optimize import minimize_scalar
 
 from symosc import Parameters, Trajectory
@@ -44,6 +51,54 @@ def _least(trajectory: Trajectory, number: int, sign: int, low: float, high: flo
 
 
 XATOL = {"xatol": 1e-10}
+
+
+def oracle_extremes(p: Parameters, start: tuple[Any, Any, Any], t_end: Any) -> dict[str, float]:
+    """Return the extremes of a motion, those inside flights at the zeros of v and a to 25 digits."""
+    run = simulate_oracle(p, *start, t_end)
+    modes = [event.source for event in run.events] + [run.mode]
+    launches = [tuple(map(exact, start))] + [tuple(map(_fraction, (event.t, event.x, event.v))) for event in run.events]
+    points = [(x, v) for _, x, v in launches] + [(_fraction(run.x), _fraction(run.v))]
+    for mode, (t, x, v), end in zip(
+        modes, launches, [*(launch[0] for launch in launches[1:]), exact(t_end)], strict=True
+    ):
+        if mode.startswith("Omega"):
+            points += _stationary_points(p, int(mode[-1]), t, x, v, end - t)
+    xs, vs = ([float(point[n]) for point in points] for n in (0, 1))
+    return {"x_min": min(xs), "x_max": max(xs), "v_min": min(vs), "v_max": max(vs)}
+
+
+def _fraction(value: Any) -> Fraction:
+    sign, man, exponent, _ = value._mpf_
+    return (-1) ** sign * Fraction(int(man)) * Fraction(2) ** exponent
+
+
+def _stationary_points(p: Parameters, alpha: int, t: Any, x: Any, v: Any, tau: Any) -> list[tuple[Any, Any]]:
+    """Return x and v where v or a of a flight is 0: bracketed by steps of a matrix exponential, by secants."""
+    f = [float(value / p.m) for value in (p.k, p.c, p.B0, p.A(alpha))]
+    Om, theta = float(p.Omega), float(p.Omega * t)
+    matrix = np.zeros((5, 5))
+    matrix[0, 1], matrix[1] = 1, (-f[0], -f[1], f[2], 0, f[3])
+    matrix[2, 3], matrix[3, 2] = -Om, Om
+    count = 20 + ceil(20 * float(tau) * (f[0] ** 0.5 + f[1] + Om))
+    step, states = (
+        expm(matrix * (float(tau) / count)),
+        [np.array([float(x), float(v), np.cos(theta), np.sin(theta), 1])],
+    )
+    for _ in range(count):
+        states.append(step @ states[-1])
+    rates, found = np.array(states) @ matrix[:2].T, []  # of x and of v
+    for which in (0, 1):
+        for n in np.flatnonzero(rates[:-1, which] * rates[1:, which] < 0).tolist():
+            bracket = [tau * n / count, tau * (n + 1) / count]
+
+            def rate(s: Any, which: int = which) -> Any:
+                return flow_oracle(p, alpha, t, x, v, _fraction(mpmath.mpf(s)), 30)[1 + which]
+
+            with mpmath.workdps(30):
+                root = mpmath.findroot(rate, [mpmath.mpf(s.numerator) / s.denominator for s in bracket], "anderson")
+                found.append(flow_oracle(p, alpha, t, x, v, _fraction(root), 30)[:2])
+    return found
 
 
 def slow_summary(p: Parameters, trajectory: Trajectory, skip: float, sections: int) -> dict[str, Any]:
