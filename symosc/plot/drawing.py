@@ -102,6 +102,13 @@ def panel_axes(
     return drawing, axes
 
 
+def typeset(word: str) -> str:
+    """Return a word in the paper's notation; other text unchanged."""
+    if not word:
+        return "no event"
+    return f"$P_{{{word[1:]}}}$" if word[0] == "P" and word[1:].isdigit() else word
+
+
 def one_axes(ax: Any, size: tuple[float, float]) -> tuple[Figure, Axes]:
     """Return the axes given by the user with their figure, or new axes in a new figure."""
     drawing, (axes,) = panel_axes(ax, "a", size)
