@@ -242,24 +242,32 @@ def figure() -> Figure:
     """Return the figure: formulas as lines, results of the package as points."""
     from matplotlib.figure import Figure
 
-    fig = Figure(figsize=(9, 3.6), layout="constrained")
+    fig = Figure(figsize=(7, 2.9), layout="constrained")
     left, right = fig.subplots(1, 2)
     for c, line, marker in (("0", "-", "o"), ("0.2", "--", "s")):
         grid = np.linspace(0.35, 2, FINE)
         border = [float(Formulas(wall(1, _short(r), c)).largest_force_ratio()) for r in grid]
-        left.plot(grid, border, line, color="0", lw=1.2, label=f"formula, c = {c}")
+        left.plot(grid, border, line, color="0", lw=1.2, label=f"formula, $c = {c}$")
         found = [(r, _border_near(r, c)) for r in RATIOS]
-        left.plot(*np.transpose(found), marker, color="0", mfc="1", ms=6, label=f"run, c = {c}")
-    left.set(xlabel="r = Ω/ω₀", ylabel="F/P", title="No stops below the curve", xlim=(0.3, 2), ylim=(0, 1))
+        left.plot(*np.transpose(found), marker, color="0", mfc="1", ms=6, label=f"run, $c = {c}$")
+    left.set(
+        xlabel=r"$r = \Omega/\omega_0$", ylabel="$F/P$", title="No stops below the curve", xlim=(0.3, 2), ylim=(0, 1)
+    )
     for F, line, marker in (("0.2", "-", "o"), ("0.5", "--", "s")):
         ratios = [r for r in np.linspace(0.45, 2, FINE) if _slides(r, F)]
         heights = [float(Formulas(wall(F, _short(r), "0.1")).amplitude) for r in ratios]
-        right.plot(ratios, heights, line, color="0", lw=1.2, label=f"formula, F/P = {F}")
+        right.plot(ratios, heights, line, color="0", lw=1.2, label=f"formula, $F/P = {F}$")
         some = [r for r in (*RATIOS, 1.0) if _slides(r, F)]
         orbits = [slide_orbit(wall(F, _short(r), "0.1")) for r in some]
         highest = [max(x for _, x in orbit.points) for orbit in orbits]
-        right.plot(some, highest, marker, color="0", mfc="1", ms=6, label=f"P32, F/P = {F}")
-    right.set(xlabel="r = Ω/ω₀", ylabel="x₀ k/P", title="Amplitude, c = 0.1", xlim=(0.4, 2), ylim=(0, None))
+        right.plot(some, highest, marker, color="0", mfc="1", ms=6, label=f"$P_{{32}}$, $F/P = {F}$")
+    right.set(
+        xlabel=r"$r = \Omega/\omega_0$",
+        ylabel=r"$x_0\, k/P$",
+        title="Amplitude, $c = 0.1$",
+        xlim=(0.4, 2),
+        ylim=(0, None),
+    )
     for axes in (left, right):
         axes.legend(fontsize=8, frameon=False)
         axes.spines[["top", "right"]].set_visible(False)
@@ -270,11 +278,11 @@ def maps() -> Figure:
     """Return the figures of other papers, drawn anew."""
     from matplotlib.figure import Figure
 
-    fig = Figure(figsize=(9, 7.6), layout="constrained")
+    fig = Figure(figsize=(7, 6), layout="constrained")
     (counts, borders), (gains, cycles) = fig.subplots(2, 2)
     Omegas, forces = np.geomspace(0.03, 2, CELLS[0]), np.linspace(0.005, 0.995, CELLS[1])
     shown = counts.pcolormesh(Omegas, forces, _stops(Omegas, forces).T, **_greys(), rasterized=True)
-    counts.set(xscale="log", xlabel="r = Ω/ω₀", ylabel="F/P", title="Stops per cycle, c = 0")
+    counts.set(xscale="log", xlabel=r"$r = \Omega/\omega_0$", ylabel="$F/P$", title="Stops per cycle, $c = 0$")
     fig.colorbar(shown, ax=counts, ticks=range(0, 17, 2))
     inverse, weak = np.linspace(0.5, 7, CELLS[0]), np.linspace(0.002, 0.6, CELLS[1])
     borders.pcolormesh(inverse, weak, _stops(1 / inverse, weak).T, **_greys(), alpha=0.5, rasterized=True)
@@ -288,11 +296,13 @@ def maps() -> Figure:
         for name, x, y in ((f"$A_{n}$", 2 * n, 1 / (4 * n * n - 1)), (f"$B_{n}$", 2 * n + 1, 0)):
             borders.plot(x, y, "o", color="0", mfc="1", ms=5, clip_on=False)
             borders.annotate(name, (x, y), xytext=(3, 5), textcoords="offset points")
-    borders.set(xlabel="1/Ω", ylabel="F", title="Borders of motions without stops", xlim=(0.5, 7.2), ylim=(0, 0.6))
+    borders.set(
+        xlabel=r"$1/\Omega$", ylabel="$F$", title="Borders of motions without stops", xlim=(0.5, 7.2), ylim=(0, 0.6)
+    )
     for F, line, marker in (("0.1", "-", "o"), ("0.5", "--", "s"), ("1", ":", "^")):
         ratios = [r for r in np.linspace(1.15, 2, 40) if float(_border_of_base(r)) > float(F)]
         heights = [float(transmissibility(F, _short(r))) for r in ratios]
-        gains.plot(ratios, heights, line, color="0", lw=1.2, label=f"F/(kY) = {F}")
+        gains.plot(ratios, heights, line, color="0", lw=1.2, label=f"$F/(kY) = {F}$")
         gains.plot(
             ratios[::6], [transmissibility_by_running(F, _short(r)) for r in ratios[::6]], marker, color="0", mfc="1"
         )
@@ -300,13 +310,16 @@ def maps() -> Figure:
         gains.plot(r, 1 / (r * r - 1), "x", color="0", ms=9, mew=2)
     free = np.linspace(1.15, 2, 100)
     gains.plot(free, 1 / (free**2 - 1), color="0.6", lw=2, zorder=0, label="no friction")
-    gains.set(xlabel="r = Ω/ω₀", ylabel="X/Y", title="Base and wall together", ylim=(0, 3.2))
+    gains.set(xlabel=r"$r = \Omega/\omega_0$", ylabel="$X/Y$", title="Base and wall together", ylim=(0, 3.2))
     for Omega, line in (("0.3", "-"), ("0.15", "--")):
         p = wall("0.5", Omega, "0.1")
         t = np.linspace(20, 21, 2000) * 2 * np.pi / float(p.Omega)
-        cycles.plot(*simulate(p, t0=0, x0=0, v0=0, t_end="22T")(t), line, color="0", lw=1.2, label=f"Ω = {Omega}")
-    cycles.set(xlabel="x", ylabel="x'", title="c = 0.1, F = 0.5")
-    for axes in (borders, gains, cycles):
+        cycles.plot(
+            *simulate(p, t0=0, x0=0, v0=0, t_end="22T")(t), line, color="0", lw=1.2, label=rf"$\Omega = {Omega}$"
+        )
+    cycles.set(xlabel="$x$", ylabel=r"$\dot{x}$", title="$c = 0.1$, $F = 0.5$", ylim=(None, 0.72))
+    cycles.legend(fontsize=8, frameon=False, loc="upper center", ncols=2)
+    for axes in (borders, gains):
         axes.legend(fontsize=8, frameon=False)
     for axes in fig.axes:
         axes.spines[["top", "right"]].set_visible(False)
@@ -317,7 +330,7 @@ def _greys() -> dict[str, Any]:
     """Return a colour for each count, alternating so that neighbours differ."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
-    colors = ["0.97", "0.62", "0.85", "0.5", "0.78", "0.4", "0.7", "0.3", "0.6"]
+    colors = ["0.97", "0.62", "0.85", "0.5", "0.78", "0.4", "0.7", "0.3", "0.15"]
     return {"cmap": ListedColormap(colors).with_extremes(bad="1"), "norm": BoundaryNorm(np.arange(-1, 18, 2), 9)}
 
 
@@ -355,11 +368,13 @@ def write(folder: Path = DOCS) -> list[Path]:
 
     from matplotlib import rc_context
 
+    from symosc.plot.drawing import style_for
+
     paths = [write_text(folder / PAGE, page())]
-    for name, fig in ((FIGURE, figure()), (MAPS, maps())):
+    for name, draw in ((FIGURE, figure), (MAPS, maps)):
         buffer = io.StringIO()
-        with rc_context({"svg.hashsalt": "symosc"}):
-            fig.savefig(buffer, format="svg", dpi=120, metadata={"Date": None})
+        with style_for(None), rc_context({"svg.hashsalt": "symosc"}):
+            draw().savefig(buffer, format="svg", dpi=120, metadata={"Date": None})
         paths.append(write_text(folder / name, re.sub(r"[ \t]+\n", "\n", buffer.getvalue())))
     return paths
 

@@ -312,6 +312,20 @@ def _rules(function: FunctionType) -> Rules:
     )
 
 
+def _called(function: Callable[..., object]) -> str:
+    """Return how a function is called, a class by its name."""
+    return f"{function.__qualname__.removesuffix('.__init__')}()"
+
+
+def _too_many(function: Callable[..., object]) -> TypeError:
+    """Return the error of a call with more values without names than a function takes."""
+    parameters = [each for each in inspect.signature(function).parameters.values() if each.name != "self"]
+    in_order = ", ".join(each.name for each in parameters if each.kind < each.VAR_POSITIONAL)
+    by_name = ", ".join(f"{each.name}=" for each in parameters if each.kind is each.KEYWORD_ONLY)
+    more = f"; give more by name: {by_name}" if by_name else ""
+    return TypeError(f"{_called(function)} takes {f'only {in_order}' if in_order else 'nothing'} without a name{more}")
+
+
 def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
     """Check the arguments of each call against the annotations of the function.
 
@@ -329,13 +343,15 @@ def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
             read = _rules(function)  # type: ignore[arg-type]
         in_order, more, by_name, others, names = read
         values: Any = given
-        for i, (rule, value) in enumerate(zip(in_order, given)):  # noqa: B905  too many or too few: Python says so below
+        for i, (rule, value) in enumerate(zip(in_order, given)):  # noqa: B905  too few: Python says so below
             if rule is not None and type(value) not in rule.known:
                 taken = rule.check(value)
                 values = values if taken is value else (*values[:i], taken, *values[i + 1 :])
         if more is not None:
             for value in given[len(in_order) :]:
                 more.check(value)
+        elif len(given) > len(in_order):
+            raise _too_many(function)
         for name, value in named.items():
             rule = by_name.get(name)
             if rule is not None:
@@ -345,7 +361,7 @@ def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
                 Rule(name, others).check(value)
             elif names and name not in names:
                 known = f"; known are {', '.join(names)}{meant(name, names)}"
-                raise TypeError(f"{function.__qualname__}() got an unexpected keyword argument {name!r}{known}")
+                raise TypeError(f"{_called(function)} got an unexpected keyword argument {name!r}{known}")
         return function(*values, **named)
 
     return checked

@@ -173,12 +173,12 @@ class ResultError(SymoscError, ValueError):
 
 
 def meant(word: object, known: Iterable[str]) -> str:
-    """Return the end of a message about an unknown word: the most similar known one, if any."""
-    from difflib import get_close_matches
+    """Return the end of a message about an unknown word: the most similar known ones, if they are at most three."""
+    from difflib import SequenceMatcher
 
-    by_letters = {name.lower(): name for name in known}
-    near = get_close_matches(str(word).lower(), by_letters, 1)
-    return f"; did you mean {by_letters[near[0]]}?" if near else ""
+    likeness = {name: SequenceMatcher(None, name.lower(), str(word).lower()).ratio() for name in known}
+    near = [name for name, ratio in likeness.items() if ratio >= max(0.6, *likeness.values())]
+    return f"; did you mean {' or '.join(near)}?" if 1 <= len(near) <= 3 else ""
 
 
 class CodeCacheWarning(UserWarning):

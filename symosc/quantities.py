@@ -46,6 +46,7 @@ QUANTITIES = {
     "x0": Quantity("start position", "length", "x_0"),
     "v0": Quantity("start velocity", "length/time", "v_0"),
     "t_end": Quantity("end time", "time", r"t_\mathrm{end}", "later than t0"),
+    "skip": Quantity("time that is left out", "time", ""),
     # of other models (`symosc.reductions`)
     "phase": Quantity("phase of the excitation", "angle", r"\varphi"),
     "Y": Quantity("amplitude of the base", "length", "Y"),
@@ -71,7 +72,12 @@ UNITS = {
 
 def unit_of(name: str) -> str:
     """Return the unit of a parameter or start value."""
-    return UNITS[QUANTITIES[name].dimension]
+    return UNITS[_quantity(name).dimension]
+
+
+def _quantity(name: str) -> Quantity:
+    """Return what a number is, which in a column is called such as Omega[3]."""
+    return QUANTITIES[name.partition("[")[0]]
 
 
 def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
@@ -205,10 +211,10 @@ def is_quantity(text: str) -> bool:
 
 def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
     """Return a quantity as a number in the unit of its dimension, and whether it is exact."""
-    parts, wanted, what = _QUANTITY.fullmatch(text), unit_of(name), QUANTITIES[name][0]
-    allowed = f"{name} is a {what}: give it in {wanted}, or in a unit of the same kind"
+    parts, wanted, what = _QUANTITY.fullmatch(text), unit_of(name), _quantity(name).meaning
+    allowed = f"{name} is the {what}: give it in {wanted}, or in a unit of the same kind"
     if wanted == "1":
-        allowed = f"{name} is a {what}, a number without a unit"
+        allowed = f"{name} is the {what}, a number without a unit"
     if parts is None or len(parts["unit"]) > LONGEST_UNIT:
         raise ParameterError(name, text, allowed)
     registry = _registry()

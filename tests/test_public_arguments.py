@@ -148,10 +148,15 @@ def test_cases_of_an_audit(name: str, call: Callable[[], Any]) -> None:
     ("call", "words"),
     [
         (lambda: symosc.simulate("fig5", tend=4), r"simulate.*'tend'; known are scene, .*; did you mean t_end\?"),
-        (lambda: symosc.Parameters(mu_1=1), r"'mu_1'; known are m, c, k, .*, FN; did you mean mu1\?"),
+        (lambda: symosc.Parameters(mu_1=1), r"Parameters\(\).*'mu_1'; known are m, c, k, .*, FN; did you mean mu1\?"),
+        (lambda: symosc.Parameters(mu=1), r"'mu'; known are m, .*; did you mean mu1 or mu2\?"),
+        (lambda: symosc.simulate(P9, 14), r"^simulate\(\) takes only scene .*: t0=, .*t_end=.*progress=$"),
+        (lambda: symosc.Parameters(1, 2), r"^Parameters\(\) takes nothing without a name; .*: m=, c=, k=, .*, FN=$"),
+        (lambda: P9.replace("mu1", 3), r"^Parameters.replace\(\) takes nothing without a name$"),
+        (lambda: symosc.simulate("fig5", t_end=1).plot("b"), r"^figure\(\) takes only subject .*: .*panels=, "),
     ],
 )
-def test_an_unknown_name_of_an_argument(call: Callable[[], Any], words: str) -> None:
+def test_arguments_that_no_function_takes(call: Callable[[], Any], words: str) -> None:
     with pytest.raises(TypeError, match=words):
         call()
 

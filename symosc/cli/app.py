@@ -19,6 +19,7 @@ from symosc.cli.common import BAD_INPUT, INTERRUPTED, note, write
 from symosc.display import progress
 from symosc.errors import CodeCacheWarning, SymoscError, meant
 from symosc.files import drop_stdout
+from symosc.model import PARAMETER_NAMES
 
 #: The commands, and the module of each, which is loaded when the command is used.
 COMMANDS = {
@@ -79,8 +80,10 @@ class CommandLine(click.Group):
             code = run(*args, standalone_mode=False, **extra)
         except click.ClickException as error:
             context = getattr(error, "ctx", None)
+            option = getattr(error, "option_name", "").lstrip("-")
+            set_it = f"; a parameter is set by --set {option}=VALUE" if option in PARAMETER_NAMES else ""
             hint = f" (see {context.command_path} --help)" if context else ""
-            _fail(error.format_message().rstrip(".") + hint)
+            _fail(error.format_message().rstrip(".") + set_it + hint)
         except SymoscError as error:
             _fail(str(error))
         except OverflowError as error:

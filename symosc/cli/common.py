@@ -161,7 +161,7 @@ def folder_name(output: str, option: str = "--output") -> str:
 
 def split_setting(text: str, option: str, form: str, known: Iterable[str] = ()) -> tuple[str, str]:
     """Return the two sides of NAME=VALUE; BadParameter if one is empty or the name is in `known`."""
-    name, equals, value = text.partition("=")
+    name, equals, value = (part.strip() for part in text.partition("="))
     if not (equals and name and value):
         raise click.BadParameter(f"{text!r} is not {form}", param_hint=option)
     if name in known:
@@ -183,7 +183,7 @@ def read_settings(settings: tuple[str, ...]) -> dict[str, str]:
     """Return names and values of --set options; BadParameter for anything else and for names of the start."""
     changes: dict[str, str] = {}
     for setting in settings:
-        name, equals, value = setting.partition("=")
+        name, equals, value = (part.strip() for part in setting.partition("="))
         if not equals:
             raise click.BadParameter(f"{setting!r} is not NAME=VALUE, such as k=3", param_hint="--set")
         if name in START_NAMES:

@@ -40,12 +40,12 @@ class Drawable:
 
     __slots__ = ()
 
-    def plot(self, **options: Any) -> Any:
+    def plot(self, *given: Any, **options: Any) -> Any:
         """Draw the result, by the function of `symosc.plot` for it.
 
         Parameters
         ----------
-        **options
+        *given, **options
             As for that function: `plot.figure` for a Trajectory, `plot.orbit_figure` for a PeriodicOrbit,
             `plot.branch_figure` for a Branch, `plot.window_figure` for a GrazingWindow and so on. Those with panels
             take ``panels=``, and all take ``ax=`` for axes of your own, which hold one panel.
@@ -64,7 +64,7 @@ class Drawable:
         draw = _found(self, "draw", loaders)
         if draw is None:
             raise NotImplementedError(f"nothing draws a {type(self).__name__}")
-        return draw(self, **options)
+        return draw(self, *given, **options)
 
     def _repr_html_(self) -> str | None:
         """Return the notebook page, or None, in which case the repr is shown."""

@@ -102,7 +102,11 @@ def find_orbit(
     >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
     (True, '1.570796', ['0.181670', '0.992371'])
     """
+    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
     if word is None:
+        for name, value in (("guess", guess), ("periods", periods)):
+            if value is not None:
+                raise ParameterError(name, value, "goes with a word only: without one it is that of the settled motion")
         if parameters.c == 0:
             raise ParameterError("word", None, "is needed without a damper: for c = 0 a motion need not settle")
         return settled_orbit(parameters, digits)
@@ -112,7 +116,6 @@ def find_orbit(
         raise WordError(f"{str(found)[:20]}...", reason)
     if parameters.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
-    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
     digits = read_digits(digits)
     equations = ClosingEquations(parameters, found, periods or 1)
     if guess is None:

@@ -47,9 +47,9 @@ DRAWN_BY = {
 }
 
 
-def _draw(figure_name: str, answer: object, /, **options: Any) -> Any:
+def _draw(figure_name: str, answer: object, /, *given: Any, **options: Any) -> Any:
     """Draw a result by the plot function of this name."""
-    return __getattr__(figure_name)(answer, **options)
+    return __getattr__(figure_name)(answer, *given, **options)
 
 
 def _write(answer: Any, path: Any) -> Any:

@@ -9,7 +9,8 @@ from matplotlib.collections import PolyCollection
 from matplotlib.patches import Patch
 
 from symosc.arguments import public
-from symosc.plot.drawing import PARAMETER_LABELS, add_legend, one_axes, style_for
+from symosc.plot.drawing import PARAMETER_LABELS, add_legend, one_axes, style_for, typeset
+from symosc.plot.sweeps import WORD_COLORS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from symosc.certificates.atlas import Atlas, Rectangle
 
 #: Colours that differ in grey too, light enough for black lines on them; the last one is for all further words.
-SHADES = ("#fdf2c0", "#9ecae1", "#a1b56c", "#c994c7", "#e0e0e0")
+SHADES = (*WORD_COLORS[:6], "#e0e0e0")
 #: How borders are drawn, by what the field calls them.
 LINES = {"crossing-sliding": "-", "grazing-sliding": "--", "switching-sliding": "-.", "adding-sliding": ":"}
 
@@ -54,7 +55,8 @@ def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
             boxes = [corners(box.range) for box in atlas.boxes if box.word == word]
             colour = colours[word]
             axes.add_collection(PolyCollection(boxes, facecolors=colour, edgecolors=colour, linewidths=0.2))
-            entries[word] = Patch(facecolor=colour, edgecolor="0.4", linewidth=0.4)
+            name = "other words" if colour == SHADES[-1] else typeset(word)
+            entries[name] = Patch(facecolor=colour, edgecolor="0.4", linewidth=0.4)
         left = [corners(box) for box in atlas.open]
         if left:
             axes.add_collection(

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from matplotlib import rc_context, rcParams, rcParamsDefault
+from matplotlib.artist import ArtistInspector
 from matplotlib.axes import Axes
 from matplotlib.cbook import normalize_kwargs
 from matplotlib.figure import Figure
@@ -20,7 +21,7 @@ from matplotlib.lines import Line2D
 
 from symosc.aliases import Record
 from symosc.arguments import public
-from symosc.errors import OutputError, ParameterError
+from symosc.errors import OutputError, ParameterError, meant
 from symosc.files import STDOUT, read_path, write_whole
 from symosc.quantities import QUANTITIES
 
@@ -99,6 +100,13 @@ def panel_axes(
     return drawing, axes
 
 
+def typeset(word: str) -> str:
+    """Return a word in the paper's notation; other text unchanged."""
+    if not word:
+        return "no event"
+    return f"$P_{{{word[1:]}}}$" if word[0] == "P" and word[1:].isdigit() else word
+
+
 def one_axes(ax: Any, size: tuple[float, float]) -> tuple[Figure, Axes]:
     """Return the axes given by the user with their figure, or new axes in a new figure."""
     drawing, (axes,) = panel_axes(ax, "a", size)
@@ -108,9 +116,18 @@ def one_axes(ax: Any, size: tuple[float, float]) -> tuple[Figure, Axes]:
 def read_style(style: Any) -> Record:
     """Return keyword arguments of a line by their long names; ParameterError for what lines do not have."""
     try:
-        Line2D([], []).set(**(named := normalize_kwargs(style, Line2D)))
-    except (AttributeError, TypeError, ValueError) as error:
-        raise ParameterError(" ".join(style), style, f"is no style of a line of matplotlib: {error}") from None
+        named = normalize_kwargs(style, Line2D)
+    except TypeError as error:
+        raise ParameterError(" ".join(style), style, f"is given twice: {error}") from None
+    for name, value in named.items():
+        try:
+            Line2D([], []).set(**{name: value})
+        except AttributeError:
+            known = ArtistInspector(Line2D).get_setters()
+            allowed = f"is no argument of this figure, and no property of matplotlib's lines{meant(name, known)}"
+            raise ParameterError(name, value, allowed) from None
+        except (TypeError, ValueError) as error:
+            raise ParameterError(name, value, f"is no style of a line of matplotlib: {error}") from None
     return named
 
 

@@ -30,6 +30,7 @@ from symosc.plot.drawing import (
     read_panels,
     read_style,
     style_for,
+    typeset,
 )
 from symosc.plot.panels import INSET_ROOM, INSET_TOP, PANELS, SHAPES, Panel, View, draw_insets, mark_style, view_of
 from symosc.quantities import read_number
@@ -319,9 +320,11 @@ def _positions(ax: Axes, branch: Branch) -> None:
             style: Record = {"color": color, "ls": STABILITY_STYLES[state], "lw": 1.2, "label": name}
             ax.plot(branch.values[part], branch.points[part, i, 1], **style)
         _mark_ends(ax, branch, [[end.points[i].x] for end in branch.ends], color)
-        last = int(np.argmax(branch.values))
-        place = branch.values[last], branch.points[last, i, 1]
-        ax.annotate(f"$P_{label[1:]}$", place, (4, 0), textcoords="offset points", va="center", fontsize=8)
+    last, below = int(np.argmax(branch.values)), -inf
+    for i in np.argsort(branch.points[last, :, 1]):  # from below, none over another
+        below = max(float(branch.points[last, i, 1]), below + 0.05 * float(np.ptp(branch.points[:, :, 1])))
+        place = branch.values[last], below
+        ax.annotate(typeset(branch.labels[i]), place, (4, 0), textcoords="offset points", va="center", fontsize=8)
     ax.margins(x=0.09)
     ax.set_ylabel("position $x$ at the switching")
 
@@ -377,11 +380,11 @@ def _next_words(ax: Axes, branch: Branch) -> None:
 
     low, high = branch.values.min(), branch.values.max()
     style: Record = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8}
-    ax.annotate(branch.word, (0.5 * (low + high), 1), (0, 4), ha="center", **style)
+    ax.annotate(typeset(branch.word), (0.5 * (low + high), 1), (0, 4), ha="center", **style)
     for end in branch.ends:
         words = end.kind if end.kind in (NO_CONVERGENCE, MOST) else end.beyond
         if words:
-            ax.annotate(words, (end.value, 1), (0, 4), ha="center", **style)
+            ax.annotate(typeset(words), (end.value, 1), (0, 4), ha="center", **style)
 
 
 def stability(branch: Branch) -> np.ndarray:
@@ -456,7 +459,8 @@ def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, 
         for each in borders:
             columns = [each.parameters.index(name) for name in names]
             name = each.sliding or each.kind
-            label = name if len(borders) == 1 else f"{' | '.join(sorted(map(str, each.words)))}, {name}"
+            words = " | ".join(sorted(typeset(word or "no word") for word in each.words))
+            label = name if len(borders) == 1 else f"{words}, {name}"
             look = {"lw": 1.3, "color": "0.4", "label": label} | BORDER_STYLES.get(name, {}) | given
             axes.plot(*each.points[:, columns].T, **look)
         axes.set_xlabel(PARAMETER_LABELS[first])
@@ -485,7 +489,7 @@ def _words_beside(ax: Axes, border: Border) -> None:
         x, y = WORD_OFFSET * way / np.linalg.norm(way)
         style: Record = {"textcoords": "offset points", "fontsize": 8, "va": "center"}
         side = "center" if abs(x) < WORD_OFFSET / 2 else "left" if x > 0 else "right"
-        ax.annotate(word or "no word", border.points[i], (x, y), ha=side, **style)
+        ax.annotate(typeset(word or "no word"), border.points[i], (x, y), ha=side, **style)
 
 
 def _mark_special(ax: Axes, point: SpecialPoint, border: Border, names: tuple[str, str]) -> None:

@@ -220,7 +220,7 @@ def _product_panel(ax: Axes, view: View) -> None:
 
     _shade_sticks(ax, view)
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
-    style: Record = {"color": "black", "linewidth": max(view.scale, 0.5), "label": name} | view.style
+    style: Record = {"color": "black", "linewidth": max(view.scale, 0.5)} | view.style
     ax.plot(view.t, product(view.t), **style)
     _dots(ax, view, _marks_of_forces(view), "t", product)
     ax.set_ylabel(f"product {name}")

@@ -11,8 +11,16 @@ from matplotlib.figure import Figure
 
 from symosc.aliases import Record
 from symosc.arguments import public
-from symosc.plot.drawing import PARAMETER_LABELS, Drawing, add_legend, figure_of, legend_entries, read_panels, style_for
-from symosc.plot.sweeps import typeset
+from symosc.plot.drawing import (
+    PARAMETER_LABELS,
+    Drawing,
+    add_legend,
+    figure_of,
+    legend_entries,
+    read_panels,
+    style_for,
+    typeset,
+)
 from symosc.response import FrequencyResponse
 
 EXACT, BALANCE, DAMPER, FRICTION = "black", "#d55e00", "#0072b2", "#cc79a7"
@@ -56,6 +64,8 @@ def response_figure(found: FrequencyResponse, panels: str | None = None, *, ax: 
         for n, (axes, letter) in enumerate(zip(row, panels, strict=True)):
             PANELS[letter](axes, found, order)
             _changes(axes, found, order, named=n == 0)
+            if len(panels) > 1:
+                axes.set_title(f"({'abcdef'[n]})", loc="left", x=-0.12, pad=4)
             axes.set_xlim(found.values.min(), found.values.max())
             if n >= len(panels) - (1 if ax is not None else columns):
                 axes.set_xlabel(PARAMETER_LABELS[found.name])

@@ -24,7 +24,7 @@ from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.engine.events import KIND_NAMES
 from symosc.errors import ParameterError
-from symosc.plot.drawing import PARAMETER_LABELS, one_axes, style_for
+from symosc.plot.drawing import PARAMETER_LABELS, one_axes, style_for, typeset
 from symosc.plot.panels import EVENT_MARKS, SHAPES
 from symosc.simulation.tables import EventTable, Summary
 
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from symosc.sweeps.output import SweptDataset
 
 LABELS = PARAMETER_LABELS | {"stuck": "share of time stuck", "x": "last $x$", "v": r"last $\dot{x}$"}
+LABELS |= {"x_min": "least $x$", "x_max": "largest $x$", "v_min": r"least $\dot{x}$", "v_max": r"largest $\dot{x}$"}
 COMPONENT_LABELS = {"x": "displacement $x$ at whole periods", "v": "velocity $\\dot{x}$ at whole periods"}
 #: Of numbers: from light to dark with even steps of lightness.
 SHADES = "cividis_r"
@@ -77,13 +78,6 @@ def read_axes(column: Any, count: int, what: str) -> list[str]:
 def label(name: str) -> str:
     """Return the axis label of a parameter, a start value or a column."""
     return LABELS.get(name, name.replace("_", " "))
-
-
-def typeset(word: str) -> str:
-    """Return a word in the paper's notation; other text unchanged."""
-    if not word:
-        return "no event"
-    return f"$P_{{{word[1:]}}}$" if word[0] == "P" and word[1:].isdigit() else word
 
 
 # -- sweeps over one axis ----------------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from symosc.aliases import NumberLike, SceneName
 from symosc.arguments import CONVERTERS, public
 from symosc.display.drawable import Drawable
 from symosc.errors import ParameterError, SceneError, meant
-from symosc.exact import read_exact, read_start_error, show
+from symosc.exact import NUMBER, read_exact, read_start_error, show
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.quantities import QUANTITIES, half_unit, read_number, unit_of
 from symosc.reductions import OtherModel, reduced_start, reduced_time
@@ -231,10 +231,20 @@ CONVERTERS["parameters"] = parameters_of
 
 def end_time(given: Any, p: Parameters, t0: Any) -> Any:
     """Return an end time; text such as "10T" is so many periods of the drive after t0."""
-    if not (isinstance(given, str) and given.strip().endswith("T")):
+    periods = forcing_periods("t_end", given)
+    if periods is None:
         return given
-    periods = read_exact("t_end", given.strip()[:-1].strip())
     return float(read_number("t0", t0)[0]) + float(periods) * (2 * pi / float(p.Omega))
+
+
+def forcing_periods(name: str, given: Any) -> Fraction | None:
+    """Return the number of periods of the drive that text such as "10T" gives, None for anything else."""
+    if not (isinstance(given, str) and given.strip().endswith("T")):
+        return None
+    count = given.strip()[:-1].rstrip("* ")
+    if not NUMBER.fullmatch(count):
+        raise ParameterError(name, given, "give a number, or periods of the drive such as '10T'")
+    return read_exact(name, count)
 
 
 def from_rest(p: Parameters, t_end: NumberLike) -> Scene:

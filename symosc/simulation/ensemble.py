@@ -127,7 +127,7 @@ def simulate_many(
     parameters : Parameters, or a Scene, its name or its file
         Or a sequence of n Parameters, or a mapping of all their names to a number or an (n,) array.
     starts : (n, 3) or (3,) array_like, rows of t0, x0, v0; or mapping of these names like `parameters`
-    t_end : number or (n,) array
+    t_end : number or (n,) array, or "10T": ten periods of the drive after each t0
     max_events, accuracy, start_error : optional
         As in `simulate`, for all motions.
     use_numba : bool, optional

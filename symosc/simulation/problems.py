@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence, Sized
 from decimal import Context, Decimal
 from fractions import Fraction
+from math import pi
 from threading import Lock
 from typing import Any
 
@@ -19,11 +20,12 @@ from symosc.engine.batch import STATE_WIDTH, Batch, batch_of, row_of
 from symosc.engine.constant_table import constant_table, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, start_rows
 from symosc.errors import ParameterError
-from symosc.exact import LARGEST, read_exact, show, unmasked
+from symosc.exact import LARGEST, show, unmasked
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
 from symosc.kernels.pair_columns import PairColumn
 from symosc.model import PARAMETER_NAMES, Parameters, least
-from symosc.scenes import START_NAMES
+from symosc.quantities import read_number
+from symosc.scenes import START_NAMES, forcing_periods
 
 START_COLUMNS = START_NAMES[:3]
 # Constants of so many sets are computed at once, some 10 MB: for fewer, what numpy takes per operation counts.
@@ -86,7 +88,7 @@ class NumberColumn:
             except TypeError:  # a list, or another thing that is no number
                 pair = None
             if pair is None:
-                exact = self._exact[row] = read_exact(self.called(row), value)
+                exact = self._exact[row] = read_number(self.called(row), value)[0]
                 pair = known[key] = float(exact), float(exact - Fraction(float(exact)))
             parts[:, row] = pair
         return parts[0], parts[1]
@@ -104,7 +106,7 @@ class NumberColumn:
         if row not in self._exact:
             if len(self._exact) > 100_000:  # of a long column only a few are asked for again
                 self._exact.clear()
-            self._exact[row] = read_exact(self.called(row), self._given[row])
+            self._exact[row] = read_number(self.called(row), self._given[row])[0]
         return self._exact[row]
 
     def pairs(self, rows: Any = slice(None)) -> PairColumn:
@@ -259,10 +261,13 @@ class Problems:
         self.sets = ParameterSets(parameters)
         self.start_error = start_error if start_error and max(start_error) > 0 else None
         self.t0, self.x0, self.v0 = _start_columns(starts)
+        lengths = {"parameters": len(self.sets)}
+        lengths["starts"] = common_length({column.name: len(column) for column in (self.t0, self.x0, self.v0)})
+        common_length(lengths)
+        if (periods := forcing_periods("t_end", t_end)) is not None:
+            t_end = self.t0.hi + float(periods) * (2 * pi / self.sets.column("Omega").hi)
         self.t_end = NumberColumn("t_end", t_end)
-        starts_length = common_length({column.name: len(column) for column in (self.t0, self.x0, self.v0)})
-        lengths = {"parameters": len(self.sets), "starts": starts_length, "t_end": len(self.t_end)}
-        self.count = common_length(lengths)
+        self.count = common_length(lengths | {"t_end": len(self.t_end)})
         for row in np.flatnonzero(np.broadcast_to(self.t_end.hi <= self.t0.hi, self.count)).tolist():
             t0, end = self.t0.exact(row), self.t_end.exact(row)
             if end <= t0:

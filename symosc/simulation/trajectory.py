@@ -37,7 +37,7 @@ from symosc.words import MAPS, Labels
 __all__ = ["MAP_LABELS", "Event", "Segment", "Trajectory"]
 
 # So many times are evaluated as arrays, and how many at once.
-MANY_TIMES = 1 << 10
+MANY_TIMES = 1 << 6
 TIMES_TOGETHER = 1 << 16
 #: Map label by (start plane, mode, end plane); planes are the belts, a stick stays on one.
 MAP_LABELS = {(row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()}
@@ -161,7 +161,7 @@ class Trajectory(Drawable):
         """
         times = read_times(t)
         if times.size >= MANY_TIMES:
-            return self._states(times.ravel()).reshape((2, *times.shape))
+            return self._states(times.ravel())[:2].reshape((2, *times.shape))
         states = np.array([self._state(time)[:2] for time in times.ravel()], dtype=float).reshape(-1, 2)
         return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
 
@@ -177,9 +177,10 @@ class Trajectory(Drawable):
         """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` = 1, 2 or 3 would give, at times `t`."""
         times, K = read_times(t), self._K
         A = (K.A1, K.A2, K.A3)[whole_number("alpha", alpha, 1, 3) - 1]
-        values = [
-            acceleration(x, v, c, A, K.cm, K.w0sq, K.f0) for x, v, c in (self._state(time) for time in times.ravel())
-        ]
+        if times.size >= MANY_TIMES:
+            x, v, c = self._states(times.ravel())
+            return acceleration(x, v, c, A, K.cm, K.w0sq, K.f0).reshape(times.shape)
+        values = [acceleration(*self._state(time), A, K.cm, K.w0sq, K.f0) for time in times.ravel()]
         return values[0] if times.ndim == 0 else np.array(values).reshape(times.shape)
 
     def _piece(self, t: float) -> tuple[list[float], float]:
@@ -203,10 +204,10 @@ class Trajectory(Drawable):
         return x + dx, v + dv, c
 
     def _states(self, times: np.ndarray) -> np.ndarray:
-        """Return x and v at many times in array blocks, equal to `_state` up to rounding."""
+        """Return what `_state` does at many times in array blocks, equal up to rounding."""
         for outside in times[~((times >= float(self.t_start)) & (times <= float(self.t_end)))][:1]:
             self._piece(outside)
-        K, states = self._K, np.empty((2, len(times)))
+        K, states = self._K, np.empty((3, len(times)))
         for begin in range(0, len(times), TIMES_TOGETHER):
             part = slice(begin, begin + TIMES_TOGETHER)
             elapsed = times[part] - self._t0
@@ -214,10 +215,10 @@ class Trajectory(Drawable):
             _, theta, mode, x, v, a, since = self._pieces[:, piece]
             tau = np.maximum(elapsed - since, 0.0)
             turn, s0, c0 = K.Om * np.where(tau > K.period, tau % K.period, tau), np.sin(theta), np.cos(theta)
-            E0, E1, E2, R2, I2, _, _ = entire_array.basis_with_drive(tau, np.sin(turn), np.cos(turn), K)
+            E0, E1, E2, R2, I2, s_Om, c_Om = entire_array.basis_with_drive(tau, np.sin(turn), np.cos(turn), K)
             dx, dv, _ = motion(v, a, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
             held = mode > ON_BELT
-            states[:, part] = x + np.where(held, v * tau, dx), v + np.where(held, 0.0, dv)
+            states[:, part] = x + np.where(held, v * tau, dx), v + np.where(held, 0.0, dv), c0 * c_Om - s0 * s_Om
         return states
 
     def table(self) -> list[dict[str, Any]]:

@@ -9,7 +9,6 @@ import hashlib
 import json
 import math
 import os
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -25,7 +24,8 @@ from symosc.aliases import Record
 from symosc.errors import ParameterError, SweepError, meant
 from symosc.exact import read_exact, show, unmasked, whole_number
 from symosc.model import PARAMETER_NAMES
-from symosc.scenes import START_NAMES, Scene
+from symosc.quantities import read_number
+from symosc.scenes import START_NAMES, Scene, forcing_periods
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.tables import SUMMARY_COLUMNS
@@ -133,7 +133,7 @@ def _evenly_spaced(name: str, text: str) -> np.ndarray:
     parts = text.split(":")
     if len(parts) != 3:
         raise ParameterError(name, text, AXIS_FORM)
-    low, high = (read_exact(name, part) for part in parts[:2])
+    low, high = (read_number(name, part)[0] for part in parts[:2])
     count = _whole(name, parts[2], 2)
     if count > MOST_SWEPT:
         raise ParameterError(name, text, f"must have at most {MOST_SWEPT} values")
@@ -152,9 +152,9 @@ def _numbers(name: str, values: Any) -> np.ndarray:
     if array.ndim != 1:
         raise ParameterError(name, values, f"must be one row of numbers; it has shape {array.shape}")
     if array.dtype.kind not in "iuf":
-        return np.array([float(read_exact(name, value)) for value in array], dtype=float) + 0.0
+        return np.array([float(read_number(name, value)[0]) for value in array], dtype=float) + 0.0
     for value in (array.min(), array.max()) if len(array) else ():  # nan is both
-        read_exact(name, value)
+        read_number(name, value)
     return array.astype(float) + 0.0  # no -0.0
 
 
@@ -232,10 +232,9 @@ class Duration:
 
 def read_duration(name: str, given: Any) -> Duration:
     """Return a time from a number, or from text such as "60T"."""
-    text = re.fullmatch(r"\s*(\S+?)\s*T\s*", given) if isinstance(given, str) else None
-    if text is None:
-        return Duration(read_exact(name, given))
-    periods = read_exact(name, text[1])
+    periods = forcing_periods(name, given)
+    if periods is None:
+        return Duration(read_number(name, given)[0])
     if not 0 <= periods <= MOST_FORCING_PERIODS:
         raise ParameterError(name, given, f"must be from 0 to {MOST_FORCING_PERIODS} periods")
     return Duration(periods, periods=True)

@@ -86,6 +86,8 @@ BAD = {
     "simulate fig5 --set k": "'k' is not NAME=VALUE",
     "simulate fig5 --set kk=1": "kk = '1': is not a parameter",
     "simulate fig5 --set k=x": "k = 'x'",
+    "simulate fig5 --set mu=1": "did you mean mu1 or mu2?",
+    "simulate fig5 --mu1 1": "--set mu1=VALUE",
     "simulate fig5 --set k=nan": "must be finite",
     "simulate fig5 --set m=0": "m = '0': must be > 0",
     "simulate fig5 --set v1=5": "must be less than v2",

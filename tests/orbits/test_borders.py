@@ -297,7 +297,7 @@ def test_a_figure_and_a_page_show_the_border() -> None:
         continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.2, 4)), 0, "FN", (9, 11), step="0.05"
     )
     (axes,) = border.plot().axes
-    assert {text.get_text() for text in axes.texts} == set(border.words)
+    assert {text.get_text() for text in axes.texts} == {f"$P_{{{word[1:]}}}$" for word in border.words}
     assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$\Omega$", "$F_N$")
     assert border.words[1] in border._repr_html_()
     assert border.as_dict()["words"] == list(border.words)

@@ -81,7 +81,7 @@ def test_stability_has_a_line_style_and_the_unit_circle_is_drawn(branch: Branch,
         assert [line.get_ydata()[0] for line in multipliers.lines if line.get_label() == "unit circle"] == [1]  # type: ignore[index]
     # Curves are named where they end: colour alone does not tell them apart.
     names = [text.get_text() for text in plot.branch_figure(branch).axes[0].texts]
-    assert names == ["$P_2$", "$P_3$"]
+    assert names == ["$P_{3}$", "$P_{2}$"]  # from below
 
 
 @pytest.mark.slow
@@ -102,8 +102,10 @@ def test_points_ends_and_words_are_those_of_the_branch(branch: Branch) -> None:
         verticals = [line.get_xdata() for line in ax.lines if len(set(np.asarray(line.get_xdata()))) == 1]
         assert {end.value for end, row in ends} == {float(np.asarray(each)[0]) for each in verticals if len(each) == 2}  # type: ignore[arg-type]
     words = {text.get_text(): text.xy[0] for text in multipliers.texts}  # type: ignore[attr-defined]
-    beyond = {end.beyond: end.value for end, row in ends}
-    assert words == {branch.word: (branch.values.min() + branch.values.max()) / 2} | beyond
+    expected = {branch.word: (branch.values.min() + branch.values.max()) / 2} | {
+        end.beyond: end.value for end, _ in ends
+    }
+    assert words == {f"$P_{{{word[1:]}}}$": place for word, place in expected.items()}
 
 
 def marks_of_ends(ax: Axes) -> set[tuple[str, float, float]]:

@@ -29,7 +29,7 @@ FIG9 = load_scene("fig9").parameters
         (np.array([1.0, 1e60, 1e70]), r"x\[1\] = 1e\+60: must be at most"),
         ([1, True], r"x\[1\] = True: give an int"),
         ([1, [2]], r"x\[1\] = \[2\]: give an int"),
-        ("one", r"x = 'one': give an int"),
+        ("one", r"x = 'one': give a number"),
         (np.zeros((2, 2)), r"must be a number or have shape \(n,\)"),
     ],
 )

@@ -102,7 +102,7 @@ def planned(scene: Any = FIG9, over: Any = None, **options: Any) -> SweepPlan:
 
 
 @pytest.mark.parametrize(
-    ("given", "text"), [(9, "9"), ("9T", "9T"), (" 1.5 T ", "1.5T"), ("1/3T", "1/3T"), ("1e1", "10")]
+    ("given", "text"), [(9, "9"), ("9T", "9T"), (" 1.5 T ", "1.5T"), ("1/3*T", "1/3T"), ("1e1", "10"), ("1 min", "60")]
 )
 def test_times_are_numbers_or_periods(given: Any, text: str) -> None:
     assert str(read_duration("t_end", given)) == text
