@@ -29,14 +29,13 @@ from symosc.errors import ParameterError
 from symosc.exact import read_exact, show, whole_number
 from symosc.files import write_text
 from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.orbits.border import REST, BorderError, borders_between, network
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.scenes import Scene, load_scene
 from symosc.sweeps.plan import cycles
 from symosc.words import Word, read_word
 
-#: The word of a region in which the mass may rest on a belt for ever.
-REST = "rest"
 #: Boxes that are tried between two looks at the clock, and in one call of a worker.
 BATCH, CHUNK = 64, 8
 #: Orbits of other words that are kept for the parts of a rectangle.
@@ -352,10 +351,15 @@ class Atlas(Drawable):
         for box in self.boxes:
             proven[box.word] += float(area(box.range) / whole)
         looked = self.grid[: GRID * GRID]
-        seen = Counter(word for *_, word in looked)
-        words = {*proven, *seen, *(word for border in self.borders for word in border.words if word)}
+        outside = [word for x, y, word in looked if not self._around(x, y).size]
+        seen = Counter(outside or [word for *_, word in looked])
+        words = {
+            *proven,
+            *(word for *_, word in looked),
+            *(word for border in self.borders for word in border.words if word),
+        }
         left = max(0.0, 1 - sum(proven.values()))
-        found = [Region(word, proven[word] + left * seen[word] / max(len(looked), 1), proven[word]) for word in words]
+        found = [Region(word, proven[word] + left * seen[word] / max(seen.total(), 1), proven[word]) for word in words]
         return tuple(sorted(found, key=lambda each: (-each.share, each.word)))
 
     @property
@@ -397,9 +401,7 @@ class Atlas(Drawable):
         exact = tuple((value, value) for value in point)
         if may_rest(self.parameters, self.over, (exact[0], exact[1])):
             return REST
-        x, y = map(float, point)
-        low_x, high_x, low_y, high_y = self._ends
-        for i in np.flatnonzero((low_x <= x) & (x <= high_x) & (low_y <= y) & (y <= high_y)):
+        for i in self._around(*map(float, point)):
             box = self.boxes[i]
             if all(low <= value <= high for value, (low, high) in zip(point, box.range, strict=True)):
                 return box.word
@@ -410,6 +412,11 @@ class Atlas(Drawable):
         """The ends of the boxes, a row for each side."""
         rows = [[float(end) for side in box.range for end in side] for box in self.boxes]
         return np.array(rows).reshape(-1, 4).T
+
+    def _around(self, x: float, y: float) -> np.ndarray:
+        """Return the indices of the boxes with a point."""
+        low_x, high_x, low_y, high_y = self._ends
+        return np.flatnonzero((low_x <= x) & (x <= high_x) & (low_y <= y) & (y <= high_y))
 
     def statement(self) -> Record:
         """Return what the file states: the boxes, and beside them what was found and is not proven."""
@@ -580,8 +587,6 @@ def _word_of(p: Parameters, names: tuple[str, str], point: Rectangle) -> str:
 
 def borders_of(p: Parameters, names: tuple[str, str], whole: Rectangle, grid: Sequence[Any]) -> list[Any]:
     """Return the borders between neighbours of a grid with different words, and all that are connected with them."""
-    from symosc.orbits.border import BorderError, borders_between, network
-
     found, limits = list[Any](), dict(zip(names, whole, strict=True))
     sizes, regular = np.array([float(high - low) for low, high in whole]), min(GRID * GRID, len(grid))
     for i, (x, y, word) in enumerate(grid):
@@ -591,7 +596,7 @@ def borders_of(p: Parameters, names: tuple[str, str], whole: Rectangle, grid: Se
             beside = [int(np.argmin(away))]
         for j in beside:
             other_x, other_y, other = grid[j]
-            if word == other or {word, other} & {REST, ""}:
+            if word == other:
                 continue
             if any(crosses(border.points, (x, y), (other_x, other_y)) for border in found):
                 continue
