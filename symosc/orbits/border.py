@@ -98,6 +98,7 @@ SHORT_PIECE = 1e-3  # a phase: a piece this short at a point of codimension two 
 STEP, LONGEST_STEP, MOST_POINTS = 0.002, 0.1, 5000
 SAME_POINT, SAME_BORDER = 1e-6, 1e-4  # as parts of the ranges
 NEAR_REST = 1e-6  # so near to the equality of a closed form, as a part of its terms, a branch has ended at it
+SLACK = 1e-14  # of the ranges: a border along a bound is not outside
 NO_VALUE = 1e-12  # a value of a parameter at a branch's end is 0 below this part of those along the branch
 #: What stands for a word where the mass may rest on a belt for ever.
 REST = "rest"
@@ -441,8 +442,10 @@ class Tracer:
                     if fold is not None:
                         path.append(fold[0])
                         special.append(fold[1])
+            if outside is not None and np.linalg.norm(node.z - here.z) < LOCATED:
+                path.pop()  # it was there already
             path.append(node)
-            closed = len(path) > CHECKED and self._closes(here, node)
+            closed = len(path) > CHECKED and outside is None and self._closes(here, node)
             if outside is not None or closed or len(path) > self.most or len(path) - checked > CHECKED:
                 failed = self._first_failure(path, checked)
                 if failed is not None:
@@ -473,7 +476,7 @@ class Tracer:
         """Return which parameter (0 or 1) is outside its range, and its bound in widths; None if both are inside."""
         values = node.z[-2:]
         for j, (value, low, high) in enumerate(zip(values, self.low, self.high, strict=True)):
-            if not low <= value <= high:
+            if not low - SLACK <= value <= high + SLACK:
                 return j, float(low if value < low else high)
         return None
 
@@ -829,7 +832,7 @@ def network(border: Border, **how: Any) -> list[Border]:
                 continue
             done.append(point.values)
             for other in borders_leaving(here, point, **how):
-                if not any(_passes(each, other.points[len(other) // 2], other.words) for each in found):
+                if not any(passes(each, other.points[len(other) // 2], other.words) for each in found):
                     found.append(other)
                     waiting.append(other)
     return found
@@ -840,12 +843,12 @@ def _distinct(plane: Plane, begun: Iterator[tuple[BorderSystem, Node]], step: fl
     found = list[Border]()
     for system, node in begun:
         border = Tracer(plane, system, node, step, most).border()
-        if not any(_passes(each, node.z[-2:] * system.scale[-2:], border.words) for each in found):
+        if len(border) > 1 and not any(passes(each, node.z[-2:] * system.scale[-2:], border.words) for each in found):
             found.append(border)
     return found
 
 
-def _passes(border: Border, values: np.ndarray, words: Any) -> bool:
+def passes(border: Border, values: np.ndarray, words: Any) -> bool:
     """Return whether a border between these words passes through a point of its plane, near enough for its steps."""
     if set(border.words) != set(words):
         return False
