@@ -56,13 +56,13 @@ class BorderError(SymoscError, ArithmeticError):
     Examples
     --------
     >>> from symosc import BorderError, Parameters, continue_border, continue_orbit
-    >>> p = Parameters(m=1, c=0.5, k=1, A0=0, B0=1.5, Omega=1, v1=-9, v2=1.9, mu1=1, mu2=1, FN=1)
-    >>> branch = continue_orbit(p, "P45", "B0", (0.9, 1.6))
+    >>> p = Parameters(m=1, c=0.5, k=1, A0=0, B0=1.2, Omega=1, v1=-1.9, v2=1.9, mu1=1, mu2=1, FN=1)
+    >>> branch = continue_orbit(p, "P4817", "B0", (0.9, 1.3))
     >>> try:
-    ...     continue_border(branch, 0, "Omega", (0.5, 2))
+    ...     continue_border(branch, 0, "v1", (-3, -1))
     ... except BorderError as error:
-    ...     print(str(error)[-44:])
-    ends up in Omega2 and meets no belt any more
+    ...     print(error)
+    P8174 ends where both belts are met at once: two borders meet there
     """
 
 
@@ -718,8 +718,9 @@ def crossings(
                         return
         if length < SHORTEST_SEGMENT:
             return
-        place = (low[0] + high[0]) / 2
-        middle = orbit_beside(plane, place, low[1], high[1])
+        places = (low[0] + part * way for part in (0.5, 0.4))  # the first may be on the border
+        found = ((place, orbit_beside(plane, place, low[1], high[1])) for place in places)
+        place, middle = next((each for each in found if each[1] is not None), (low[0], None))
         if middle is None:
             return
         low, high = ((place, middle), high) if middle.cycle == word else (low, (place, middle))
