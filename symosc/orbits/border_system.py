@@ -278,6 +278,8 @@ class BorderSystem:
         try:
             for _ in range(MOST_POLISHING):
                 values = [float(value) for value in self.residuals(u, FINE_DIGITS)]
+                if not np.isfinite(values).all() or not np.isfinite(got[1]).all():
+                    return None
                 step = got[1] @ np.array(values if fixed is None else [*values, 0.0])
                 size = float(np.abs(step).max())
                 changes = (step * self.scale).tolist()

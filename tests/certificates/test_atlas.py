@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from flint import arb
+from samples import sample_of
 
 import symosc.certificates.atlas as atlases
 from symosc import Atlas, ParameterError, Parameters, atlas, certify, find_orbit
@@ -71,6 +72,40 @@ def test_proven_words_are_those_of_the_settled_motions(small: Atlas) -> None:
     inside, wrong = differences(small, 20, 1)
     assert inside > 2
     assert not wrong
+
+
+@pytest.mark.slow
+def test_borders_that_the_grid_misses_are_found() -> None:
+    plane = atlas(COULOMB, {"Omega": ("0.3", "0.6"), "FN": ("0.05", "0.3")}, workers=1)
+    assert sorted(("|".join(sorted(each.words, key=str)), each.sliding) for each in plane.borders) == [
+        ("P3121|P31312121", "adding-sliding"),
+        ("P3121|P31312121", "grazing-sliding"),
+        ("P3121|P32", "crossing-sliding"),
+        ("P3121|P32", "crossing-sliding"),  # a corner of 0.004 by 0.0035
+        ("P3121|P321231", "switching-sliding"),
+        ("P32|P321231", "grazing-sliding"),
+    ]
+    assert [point.kind for point in plane.special] == ["degenerate crossing-sliding"]
+
+
+@pytest.mark.slow
+@sample_of(2, 40)
+def test_borders_explain_the_changes_of_words_in_random_planes(count: int) -> None:
+    for seed in range(count):
+        rng = random.Random(seed)
+        v1 = rng.choice([0, round(rng.uniform(-1, 1), 2)])
+        given: dict[str, Any] = {name: round(rng.uniform(0.4, 2), 2) for name in ("B0", "k", "Omega", "FN", "mu2")}
+        p = COULOMB.replace(v1=v1, v2=v1 + rng.choice([0.5, 1, 3]), A0=round(rng.uniform(-1, 1), 2), c="0.3", **given)
+        names = rng.choice([("Omega", "FN"), ("B0", "A0"), ("k", "m"), ("mu1", "Omega"), ("c", "B0")])
+        limits = {name: sorted(float(getattr(p, name)) * by for by in (0.6, 1.4)) for name in names}
+        limits |= {"A0": [-1.0, 1.0]} if "A0" in names else {}
+        plane = atlas(p, {name: (low, high) for name, (low, high) in limits.items()}, workers=1)
+        for _ in range(20):
+            a = [rng.uniform(*limits[name]) for name in names]
+            b = [0.8 * value + 0.2 * rng.uniform(*limits[name]) for value, name in zip(a, names, strict=True)]
+            words = [atlases._word_of(p, names, ((Fraction(x),) * 2, (Fraction(y),) * 2)) for x, y in (a, b)]
+            if words[0] != words[1]:
+                assert atlases.explained(plane.borders, (*a, words[0]), (*b, words[1])), (seed, a, b, words)
 
 
 @pytest.mark.campaign
@@ -192,6 +227,7 @@ def test_a_second_call_takes_up_the_first(tmp_path: Path) -> None:
     before = atlas(COULOMB, PLANE, prove=0.4, workers=1, path=path)
     after = atlas(COULOMB, PLANE, prove=0.6, workers=1, path=path)
     assert after.proven >= 0.6 > before.proven
+    assert [each.words for each in after.borders] == [each.words for each in before.borders] == [("P3121", "rest")]
     assert set(before.boxes[:1]) <= {box._replace(points=before.boxes[0].points) for box in after.boxes}
     with pytest.raises(ParameterError, match="another plane"):
         atlas(COULOMB, PLANE | {"FN": ("0.8", 1)}, path=path)
