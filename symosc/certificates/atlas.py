@@ -5,8 +5,8 @@ from __future__ import annotations
 import heapq
 import json
 import os
-from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections import Counter, defaultdict, deque
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import nullcontext
 from dataclasses import dataclass
@@ -29,28 +29,33 @@ from symosc.errors import ParameterError
 from symosc.exact import read_exact, show, whole_number
 from symosc.files import write_text
 from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.orbits.border import REST, Border, BorderError, borders_between, network, passes
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.scenes import Scene, load_scene
 from symosc.sweeps.plan import cycles
 from symosc.words import Word, read_word
 
-#: The word of a region in which the mass may rest on a belt for ever.
-REST = "rest"
 #: Boxes that are tried between two looks at the clock, and in one call of a worker.
 BATCH, CHUNK = 64, 8
 #: Orbits of other words that are kept for the parts of a rectangle.
 MOST_NEAR = 3
 #: Boxes whose sides are a smaller part of the ranges are not divided further.
 LEAST_SIDE = Fraction(1, 1 << 24)
+#: So often it is tried to find a border between two words; the part of the plane beside a border at which it is found.
+MOST_FAILED, BESIDE = 3, 1e-4
+#: So far inside of the plane's edge a place is looked at.
+EDGE = 1e-6
 
-#: Points of the grid along each side; as parts: the longest step along a border, the distance of points that are one.
-GRID, BORDER_STEP, SAME = 12, 0.005, 1e-3
+#: Points of the grid along each side; as parts: the longest step along a border.
+GRID, BORDER_STEP = 12, 0.005
 REST_NAMES = ("v1", "v2", "mu1", "mu2", "FN", "B0")
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
 #: Labels of a word in order of time, and the unknowns of its orbit, nearly (`symosc.certificates.plane`).
 Candidate = tuple[tuple[str, ...], tuple[float, ...]]
+#: Both parameters and the word there, "" if it has none.
+Place = tuple[float, float, str]
 
 
 class Task(NamedTuple):
@@ -59,6 +64,8 @@ class Task(NamedTuple):
     box: Rectangle
     near: tuple[Candidate, ...]
     divide: int = 0
+    #: The middle of a rectangle around it or beside it, and the word there.
+    above: Place | None = None
 
 
 class Tried(NamedTuple):
@@ -110,6 +117,12 @@ def area(box: Rectangle) -> Fraction:
     """Return the area of a rectangle."""
     (a, b), (c, d) = box
     return (b - a) * (d - c)
+
+
+def middle_of(box: Rectangle, word: str) -> Place:
+    """Return the middle of a rectangle, with its word."""
+    x, y = (float(low + high) / 2 for low, high in box)
+    return x, y, word
 
 
 def divided(box: Rectangle, along: int, at: Fraction | None = None) -> list[Rectangle]:
@@ -238,8 +251,8 @@ class Cover:
         self.p, self.names, self.whole, self.count = p, names, whole, 0
         self.proven, self.area, self.small = list[ProvenBox](), Fraction(0), list[Rectangle]()
         self.heap = list[tuple[float, int, Task]]()
-        #: A place of each word that was met in the middle of a box.
-        self.seen = dict[str, tuple[float, float, str]]()
+        #: Places near to each other with different words.
+        self.changes = list[tuple[Place, Place]]()
 
     def add(self, *tasks: Task) -> None:
         """Add rectangles to prove; what rests there is known at once."""
@@ -274,12 +287,12 @@ class Cover:
             tasks = [heapq.heappop(self.heap)[2] for _ in range(min(BATCH, len(self.heap)))]
             results = map(work, tasks) if pool is None else pool.map(work, tasks, chunksize=CHUNK)
             for task, tried in zip(tasks, results, strict=True):
+                place, above = middle_of(task.box, tried.word or tried.seen), task.above
+                if above and place[2] not in ("", above[2]):
+                    self.changes.append((above, place))
                 if tried.word:
                     self.prove(ProvenBox(tried.word, task.box, tried.points))
-                self.add(*tried.parts)
-                if (word := tried.word or tried.seen) and word not in self.seen:
-                    x, y = (float(low + high) / 2 for low, high in task.box)
-                    self.seen[word] = x, y, word
+                self.add(*(part._replace(above=place if place[2] else above) for part in tried.parts))
             report(min(float(self.share), float(share)), float(share))
 
     def taken_up(self, boxes: Sequence[ProvenBox], left: Sequence[Rectangle]) -> None:
@@ -291,14 +304,15 @@ class Cover:
         middles = np.array([[float(a + b) / 2 for a, b in each.range] for each in orbits]).reshape(-1, 2) / sizes
         for box in left:
             place = np.array([float(a + b) / 2 for a, b in box]) / sizes
-            near = dict[tuple[str, ...], Candidate]()
-            for i in np.argsort(((middles - place) ** 2).sum(axis=1))[:MOST_NEAR]:
+            near, nearest = dict[tuple[str, ...], Candidate](), np.argsort(((middles - place) ** 2).sum(axis=1))
+            for i in nearest[:MOST_NEAR]:
                 labels = flight_first(orbits[i].word)
                 middle = {name: (a + b) / 2 for name, (a, b) in zip(self.names, orbits[i].range, strict=True)}
                 Omega = float(middle.get("Omega", self.p.Omega))
                 unknowns = _flights(labels, self.p, self.names).unknowns(Omega, orbits[i].points)
                 near.setdefault(labels, (labels, tuple(unknowns)))
-            self.add(Task(box, tuple(near.values())))
+            above = middle_of(orbits[nearest[0]].range, orbits[nearest[0]].word) if orbits else None
+            self.add(Task(box, tuple(near.values()), above=above))
 
 
 @dataclass(frozen=True, repr=False)
@@ -337,7 +351,7 @@ class Atlas(Drawable):
     range: Rectangle
     boxes: tuple[ProvenBox, ...]
     open: tuple[Rectangle, ...]
-    grid: tuple[tuple[float, float, str], ...]
+    grid: tuple[Place, ...]
     borders: tuple[Any, ...] = ()
 
     @property
@@ -351,11 +365,17 @@ class Atlas(Drawable):
         whole, proven = area(self.range), defaultdict[str, float](float)
         for box in self.boxes:
             proven[box.word] += float(area(box.range) / whole)
-        looked = self.grid[: GRID * GRID]
-        seen = Counter(word for *_, word in looked)
-        words = {*proven, *seen, *(word for border in self.borders for word in border.words if word)}
+        (left_end, right), (bottom, top) = self.range
+        looked = [each for each in self.grid if left_end < each[0] < right and bottom < each[1] < top]
+        outside = [word for x, y, word in looked if not self._around(x, y).size]
+        seen = Counter(outside or [word for *_, word in looked])
+        words = {
+            *proven,
+            *(word for *_, word in looked),
+            *(word for border in self.borders for word in border.words if word),
+        }
         left = max(0.0, 1 - sum(proven.values()))
-        found = [Region(word, proven[word] + left * seen[word] / max(len(looked), 1), proven[word]) for word in words]
+        found = [Region(word, proven[word] + left * seen[word] / max(seen.total(), 1), proven[word]) for word in words]
         return tuple(sorted(found, key=lambda each: (-each.share, each.word)))
 
     @property
@@ -397,9 +417,7 @@ class Atlas(Drawable):
         exact = tuple((value, value) for value in point)
         if may_rest(self.parameters, self.over, (exact[0], exact[1])):
             return REST
-        x, y = map(float, point)
-        low_x, high_x, low_y, high_y = self._ends
-        for i in np.flatnonzero((low_x <= x) & (x <= high_x) & (low_y <= y) & (y <= high_y)):
+        for i in self._around(*map(float, point)):
             box = self.boxes[i]
             if all(low <= value <= high for value, (low, high) in zip(point, box.range, strict=True)):
                 return box.word
@@ -410,6 +428,11 @@ class Atlas(Drawable):
         """The ends of the boxes, a row for each side."""
         rows = [[float(end) for side in box.range for end in side] for box in self.boxes]
         return np.array(rows).reshape(-1, 4).T
+
+    def _around(self, x: float, y: float) -> np.ndarray:
+        """Return the indices of the boxes with a point."""
+        low_x, high_x, low_y, high_y = self._ends
+        return np.flatnonzero((low_x <= x) & (x <= high_x) & (low_y <= y) & (y <= high_y))
 
     def statement(self) -> Record:
         """Return what the file states: the boxes, and beside them what was found and is not proven."""
@@ -517,16 +540,14 @@ def atlas(
     ):
         if left is None:
             grid = looked_at(p, names, whole, pool)
-            borders = tuple(borders_of(p, names, whole, grid))
+            borders = borders_of(p, names, whole, neighbours(grid))
             cover.add(*(Task(part, ()) for part in cut_at_rest(p, names, whole)))
         else:
-            grid, borders = left.grid, tuple(borders_of(p, names, whole, left.grid))
+            grid, borders = left.grid, list(left.borders)
             cover.taken_up(left.boxes, left.open)
         cover.run(share, began + limit, pool, report)
-    if more := tuple(each for word, each in cover.seen.items() if word not in {word for *_, word in grid}):
-        grid += more  # words that the grid has missed
-        borders = tuple(borders_of(p, names, whole, grid))
-    made = Atlas(p, names, whole, tuple(cover.proven), tuple(cover.open()), grid, borders)
+    borders = borders_of(p, names, whole, cover.changes, borders)  # those that the grid has missed
+    made = Atlas(p, names, whole, tuple(cover.proven), tuple(cover.open()), grid, tuple(borders))
     if path is not None:
         made.to_json(path)
     return made
@@ -555,15 +576,21 @@ def _read_plane(p: Parameters, over: Mapping[str, Any]) -> tuple[tuple[str, str]
     return (first, second), (ranges[0], ranges[1])
 
 
-def looked_at(
-    p: Parameters, names: tuple[str, str], whole: Rectangle, pool: Any
-) -> tuple[tuple[float, float, str], ...]:
-    """Return the words of the settled motions on a grid, row by row; "" where none is found."""
-    axes = [[low + (high - low) * Fraction(2 * i + 1, 2 * GRID) for i in range(GRID)] for low, high in whole]
+def looked_at(p: Parameters, names: tuple[str, str], whole: Rectangle, pool: Any) -> tuple[Place, ...]:
+    """Return the words of the settled motions on a grid and on the edges, row by row; "" where none is found."""
+    parts = [Fraction(0), *(Fraction(2 * i + 1, 2 * GRID) for i in range(GRID)), Fraction(1)]
+    axes = [[low + (high - low) * part for part in parts] for low, high in whole]
     points = [((x, x), (y, y)) for x in axes[0] for y in axes[1]]
     work = partial(_word_of, p, names)
     words = map(work, points) if pool is None else pool.map(work, points, chunksize=CHUNK)
     return tuple((float(x[0]), float(y[0]), word) for (x, y), word in zip(points, words, strict=True))
+
+
+def neighbours(grid: Sequence[Place]) -> list[tuple[Place, Place]]:
+    """Return the pairs of neighbours on a grid."""
+    side = GRID + 2
+    ends = ((i, j) for i in range(len(grid)) for j in (i + 1, i + side) if j < len(grid) and (j != i + 1 or j % side))
+    return [(grid[i], grid[j]) for i, j in ends]
 
 
 def _word_of(p: Parameters, names: tuple[str, str], point: Rectangle) -> str:
@@ -578,43 +605,71 @@ def _word_of(p: Parameters, names: tuple[str, str], point: Rectangle) -> str:
         return ""
 
 
-def borders_of(p: Parameters, names: tuple[str, str], whole: Rectangle, grid: Sequence[Any]) -> list[Any]:
-    """Return the borders between neighbours of a grid with different words, and all that are connected with them."""
-    from symosc.orbits.border import BorderError, borders_between, network
-
-    found, limits = list[Any](), dict(zip(names, whole, strict=True))
-    sizes, regular = np.array([float(high - low) for low, high in whole]), min(GRID * GRID, len(grid))
-    for i, (x, y, word) in enumerate(grid):
-        beside = [j for j in (i + 1, i + GRID) if j < regular and (j != i + 1 or j % GRID)]
-        if i >= regular:  # a word that the grid has missed
-            away = [np.abs((np.array(each[:2]) - (x, y)) / sizes).sum() for each in grid[:regular]]
-            beside = [int(np.argmin(away))]
-        for j in beside:
-            other_x, other_y, other = grid[j]
-            if word == other or {word, other} & {REST, ""}:
-                continue
-            if any(crosses(border.points, (x, y), (other_x, other_y)) for border in found):
-                continue
-            ends = [p.replace(**dict(zip(names, at, strict=True))) for at in ((x, y), (other_x, other_y))]
-            try:
-                for border in borders_between(ends[0], ends[1], names, limits, step=BORDER_STEP):
-                    if any(
-                        crosses(each.points, *border.points[[len(border) // 2 - 1, len(border) // 2]]) for each in found
-                    ):
-                        continue
+def borders_of(
+    p: Parameters,
+    names: tuple[str, str],
+    whole: Rectangle,
+    pairs: Sequence[tuple[Place, Place]],
+    known: Sequence[Border] = (),
+) -> list[Border]:
+    """Return the known borders, those between places with different words, and all that are connected with these."""
+    found, failed, looked = list(known), Counter[frozenset[str]](), len(known)
+    waiting = deque(pairs)
+    while waiting:
+        a, b = waiting.popleft()
+        words = frozenset((a[2], b[2]))
+        if len(words) < 2 or failed[words] >= MOST_FAILED or explained(found, a, b):
+            continue
+        try:
+            for border in between(p, names, whole, a[:2], b[:2]):
+                if not _among(border, found):
                     found += [each for each in network(border, step=BORDER_STEP) if not _among(each, found)]
-            except (BorderError, ConvergenceError):
-                continue
+        except (BorderError, ConvergenceError):
+            pass
+        failed[words] += not explained(found, a, b)
+        for border in found[looked:]:
+            waiting += beyond(p, names, whole, border)
+        looked = len(found)
     return found
 
 
-def _among(border: Any, found: Sequence[Any]) -> bool:
+def beyond(p: Parameters, names: tuple[str, str], whole: Rectangle, border: Border) -> Iterator[tuple[Place, Place]]:
+    """Yield a place beside the middle of a border and one straight ahead at the plane's edge, on both sides of it."""
+    middle, way = across(border.points, whole)
+    for step in (way, -way):
+        reach = min(
+            ((high if by > 0 else low) - value) / by
+            for (low, high), value, by in zip(np.array(whole, dtype=float), middle, step, strict=True)
+            if by
+        )
+        if reach > 2 * BESIDE:
+            ends = [(middle + part * step).tolist() for part in (BESIDE, reach * (1 - EDGE))]
+            a, b = ((x, y, _word_of(p, names, ((Fraction(x),) * 2, (Fraction(y),) * 2))) for x, y in ends)
+            yield a, b
+
+
+def between(p: Parameters, names: tuple[str, str], whole: Rectangle, a: Any, b: Any) -> list[Border]:
+    """Return the borders that cross the segment between two points of the plane."""
+    ends = [p.replace(**dict(zip(names, at, strict=True))) for at in (a, b)]
+    return borders_between(ends[0], ends[1], names, dict(zip(names, whole, strict=True)), step=BORDER_STEP)
+
+
+def explained(found: Sequence[Border], a: Place, b: Place) -> bool:
+    """Return whether the borders that cross the segment between two places have both words."""
+    words = {word or "" for each in found if crosses(each.points, a[:2], b[:2]) for word in each.words}
+    return {a[2], b[2]} <= words
+
+
+def across(border_points: np.ndarray, whole: Rectangle) -> tuple[np.ndarray, np.ndarray]:
+    """Return the middle of a border, and the direction at a right angle to it, in units of the ranges."""
+    middle, size = len(border_points) // 2, np.array([float(high - low) for low, high in whole])
+    along = (border_points[middle] - border_points[middle - 1]) / size
+    return border_points[middle], np.array([along[1], -along[0]]) / np.hypot(*along) * size
+
+
+def _among(border: Border, found: Sequence[Border]) -> bool:
     """Return whether a border is one of those found."""
-    middle = border.points[len(border) // 2]
-    return any(
-        each.kind == border.kind and np.abs(each.points - middle).sum(axis=1).min() < SAME * np.abs(middle).sum()
-        for each in found
-    )
+    return any(passes(each, border.points[len(border) // 2], border.words) for each in found)
 
 
 def crosses(points: np.ndarray, a: Any, b: Any) -> bool:
@@ -628,8 +683,18 @@ def crosses(points: np.ndarray, a: Any, b: Any) -> bool:
     return bool(((sides(low, a, b) != sides(high, a, b)) & (sides(a, low, high) != sides(b, low, high))).any())
 
 
+def _followed_again(p: Parameters, names: tuple[str, str], whole: Rectangle, points: np.ndarray) -> list[Border]:
+    """Return the borders between both sides of the middle of a known one."""
+    middle, way = across(points, whole)
+    try:
+        low, high = np.array(whole, dtype=float).T
+        return between(p, names, whole, *(np.clip(middle + by * way, low, high) for by in (-BESIDE, BESIDE)))
+    except (BorderError, ConvergenceError):
+        return []  # it is looked for once more where it is needed
+
+
 def read_atlas(path: str | Path) -> Atlas:
-    """Read the file of an atlas; its borders are not in the answer, as `atlas` continues them anew."""
+    """Read the file of an atlas; its borders are followed again from where they were."""
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
         p = Parameters(**data["parameters"])
@@ -648,7 +713,11 @@ def read_atlas(path: str | Path) -> Atlas:
         )
         first, second = data["over"]
         grid = tuple((float(x), float(y), str(word)) for x, y, word in data["found"]["grid"])
-        return Atlas(p, (first, second), box(data["range"]), boxes, tuple(map(box, data["open"])), grid)
+        names, whole, borders = (first, second), box(data["range"]), list[Border]()
+        for row in data["found"]["borders"]:
+            for border in _followed_again(p, names, whole, np.array(row["points"], dtype=float)):
+                borders += [border] * (not _among(border, borders))
+        return Atlas(p, names, whole, boxes, tuple(map(box, data["open"])), grid, tuple(borders))
     except (OSError, ValueError, LookupError, TypeError) as error:
         raise ParameterError(
             "path", path, f"is no file of an atlas ({type(error).__name__}: {str(error)[:80]})"

@@ -287,6 +287,8 @@ class Flights:
         tau, cuts, spare = float(times[-1]), list[Cut](), 2 * max(float(each.rad()) for each in times)
         for i, sign in enumerate(signs):
             low, high = float(times[i]), float(times[i + 1])
+            if high - low > MOST_CUTS * longest:  # a stiff spring
+                return None
             if sign < 0:
                 count = int((high - low) / (SHORTER * longest))
                 cuts += [Cut(low + j * (high - low) / (count + 1), 0.0) for j in range(1, count + 1)]

@@ -27,12 +27,14 @@ orbit:
    g = 0 <= g', before g = 0 >= g', and around a time as far as y > 0. Elsewhere, and at the other belt, by short steps.
 6. "rest": a belt has the speed 0, and mu FN >= |B0|: the mass may rest on it, and no orbit has a flight.
 7. The boxes are in the range and do not overlap; their part of its area is the share. With the open boxes they fill it.
-   What is "found" is not proven, and not looked at.
+   What is "found" is not proven; but no point of a border may be inside a box, where the word does not change.
 """
 
 import sys
+from bisect import bisect_left, bisect_right, insort
 from importlib import import_module
 from itertools import pairwise
+from math import inf
 from typing import Any
 
 from flint import acb, acb_series, arb, arb_mat, arb_series, ctx
@@ -49,6 +51,18 @@ verify, judge = base.verify, base.judge
 BOX_BITS, MOST_PARTS, NEWTON_STEPS, NEAR, MOST_CUTS, MOST_TURNS = 64, 256, 12, 1e-14, 16, 1000
 SIDES = ((1, 0), (0, 1), (1, 1), (1, -1))
 BOX = ((number, number), (number, number))
+
+
+def curves(value, where):
+    """Read the points of all borders that were found, in order; the rest is not looked at."""
+    try:
+        points = [tuple(map(float, point)) for border in value.get("borders", ()) for point in border["points"]]
+    except (AttributeError, LookupError, TypeError, ValueError):
+        points = [()]
+    check(all(len(each) == 2 and abs(sum(each)) < 1e99 for each in points), f"{where}: the points of a border", BAD)
+    return sorted(points)
+
+
 base.SHAPES["atlas"] = {
     "parameters": base.MOTION["parameters"],
     "over": (set(base.NAMES), set(base.NAMES)),
@@ -56,7 +70,7 @@ base.SHAPES["atlas"] = {
     "share": number,
     "boxes": [{"word": str, "range": BOX, "phases": [number], "x": [number]}],
     "open": [BOX],
-    "found": lambda value, where: value,  # what is not proven
+    "found": curves,
 }
 
 
@@ -524,8 +538,6 @@ def rests(p, over, box):
 
 def apart(boxes):
     """Prove that no two boxes overlap: from left to right, those at one place in order."""
-    from bisect import bisect_left, insort
-
     events = sorted((box[0][side], side == 0, i) for i, box in enumerate(boxes) for side in (0, 1))
     there = list[Any]()
     for _, begins, i in events:
@@ -537,6 +549,15 @@ def apart(boxes):
         for low_of, high_of, _ in there[max(at - 1, 0) : at + 1]:
             check(high_of <= low or high <= low_of, "boxes that overlap")
         insort(there, (low, high, i))
+
+
+def clear(boxes, points, whole):
+    """Check that no point of a border is inside a box, by more than rounding errors."""
+    away = [1e-12 * float(high - low) for low, high in whole]
+    for box in boxes:
+        (left, right), (low, high) = ((float(a) + by, float(b) - by) for (a, b), by in zip(box, away, strict=True))
+        for x, y in points[bisect_right(points, (left, inf)) : bisect_left(points, (right,))]:
+            check(not low < y < high, f"a border at {x:.6g}, {y:.6g}, in a box of one word")
 
 
 def mirror_of(p, over):
@@ -582,6 +603,7 @@ def atlas(data, source, limits):
         inner = all(low <= a and b <= high for (a, b), (low, high) in zip(box, whole, strict=True))
         check(inner, "a box beyond the range")
     apart([*boxes, *data["open"]])
+    clear(boxes, data["found"], whole)
     all_of, proven, rest = (
         sum((b - a) * (d - c) for (a, b), (c, d) in each) for each in ([whole], boxes, data["open"])
     )

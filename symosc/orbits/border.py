@@ -31,6 +31,7 @@ from symosc.orbits.border_system import (
     AT_TOUCH,
     NOTHING,
     BorderSystem,
+    ClosedForm,
     Node,
     Orbit,
     Zero,
@@ -44,6 +45,7 @@ from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, solve
 from symosc.orbits.curve import orbit_of
 from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow
+from symosc.orbits.floquet import rest_positions
 from symosc.quantities import least
 from symosc.words import Word, cycle
 
@@ -54,13 +56,13 @@ class BorderError(SymoscError, ArithmeticError):
     Examples
     --------
     >>> from symosc import BorderError, Parameters, continue_border, continue_orbit
-    >>> p = Parameters(m=1, c=0.5, k=1, A0=0, B0=1.5, Omega=1, v1=-9, v2=1.9, mu1=1, mu2=1, FN=1)
-    >>> branch = continue_orbit(p, "P45", "B0", (0.9, 1.6))
+    >>> p = Parameters(m=1, c=0.5, k=1, A0=0, B0=1.2, Omega=1, v1=-1.9, v2=1.9, mu1=1, mu2=1, FN=1)
+    >>> branch = continue_orbit(p, "P4817", "B0", (0.9, 1.3))
     >>> try:
-    ...     continue_border(branch, 0, "Omega", (0.5, 2))
+    ...     continue_border(branch, 0, "v1", (-3, -1))
     ... except BorderError as error:
-    ...     print(str(error)[-44:])
-    ends up in Omega2 and meets no belt any more
+    ...     print(error)
+    P8174 ends where both belts are met at once: two borders meet there
     """
 
 
@@ -95,6 +97,11 @@ LEVEL = 1e-6  # change of a slope that is more than rounding
 SHORT_PIECE = 1e-3  # a phase: a piece this short at a point of codimension two may have no length there
 STEP, LONGEST_STEP, MOST_POINTS = 0.002, 0.1, 5000
 SAME_POINT, SAME_BORDER = 1e-6, 1e-4  # as parts of the ranges
+NEAR_REST = 1e-6  # so near to the equality of a closed form, as a part of its terms, a branch has ended at it
+SLACK = 1e-14  # of the ranges: a border along a bound is not outside
+NO_VALUE = 1e-12  # a value of a parameter at a branch's end is 0 below this part of those along the branch
+#: What stands for a word where the mass may rest on a belt for ever.
+REST = "rest"
 
 
 class BorderEnd(NamedTuple):
@@ -192,7 +199,8 @@ class Border(Drawable):
         mass does not stick to the belt in question.
     words : tuple of two (str or None)
         The words on both sides, the branch's first: those of the settled motions, found by the engine beside the
-        border. None if no motion with a word was found there. Rotations are made equal: P32, not P23.
+        border. "rest" where the mass may rest on a belt for ever; None if it meets no belt any more, or no motion with
+        a word was found. Rotations are made equal: P32, not P23.
     special : tuple of SpecialPoint
         Folds of the curve, and points of codimension two at its ends.
     ends : tuple of two BorderEnd
@@ -236,10 +244,16 @@ class Border(Drawable):
         """Return the words on both sides of the i-th point, in the order of `words`, as `beside` says where.
 
         Each is the word of an orbit that the engine has followed there; None if none was found. With c > 0 it is that
-        of the settled motion.
+        of the settled motion. "rest" is decided exactly.
         """
-        found = [motion_at(p, self.orbit(i)) for p in self.beside(i, distance)]
-        first, second = (None if each is None else each.cycle for each in found)
+        first, second = (
+            REST
+            if any(rest_positions(p, belt) is not None for belt in (1, 2))
+            else found.cycle
+            if (found := motion_at(p, self.orbit(i))) is not None
+            else None
+            for p in self.beside(i, distance)
+        )
         return first, second
 
     def _seen_from(self, word: str, kind: str = "") -> Border:
@@ -428,8 +442,10 @@ class Tracer:
                     if fold is not None:
                         path.append(fold[0])
                         special.append(fold[1])
+            if outside is not None and np.linalg.norm(node.z - here.z) < LOCATED:
+                path.pop()  # it was there already
             path.append(node)
-            closed = len(path) > CHECKED and self._closes(here, node)
+            closed = len(path) > CHECKED and outside is None and self._closes(here, node)
             if outside is not None or closed or len(path) > self.most or len(path) - checked > CHECKED:
                 failed = self._first_failure(path, checked)
                 if failed is not None:
@@ -460,7 +476,7 @@ class Tracer:
         """Return which parameter (0 or 1) is outside its range, and its bound in widths; None if both are inside."""
         values = node.z[-2:]
         for j, (value, low, high) in enumerate(zip(values, self.low, self.high, strict=True)):
-            if not low <= value <= high:
+            if not low - SLACK <= value <= high + SLACK:
                 return j, float(low if value < low else high)
         return None
 
@@ -561,9 +577,10 @@ class Tracer:
             failed = min((c for c in system.margins(middle.z) if not c.value > 0), key=_part, default=None)
             good, bad, condition = (middle, bad, condition) if failed is None else (good, middle, failed)
         values = self._values(good.z)
-        found = meeting(self.plane, system.orbit(good.z), values)
+        closed = isinstance(system, ClosedForm)
+        found = None if closed else meeting(self.plane, system.orbit(good.z), values)
         if found is None:
-            message = f"{condition.text} no longer holds; the point could not be refined"
+            message = f"{condition.text} no longer holds{'' if closed else '; the point could not be refined'}"
             length = float(np.abs((bad.z - good.z)[-2:] * system.scale[-2:]).max())
             found = SpecialPoint(names_of(system)[1] or names_of(system)[0], values, message, length)
         z = good.z.copy()
@@ -647,6 +664,19 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
     return None
 
 
+def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedForm, Node] | None:
+    """Return the border at a place of the plane beyond which the motion has no word; None if there is none."""
+    p = plane.parameters(place.tolist())
+    system = ClosedForm(p, plane.names, plane.widths, orbit)
+    holds, drives = system.terms(place)
+    if not (holds > drives > 0 if system.line else abs(holds - drives) < NEAR_REST * drives):
+        return None
+    if p.v1 == -p.v2 and {"v1", "v2"} & {*plane.names}:
+        raise BorderError(f"{orbit.cycle} ends where both belts are met at once: two borders meet there")
+    node = system.node(place / system.scale, system.along(place))
+    return (system, node) if node is not None and all(c.value > 0 for c in system.margins(node.z)) else None
+
+
 # -- finding borders ---------------------------------------------------------------------------------------------------
 
 
@@ -688,8 +718,9 @@ def crossings(
                         return
         if length < SHORTEST_SEGMENT:
             return
-        place = (low[0] + high[0]) / 2
-        middle = orbit_beside(plane, place, low[1], high[1])
+        places = (low[0] + part * way for part in (0.5, 0.4))  # the first may be on the border
+        found = ((place, orbit_beside(plane, place, low[1], high[1])) for place in places)
+        place, middle = next((each for each in found if each[1] is not None), (low[0], None))
         if middle is None:
             return
         low, high = ((place, middle), high) if middle.cycle == word else (low, (place, middle))
@@ -731,11 +762,47 @@ def borders_between(
     `a` and `b` differ in the two parameters only; `how` is `step` and `max_points` of `continue_border`.
     """
     plane = _read_plane(a, *parameters, range)
-    ends = []
-    for p in (a, b):
-        orbit, place = find_orbit(p), np.array([float(getattr(p, name)) for name in parameters])
-        ends.append((place, Orbit(Word(orbit.labels), orbit.periods, orbit.phases())))
-    return _distinct(plane, all_crossings(plane, *ends), *_read_steps(**how))
+    first, second = (_settled(plane, p) for p in (a, b))
+    begun = list[Any]()
+    if (first[1] is None) != (second[1] is None):  # one of them has no word
+        inside, outside = (second, first) if first[1] is None else (first, second)
+        found = _loss_of_word(plane, inside, outside[0])
+        if found is None:
+            return []
+        begun, first, second = [found[1]], inside, found[0]
+    if first[1] is not None and second[1] is not None:
+        begun += all_crossings(plane, (first[0], first[1]), (second[0], second[1]))
+    return _distinct(plane, iter(begun), *_read_steps(**how))
+
+
+def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
+    """Return the place of parameters in a plane, and the orbit to which the motion settles there; None: it has none."""
+    place = np.array([float(getattr(p, name)) for name in plane.names])
+    try:
+        orbit = find_orbit(p)
+    except ConvergenceError:
+        return place, None
+    return place, Orbit(Word(orbit.labels), orbit.periods, orbit.phases())
+
+
+def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> Any:
+    """Return the border in closed form between an orbit and a place without one, and an orbit beside it; or None."""
+    system = ClosedForm(plane.parameters(place.tolist()), plane.names, plane.widths, inside[1])
+
+    def word(part: float) -> bool:
+        holds, drives = system.terms(place + part * (inside[0] - place))
+        return bool(holds < drives)
+
+    low, high = 0.0, 1.0
+    if word(low) or not word(high):
+        return None
+    for _ in range(MOST_HALVINGS):
+        middle = (low + high) / 2
+        low, high = (low, middle) if word(middle) else (middle, high)
+    at, near = (place + part * (inside[0] - place) for part in (high, high + (1 - high) * BESIDE[1]))
+    found = closed_form(plane, at, inside[1])
+    beside = None if found is None else motion_at(plane.parameters(near.tolist()), found[0].orbit(found[1].z))
+    return None if beside is None else ((near, beside), closed_form(plane, at, beside))
 
 
 def borders_leaving(border: Border, special: SpecialPoint, **how: Any) -> list[Border]:
@@ -766,7 +833,7 @@ def network(border: Border, **how: Any) -> list[Border]:
                 continue
             done.append(point.values)
             for other in borders_leaving(here, point, **how):
-                if not any(_passes(each, other.points[len(other) // 2], other.words) for each in found):
+                if not any(passes(each, other.points[len(other) // 2], other.words) for each in found):
                     found.append(other)
                     waiting.append(other)
     return found
@@ -777,12 +844,12 @@ def _distinct(plane: Plane, begun: Iterator[tuple[BorderSystem, Node]], step: fl
     found = list[Border]()
     for system, node in begun:
         border = Tracer(plane, system, node, step, most).border()
-        if not any(_passes(each, node.z[-2:] * system.scale[-2:], border.words) for each in found):
+        if len(border) > 1 and not any(passes(each, node.z[-2:] * system.scale[-2:], border.words) for each in found):
             found.append(border)
     return found
 
 
-def _passes(border: Border, values: np.ndarray, words: Any) -> bool:
+def passes(border: Border, values: np.ndarray, words: Any) -> bool:
     """Return whether a border between these words passes through a point of its plane, near enough for its steps."""
     if set(border.words) != set(words):
         return False
@@ -847,15 +914,22 @@ def continue_border(
     which = whole_number("end", end, 0, 1)
     reason = branch.ends[which]
     if reason.kind in (RANGE, NO_CONVERGENCE, MOST):
-        raise ParameterError("end", end, f"must be an end at a border; the branch ends there with {reason.kind!r}")
+        known = f"must be an end at a border; the branch ends there with {reason.kind!r}: {reason.message}"
+        raise ParameterError("end", end, known)
     index = -which
-    parameters = branch.parameters(index)
+    value = reason.value if abs(reason.value) > NO_VALUE * np.abs(branch.values).max() else 0.0
+    parameters = branch.parameters(index).replace(**{branch.parameter: value})
     plane = _read_plane(parameters, branch.parameter, parameter, range)
     longest, most = _read_steps(step, max_points)
-    values = np.array([reason.value, float(getattr(parameters, parameter))])
+    values = np.array([value, float(getattr(parameters, parameter))])
     inward = np.sign(branch.values[len(branch.values) // 2] - reason.value) or (1.0, -1.0)[which]
     orbit = branch.orbit(index)
     near = Orbit(Word(branch.labels), branch.periods, orbit.phases())
+    closed = closed_form(plane, values, near) if reason.beyond is None else None
+    if closed is not None:
+        border = Tracer(plane, *closed, longest, most).border()
+        border.kind = reason.kind
+        return border
     for distance in AWAY:
         shift = np.array([inward * distance * plane.widths[0], 0.0])
         inside, outside = (orbit_beside(plane, values + way * shift, near) for way in (1, -1))

@@ -18,6 +18,8 @@ At a point of codimension two a second zero is added, of another inequality, or 
 (`Zero.bend`). ARRIVAL is only for such points: a flight that meets its belt with v' = v'' = 0.
 
 Motions that are symmetric lose two inequalities at once. They belong to one border, and the equations take one of them.
+
+Where the motion loses its word, as it comes to rest or meets no belt, the border has a closed form (`ClosedForm`).
 """
 
 from __future__ import annotations
@@ -35,9 +37,10 @@ from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import constants, derivatives
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.orbits.admissibility import (
     BIRTH,
+    FLIGHT_VANISHING,
     GRAZING,
     HOLD,
     PASSING,
@@ -194,11 +197,15 @@ class BorderSystem:
             beside[j] += (step := DIFFERENCE * self.scale[j] / POINTS_WEIGHT)
             now = self._zeros(equations, list(zip(beside[:n:2], beside[1:n:2], strict=True)), beside[n:-2])
             found[n:, j] = (np.array(now) - values[n:]) / step
+        self._by_parameters(u, values, found)
+        return values, found
+
+    def _by_parameters(self, u: list[float], values: np.ndarray, found: np.ndarray) -> None:
+        """Fill in the derivatives of the residuals by both parameters, as differences."""
         for j in (-2, -1):
             beside = list(u)
             beside[j] += (step := DIFFERENCE * self.scale[j])
             found[:, j] = (np.array(self.residuals(beside)) - values) / step
-        return values, found
 
     def fine_tangent(self, u: Sequence[Any]) -> np.ndarray:
         """Return the unit tangent in scaled unknowns, right to nearly all digits of a double."""
@@ -271,6 +278,8 @@ class BorderSystem:
         try:
             for _ in range(MOST_POLISHING):
                 values = [float(value) for value in self.residuals(u, FINE_DIGITS)]
+                if not np.isfinite(values).all() or not np.isfinite(got[1]).all():
+                    return None
                 step = got[1] @ np.array(values if fixed is None else [*values, 0.0])
                 size = float(np.abs(step).max())
                 changes = (step * self.scale).tolist()
@@ -374,6 +383,89 @@ class BorderSystem:
         return float(min(away, default=inf))
 
 
+class ClosedForm(BorderSystem):
+    """A border beyond which the motion has no word: one equation in both parameters, about the slower belt.
+
+    If its speed is 0 the mass may rest on it where mu FN >= |B0|; in a plane of this speed that is a line between two
+    words. Else no belt is met if it is as fast as the steady motion at its fastest: |v| sqrt((k - m Omega^2)^2 +
+    (c Omega)^2) >= |B0| Omega. The `orbit` is one beside the border.
+    """
+
+    def __init__(self, fixed: Parameters, names: tuple[str, str], widths: Any, orbit: Orbit) -> None:
+        belt = 1 if abs(fixed.v1) <= abs(fixed.v2) else 2
+        super().__init__(fixed, names, widths, orbit, [Zero(AT_TOUCH, 0, belt)])
+        self.belt, self.n, self.near, self.scale = belt, 0, orbit.points, np.array(widths)
+        self.rests = fixed.belt(belt) == 0
+        self.line = self.rests and f"v{belt}" in names
+        self.up, self.push = 1 if fixed.belt(belt) > 0 else -1, 1 if fixed.B0 > 0 else -1
+
+    def _numbers(self, u: Any, digits: int | None = None) -> Any:
+        """Return the parameters as floats, or in the arithmetic of `u`."""
+        changed = dict(zip(self.names, u, strict=True))
+        if digits is None:
+            return Numbers(self.given | changed)
+        exact = {name: getattr(self.fixed, name) for name in PARAMETER_NAMES}
+        return Numbers({name: u[0].context.mpf(q.numerator) / q.denominator for name, q in exact.items()} | changed)
+
+    def terms(self, u: Any, digits: int | None = None) -> tuple[Number, Number]:
+        """Return what is equal on the border; where the first is larger the motion has no word."""
+        p = self._numbers(u, digits)
+        if self.rests:
+            return (p.mu1 if self.belt == 1 else p.mu2) * p.FN, self.push * p.B0
+        resisted = (p.k - p.m * p.Omega**2) ** 2 + (p.c * p.Omega) ** 2
+        return self.up * p.belt(self.belt) * resisted**0.5, self.push * p.B0 * p.Omega
+
+    def residuals(self, u: Any, digits: int | None = None) -> list[Number]:
+        """Return what is 0 on the border."""
+        holds, drives = self.terms(u, digits)
+        return [self._numbers(u, digits).belt(self.belt) if self.line else holds - drives]
+
+    def _linearised(self, u: list[float]) -> tuple[np.ndarray, np.ndarray]:
+        """Return the residual at u and its derivatives, in doubles."""
+        values, found = np.array(self.residuals(u)), np.zeros((1, 2))
+        self._by_parameters(u, values, found)
+        return values, found
+
+    def _sizes(self, u: Sequence[float]) -> np.ndarray:
+        """Return the size of the terms of the residual."""
+        return np.array([0.0 if self.line else abs(self.terms(u)[1])])
+
+    def along(self, values: np.ndarray) -> np.ndarray:
+        """Return the direction of the border at a point of it, in scaled unknowns."""
+        a, b = (self._linearised(values.tolist())[1] * self.scale)[0]
+        return np.array([b, -a]) / np.hypot(a, b)
+
+    def margins(self, z: np.ndarray) -> list[Condition]:
+        """Return what must hold on the border: the belt moves, and the other one is farther from the speed 0."""
+        p, found = self._numbers(z * self.scale), []
+        own, other = self.up * p.belt(self.belt), -self.up * p.belt(3 - self.belt)
+        if self.line:
+            holds, drives = self.terms(z * self.scale)
+            found.append((f"mu{self.belt} FN > |B0|", holds - drives))
+        elif not self.rests:
+            found.append((f"v{self.belt} is not 0", own))
+            if other > 0 and self.fixed.v1 != -self.fixed.v2:
+                found.append((f"belt {self.belt} is met before the other one", other - own))
+        return [Condition(0, text, float(value), 0.0, "", -1, 1.0) for text, value in found]
+
+    def orbit(self, z: np.ndarray) -> Orbit:
+        """Return what an orbit tends to: flights that last no time, or the steady motion where it grazes the belts."""
+        p, points = (
+            self.fixed.replace(**dict(zip(self.names, (z * self.scale).tolist(), strict=True))),
+            self.near.copy(),
+        )
+        if self.rests:
+            points[:, 0] = float(sum(p.A(domain) for domain in NEIGHBOURS[self.belt]) / (2 * p.k))
+            points[:, 1] = pi * np.round(points[:, 1] / pi)
+            return Orbit(self.word, self.periods, points)
+        domain = 1 if p.v1 > 0 else 3 if p.v2 < 0 else 2
+        fastest = np.angle(self.push * complex(p.c * p.Omega, p.m * p.Omega**2 - p.k))
+        phases = np.array([fastest + pi * (p.belt(piece.start) < 0) for piece in self.pieces])
+        points[:, 0] = float(p.A(domain) / p.k)
+        points[:, 1] = phases + 2 * pi * np.round((points[:, 1] - phases) / (2 * pi))
+        return Orbit(self.word, self.periods, points)
+
+
 def phase_of_bend(zero: Zero, timed: Sequence[Zero], phases: Any) -> Any:
     """Return the phase of the extremum that a zero of its bend belongs to."""
     return next((phases[i] for i, other in enumerate(timed) if other.piece == zero.piece), None)
@@ -457,6 +549,8 @@ def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> 
 def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
     """Name what happens at a border: the kind of end that a branch has there, and the name used in the literature."""
     zero = zero or system.zeros[0]
+    if isinstance(system, ClosedForm) and system.rests:
+        return FLIGHT_VANISHING, ""
     if zero.kind == AT_ARRIVAL:  # a cubic tangency: a graze, and a stick that is left at once, begin there
         return GRAZING, "adding-sliding and grazing-sliding"
     if zero.kind == AT_HOLD:

@@ -29,7 +29,7 @@ from symosc.display.progress import Advance, late_bar
 from symosc.errors import ParameterError, SymoscError, meant
 from symosc.exact import read_exact, show, whole_number
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.orbits.admissibility import MARGINAL, Condition, conditions, failures
+from symosc.orbits.admissibility import FLIGHT_VANISHING, MARGINAL, Condition, conditions, failures
 from symosc.orbits.closing_equations import solve
 from symosc.orbits.curve import BranchPoint, Curve, no_margin_vanishes, word_beyond
 from symosc.orbits.find import find_orbit
@@ -45,6 +45,7 @@ FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.04, 1e-10
 BENT = 1e-2  # how far a step may be from its cubic, as a part of its length
 # What a margin must have fallen to at an end, as a part of what it was a step before, to count as 0.
 VANISHED_PART = 1e-5
+REST_PART = 1e-6  # so near to the border of rest, as a part of its terms, flights are too short for steps
 UNDECIDED_PART = 1e-3  # the same where doubles cannot decide on which side of 0 a margin is
 RESOLUTION = 1e-12  # of the arclength, to which ends are located; closer by, rounding would decide what has happened
 # So near to a change, a gap before it that is shorter cannot be seen, and nothing is proven on the way.
@@ -308,6 +309,11 @@ def _follow(
             length /= 2
             if length < SHORTEST_STEP:
                 nearest = min(current.conditions, key=lambda condition: condition.value)
+                if (belt := _begins_to_rest(curve.equations(current.value).parameters)) is not None:
+                    message = (
+                        f"the flights vanish at mu{belt} FN = |B0|; beyond it the mass may rest on belt {belt} for ever"
+                    )
+                    return path, end(FLIGHT_VANISHING, message, (nearest,))
                 message = f"the steps became too short; nearest to failing: {nearest.text} (by {nearest.value:.3g})"
                 return path, end(NO_CONVERGENCE, message, (nearest,))
             continue
@@ -322,6 +328,13 @@ def _follow(
         if failed is not None:
             return _with_end(curve, path, failed, direction)
         current, length = path[-1], min(1.5 * length, LONGEST_STEP)
+
+
+def _begins_to_rest(p: Parameters) -> int | None:
+    """Return the belt on which the mass nearly may rest for ever, or nearly may not; None if there is none."""
+    slow = [belt for belt in (1, 2) if p.belt(belt) == 0]
+    sizes = ((belt, (p.mu1, p.mu2)[belt - 1] * p.FN, abs(p.B0)) for belt in slow)
+    return next((belt for belt, holds, drives in sizes if abs(holds - drives) < REST_PART * drives), None)
 
 
 def _first_points(curve: Curve, direction: float) -> list[BranchPoint]:

@@ -139,6 +139,11 @@ def settled_orbit(parameters: Parameters, digits: int | None = None, most: int =
         if summary.multiplicity[0] and not word:
             reason = "the motion from rest settles without meeting a belt"
             break
+        if len(word) > MOST_MAPPINGS + 1:
+            reason = (
+                f"the motion from rest has {len(word) - 1} mappings a cycle, more than the {MOST_MAPPINGS} of a search"
+            )
+            break
         if word not in tried:
             tried.append(word)
             last = simulate_many(parameters, (0, 0, 0), end).t[-len(word) :]

@@ -12,10 +12,15 @@ from typing import Any
 
 import pytest
 from flint import arb
+from samples import sample_of
 
 import symosc.certificates.atlas as atlases
 from symosc import Atlas, ParameterError, Parameters, atlas, certify, find_orbit
+from symosc.certificates.balls import ball
+from symosc.certificates.flow import Oscillator
 from symosc.certificates.verify_atlas import judge, marks
+from symosc.model import PARAMETER_NAMES
+from symosc.orbits.border import borders_between
 
 COULOMB = Parameters(m=1, c="0.1", k=1, A0=0, B0=1, Omega=1, v1=0, v2=10, mu1=1, mu2=0, FN="0.5")
 PLANE = {"Omega": ("0.9", "1.1"), "FN": ("0.8", "1.1")}
@@ -69,6 +74,40 @@ def test_proven_words_are_those_of_the_settled_motions(small: Atlas) -> None:
     assert not wrong
 
 
+@pytest.mark.slow
+def test_borders_that_the_grid_misses_are_found() -> None:
+    plane = atlas(COULOMB, {"Omega": ("0.3", "0.6"), "FN": ("0.05", "0.3")}, workers=1)
+    assert sorted(("|".join(sorted(each.words, key=str)), each.sliding) for each in plane.borders) == [
+        ("P3121|P31312121", "adding-sliding"),
+        ("P3121|P31312121", "grazing-sliding"),
+        ("P3121|P32", "crossing-sliding"),
+        ("P3121|P32", "crossing-sliding"),  # a corner of 0.004 by 0.0035
+        ("P3121|P321231", "switching-sliding"),
+        ("P32|P321231", "grazing-sliding"),
+    ]
+    assert [point.kind for point in plane.special] == ["degenerate crossing-sliding"]
+
+
+@pytest.mark.slow
+@sample_of(2, 40)
+def test_borders_explain_the_changes_of_words_in_random_planes(count: int) -> None:
+    for seed in range(count):
+        rng = random.Random(seed)
+        v1 = rng.choice([0, round(rng.uniform(-1, 1), 2)])
+        given: dict[str, Any] = {name: round(rng.uniform(0.4, 2), 2) for name in ("B0", "k", "Omega", "FN", "mu2")}
+        p = COULOMB.replace(v1=v1, v2=v1 + rng.choice([0.5, 1, 3]), A0=round(rng.uniform(-1, 1), 2), c="0.3", **given)
+        names = rng.choice([("Omega", "FN"), ("B0", "A0"), ("k", "m"), ("mu1", "Omega"), ("c", "B0")])
+        limits = {name: sorted(float(getattr(p, name)) * by for by in (0.6, 1.4)) for name in names}
+        limits |= {"A0": [-1.0, 1.0]} if "A0" in names else {}
+        plane = atlas(p, {name: (low, high) for name, (low, high) in limits.items()}, workers=1)
+        for _ in range(20):
+            a = [rng.uniform(*limits[name]) for name in names]
+            b = [0.8 * value + 0.2 * rng.uniform(*limits[name]) for value, name in zip(a, names, strict=True)]
+            words = [atlases._word_of(p, names, ((Fraction(x),) * 2, (Fraction(y),) * 2)) for x, y in (a, b)]
+            if words[0] != words[1]:
+                assert atlases.explained(plane.borders, (*a, words[0]), (*b, words[1])), (seed, a, b, words)
+
+
 @pytest.mark.campaign
 def test_a_proven_plane_against_2000_motions() -> None:
     plane = atlas(COULOMB, {"Omega": ("0.3", 2), "FN": ("0.05", 1)}, prove=0.95, workers=1)
@@ -111,25 +150,8 @@ def another_word(data: dict[str, Any]) -> None:
     row.update(word="P32", phases=row["phases"][::2], x=row["x"][::2])
 
 
-def over_a_border(data: dict[str, Any]) -> None:
-    """Let a box grow into one that is open."""
-    for row in data["boxes"]:
-        for i, box in enumerate(data["open"]):
-            if row["word"] != "rest" and row["range"][0] == box[0] and row["range"][1][1] == box[1][0]:
-                row["range"][1][1] = "11/10"
-                data["boxes"] = [each for each in data["boxes"] if each["word"] != "rest"]
-                del data["open"][i]
-                return
-    row = first(data)  # or beyond the range
-    row["range"][0][0] = "1/2"
-
-
 def left_out(data: dict[str, Any]) -> None:
     data["boxes"].pop()
-
-
-def twice(data: dict[str, Any]) -> None:
-    data["boxes"].append(data["boxes"][0])
 
 
 def at_rest(data: dict[str, Any]) -> None:
@@ -167,7 +189,27 @@ def open_and_not_said(data: dict[str, Any]) -> None:
     data["open"].pop()
 
 
-FORGERIES = [another_word, over_a_border, left_out, twice, at_rest, a_larger_share, a_word_at_rest]
+def overlapping(data: dict[str, Any]) -> None:
+    """Let a box of rest, and what is open, lie a little over others, so that the areas still add up."""
+    for box, by in ((next(row for row in data["boxes"] if row["word"] == "rest")["range"], -1), (data["open"][0], 1)):
+        box[1] = [str(Fraction(end) + by * Fraction(1, 10**6)) for end in box[1]]
+
+
+def a_shifted_point(data: dict[str, Any]) -> None:
+    """Move a point of the border of rest into a box of P3121."""
+    row = first(data)["range"]
+    data["found"]["borders"][0]["points"][7] = [sum(float(Fraction(end)) for end in side) / 2 for side in row]
+
+
+FORGERIES = [
+    overlapping,
+    a_shifted_point,
+    another_word,
+    left_out,
+    at_rest,
+    a_larger_share,
+    a_word_at_rest,
+]
 FORGERIES += [left_out_with_its_area_counted, beyond_the_range, open_and_not_said]
 
 
@@ -185,6 +227,7 @@ def test_a_second_call_takes_up_the_first(tmp_path: Path) -> None:
     before = atlas(COULOMB, PLANE, prove=0.4, workers=1, path=path)
     after = atlas(COULOMB, PLANE, prove=0.6, workers=1, path=path)
     assert after.proven >= 0.6 > before.proven
+    assert [each.words for each in after.borders] == [each.words for each in before.borders] == [("P3121", "rest")]
     assert set(before.boxes[:1]) <= {box._replace(points=before.boxes[0].points) for box in after.boxes}
     with pytest.raises(ParameterError, match="another plane"):
         atlas(COULOMB, PLANE | {"FN": ("0.8", 1)}, path=path)
@@ -224,6 +267,27 @@ def one_box(word: str, box: Any, phases: list[str], x: list[str], **changes: Any
     about = {"format": "symosc certificate 1", "kind": "atlas", "proven": True, "over": ["Omega", "FN"], "open": []}
     parameters = COULOMB.replace(**changes).as_dict()
     return about | {"parameters": parameters, "range": box, "share": "1", "boxes": [row], "found": {}}
+
+
+def test_a_box_over_its_border_is_refused() -> None:
+    (border,) = borders_between(
+        COULOMB.replace(Omega="1.655", FN="0.5"),
+        COULOMB.replace(Omega="1.655", FN="0.7"),
+        ("Omega", "FN"),
+        {"Omega": (1, 2), "FN": ("0.3", 1)},
+    )
+    lowest = min(border.at(Omega=end)[0] for end in ("1.65", "1.66"))
+    for over, code in ((-1e-6, 0), (1e-6, 1)):
+        data = p32()
+        data["boxes"][0]["range"] = data["range"] = [["1.65", "1.66"], ["0.58", repr(lowest + over)]]
+        assert judge(data)[0] == code, over
+
+
+@pytest.mark.parametrize(
+    ("changes", "low", "code"), [({}, "1", 0), ({}, "0.999999999999", 1), ({"v1": "1e-30"}, "1", 1)]
+)
+def test_rest_is_decided_exactly(changes: dict[str, Any], low: str, code: int) -> None:
+    assert judge(one_box("rest", [["1", "2"], [low, "2"]], [], [], **changes))[0] == code
 
 
 GHOST_PHASES, GHOST_X = (
@@ -293,3 +357,7 @@ def test_long_words_end_at_the_limit_of_work() -> None:
 
 def test_a_stiff_spring_takes_no_memory() -> None:
     assert len(marks([1], [arb(0), arb(1)], arb("1e-5"))) < 20
+    stiff = COULOMB.replace(k="1e20")
+    o = Oscillator(stiff, {name: ball(getattr(stiff, name)) for name in PARAMETER_NAMES})
+    flights = atlases._flights(("P2", "P1", "P3", "P1"), stiff, ("Omega", "FN"))
+    assert flights.cuts(o, flights.legs[0], [arb(1), arb(1)]) is None

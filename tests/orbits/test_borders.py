@@ -16,6 +16,7 @@ from samples import sample_of
 from symosc import (
     Border,
     BorderError,
+    ConvergenceError,
     ParameterError,
     Parameters,
     continue_border,
@@ -287,9 +288,72 @@ def test_what_cannot_be_continued_says_so() -> None:
         continue_border(branch, 1, "Omega", (0.3, 2), step=0)
     with pytest.raises(ParameterError, match="at = 'c': must be one of FN and Omega"):
         main_border("0.1").at(c=1)
-    free = COULOMB.replace(c="0.5", B0="1.5", Omega=1, v1=-1000, v2="1.9", mu2=1, FN=1)
-    with pytest.raises(BorderError, match="meets no belt any more"):
-        continue_border(continue_orbit(free, "P45", "B0", (0.9, 2)), 0, "Omega", (0.5, 2))
+    both = COULOMB.replace(c="0.5", B0="1.2", Omega=1, v1="-1.9", v2="1.9", mu2=1, FN=1)
+    with pytest.raises(BorderError, match="both belts are met at once"):
+        continue_border(continue_orbit(both, "P4817", "B0", (0.9, "1.3")), 0, "v1", (-3, -1))
+
+
+def largest_speed(p: Parameters) -> Any:
+    """Return the largest speed of the steady motion without belts, by 30 digits of the linear equations' solution."""
+    with mpmath.workdps(30):
+        m, c, k, B0, w = (mpmath.mpf(q.numerator) / q.denominator for q in (p.m, p.c, p.k, p.B0, p.Omega))
+        x = mpmath.lu_solve(mpmath.matrix([[k - m * w * w, c * w], [-c * w, k - m * w * w]]), mpmath.matrix([B0, 0]))
+        return w * mpmath.norm(x)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("changes", "word", "over", "end", "second", "beyond"),
+    [
+        ({"FN": "0.95"}, "P3121", ("FN", "0.9", "1.1"), 1, ("Omega", "0.3", 2), "rest"),
+        ({"FN": "0.95"}, "P3121", ("FN", "0.9", "1.1"), 1, ("mu1", "0.5", 2), "rest"),
+        ({"FN": "0.95", "B0": -1, "A0": 1}, "P3121", ("B0", "-1.1", "-0.9"), 1, ("k", "0.5", 2), "rest"),
+        ({"v1": -3, "v2": 0, "mu2": 1, "FN": "0.97"}, "P4546", ("FN", "0.95", "1.1"), 1, ("B0", "0.5", 2), "rest"),
+        ({"v1": -9, "v2": "1.9", "mu2": 1}, "P45", ("B0", "0.9", "1.4"), 0, ("Omega", "0.5", 2), None),
+        ({"v1": "-1.9", "v2": 3, "A0": 2}, "P31", ("B0", "0.9", "1.4"), 0, ("k", "0.5", 2), None),
+        ({"v1": "-1.9", "v2": "1.9", "mu2": 1}, "P4817", ("B0", "0.9", "1.3"), 0, ("Omega", "0.5", 2), None),
+        ({"v1": "-1.9", "v2": 9, "mu1": 0}, "P32", ("B0", "0.9", "1.4"), 0, ("m", "0.5", 2), None),
+    ],
+)
+def test_borders_beyond_which_the_motion_has_no_word(
+    changes: dict[str, Any], word: str, over: Any, end: int, second: Any, beyond: str | None
+) -> None:
+    p = COULOMB.replace(**({"FN": 1, "c": "0.5", "Omega": 1, "B0": "1.2"} if beyond is None else {}) | changes)
+    branch = continue_orbit(p, word, over[0], over[1:])
+    border = continue_border(
+        branch,
+        end,
+        second[0],
+        {second[0]: second[1:], over[0]: (p.B0 / 5, p.B0 * 5)[:: 1 if p.B0 > 0 else -1]},
+        step="0.02",
+    )
+    assert border.words == (cycle(word), beyond)
+    assert border.kind == branch.ends[end].kind
+    assert border.sliding == ("grazing-sliding" if beyond is None and p.mu1 + p.mu2 > 0 and word != "P32" else "")
+    belt = 1 if abs(p.v1) < abs(p.v2) else 2
+    for i in range(2, len(border) - 2, 7):
+        at = p.replace(**dict(zip(border.parameters, border.points[i].tolist(), strict=True)))
+        if beyond is None:
+            assert abs(largest_speed(at) - abs(mpmath.mpf(float(at.belt(belt))))) < 1e-13 * abs(at.belt(belt))
+        else:
+            assert float((at.mu1 if belt == 1 else at.mu2) * at.FN) == pytest.approx(float(abs(at.B0)), abs=1e-14)
+        inside, outside = border.beside(i, "1e-5")
+        assert word_of_the_ode(inside, border.orbit(i)) == border.words[0]
+        exact = border.at(**{border.parameters[1]: border.points[i, 1]})
+        assert min(abs(np.array(exact) - border.points[i, 0])) < 1e-12
+        with pytest.raises(ConvergenceError, match=r"rest|settle"):
+            find_orbit(outside)
+
+
+@pytest.mark.slow
+def test_where_a_belt_stands_still_two_words_meet_above_rest() -> None:
+    p = COULOMB.replace(v1="0.1", FN="1.2")
+    border = continue_border(
+        continue_orbit(p, "P12", "v1", ("-0.2", "0.2")), 0, "FN", {"v1": (-1, 1), "FN": ("0.5", 2)}
+    )
+    assert border.words == ("P21", "P31")
+    assert (border.points[:, 0] == 0).all()
+    assert border.special[0].values == pytest.approx((0, 1), abs=1e-11)  # where rest begins
 
 
 def test_a_figure_and_a_page_show_the_border() -> None:
