@@ -321,8 +321,9 @@ def _too_many(function: Callable[..., object]) -> TypeError:
     """Return the error of a call with more values without names than a function takes."""
     parameters = [each for each in inspect.signature(function).parameters.values() if each.name != "self"]
     in_order = ", ".join(each.name for each in parameters if each.kind < each.VAR_POSITIONAL)
-    by_name = ", ".join(f"{each.name}=" for each in parameters if each.kind is each.KEYWORD_ONLY)
-    more = f"; give more by name: {by_name}" if by_name else ""
+    by_name = [f"{each.name}=" for each in parameters if each.kind is each.KEYWORD_ONLY]
+    by_name = by_name or ["NAME=VALUE" for each in parameters if each.kind is each.VAR_KEYWORD]
+    more = f"; give more by name: {', '.join(by_name)}" if by_name else ""
     return TypeError(f"{_called(function)} takes {f'only {in_order}' if in_order else 'nothing'} without a name{more}")
 
 

@@ -177,7 +177,7 @@ def meant(word: object, known: Iterable[str]) -> str:
     from difflib import SequenceMatcher
 
     likeness = {name: SequenceMatcher(None, name.lower(), str(word).lower()).ratio() for name in known}
-    near = [name for name, ratio in likeness.items() if ratio >= max(0.6, *likeness.values())]
+    near = [name for name, ratio in likeness.items() if ratio >= max([0.6, *likeness.values()])]
     return f"; did you mean {' or '.join(near)}?" if 1 <= len(near) <= 3 else ""
 
 

@@ -47,6 +47,7 @@ QUANTITIES = {
     "v0": Quantity("start velocity", "length/time", "v_0"),
     "t_end": Quantity("end time", "time", r"t_\mathrm{end}", "later than t0"),
     "skip": Quantity("time that is left out", "time", ""),
+    "periods": Quantity("number of forcing periods", "1", "N"),
     # of other models (`symosc.reductions`)
     "phase": Quantity("phase of the excitation", "angle", r"\varphi"),
     "Y": Quantity("amplitude of the base", "length", "Y"),

@@ -150,7 +150,7 @@ def test_what_is_typed_is_exact_and_what_is_wrong_is_said_beside_it(browser: Any
         page.locator("#v1-error:not(:empty)").wait_for()
         said = {
             "m": "must be > 0",
-            "c": "is not a number; 0.8, 4/5 and 8e-1 are",
+            "c": "is not a number; 0.8, 4/5, 8e-1 and 2*pi are",
             "v1": "must be less than v2 = 50",
             "k": "",
         }

@@ -18,14 +18,14 @@ import numpy as np
 
 from symosc.aliases import Record
 from symosc.errors import ParameterError, SymoscError
-from symosc.exact import NO_EXPRESSION, NUMBER_FORMS, read_exact, read_start_error, show
+from symosc.exact import read_start_error, show
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.plot.figures import simulate_orbit
 from symosc.plot.panels import EVENT_MARKS, SHAPES, Sampling, View, view_of
-from symosc.quantities import QUANTITIES, unit_of
+from symosc.quantities import FORMS, QUANTITIES, read_number, unit_of
 from symosc.scenes import Scene, load_scene, scene_names
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
@@ -36,10 +36,7 @@ MOST_SHOWN_PERIODS = 100
 PERIODS_DIGITS = 12
 STARTS = ("t0", "x0", "v0")
 #: How the page says what is wrong with a text that is no number.
-IN_SHORT = {
-    NUMBER_FORMS: "is not a number; 0.8, 4/5 and 8e-1 are",
-    NO_EXPRESSION: "is an expression; write its value, such as 3.14159 for pi",
-}
+IN_SHORT = {FORMS: "is not a number; 0.8, 4/5, 8e-1 and 2*pi are"}
 CHANGED, SOURCE = ", changed", "symosc explore"
 
 
@@ -127,7 +124,7 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
     sound, numbers, errors = shipped_scenes()["fig5"], {}, {}
     for name in FIELDS:
         try:
-            numbers[name] = read_exact(name, state[name])
+            numbers[name] = read_number(name, state[name])[0]
         except ParameterError as error:
             errors[name] = IN_SHORT.get(error.allowed, error.allowed)
             numbers[name] = getattr(sound.parameters, name, Fraction(1))
