@@ -37,7 +37,7 @@ from symosc.words import MAPS, Labels
 __all__ = ["MAP_LABELS", "Event", "Segment", "Trajectory"]
 
 # So many times are evaluated as arrays, and how many at once.
-MANY_TIMES = 1 << 6
+MANY_TIMES = 1 << 10
 TIMES_TOGETHER = 1 << 16
 #: Map label by (start plane, mode, end plane); planes are the belts, a stick stays on one.
 MAP_LABELS = {(row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()}
