@@ -26,13 +26,15 @@ from pathlib import Path
 from time import monotonic
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from symosc.aliases import Number
 from symosc.engine import batch, events, first_exit, flow, lanes, next_event, state, summary, tangent
 from symosc.engine.batch import PairLimits
 from symosc.engine.constant_table import NESTED, ConstantRows
 from symosc.engine.flow import Constants, constants, with_march
 from symosc.errors import MissingExtraError
-from symosc.kernels import _generated, double_double, elementary, entire, mapping
+from symosc.kernels import _generated, double_double, elementary, entire, entire_array, mapping
 from symosc.model import Parameters
 
 SOURCES = (_generated, entire, state, flow, first_exit, next_event, events, batch)
@@ -100,7 +102,8 @@ def bind(
         raise ValueError(f"{unknown} are no names in {[module.__name__ for module in modules]}")
     if literal is not None:
         shared = {name: literal(value) if type(value) is float else value for name, value in shared.items()}
-    shared |= replaced | {"__name__": __name__}  # numba asks globals for their module
+    # numba asks globals for their module, and numpy for the builtins
+    shared |= replaced | {"__name__": __name__, "__builtins__": builtins}
     for name, function in functions_of(modules).items():
         if name not in replaced:
             code = function.__code__
@@ -293,6 +296,22 @@ def compiled_tangents() -> dict[str, Any]:
     outlined = {"tangents", "changes_at", "divided_difference", "difference_by_series", "repeated"}
     callees = {name: function for name, function in compiled().items() if name != "exp"}  # theirs is of complex numbers
     return compile_modules((mapping, tangent), outlined, callees)
+
+
+# --- columns ---
+
+
+@lru_cache(maxsize=1)
+def column_functions() -> dict[str, Any]:
+    """Return `elementary` and `entire_array` for columns: the same bits on every processor, as numpy's have not."""
+    powers = {"select": np.where, "power_of_two": lambda n: np.ldexp(1.0, n.astype(np.int64))}
+    own = bind((elementary,), powers)
+    short_sin, short_cos, widest = own["short_sin"], own["short_cos"], elementary.WIDEST
+    own["sin"] = lambda x: np.where(abs(x) <= widest, short_sin(x), np.sin(x))
+    own["cos"] = lambda x: np.where(abs(x) <= widest, short_cos(x), np.cos(x))
+    like_numpy = {name: getattr(np, name) for name in ("array", "empty", "shape")}
+    like_numpy |= {name: own[name] for name in ("sin", "cos", "exp", "expm1")}
+    return own | bind((entire_array,), {"np": types.SimpleNamespace(**like_numpy)})
 
 
 # --- any number of digits ---

@@ -15,12 +15,11 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from symosc.aliases import Number
-from symosc.engine.arithmetic import Arithmetic, MpArithmetic, bind
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, column_functions
 from symosc.engine.batch import rounded_covariance
 from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, constant_force
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
-from symosc.kernels import elementary
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -35,8 +34,6 @@ CLEAR_FORCE = 1e-9
 # A motion is searched period by period: more than this many would take hours.
 MOST_PERIODS = 10**8
 MOST_CORRECTIONS = 8  # each of them doubles the digits
-#: Sine and cosine of columns: the same bits as of single numbers, which numpy's own do not promise.
-SINE_COSINE = bind((elementary,), {"select": np.where})["sine_cosine"]
 
 
 @dataclass(frozen=True)
@@ -108,7 +105,7 @@ def start_rows(
     # `times` are t, t_low, t_end, t_end_low and t0, and K may be columns of constants by name. Also return where a
     # force on the belt is so small that doubles do not decide.
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
-    s, c = SINE_COSINE(theta)
+    s, c = column_functions()["sine_cosine"](theta)
     A_below, A_above = (np.choose(n - 1, [K.A1, K.A2, K.A3]) for n in (mode, mode + (at > 0)))
     below, above = (acceleration(x, v, c, A, K.cm, K.w0sq, K.f0) for A in (A_below, A_above))
     terms = np.maximum(abs(A_below), abs(A_above)) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from symosc.arguments import public
 from symosc.display.drawable import Drawable, Listing
 from symosc.display.frames import imported
-from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.arithmetic import Arithmetic, column_functions
 from symosc.engine.batch import EventRows
 from symosc.engine.events import COLUMN_TYPES, EVENT_COLUMNS, EXACT_COLUMNS, Event, events_from
 from symosc.engine.flow import Constants
@@ -26,7 +26,6 @@ from symosc.engine.state import ON_BELT
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, unmasked, whole_number
 from symosc.files import write_text
-from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import basis_with_drive
@@ -37,7 +36,7 @@ from symosc.words import MAPS, Labels
 __all__ = ["MAP_LABELS", "Event", "Segment", "Trajectory"]
 
 # So many times are evaluated as arrays, and how many at once.
-MANY_TIMES = 1 << 10
+MANY_TIMES = 1 << 6
 TIMES_TOGETHER = 1 << 16
 #: Map label by (start plane, mode, end plane); planes are the belts, a stick stays on one.
 MAP_LABELS = {(row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()}
@@ -207,15 +206,17 @@ class Trajectory(Drawable):
         """Return what `_state` does at many times in array blocks, equal up to rounding."""
         for outside in times[~((times >= float(self.t_start)) & (times <= float(self.t_end)))][:1]:
             self._piece(outside)
-        K, states = self._K, np.empty((3, len(times)))
+        K, states, own = self._K, np.empty((3, len(times))), column_functions()
+        sine_cosine = own["sine_cosine"]
         for begin in range(0, len(times), TIMES_TOGETHER):
             part = slice(begin, begin + TIMES_TOGETHER)
             elapsed = times[part] - self._t0
             piece = np.maximum(np.searchsorted(self._pieces[-1], elapsed, "right") - 1, 0)
             _, theta, mode, x, v, a, since = self._pieces[:, piece]
             tau = np.maximum(elapsed - since, 0.0)
-            turn, s0, c0 = K.Om * np.where(tau > K.period, tau % K.period, tau), np.sin(theta), np.cos(theta)
-            E0, E1, E2, R2, I2, s_Om, c_Om = entire_array.basis_with_drive(tau, np.sin(turn), np.cos(turn), K)
+            s0, c0 = sine_cosine(theta)
+            drive = sine_cosine(K.Om * np.where(tau > K.period, tau % K.period, tau))
+            E0, E1, E2, R2, I2, s_Om, c_Om = own["basis_with_drive"](tau, *drive, K)
             dx, dv, _ = motion(v, a, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
             held = mode > ON_BELT
             states[:, part] = x + np.where(held, v * tau, dx), v + np.where(held, 0.0, dv), c0 * c_Om - s0 * s_Om
