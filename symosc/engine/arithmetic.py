@@ -60,7 +60,7 @@ OUTLINED = """
     closest_approach creeps_for_ever cut_at doubt_row finish_tally flight_extremes flown follow_all follow_group
     follow_lanes follow_one free_time graze_belt march_rows newton_root next_undecided no_contact parts_again
     periods point_at_end resolve rest_stretches search_row searched section series settle slow_passing_time
-    stationary stays_closed stepped stiff_derivatives tolerance within
+    stationary stays_closed stepped stiff_derivatives tally_lanes tolerance within
 """
 
 

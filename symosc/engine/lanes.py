@@ -585,14 +585,12 @@ def follow_group(
         else:
             good = block_of_sets(which == 0, given, found, accuracy, constants)
         tried += taken
+        if asked:
+            tally_lanes(good, taken, queue[which, first:], found, batch, most, tally, table)
         for lane in range(taken):
             i = queue[which, first + lane]
             if (good >> lane) & 1 and counts[i] < most:
-                if asked:
-                    step, boundary = int(found[KIND, lane]), int(found[BELT_THERE, lane])
-                    event = NextEvent(step, boundary, True, found[T_ERROR, lane], state_of(found.T, lane))
-                    tally_step(i, state_of(states, i), event, states[i, 15], tally, table[sets[i]])
-                elif (found[11, lane] - states[i, 15]) + found[12, lane] >= tally.floats[i, SKIPPED]:
+                if not asked and (found[11, lane] - states[i, 15]) + found[12, lane] >= tally.floats[i, SKIPPED]:
                     tally.ints[i, EVENTS_SO_FAR] += 1
                     tally.ints[i, STICKS] += found[KIND, lane] == STICK
                 for n in range(STATE_WIDTH):
@@ -617,3 +615,16 @@ def follow_group(
         if rows < fullest and codes[i] == RUNNING:
             rows, _ = follow_one(i, False, rows, 0, batch, most, accuracy, out, pieces, tally, table)
     return rows
+
+
+def tally_lanes(good, taken, members, found, batch, most, tally, table):
+    """Count the steps of lanes whose results hold, from the states in a batch."""
+    members, found, table = borrowed(members), borrowed(found), borrowed(table)
+    batch, tally = borrowed_batch(batch), borrowed_tally(tally)
+    states, sets, counts, _ = batch
+    for lane in range(taken):
+        i = members[lane]
+        if (good >> lane) & 1 and counts[i] < most:
+            step, boundary = int(found[KIND, lane]), int(found[BELT_THERE, lane])
+            event = NextEvent(step, boundary, True, found[T_ERROR, lane], state_of(found.T, lane))
+            tally_step(i, state_of(states, i), event, states[i, 15], tally, table[sets[i]])
