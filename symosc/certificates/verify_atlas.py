@@ -48,7 +48,7 @@ base = orbits.base
 OPEN, BAD, check, require, Stop, number = base.OPEN, base.BAD, base.check, base.require, base.Stop, base.number
 verify, judge = base.verify, base.judge
 
-BOX_BITS, MOST_PARTS, NEWTON_STEPS, NEAR, MOST_CUTS, MOST_TURNS = 64, 256, 12, 1e-14, 16, 1000
+BOX_BITS, MOST_PARTS, NEWTON_STEPS, NEAR, MOST_CUTS, MOST_TURNS = 64, 1024, 12, 1e-14, 16, 1000
 SIDES = ((1, 0), (0, 1), (1, 1), (1, -1))
 BOX = ((number, number), (number, number))
 

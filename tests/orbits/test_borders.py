@@ -161,6 +161,7 @@ def test_a_slip_in_a_stick_and_a_graze_meet_in_a_cubic_tangency() -> None:
     for border in (add, graze):
         point = border.special[-1]
         assert point.kind == "adding-sliding and grazing-sliding"
+        assert point.values == pytest.approx((0.3218001292, 0.0436332545), abs=1e-10)
         # v = v' = v'' = 0 at v1 = 0: Omega t = pi there, and the force that vanishes is the lower one.
         Omega, FN = point.values
         at = simulate_oracle(COULOMB.replace(Omega=Omega, FN=FN), *_arrival(border, Omega), dps=40).events[0]
