@@ -36,6 +36,7 @@ from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.reference.compare import REFERENCE_DIGITS
 from symosc.scenes import Scene, load_scene
+from symosc.simulation.batch import warm
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.motion import Motion
 from symosc.simulation.simulate import read_start, simulate
@@ -108,7 +109,9 @@ def _seconds(action: Callable[[], object], clock: Callable[[], float]) -> float:
 
 
 def groups(quick: bool = False) -> Iterator[Group]:
-    """Yield the groups of calls, prepared; with `quick` smaller ones."""
+    """Yield the groups of calls, prepared; with `quick` smaller ones, and only what they call is compiled."""
+    if not quick:
+        warm()
     yield Group("One long motion, events counted", [*_long_motions(100_000 if quick else 200_000)])
     yield Group(f"Starts of fig9, {PERIODS} periods each", [*_ensemble(2_000 if quick else 10_000)])
     yield Group(f"Derivatives, starts of fig9, {PERIODS} periods each", [*_derivatives(500 if quick else 2_000)])

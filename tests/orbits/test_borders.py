@@ -303,6 +303,7 @@ def largest_speed(p: Parameters) -> Any:
 
 
 @pytest.mark.slow
+@pytest.mark.full(4)
 @pytest.mark.parametrize(
     ("changes", "word", "over", "end", "second", "beyond"),
     [
