@@ -269,6 +269,7 @@ def one_box(word: str, box: Any, phases: list[str], x: list[str], **changes: Any
     return about | {"parameters": parameters, "range": box, "share": "1", "boxes": [row], "found": {}}
 
 
+@pytest.mark.slow
 def test_a_box_over_its_border_is_refused() -> None:
     (border,) = borders_between(
         COULOMB.replace(Omega="1.655", FN="0.5"),
@@ -323,6 +324,7 @@ def test_the_mirror_image_crosses_a_belt_without_friction() -> None:
             surface.prove()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turns", [0, -400])
 def test_a_stick_that_slips_is_found_at_all_phases(turns: int) -> None:
     box = [["0.313125", "0.3134375"], ["0.0625", "0.06375"]]  # there the word is P31312121

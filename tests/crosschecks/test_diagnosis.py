@@ -205,6 +205,7 @@ def test_what_is_not_known_says_so() -> None:
     assert {one.cause for one in check.diagnosis} & {"unknown", "noise", "truncation"}
 
 
+@pytest.mark.slow
 def test_two_samples_get_a_verdict() -> None:
     """A change of columns leaves one row of two: this had no steps to follow."""
     assert "FAILED" in crosscheck("fig5", [0, 1], [0, 1]).summary()
