@@ -11,11 +11,21 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from symosc import load_scene
-from symosc.engine.arithmetic import SOURCES, MpArithmetic, bind, compile_modules, functions_of, is_compiled
+from symosc.engine.arithmetic import (
+    SOURCES,
+    MpArithmetic,
+    bind,
+    column_functions,
+    compile_modules,
+    functions_of,
+    is_compiled,
+)
 from symosc.errors import CodeCacheWarning
+from symosc.kernels import elementary
 
 pytest.importorskip("numba")
 
@@ -155,3 +165,12 @@ def test_a_constant_of_two_modules_has_one_value(tmp_path: Path, monkeypatch: py
         (tmp_path / f"{name}.py").write_text(f"CODE = {value}\n")
     with pytest.raises(ValueError, match="CODE"):
         bind([importlib.import_module(name) for name in ("one_of_them", "other_of_them")], {})
+
+
+def test_functions_of_columns_have_the_bits_of_single_numbers() -> None:
+    """Numpy's own have those of the processor."""
+    own, x = column_functions(), np.random.default_rng(1).uniform(-700, 700, 20_000)
+    for name in ("sin", "cos", "exp", "expm1"):
+        assert own[name](x).tolist() == [getattr(elementary, name)(each) for each in x.tolist()]
+        assert own["basis"].__globals__["np"].__dict__[name] is own[name]
+    assert own["sin"](np.array([1e7])) == elementary.sin(1e7)
