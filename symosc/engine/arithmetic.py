@@ -20,7 +20,7 @@ import sys
 import types
 from collections.abc import Callable, Iterable
 from fractions import Fraction
-from functools import cached_property, lru_cache, partial
+from functools import cache, cached_property, lru_cache, partial
 from glob import escape
 from pathlib import Path
 from time import monotonic
@@ -145,8 +145,8 @@ def compile_modules(
     numbers = sorted((name, repr(value)) for name, value in values.items() if isinstance(value, CONSTANTS))
     others = sorted((name, each.py_func.__module__, each.py_func.__qualname__) for name, each in called.items())
     digest = hashlib.sha256(repr((numbers, others, sorted(inlined))).encode())
-    sources = sorted({sys.modules[module].__name__ for _, module, _ in others})
-    for module in (sys.modules[__name__], *modules, *beside, *(sys.modules[name] for name in sources)):
+    beside = *beside, *(sys.modules[name] for name in sorted({module for _, module, _ in others}))
+    for module in (sys.modules[__name__], *modules, *beside):
         digest.update(inspect.getsource(module).encode())
     version = digest.hexdigest()[:12]
 
@@ -264,30 +264,22 @@ def _reduced(angle: Fraction, digits: int) -> tuple[int, Any]:
     return periods, (turns - periods) * 2 * context.pi
 
 
-@lru_cache(maxsize=1)
-def compiled() -> dict[str, Any]:
-    """Return the source for doubles compiled by numba; raise MissingExtraError if numba is not installed."""
-    try:
-        from symosc.kernels.lane_types import usual_width
-    except ImportError:
-        raise MissingExtraError("compiling", "fast") from None
-    functions = compiled_with(usual_width() or 8)
-    return functions | {"follow_all": functions["follow_lanes" if usual_width() else "follow_all"]}
-
-
-def compiled_with(width: int) -> dict[str, Any]:
-    """Return the functions for doubles compiled by numba, with `width` lanes side by side."""
+@cache
+def compiled(width: int = 0) -> dict[str, Any]:
+    """Return the source for doubles compiled by numba, with `width` lanes side by side (0: as the processor likes)."""
     try:
         from symosc.kernels import lane_types
-        from symosc.kernels.borrowed import borrowed
     except ImportError:
         raise MissingExtraError("compiling", "fast") from None
-    callees = {"borrowed": borrowed, "power_of_two": lane_types.power_of_two}
+    usual = width or lane_types.usual_width()
+    callees = {"borrowed": lane_types.borrowed, "power_of_two": lane_types.power_of_two}
     flags = frozenset(name for name, hint in Constants.__annotations__.items() if "bool" in str(hint))
     replaced = {name: getattr(lane_types, name) for name in ("any_of", "bits_of", "number_in", "select", "store")}
-    replaced |= {"load": lane_types.loader(width), "LANES": width}
-    replaced["load_constants"] = lane_types.tuple_loader(width, Constants, NESTED, flags)
-    return compile_modules((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED.split(), callees, replaced, beside=(lane_types,))
+    replaced |= {"load": lane_types.loader(usual or 8), "LANES": usual or 8}
+    replaced["load_constants"] = lane_types.tuple_loader(usual or 8, Constants, NESTED, flags)
+    modules = *SOURCES, *IN_DOUBLES_ONLY
+    functions = compile_modules(modules, OUTLINED.split(), callees, replaced, beside=(lane_types,))
+    return functions | {"follow_all": functions["follow_lanes" if usual else "follow_all"]}
 
 
 @lru_cache(maxsize=1)
@@ -439,14 +431,9 @@ def mp_context(digits: int) -> Any:
 
 # What the loops of pairs do in doubles, by the name that it has there.
 PLAIN_IN_PAIRS = {
-    "end_in_doubles": "end_by_phase",
-    "searched_in_doubles": "searched",
-    "next_undecided_in_doubles": "next_undecided",
-    "open_free_time_in_doubles": "open_free_time",
-    "write_event_in_doubles": "write_event",
-    "write_piece_in_doubles": "write_piece",
-    **{name: name for name in ("is_below", "rounding_error", "rounded_covariance", "tally_step", "finish_tally")},
-}
+    f"{name}_in_doubles": name
+    for name in ("end_by_phase", "next_undecided", "open_free_time", "searched", "write_event", "write_piece")
+} | {name: name for name in ("is_below", "rounding_error", "rounded_covariance", "tally_step", "finish_tally")}
 
 
 class PairLoops(NamedTuple):
@@ -454,16 +441,6 @@ class PairLoops(NamedTuple):
 
     first_pairs: Any
     follow_pairs: Any
-
-
-def least(a, b):
-    """Return the smaller of two pairs."""
-    return b if b < a else a
-
-
-def greatest(a, b):
-    """Return the larger of two pairs."""
-    return b if b > a else a
 
 
 def _pair_constants() -> dict[str, Any]:
@@ -492,8 +469,9 @@ def compiled_pairs() -> PairLoops:
 
     plain = compiled()
     callees = {name: plain[function] for name, function in PLAIN_IN_PAIRS.items()}
-    callees |= {"min": numba.njit(least), "max": numba.njit(greatest), "float": numba.njit(pairs.as_pair)}
-    callees |= {"two_product": numba.njit(product_and_zero), "select": numba.njit(elementary.select)}
+    own = {"min": lambda a, b: b if b < a else a, "max": lambda a, b: b if b > a else a, "float": pairs.as_pair}
+    own |= {"two_product": product_and_zero, "select": elementary.select}
+    callees |= {name: numba.njit(function) for name, function in own.items()}
     outlined = functions_of(SOURCES).keys() - functions_of((_generated,)).keys() - {"derivatives"}
     replaced = _pair_constants() | {name: getattr(math, name) for name in pairs.FUNCTIONS}
     replaced["from_complex"] = pairs.from_complex
@@ -520,7 +498,7 @@ def interpreted_pairs() -> PairLoops:
 
     bound = bind((pairs,), {"pair": pairs.pair_of})
     replaced = _pair_constants() | {name: bound[each.__name__] for name, each in pairs.FUNCTIONS.items()}
-    replaced |= {"min": least, "max": greatest, "float": number, "int": whole, "two_product": product_and_zero}
+    replaced |= {"float": number, "int": whole, "two_product": product_and_zero}
     replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}
     replaced["from_complex"] = partial(converted, number=number)
     functions = bind(SOURCES, replaced, literal=pairs.Pair)
@@ -534,9 +512,8 @@ def pairs_are_compiled() -> bool:
 
 def pairs_are_loaded() -> bool:
     """Return whether the loops of pairs are compiled, in a process that has already used those of doubles."""
-    if not compiled.cache_info().currsize or not compiled()["follow_all"].overloads:
-        return False
-    return pairs_are_compiled()
+    used = compiled.cache_info().currsize and compiled()["follow_all"].overloads
+    return bool(used) and pairs_are_compiled()
 
 
 def pairs_as_complex(value: Any) -> Any:

@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence, Sized
 from decimal import Context, Decimal
 from fractions import Fraction
 from math import pi
-from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -28,8 +27,7 @@ from symosc.quantities import read_number
 from symosc.scenes import START_NAMES, forcing_periods
 
 START_COLUMNS = START_NAMES[:3]
-# Constants of so many sets are computed at once, some 10 MB: for fewer, what numpy takes per operation counts.
-SETS_AT_ONCE = 16384
+
 # So few motions are begun one by one: operations on columns cost more.
 BEGUN_ALONE = 8
 TWO_PI_COLUMN = PairColumn(*TWO_PI_PAIR)
@@ -168,9 +166,7 @@ class ParameterSets:
     """Parameter sets from Parameters, a sequence of them, or a mapping of all names to numbers or (n,) arrays."""
 
     def __init__(self, given: Any) -> None:
-        self._known, self._blocks, self._lock = dict[int, Parameters](), dict[int, np.ndarray](), Lock()
-        self.columns: dict[str, NumberColumn] = {}
-        self._is_object = False
+        self._known, self.columns, self._is_object = dict[int, Parameters](), dict[str, NumberColumn](), False
         if isinstance(given, Mapping):
             self._read_mapping(given)
             return
@@ -228,30 +224,12 @@ class ParameterSets:
 
     def table(self, rows: slice, march_rows: Callable[..., None]) -> np.ndarray:
         """Return a table of the constants of some sets."""
-        parts, begin = [], rows.start
-        while begin < rows.stop:
-            number, first = divmod(begin, SETS_AT_ONCE)
-            size = min(rows.stop - begin, SETS_AT_ONCE - first)
-            parts.append(self._block(number, march_rows)[first : first + size])
-            begin += size
-        return np.concatenate(parts)
-
-    def _block(self, number: int, march_rows: Callable[..., None]) -> np.ndarray:
-        """Return the constants of a block of SETS_AT_ONCE sets, with the last two blocks cached."""
-        with self._lock:
-            if number not in self._blocks:
-                first = number * SETS_AT_ONCE
-                rows = range(first, min(first + SETS_AT_ONCE, self.count))
-                while len(self._blocks) > 1:
-                    self._blocks.pop(next(iter(self._blocks)))
-                if self._is_object:
-                    self._blocks[number] = table_of([Arithmetic(self[0]).K])
-                else:  # however few they are: the bits must not depend on how a sweep is cut into calls
-                    columns = {name: self.column(name).pairs(slice(first, rows.stop)) for name in PARAMETER_NAMES}
-                    self._blocks[number] = constant_table(
-                        columns, len(rows), lambda i: Arithmetic(self[rows[i]]).K, march_rows
-                    )
-            return self._blocks[number]
+        if self._is_object:
+            return table_of([Arithmetic(self[0]).K])
+        # However few they are: the bits must not depend on how a sweep is cut into calls.
+        columns = {name: self.column(name).pairs(rows) for name in PARAMETER_NAMES}
+        size = rows.stop - rows.start
+        return constant_table(columns, size, lambda i: Arithmetic(self[rows.start + i]).K, march_rows)
 
 
 class Problems:
