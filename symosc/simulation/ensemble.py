@@ -83,11 +83,9 @@ from symosc.simulation.batch import (
 from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, check_reached, fits_pairs
 from symosc.simulation.problems import NumberColumn, Problems
 from symosc.simulation.simulate import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
-from symosc.simulation.tables import SUMMARY_COLUMNS, EventTable, Summary, table_from
-from symosc.simulation.tangents import Launches, chosen_tangents, event_changes, read_wrt
+from symosc.simulation.tables import CHANGES, SUMMARY_COLUMNS, Summary, table_from
+from symosc.simulation.tangents import chosen_tangents, event_changes, read_wrt
 from symosc.simulation.trajectory import Trajectory
-
-__all__ = ["EventTable", "Summary", "simulate_many"]
 
 # A gap between a start and a belt that pairs have digits to spare for (`symosc.simulation.motion.fits_pairs`).
 FAR_OFF = 2e-8
@@ -165,29 +163,24 @@ def simulate_many(
     most = MOST_EVENTS if max_events is None else min(whole_number("max_events", max_events, 1), 2**62)
     task = Task(problems, chosen_loops(use_numba), most, read_accuracy(accuracy))
     of_events = isinstance(record, str) and record == "events"
+    work: Callable[..., Any]
     if of_events:
         for name, value, usual in (("skip", skip, 0), ("sections", sections, 1)):
             if value is not usual and not (isinstance(value, int) and value == usual):
                 raise ParameterError(name, value, 'is for summaries; give record="summary", or names of its columns')
-    if wrt is not None and not of_events:
+        names = () if wrt is None else read_wrt(wrt)
+        work = partial(events_of, task, names, use_numba)
+    elif wrt is not None:
         raise ParameterError("wrt", wrt, 'is for events; leave it out, or record="events"')
-    names = () if wrt is None else read_wrt(wrt)
-    work = (
-        partial(events_of, task, names, use_numba)
-        if of_events
-        else partial(summary_of, task, SummaryRequest(record, skip, sections, problems))
-    )
+    else:
+        work = partial(summary_of, task, SummaryRequest(record, skip, sections, problems))
     threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)
     with reporting(progress or False, 0, len(problems), "simulate_many") as report:
         parts: list[Any] = in_chunks(len(problems), work, threads, report)
     if of_events:
-        found = table_from(
-            [rows for part in parts for rows in part.rows], [each for part in parts for each in part.status]
-        )
-        if names:
-            dt, dx, regular = (joined_rows(list(each)) for each in zip(*(part.changes for part in parts), strict=True))
-            vars(found).update(wrt=names, dt=dt, dx=dx, regular=regular)
-        return found
+        rows, status = ([each for part in parts for each in part[n]] for n in range(2))
+        columns = (joined_rows(list(each)) for each in zip(*(changes for _, _, changes in parts), strict=True))
+        return table_from(rows, status, names, **dict(zip(CHANGES if names else (), columns, strict=True)))
     return Summary(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
@@ -207,14 +200,7 @@ class Chunk:
     # the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
     # events in order of motion and time, `alone` the trajectories of motions that were followed alone.
 
-    def __init__(
-        self,
-        task: Task,
-        rows: slice,
-        buffer: EventRows,
-        cancel: CancelToken,
-        keep: Callable[[Any, np.ndarray], Tally] | None = None,
-    ) -> None:
+    def __init__(self, task: Task, rows: slice, buffer: EventRows, cancel: CancelToken, keep: Any = None) -> None:
         self.task, self._first, self._buffer, self._cancel = task, rows.start, buffer, cancel
         self.batch, self.table = task.problems.begin(rows, task.loops.march_rows)
         if isinf(task.accuracy):
@@ -239,14 +225,13 @@ class Chunk:
         """Return the problem of a motion by its number in this chunk."""
         return self.task.problems[self._first + i]
 
-    def launches(self) -> Launches:
-        """Return the starts of the chunk's motions, their parameter sets and constants, as derivatives need them."""
-        starts = self._starts[:, [0, 0, 3, 4, 5]]
+    def launches(self) -> tuple[np.ndarray, ...]:
+        """Return the starts of the motions, their parameter sets, and letters and constants of those (`tangents`)."""
+        starts, sets = self._starts[:, [0, 0, 3, 4, 5]], self.task.problems.sets
         rows = slice(self._first, self._first + len(starts))
         starts[:, 1] = self.task.problems.t0.pairs(rows).hi
-        sets = self.task.problems.sets
         letters = sets.doubles(Letters._fields, rows if len(sets) > 1 else slice(0, 1))
-        return Launches(starts, self.batch.sets, letters, self.table)
+        return starts, self.batch.sets, letters, self.table
 
     def _remove_undecided(self) -> list[int]:
         """Return the motions that ended undecided, and remove their tally."""
@@ -368,26 +353,18 @@ def pair_loops(events: int) -> PairLoops:
     return compiled_pairs() if events > PAIRS.events or pairs_are_compiled() else interpreted_pairs()
 
 
-class ChunkEvents(NamedTuple):
-    """The events of a chunk in order of motion and time, the statuses of its motions, and dt, dx, regular."""
-
-    rows: list[EventRows]
-    status: list[str]
-    changes: tuple[np.ndarray, ...]
-
-
 def events_of(
     task: Task, wrt: tuple[str, ...], use_numba: bool | None, rows: slice, buffer: EventRows, cancel: CancelToken
-) -> ChunkEvents:
-    """Return the events of a chunk, with their derivatives by `wrt`."""
+) -> tuple[list[EventRows], list[str], tuple[np.ndarray, ...]]:
+    """Return the events of a chunk in order of motion and time, statuses, and dt, dx and regular by `wrt`."""
     chunk, changes = Chunk(task, rows, buffer, cancel), tuple[np.ndarray, ...]()
     if wrt:
         chunk.rows = [joined(chunk.rows)]
         loop = chosen_tangents(len(chunk.rows[0].ints[0]), task.loops.in_threads, use_numba)
-        changes = event_changes(chunk.rows[0], chunk.launches(), wrt, loop)
+        changes = event_changes(chunk.rows[0], *chunk.launches(), wrt, loop)
     for part in chunk.rows:
         part.ints[0] += rows.start
-    return ChunkEvents(chunk.rows, chunk.status, changes)
+    return chunk.rows, chunk.status, changes
 
 
 class SummaryRequest:

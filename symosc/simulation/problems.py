@@ -299,13 +299,9 @@ class Problems:
         speed = self.sets.column(f"v{boundary}")
         v, belt = self.v0.pairs(rows), speed.pairs(rows)
         near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
-        if self.v0.is_plain and speed.is_plain:
-            values = np.broadcast_to(v.hi, rows.stop - rows.start)[near]
-            _, one_each, places = np.unique(values, return_index=True, return_inverse=True)
-        else:
-            one_each = places = np.arange(len(near))
-        equal = [self.v0.exact(i) == speed.exact(i) for i in (rows.start + near[one_each]).tolist()]
-        on_belt = np.array(equal, dtype=bool)[places]
+        asked = near[:1] if self.v0.is_plain and speed.is_plain else near  # one tells of all
+        equal = [self.v0.exact(i) == speed.exact(i) for i in (rows.start + asked).tolist()]
+        on_belt = np.broadcast_to(np.array(equal, dtype=bool), len(near))
         return near[on_belt], near[~on_belt]
 
     def are_apart(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
