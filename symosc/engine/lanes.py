@@ -23,8 +23,8 @@ from symosc.engine.first_exit import (
     NEAR,
     PI,
     ROUNDING,
-    SAME_PHASE,
     THIN,
+    ahead,
     force_noise,
     fourth_derivative_bound,
     free_motion,
@@ -42,6 +42,7 @@ from symosc.engine.first_exit import (
     slips_at,
     slopes,
     stays_open,
+    wrapped,
 )
 from symosc.engine.flow import BeltConstants, MarchConstants, constant_force, derivatives
 from symosc.engine.next_event import (
@@ -316,7 +317,7 @@ def slip(state, remaining, K):
 def end_of_stick(held, belt, K):
     """Return (good, force, side, low, high, Delta, s, c): the monotone piece in which a stick ends (`belt_exit`)."""
     zero, period = 0.0 * held.theta, K.period
-    first, second = ahead_of(belt.angle - held.theta) / K.Om, ahead_of(PI - belt.angle - held.theta) / K.Om
+    first, second = ahead(belt.angle - held.theta) / K.Om, ahead(PI - belt.angle - held.theta) / K.Om
     swap = belt.turns & (second < first)
     first, second = select(swap, second, first), select(swap, first, second)
     first, second = select(belt.turns, first, period), select(belt.turns, second, period)
@@ -349,24 +350,11 @@ def end_of_stick(held, belt, K):
     return good, force, side, low, high, from_Delta, from_s, from_c
 
 
-def wrapped_once(angle):
-    """Return an angle between -4 pi and 4 pi moved into [0, 2 pi) (`wrapped`)."""
-    angle = select(angle < 0.0, angle + 2.0 * PI, angle)
-    angle = select(angle < 0.0, angle + 2.0 * PI, angle)
-    return select(angle >= 2.0 * PI, angle - 2.0 * PI, angle)
-
-
-def ahead_of(angle):
-    """Return the distance to a phase ahead (`ahead`)."""
-    angle = wrapped_once(angle)
-    return select((angle < SAME_PHASE * EPS) | (2.0 * PI - angle < SAME_PHASE * EPS), 0.0 * angle, angle)
-
-
 def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
     """Return (good, tau, slope, bend, s, c): the roots of the force in monotone pieces (`exit_root`)."""
     tau, over = low, force + Delta
     sine = select(side * K.fB < 0.0, 1.0, -1.0)
-    inflection = wrapped_once(0.5 * sine * PI - held.theta) / K.Om
+    inflection = wrapped(0.5 * sine * PI - held.theta) / K.Om
     between = (low < inflection) & (inflection < high)
     there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
     better = between & (abs(there) < abs(over))

@@ -15,13 +15,11 @@ import pytest
 from agreement import BASE, CONTACTS, NEAR, assert_agrees, assert_event_agrees, oracle_of, simulated
 from creeping import AHEAD, Creeping, to_a_belt_at_rest, to_a_limit_speed, with_a_tiny_drive
 from oracle import simulate_oracle
-from random_constants import constants_of
 from touches import NEIGHBOURS, Touching, at_a_seam, free, ordinary, undriven, wild
 
 from symosc import Parameters, simulate
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.next_event import following_sign, resolve
-from symosc.engine.state import BELT, DOMAIN_ABOVE, DOMAIN_BELOW
+from symosc.engine.next_event import following_sign
 
 pytestmark = pytest.mark.usefixtures("interpreted")
 
@@ -169,13 +167,6 @@ def test_a_crossing_at_a_triple_root(digits: int | None) -> None:
 
 
 # -- the rule at a point of a belt -------------------------------------------------------------------------------------
-
-
-def test_theorems_4_and_5() -> None:
-    K = constants_of(random.Random(1))
-    assert resolve(-1.0, 2.0, -1.0, 0.0, 1.0, K) == BELT
-    assert resolve(-1.0, 2.0, 1.0, 0.0, 1.0, K) == DOMAIN_ABOVE
-    assert resolve(-1.0, -1.0, -2.0, 0.0, 1.0, K) == DOMAIN_BELOW
 
 
 def test_a_vanishing_force_is_decided_by_the_next_g_function() -> None:

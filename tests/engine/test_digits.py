@@ -150,25 +150,6 @@ def in_threads(jobs: list[Job], repeats: int = 3) -> None:
     assert [repr(job()) for job in jobs] == alone
 
 
-def scenario(seed: int) -> tuple[Parameters, dict[str, Any], int]:
-    """Return random parameters, a start on no belt, and a number of digits that other seeds have too."""
-    dice = random.Random(seed)
-    numbers = {name: Fraction(dice.randint(10, 300), 100) for name in ("m", "c", "k", "A0", "B0", "Omega", "FN")}
-    p = Parameters(v1=-1, v2=1, mu1="0.3", mu2="0.4", **numbers)
-    start = {"t0": dice.randint(0, 50), "x0": Fraction(dice.randint(-99, 99), 50), "v0": "0.37"}
-    return p, {**start, "t_end": start["t0"] + 3}, dice.choice((17, 25, 35, 50))
-
-
-@pytest.mark.slow
-def test_trajectories() -> None:
-    def job(seed: int) -> Any:
-        p, start, digits = scenario(seed)
-        run = simulate(p, **start, digits=digits)
-        return run.status, run.events, run.segments
-
-    in_threads([lambda seed=seed: job(seed) for seed in range(24)])
-
-
 @pytest.mark.slow
 def test_orbits_grazing_starts_and_windows() -> None:
     scene, fig8 = load_scene("fig9-orbit"), load_scene("fig8").parameters

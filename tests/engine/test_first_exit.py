@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import random
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_constants import constants_of
 
-from symosc import load_scene, simulate_many
 from symosc.engine import first_exit as exits
 from symosc.engine.first_exit import (
     belt_exit,
@@ -56,12 +54,6 @@ def test_no_contact_is_passed_over() -> None:
             hits += 1
             assert v0 + state_at(now.tau, start, K).dv == pytest.approx(side, abs=1e-13 * (1 + abs(a0)))
     assert hits > 30
-
-
-def interpreted(name: str, most: int) -> Any:
-    scene = load_scene(name)
-    start = [scene.t0, scene.x0, scene.v0]
-    return simulate_many(scene.parameters, start, 10**6, max_events=most, accuracy=math.inf, use_numba=False)
 
 
 def test_a_root_near_0_is_found_to_the_resolution() -> None:
@@ -119,31 +111,6 @@ def test_the_fourth_derivative_stays_within_its_bound() -> None:
         reach = 20 / K.rate if K.steady else 1 / K.Om
         for tau in np.linspace(0, reach, 60):
             assert abs(state_at(tau, Launch(v0, a0, s0, c0), K).G3) <= bound * (1 + 1e-9)
-
-
-def test_marching_is_the_flow_and_stops_before_the_first_contact() -> None:
-    rng = random.Random(6)
-    marched = 0
-    for _ in range(200):
-        K = constants_of(rng)
-        if not K.apart:
-            continue
-        v0, a0, theta = rng.uniform(-0.9, 0.9), rng.uniform(-9, 9), rng.uniform(0, 6.28)
-        s0, c0 = math.sin(theta), math.cos(theta)
-        b, w, j = derivatives(v0, a0, s0, c0, K)
-        walls, start = Walls(v0 + 1, 1 - v0, True, True, False, False), Launch(v0, a0, s0, c0)
-        now = Flown(0.0, 0.0, 0.0, a0, b, w, j, s0, c0, 1.0, 0.0, 0.0)
-        now = march(K.chunk, v0, now, walls, 0.0, K).now
-        exact = state_at(now.tau, start, K)
-        scale = abs(v0) + K.V0 + abs(a0) / K.w0 + 1
-        assert now.dv == pytest.approx(exact.dv, abs=1e-12 * scale)
-        assert pytest.approx(exact.F, abs=1e-11 * scale * K.rate) == now.F
-        assert pytest.approx(exact.G3, abs=1e-11 * scale * K.rate**4) == now.G3
-        assert (now.s, now.c) == pytest.approx((exact.s, exact.c), abs=1e-14)
-        marched += now.tau > 0
-        for time in np.linspace(0, now.tau, 50):
-            assert abs(v0 + state_at(time, start, K).dv) < 1
-    assert marched > 20
 
 
 def launched(v0: float, a0: float, theta: float, K: Constants) -> tuple[Launch, Flown]:

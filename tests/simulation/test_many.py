@@ -242,18 +242,6 @@ def test_two_events_that_round_to_one_time(use_numba: bool) -> None:
         assert before.target == after.source
 
 
-@pytest.mark.quick(1)
-@ENGINES
-def test_grazes_that_only_the_batch_once_missed(use_numba: bool) -> None:
-    available(use_numba)
-    p = Parameters(
-        m="5.008", k=1, c=0, Omega=".8999", A0="-.07014", B0=0, FN=".1406", mu1=".7495", mu2=0, v1=".01733",
-        v2=".0173300000493",
-    )  # fmt: skip
-    trajectory = assert_one_engine((p, (0, 0, p.v2), "3619/50"), use_numba)
-    assert sum(event.kind == "graze" for event in trajectory.events) == 5
-
-
 # -- pairs of doubles, and more digits ---------------------------------------------------------------------------------
 
 
