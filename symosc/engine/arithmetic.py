@@ -437,9 +437,8 @@ PLAIN_IN_PAIRS = {
 
 
 class PairLoops(NamedTuple):
-    """The functions of `symosc.engine.batch` that start and follow motions in double-double numbers."""
+    """The function of `symosc.engine.batch` that follows motions in double-double numbers."""
 
-    first_pairs: Any
     follow_pairs: Any
 
 
@@ -462,7 +461,7 @@ def _pair_constants() -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def compiled_pairs() -> PairLoops:
-    """Return the loops of double-double numbers compiled by numba, each at its first call, cached on disk."""
+    """Return the loop of double-double numbers compiled by numba at its first call, cached on disk."""
     import numba
 
     from symosc.kernels import pairs
@@ -477,12 +476,12 @@ def compiled_pairs() -> PairLoops:
     replaced["from_complex"] = pairs.from_complex
     beside = (pairs, double_double, summary)
     functions = compile_modules(SOURCES, outlined, callees, replaced, pairs.Pair, beside)
-    return PairLoops(*(functions[name] for name in PairLoops._fields))
+    return PairLoops(functions["follow_pairs"])
 
 
 @lru_cache(maxsize=1)
 def interpreted_pairs() -> PairLoops:
-    """Return the loops of double-double numbers as CPython runs them."""
+    """Return the loop of double-double numbers as CPython runs it."""
     from symosc.kernels import pairs
 
     def number(z: Any) -> Any:
@@ -502,12 +501,12 @@ def interpreted_pairs() -> PairLoops:
     replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}
     replaced["from_complex"] = partial(converted, number=number)
     functions = bind(SOURCES, replaced, literal=pairs.Pair)
-    return PairLoops(functions["first_pairs"], follow_pairs)
+    return PairLoops(follow_pairs)
 
 
 def pairs_are_compiled() -> bool:
-    """Return whether both loops of `compiled_pairs` are compiled, in this process or on disk."""
-    return all(map(is_compiled, compiled_pairs()))
+    """Return whether the loop of `compiled_pairs` is compiled, in this process or on disk."""
+    return is_compiled(compiled_pairs().follow_pairs)
 
 
 def pairs_are_loaded() -> bool:
@@ -533,9 +532,3 @@ def pairs_as_complex(value: Any) -> Any:
 def pair_constants(parameters: Parameters) -> Constants:
     """Return the constants as complex numbers hi + i lo, each rounded once."""
     return pairs_as_complex(many_digits(parameters, ROUNDED_FROM).K)
-
-
-def pair_phase(parameters: Parameters, t: Fraction) -> complex:
-    """Return the phase at a time, rounded once."""
-    found: complex = pairs_as_complex(many_digits(parameters, ROUNDED_FROM).phase(t)[1])
-    return found

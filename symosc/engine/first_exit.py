@@ -434,7 +434,13 @@ def first_exit(tau_max, start, walls, S, K):
     if K.apart and not flat:
         now, M4, side, there = march(tau_max, v0, now, walls, margin, K)
         if side != 0:
-            return polish(root_between(now, there, side, v0, walls, K), now.tau, there.tau, side, start, walls, K)
+            # A step of Newton's method from the secant's root on Hermite's cubic, with the secant's slope; `sharpened`.
+            h, part = there.tau - now.tau, part_to_root(now, there, side, walls)
+            if part < 0.5:
+                tau = now.tau + sharpened(part * h, side, now, walls, K)
+            else:
+                tau = there.tau + sharpened((part - 1.0) * h, side, whole(there, v0, K), walls, K)
+            return polish(tau, now.tau, there.tau, side, start, walls, K)
     else:
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
     return stepped(tau_max, now, M4, thin, margin, start, walls, S, K)
@@ -557,16 +563,6 @@ def graze_ahead(now, side, step, M4, start, walls, S, K):
         P, _ = gap_bound(-side, now, M4, 0.0 * step, walls)
         verdict = verdict if positive_on(reach, P) else STALLED
     return verdict, tau_min
-
-
-def root_between(now, there, side, v0, walls, K):
-    """Estimate when the gap to the wall on a side closes, once, between the points `now` and `there`."""
-    # A step of Newton's method from the secant's root on Hermite's cubic, with the secant's slope; then `sharpened`.
-    h = there.tau - now.tau
-    part = part_to_root(now, there, side, walls)
-    if part < 0.5:
-        return now.tau + sharpened(part * h, side, now, walls, K)
-    return there.tau + sharpened((part - 1.0) * h, side, whole(there, v0, K), walls, K)
 
 
 def part_to_root(now, there, side, walls):

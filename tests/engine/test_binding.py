@@ -15,14 +15,7 @@ import numpy as np
 import pytest
 
 from symosc import load_scene
-from symosc.engine.arithmetic import (
-    SOURCES,
-    MpArithmetic,
-    column_functions,
-    compile_modules,
-    functions_of,
-    is_compiled,
-)
+from symosc.engine.arithmetic import SOURCES, MpArithmetic, column_functions, compile_modules, functions_of, is_compiled
 from symosc.errors import CodeCacheWarning
 from symosc.kernels import elementary
 

@@ -12,10 +12,7 @@ from regimes import random_sets
 from symosc import Parameters
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants, state_at
-from symosc.engine.state import (
-    Flown,
-    Launch,
-)
+from symosc.engine.state import Flown, Launch
 from symosc.engine.summary import Extremes, Open, flight_extremes, widened
 from symosc.kernels._generated import acceleration
 

@@ -12,26 +12,9 @@ from hypothesis import strategies as st
 from random_constants import constants_of
 
 from symosc.engine import first_exit as exits
-from symosc.engine.first_exit import (
-    belt_exit,
-    first_exit,
-    fourth_derivative_bound,
-    gain,
-    march,
-    positive_on,
-    safe_step,
-)
+from symosc.engine.first_exit import belt_exit, first_exit, fourth_derivative_bound, gain, march, positive_on, safe_step
 from symosc.engine.flow import BeltConstants, Constants, derivatives, state_at
-from symosc.engine.state import (
-    HIT,
-    NOTHING,
-    TANGENCY,
-    Covariance,
-    Flown,
-    Launch,
-    State,
-    Walls,
-)
+from symosc.engine.state import HIT, NOTHING, TANGENCY, Covariance, Flown, Launch, State, Walls
 
 pytestmark = pytest.mark.usefixtures("interpreted")
 

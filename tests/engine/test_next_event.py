@@ -20,14 +20,7 @@ from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.batch import open_free_time
 from symosc.engine.next_event import advance, time_with_errors
 from symosc.engine.start import Start, first_state, last_time, rounded
-from symosc.engine.state import (
-    END,
-    FAILED,
-    GRAZE,
-    REST,
-    NextEvent,
-    State,
-)
+from symosc.engine.state import END, FAILED, GRAZE, REST, NextEvent, State
 from symosc.simulation.motion import Motion
 
 pytestmark = pytest.mark.usefixtures("interpreted")
