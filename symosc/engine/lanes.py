@@ -65,8 +65,8 @@ from symosc.kernels.elementary import WIDEST, exp, select, sine_cosine
 from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, SIXTH
 
 # Here these names are placeholders: compiled code has those of `symosc.kernels.lane_types`, at its width.
-any_of: Any
-any_of = bits_of = load = store = load_constants = number_in = None
+placeholder: Any = None
+any_of = bits_of = load = store = load_constants = number_in = placeholder
 LANES = 0
 
 # Rows of the results beside those of a state: code, belt, and the standard error of the event's time.

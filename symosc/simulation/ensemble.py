@@ -342,7 +342,7 @@ def events_of(
     if wrt:
         chunk.rows = [joined(chunk.rows)]
         loop = chosen_tangents(len(chunk.rows[0].ints[0]), task.loops.in_threads, use_numba)
-        changes = event_changes(chunk.rows[0], *chunk.launches(), wrt, loop)
+        changes = event_changes(chunk.rows[0], chunk.launches(), wrt, loop)
     for part in chunk.rows:
         part.ints[0] += rows.start
     return chunk.rows, chunk.status, changes

@@ -49,10 +49,10 @@ def work_space(codes: np.ndarray, kind: Any = float) -> np.ndarray:
 
 
 def event_changes(
-    events: EventRows, starts: Any, sets: Any, letters: Any, table: Any, wrt: tuple[str, ...], loop: Callable[..., None]
+    events: EventRows, launches: tuple[np.ndarray, ...], wrt: tuple[str, ...], loop: Callable[..., None]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return dt, dx and whether they are regular, (events, wrt), for motions in the order of their events."""
-    codes, shape = codes_of(wrt), (events.floats.shape[1], len(wrt))
+    (starts, sets, letters, table), codes, shape = launches, codes_of(wrt), (events.floats.shape[1], len(wrt))
     cuts = np.searchsorted(events.ints[0], np.arange(len(starts) + 1))
     dt, dx, marks, why = large_array(shape), large_array(shape), np.zeros(shape, np.int8), np.zeros(shape[0], np.int8)
     motions, rows, out = np.flatnonzero(np.diff(cuts)), columns_of(events), (dt, dx, marks, why, np.zeros((0, 2)))

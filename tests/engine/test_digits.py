@@ -27,6 +27,19 @@ mpfr: Any = importlib.import_module("symosc.kernels.mpfr") if gmpy2 else None
 needs_gmpy2 = pytest.mark.skipif(gmpy2 is None, reason="needs gmpy2")
 
 
+THREADS = 8
+Job = Callable[[], Any]
+
+
+@pytest.fixture(autouse=True)
+def quick_switches() -> Iterator[None]:
+    """Let threads take turns as often as Python can."""
+    usual = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(usual)
+
+
 def problem(seed: int) -> tuple[Parameters, dict[str, Any]]:
     """Return random parameters in all regimes of damping, and a start, some on a belt."""
     dice = random.Random(seed)
@@ -87,13 +100,8 @@ def test_the_precision_of_others_is_left_alone() -> None:
             assert gmpy2.get_context() is own
             assert gmpy2.mpfr(1) / 3 == third
 
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(1e-6)
-    try:
-        with ThreadPoolExecutor(8) as pool:
-            list(pool.map(job, range(8)))
-    finally:
-        sys.setswitchinterval(interval)
+    with ThreadPoolExecutor(THREADS) as pool:
+        list(pool.map(job, range(8)))
 
 
 WITHOUT = """
@@ -123,19 +131,6 @@ def test_without_gmpy2_the_results_are_the_same() -> None:
     start = mp_context(25).mpf("4.5"), mp_context(25).mpf("0.5")
     lines.append(solve_map(load_scene("fig9").parameters, "P2", *start).x)
     assert without.splitlines() == [str(line) for line in lines]
-
-
-THREADS = 8
-Job = Callable[[], Any]
-
-
-@pytest.fixture(autouse=True)
-def quick_switches() -> Iterator[None]:
-    """Let threads take turns as often as Python can."""
-    usual = sys.getswitchinterval()
-    sys.setswitchinterval(1e-6)
-    yield
-    sys.setswitchinterval(usual)
 
 
 def in_threads(jobs: list[Job], repeats: int = 3) -> None:

@@ -85,7 +85,7 @@ def test_a_safe_step_stays_before_the_first_root(p0: float, middle: tuple[float,
 
 def test_the_fourth_derivative_stays_within_its_bound() -> None:
     rng = random.Random(5)
-    for _ in range(200):
+    for _ in range(80):
         K = constants_of(rng)
         v0, a0, theta = rng.uniform(-3, 3), rng.uniform(-20, 20), rng.uniform(0, 6.28)
         s0, c0 = math.sin(theta), math.cos(theta)
@@ -107,7 +107,7 @@ def launched(v0: float, a0: float, theta: float, K: Constants) -> tuple[Launch, 
 def test_a_wall_that_is_met_in_a_step_is_met_once_and_first() -> None:
     """Against a fine scan: the other wall stays away, and the gap changes its sign once between the two ends."""
     rng, sides = random.Random(14), {-1: 0, 0: 0, 1: 0}
-    for _ in range(300):
+    for _ in range(150):
         K = constants_of(rng)
         if not K.apart:
             continue
@@ -124,7 +124,7 @@ def test_a_wall_that_is_met_in_a_step_is_met_once_and_first() -> None:
             assert not beyond[0]
             assert beyond[-1]
             assert all(-found.side * (start.v + state_at(t, start, K).dv) < 1 for t in np.linspace(low, high, 60))
-    assert min(sides.values()) > 10
+    assert min(sides.values()) > 5
 
 
 def holding(Fb: float, Fa: float, theta: float, s: float, c: float, S11: float = 0.0) -> State:
@@ -136,7 +136,7 @@ def holding(Fb: float, Fa: float, theta: float, s: float, c: float, S11: float =
 def test_the_end_of_a_stick_is_the_first() -> None:
     rng = random.Random(9)
     ends = 0
-    for _ in range(300):
+    for _ in range(120):
         K = constants_of(rng, v1=round(rng.uniform(-2, 0.5), 3))
         belt, theta = K.belt1, rng.uniform(0, 2 * math.pi)
         below = rng.uniform(0.01, 0.99) * belt.J
@@ -148,7 +148,7 @@ def test_the_end_of_a_stick_is_the_first() -> None:
             ends += 1
             force = below + gain(tau, s0, c0, belt, K)[0]
             assert force == pytest.approx(0 if side < 0 else belt.J, abs=1e-13 * (belt.J + abs(K.f0)))
-    assert ends > 100
+    assert ends > 40
 
 
 @pytest.mark.parametrize("below", [0.0, 0.3, 1.0])

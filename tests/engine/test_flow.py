@@ -95,16 +95,3 @@ def test_steady_and_free_motion_are_told_apart_far_from_resonance() -> None:
         assert max(abs(roots)) == pytest.approx(K.rate0, rel=1e-7)
         assert K.rate == max(K.rate0, K.Om)
     assert seen == {(False, False), (False, True), (True, False), (True, True)}
-
-
-def test_what_the_rounding_of_omega_and_of_its_period_took_is_kept() -> None:
-    """Om is a double, Omega is not; 2 pi/Om is none either: both rests are right to some digits."""
-    rng = random.Random(24)
-    with mpmath.workdps(50):
-        for _ in range(60):
-            p = BASE.replace(Omega=Fraction(rng.randrange(1, 10**6), rng.randrange(1, 10**6)))
-            K = flow.constants(p)
-            assert K.Om_gain == pytest.approx(float(Fraction(K.Om) / p.Omega - 1), rel=1e-12, abs=0)
-            assert abs(K.Om_gain) < 2.0**-52
-            rest = 2 * mpmath.pi / mpmath.mpf(K.Om) - mpmath.mpf(K.period)
-            assert abs(K.period_low - rest) < 1e-30 * K.period

@@ -15,7 +15,6 @@ from touches import tenths
 from units import UNITS, Units
 
 from symosc import Parameters, load_scene, simulate
-from symosc.engine import next_event
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.batch import open_free_time
 from symosc.engine.next_event import advance, time_with_errors
@@ -30,15 +29,6 @@ pytestmark = pytest.mark.usefixtures("interpreted")
 
 
 # -- what is handed out ------------------------------------------------------------------------------------------------
-
-
-def test_the_clock_gives_back_what_rounding_took_from_omega() -> None:
-    """The phase of a motion goes on with the double next to Omega: after 1e9 that is 3e-8 at Omega = 4.1."""
-    Omega = Fraction("4.1")
-    K = Arithmetic(BASE.replace(Omega=Omega)).K
-    t, _, _ = next_event.time_with_errors(0.0, 0.0, -1e9, 0.0, 1.0, 0.0, 0.0, K)
-    assert t == pytest.approx(float(Fraction(10**9) * (Fraction(float(Omega)) / Omega - 1)), rel=1e-9)
-    assert abs(t) > 1e-9
 
 
 def shifted(p: Parameters, x0: Fraction, v0: Fraction, push: Fraction, t_end: int) -> Any:

@@ -141,7 +141,7 @@ def test_words_name_the_mappings_between_events() -> None:
     assert set(seen) == set(LABELS.values())
 
 
-@pytest.mark.parametrize("count", [15, pytest.param(60, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [6, pytest.param(60, marks=pytest.mark.slow)])
 def test_invariants(count: int) -> None:
     for_all(count, invariants, starts())
 

@@ -196,18 +196,6 @@ def test_all_who_start_on_a_belt_start_alike() -> None:
     assert seen == {1, 2, 3, 4, 5}
 
 
-def test_a_motion_that_creeps_to_its_rest_settles() -> None:
-    """Overdamped and without a drive: from rest beside its equilibrium it settles; towards a belt it does not."""
-    p = NEAR.replace(m=1, c=3, k=1, B0=0, v1=-1, v2=1)
-    rest = p.A(2) / p.k
-    for x0, v0, settled in ((rest + Fraction(1, 10), 0, True), (rest, Fraction(1, 2), True), (rest - 9, 0, False)):
-        assert start.settles(Start(p, Fraction(0), x0, Fraction(v0), Fraction(50))) is settled
-        assert bool(simulate(p, t0=0, x0=x0, v0=v0, t_end=50).events) is not settled
-    driven = Start(p.replace(B0=1), Fraction(0), rest, Fraction(0), Fraction(50))
-    assert start.settles(driven) is False
-    assert start.settles(Start(p.replace(c=1), Fraction(0), rest, Fraction(0), Fraction(50))) is False
-
-
 @pytest.mark.parametrize("spring", [True, False])
 def test_steady_starts_are_told_exactly(spring: bool) -> None:
     """On the steady motion of any of the three domains; not a hair beside it, and not with another time or an error."""
