@@ -191,8 +191,8 @@ def in_doubles(
         if advance:
             advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
     if motion.code == FULL:
-        reason = f"stopped after max_events = {most} events, at t = {motion.state.t!r}"
-        return _in_columns(motion, "max_events", reason, motion.state.t)
+        last = float(motion.events().floats[0, -1])  # the time of the last event, by the clock
+        return _in_columns(motion, "max_events", f"stopped after max_events = {most} events, at t = {last!r}", last)
     return _in_columns(motion, *_ended(start, motion.code, motion.state), float(start.t_end))
 
 

@@ -79,6 +79,8 @@ def test_a_block_takes_the_steps_of_the_scalar_source() -> None:
     assert sum(good > 0 for good in all_good) > 6
 
 
+@pytest.mark.slow
+@pytest.mark.compiled("doubles")
 def test_ends_and_inexact_events_are_left_to_the_scalar_loop() -> None:
     functions, rng = arithmetic.compiled(), random.Random(2)
     for p in SCENES:
