@@ -201,8 +201,8 @@ IN_DOUBLES = {name: value for module in SOURCES for name, value in vars(module).
 class Arithmetic:
     """The engine in double precision, and the interface of all arithmetics."""
 
-    # `advance` to `event_numbers` may follow motions in inner numbers: `inward` and `outward` convert, and arithmetic
-    # on those belongs between `enter` and `leave`.
+    # `advance` may follow motions in inner numbers: `inward` and `outward` convert, and arithmetic on those belongs
+    # between `enter` and `leave`.
 
     K: Constants
     inner_K: Constants  # constants in the numbers that follow motions
@@ -210,18 +210,15 @@ class Arithmetic:
     number: Callable[[Fraction], Number] = staticmethod(float)  # rounds a Fraction to such a number
     namespace = IN_DOUBLES
     advance: Any = staticmethod(next_event.advance)
-    advance_near: Any = None  # None: search in all digits
-    time_with_errors: Any = staticmethod(next_event.time_with_errors)
-    event_numbers: Any = staticmethod(events.event_numbers)
 
     def __init__(self, parameters: Parameters) -> None:
         self.parameters = parameters
         self.K = self.inner_K = _float_constants(parameters)
 
-    def phase(self, t: Fraction) -> tuple[int, Number]:
-        """Return (periods, theta) with Omega t = 2 pi periods + theta, theta in [0, 2 pi), correctly rounded."""
-        periods, theta = _reduced(self.parameters.Omega * t, self.digits)
-        return periods, self.rounded(theta) if theta else self.number(Fraction(0))
+    def phase(self, t: Fraction) -> Number:
+        """Return the phase Omega t mod 2 pi, in [0, 2 pi), correctly rounded."""
+        theta = _reduced(self.parameters.Omega * t, self.digits)
+        return self.rounded(theta) if theta else self.number(Fraction(0))
 
     def time(self, t: Fraction) -> tuple[Number, Number]:
         """Return a time as the sum (high, low) of two numbers of this arithmetic."""
@@ -254,14 +251,13 @@ def _float_constants(parameters: Parameters) -> Constants:
 
 
 @lru_cache(maxsize=256)
-def _reduced(angle: Fraction, digits: int) -> tuple[int, Any]:
-    """Divide an angle by 2 pi: return (turns, remainder), cached, as many starts have the same angle."""
+def _reduced(angle: Fraction, digits: int) -> Any:
+    """Return an angle modulo 2 pi, None for the angle 0; cached, as many starts have the same angle."""
     if angle == 0:
-        return 0, None
+        return None
     context = mp_context(digits + 20 + len(str(abs(int(angle)))))
     turns = context.mpf(angle.numerator) / angle.denominator / (2 * context.pi)
-    periods = int(context.floor(turns))
-    return periods, (turns - periods) * 2 * context.pi
+    return (turns - int(context.floor(turns))) * 2 * context.pi
 
 
 @cache

@@ -157,10 +157,7 @@ class Trajectory(Drawable):
             If a time is outside [t_start, t_end].
         """
         times = read_times(t)
-        if times.size >= MANY_TIMES:
-            return self._states(times.ravel())[:2].reshape((2, *times.shape))
-        states = np.array([self._state(time)[:2] for time in times.ravel()], dtype=float).reshape(-1, 2)
-        return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
+        return self._states(times)[:2].reshape((2, *times.shape))
 
     @public
     def mode(self, t: ArrayLike) -> Any:
@@ -174,11 +171,8 @@ class Trajectory(Drawable):
         """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` = 1, 2 or 3 would give, at times `t`."""
         times, K = read_times(t), self._K
         A = (K.A1, K.A2, K.A3)[whole_number("alpha", alpha, 1, 3) - 1]
-        if times.size >= MANY_TIMES:
-            x, v, c = self._states(times.ravel())
-            return acceleration(x, v, c, A, K.cm, K.w0sq, K.f0).reshape(times.shape)
-        values = [acceleration(*self._state(time), A, K.cm, K.w0sq, K.f0) for time in times.ravel()]
-        return values[0] if times.ndim == 0 else np.array(values).reshape(times.shape)
+        forces = acceleration(*self._states(times), A, K.cm, K.w0sq, K.f0)
+        return forces.reshape(times.shape) if times.ndim else forces.item()
 
     def _check_times(self, times: np.ndarray) -> None:
         """Raise ParameterError for a time that is out of range."""
@@ -207,7 +201,10 @@ class Trajectory(Drawable):
         return x + dx, v + dv, c
 
     def _states(self, times: np.ndarray) -> np.ndarray:
-        """Return what `_state` does at many times in array blocks, equal up to rounding."""
+        """Return what `_state` does at times of any shape, (3, n); many together, which is equal up to rounding."""
+        times = times.ravel()
+        if len(times) < MANY_TIMES:
+            return np.array([self._state(time) for time in times.tolist()], dtype=float).reshape(-1, 3).T
         self._check_times(times)
         K, states, own = self._K, np.empty((3, len(times))), column_functions()
         sine_cosine = own["sine_cosine"]
