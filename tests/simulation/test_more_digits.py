@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import random
 import re
 from fractions import Fraction
 from typing import Any
@@ -12,7 +11,6 @@ import pytest
 from agreement import BASE, assert_agrees
 from aimed import aimed, text
 from oracle import simulate_oracle
-from touches import ordinary
 
 from symosc import Parameters, load_scene, simulate
 from symosc.engine.start import Start
@@ -96,10 +94,10 @@ def test_how_many_digits_a_graze_takes() -> None:
     assert digits_to_confirm_graze(over, 3000 * ten, 40) is None
     assert digits_to_confirm_graze(over, 0, 2000) == 6000
     # On the steady motion no share of the transient could have shrunk; beside it as many digits as that has lost.
-    scene = ordinary(random.Random("steady"), "P5")
-    elapsed = 1000 * float(scene.p.m / scene.p.c)
+    p = Parameters(m=1, c=2, k=1, A0="1/5", B0=2, Omega=1, v1=-5, v2=1, mu1=0, mu2="1/5", FN=1)  # x = 2/5 + sin t
+    elapsed = 1000 * float(p.m / p.c)
     for push, few in ((Fraction(0), True), (Fraction(1, 10**30), False)):
-        one = Motion(Start(scene.p, Fraction(0), scene.x0 + push, scene.v0, scene.t_end), 40)
+        one = Motion(Start(p, Fraction(0), Fraction(2, 5) + push, Fraction(1), Fraction(9)), 40)
         assert (digits_to_confirm_graze(one, elapsed, 40) == 3 * 40) is few
 
 
