@@ -9,14 +9,24 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from random_constants import constants_of
 
+from symosc import Parameters
 from symosc.engine import first_exit as exits
+from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.first_exit import belt_exit, first_exit, fourth_derivative_bound, gain, march, positive_on, safe_step
 from symosc.engine.flow import BeltConstants, Constants, derivatives, state_at
 from symosc.engine.state import HIT, NOTHING, TANGENCY, Covariance, Flown, Launch, State, Walls
 
 pytestmark = pytest.mark.usefixtures("interpreted")
+
+
+def constants_of(rng: random.Random, **fixed: object) -> Constants:
+    """Return constants of random parameters: under- and overdamped, near resonance and far from it."""
+    numbers = {name: round(10 ** rng.uniform(-1, 1), 6) for name in ("m", "c", "k", "B0", "Omega", "FN")}
+    if rng.random() < 0.3:
+        numbers |= {"k": numbers["m"] * numbers["Omega"] ** 2, "c": round(10 ** rng.uniform(-9, -2), 12)}
+    p = Parameters(**(numbers | {"A0": 1, "v1": -1, "v2": 1, "mu1": 0.3, "mu2": 0.2} | fixed))
+    return Arithmetic(p).K
 
 
 @pytest.mark.slow
@@ -52,8 +62,6 @@ def test_a_root_near_0_is_found_to_the_resolution() -> None:
         found = exits.local_root(over, F, G1, G2, G3, resolution)
         assert abs(found - root) <= resolution + 1e-15
 
-
-pytestmark = pytest.mark.usefixtures("interpreted")
 
 COEFFICIENTS = st.floats(-5, 5)
 

@@ -7,13 +7,11 @@ from fractions import Fraction
 from typing import Any
 
 import mpmath
-import numpy as np
 import pytest
 from agreement import BASE
 from touches import tenths
 
 from symosc import Parameters
-from symosc.engine import flow
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.flow import fifth_derivative
 from symosc.engine.state import Launch
@@ -72,26 +70,3 @@ def test_a_flight_is_the_exponential_of_its_equation(digits: int | None) -> None
                 angle = mpmath.atan2(start.s, start.c) + number(p.Omega) * tau
                 dx = (B0 * (mpmath.cos(angle) - start.c) - m * (F - start.F) - c * (v - start.v)) / k
                 assert abs(now.dx - dx) < 2e3 * eps * (size * (1 + float(tau)) + abs(dx))
-
-
-def test_steady_and_free_motion_are_told_apart_far_from_resonance() -> None:
-    """The flag is the distance of i Omega from the roots, in the larger of the two squared frequencies."""
-    rng, seen = random.Random(22), set()
-    for _ in range(300):
-        p = random_parameters(rng).replace(k=tenths(rng, 0, 90), c=tenths(rng, 0, 30))
-        K = flow.constants(p)
-        roots = np.roots([float(p.m), float(p.c), float(p.k)])
-        distance = abs(np.prod(1j * float(p.Omega) - roots))
-        limit = float(flow.APART) * max(float(p.Omega) ** 2, float(p.k / p.m))
-        if distance != pytest.approx(limit, rel=1e-9):
-            assert K.steady == (distance > limit)
-            seen.add((K.steady, bool(p.k / p.m > p.Omega**2)))
-        if K.steady:  # the steady velocity solves the equation: complex amplitude against the constants
-            w = float(p.Omega)
-            response = 1j * w * float(p.B0) / (float(p.k) - float(p.m) * w * w + 1j * w * float(p.c))
-            assert complex(K.Sc, -K.Ss) == pytest.approx(response, rel=1e-12, abs=1e-12)
-            assert pytest.approx(abs(response), rel=1e-12, abs=1e-12) == K.V0
-        assert K.under == bool(p.c**2 < 4 * p.m * p.k)
-        assert max(abs(roots)) == pytest.approx(K.rate0, rel=1e-7)
-        assert K.rate == max(K.rate0, K.Om)
-    assert seen == {(False, False), (False, True), (True, False), (True, True)}
