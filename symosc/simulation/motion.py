@@ -121,7 +121,9 @@ class SearchInDoubles:
         keep_state(self._rows, 0, state)
         try:
             code, boundary, decided, t_error, free = self._search(self._rows, self._careful)
-            return NextEvent(code, boundary, decided, t_error, state_of(self._rows.tolist(), 0)), free
+            mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, _, _, _, s, c, theta_low = self._rows[0].tolist()
+            now = int(mode), int(at), int(n), theta, x, v, Fb, Fa, Covariance(S11, S12, S22)
+            return NextEvent(code, boundary, decided, t_error, State(*now, t, t_low, s, c, theta_low)), free
         except (ArithmeticError, ValueError):
             return None
 
@@ -231,6 +233,7 @@ class Motion:
         self._events, self._columns = list[tuple[Any, tuple[int, ...]]](), list[tuple[Any, ...]]()
         self.code, self.decided, self.grazes_only = 0, True, True
         self._rough: State | None = None  # the state in doubles
+        self._rounded_t0, self._rounded_gain = float(start.t0), Arithmetic(start.parameters).K.Om_gain
         self._record_piece(0.0)
 
     def missing_digits(self, digits: int) -> int:
@@ -336,7 +339,7 @@ class Motion:
         if self._rough is None:
             entered = self.arithmetic.enter()
             try:
-                self._rough = rounded(self._state, self.start)
+                self._rough = rounded(self._state, self._rounded_t0, self._rounded_gain)
             finally:
                 self.arithmetic.leave(entered)
         return self._rough
@@ -380,7 +383,7 @@ class MotionInPairs:
         self._follow, self._K = loops.follow_pairs, pair_constants(start.parameters)
         self._limits = PairLimits(limits.most, limits.accuracy, MOST_EVER, limits.noise, *tables)
         self._pairs = np.array([pairs_as_complex(tuple(row_of(state, *last_time(start, exact))))])
-        self._batch = batch_of(np.array([doubles.batch_row(rounded(state, start))]))
+        self._batch = batch_of(np.array([doubles.batch_row(rounded(state, float(start.t0), doubles.K.Om_gain))]))
         self._rows, self._pieces = list[EventRows](), list[np.ndarray]()
         self.goal = 0  # the number of events to come to
 

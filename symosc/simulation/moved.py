@@ -43,7 +43,7 @@ class MovedTrajectory(Trajectory):
             end = end if reduced.status == "equilibrium" else reduced.t_end + delay
         super().__init__(
             reduced.parameters,
-            [self._event(event) for event in reduced.events],
+            lambda: [self._event(event) for event in reduced.events],
             reduced._pieces,
             reduced.status,
             message,

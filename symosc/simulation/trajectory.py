@@ -6,7 +6,7 @@ import csv
 import io
 import json
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -106,7 +106,7 @@ class Trajectory(Drawable):
     def __init__(
         self,
         parameters: Parameters,
-        events: Sequence[Event] | EventRows,
+        events: Callable[[], Sequence[Event]] | EventRows,
         pieces: np.ndarray,
         status: str,
         message: str,
@@ -116,17 +116,26 @@ class Trajectory(Drawable):
     ) -> None:
         self.parameters, self.status, self.message, self.digits = parameters, status, message, digits
         self.t_start, self.t_end = span
-        self._rows, self._pieces, self._first_at, self._t0 = events, pieces, first_at, float(self.t_start)
+        self._rows: Any = events
+        self._pieces, self._first_at, self._t0 = pieces, first_at, float(self.t_start)
         self._K: Constants = Arithmetic(parameters).K  # they are kept
 
     @cached_property
     def events(self) -> Listing[Event]:
         """The events in order of time."""
-        return Listing(events_from(self._rows) if isinstance(self._rows, EventRows) else self._rows)
+        if isinstance(self._rows, EventRows):
+            return Listing(events_from(self._rows))
+        made, self._rows = Listing(self._rows()), None  # what makes them, the whole motion, is no longer needed
+        return made
+
+    def __getstate__(self) -> dict[str, Any]:
+        if callable(self._rows):
+            len(self.events)  # made now, as what makes them cannot be pickled
+        return self.__dict__
 
     def rows(self) -> EventRows:
         """Return the events as columns of doubles."""
-        return self._rows if isinstance(self._rows, EventRows) else rows_of(0, self._rows)
+        return self._rows if isinstance(self._rows, EventRows) else rows_of(0, self.events)
 
     @cached_property
     def segments(self) -> Listing[Segment]:
