@@ -254,6 +254,8 @@ def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
             theta, t, x = theta + K.Om * shift, t + shift, x + v * shift
             phase = sine_and_cosine(theta, arithmetic)
             Fb, Fa = forces()
+            if abs(shift) <= arithmetic.namespace["EPS"] * K.period:
+                break
         Fb, Fa, missing = 0 * x, 0 * x, abs(Fb) * K.period
     Fb, Fa = (0 * x if given == 0 else force for given, force in ((state.Fb, Fb), (state.Fa, Fa)))
     dx, dv = (abs(x) / K.period + abs(v)) * part, missing

@@ -219,13 +219,12 @@ class Motion:
     ) -> None:
         own = many_digits(start.parameters, digits) if isinstance(digits, int) else digits
         self.start, self.arithmetic, self.digits = start, own, own.digits
-        state = first_state(start, own)
-        self.t0, self.first_at, self.K = state.t, state.at, own.inner_K
+        state, (self.t0, t0_low) = begin or first_state(start, own), own.time(start.t0)
+        self.first_at, self.K, self._begin = state.at, own.inner_K, own.inward((self.t0, t0_low))
         self._t0_low = own.inward(own.number(start.t0 - Fraction(float(start.t0))))
         if start.start_error:  # rounding is far below it, and it is no standard error
             self.K = self.K._replace(sigmas=own.inward(own.number(Fraction(1))))
-        self._first, self._end = own.inward(state), own.inward(last_time(start, own))
-        self._state: State = own.inward(begin) if begin else self._first
+        self._state, self._end = own.inward(state), own.inward(last_time(start, own))
         self._search: SearchInDoubles | None = None
         if own.advance_near and not start.start_error:
             self._search = SearchInDoubles(start, K or Arithmetic(start.parameters).K)
@@ -304,7 +303,7 @@ class Motion:
             self._record_piece(self._elapsed())
             if found.code <= GRAZE:
                 s = found.state
-                clock = own.time_with_errors(s.t, s.t_low, self._first.t, s.x, s.v, found.t_error, s.S.S11, self.K)
+                clock = own.time_with_errors(s.t, s.t_low, self._begin[0], s.x, s.v, found.t_error, s.S.S11, self.K)
                 self._record_event(before, found, clock)
                 self.grazes_only = self.grazes_only and found.code == GRAZE
         finally:
@@ -331,8 +330,8 @@ class Motion:
 
     def _elapsed(self) -> Number:
         """Return the time since t0, in the motion's arithmetic."""
-        since = self._state.t - self._first.t
-        return since + ((self._state.t_low - self._first.t_low) + since * self.K.Om_gain)
+        since, before = self._state.t - self._begin[0], self._begin[1]
+        return since + ((self._state.t_low - before) + since * self.K.Om_gain)
 
     def rounded_state(self) -> State:
         """Return the current state in doubles."""
