@@ -30,6 +30,7 @@ from symosc.engine.arithmetic import (
     pairs_as_complex,
 )
 from symosc.engine.batch import (
+    LOOK_AHEAD,
     NEGLIGIBLE,
     PIECE_COLUMNS,
     STATE_WIDTH,
@@ -55,7 +56,7 @@ from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, RUNNING, UNDE
 from symosc.engine.summary import no_tally
 from symosc.errors import ParameterError
 from symosc.exact import show
-from symosc.simulation.batch import FOLLOW, TURN, chosen_loops, joined, loaded_loop
+from symosc.simulation.batch import FOLLOW, TURN, InterpretBudget, chosen_loops, joined, loaded_loop
 
 # Events of the first block of a motion and of the largest one.
 FIRST_BLOCK, LARGEST_BLOCK = 64, 1 << 15
@@ -71,6 +72,8 @@ SAFETY = 100
 # The working precision where doubles do not decide, or are not accurate enough: what these leave open comes before an
 # event whose errors are not negligible beside its rounding to doubles.
 FINER_DIGITS = 44
+# The searches for single events that are interpreted before they are compiled: where the event loop is loaded too.
+SEARCHES = InterpretBudget(150_000)
 # A contact that is undecided with this many times the digits may be a graze.
 GRAZE_TIMES, GRAZE_SPARE = 3, 20
 # Digits up to which also the fast root of an overdamped system counts, and up to which grazes are confirmed.
@@ -112,13 +115,14 @@ class SearchInDoubles:
         self._rows[0, 13:16] = *last_time(start, arithmetic), float(start.t0)
         plain: tuple[Any, ...] = search_row, doubt_row
         found = tuple(functions.get(each.__name__, each) for each in plain)
-        compiled = bool(functions) and all(map(is_compiled, found))
+        compiled = bool(functions) and (SEARCHES.events <= 0 or all(map(is_compiled, found)))
         self._search, self._doubt = found if compiled else plain
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (arithmetic.K, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
         """Return the next event and, if it is undecided, for how long the flight meets no wall; None on overflow."""
         keep_state(self._rows, 0, state)
+        SEARCHES.events -= 1
         try:
             code, boundary, decided, t_error, free = self._search(self._rows, self._careful)
             mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, _, _, _, s, c, theta_low = self._rows[0].tolist()
@@ -130,6 +134,7 @@ class SearchInDoubles:
     def next_doubt(self, state: State, count: int, limits: Limits) -> int:
         """Return the number of the next event after `count` that doubles cannot decide; 0 if there is none soon."""
         keep_state(self._rows, 0, state)
+        SEARCHES.events -= LOOK_AHEAD
         try:
             return int(self._doubt(self._rows, count, limits.most, limits.accuracy, self._K))
         except (ArithmeticError, ValueError):
