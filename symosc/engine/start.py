@@ -221,15 +221,14 @@ def settles(start: Start) -> bool:
     return True
 
 
-def rounded(state: State, start: Start) -> State:
-    """Round a state to double precision; add the rounding to its error."""
-    theta, x, v, Fb, Fa, t = (float(value) for value in (state.theta, state.x, state.v, state.Fb, state.Fa, state.t))
-    s, c = float(state.s), float(state.c)
-    gain = Arithmetic(start.parameters).K.Om_gain  # see `symosc.engine.flow.clock_time`
-    t_low = float(state.t - t + state.t_low) - (t - float(start.t0)) * gain
-    theta_low = float(state.theta - theta + state.theta_low)
-    S = Covariance(*rounded_covariance(state.at, x, v, *(float(value) for value in state.S)))
-    return State(*state[:3], theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
+def rounded(state: State, t0: float, gain: float) -> State:
+    """Round a state to double precision and add the rounding to its error; `gain` is `Om_gain` of the constants."""
+    mode, at, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low = state
+    high, phase, x, v = float(t), float(theta), float(x), float(v)
+    low = float(t - high + t_low) - (high - t0) * gain  # see `symosc.engine.flow.clock_time`
+    S = Covariance(*rounded_covariance(at, x, v, float(S.S11), float(S.S12), float(S.S22)))
+    rest = float(theta - phase + theta_low)
+    return State(mode, at, n, phase, x, v, float(Fb), float(Fa), S, high, low, float(s), float(c), rest)
 
 
 def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
@@ -255,6 +254,8 @@ def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
             theta, t, x = theta + K.Om * shift, t + shift, x + v * shift
             phase = sine_and_cosine(theta, arithmetic)
             Fb, Fa = forces()
+            if abs(shift) <= arithmetic.namespace["EPS"] * K.period:
+                break
         Fb, Fa, missing = 0 * x, 0 * x, abs(Fb) * K.period
     Fb, Fa = (0 * x if given == 0 else force for given, force in ((state.Fb, Fb), (state.Fa, Fa)))
     dx, dv = (abs(x) / K.period + abs(v)) * part, missing

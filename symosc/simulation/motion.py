@@ -30,6 +30,7 @@ from symosc.engine.arithmetic import (
     pairs_as_complex,
 )
 from symosc.engine.batch import (
+    LOOK_AHEAD,
     NEGLIGIBLE,
     PIECE_COLUMNS,
     STATE_WIDTH,
@@ -55,7 +56,7 @@ from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, RUNNING, UNDE
 from symosc.engine.summary import no_tally
 from symosc.errors import ParameterError
 from symosc.exact import show
-from symosc.simulation.batch import FOLLOW, TURN, chosen_loops, joined, loaded_loop
+from symosc.simulation.batch import FOLLOW, TURN, InterpretBudget, chosen_loops, joined, loaded_loop
 
 # Events of the first block of a motion and of the largest one.
 FIRST_BLOCK, LARGEST_BLOCK = 64, 1 << 15
@@ -71,6 +72,8 @@ SAFETY = 100
 # The working precision where doubles do not decide, or are not accurate enough: what these leave open comes before an
 # event whose errors are not negligible beside its rounding to doubles.
 FINER_DIGITS = 44
+# The searches for single events that are interpreted before they are compiled: where the event loop is loaded too.
+SEARCHES = InterpretBudget(150_000)
 # A contact that is undecided with this many times the digits may be a graze.
 GRAZE_TIMES, GRAZE_SPARE = 3, 20
 # Digits up to which also the fast root of an overdamped system counts, and up to which grazes are confirmed.
@@ -112,22 +115,26 @@ class SearchInDoubles:
         self._rows[0, 13:16] = *last_time(start, arithmetic), float(start.t0)
         plain: tuple[Any, ...] = search_row, doubt_row
         found = tuple(functions.get(each.__name__, each) for each in plain)
-        compiled = bool(functions) and all(map(is_compiled, found))
+        compiled = bool(functions) and (SEARCHES.events <= 0 or all(map(is_compiled, found)))
         self._search, self._doubt = found if compiled else plain
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (arithmetic.K, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
         """Return the next event and, if it is undecided, for how long the flight meets no wall; None on overflow."""
         keep_state(self._rows, 0, state)
+        SEARCHES.events -= 1
         try:
             code, boundary, decided, t_error, free = self._search(self._rows, self._careful)
-            return NextEvent(code, boundary, decided, t_error, state_of(self._rows.tolist(), 0)), free
+            mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, _, _, _, s, c, theta_low = self._rows[0].tolist()
+            now = int(mode), int(at), int(n), theta, x, v, Fb, Fa, Covariance(S11, S12, S22)
+            return NextEvent(code, boundary, decided, t_error, State(*now, t, t_low, s, c, theta_low)), free
         except (ArithmeticError, ValueError):
             return None
 
     def next_doubt(self, state: State, count: int, limits: Limits) -> int:
         """Return the number of the next event after `count` that doubles cannot decide; 0 if there is none soon."""
         keep_state(self._rows, 0, state)
+        SEARCHES.events -= LOOK_AHEAD
         try:
             return int(self._doubt(self._rows, count, limits.most, limits.accuracy, self._K))
         except (ArithmeticError, ValueError):
@@ -217,13 +224,12 @@ class Motion:
     ) -> None:
         own = many_digits(start.parameters, digits) if isinstance(digits, int) else digits
         self.start, self.arithmetic, self.digits = start, own, own.digits
-        state = first_state(start, own)
-        self.t0, self.first_at, self.K = state.t, state.at, own.inner_K
+        state, (self.t0, t0_low) = begin or first_state(start, own), own.time(start.t0)
+        self.first_at, self.K, self._begin = state.at, own.inner_K, own.inward((self.t0, t0_low))
         self._t0_low = own.inward(own.number(start.t0 - Fraction(float(start.t0))))
         if start.start_error:  # rounding is far below it, and it is no standard error
             self.K = self.K._replace(sigmas=own.inward(own.number(Fraction(1))))
-        self._first, self._end = own.inward(state), own.inward(last_time(start, own))
-        self._state: State = own.inward(begin) if begin else self._first
+        self._state, self._end = own.inward(state), own.inward(last_time(start, own))
         self._search: SearchInDoubles | None = None
         if own.advance_near and not start.start_error:
             self._search = SearchInDoubles(start, K or Arithmetic(start.parameters).K)
@@ -231,6 +237,7 @@ class Motion:
         self._events, self._columns = list[tuple[Any, tuple[int, ...]]](), list[tuple[Any, ...]]()
         self.code, self.decided, self.grazes_only = 0, True, True
         self._rough: State | None = None  # the state in doubles
+        self._rounded_t0, self._rounded_gain = float(start.t0), Arithmetic(start.parameters).K.Om_gain
         self._record_piece(0.0)
 
     def missing_digits(self, digits: int) -> int:
@@ -301,7 +308,7 @@ class Motion:
             self._record_piece(self._elapsed())
             if found.code <= GRAZE:
                 s = found.state
-                clock = own.time_with_errors(s.t, s.t_low, self._first.t, s.x, s.v, found.t_error, s.S.S11, self.K)
+                clock = own.time_with_errors(s.t, s.t_low, self._begin[0], s.x, s.v, found.t_error, s.S.S11, self.K)
                 self._record_event(before, found, clock)
                 self.grazes_only = self.grazes_only and found.code == GRAZE
         finally:
@@ -328,15 +335,15 @@ class Motion:
 
     def _elapsed(self) -> Number:
         """Return the time since t0, in the motion's arithmetic."""
-        since = self._state.t - self._first.t
-        return since + ((self._state.t_low - self._first.t_low) + since * self.K.Om_gain)
+        since, before = self._state.t - self._begin[0], self._begin[1]
+        return since + ((self._state.t_low - before) + since * self.K.Om_gain)
 
     def rounded_state(self) -> State:
         """Return the current state in doubles."""
         if self._rough is None:
             entered = self.arithmetic.enter()
             try:
-                self._rough = rounded(self._state, self.start)
+                self._rough = rounded(self._state, self._rounded_t0, self._rounded_gain)
             finally:
                 self.arithmetic.leave(entered)
         return self._rough
@@ -380,7 +387,7 @@ class MotionInPairs:
         self._follow, self._K = loops.follow_pairs, pair_constants(start.parameters)
         self._limits = PairLimits(limits.most, limits.accuracy, MOST_EVER, limits.noise, *tables)
         self._pairs = np.array([pairs_as_complex(tuple(row_of(state, *last_time(start, exact))))])
-        self._batch = batch_of(np.array([doubles.batch_row(rounded(state, start))]))
+        self._batch = batch_of(np.array([doubles.batch_row(rounded(state, float(start.t0), doubles.K.Om_gain))]))
         self._rows, self._pieces = list[EventRows](), list[np.ndarray]()
         self.goal = 0  # the number of events to come to
 

@@ -8,6 +8,7 @@ working precision is raised until every event is known to that many digits.
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 from math import inf, isinf
 from typing import Any
 
@@ -272,6 +273,6 @@ def _in_columns(motion: MotionInDoubles, status: str, message: str, last: float)
 def _in_digits(motion: Motion, status: str, message: str, last: Number, digits: int) -> Trajectory:
     """Return a motion with many digits, which ends at a time, as a Trajectory with fewer."""
     context = mp_context(digits)
-    found = motion.events_in(context), motion.columns(), status, message
+    found = partial(motion.events_in, context), motion.columns(), status, message
     span = context.convert(motion.t0), context.convert(last)
     return Trajectory(motion.start.parameters, *found, span, motion.first_at, digits)

@@ -6,7 +6,7 @@ import csv
 import io
 import json
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -105,7 +105,7 @@ class Trajectory(Drawable):
     def __init__(
         self,
         parameters: Parameters,
-        events: Sequence[Event] | EventRows,
+        events: Callable[[], Sequence[Event]] | EventRows,
         pieces: np.ndarray,
         status: str,
         message: str,
@@ -115,17 +115,26 @@ class Trajectory(Drawable):
     ) -> None:
         self.parameters, self.status, self.message, self.digits = parameters, status, message, digits
         self.t_start, self.t_end = span
-        self._rows, self._pieces, self._first_at, self._t0 = events, pieces, first_at, float(self.t_start)
+        self._rows: Any = events
+        self._pieces, self._first_at, self._t0 = pieces, first_at, float(self.t_start)
         self._K = Arithmetic(parameters).K  # they are kept
 
     @cached_property
     def events(self) -> Listing[Event]:
         """The events in order of time."""
-        return Listing(events_from(self._rows) if isinstance(self._rows, EventRows) else self._rows)
+        if isinstance(self._rows, EventRows):
+            return Listing(events_from(self._rows))
+        made, self._rows = Listing(self._rows()), None  # what makes them, the whole motion, is no longer needed
+        return made
+
+    def __getstate__(self) -> dict[str, Any]:
+        if callable(self._rows):
+            len(self.events)  # made now, as what makes them cannot be pickled
+        return self.__dict__
 
     def rows(self) -> EventRows:
         """Return the events as columns of doubles."""
-        return self._rows if isinstance(self._rows, EventRows) else rows_of(0, self._rows)
+        return self._rows if isinstance(self._rows, EventRows) else rows_of(0, self.events)
 
     @cached_property
     def segments(self) -> Listing[Segment]:
@@ -171,7 +180,8 @@ class Trajectory(Drawable):
         """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` = 1, 2 or 3 would give, at times `t`."""
         times, K = read_times(t), self._K
         A = (K.A1, K.A2, K.A3)[whole_number("alpha", alpha, 1, 3) - 1]
-        forces = acceleration(*self._states(times), A, K.cm, K.w0sq, K.f0)
+        x, v, c = self._states(times)
+        forces = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
         return forces.reshape(times.shape) if times.ndim else forces.item()
 
     def _check_times(self, times: np.ndarray) -> None:
@@ -348,9 +358,8 @@ class MovedTrajectory(Trajectory):
         if reduced.status != "t_end":
             message = f"{reduced.message} (of the oscillator that the model is; its time is {float(delay):.6g} less)"
             end = end if reduced.status == "equilibrium" else reduced.t_end + delay
-        span, events = (number(original.t0), end), [self._event(event) for event in reduced.events]
-        found = reduced.parameters, events, reduced._pieces, reduced.status, message
-        super().__init__(*found, span, reduced._first_at, reduced.digits)
+        found = reduced._pieces, reduced.status, message, (number(original.t0), end), reduced._first_at, reduced.digits
+        super().__init__(reduced.parameters, lambda: [self._event(event) for event in reduced.events], *found)
 
     def _event(self, event: Event) -> Event:
         """Return an event in the coordinates of the model."""

@@ -86,7 +86,7 @@ def pairs_of_steps(start: Start, most: int = 25) -> Iterator[tuple[Motion, Any, 
     path = Motion(start, arithmetic)
     end = last_time(start, doubles)
     for _ in range(most):
-        rough = rounded(path.state, start)
+        rough = rounded(path.state, float(start.t0), doubles.K.Om_gain)
         yield path, path._state, path._end, rough, doubles.advance(rough, *end, doubles.K)
         path.step()
         if path.ended:
