@@ -20,24 +20,13 @@ from symosc.engine import batch as engine_batch
 from symosc.engine import flow, summary
 from symosc.engine.arithmetic import (
     Arithmetic,
-    PairLimits,
     compiled,
     compiled_pairs,
     compiled_tangents,
     is_compiled,
     pair_constants,
 )
-from symosc.engine.batch import (
-    NO_PIECES,
-    STATE_WIDTH,
-    Batch,
-    EventRows,
-    batch_of,
-    contiguous_copy,
-    event_buffer,
-    row_of,
-    rows_between,
-)
+from symosc.engine.batch import NO_PIECES, STATE_WIDTH, Batch, EventRows, batch_of, event_buffer, rows_between
 from symosc.engine.constant_table import ROW, ConstantRows, table_of
 from symosc.engine.start import Start, first_state, last_time
 from symosc.engine.summary import Tally, no_tally
@@ -147,7 +136,7 @@ def follow_batch(
     while begin < len(batch.states):
         begin, filled, _ = follow(begin, batch, most, accuracy, buffer, NO_PIECES, tally, table)
         filled = 0 if len(tally.floats) else filled
-        yield EventRows(*(contiguous_copy(columns[:, :filled]) for columns in buffer))
+        yield EventRows(*(engine_batch.contiguous_copy(columns[:, :filled]) for columns in buffer))
 
 
 def joined(parts: Iterable[EventRows]) -> EventRows:
@@ -241,11 +230,11 @@ def warm() -> list[Warmed]:
     start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
     arithmetic, K = Arithmetic(scene.parameters), pair_constants(scene.parameters)
     table, batch, out = table_of([arithmetic.K]), batch_of(none), event_buffer(0)
-    row = np.array([row_of(first_state(start, arithmetic), *last_time(start, arithmetic))])
+    row = np.array([engine_batch.row_of(first_state(start, arithmetic), *last_time(start, arithmetic))])
     columns = *(np.zeros(0),) * 4, *(nothing,) * 3
     changes = *(np.zeros((0, 1)),) * 2, np.zeros((0, 1), np.int8), np.zeros(0, np.int8), np.zeros((0, 2))
     of_motions, letters, work = np.zeros((0, 5)), np.zeros((0, 4)), np.zeros((8, 11))
-    pair_rows, limits = none.astype(complex), PairLimits(1, 1.0, 0, 1.0, table, table)
+    pair_rows, limits = none.astype(complex), engine_batch.PairLimits(1, 1.0, 0, 1.0, table, table)
     calls: dict[str, list[tuple[Any, tuple[Any, ...]]]] = {
         "events in doubles": [
             (loops.march_rows, (table, np.zeros((1, 2, 7)))),

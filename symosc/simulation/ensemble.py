@@ -51,17 +51,7 @@ from symosc.engine.state import (
     NextEvent,
     State,
 )
-from symosc.engine.summary import (
-    LEAST_RING,
-    LONGEST_REPEAT,
-    Kept,
-    Tally,
-    finish_tally,
-    no_tally,
-    select_tallies,
-    store_tallies,
-    tally_step,
-)
+from symosc.engine.summary import Kept, Tally, finish_tally, no_tally, select_tallies, store_tallies, tally_step
 from symosc.engine.tangent import Letters
 from symosc.errors import ParameterError
 from symosc.exact import read_start_error, whole_number
@@ -213,7 +203,7 @@ class Chunk:
         for i, trajectory in self.alone.items():
             again[i] = trajectory.rows()
             again[i].ints[0] = i
-        self.rows = spliced(self.rows, again) if again else self.rows
+        self.rows = with_replaced(self.rows, again) if again else self.rows
         self.status = self._statuses()
 
     def problem(self, i: int) -> Start:
@@ -266,7 +256,7 @@ class Chunk:
         pairs, tally = np.array([pairs_as_complex(tuple(row)) for row in rows]), select_tallies(self.tally, members)
         states, sets, counts, codes = (column[members] for column in self.batch)
         batch, wanted = batch_of(states, sets), counts + (codes == UNDECIDED)
-        going = PairLimits(most, self._needed, MOST_MORE, PAIR_NOISE, self.table, sure(self.table))
+        going = PairLimits(most, self._needed, MOST_MORE, PAIR_NOISE, self.table, careful_table(self.table))
         waiting = np.arange(len(pairs))
         while len(waiting):
             events = wanted - batch.counts
@@ -311,7 +301,7 @@ class Chunk:
         return status
 
 
-def spliced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[EventRows]:
+def with_replaced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[EventRows]:
     """Replace the event rows of the motions in `again`; return all rows in order of motion and time."""
     members, pieces = np.array(sorted(again), np.int64), list(again.values())
     for part in parts:
@@ -321,7 +311,7 @@ def spliced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[Eve
     return sorted((piece for piece in pieces if piece.ints.shape[1]), key=lambda piece: int(piece.ints[0, 0]))
 
 
-def sure(table: np.ndarray) -> np.ndarray:
+def careful_table(table: np.ndarray) -> np.ndarray:
     """Return a table of constants whose decisions exceed the errors of a state, whatever accuracy is asked for."""
     if len(table) and (table["sigmas"] == 0.0).any():
         table = table.copy()
@@ -374,7 +364,7 @@ class SummaryRequest:
     def begun(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
         """Return the tally of some motions (a slice, or numbers) at their starts."""
         repeats, extremes = "multiplicity" in self, not EXTREMES.keys().isdisjoint(self.names)
-        ring = 2 * LONGEST_REPEAT if repeats else LEAST_RING if "word" in self or "section" in self else 0
+        ring = 2 * kept.LONGEST_REPEAT if repeats else kept.LEAST_RING if "word" in self or "section" in self else 0
         ring = max(ring, self.sections) if "section" in self else ring
         words = longest if "word" in self else 0
         asked = Kept("stuck" in self, repeats or extremes, extremes, ring, words)
