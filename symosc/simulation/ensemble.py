@@ -234,13 +234,13 @@ class Chunk:
 
     def _in_pairs(self, members: list[int]) -> dict[int, EventRows]:
         """Follow motions in pairs of doubles as far as these decide; return their events by motion number."""
-        found: dict[int, EventRows] = {}
-        groups: dict[int, list[int]] = {}
+        found, groups = dict[int, EventRows](), dict[int, dict[int, Start]]()
         for i in members:
-            if fits_pairs(self.problem(i)):
-                groups.setdefault(int(self.batch.sets[i]), []).append(i)
-        for some in groups.values():
-            events = joined(self._escalate(self.task.problems.sets[self._first + some[0]], some))
+            if fits_pairs(start := self.problem(i)):
+                groups.setdefault(int(self.batch.sets[i]), {})[i] = start
+        for starts in groups.values():
+            some = list(starts)
+            events = joined(self._escalate(some, list(starts.values())))
             order = np.argsort(events.ints[0], kind="stable")
             events = EventRows(*(columns[:, order] for columns in events))
             cuts = np.searchsorted(events.ints[0], np.arange(len(some) + 1)).tolist()
@@ -248,11 +248,12 @@ class Chunk:
             found |= {i: rows_between(events, *cut) for i, cut in zip(some, pairwise(cuts), strict=True)}
         return found
 
-    def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
+    def _escalate(self, members: list[int], starts: list[Start]) -> Iterator[EventRows]:
         """Follow motions of one parameter set in pairs past an event undecided in doubles, then in doubles."""
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
-        most, exact, K = self.task.most, many_digits(parameters, ROUNDED_FROM), pair_constants(parameters)
-        rows = (row_of(first_state(start, exact), *last_time(start, exact)) for start in map(self.problem, members))
+        most, parameters = self.task.most, starts[0].parameters
+        exact, K = many_digits(parameters, ROUNDED_FROM), pair_constants(parameters)
+        rows = (row_of(first_state(start, exact), *last_time(start, exact)) for start in starts)
         pairs, tally = np.array([pairs_as_complex(tuple(row)) for row in rows]), select_tallies(self.tally, members)
         states, sets, counts, codes = (column[members] for column in self.batch)
         batch, wanted = batch_of(states, sets), counts + (codes == UNDECIDED)
