@@ -58,9 +58,9 @@ CONSTANTS = (bool, int, float, complex, str)
 OUTLINED = """
     advance_near apart_from_walls behind_flat_start block block_of_sets careful cell_extremes cell_within
     closest_approach creeps_for_ever cut_at doubt_row finish_tally flight_extremes flown follow_all follow_group
-    follow_lanes follow_one free_time graze_belt march_rows newton_root next_undecided no_contact parts_again
-    periods point_at_end resolve rest_stretches search_row searched section series settle slow_passing_time
-    stationary stays_closed stepped stiff_derivatives tally_lanes tolerance within
+    follow_lanes follow_one free_time gap_reopens gap_stays_zero graze_belt march_rows newton_root next_undecided
+    no_contact periods point_at_end resolve rest_stretches search_row searched section series settle
+    slow_passing_time stationary stepped stiff_derivatives tally_lanes tolerance within
 """
 
 

@@ -220,7 +220,7 @@ class Marched(NamedTuple):
     now: Flown  # up to there no wall is met; without dx and the entire functions
     M4: Number  # the bound of the fourth derivative from there on
     side: int  # of the wall that is met in the next step, there once and for sure; 0: the next step is not decided
-    there: Flown  # the end of that step, without its last two derivatives (`whole`)
+    there: Flown  # the end of that step, without its last two derivatives (`with_derivatives`)
 
 
 def march(tau_max, v0, now, walls, margin, K):
@@ -255,7 +255,7 @@ def march(tau_max, v0, now, walls, margin, K):
             if not K.slow_drive:
                 continue
         elif not long and (since == now.tau or not gaps_exceed(0.0, there.dv, walls)):
-            now = whole(now, v0, K)
+            now = with_derivatives(now, v0, K)
             M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
             side = -1 if free_above and meets_once(-1, now, there, M4, slack, walls) else 0
             side = 1 if free_below and meets_once(1, now, there, M4, slack, walls) else side
@@ -263,7 +263,7 @@ def march(tau_max, v0, now, walls, margin, K):
         else:
             long = False
         if since < now.tau:  # the bound never grows: until here one of an earlier time was good enough
-            now, since = whole(now, v0, K), now.tau
+            now, since = with_derivatives(now, v0, K), now.tau
             M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
         # with the free motion gone, steps of their own length go farther
         if K.slow_drive and gaps_exceed(wide * M4, now.dv, walls):
@@ -296,7 +296,7 @@ def lifted(h, M4, slack):
     return 0.25 * SIXTH * SIXTH * (h * h) * (h * h) * M4 + slack
 
 
-def whole(now, v0, K):
+def with_derivatives(now, v0, K):
     """Complete a point of a flight by its derivatives; the launch stays as it is, so that exact zeros stay exact."""
     if now.tau == 0.0:
         return now
@@ -386,7 +386,7 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
                 free = positive_on(back, (gap - allowed, -slope, 0.5 * bend, third, -0.25 * SIXTH * M4))
                 return (NOTHING if free and back > 0.0 else STALLED), tau
             if abs(shift) >= 0.9 * last or shift == 0.0:  # as near as rounding allows
-                return (TANGENCY if parts_again(tau, side, start, walls, S, K) else LOST), tau
+                return (TANGENCY if gap_reopens(tau, side, start, walls, S, K) else LOST), tau
         last = abs(shift)
         tau = tau + shift
         if tau < earliest:
@@ -394,7 +394,7 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
     return LOST, tau
 
 
-def parts_again(tau, side, start, walls, S, K):
+def gap_reopens(tau, side, start, walls, S, K):
     """Return whether a gap that is 0 within its error at `tau` is certainly not 0 soon afterwards."""
     for rate in (K.rate, K.Om):
         now = state_at(tau + 0.5 / rate, start, K)
@@ -403,21 +403,21 @@ def parts_again(tau, side, start, walls, S, K):
     return False
 
 
-def stays_closed(tau, side, start, walls, S, K):
+def gap_stays_zero(tau, side, start, walls, S, K):
     """Return whether a gap is 0 within its error on an interval around `tau`."""
     now = state_at(tau, start, K)
     allowed = tolerance(side, now, start, walls, S, K)
     return gap_to(side, now, walls) <= allowed and abs(now.F) <= allowed * K.rate / SOON
 
 
-def closed_side(now, thin, start, walls, S, K):
+def side_of_zero_gap(now, thin, start, walls, S, K):
     """Return the side (-1, 1) of a wall to which the gap is 0 within its error for a while; 0 if there is none."""
     below, above, away = walls.below + now.dv, walls.above - now.dv, now.tau > 0.0
     thin_below = walls.has_below and below * below < thin and (away or not walls.on_below)
     thin_above = walls.has_above and above * above < thin and (away or not walls.on_above)
-    if thin_below and stays_closed(now.tau, -1, start, walls, S, K):
+    if thin_below and gap_stays_zero(now.tau, -1, start, walls, S, K):
         return -1
-    if thin_above and stays_closed(now.tau, 1, start, walls, S, K):
+    if thin_above and gap_stays_zero(now.tau, 1, start, walls, S, K):
         return 1
     return 0
 
@@ -439,7 +439,7 @@ def first_exit(tau_max, start, walls, S, K):
             if part < 0.5:
                 tau = now.tau + sharpened(part * h, side, now, walls, K)
             else:
-                tau = there.tau + sharpened((part - 1.0) * h, side, whole(there, v0, K), walls, K)
+                tau = there.tau + sharpened((part - 1.0) * h, side, with_derivatives(there, v0, K), walls, K)
             return polish(tau, now.tau, there.tau, side, start, walls, K)
     else:
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
@@ -489,7 +489,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
     code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
     crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
     for _ in range(MOST_STEPS):
-        side = closed_side(now, thin, start, walls, S, K)
+        side = side_of_zero_gap(now, thin, start, walls, S, K)
         if side != 0 or now.tau >= tau_max:
             code = STALLED if side != 0 else NOTHING
             break
@@ -628,13 +628,13 @@ def shifted(now, shift, v0, K):
 # --- sticks ---
 
 
-def gain(tau, s0, c0, belt, K):
+def force_gain(tau, s0, c0, belt, K):
     """Return the gain Delta of the forces on a belt at tau after a stick began, and sine and cosine of the phase."""
     half = 0.5 * K.Om * tau
-    return gained(tau, sin(half), cos(half), s0, c0, belt, K)
+    return force_gain_at(tau, sin(half), cos(half), s0, c0, belt, K)
 
 
-def gained(tau, s, c, s0, c0, belt, K):
+def force_gain_at(tau, s, c, s0, c0, belt, K):
     """Return the gain Delta of the forces, and sine and cosine of the phase, given those of half the phase gained."""
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
     Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
@@ -642,21 +642,21 @@ def gained(tau, s, c, s0, c0, belt, K):
     return Delta, s0 * c_Om + c0 * s_Om, c0 * c_Om - s0 * s_Om
 
 
-def slopes(s, c, belt, K):
+def force_slopes(s, c, belt, K):
     """Return Delta' and Delta'', the first two derivatives of the forces on a belt, at a phase."""
     return belt.drift - K.fB * s, -K.fB * K.Om * c
 
 
-def wrapped(angle):
+def wrap_phase(angle):
     """Return an angle between -4 pi and 4 pi moved into [0, 2 pi)."""
     angle = select(angle < 0.0, angle + 2.0 * PI, angle)
     angle = select(angle < 0.0, angle + 2.0 * PI, angle)
     return select(angle >= 2.0 * PI, angle - 2.0 * PI, angle)
 
 
-def ahead(angle):
+def phase_ahead(angle):
     """Return the distance in [0, 2 pi) to a phase ahead; a phase that is reached within rounding counts as passed."""
-    angle = wrapped(angle)
+    angle = wrap_phase(angle)
     return select((angle < SAME_PHASE * EPS) | (2.0 * PI - angle < SAME_PHASE * EPS), 0.0 * angle, angle)
 
 
@@ -669,7 +669,7 @@ def belt_exit(tau_max, held, belt, K):
     tau, Delta, s, c, c_end = zero, zero, held.s, held.c, held.c
     first, second, c_first = tau_max, tau_max, belt.c_cr  # the next two times at which Delta turns
     if belt.turns:
-        first, second = ahead(belt.angle - held.theta) / K.Om, ahead(PI - belt.angle - held.theta) / K.Om
+        first, second = phase_ahead(belt.angle - held.theta) / K.Om, phase_ahead(PI - belt.angle - held.theta) / K.Om
         if second < first:
             first, second, c_first = second, first, -belt.c_cr
     turns_at_period = belt.turns and (first == 0.0 or second == 0.0)
@@ -685,7 +685,7 @@ def belt_exit(tau_max, held, belt, K):
         elif end == K.period:
             Delta_end = belt.drift * end
         else:
-            Delta_end, _, _ = gain(end, held.s, held.c, belt, K)
+            Delta_end, _, _ = force_gain(end, held.s, held.c, belt, K)
         if Delta_end == Delta:  # constant forces
             tau = end
             continue
@@ -715,7 +715,7 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
     tau, over = low, force + Delta
     # The inflection of Delta (cos(theta) = 0), where it is steepest and s and c are known, begins nearer to the root.
     sine = 1.0 if side * K.fB < 0.0 else -1.0
-    inflection = wrapped(0.5 * sine * PI - held.theta) / K.Om
+    inflection = wrap_phase(0.5 * sine * PI - held.theta) / K.Om
     if low < inflection < high:
         there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
         if abs(there) < abs(over):
@@ -724,7 +724,7 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
             high = inflection
         else:
             low = inflection
-    slope, bend = slopes(s, c, belt, K)
+    slope, bend = force_slopes(s, c, belt, K)
     Om2 = K.Om * K.Om
     slack, step_before, exact = 4.0 * EPS * high, 2.0 * (high - low), False
     for _ in range(MOST_STICK_STEPS):
@@ -748,8 +748,8 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
         if tau + step == tau:  # the bracket is as narrow as it gets
             return StickEnd(HIT, side, tau, -force, slope, bend, s, c)
         tau, exact = tau + step, True
-        Delta, s, c = gain(tau, held.s, held.c, belt, K)
-        slope, bend = slopes(s, c, belt, K)
+        Delta, s, c = force_gain(tau, held.s, held.c, belt, K)
+        slope, bend = force_slopes(s, c, belt, K)
         over = force + Delta
         if side * over > 0.0:
             high = tau
@@ -765,7 +765,7 @@ def is_beside(over, slope, bend, K):
 
 def slips_at(tau, step, side, Delta, s, c, belt, K):
     """Return the end of a stick at tau + step, given sine and cosine of the phase at tau."""
-    slope, bend = slopes(s, c, belt, K)
+    slope, bend = force_slopes(s, c, belt, K)
     third = K.Om * K.Om * (belt.drift - slope)
     incline = slope + (bend + 0.5 * third * step) * step
     s, c = turned(s, c, K.Om * step)

@@ -24,11 +24,11 @@ from symosc.engine.first_exit import (
     PI,
     ROUNDING,
     THIN,
-    ahead,
+    force_gain_at,
     force_noise,
+    force_slopes,
     fourth_derivative_bound,
     free_motion,
-    gained,
     gap_to,
     is_beside,
     lifted,
@@ -36,13 +36,13 @@ from symosc.engine.first_exit import (
     meets_once,
     opens,
     part_to_root,
+    phase_ahead,
     root_by_series,
     sharpened,
     shifted,
     slips_at,
-    slopes,
     stays_open,
-    wrapped,
+    wrap_phase,
 )
 from symosc.engine.flow import BeltConstants, MarchConstants, constant_force, derivatives
 from symosc.engine.next_event import (
@@ -50,7 +50,7 @@ from symosc.engine.next_event import (
     PAST_END,
     TWO_PI,
     TWO_PI_REST,
-    added,
+    advance_time,
     carried_error,
     flight_noise,
     in_two_parts,
@@ -139,8 +139,8 @@ def fly(state, remaining, K):
     # what `after_flight` does
     x_noise, v_noise = flight_noise(state, now, K)
     S = carried_error(S, now, x_noise, v_noise, K)
-    late, n, theta, theta_low, s, c = phase_later(n, theta, theta_low, now.s, now.c, tau, K)
-    t, t_low = added(t, t_low, tau, K)
+    late, n, theta, theta_low, s, c = advance_phases(n, theta, theta_low, now.s, now.c, tau, K)
+    t, t_low = advance_time(t, t_low, tau, K)
     x = x + now.dx
     upward = side > 0.0
     boundary = select(upward, mode, mode - 1.0)
@@ -273,8 +273,8 @@ def flown_side_by_side(tau, v0, F0, s0, c0, K):
     return Flown(tau, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2)
 
 
-def phase_later(n, theta, theta_low, s, c, tau, K):
-    """Return (late, n, theta, theta_low, s, c) of phases `tau` later (`later`); late: not within the next turn."""
+def advance_phases(n, theta, theta_low, s, c, tau, K):
+    """Return (late, n, theta, theta_low, s, c) of phases after `tau` (`advance_phase`); late: not in the next turn."""
     theta, theta_low = phase_after(theta, theta_low, tau, K)
     turned = theta >= TWO_PI
     theta, theta_low = select(turned, theta - TWO_PI, theta), select(turned, theta_low - TWO_PI_REST, theta_low)
@@ -304,8 +304,8 @@ def slip(state, remaining, K):
     noise, zero = EPS * (abs(x) + 2.0 * abs(v) * tau), 0.0 * Fb
     S = Covariance(S.S11 + noise * noise, zero, zero)
     x = x + v * tau
-    late, n, theta, theta_low, s, c = phase_later(n, theta, theta_low, s, c, tau, K)
-    t, t_low = added(t, t_low, tau, K)
+    late, n, theta, theta_low, s, c = advance_phases(n, theta, theta_low, s, c, tau, K)
+    t, t_low = advance_time(t, t_low, tau, K)
     target = select(side < 0.0, boundary, boundary + 1.0)
     terms = abs(constant_force(target, K)) + belt.J + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
     force_error = K.w0sq * sqrt(S.S11) + EPS * (abs(belt.drift) * tau + terms)
@@ -317,7 +317,7 @@ def slip(state, remaining, K):
 def end_of_stick(held, belt, K):
     """Return (good, force, side, low, high, Delta, s, c): the monotone piece in which a stick ends (`belt_exit`)."""
     zero, period = 0.0 * held.theta, K.period
-    first, second = ahead(belt.angle - held.theta) / K.Om, ahead(PI - belt.angle - held.theta) / K.Om
+    first, second = phase_ahead(belt.angle - held.theta) / K.Om, phase_ahead(PI - belt.angle - held.theta) / K.Om
     swap = belt.turns & (second < first)
     first, second = select(swap, second, first), select(swap, first, second)
     first, second = select(belt.turns, first, period), select(belt.turns, second, period)
@@ -354,7 +354,7 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
     """Return (good, tau, slope, bend, s, c): the roots of the force in monotone pieces (`exit_root`)."""
     tau, over = low, force + Delta
     sine = select(side * K.fB < 0.0, 1.0, -1.0)
-    inflection = wrapped(0.5 * sine * PI - held.theta) / K.Om
+    inflection = wrap_phase(0.5 * sine * PI - held.theta) / K.Om
     between = (low < inflection) & (inflection < high)
     there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
     better = between & (abs(there) < abs(over))
@@ -362,7 +362,7 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
     tau, over = select(better, inflection, tau), select(better, there, over)
     beyond = side * there > 0.0
     low, high = select(between & ~beyond, inflection, low), select(between & beyond, inflection, high)
-    slope, bend = slopes(s, c, belt, K)
+    slope, bend = force_slopes(s, c, belt, K)
     Om2, slack, step_before = K.Om * K.Om, 4.0 * EPS * high, 2.0 * (high - low)
     pending, done, exact, shift = good, good & ~good, False, 0.0 * tau
     for _ in range(MOST_EVALUATIONS + 1):
@@ -388,9 +388,9 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
             step_before = select(pending, abs(step), step_before)
         pending = pending & (tau + step != tau)
         tau, exact = select(pending, tau + step, tau), True
-        Delta, sine, cosine = gain_side_by_side(tau, held.s, held.c, belt, K)
+        Delta, sine, cosine = force_gain_in_lanes(tau, held.s, held.c, belt, K)
         s, c = select(pending, sine, s), select(pending, cosine, c)
-        slope, bend = slopes(s, c, belt, K)
+        slope, bend = force_slopes(s, c, belt, K)
         over = force + Delta
         beyond = side * over > 0.0
         low, high = select(pending & ~beyond, tau, low), select(pending & beyond, tau, high)
@@ -398,10 +398,10 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
     return done, found.tau, found.slope, found.bend, found.s, found.c
 
 
-def gain_side_by_side(tau, s0, c0, belt, K):
-    """Return Delta, and sine and cosine of the phase (`symosc.engine.first_exit.gain`)."""
+def force_gain_in_lanes(tau, s0, c0, belt, K):
+    """Return Delta, and sine and cosine of the phase (`symosc.engine.first_exit.force_gain`)."""
     s, c = sine_cosine(0.5 * K.Om * tau)
-    return gained(tau, s, c, s0, c0, belt, K)
+    return force_gain_at(tau, s, c, s0, c0, belt, K)
 
 
 # --- many motions ---

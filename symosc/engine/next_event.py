@@ -33,9 +33,10 @@ from symosc.engine.first_exit import (
     ROUNDING,
     belt_exit,
     first_exit,
+    force_gain,
     force_noise,
+    force_slopes,
     fourth_derivative_bound,
-    gain,
     gap_to,
     local_root,
     march,
@@ -44,7 +45,6 @@ from symosc.engine.first_exit import (
     search_begin,
     shifted,
     slips_at,
-    slopes,
     tolerance,
 )
 from symosc.engine.flow import (
@@ -172,11 +172,11 @@ def after_flight(state, end, start, remaining, K):
     code, side, now = end
     x_noise, v_noise = flight_noise(state, now, K)
     S = carried_error(S, now, x_noise, v_noise, K)
-    turns, theta, theta_low = later(0, theta, theta_low, now.tau, K)
+    turns, theta, theta_low = advance_phase(0, theta, theta_low, now.tau, K)
     n, s, c = n + turns, now.s, now.c
     if turns > 0:
         s, c = sin(theta), cos(theta)
-    t, t_low = added(t, t_low, now.tau, K)
+    t, t_low = advance_time(t, t_low, now.tau, K)
     x, F = x + now.dx, now.F
     if code == NOTHING:
         there = State(mode, 0, n, theta, x, v + now.dv, F, F, S, t, t_low, s, c, theta_low)
@@ -343,8 +343,8 @@ def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
     if F * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind
         shift = min(-F / G1, remaining - tau)
         x = x + (v + (0.5 * F + SIXTH * G1 * shift) * shift) * shift
-        n, theta, theta_low = later(n, theta, theta_low, shift, K)
-        t, t_low = added(t, t_low, shift, K)
+        n, theta, theta_low = advance_phase(n, theta, theta_low, shift, K)
+        t, t_low = advance_time(t, t_low, shift, K)
         s, c = sin(theta), cos(theta)
     t_error = passing_time(K.rate * (sqrt(S.S22) + v_noise), G1, G2, G3, K)
     code = GRAZE if t_error < tau else FAILED  # a touch that may be anywhere in the flight is none
@@ -398,11 +398,11 @@ def after_stick(state, end, remaining, K):
     noise = EPS * (abs(x) + 2.0 * abs(v) * tau)
     S = Covariance(S.S11 + noise * noise, zero, zero)
     x = x + v * tau
-    turns, theta, theta_low = later(0, theta, theta_low, tau, K)
+    turns, theta, theta_low = advance_phase(0, theta, theta_low, tau, K)
     n = n + turns
     if code != HIT or turns > 0:
         s, c = sin(theta), cos(theta)
-    t, t_low = added(t, t_low, tau, K)
+    t, t_low = advance_time(t, t_low, tau, K)
     if code == NOTHING:
         held = State(mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S, t, t_low, s, c, theta_low)
         return NextEvent(END if tau >= remaining else MOVED, 0, True, 0.0, held)
@@ -421,7 +421,7 @@ def after_stick(state, end, remaining, K):
 # --- phase and time ---
 
 
-def later(n, theta, theta_low, tau, K):
+def advance_phase(n, theta, theta_low, tau, K):
     """Advance a phase by the time `tau`; return periods and phase in two parts, so that rounding does not add up."""
     if tau == K.period:  # exactly
         return n + 1, theta, theta_low
@@ -453,7 +453,7 @@ def in_two_parts(theta, theta_low):
     return select(total < 0.0, 0.0 * total, total), select(total < 0.0, theta_low + total, theta_low)
 
 
-def added(t, t_low, tau, K):
+def advance_time(t, t_low, tau, K):
     """Return t + t_low + tau in two parts (Knuth's sum)."""
     t_low = select(tau == K.period, t_low + K.period_low, t_low)
     total = t + tau
@@ -606,8 +606,8 @@ def slip_near(tau, uncertainty, side, held, belt, K):
     first, force = tau, held.Fa if side > 0 else held.Fb
     Om2 = K.Om * K.Om
     for _ in range(MOST_CORRECTIONS):
-        Delta, s, c = gain(tau, held.s, held.c, belt, K)
-        slope, bend = slopes(s, c, belt, K)
+        Delta, s, c = force_gain(tau, held.s, held.c, belt, K)
+        slope, bend = force_slopes(s, c, belt, K)
         step = local_root(force + Delta, slope, bend, Om2 * (belt.drift - slope), -Om2 * bend, EPS * tau)
         if not (abs(tau + step - first) <= uncertainty and side * slope > 0.0):
             break

@@ -26,7 +26,7 @@ import numpy as np
 
 from symosc.engine.first_exit import NEAR, fourth_derivative_bound, positive_on, shifted
 from symosc.engine.flow import clock_time, constant_force, derivatives, speeds_around, state_at
-from symosc.engine.next_event import TWO_PI, later
+from symosc.engine.next_event import TWO_PI, advance_phase
 from symosc.engine.state import END, GRAZE, ON_BELT, REST, STICK, Flown, Launch, State
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
@@ -298,7 +298,7 @@ def finish_tally(i, last, code, remaining, t0, tally, K):
     n, theta, t, x, v = last.n, last.theta, clock_time(last.t, last.t_low, t0, K), last.x, last.v
     if code == REST:  # without any more events
         rest = rest_of(remaining, K)
-        n, theta, _ = later(last.n, last.theta, last.theta_low, rest, K)
+        n, theta, _ = advance_phase(last.n, last.theta, last.theta_low, rest, K)
         n = n + int((remaining - rest) / K.period + 0.5)
         if tally.asked.extent or tally.asked.stuck:
             rest_stretches(i, last, remaining, t0, tally, K)
@@ -337,7 +337,7 @@ def rest_stretches(i, state, remaining, t0, tally, K):
         if state.mode <= ON_BELT:
             there = state_at(step, launch_of(now), K)
             x, v, F = now.x + there.dx, now.v + there.dv, there.F
-        _, phase, theta_low = later(0, now.theta, now.theta_low, step, K)
+        _, phase, theta_low = advance_phase(0, now.theta, now.theta_low, step, K)
         clock = now.t + step, now.t_low, sin(phase), cos(phase), theta_low
         then = State(now.mode, 0, now.n, phase, x, v, F, F, now.S, *clock)
         tally_stretch(i, now, then, step, t0, tally, K)

@@ -13,7 +13,15 @@ from hypothesis import strategies as st
 from symosc import Parameters
 from symosc.engine import first_exit as exits
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.first_exit import belt_exit, first_exit, fourth_derivative_bound, gain, march, positive_on, safe_step
+from symosc.engine.first_exit import (
+    belt_exit,
+    first_exit,
+    force_gain,
+    fourth_derivative_bound,
+    march,
+    positive_on,
+    safe_step,
+)
 from symosc.engine.flow import BeltConstants, Constants, derivatives, state_at
 from symosc.engine.state import HIT, NOTHING, TANGENCY, Covariance, Flown, Launch, State, Walls
 
@@ -150,11 +158,11 @@ def test_the_end_of_a_stick_is_the_first() -> None:
         below = rng.uniform(0.01, 0.99) * belt.J
         s0, c0 = math.sin(theta), math.cos(theta)
         code, side, tau, *_ = belt_exit(K.period, holding(below, below - belt.J, theta, s0, c0), belt, K)
-        inside = [below + gain(time, s0, c0, belt, K)[0] for time in np.linspace(0, tau, 300)[:-1]]
+        inside = [below + force_gain(time, s0, c0, belt, K)[0] for time in np.linspace(0, tau, 300)[:-1]]
         assert all(0 < force < belt.J for force in inside)
         if code == HIT:
             ends += 1
-            force = below + gain(tau, s0, c0, belt, K)[0]
+            force = below + force_gain(tau, s0, c0, belt, K)[0]
             assert force == pytest.approx(0 if side < 0 else belt.J, abs=1e-13 * (belt.J + abs(K.f0)))
     assert ends > 40
 
