@@ -196,7 +196,7 @@ def holds(
     K, belt, names = equations.K, equations.belt(piece.start), equations.arithmetic.namespace
     s0, c0 = equations.sin(start[1]), equations.cos(start[1])
     below = equations.force(piece.start, start[0], belt.v, start[1])
-    for angle in (belt.angle, names["TWO_PI"] / 2 - belt.angle) if belt.turns else ():
+    for angle in (belt.angle, names["PI"] - belt.angle) if belt.turns else ():
         turn = (angle - start[1]) % names["TWO_PI"] / K.Om
         while 0 < turn < tau:
             now = below + names["force_gain"](turn, s0, c0, belt, K)[0]

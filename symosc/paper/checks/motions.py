@@ -209,7 +209,7 @@ def forces_along(p: Parameters, stick: Stick) -> list[Forces]:
     for angle in (belt.angle, context.pi - belt.angle) if belt.turns else ():
         elapsed = ((angle - theta) % (2 * context.pi)) / exact.K.Om
         while elapsed < lasts:
-            change = exact.namespace["gain"](elapsed, context.sin(theta), context.cos(theta), belt, exact.K)[0]
+            change = exact.namespace["force_gain"](elapsed, context.sin(theta), context.cos(theta), belt, exact.K)[0]
             found.append(Forces(first.below + change, first.above + change, elapsed))
             elapsed += exact.K.period
     return [*sorted(found, key=lambda each: each.elapsed), last._replace(elapsed=lasts)]
