@@ -62,17 +62,8 @@ def test_numbers_are_read_as_they_are_written() -> None:
 # --- simulate, simulate_many ---
 
 
-@pytest.mark.parametrize(
-    "value", [True, False, 0, -1, float("nan"), "", "abc", "1_000", 1j, [], {}, None.__class__, -float("inf"), 0.0]
-)
-def test_accuracy(value: Any) -> None:
-    refused(lambda: simulate("fig5", accuracy=value), "accuracy")
-    refused(lambda: simulate_many(P, [0, 0, 0], 5, accuracy=value), "accuracy")
 
 
-@pytest.mark.parametrize("value", [None, 5, [], ["fig5"], [None], {}, [load_scene("fig5")], 1j])
-def test_parameters_of_many(value: Any) -> None:
-    refused(lambda: simulate_many(value, [[0, 0, 0]], 5), "parameters")
 
 
 @pytest.mark.parametrize("value", [None, 5, "", [], [[]], [0, 0], [[0, 0]], [[0, 0, 0], [1]], {}, [[[0, 0, 0]]]])
