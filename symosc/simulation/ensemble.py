@@ -43,7 +43,6 @@ from symosc.engine.state import (
     END,
     FULL,
     MOVED,
-    NEEDS_DIGITS,
     ON_BELT,
     REST,
     RUNNING,
@@ -250,7 +249,7 @@ class Chunk:
 
     def _remove_undecided(self) -> list[int]:
         """Return the motions that ended undecided, and remove their tally."""
-        members: list[int] = np.flatnonzero(np.isin(self.batch.codes, NEEDS_DIGITS)).tolist()
+        members: list[int] = np.flatnonzero(self.batch.codes <= UNDECIDED).tolist()
         if self._keep and members:
             store_tallies(self.tally, members, self._keep(self._first + np.array(members), self._starts[members]))
         return members
@@ -302,7 +301,7 @@ class Chunk:
             further, counted = Batch(*(column[active] for column in batch)), select_tallies(tally, active)
             if len(active):
                 rows = joined(self._in_doubles(further, counted))
-                doubtful = np.isin(further.codes, NEEDS_DIGITS)
+                doubtful = further.codes <= UNDECIDED
                 decided = ~doubtful[rows.ints[0]]
                 rows.ints[0] = active[rows.ints[0]]
                 yield EventRows(rows.floats[:, decided], rows.ints[:, decided])
