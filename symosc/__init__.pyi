@@ -74,11 +74,11 @@ from .scenes import load_scene as load_scene
 from .scenes import scene_names as scene_names
 from .sensitivities import Sensitivities as Sensitivities
 from .sensitivities import sensitivities as sensitivities
-from .simulation.ensemble import EventTable as EventTable
-from .simulation.ensemble import Summary as Summary
 from .simulation.ensemble import simulate_many as simulate_many
-from .simulation.moved import MovedTrajectory as MovedTrajectory
 from .simulation.simulate import simulate as simulate
+from .simulation.tables import EventTable as EventTable
+from .simulation.tables import Summary as Summary
+from .simulation.trajectory import MovedTrajectory as MovedTrajectory
 from .simulation.trajectory import Segment as Segment
 from .simulation.trajectory import Trajectory as Trajectory
 from .sweeps.sweep import SweepStatus as SweepStatus

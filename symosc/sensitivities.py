@@ -138,7 +138,7 @@ class _Columns:
         number = self.numbers.number
         self.letters = np.array([[number(each) for each in (p.m, p.mu1, p.mu2, p.FN)]], dtype=self.kind)
         piece, events = trajectory._pieces[:, 0], trajectory.rows()
-        theta = many_digits(p, self.context.dps).phase(start.t0)[1] if self.context else piece[1]
+        theta = many_digits(p, self.context.dps).phase(start.t0) if self.context else piece[1]
         first = int(piece[2]), number(start.t0), theta, number(start.x0), number(start.v0)
         self.starts = np.array([first], dtype=self.kind)
         if self.context:

@@ -20,7 +20,7 @@ import sys
 import types
 from collections.abc import Callable, Iterable
 from fractions import Fraction
-from functools import cached_property, lru_cache, partial
+from functools import cache, cached_property, lru_cache, partial
 from glob import escape
 from pathlib import Path
 from time import monotonic
@@ -145,8 +145,8 @@ def compile_modules(
     numbers = sorted((name, repr(value)) for name, value in values.items() if isinstance(value, CONSTANTS))
     others = sorted((name, each.py_func.__module__, each.py_func.__qualname__) for name, each in called.items())
     digest = hashlib.sha256(repr((numbers, others, sorted(inlined))).encode())
-    sources = sorted({sys.modules[module].__name__ for _, module, _ in others})
-    for module in (sys.modules[__name__], *modules, *beside, *(sys.modules[name] for name in sources)):
+    beside = *beside, *(sys.modules[name] for name in sorted({module for _, module, _ in others}))
+    for module in (sys.modules[__name__], *modules, *beside):
         digest.update(inspect.getsource(module).encode())
     version = digest.hexdigest()[:12]
 
@@ -201,8 +201,8 @@ IN_DOUBLES = {name: value for module in SOURCES for name, value in vars(module).
 class Arithmetic:
     """The engine in double precision, and the interface of all arithmetics."""
 
-    # `advance` to `event_numbers` may follow motions in inner numbers: `inward` and `outward` convert, and arithmetic
-    # on those belongs between `enter` and `leave`.
+    # `advance` may follow motions in inner numbers: `inward` and `outward` convert, and arithmetic on those belongs
+    # between `enter` and `leave`.
 
     K: Constants
     inner_K: Constants  # constants in the numbers that follow motions
@@ -210,18 +210,15 @@ class Arithmetic:
     number: Callable[[Fraction], Number] = staticmethod(float)  # rounds a Fraction to such a number
     namespace = IN_DOUBLES
     advance: Any = staticmethod(next_event.advance)
-    advance_near: Any = None  # None: search in all digits
-    time_with_errors: Any = staticmethod(next_event.time_with_errors)
-    event_numbers: Any = staticmethod(events.event_numbers)
 
     def __init__(self, parameters: Parameters) -> None:
         self.parameters = parameters
         self.K = self.inner_K = _float_constants(parameters)
 
-    def phase(self, t: Fraction) -> tuple[int, Number]:
-        """Return (periods, theta) with Omega t = 2 pi periods + theta, theta in [0, 2 pi), correctly rounded."""
-        periods, theta = _reduced(self.parameters.Omega * t, self.digits)
-        return periods, self.rounded(theta) if theta else self.number(Fraction(0))
+    def phase(self, t: Fraction) -> Number:
+        """Return the phase Omega t mod 2 pi, in [0, 2 pi), correctly rounded."""
+        theta = _reduced(self.parameters.Omega * t, self.digits)
+        return self.rounded(theta) if theta else self.number(Fraction(0))
 
     def time(self, t: Fraction) -> tuple[Number, Number]:
         """Return a time as the sum (high, low) of two numbers of this arithmetic."""
@@ -254,40 +251,31 @@ def _float_constants(parameters: Parameters) -> Constants:
 
 
 @lru_cache(maxsize=256)
-def _reduced(angle: Fraction, digits: int) -> tuple[int, Any]:
-    """Divide an angle by 2 pi: return (turns, remainder), cached, as many starts have the same angle."""
+def _reduced(angle: Fraction, digits: int) -> Any:
+    """Return an angle modulo 2 pi, None for the angle 0; cached, as many starts have the same angle."""
     if angle == 0:
-        return 0, None
+        return None
     context = mp_context(digits + 20 + len(str(abs(int(angle)))))
     turns = context.mpf(angle.numerator) / angle.denominator / (2 * context.pi)
-    periods = int(context.floor(turns))
-    return periods, (turns - periods) * 2 * context.pi
+    return (turns - int(context.floor(turns))) * 2 * context.pi
 
 
-@lru_cache(maxsize=1)
-def compiled() -> dict[str, Any]:
-    """Return the source for doubles compiled by numba; raise MissingExtraError if numba is not installed."""
-    try:
-        from symosc.kernels.lane_types import usual_width
-    except ImportError:
-        raise MissingExtraError("compiling", "fast") from None
-    functions = compiled_with(usual_width() or 8)
-    return functions | {"follow_all": functions["follow_lanes" if usual_width() else "follow_all"]}
-
-
-def compiled_with(width: int) -> dict[str, Any]:
-    """Return the functions for doubles compiled by numba, with `width` lanes side by side."""
+@cache
+def compiled(width: int = 0) -> dict[str, Any]:
+    """Return the source for doubles compiled by numba, with `width` lanes side by side (0: as the processor likes)."""
     try:
         from symosc.kernels import lane_types
-        from symosc.kernels.borrowed import borrowed
     except ImportError:
         raise MissingExtraError("compiling", "fast") from None
-    callees = {"borrowed": borrowed, "power_of_two": lane_types.power_of_two}
+    usual = width or lane_types.usual_width()
+    callees = {"borrowed": lane_types.borrowed, "power_of_two": lane_types.power_of_two}
     flags = frozenset(name for name, hint in Constants.__annotations__.items() if "bool" in str(hint))
     replaced = {name: getattr(lane_types, name) for name in ("any_of", "bits_of", "number_in", "select", "store")}
-    replaced |= {"load": lane_types.loader(width), "LANES": width}
-    replaced["load_constants"] = lane_types.tuple_loader(width, Constants, NESTED, flags)
-    return compile_modules((*SOURCES, *IN_DOUBLES_ONLY), OUTLINED.split(), callees, replaced, beside=(lane_types,))
+    replaced |= {"load": lane_types.loader(usual or 8), "LANES": usual or 8}
+    replaced["load_constants"] = lane_types.tuple_loader(usual or 8, Constants, NESTED, flags)
+    modules = *SOURCES, *IN_DOUBLES_ONLY
+    functions = compile_modules(modules, OUTLINED.split(), callees, replaced, beside=(lane_types,))
+    return functions | {"follow_all": functions["follow_lanes" if usual else "follow_all"]}
 
 
 @lru_cache(maxsize=1)
@@ -439,31 +427,15 @@ def mp_context(digits: int) -> Any:
 
 # What the loops of pairs do in doubles, by the name that it has there.
 PLAIN_IN_PAIRS = {
-    "end_in_doubles": "end_by_phase",
-    "searched_in_doubles": "searched",
-    "next_undecided_in_doubles": "next_undecided",
-    "open_free_time_in_doubles": "open_free_time",
-    "write_event_in_doubles": "write_event",
-    "write_piece_in_doubles": "write_piece",
-    **{name: name for name in ("is_below", "rounding_error", "rounded_covariance", "tally_step", "finish_tally")},
-}
+    f"{name}_in_doubles": name
+    for name in ("end_by_phase", "next_undecided", "open_free_time", "searched", "write_event", "write_piece")
+} | {name: name for name in ("is_below", "rounding_error", "rounded_covariance", "tally_step", "finish_tally")}
 
 
 class PairLoops(NamedTuple):
-    """The functions of `symosc.engine.batch` that start and follow motions in double-double numbers."""
+    """The function of `symosc.engine.batch` that follows motions in double-double numbers."""
 
-    first_pairs: Any
     follow_pairs: Any
-
-
-def least(a, b):
-    """Return the smaller of two pairs."""
-    return b if b < a else a
-
-
-def greatest(a, b):
-    """Return the larger of two pairs."""
-    return b if b > a else a
 
 
 def _pair_constants() -> dict[str, Any]:
@@ -485,26 +457,27 @@ def _pair_constants() -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def compiled_pairs() -> PairLoops:
-    """Return the loops of double-double numbers compiled by numba, each at its first call, cached on disk."""
+    """Return the loop of double-double numbers compiled by numba at its first call, cached on disk."""
     import numba
 
     from symosc.kernels import pairs
 
     plain = compiled()
     callees = {name: plain[function] for name, function in PLAIN_IN_PAIRS.items()}
-    callees |= {"min": numba.njit(least), "max": numba.njit(greatest), "float": numba.njit(pairs.as_pair)}
-    callees |= {"two_product": numba.njit(product_and_zero), "select": numba.njit(elementary.select)}
+    own = {"min": lambda a, b: b if b < a else a, "max": lambda a, b: b if b > a else a, "float": pairs.as_pair}
+    own |= {"two_product": product_and_zero, "select": elementary.select}
+    callees |= {name: numba.njit(function) for name, function in own.items()}
     outlined = functions_of(SOURCES).keys() - functions_of((_generated,)).keys() - {"derivatives"}
     replaced = _pair_constants() | {name: getattr(math, name) for name in pairs.FUNCTIONS}
     replaced["from_complex"] = pairs.from_complex
     beside = (pairs, double_double, summary)
     functions = compile_modules(SOURCES, outlined, callees, replaced, pairs.Pair, beside)
-    return PairLoops(*(functions[name] for name in PairLoops._fields))
+    return PairLoops(functions["follow_pairs"])
 
 
 @lru_cache(maxsize=1)
 def interpreted_pairs() -> PairLoops:
-    """Return the loops of double-double numbers as CPython runs them."""
+    """Return the loop of double-double numbers as CPython runs it."""
     from symosc.kernels import pairs
 
     def number(z: Any) -> Any:
@@ -520,23 +493,22 @@ def interpreted_pairs() -> PairLoops:
 
     bound = bind((pairs,), {"pair": pairs.pair_of})
     replaced = _pair_constants() | {name: bound[each.__name__] for name, each in pairs.FUNCTIONS.items()}
-    replaced |= {"min": least, "max": greatest, "float": number, "int": whole, "two_product": product_and_zero}
+    replaced |= {"float": number, "int": whole, "two_product": product_and_zero}
     replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}
     replaced["from_complex"] = partial(converted, number=number)
     functions = bind(SOURCES, replaced, literal=pairs.Pair)
-    return PairLoops(functions["first_pairs"], follow_pairs)
+    return PairLoops(follow_pairs)
 
 
 def pairs_are_compiled() -> bool:
-    """Return whether both loops of `compiled_pairs` are compiled, in this process or on disk."""
-    return all(map(is_compiled, compiled_pairs()))
+    """Return whether the loop of `compiled_pairs` is compiled, in this process or on disk."""
+    return is_compiled(compiled_pairs().follow_pairs)
 
 
 def pairs_are_loaded() -> bool:
     """Return whether the loops of pairs are compiled, in a process that has already used those of doubles."""
-    if not compiled.cache_info().currsize or not compiled()["follow_all"].overloads:
-        return False
-    return pairs_are_compiled()
+    used = compiled.cache_info().currsize and compiled()["follow_all"].overloads
+    return bool(used) and pairs_are_compiled()
 
 
 def pairs_as_complex(value: Any) -> Any:
@@ -556,9 +528,3 @@ def pairs_as_complex(value: Any) -> Any:
 def pair_constants(parameters: Parameters) -> Constants:
     """Return the constants as complex numbers hi + i lo, each rounded once."""
     return pairs_as_complex(many_digits(parameters, ROUNDED_FROM).K)
-
-
-def pair_phase(parameters: Parameters, t: Fraction) -> complex:
-    """Return the phase at a time, rounded once."""
-    found: complex = pairs_as_complex(many_digits(parameters, ROUNDED_FROM).phase(t)[1])
-    return found

@@ -1,7 +1,7 @@
 """Many trajectories in one loop, in doubles and in double-double numbers; events go into columns.
 
-These are the loops that `simulate_many` compiles. `follow_pairs` and `first_pairs` are bound to pairs; what they hand
-out are doubles, whose only error is their rounding unless that of the pairs is not negligible beside it.
+These are the loops that `simulate_many` compiles. `follow_pairs` is bound to pairs; what it hands out are
+doubles, whose only error is their rounding unless that of the pairs is not negligible beside it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS, event_codes, event_numbers
-from symosc.engine.flow import clock_time, constant_force
+from symosc.engine.flow import clock_time
 from symosc.engine.next_event import advance, advance_near, free_time, time_with_errors
 from symosc.engine.state import (
     END,
@@ -31,9 +31,7 @@ from symosc.engine.state import (
     NextEvent,
     State,
 )
-from symosc.engine.summary import Tally, finish_tally, tally_step
-from symosc.kernels._generated import acceleration
-from symosc.kernels.elementary import cos, sin
+from symosc.engine.summary import finish_tally, tally_step
 from symosc.kernels.entire import EPS
 
 # A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_end_low, t0, s, c, theta_low.
@@ -75,9 +73,6 @@ class PairLimits(NamedTuple):
     noise: float  # errors of an event that pairs may have, as a part of the rounding to doubles
     table: np.ndarray  # as `follow_all` takes it
     careful: np.ndarray  # the same, for decisions that exceed the errors of a state whatever accuracy is asked for
-
-
-# --- memory ---
 
 
 def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
@@ -128,26 +123,9 @@ def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
     return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t, *state[11:]]
 
 
-def borrowed(array):
-    """Return the array itself; compiled code gets a view of it whose references numba does not count."""
-    return array
-
-
-def borrowed_batch(batch):
-    """Return a batch with its arrays borrowed: in compiled code numba does not count their references."""
-    return Batch(borrowed(batch.states), borrowed(batch.sets), borrowed(batch.counts), borrowed(batch.codes))
-
-
-def borrowed_rows(out):
-    """Return a buffer of events with its arrays borrowed: in compiled code numba does not count their references."""
-    return EventRows(borrowed(out.floats), borrowed(out.ints))
-
-
-def borrowed_tally(tally):
-    """Return tallies with their arrays borrowed: in compiled code numba does not count their references."""
-    asked, floats, ints, sections, words, labels, flights = tally
-    texts, flights = borrowed(labels), borrowed(flights)
-    return Tally(asked, borrowed(floats), borrowed(ints), borrowed(sections), borrowed(words), texts, flights)
+def borrowed(arrays):
+    """Return an array or a tuple of them; compiled code gets views whose references numba does not count."""
+    return arrays
 
 
 def state_of(states, i):
@@ -174,24 +152,15 @@ def keep_state(states, i, state):
 
 
 def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectories from number `begin` on until all have ended or a buffer is full.
-
-    Parameters
-    ----------
-    begin : first trajectory to follow; it may have been begun before.
-    batch : Batch, updated.
-    most : events after which a trajectory is FULL.
-    accuracy : a trajectory ends as INEXACT at the first event known to less, relative to max(1, |value|, |t0| for t).
-    out : EventRows
-    pieces : (PIECE_COLUMNS, m) buffer of the pieces that steps lead to; none are recorded where m is 0.
-    tally : Tally, updated; events are recorded where it is for no motion, else only counted.
-    table : constants of the parameter sets, as `symosc.engine.constant_table` makes them.
-
-    Returns
-    -------
-    (next, rows, parts)
-        The trajectory to go on with, and the number of events and of pieces.
-    """
+    """Follow trajectories until all have ended or a buffer is full; return the next one, and rows and pieces filled."""
+    #   begin : first trajectory to follow; it may have been begun before.
+    #   batch : Batch, updated.
+    #   most : events after which a trajectory is FULL.
+    #   accuracy : it ends as INEXACT at the first event known to less, relative to max(1, |value|, |t0| for t).
+    #   out : EventRows
+    #   pieces : (PIECE_COLUMNS, m) buffer of the pieces that steps lead to; none are recorded where m is 0.
+    #   tally : Tally, updated; events are recorded where it is for no motion, else only counted.
+    #   table : constants of the parameter sets, as `symosc.engine.constant_table` makes them.
     rows, parts = 0, 0
     for i in range(begin, batch.states.shape[0]):
         rows, parts = follow_one(i, False, rows, parts, batch, most, accuracy, out, pieces, tally, table)
@@ -201,12 +170,8 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
 
 
 def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectory i until it ends or a buffer is full, or `once`: for one step; return (rows, parts).
-
-    Other arguments are those of `follow_all`.
-    """
-    batch, tally, table = borrowed_batch(batch), borrowed_tally(tally), borrowed(table)
-    out, pieces = borrowed_rows(out), borrowed(pieces)
+    """Follow trajectory i until it ends or a buffer is full, or `once`: for one step, as `follow_all` does all."""
+    batch, out, pieces, tally, table = borrowed((batch, out, pieces, tally, table))
     states, sets, counts, codes = batch
     recorded, tallied = pieces.shape[1] > 0, tally.floats.shape[0] > 0
     before, K = state_of(states, i), table[sets[i]]
@@ -265,10 +230,10 @@ def searched(state, row, K):
 
 def search_row(states, table):
     """Advance the state in the first row; return code, belt, decided and t_error (NextEvent), and `open_free_time`."""
-    before = state_of(states, 0)
-    found = searched(before, states[0], table[0])
+    before, K = state_of(states, 0), table[0]
+    found = searched(before, states[0], K)
     keep_state(states, 0, found.state)
-    return found.code, found.boundary, found.decided, found.t_error, open_free_time(found, before, table[0])
+    return found.code, found.boundary, found.decided, found.t_error, open_free_time(found, before, K)
 
 
 def open_free_time(found, state, K):
@@ -319,33 +284,14 @@ def write_piece(pieces, row, state, elapsed):
 
 # --- double-double numbers, where doubles cannot decide ---
 
-# In loops that are bound to pairs these names stay functions of doubles.
-end_in_doubles, searched_in_doubles, next_undecided_in_doubles = end_by_phase, searched, next_undecided
-open_free_time_in_doubles = open_free_time
-write_event_in_doubles, write_piece_in_doubles = write_event, write_piece
+# In loops that are bound to pairs these names stay functions of doubles (`symosc.engine.arithmetic.PLAIN_IN_PAIRS`).
+end_by_phase_in_doubles, searched_in_doubles, next_undecided_in_doubles = end_by_phase, searched, next_undecided
+open_free_time_in_doubles, write_event_in_doubles, write_piece_in_doubles = open_free_time, write_event, write_piece
 
 
 def from_complex(value):
     """Convert complex numbers, also in a named tuple, to pairs hi + lo; doubles have no low part."""
     return value
-
-
-def first_pairs(pairs, K):
-    """Fill in forces, velocity, sine and cosine, and errors of starts in pairs; no force on a belt may be 0."""
-    K = from_complex(K)
-    for i in range(pairs.shape[0]):
-        mode, at, theta = int(pairs[i, 0]), int(pairs[i, 1]), float(pairs[i, 3])
-        x, v = float(pairs[i, 4]), float(pairs[i, 5])
-        if at > 0:  # to the last bit
-            v = K.belt1.v if at == 1 else K.belt2.v
-        s, c = sin(theta), cos(theta)
-        below, above = (at, at + 1) if mode > ON_BELT else (mode, mode)
-        pairs[i, 5], pairs[i, 16], pairs[i, 17] = v, s, c
-        pairs[i, 6] = acceleration(x, v, c, constant_force(below, K), K.cm, K.w0sq, K.f0)
-        pairs[i, 7] = acceleration(x, v, c, constant_force(above, K), K.cm, K.w0sq, K.f0)
-        pairs[i, 8] = (EPS * x) * (EPS * x)
-        if at == 0:
-            pairs[i, 10] = (EPS * v) * (EPS * v)
 
 
 def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
@@ -384,9 +330,8 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
                 code = UNDECIDED
                 break
             if step <= GRAZE:
-                x, v, S11 = found.state.x, found.state.v, found.state.S.S11
-                t, t_low = found.state.t, found.state.t_low
-                t, t_error, x_error = time_with_errors(t, t_low, t0, x, v, found.t_error, S11, K)
+                S11, t, t_low, x = found.state.S.S11, found.state.t, found.state.t_low, found.state.x
+                t, t_error, x_error = time_with_errors(t, t_low, t0, x, found.state.v, found.t_error, S11, K)
                 if not (is_below(limits.noise, t_error.hi, t.hi) and is_below(limits.noise, x_error.hi, x.hi)):
                     code = UNDECIDED
                     break
@@ -405,7 +350,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
                 write_piece_in_doubles(pieces, parts, rounded, elapsed)
                 parts += 1
         if tallied:
-            end, end_low, _ = end_in_doubles(states[i], plain)
+            end, end_low, _ = end_by_phase_in_doubles(states[i], plain)
             remaining = (end - rounded.t) + (end_low - rounded.t_low)
             finish_tally(i, rounded, code, remaining, t0.hi, tally, plain)
         if recorded and goal > 0:

@@ -1,44 +1,36 @@
 """The first exit from a domain or a belt: in real arithmetic no crossing is missed, however near to a graze.
 
-Flights. In a domain the gap g = +-(v - v_lambda) between the velocity and a wall is smooth, and v obeys a linear
-equation whose derivatives are known in closed form. At a time tau the derivatives up to the third are evaluated, and
-the fourth is bounded for all later times:
+Flights. In a domain the gap g = +-(v - v_lambda) between the velocity and a wall is smooth. At a time tau its
+derivatives up to the third are evaluated, and the fourth is bounded for all later times (`fourth_derivative_bound`):
 
     |d^4 v/dt^4| <= M4 = V0 Omega^4 + sqrt(G3^2 + w0^2 G2^2)
 
 with V0 the amplitude of the steady velocity and G2, G3 the third and fourth derivative of the transient, whose energy
-G3^2 + w0^2 G2^2 never grows (it obeys the unforced equation, and damping only takes energy away). Near undamped
-resonance the two parts cannot be separated; then the same energy argument for the whole derivative gives
-M4 = sqrt(G3^2 + w0^2 G2^2) + |B0| Omega^3/m over the next 1/Omega of time, and no step is longer than that. Hence
+G3^2 + w0^2 G2^2 never grows. Near undamped resonance the two parts cannot be separated; then the same argument for the
+whole derivative gives M4 = sqrt(G3^2 + w0^2 G2^2) + |B0| Omega^3/m over the next 1/Omega of time. Hence
 
     g(tau + s) >= P(s) = g + g' s + g'' s^2/2 + g''' s^3/6 - M4 s^4/24
 
-and g has no root before the first root of P. A step goes no further than that: P > 0 on [0, s] is shown by its
-Bernstein coefficients, which are all positive. Near a simple root P places it to fourth order, so the steps converge
-on it from the left; once P shows that the first root is the only one nearby, its place is improved with the true
-derivatives (`sharpened`), so that one evaluation of the flow makes it exact. At a start on the wall the known root is
-divided out of P (one factor s for each derivative that vanishes), so a start is never mistaken for a hit and an
-immediate return is not missed. Where the closed form is cheap, `march` goes ahead with the same bound in fixed steps,
-and mostly finds the one step in which a wall is met, so that no search of the kind above is needed.
+and g has no root before the first root of P. A step goes no further than that (`safe_step`), and the steps converge on
+a simple root from the left; once P shows that the first root is the only one nearby, its place is improved with the
+true derivatives (`sharpened`). At a start on the wall the known root is divided out of P. Where the closed form is
+cheap, `march` goes ahead with the same bound in fixed steps, and mostly finds the one step in which a wall is met.
 
-Near a tangency the steps shrink; then the minimum of the gap ahead is found and compared with the rounding error of the
-gap plus the error of the start (`tolerance`). If it is clearly positive, the polynomial bound taken at the minimum,
-backward, excludes a root on the way to it. If it is clearly negative there is a crossing, which the steps find. If
-neither, the contact cannot be decided in this precision and is returned as a tangency.
+Near a tangency the minimum of the gap ahead is compared with its error, from rounding and from the start (`tolerance`).
+If it is clearly positive, the bound taken at the minimum, backward, excludes a root on the way to it; if clearly
+negative there is a crossing, which the steps find. If neither, the contact is undecided and returned as a tangency.
 
 Sticks. On belt lambda both forces change alike, so that after a time tau
 
     F^(below) = F_below + Delta(tau),   F^(above) = F_above + Delta(tau),
     Delta(tau) = -(k/m) v_lambda tau + (B0/m) (cos(theta + Omega tau) - cos(theta)).
 
-The stick ends when F^(below) falls to 0 or F^(above) rises to 0 (the paper's (52) and (53) have one exit each).
-Delta is monotone between the phases with sin(theta) = -k v_lambda/(B0 Omega), the Theta_cr of Theorem 7, where its
-value needs no trigonometric function. So each monotone piece is decided by the value at its end, and the exit in a
-piece is its only root there.
+The stick ends when F^(below) falls to 0 or F^(above) rises to 0, (52) and (53) of the paper. Delta is monotone between
+the phases with sin(theta) = -k v_lambda/(B0 Omega): each such piece is decided by the value at its end.
 
-The bound and the steps are a proof in real arithmetic. Evaluated with rounding, each gap is known to a few EPS times
-its terms only, so decisions must exceed ROUNDING such errors, and the marching steps MARCH_SLACK of the gap's size.
-That these margins are wide enough in doubles was measured, not proven.
+The bound and the steps are a proof in real arithmetic, derived in the chapter on events. Evaluated with rounding,
+decisions must exceed ROUNDING errors, and marching steps MARCH_SLACK of the size of the gap; that these margins are
+wide enough in doubles was measured, not proven.
 
 All functions are scalar and run on floats (CPython, numba) and, with other globals, on pairs and mpmath numbers.
 """
@@ -362,8 +354,9 @@ def meets_once(side, now, there, M4, slack, walls):
 # --- grazes: the minimum of a gap near a tangency, and how far a gap may be wrong there ---
 
 
-def tolerance(now, start_gap, start, S, K):
+def tolerance(side, now, start, walls, S, K):
     """Return the error bound of a gap at a point of a flight: rounding, and the launch error S carried along."""
+    start_gap = walls.below if side < 0 else walls.above
     pull = -K.w0sq * now.E1
     variance = pull * pull * S.S11 + 2.0 * pull * now.E0 * S.S12 + now.E0 * now.E0 * S.S22
     rounding = ROUNDING * EPS * (velocity_scale(now.tau, start.v, start.F, K) + start_gap)
@@ -375,13 +368,11 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
     # NOTHING: the gap is positive up to tau_min. HIT: it is negative at tau_min. TANGENCY: it is 0 there within its
     # error, and not for good; LOST: for good. STALLED: no minimum was found nearby, or the way to it is not proven
     # free.
-    begin, sign = tau, -side
-    start_gap = walls.below if side < 0 else walls.above
-    last, depth_known = FAR, False
+    begin, sign, last, depth_known = tau, -side, FAR, False
     for _ in range(MOST_DESCENTS):
         now = state_at(tau, start, K)
         gap, slope, bend = gap_to(side, now, walls), sign * now.F, sign * now.G1
-        allowed = tolerance(now, start_gap, start, S, K)
+        allowed = tolerance(side, now, start, walls, S, K)
         if bend <= 0.0 and not depth_known:
             return STALLED, tau
         shift = -slope / bend if bend > 0.0 else 0.0 * slope
@@ -407,7 +398,7 @@ def parts_again(tau, side, start, walls, S, K):
     """Return whether a gap that is 0 within its error at `tau` is certainly not 0 soon afterwards."""
     for rate in (K.rate, K.Om):
         now = state_at(tau + 0.5 / rate, start, K)
-        if abs(gap_to(side, now, walls)) > 4.0 * tolerance(now, walls.below if side < 0 else walls.above, start, S, K):
+        if abs(gap_to(side, now, walls)) > 4.0 * tolerance(side, now, start, walls, S, K):
             return True
     return False
 
@@ -415,7 +406,7 @@ def parts_again(tau, side, start, walls, S, K):
 def stays_closed(tau, side, start, walls, S, K):
     """Return whether a gap is 0 within its error on an interval around `tau`."""
     now = state_at(tau, start, K)
-    allowed = tolerance(now, walls.below if side < 0 else walls.above, start, S, K)
+    allowed = tolerance(side, now, start, walls, S, K)
     return gap_to(side, now, walls) <= allowed and abs(now.F) <= allowed * K.rate / SOON
 
 
@@ -443,7 +434,13 @@ def first_exit(tau_max, start, walls, S, K):
     if K.apart and not flat:
         now, M4, side, there = march(tau_max, v0, now, walls, margin, K)
         if side != 0:
-            return polish(root_between(now, there, side, v0, walls, K), now.tau, there.tau, side, start, walls, K)
+            # A step of Newton's method from the secant's root on Hermite's cubic, with the secant's slope; `sharpened`.
+            h, part = there.tau - now.tau, part_to_root(now, there, side, walls)
+            if part < 0.5:
+                tau = now.tau + sharpened(part * h, side, now, walls, K)
+            else:
+                tau = there.tau + sharpened((part - 1.0) * h, side, whole(there, v0, K), walls, K)
+            return polish(tau, now.tau, there.tau, side, start, walls, K)
     else:
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
     return stepped(tau_max, now, M4, thin, margin, start, walls, S, K)
@@ -568,16 +565,6 @@ def graze_ahead(now, side, step, M4, start, walls, S, K):
     return verdict, tau_min
 
 
-def root_between(now, there, side, v0, walls, K):
-    """Estimate when the gap to the wall on a side closes, once, between the points `now` and `there`."""
-    # A step of Newton's method from the secant's root on Hermite's cubic, with the secant's slope; then `sharpened`.
-    h = there.tau - now.tau
-    part = part_to_root(now, there, side, walls)
-    if part < 0.5:
-        return now.tau + sharpened(part * h, side, now, walls, K)
-    return there.tau + sharpened((part - 1.0) * h, side, whole(there, v0, K), walls, K)
-
-
 def part_to_root(now, there, side, walls):
     """Estimate at which part of the way between two points a gap vanishes, from its values and slopes at both."""
     h, gap, beyond = there.tau - now.tau, gap_to(side, now, walls), -gap_to(side, there, walls)
@@ -661,18 +648,16 @@ def slopes(s, c, belt, K):
 
 
 def wrapped(angle):
-    """Return an angle moved into [0, 2 pi)."""
-    while angle < 0.0:
-        angle = angle + 2.0 * PI
-    while angle >= 2.0 * PI:
-        angle = angle - 2.0 * PI
-    return angle
+    """Return an angle between -4 pi and 4 pi moved into [0, 2 pi)."""
+    angle = select(angle < 0.0, angle + 2.0 * PI, angle)
+    angle = select(angle < 0.0, angle + 2.0 * PI, angle)
+    return select(angle >= 2.0 * PI, angle - 2.0 * PI, angle)
 
 
 def ahead(angle):
     """Return the distance in [0, 2 pi) to a phase ahead; a phase that is reached within rounding counts as passed."""
     angle = wrapped(angle)
-    return 0.0 * angle if angle < SAME_PHASE * EPS or 2.0 * PI - angle < SAME_PHASE * EPS else angle
+    return select((angle < SAME_PHASE * EPS) | (2.0 * PI - angle < SAME_PHASE * EPS), 0.0 * angle, angle)
 
 
 def belt_exit(tau_max, held, belt, K):

@@ -12,28 +12,19 @@ A wall that is not there has an infinite gap. Lanes without a result may hold an
 from __future__ import annotations
 
 from math import inf, sqrt
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from symosc.engine.batch import (
-    STATE_WIDTH,
-    borrowed,
-    borrowed_batch,
-    borrowed_rows,
-    borrowed_tally,
-    follow_one,
-    is_inexact,
-    state_of,
-)
+from symosc.engine.batch import STATE_WIDTH, borrowed, follow_one, is_inexact, state_of
 from symosc.engine.constant_table import ROW
 from symosc.engine.first_exit import (
     FAINT,
     NEAR,
     PI,
     ROUNDING,
-    SAME_PHASE,
     THIN,
+    ahead,
     force_noise,
     fourth_derivative_bound,
     free_motion,
@@ -51,8 +42,9 @@ from symosc.engine.first_exit import (
     slips_at,
     slopes,
     stays_open,
+    wrapped,
 )
-from symosc.engine.flow import MarchConstants, constant_force, derivatives
+from symosc.engine.flow import BeltConstants, MarchConstants, constant_force, derivatives
 from symosc.engine.next_event import (
     NEAR_FORCE,
     PAST_END,
@@ -73,12 +65,8 @@ from symosc.kernels.elementary import WIDEST, exp, select, sine_cosine
 from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, SIXTH
 
 # Here these names are placeholders: compiled code has those of `symosc.kernels.lane_types`, at its width.
-any_of: Any = None
-bits_of: Any = None
-load: Any = None
-store: Any = None
-load_constants: Any = None
-number_in: Any = None
+placeholder: Any = None
+any_of = bits_of = load = store = load_constants = number_in = placeholder
 LANES = 0
 
 # Rows of the results beside those of a state: code, belt, and the standard error of the event's time.
@@ -95,25 +83,13 @@ NUMBERS = ROW.itemsize // 8
 MOST_EVALUATIONS = 3
 
 
-class LaneBelt(NamedTuple):
-    """The constants of the belts that motions are at, one in each lane (`symosc.engine.flow.BeltConstants`)."""
-
-    v: Any
-    J: Any
-    drift: Any
-    turns: Any
-    s_cr: Any
-    c_cr: Any
-    angle: Any
-
-
 def belts(boundary, K):
-    """Return the constants of the belts with the given numbers."""
+    """Return the constants of the belts with the given numbers, one in each lane."""
     first, one, two = boundary == 1, K.belt1, K.belt2
     v, J, drift = select(first, one.v, two.v), select(first, one.J, two.J), select(first, one.drift, two.drift)
-    turns = select(first, one.turns, two.turns) != 0.0
-    s_cr, c_cr = select(first, one.s_cr, two.s_cr), select(first, one.c_cr, two.c_cr)
-    return LaneBelt(v, J, drift, turns, s_cr, c_cr, select(first, one.angle, two.angle))
+    turns, s_cr = select(first, one.turns, two.turns) != 0.0, select(first, one.s_cr, two.s_cr)
+    c_cr, angle = select(first, one.c_cr, two.c_cr), select(first, one.angle, two.angle)
+    return BeltConstants(v, J, drift, turns, s_cr, c_cr, angle, v, v)  # the limits are not asked for here
 
 
 def suits_lanes(K):
@@ -207,15 +183,10 @@ def march_side_by_side(tau_max, v0, now, walls, margin, K):
     long = (below + guess > 0.0) & (above - guess > 0.0)
     active, hit, side, end = now.tau == 0.0, now.tau < 0.0, now.tau, now
     while any_of(active):
-        M = MarchConstants(
-            select(long, K.stride.step, K.march.step),
-            select(long, K.stride.C, K.march.C),
-            select(long, K.stride.E1, K.march.E1),
-            select(long, K.stride.D, K.march.D),
-            select(long, K.stride.E0, K.march.E0),
-            select(long, K.stride.s, K.march.s),
-            select(long, K.stride.c, K.march.c),
-        )
+        step, C = select(long, K.stride.step, K.march.step), select(long, K.stride.C, K.march.C)
+        E1, D = select(long, K.stride.E1, K.march.E1), select(long, K.stride.D, K.march.D)
+        E0, s = select(long, K.stride.E0, K.march.E0), select(long, K.stride.s, K.march.s)
+        M = MarchConstants(step, C, E1, D, E0, s, select(long, K.stride.c, K.march.c))
         v_next, F_next, there = marched(v_free, F_free, v0, now, M, K)
         lift, within = lifted(M.step, M4, slack), there.tau < tau_max
         h = there.tau - now.tau
@@ -346,7 +317,7 @@ def slip(state, remaining, K):
 def end_of_stick(held, belt, K):
     """Return (good, force, side, low, high, Delta, s, c): the monotone piece in which a stick ends (`belt_exit`)."""
     zero, period = 0.0 * held.theta, K.period
-    first, second = ahead_of(belt.angle - held.theta) / K.Om, ahead_of(PI - belt.angle - held.theta) / K.Om
+    first, second = ahead(belt.angle - held.theta) / K.Om, ahead(PI - belt.angle - held.theta) / K.Om
     swap = belt.turns & (second < first)
     first, second = select(swap, second, first), select(swap, first, second)
     first, second = select(belt.turns, first, period), select(belt.turns, second, period)
@@ -379,24 +350,11 @@ def end_of_stick(held, belt, K):
     return good, force, side, low, high, from_Delta, from_s, from_c
 
 
-def wrapped_once(angle):
-    """Return an angle between -4 pi and 4 pi moved into [0, 2 pi) (`wrapped`)."""
-    angle = select(angle < 0.0, angle + 2.0 * PI, angle)
-    angle = select(angle < 0.0, angle + 2.0 * PI, angle)
-    return select(angle >= 2.0 * PI, angle - 2.0 * PI, angle)
-
-
-def ahead_of(angle):
-    """Return the distance to a phase ahead (`ahead`)."""
-    angle = wrapped_once(angle)
-    return select((angle < SAME_PHASE * EPS) | (2.0 * PI - angle < SAME_PHASE * EPS), 0.0 * angle, angle)
-
-
 def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
     """Return (good, tau, slope, bend, s, c): the roots of the force in monotone pieces (`exit_root`)."""
     tau, over = low, force + Delta
     sine = select(side * K.fB < 0.0, 1.0, -1.0)
-    inflection = wrapped_once(0.5 * sine * PI - held.theta) / K.Om
+    inflection = wrapped(0.5 * sine * PI - held.theta) / K.Om
     between = (low < inflection) & (inflection < high)
     there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
     better = between & (abs(there) < abs(over))
@@ -509,27 +467,11 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
     side_by_side = tally.floats.shape[0] > 0 and pieces.shape[1] == 0
     # Numbers of motions in flight and on a belt; their states, constants and results, one column for each lane.
     queue, given = np.zeros((2, 2 * LANES), np.int64), np.zeros((STATE_WIDTH, LANES))
-    constants, found = np.zeros((NUMBERS, LANES)), np.zeros((STATE_WIDTH + 3, LANES))
+    space = queue, given, np.zeros((NUMBERS, LANES)), np.zeros((STATE_WIDTH + 3, LANES))
     while begin < count:
         end, alike = end_of_group(begin, sets, table) if side_by_side else (begin + 1, True)
         if end - begin >= LANES // LEAST_PART:
-            rows = follow_group(
-                begin,
-                end,
-                alike,
-                rows,
-                batch,
-                most,
-                accuracy,
-                out,
-                pieces,
-                tally,
-                table,
-                queue,
-                given,
-                constants,
-                found,
-            )
+            rows = follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, space)
         else:
             end = begin + 1
             if codes[begin] == RUNNING:
@@ -541,38 +483,27 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
     return begin, rows, parts
 
 
-def follow_group(
-    begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, queue, given, constants, found
-):
+def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, space):
     """Follow the trajectories from `begin` to `end`, `alike` where they have one set; return the number of rows."""
-    queue, given, constants, found = borrowed(queue), borrowed(given), borrowed(constants), borrowed(found)
-    batch, tally, table = borrowed_batch(batch), borrowed_tally(tally), borrowed(table)
-    out, pieces = borrowed_rows(out), borrowed(pieces)
+    out, pieces, tally, table, batch, space = borrowed((out, pieces, tally, table, batch, space))
+    queue, given, constants, found = space
     states, sets, counts, codes = batch
     asked = tally.asked.extent or tally.asked.stuck or tally.asked.ring > 0
     K, fullest = table[sets[begin]], out.floats.shape[1]
-    flights, sticks = 0, 0  # motions in the queues
-    tried, kept = 0, 0
+    waiting, tried, kept = np.zeros(2, np.int64), 0, 0  # lengths of the queues, steps tried, and those that hold
     while rows < fullest and (tried < PROBE or LEAST_PART * kept > tried):
-        while begin < end and flights + sticks < 2 * LANES:
+        while begin < end and waiting[0] + waiting[1] < 2 * LANES:
             if codes[begin] == RUNNING:
-                if states[begin, 0] > ON_BELT:
-                    queue[1, sticks] = begin
-                    sticks += 1
-                else:
-                    queue[0, flights] = begin
-                    flights += 1
+                which = 1 if states[begin, 0] > ON_BELT else 0
+                queue[which, waiting[which]] = begin
+                waiting[which] += 1
             begin += 1
-        which = 0 if flights >= sticks else 1
-        there = flights if which == 0 else sticks
-        if there < LANES // LEAST_PART:
+        which = 0 if waiting[0] >= waiting[1] else 1
+        if waiting[which] < LANES // LEAST_PART:
             break
-        taken = min(there, LANES)
-        first = there - taken
-        if which == 0:
-            flights = first
-        else:
-            sticks = first
+        taken = min(waiting[which], LANES)
+        first = waiting[which] - taken
+        waiting[which] = first
         for lane in range(LANES):
             i = queue[which, first + (lane if lane < taken else 0)]
             for n in range(STATE_WIDTH):
@@ -602,15 +533,12 @@ def follow_group(
             else:
                 rows, _ = follow_one(i, True, rows, 0, batch, most, accuracy, out, pieces, tally, table)
             if codes[i] == RUNNING:
-                if states[i, 0] > ON_BELT:
-                    queue[1, sticks] = i
-                    sticks += 1
-                else:
-                    queue[0, flights] = i
-                    flights += 1
-    for n in range(flights + sticks):
-        i = queue[0, n] if n < flights else queue[1, n - flights]
-        rows, _ = follow_one(i, False, rows, 0, batch, most, accuracy, out, pieces, tally, table)
+                now = 1 if states[i, 0] > ON_BELT else 0
+                queue[now, waiting[now]] = i
+                waiting[now] += 1
+    for which in range(2):
+        for n in range(waiting[which]):
+            rows, _ = follow_one(queue[which, n], False, rows, 0, batch, most, accuracy, out, pieces, tally, table)
     for i in range(begin, end):
         if rows < fullest and codes[i] == RUNNING:
             rows, _ = follow_one(i, False, rows, 0, batch, most, accuracy, out, pieces, tally, table)
@@ -619,8 +547,7 @@ def follow_group(
 
 def tally_lanes(good, taken, members, found, batch, most, tally, table):
     """Count the steps of lanes whose results hold, from the states in a batch."""
-    members, found, table = borrowed(members), borrowed(found), borrowed(table)
-    batch, tally = borrowed_batch(batch), borrowed_tally(tally)
+    members, found, table, batch, tally = borrowed((members, found, table, batch, tally))
     states, sets, counts, _ = batch
     for lane in range(taken):
         i = members[lane]

@@ -565,7 +565,7 @@ def contact_at_dip(tau, free, side, start, walls, S, K):
     gap, bend = gap_to(side, now, walls), -side * now.G1
     fall = (now.F + (0.5 * now.G1 + SIXTH * (now.G2 + 0.25 * now.G3 * shift) * shift) * shift) * shift
     depth = side * fall - gap
-    allowed = tolerance(now, walls.below if side < 0 else walls.above, start, S, K)
+    allowed = tolerance(side, now, start, walls, S, K)
     if not (abs(shift) * K.rate < NEAR and free > 0.0 and bend > 0.0 and depth > 2.0 * allowed):
         return FlightEnd(STALLED, side, now)
     before = shift - sqrt(2.0 * depth / bend)

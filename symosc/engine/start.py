@@ -132,8 +132,8 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
     # force that the error of the start can make 0 is 0.
     p, K, number = start.parameters, arithmetic.K, arithmetic.number
     eps = arithmetic.namespace["EPS"]
-    _, theta = arithmetic.phase(start.t0)
-    x, v, phase = number(start.x0), number(start.v0), sine_and_cosine(theta, arithmetic)
+    x, v, theta = number(start.x0), number(start.v0), arithmetic.phase(start.t0)
+    phase = sine_and_cosine(theta, arithmetic)
     at = 1 if start.v0 == p.v1 else 2 if start.v0 == p.v2 else 0
     if at:
         begun = belt_start(at, x, phase, arithmetic)
@@ -175,7 +175,7 @@ def _decided(start: Start, boundary: int) -> BeltStart:
     arithmetic = MpArithmetic(p, digits)
     x = arithmetic.number(start.x0)
     rounding = ROUNDING * arithmetic.namespace["EPS"] * force_terms(boundary, x, arithmetic.K)
-    phase = sine_and_cosine(arithmetic.phase(start.t0)[1], arithmetic)
+    phase = sine_and_cosine(arithmetic.phase(start.t0), arithmetic)
     return belt_start(boundary, x, phase, arithmetic, rounding + reach_of_error(start, arithmetic))
 
 

@@ -72,6 +72,16 @@ class Letters(NamedTuple):
     FN: Number
 
 
+def launch_at(mode, t, theta, x, v):
+    """Return the start of a piece."""
+    return Launch(int(mode), t, theta, sin(theta), cos(theta), x, v)
+
+
+def letters_of(row):
+    """Return a row of letters as a named tuple."""
+    return Letters(row[0], row[1], row[2], row[3])
+
+
 def phase_between(start, t, theta, K):
     """Return the phase gained since a start, from the phases at both ends, which are more exact than late times."""
     turn = theta - start.theta
@@ -204,15 +214,12 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
     dts, dxs, marks, reasons, growth = out
     count = dts.shape[1]
     for i in motions:
-        K, own = table[sets[i]], letters[sets[i]]
-        mine = Letters(own[0], own[1], own[2], own[3])
-        theta = starts[i, 2]
-        start = Launch(int(starts[i, 0]), starts[i, 1], theta, sin(theta), cos(theta), starts[i, 3], starts[i, 4])
+        K, mine = table[sets[i]], letters_of(letters[sets[i]])
+        start = launch_at(starts[i, 0], starts[i, 1], starts[i, 2], starts[i, 3], starts[i, 4])
         regular = begin(start, codes, count, mine, K, work)
         for n in range(cuts[i], cuts[i + 1]):
-            theta = thetas[n]
-            now = Launch(int(targets[n]), times[n], theta, sin(theta), cos(theta), xs[n], vs[n])
-            turn = phase_between(start, now.t, theta, K)
+            now = launch_at(targets[n], times[n], thetas[n], xs[n], vs[n])
+            turn = phase_between(start, now.t, now.theta, K)
             boundary, kind = boundaries[n], kinds_[n]
             belt, kept, touched = V1 + boundary - 1, work, False
             if kind == GRAZE:  # what is usual on the way there is the scale of what vanishes
@@ -248,12 +255,10 @@ def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out
     """Write derivatives of x and v at fixed times into `out` (2, times, columns)."""
     # Each time is in the piece of this number: `starts` are rows as those of `tangents`, `launched` (3, pieces,
     # columns) the derivatives of t, x and v there.
-    K, own = table[0], letters[0]
-    mine = Letters(own[0], own[1], own[2], own[3])
+    K, mine = table[0], letters_of(letters[0])
     for n in range(len(times)):
         i = pieces[n]
-        theta = starts[i, 2]
-        start = Launch(int(starts[i, 0]), starts[i, 1], theta, sin(theta), cos(theta), starts[i, 3], starts[i, 4])
+        start = launch_at(starts[i, 0], starts[i, 1], starts[i, 2], starts[i, 3], starts[i, 4])
         for j in range(len(codes)):
             for row in range(DV + 1):
                 work[row, j] = launched[row, i, j]

@@ -1,4 +1,4 @@
-"""Columns of numbers in pairs of doubles, about 32 digits: rational formulas for thousands of numbers at once.
+"""Columns of numbers in pairs of doubles, about 30 digits: rational formulas for thousands of numbers at once.
 
 A difference that cancels almost all digits, but not all, may be 0 in truth: such rows are noted for exact arithmetic.
 """
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Number
-from symosc.kernels.double_double import two_product, two_sum
+from symosc.kernels.double_double import pair_product, pair_quotient, pair_sum
 
 # A sum that is smaller than this part of its terms, and not 0, has lost its digits.
 CANCELLED = 2.0**-90
@@ -48,10 +48,7 @@ class PairColumn:
 
     def __add__(self, other: Any) -> PairColumn:
         b = self._as_column(other)
-        s, e = two_sum(self.hi, b.hi)
-        t, f = two_sum(self.lo, b.lo)
-        s, e = two_sum(s, e + t)
-        made = self._made(b, *two_sum(s, e + f))
+        made = self._made(b, *pair_sum(self.hi, self.lo, b.hi, b.lo))
         if made.doubts is not None:
             made.doubts |= (made.hi != 0.0) & (abs(made.hi) < CANCELLED * abs(self.hi))
         return made
@@ -66,8 +63,7 @@ class PairColumn:
 
     def __mul__(self, other: Any) -> PairColumn:
         b = self._as_column(other)
-        p, e = two_product(self.hi, b.hi)
-        return self._made(b, *two_sum(p, e + (self.hi * b.lo + self.lo * b.hi)))
+        return self._made(b, *pair_product(self.hi, self.lo, b.hi, b.lo))
 
     __rmul__ = __mul__
 
@@ -76,10 +72,7 @@ class PairColumn:
 
     def __truediv__(self, other: Any) -> PairColumn:
         b = self._as_column(other)
-        first = self.hi / b.hi
-        p, e = two_product(first, b.hi)
-        rest = ((self.hi - p) - e) + self.lo - first * b.lo
-        return self._made(b, *two_sum(first, rest / b.hi))
+        return self._made(b, *pair_quotient(self.hi, self.lo, b.hi, b.lo))
 
     def __rtruediv__(self, other: Any) -> PairColumn:
         return self._as_column(other) / self

@@ -18,8 +18,7 @@ from matplotlib.axes import Axes
 
 from symosc.aliases import Record
 from symosc.model import NEIGHBOURS
-from symosc.simulation.moved import MovedTrajectory, belt_path
-from symosc.simulation.trajectory import Trajectory
+from symosc.simulation.trajectory import MovedTrajectory, Trajectory, belt_path
 
 BELT_COLOR, MASS_COLOR = "black", "#d7191c"
 ONSET_COLOR, END_COLOR, SWITCH_COLOR = "#1f3fd6", "#0f8a2a", "#d7191c"

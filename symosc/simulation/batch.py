@@ -7,11 +7,10 @@ depend on the number of threads either: each chunk is computed by itself, and pu
 from __future__ import annotations
 
 import os
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from threading import Event, local
+from threading import Event
 from time import perf_counter
 from typing import Any, NamedTuple, TypeVar
 
@@ -21,25 +20,13 @@ from symosc.engine import batch as engine_batch
 from symosc.engine import flow, summary
 from symosc.engine.arithmetic import (
     Arithmetic,
-    PairLimits,
     compiled,
     compiled_pairs,
     compiled_tangents,
     is_compiled,
     pair_constants,
-    pairs_are_compiled,
 )
-from symosc.engine.batch import (
-    NO_PIECES,
-    STATE_WIDTH,
-    Batch,
-    EventRows,
-    batch_of,
-    contiguous_copy,
-    event_buffer,
-    row_of,
-    rows_between,
-)
+from symosc.engine.batch import NO_PIECES, STATE_WIDTH, Batch, EventRows, batch_of, event_buffer, rows_between
 from symosc.engine.constant_table import ROW, ConstantRows, table_of
 from symosc.engine.start import Start, first_state, last_time
 from symosc.engine.summary import Tally, no_tally
@@ -106,13 +93,11 @@ def chosen_loops(use_numba: Any) -> Loops:
             raise
         return INTERPRETED
     march_rows, follow, settle = (functions[name] for name in ("march_rows", "follow_all", "settle"))
-    if use_numba:
-        return Loops(march_rows, follow, settle, True)
-    march_rows, settle = (
-        ready if is_compiled(ready) else plain
-        for ready, plain in ((march_rows, INTERPRETED.march_rows), (settle, INTERPRETED.settle))
-    )
-    return Loops(march_rows, follow if is_compiled(follow) else _interpreted_first(follow), settle, True)
+    if not use_numba:
+        march_rows = march_rows if is_compiled(march_rows) else INTERPRETED.march_rows
+        follow = follow if is_compiled(follow) else _interpreted_first(follow)
+        settle = settle if is_compiled(settle) else INTERPRETED.settle
+    return Loops(march_rows, follow, settle, True)
 
 
 def loaded_loop() -> dict[str, Any] | None:
@@ -151,7 +136,7 @@ def follow_batch(
     while begin < len(batch.states):
         begin, filled, _ = follow(begin, batch, most, accuracy, buffer, NO_PIECES, tally, table)
         filled = 0 if len(tally.floats) else filled
-        yield EventRows(*(contiguous_copy(columns[:, :filled]) for columns in buffer))
+        yield EventRows(*(engine_batch.contiguous_copy(columns[:, :filled]) for columns in buffer))
 
 
 def joined(parts: Iterable[EventRows]) -> EventRows:
@@ -161,7 +146,8 @@ def joined(parts: Iterable[EventRows]) -> EventRows:
 
 
 #: Buffers of earlier calls, 18 MB each: memory that is new to a process is slow.
-SPARE_BUFFERS: deque[EventRows] = deque(maxlen=2)
+SPARE_BUFFERS: list[EventRows] = []
+MOST_SPARE = 2
 
 
 class Stopped(Exception):
@@ -190,44 +176,43 @@ def in_chunks(
     workers: int,
     progress: Callable[[int, int], object],
 ) -> list[Result]:
-    """Return the results of all chunks of `count` rows in order; each thread has its own event buffer."""
+    """Return the results of all chunks of `count` rows in order; each has an event buffer to itself meanwhile."""
     # An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`, and is raised.
     least = LEAST_IN_CHUNK if workers > 1 else LEAST_ALONE
     size = max(least, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))
     # No motions are a chunk too: it has the columns, each without an entry.
     chunks = [slice(begin, min(begin + size, count)) for begin in range(0, max(count, 1), size)]
-    cancel, own, used, done = CancelToken(), local(), list[EventRows](), 0
+    cancel, results, done = CancelToken(), list[Result](), 0
 
     def one(rows: slice) -> Result:
         cancel.check()
-        if not hasattr(own, "buffer"):
-            try:  # another thread may have taken the last one
-                own.buffer = SPARE_BUFFERS.pop()
-            except IndexError:
-                own.buffer = event_buffer(CAPACITY)
-            used.append(own.buffer)
-        return work(rows, own.buffer, cancel)
+        try:  # another thread may have taken the last one
+            buffer = SPARE_BUFFERS.pop()
+        except IndexError:
+            buffer = event_buffer(CAPACITY)
+        found = work(rows, buffer, cancel)
+        SPARE_BUFFERS.append(buffer)
+        return found
 
     if min(workers, len(chunks)) <= 1:
-        results = []
         for rows in chunks:
             results.append(one(rows))
             progress(rows.stop, count)
-        SPARE_BUFFERS.extend(used)
-        return results
-    with ThreadPoolExecutor(min(workers, len(chunks)), thread_name_prefix="symosc") as pool:
-        try:
-            futures: dict[Future[Result], slice] = {pool.submit(one, rows): rows for rows in chunks}
-            for future in as_completed(futures):
-                future.result()
-                done += futures[future].stop - futures[future].start
-                progress(done, count)
-        except BaseException:
-            cancel.set()
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
-    SPARE_BUFFERS.extend(used)
-    return [future.result() for future in futures]
+    else:
+        with ThreadPoolExecutor(min(workers, len(chunks)), thread_name_prefix="symosc") as pool:
+            try:
+                futures = {pool.submit(one, rows): rows.stop - rows.start for rows in chunks}
+                for future in as_completed(futures):
+                    future.result()
+                    done += futures[future]
+                    progress(done, count)
+            except BaseException:
+                cancel.set()
+                pool.shutdown(wait=True, cancel_futures=True)
+                raise
+        results = [future.result() for future in futures]
+    del SPARE_BUFFERS[MOST_SPARE:]
+    return results
 
 
 class Warmed(NamedTuple):
@@ -240,46 +225,37 @@ class Warmed(NamedTuple):
 
 def warm() -> list[Warmed]:
     """Compile the functions that `simulate_many` calls, unless they are on disk; MissingExtraError without numba."""
-    loops, search, doubt = chosen_loops(True), compiled()["search_row"], compiled()["doubt_row"]
-    scene, nothing = load_scene("fig8"), np.arange(0)
+    loops, doubles, tangents, pairs = chosen_loops(True), compiled(), compiled_tangents()["tangents"], compiled_pairs()
+    scene, nothing, none = load_scene("fig8"), np.arange(0), np.zeros((0, STATE_WIDTH))
     start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
-    arithmetic = Arithmetic(scene.parameters)
-    table, states = table_of([arithmetic.K]), np.zeros((0, STATE_WIDTH))
-
-    def doubles() -> None:
-        loops.march_rows(table, np.zeros((1, 2, 7)))
-        loops.follow(0, batch_of(states), 1, 1.0, event_buffer(0), NO_PIECES, no_tally(), table)
-        loops.settle(no_tally(), nothing, table, np.zeros((0, 0, 2)), nothing)
-
-    def alone() -> None:
-        rows = np.array([row_of(first_state(start, arithmetic), *last_time(start, arithmetic))])
-        search(rows, table)
-        doubt(rows, 0, 1, 1.0, table)
-
-    def derivatives() -> None:
-        columns, out = (np.zeros(0),) * 4 + (nothing,) * 3, (np.zeros((0, 1)),) * 2
-        marks = np.zeros((0, 1), np.int8), np.zeros(0, np.int8), np.zeros((0, 2))
-        compiled_tangents()["tangents"](
-            nothing, nothing, np.zeros((0, 5)), nothing, columns, nothing, True, np.zeros((0, 4)), table,
-            (*out, *marks), np.zeros((8, 11)),
-        )  # fmt: skip
-
-    def pairs() -> None:
-        K, none = pair_constants(scene.parameters), states.astype(complex)
-        begin, follow = compiled_pairs()
-        begin(none, K)
-        limits, batch = PairLimits(1, 1.0, 0, 1.0, table, table), batch_of(states)
-        follow(nothing, nothing, none, batch, event_buffer(0), NO_PIECES, K, no_tally(), limits)
-
-    works: dict[str, tuple[Callable[[], bool], Callable[[], None]]] = {
-        "events in doubles": (lambda: all(map(is_compiled, loops[:3])), doubles),
-        "events of single motions": (lambda: is_compiled(search) and is_compiled(doubt), alone),
-        "events in double-double numbers": (pairs_are_compiled, pairs),
-        "derivatives of events": (lambda: is_compiled(compiled_tangents()["tangents"]), derivatives),
+    arithmetic, K = Arithmetic(scene.parameters), pair_constants(scene.parameters)
+    table, batch, out = table_of([arithmetic.K]), batch_of(none), event_buffer(0)
+    row = np.array([engine_batch.row_of(first_state(start, arithmetic), *last_time(start, arithmetic))])
+    columns = *(np.zeros(0),) * 4, *(nothing,) * 3
+    changes = *(np.zeros((0, 1)),) * 2, np.zeros((0, 1), np.int8), np.zeros(0, np.int8), np.zeros((0, 2))
+    of_motions, letters, work = np.zeros((0, 5)), np.zeros((0, 4)), np.zeros((8, 11))
+    pair_rows, limits = none.astype(complex), engine_batch.PairLimits(1, 1.0, 0, 1.0, table, table)
+    calls: dict[str, list[tuple[Any, tuple[Any, ...]]]] = {
+        "events in doubles": [
+            (loops.march_rows, (table, np.zeros((1, 2, 7)))),
+            (loops.follow, (0, batch, 1, 1.0, out, NO_PIECES, no_tally(), table)),
+            (loops.settle, (no_tally(), nothing, table, np.zeros((0, 0, 2)), nothing)),
+        ],
+        "events of single motions": [
+            (doubles["search_row"], (row, table)),
+            (doubles["doubt_row"], (row, 0, 1, 1.0, table)),
+        ],
+        "events in double-double numbers": [
+            (pairs.follow_pairs, (nothing, nothing, pair_rows, batch, out, NO_PIECES, K, no_tally(), limits)),
+        ],
+        "derivatives of events": [
+            (tangents, (nothing, nothing, of_motions, nothing, columns, nothing, True, letters, table, changes, work))
+        ],
     }
     done = []
-    for what, (is_there, run) in works.items():
-        was_there, begin = is_there(), perf_counter()
-        run()
+    for what, functions in calls.items():
+        was_there, begin = all(is_compiled(function) for function, _ in functions), perf_counter()
+        for function, arguments in functions:
+            function(*arguments)
         done.append(Warmed(what, was_there, perf_counter() - begin))
     return done

@@ -29,7 +29,6 @@ from symosc.engine.arithmetic import (
     interpreted_pairs,
     many_digits,
     pair_constants,
-    pair_phase,
     pairs_are_compiled,
     pairs_as_complex,
 )
@@ -51,17 +50,7 @@ from symosc.engine.state import (
     NextEvent,
     State,
 )
-from symosc.engine.summary import (
-    LEAST_RING,
-    LONGEST_REPEAT,
-    Kept,
-    Tally,
-    finish_tally,
-    no_tally,
-    select_tallies,
-    store_tallies,
-    tally_step,
-)
+from symosc.engine.summary import Kept, Tally, finish_tally, no_tally, select_tallies, store_tallies, tally_step
 from symosc.engine.tangent import Letters
 from symosc.errors import ParameterError
 from symosc.exact import read_start_error, whole_number
@@ -82,18 +71,12 @@ from symosc.simulation.batch import (
 from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, check_reached, fits_pairs
 from symosc.simulation.problems import NumberColumn, Problems
 from symosc.simulation.simulate import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
-from symosc.simulation.tables import SUMMARY_COLUMNS, EventTable, Summary, table_from
-from symosc.simulation.tangents import Launches, chosen_tangents, event_changes, read_wrt
+from symosc.simulation.tables import CHANGES, SUMMARY_COLUMNS, Summary, table_from
+from symosc.simulation.tangents import chosen_tangents, event_changes, read_wrt
 from symosc.simulation.trajectory import Trajectory
 
-__all__ = ["EventTable", "Summary", "simulate_many"]
-
-# A gap between a start and a belt that pairs have digits to spare for (`symosc.simulation.motion.fits_pairs`).
-FAR_OFF = 2e-8
 # Motions that are followed in interpreted pairs until it is asked again whether to compile.
 TOGETHER = 8
-# A force on a belt that is this small beside others is computed from the exact start.
-SMALL_FORCE = 1e-6
 # Mappings of a period that are kept at first, and sections that are kept of a motion, 64 bytes each.
 USUAL_WORD, MOST_SECTIONS = 48, 100_000
 EXTREMES = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_max": kept.V_MAX}
@@ -164,29 +147,24 @@ def simulate_many(
     most = MOST_EVENTS if max_events is None else min(whole_number("max_events", max_events, 1), 2**62)
     task = Task(problems, chosen_loops(use_numba), most, read_accuracy(accuracy))
     of_events = isinstance(record, str) and record == "events"
+    work: Callable[..., Any]
     if of_events:
         for name, value, usual in (("skip", skip, 0), ("sections", sections, 1)):
             if value is not usual and not (isinstance(value, int) and value == usual):
                 raise ParameterError(name, value, 'is for summaries; give record="summary", or names of its columns')
-    if wrt is not None and not of_events:
+        names = () if wrt is None else read_wrt(wrt)
+        work = partial(events_of, task, names, use_numba)
+    elif wrt is not None:
         raise ParameterError("wrt", wrt, 'is for events; leave it out, or record="events"')
-    names = () if wrt is None else read_wrt(wrt)
-    work = (
-        partial(events_of, task, names, use_numba)
-        if of_events
-        else partial(summary_of, task, SummaryRequest(record, skip, sections, problems))
-    )
+    else:
+        work = partial(summary_of, task, SummaryRequest(record, skip, sections, problems))
     threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)
     with reporting(progress or False, 0, len(problems), "simulate_many") as report:
         parts: list[Any] = in_chunks(len(problems), work, threads, report)
     if of_events:
-        found = table_from(
-            [rows for part in parts for rows in part.rows], [each for part in parts for each in part.status]
-        )
-        if names:
-            dt, dx, regular = (joined_rows(list(each)) for each in zip(*(part.changes for part in parts), strict=True))
-            vars(found).update(wrt=names, dt=dt, dx=dx, regular=regular)
-        return found
+        rows, status = ([each for part in parts for each in part[n]] for n in range(2))
+        columns = (joined_rows(list(each)) for each in zip(*(changes for _, _, changes in parts), strict=True))
+        return table_from(rows, status, names, **dict(zip(CHANGES if names else (), columns, strict=True)))
     return Summary(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
@@ -206,14 +184,7 @@ class Chunk:
     # the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
     # events in order of motion and time, `alone` the trajectories of motions that were followed alone.
 
-    def __init__(
-        self,
-        task: Task,
-        rows: slice,
-        buffer: EventRows,
-        cancel: CancelToken,
-        keep: Callable[[Any, np.ndarray], Tally] | None = None,
-    ) -> None:
+    def __init__(self, task: Task, rows: slice, buffer: EventRows, cancel: CancelToken, keep: Any = None) -> None:
         self.task, self._first, self._buffer, self._cancel = task, rows.start, buffer, cancel
         self.batch, self.table = task.problems.begin(rows, task.loops.march_rows)
         if isinf(task.accuracy):
@@ -231,21 +202,20 @@ class Chunk:
         for i, trajectory in self.alone.items():
             again[i] = trajectory.rows()
             again[i].ints[0] = i
-        self.rows = spliced(self.rows, again) if again else self.rows
+        self.rows = with_replaced(self.rows, again) if again else self.rows
         self.status = self._statuses()
 
     def problem(self, i: int) -> Start:
         """Return the problem of a motion by its number in this chunk."""
         return self.task.problems[self._first + i]
 
-    def launches(self) -> Launches:
-        """Return the starts of the chunk's motions, their parameter sets and constants, as derivatives need them."""
-        starts = self._starts[:, [0, 0, 3, 4, 5]]
+    def launches(self) -> tuple[np.ndarray, ...]:
+        """Return the starts of the motions, their parameter sets, and letters and constants of those (`tangents`)."""
+        starts, sets = self._starts[:, [0, 0, 3, 4, 5]], self.task.problems.sets
         rows = slice(self._first, self._first + len(starts))
         starts[:, 1] = self.task.problems.t0.pairs(rows).hi
-        sets = self.task.problems.sets
         letters = sets.doubles(Letters._fields, rows if len(sets) > 1 else slice(0, 1))
-        return Launches(starts, self.batch.sets, letters, self.table)
+        return starts, self.batch.sets, letters, self.table
 
     def _remove_undecided(self) -> list[int]:
         """Return the motions that ended undecided, and remove their tally."""
@@ -264,11 +234,9 @@ class Chunk:
     def _in_pairs(self, members: list[int]) -> dict[int, EventRows]:
         """Follow motions in pairs of doubles as far as these decide; return their events by motion number."""
         found: dict[int, EventRows] = {}
-        numbers = self._first + np.array(members, np.int64)
-        apart = self.task.problems.are_apart(numbers, self._starts[members, 1], FAR_OFF)
         groups: dict[int, list[int]] = {}
-        for i, is_apart in zip(members, apart.tolist(), strict=True):
-            if is_apart or fits_pairs(self.problem(i)):
+        for i in members:
+            if fits_pairs(self.problem(i)):
                 groups.setdefault(int(self.batch.sets[i]), []).append(i)
         for some in groups.values():
             events = joined(self._escalate(self.task.problems.sets[self._first + some[0]], some))
@@ -282,11 +250,12 @@ class Chunk:
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
         """Follow motions of one parameter set in pairs past an event undecided in doubles, then in doubles."""
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
-        most, K = self.task.most, pair_constants(parameters)
-        pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
+        most, exact, K = self.task.most, many_digits(parameters, ROUNDED_FROM), pair_constants(parameters)
+        rows = (row_of(first_state(start, exact), *last_time(start, exact)) for start in map(self.problem, members))
+        pairs, tally = np.array([pairs_as_complex(tuple(row)) for row in rows]), select_tallies(self.tally, members)
         states, sets, counts, codes = (column[members] for column in self.batch)
         batch, wanted = batch_of(states, sets), counts + (codes == UNDECIDED)
-        going = PairLimits(most, self._needed, MOST_MORE, PAIR_NOISE, self.table, sure(self.table))
+        going = PairLimits(most, self._needed, MOST_MORE, PAIR_NOISE, self.table, careful_table(self.table))
         waiting = np.arange(len(pairs))
         while len(waiting):
             events = wanted - batch.counts
@@ -300,11 +269,11 @@ class Chunk:
             active = active[batch.codes[active] == RUNNING]
             further, counted = Batch(*(column[active] for column in batch)), select_tallies(tally, active)
             if len(active):
-                rows = joined(self._in_doubles(further, counted))
+                found = joined(self._in_doubles(further, counted))
                 doubtful = further.codes <= UNDECIDED
-                decided = ~doubtful[rows.ints[0]]
-                rows.ints[0] = active[rows.ints[0]]
-                yield EventRows(rows.floats[:, decided], rows.ints[:, decided])
+                decided = ~doubtful[found.ints[0]]
+                found.ints[0] = active[found.ints[0]]
+                yield EventRows(found.floats[:, decided], found.ints[:, decided])
                 wanted[active] = further.counts + (further.codes == UNDECIDED)
                 done = active[~doubtful]
                 for column, own in zip(batch, further, strict=True):
@@ -314,19 +283,6 @@ class Chunk:
         for column, values in zip(self.batch, batch, strict=True):
             column[members] = values
         store_tallies(self.tally, members, tally)
-
-    def _pair_rows(self, parameters: Parameters, members: list[int]) -> np.ndarray:
-        """Return the initial states of motions of one parameter set as complex numbers that represent pairs."""
-        starts = self._starts[members]
-        numbers = self._first + np.array(members, np.int64)
-        pairs = self.task.problems.pair_rows(numbers, starts, partial(pair_phase, parameters))
-        pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
-        least, largest = abs(starts[:, 6:8]).min(axis=1), abs(starts[:, 6:8]).max(axis=1)
-        unclear = (starts[:, 1] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
-        for i in np.flatnonzero(unclear).tolist():
-            start, arithmetic = self.problem(members[i]), many_digits(parameters, ROUNDED_FROM)
-            pairs[i] = pairs_as_complex(tuple(row_of(first_state(start, arithmetic), *last_time(start, arithmetic))))
-        return pairs
 
     def _statuses(self) -> list[str]:
         """Return the status of each motion."""
@@ -344,7 +300,7 @@ class Chunk:
         return status
 
 
-def spliced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[EventRows]:
+def with_replaced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[EventRows]:
     """Replace the event rows of the motions in `again`; return all rows in order of motion and time."""
     members, pieces = np.array(sorted(again), np.int64), list(again.values())
     for part in parts:
@@ -354,7 +310,7 @@ def spliced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[Eve
     return sorted((piece for piece in pieces if piece.ints.shape[1]), key=lambda piece: int(piece.ints[0, 0]))
 
 
-def sure(table: np.ndarray) -> np.ndarray:
+def careful_table(table: np.ndarray) -> np.ndarray:
     """Return a table of constants whose decisions exceed the errors of a state, whatever accuracy is asked for."""
     if len(table) and (table["sigmas"] == 0.0).any():
         table = table.copy()
@@ -367,18 +323,10 @@ def pair_loops(events: int) -> PairLoops:
     return compiled_pairs() if events > PAIRS.events or pairs_are_compiled() else interpreted_pairs()
 
 
-class ChunkEvents(NamedTuple):
-    """The events of a chunk in order of motion and time, the statuses of its motions, and dt, dx, regular."""
-
-    rows: list[EventRows]
-    status: list[str]
-    changes: tuple[np.ndarray, ...]
-
-
 def events_of(
     task: Task, wrt: tuple[str, ...], use_numba: bool | None, rows: slice, buffer: EventRows, cancel: CancelToken
-) -> ChunkEvents:
-    """Return the events of a chunk, with their derivatives by `wrt`."""
+) -> tuple[list[EventRows], list[str], tuple[np.ndarray, ...]]:
+    """Return the events of a chunk in order of motion and time, statuses, and dt, dx and regular by `wrt`."""
     chunk, changes = Chunk(task, rows, buffer, cancel), tuple[np.ndarray, ...]()
     if wrt:
         chunk.rows = [joined(chunk.rows)]
@@ -386,7 +334,7 @@ def events_of(
         changes = event_changes(chunk.rows[0], chunk.launches(), wrt, loop)
     for part in chunk.rows:
         part.ints[0] += rows.start
-    return ChunkEvents(chunk.rows, chunk.status, changes)
+    return chunk.rows, chunk.status, changes
 
 
 class SummaryRequest:
@@ -415,7 +363,7 @@ class SummaryRequest:
     def begun(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
         """Return the tally of some motions (a slice, or numbers) at their starts."""
         repeats, extremes = "multiplicity" in self, not EXTREMES.keys().isdisjoint(self.names)
-        ring = 2 * LONGEST_REPEAT if repeats else LEAST_RING if "word" in self or "section" in self else 0
+        ring = 2 * kept.LONGEST_REPEAT if repeats else kept.LEAST_RING if "word" in self or "section" in self else 0
         ring = max(ring, self.sections) if "section" in self else ring
         words = longest if "word" in self else 0
         asked = Kept("stuck" in self, repeats or extremes, extremes, ring, words)

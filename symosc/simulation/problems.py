@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence, Sized
 from decimal import Context, Decimal
 from fractions import Fraction
 from math import pi
-from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -28,8 +27,7 @@ from symosc.quantities import read_number
 from symosc.scenes import START_NAMES, forcing_periods
 
 START_COLUMNS = START_NAMES[:3]
-# Constants of so many sets are computed at once, some 10 MB: for fewer, what numpy takes per operation counts.
-SETS_AT_ONCE = 16384
+
 # So few motions are begun one by one: operations on columns cost more.
 BEGUN_ALONE = 8
 TWO_PI_COLUMN = PairColumn(*TWO_PI_PAIR)
@@ -43,7 +41,7 @@ DECIMAL_CONTEXT = Context(prec=800)
 
 
 class NumberColumn:
-    """One number for all rows or one per row: double `hi`, remainder `lo`, and the exact numbers."""
+    """One number for all rows or one per row: double `hi` and remainder `lo`; exact numbers on demand."""
 
     def __init__(self, name: str, given: Any) -> None:
         given = _as_given(name, given)
@@ -56,7 +54,7 @@ class NumberColumn:
         self.single = self.single or len(given) == 1
         if not self.single and given.dtype == object and all(type(value) is float for value in given):
             given = given.astype(float)
-        self.name, self._exact = name, dict[int, Fraction]()
+        self.name = name
         self._given: Any = given if getattr(given, "shape", ()) else [given]
         plain = not self.single and given.dtype == np.float64
         self.hi, self.lo = self._of_doubles(given) if plain else self._of_any(self._given)
@@ -88,7 +86,7 @@ class NumberColumn:
             except TypeError:  # a list, or another thing that is no number
                 pair = None
             if pair is None:
-                exact = self._exact[row] = read_number(self.called(row), value)[0]
+                exact = read_number(self.called(row), value)[0]
                 pair = known[key] = float(exact), float(exact - Fraction(float(exact)))
             parts[:, row] = pair
         return parts[0], parts[1]
@@ -102,12 +100,7 @@ class NumberColumn:
 
     def exact(self, row: int) -> Fraction:
         """Return the exact number in a row."""
-        row = row if len(self) > 1 else 0
-        if row not in self._exact:
-            if len(self._exact) > 100_000:  # of a long column only a few are asked for again
-                self._exact.clear()
-            self._exact[row] = read_number(self.called(row), self._given[row])[0]
-        return self._exact[row]
+        return read_number(self.called(row), self._given[row if len(self) > 1 else 0])[0]
 
     def pairs(self, rows: Any = slice(None)) -> PairColumn:
         """Return some rows, or the common number, as a column of pairs."""
@@ -168,9 +161,7 @@ class ParameterSets:
     """Parameter sets from Parameters, a sequence of them, or a mapping of all names to numbers or (n,) arrays."""
 
     def __init__(self, given: Any) -> None:
-        self._known, self._blocks, self._lock = dict[int, Parameters](), dict[int, np.ndarray](), Lock()
-        self.columns: dict[str, NumberColumn] = {}
-        self._is_object = False
+        self._known, self.columns, self._is_object = dict[int, Parameters](), dict[str, NumberColumn](), False
         if isinstance(given, Mapping):
             self._read_mapping(given)
             return
@@ -228,30 +219,12 @@ class ParameterSets:
 
     def table(self, rows: slice, march_rows: Callable[..., None]) -> np.ndarray:
         """Return a table of the constants of some sets."""
-        parts, begin = [], rows.start
-        while begin < rows.stop:
-            number, first = divmod(begin, SETS_AT_ONCE)
-            size = min(rows.stop - begin, SETS_AT_ONCE - first)
-            parts.append(self._block(number, march_rows)[first : first + size])
-            begin += size
-        return np.concatenate(parts)
-
-    def _block(self, number: int, march_rows: Callable[..., None]) -> np.ndarray:
-        """Return the constants of a block of SETS_AT_ONCE sets, with the last two blocks cached."""
-        with self._lock:
-            if number not in self._blocks:
-                first = number * SETS_AT_ONCE
-                rows = range(first, min(first + SETS_AT_ONCE, self.count))
-                while len(self._blocks) > 1:
-                    self._blocks.pop(next(iter(self._blocks)))
-                if self._is_object:
-                    self._blocks[number] = table_of([Arithmetic(self[0]).K])
-                else:  # however few they are: the bits must not depend on how a sweep is cut into calls
-                    columns = {name: self.column(name).pairs(slice(first, rows.stop)) for name in PARAMETER_NAMES}
-                    self._blocks[number] = constant_table(
-                        columns, len(rows), lambda i: Arithmetic(self[rows[i]]).K, march_rows
-                    )
-            return self._blocks[number]
+        if self._is_object:
+            return table_of([Arithmetic(self[0]).K])
+        # However few they are: the bits must not depend on how a sweep is cut into calls.
+        columns = {name: self.column(name).pairs(rows) for name in PARAMETER_NAMES}
+        size = rows.stop - rows.start
+        return constant_table(columns, size, lambda i: Arithmetic(self[rows.start + i]).K, march_rows)
 
 
 class Problems:
@@ -322,40 +295,10 @@ class Problems:
         speed = self.sets.column(f"v{boundary}")
         v, belt = self.v0.pairs(rows), speed.pairs(rows)
         near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
-        if self.v0.is_plain and speed.is_plain:
-            values = np.broadcast_to(v.hi, rows.stop - rows.start)[near]
-            _, one_each, places = np.unique(values, return_index=True, return_inverse=True)
-        else:
-            one_each = places = np.arange(len(near))
-        equal = [self.v0.exact(i) == speed.exact(i) for i in (rows.start + near[one_each]).tolist()]
-        on_belt = np.array(equal, dtype=bool)[places]
+        asked = near[:1] if self.v0.is_plain and speed.is_plain else near  # one tells of all
+        equal = [self.v0.exact(i) == speed.exact(i) for i in (rows.start + asked).tolist()]
+        on_belt = np.broadcast_to(np.array(equal, dtype=bool), len(near))
         return near[on_belt], near[~on_belt]
-
-    def are_apart(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
-        """Return which motions have an exact start, a drive, and a distance > `gap` to every belt but their own."""
-        v, B0 = self.v0.pairs(rows).hi, self.sets.column("B0").pairs(rows).hi
-        apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
-        for boundary in (1, 2):
-            apart &= (at == boundary) | (abs(v - self.sets.column(f"v{boundary}").pairs(rows).hi) > gap)
-        return apart
-
-    def pair_rows(self, rows: np.ndarray, states: np.ndarray, phase: Callable[[Fraction], complex]) -> np.ndarray:
-        """Return the starts of motions of one parameter set as rows of complex numbers that represent pairs."""
-        # `states` are their rows in doubles, and `phase` returns the phase at a time, as such a number. Forces and what
-        # follows from them are left to `symosc.engine.batch.first_pairs`.
-        made = np.zeros((len(rows), STATE_WIDTH), complex)
-        made[:, :2] = states[:, :2]
-        for place, column in ((4, self.x0), (5, self.v0), (11, self.t0)):
-            pairs = column.pairs(rows)
-            made[:, place].real, made[:, place].imag = pairs.hi, pairs.lo
-        made[:, 13].real, made[:, 13].imag = states[:, 13], states[:, 14]
-        made[:, 15] = made[:, 11]
-        known = {0j: 0j}
-        for i, t0 in enumerate(made[:, 11].tolist()):
-            if t0 not in known:
-                known[t0] = phase(self.t0.exact(int(rows[i])))
-            made[i, 3] = known[t0]
-        return made
 
 
 def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColumn]:

@@ -32,8 +32,7 @@ from symosc.simulation.motion import (
     check_reached,
     digits_to_confirm_graze,
 )
-from symosc.simulation.moved import MovedTrajectory
-from symosc.simulation.trajectory import Trajectory
+from symosc.simulation.trajectory import MovedTrajectory, Trajectory
 
 ACCURACY = 1e-13
 MOST_EVENTS = 1_000_000
@@ -108,12 +107,12 @@ def simulate(
         asked = read_accuracy(accuracy)
         with late_bar(progress, "simulate", "events") as advance:
             motion = in_doubles(start, most, asked, advance)
-        return motion if original is None else MovedTrajectory(motion, original)
-    digits = whole_number("digits", digits, LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS)
-    if accuracy is not None:
-        raise ParameterError("accuracy", accuracy, f"is for double precision: leave it out with digits = {digits}")
-    with late_bar(progress, f"simulate, {digits} digits", "events") as advance:
-        motion = _with_digits(start, most, digits, advance)
+    else:
+        digits = whole_number("digits", digits, LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS)
+        if accuracy is not None:
+            raise ParameterError("accuracy", accuracy, f"is for double precision: leave it out with digits = {digits}")
+        with late_bar(progress, f"simulate, {digits} digits", "events") as advance:
+            motion = _with_digits(start, most, digits, advance)
     return motion if original is None else MovedTrajectory(motion, original)
 
 
@@ -179,8 +178,7 @@ def in_doubles(
     # Given `loops` in pairs, these come first whatever is loaded, with the noise that `simulate_many` allows.
     needed = attainable(accuracy, start.start_error)
     limits = Limits(most, needed, PAIR_NOISE) if loops else Limits(most, needed)
-    motion = MotionInDoubles(start, isinf(accuracy))
-    finer: FinerMotion | None = None
+    motion, finer = MotionInDoubles(start, isinf(accuracy)), None
     if settles(start):
         motion.code = REST
     while motion.code == RUNNING:
@@ -194,8 +192,8 @@ def in_doubles(
         if advance:
             advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
     if motion.code == FULL:
-        reason = f"stopped after max_events = {most} events, at t = {motion.state.t!r}"
-        return _in_columns(motion, "max_events", reason, motion.state.t)
+        last = float(motion.events().floats[0, -1])  # the time of the last event, by the clock
+        return _in_columns(motion, "max_events", f"stopped after max_events = {most} events, at t = {last!r}", last)
     return _in_columns(motion, *_ended(start, motion.code, motion.state), float(start.t_end))
 
 
@@ -254,8 +252,8 @@ def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
         check_reached(start, state.n)
     status, message = end_status(code, state.mode, state.v, start.parameters), f"reached t_end = {show(start.t_end)}"
     if status == "equilibrium":
-        on_belt = state.mode > ON_BELT
-        where = f"at rest on belt {state.mode - ON_BELT}" if on_belt else f"settling to rest in Omega{state.mode}"
+        held = state.mode > ON_BELT
+        where = f"at rest on belt {state.mode - ON_BELT}" if held else f"settling to rest in Omega{state.mode}"
         message = f"from t = {float(state.t)!r} {where}, no event will come any more"
     return status, message
 
@@ -268,14 +266,13 @@ def _open_contact(t: float, used: int, asked: int | None = None) -> str:
 
 def _in_columns(motion: MotionInDoubles, status: str, message: str, last: float) -> Trajectory:
     """Return a motion in doubles as a Trajectory that ends at a time."""
-    start = motion.start
-    span = float(start.t0), last
-    return Trajectory(start.parameters, motion.events(), motion.pieces(), status, message, span, motion.first_at)
+    found = motion.events(), motion.pieces(), status, message
+    return Trajectory(motion.start.parameters, *found, (float(motion.start.t0), last), motion.first_at)
 
 
 def _in_digits(motion: Motion, status: str, message: str, last: Number, digits: int) -> Trajectory:
     """Return a motion with many digits, which ends at a time, as a Trajectory with fewer."""
     context = mp_context(digits)
-    span, events = (context.convert(motion.t0), context.convert(last)), partial(motion.events_in, context)
-    about = (motion.start.parameters, events, motion.columns(), status, message, span, motion.first_at)
-    return Trajectory(*about, digits)
+    found = partial(motion.events_in, context), motion.columns(), status, message
+    span = context.convert(motion.t0), context.convert(last)
+    return Trajectory(motion.start.parameters, *found, span, motion.first_at, digits)

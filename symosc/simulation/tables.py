@@ -24,7 +24,25 @@ CODE_ATTRIBUTES = tuple(f"{name}_code" if name in CODE_NAMES else name for name 
 CHANGES = ("dt", "dx", "regular")
 
 
-class EventTable(Drawable):
+class Columns(Drawable):
+    """Results in columns, which are attributes; two of one kind are equal if all their columns are."""
+
+    __hash__ = None  # type: ignore[assignment]  # arrays have none
+
+    def __init__(self, **columns: Any) -> None:
+        vars(self).update(columns)
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        mine, others = vars(self), vars(other)
+        return mine.keys() == others.keys() and all(
+            np.array_equal(column, others[name], equal_nan=np.asarray(column).dtype.kind == "f")
+            for name, column in mine.items()
+        )
+
+
+class EventTable(Columns):
     """Events of many trajectories, one row per event, in order of trajectory and time.
 
     Attributes
@@ -54,8 +72,7 @@ class EventTable(Drawable):
     trajectory: np.ndarray
     status: list[str]
 
-    def __init__(self, status: list[str], wrt: tuple[str, ...] = (), **columns: Any) -> None:
-        vars(self).update(columns, status=status, wrt=wrt)
+    wrt: tuple[str, ...]
 
     def __getattr__(self, name: str) -> Any:
         if name in CODE_NAMES:
@@ -67,14 +84,6 @@ class EventTable(Drawable):
 
     def __len__(self) -> int:
         return len(self.trajectory)
-
-    def __eq__(self, other: object) -> bool:
-        """Whether both have the same events and statuses."""
-        if not isinstance(other, EventTable):
-            return NotImplemented
-        return all(np.array_equal(column, vars(other)[name]) for name, column in vars(self).items())
-
-    __hash__ = None  # type: ignore[assignment]  # arrays have none
 
     @public
     def __getitem__(self, trajectory: int) -> EventTable:
@@ -122,16 +131,16 @@ class EventTable(Drawable):
 def select_rows(table: EventTable, rows: Any, status: list[str]) -> EventTable:
     """Return some rows of a table, by numbers or a slice, with the statuses of their trajectories."""
     columns = {name: column[rows] for name, column in vars(table).items() if name not in ("status", "wrt")}
-    return EventTable(status, table.wrt, **columns)
+    return EventTable(status=status, wrt=table.wrt, **columns)
 
 
-def table_from(parts: Sequence[EventRows], status: list[str]) -> EventTable:
-    """Return rows of events as a table with contiguous columns."""
+def table_from(parts: Sequence[EventRows], status: list[str], wrt: tuple[str, ...] = (), **changes: Any) -> EventTable:
+    """Return rows of events, and dt, dx and regular by `wrt`, as a table with contiguous columns."""
     parts, columns = parts or [event_buffer(0)], dict[str, Any]()
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):
             columns[name] = joined([part[which][n] for part in parts])
-    return EventTable(status, **columns)
+    return EventTable(status=status, wrt=wrt, **columns, **changes)
 
 
 def rows_of(i: int, events: Sequence[Event]) -> EventRows:
@@ -176,7 +185,7 @@ SUMMARY_COLUMNS = {
 }
 
 
-class Summary(Drawable):
+class Summary(Columns):
     """The summary of many motions, one row each.
 
     Attributes
@@ -215,9 +224,6 @@ class Summary(Drawable):
     (['P32'], [1], [0])
     """
 
-    def __init__(self, **columns: np.ndarray) -> None:
-        vars(self).update(columns)
-
     def __getattr__(self, name: str) -> Any:
         if name in SUMMARY_COLUMNS:
             return ()
@@ -234,17 +240,6 @@ class Summary(Drawable):
         if isinstance(motion, (int, np.integer)) and not isinstance(motion, bool):
             return {name: column[motion] for name, column in columns.items()}
         return Summary(**{name: column[motion] for name, column in columns.items()})
-
-    def __eq__(self, other: object) -> bool:
-        """Whether both have the same rows."""
-        if not isinstance(other, Summary):
-            return NotImplemented
-        mine, others = self.columns(), other.columns()
-        return mine.keys() == others.keys() and all(
-            np.array_equal(column, others[name], equal_nan=column.dtype.kind == "f") for name, column in mine.items()
-        )
-
-    __hash__ = None  # type: ignore[assignment]  # arrays have none
 
     def __repr__(self) -> str:
         what = ", ".join(self.columns()) if not len(self.status) else statuses(self.status)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -48,25 +48,14 @@ def work_space(codes: np.ndarray, kind: Any = float) -> np.ndarray:
     return np.zeros((SIZE + 3, max(len(codes), PARAMETERS)), dtype=kind)
 
 
-class Launches(NamedTuple):
-    """The starts of motions as rows of `tangents`, their parameter sets, and letters and constants of those."""
-
-    starts: np.ndarray
-    sets: np.ndarray
-    letters: np.ndarray
-    table: np.ndarray
-
-
 def event_changes(
-    events: EventRows, launches: Launches, wrt: tuple[str, ...], loop: Callable[..., None]
+    events: EventRows, launches: tuple[np.ndarray, ...], wrt: tuple[str, ...], loop: Callable[..., None]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return dt, dx and whether they are regular, (events, wrt), for motions in the order of their events."""
-    starts, sets, letters, table = launches
-    rows, codes = columns_of(events), codes_of(wrt)
-    cuts, shape = np.searchsorted(events.ints[0], np.arange(len(starts) + 1)), (events.floats.shape[1], len(wrt))
+    (starts, sets, letters, table), codes, shape = launches, codes_of(wrt), (events.floats.shape[1], len(wrt))
+    cuts = np.searchsorted(events.ints[0], np.arange(len(starts) + 1))
     dt, dx, marks, why = large_array(shape), large_array(shape), np.zeros(shape, np.int8), np.zeros(shape[0], np.int8)
-    motions = np.flatnonzero(np.diff(cuts))
-    out = dt, dx, marks, why, np.zeros((0, 2))
+    motions, rows, out = np.flatnonzero(np.diff(cuts)), columns_of(events), (dt, dx, marks, why, np.zeros((0, 2)))
     loop(motions, cuts, starts, sets, rows, codes, is_deep(codes), letters, table, out, work_space(codes))
     return dt, dx, marks == 1
 
@@ -93,9 +82,8 @@ def chosen_tangents(events: int, in_threads: bool, use_numba: bool | None) -> Ca
     """Return the loop for the derivatives of `events` events: compiled, unless interpreting these is quicker."""
     if not in_threads:
         return INTERPRETED
-    loops = compiled_tangents()
-    if use_numba or TANGENTS.events <= 0 or is_compiled(loops["tangents"]):
-        compiled: Callable[..., None] = loops["tangents"]
+    compiled: Callable[..., None] = compiled_tangents()["tangents"]
+    if use_numba or TANGENTS.events <= 0 or is_compiled(compiled):
         return compiled
     TANGENTS.events -= events
     return INTERPRETED

@@ -1,4 +1,4 @@
-"""The result of a simulation: events, segments, dense output and files."""
+"""The result of a simulation: events, segments, dense output and files, in other coordinates too."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import io
 import json
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,19 +21,18 @@ from symosc.display.frames import imported
 from symosc.engine.arithmetic import Arithmetic, column_functions
 from symosc.engine.batch import EventRows
 from symosc.engine.events import COLUMN_TYPES, EVENT_COLUMNS, EXACT_COLUMNS, Event, events_from
-from symosc.engine.flow import Constants
 from symosc.engine.state import ON_BELT
 from symosc.errors import ParameterError
-from symosc.exact import read_exact, unmasked, whole_number
+from symosc.exact import read_exact, show, unmasked, whole_number
 from symosc.files import write_text
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import basis_with_drive
 from symosc.model import MODE_NAMES, Parameters
+from symosc.reductions import event_back, motion_of_belts, number_of
+from symosc.scenes import Original
 from symosc.simulation.tables import rows_of
 from symosc.words import MAPS, Labels
-
-__all__ = ["MAP_LABELS", "Event", "Segment", "Trajectory"]
 
 # So many times are evaluated as arrays, and how many at once.
 MANY_TIMES = 1 << 6
@@ -118,7 +117,7 @@ class Trajectory(Drawable):
         self.t_start, self.t_end = span
         self._rows: Any = events
         self._pieces, self._first_at, self._t0 = pieces, first_at, float(self.t_start)
-        self._K: Constants = Arithmetic(parameters).K  # they are kept
+        self._K = Arithmetic(parameters).K  # they are kept
 
     @cached_property
     def events(self) -> Listing[Event]:
@@ -148,10 +147,9 @@ class Trajectory(Drawable):
         return Listing([*found, Segment(since, self.t_end, mode, None)])
 
     @cached_property
-    def _starts(self) -> list[float]:
+    def _starts(self) -> Any:
         """Times of the pieces since t0."""
-        starts: list[float] = self._pieces[-1].tolist()
-        return starts
+        return self._pieces[-1].tolist()
 
     @property
     def word(self) -> Labels:
@@ -168,10 +166,7 @@ class Trajectory(Drawable):
             If a time is outside [t_start, t_end].
         """
         times = read_times(t)
-        if times.size >= MANY_TIMES:
-            return self._states(times.ravel())[:2].reshape((2, *times.shape))
-        states = np.array([self._state(time)[:2] for time in times.ravel()], dtype=float).reshape(-1, 2)
-        return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
+        return self._states(times)[:2].reshape((2, *times.shape))
 
     @public
     def mode(self, t: ArrayLike) -> Any:
@@ -185,16 +180,20 @@ class Trajectory(Drawable):
         """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` = 1, 2 or 3 would give, at times `t`."""
         times, K = read_times(t), self._K
         A = (K.A1, K.A2, K.A3)[whole_number("alpha", alpha, 1, 3) - 1]
-        if times.size >= MANY_TIMES:
-            x, v, c = self._states(times.ravel())
-            return acceleration(x, v, c, A, K.cm, K.w0sq, K.f0).reshape(times.shape)
-        values = [acceleration(*self._state(time), A, K.cm, K.w0sq, K.f0) for time in times.ravel()]
-        return values[0] if times.ndim == 0 else np.array(values).reshape(times.shape)
+        x, v, c = self._states(times)
+        forces = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
+        return forces.reshape(times.shape) if times.ndim else forces.item()
+
+    def _check_times(self, times: np.ndarray) -> None:
+        """Raise ParameterError for a time that is out of range."""
+        low, high = float(self.t_start), float(self.t_end)
+        for outside in times[~((times >= low) & (times <= high))][:1]:
+            raise ParameterError("t", float(outside), f"must be within [{low!r}, {high!r}]")
 
     def _piece(self, t: float) -> tuple[list[float], float]:
         """Return the piece at a time (PIECE_COLUMNS), and the time since its start."""
         if not float(self.t_start) <= t <= float(self.t_end):
-            raise ParameterError("t", float(t), f"must be within [{float(self.t_start)!r}, {float(self.t_end)!r}]")
+            self._check_times(np.array([t]))
         piece = self._pieces[:, max(bisect_right(self._starts, t - self._t0) - 1, 0)].tolist()
         return piece, max((t - self._t0) - piece[-1], 0.0)
 
@@ -212,9 +211,11 @@ class Trajectory(Drawable):
         return x + dx, v + dv, c
 
     def _states(self, times: np.ndarray) -> np.ndarray:
-        """Return what `_state` does at many times in array blocks, equal up to rounding."""
-        for outside in times[~((times >= float(self.t_start)) & (times <= float(self.t_end)))][:1]:
-            self._piece(outside)
+        """Return what `_state` does at times of any shape, (3, n); many together, which is equal up to rounding."""
+        times = times.ravel()
+        if len(times) < MANY_TIMES:
+            return np.array([self._state(time) for time in times.tolist()], dtype=float).reshape(-1, 3).T
+        self._check_times(times)
         K, states, own = self._K, np.empty((3, len(times))), column_functions()
         sine_cosine = own["sine_cosine"]
         for begin in range(0, len(times), TIMES_TOGETHER):
@@ -331,3 +332,74 @@ def read_times(t: Any) -> np.ndarray:
         return given.astype(float)
     numbers = [float(read_exact("t", time)) for time in given.ravel().tolist()]
     return np.array(numbers, dtype=float).reshape(given.shape)
+
+
+class MovedTrajectory(Trajectory):
+    """The motion of another model that is this one in other coordinates; a `Trajectory` in those of the model.
+
+    Attributes
+    ----------
+    model : OtherModel
+    reduced : Trajectory
+        The motion of the oscillator that the model is.
+
+    Examples
+    --------
+    >>> from symosc import OtherModel, simulate
+    >>> motion = simulate(OtherModel(m=1, k=1, Omega="3/2", FN="1/2", Y=1, joined=True), t_end=8)
+    >>> motion(2.5).round(6).tolist(), motion.reduced(2.5).round(6).tolist()
+    ([-0.627853, -0.79439], [0.192706, -1.651732])
+    """
+
+    def __init__(self, reduced: Trajectory, original: Original) -> None:
+        self.model, self.reduced = original.model, reduced
+        number, message = number_of(reduced.t_end), f"reached t_end = {show(original.t_end)}"
+        delay, end = number(self.model.delay), number(original.t_end)
+        if reduced.status != "t_end":
+            message = f"{reduced.message} (of the oscillator that the model is; its time is {float(delay):.6g} less)"
+            end = end if reduced.status == "equilibrium" else reduced.t_end + delay
+        found = reduced._pieces, reduced.status, message, (number(original.t0), end), reduced._first_at, reduced.digits
+        super().__init__(reduced.parameters, lambda: [self._event(event) for event in reduced.events], *found)
+
+    def _event(self, event: Event) -> Event:
+        """Return an event in the coordinates of the model."""
+        t, x, v, theta = event_back(self.model, event.t, event.x, event.v, event.theta)
+        x_error = event.x_error + float(abs(v - event.v)) * event.t_error
+        return replace(event, t=t, x=x, v=v, theta=theta, x_error=x_error)
+
+    def _times(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Return times of the model, and those of the oscillator; ParameterError for one that is out of range."""
+        times = read_times(t)
+        self._check_times(times)
+        ends = float(self.reduced.t_start), float(self.reduced.t_end)
+        return times, np.clip(times - float(self.model.delay), *ends)
+
+    @public
+    def __call__(self, t: ArrayLike) -> np.ndarray:
+        """Return [x, v] at the times `t`, as those of a Trajectory."""
+        times, own = self._times(t)
+        return np.asarray(self.reduced(own) + np.stack(motion_of_belts(self.model, times)))
+
+    @public
+    def mode(self, t: ArrayLike) -> Any:
+        """Return the mode at a time, or an array of them."""
+        return self.reduced.mode(self._times(t)[1])
+
+    @public
+    def force(self, alpha: int, t: ArrayLike) -> Any:
+        """Return F^(alpha) of eq. (9): the acceleration in a domain less that of the belts, whose sign decides."""
+        return self.reduced.force(alpha, self._times(t)[1])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return parameters, status, events and the numbers of the model as plain values."""
+        return {"model": self.model.as_dict()} | super().as_dict()
+
+    def _content(self) -> tuple[Any, ...]:
+        return self.model, *super()._content()
+
+
+def belt_path(trajectory: Trajectory, boundary: int, t: np.ndarray) -> np.ndarray:
+    """Return displacement and velocity of a point of a belt at some times, (2, n), in the coordinates of a motion."""
+    speed = float(trajectory.parameters.belt(boundary))
+    path = np.stack([speed * t, np.full(t.shape, speed)])
+    return path + np.stack(motion_of_belts(trajectory.model, t)) if isinstance(trajectory, MovedTrajectory) else path

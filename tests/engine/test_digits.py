@@ -27,6 +27,19 @@ mpfr: Any = importlib.import_module("symosc.kernels.mpfr") if gmpy2 else None
 needs_gmpy2 = pytest.mark.skipif(gmpy2 is None, reason="needs gmpy2")
 
 
+THREADS = 8
+Job = Callable[[], Any]
+
+
+@pytest.fixture(autouse=True)
+def quick_switches() -> Iterator[None]:
+    """Let threads take turns as often as Python can."""
+    usual = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(usual)
+
+
 def problem(seed: int) -> tuple[Parameters, dict[str, Any]]:
     """Return random parameters in all regimes of damping, and a start, some on a belt."""
     dice = random.Random(seed)
@@ -87,13 +100,8 @@ def test_the_precision_of_others_is_left_alone() -> None:
             assert gmpy2.get_context() is own
             assert gmpy2.mpfr(1) / 3 == third
 
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(1e-6)
-    try:
-        with ThreadPoolExecutor(8) as pool:
-            list(pool.map(job, range(8)))
-    finally:
-        sys.setswitchinterval(interval)
+    with ThreadPoolExecutor(THREADS) as pool:
+        list(pool.map(job, range(8)))
 
 
 WITHOUT = """
@@ -125,19 +133,6 @@ def test_without_gmpy2_the_results_are_the_same() -> None:
     assert without.splitlines() == [str(line) for line in lines]
 
 
-THREADS = 8
-Job = Callable[[], Any]
-
-
-@pytest.fixture(autouse=True)
-def quick_switches() -> Iterator[None]:
-    """Let threads take turns as often as Python can."""
-    usual = sys.getswitchinterval()
-    sys.setswitchinterval(1e-6)
-    yield
-    sys.setswitchinterval(usual)
-
-
 def in_threads(jobs: list[Job], repeats: int = 3) -> None:
     """Run every job in several threads at once; each must return what it does alone, before and after."""
     alone = [repr(job()) for job in jobs]
@@ -148,25 +143,6 @@ def in_threads(jobs: list[Job], repeats: int = 3) -> None:
     assert {seen for _, _, seen in together} == {prec}
     assert [n for n, found, _ in together if found != alone[n]] == []
     assert [repr(job()) for job in jobs] == alone
-
-
-def scenario(seed: int) -> tuple[Parameters, dict[str, Any], int]:
-    """Return random parameters, a start on no belt, and a number of digits that other seeds have too."""
-    dice = random.Random(seed)
-    numbers = {name: Fraction(dice.randint(10, 300), 100) for name in ("m", "c", "k", "A0", "B0", "Omega", "FN")}
-    p = Parameters(v1=-1, v2=1, mu1="0.3", mu2="0.4", **numbers)
-    start = {"t0": dice.randint(0, 50), "x0": Fraction(dice.randint(-99, 99), 50), "v0": "0.37"}
-    return p, {**start, "t_end": start["t0"] + 3}, dice.choice((17, 25, 35, 50))
-
-
-@pytest.mark.slow
-def test_trajectories() -> None:
-    def job(seed: int) -> Any:
-        p, start, digits = scenario(seed)
-        run = simulate(p, **start, digits=digits)
-        return run.status, run.events, run.segments
-
-    in_threads([lambda seed=seed: job(seed) for seed in range(24)])
 
 
 @pytest.mark.slow

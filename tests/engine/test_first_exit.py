@@ -4,38 +4,29 @@ from __future__ import annotations
 
 import math
 import random
-from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from random_constants import constants_of
 
-from symosc import load_scene, simulate_many
+from symosc import Parameters
 from symosc.engine import first_exit as exits
-from symosc.engine.first_exit import (
-    belt_exit,
-    first_exit,
-    fourth_derivative_bound,
-    gain,
-    march,
-    positive_on,
-    safe_step,
-)
+from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.first_exit import belt_exit, first_exit, fourth_derivative_bound, gain, march, positive_on, safe_step
 from symosc.engine.flow import BeltConstants, Constants, derivatives, state_at
-from symosc.engine.state import (
-    HIT,
-    NOTHING,
-    TANGENCY,
-    Covariance,
-    Flown,
-    Launch,
-    State,
-    Walls,
-)
+from symosc.engine.state import HIT, NOTHING, TANGENCY, Covariance, Flown, Launch, State, Walls
 
 pytestmark = pytest.mark.usefixtures("interpreted")
+
+
+def constants_of(rng: random.Random, **fixed: object) -> Constants:
+    """Return constants of random parameters: under- and overdamped, near resonance and far from it."""
+    numbers = {name: round(10 ** rng.uniform(-1, 1), 6) for name in ("m", "c", "k", "B0", "Omega", "FN")}
+    if rng.random() < 0.3:
+        numbers |= {"k": numbers["m"] * numbers["Omega"] ** 2, "c": round(10 ** rng.uniform(-9, -2), 12)}
+    p = Parameters(**(numbers | {"A0": 1, "v1": -1, "v2": 1, "mu1": 0.3, "mu2": 0.2} | fixed))
+    return Arithmetic(p).K
 
 
 @pytest.mark.slow
@@ -58,12 +49,6 @@ def test_no_contact_is_passed_over() -> None:
     assert hits > 30
 
 
-def interpreted(name: str, most: int) -> Any:
-    scene = load_scene(name)
-    start = [scene.t0, scene.x0, scene.v0]
-    return simulate_many(scene.parameters, start, 10**6, max_events=most, accuracy=math.inf, use_numba=False)
-
-
 def test_a_root_near_0_is_found_to_the_resolution() -> None:
     """Of a quartic whose root is known: simple roots, and such whose slope, bend or third derivative is small there."""
     rng = random.Random(31)
@@ -77,8 +62,6 @@ def test_a_root_near_0_is_found_to_the_resolution() -> None:
         found = exits.local_root(over, F, G1, G2, G3, resolution)
         assert abs(found - root) <= resolution + 1e-15
 
-
-pytestmark = pytest.mark.usefixtures("interpreted")
 
 COEFFICIENTS = st.floats(-5, 5)
 
@@ -110,7 +93,7 @@ def test_a_safe_step_stays_before_the_first_root(p0: float, middle: tuple[float,
 
 def test_the_fourth_derivative_stays_within_its_bound() -> None:
     rng = random.Random(5)
-    for _ in range(200):
+    for _ in range(80):
         K = constants_of(rng)
         v0, a0, theta = rng.uniform(-3, 3), rng.uniform(-20, 20), rng.uniform(0, 6.28)
         s0, c0 = math.sin(theta), math.cos(theta)
@@ -119,31 +102,6 @@ def test_the_fourth_derivative_stays_within_its_bound() -> None:
         reach = 20 / K.rate if K.steady else 1 / K.Om
         for tau in np.linspace(0, reach, 60):
             assert abs(state_at(tau, Launch(v0, a0, s0, c0), K).G3) <= bound * (1 + 1e-9)
-
-
-def test_marching_is_the_flow_and_stops_before_the_first_contact() -> None:
-    rng = random.Random(6)
-    marched = 0
-    for _ in range(200):
-        K = constants_of(rng)
-        if not K.apart:
-            continue
-        v0, a0, theta = rng.uniform(-0.9, 0.9), rng.uniform(-9, 9), rng.uniform(0, 6.28)
-        s0, c0 = math.sin(theta), math.cos(theta)
-        b, w, j = derivatives(v0, a0, s0, c0, K)
-        walls, start = Walls(v0 + 1, 1 - v0, True, True, False, False), Launch(v0, a0, s0, c0)
-        now = Flown(0.0, 0.0, 0.0, a0, b, w, j, s0, c0, 1.0, 0.0, 0.0)
-        now = march(K.chunk, v0, now, walls, 0.0, K).now
-        exact = state_at(now.tau, start, K)
-        scale = abs(v0) + K.V0 + abs(a0) / K.w0 + 1
-        assert now.dv == pytest.approx(exact.dv, abs=1e-12 * scale)
-        assert pytest.approx(exact.F, abs=1e-11 * scale * K.rate) == now.F
-        assert pytest.approx(exact.G3, abs=1e-11 * scale * K.rate**4) == now.G3
-        assert (now.s, now.c) == pytest.approx((exact.s, exact.c), abs=1e-14)
-        marched += now.tau > 0
-        for time in np.linspace(0, now.tau, 50):
-            assert abs(v0 + state_at(time, start, K).dv) < 1
-    assert marched > 20
 
 
 def launched(v0: float, a0: float, theta: float, K: Constants) -> tuple[Launch, Flown]:
@@ -157,7 +115,7 @@ def launched(v0: float, a0: float, theta: float, K: Constants) -> tuple[Launch, 
 def test_a_wall_that_is_met_in_a_step_is_met_once_and_first() -> None:
     """Against a fine scan: the other wall stays away, and the gap changes its sign once between the two ends."""
     rng, sides = random.Random(14), {-1: 0, 0: 0, 1: 0}
-    for _ in range(300):
+    for _ in range(150):
         K = constants_of(rng)
         if not K.apart:
             continue
@@ -174,7 +132,7 @@ def test_a_wall_that_is_met_in_a_step_is_met_once_and_first() -> None:
             assert not beyond[0]
             assert beyond[-1]
             assert all(-found.side * (start.v + state_at(t, start, K).dv) < 1 for t in np.linspace(low, high, 60))
-    assert min(sides.values()) > 10
+    assert min(sides.values()) > 5
 
 
 def holding(Fb: float, Fa: float, theta: float, s: float, c: float, S11: float = 0.0) -> State:
@@ -186,7 +144,7 @@ def holding(Fb: float, Fa: float, theta: float, s: float, c: float, S11: float =
 def test_the_end_of_a_stick_is_the_first() -> None:
     rng = random.Random(9)
     ends = 0
-    for _ in range(300):
+    for _ in range(120):
         K = constants_of(rng, v1=round(rng.uniform(-2, 0.5), 3))
         belt, theta = K.belt1, rng.uniform(0, 2 * math.pi)
         below = rng.uniform(0.01, 0.99) * belt.J
@@ -198,7 +156,7 @@ def test_the_end_of_a_stick_is_the_first() -> None:
             ends += 1
             force = below + gain(tau, s0, c0, belt, K)[0]
             assert force == pytest.approx(0 if side < 0 else belt.J, abs=1e-13 * (belt.J + abs(K.f0)))
-    assert ends > 100
+    assert ends > 40
 
 
 @pytest.mark.parametrize("below", [0.0, 0.3, 1.0])

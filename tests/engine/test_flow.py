@@ -7,13 +7,11 @@ from fractions import Fraction
 from typing import Any
 
 import mpmath
-import numpy as np
 import pytest
 from agreement import BASE
 from touches import tenths
 
 from symosc import Parameters
-from symosc.engine import flow
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.flow import fifth_derivative
 from symosc.engine.state import Launch
@@ -72,39 +70,3 @@ def test_a_flight_is_the_exponential_of_its_equation(digits: int | None) -> None
                 angle = mpmath.atan2(start.s, start.c) + number(p.Omega) * tau
                 dx = (B0 * (mpmath.cos(angle) - start.c) - m * (F - start.F) - c * (v - start.v)) / k
                 assert abs(now.dx - dx) < 2e3 * eps * (size * (1 + float(tau)) + abs(dx))
-
-
-def test_steady_and_free_motion_are_told_apart_far_from_resonance() -> None:
-    """The flag is the distance of i Omega from the roots, in the larger of the two squared frequencies."""
-    rng, seen = random.Random(22), set()
-    for _ in range(300):
-        p = random_parameters(rng).replace(k=tenths(rng, 0, 90), c=tenths(rng, 0, 30))
-        K = flow.constants(p)
-        roots = np.roots([float(p.m), float(p.c), float(p.k)])
-        distance = abs(np.prod(1j * float(p.Omega) - roots))
-        limit = float(flow.APART) * max(float(p.Omega) ** 2, float(p.k / p.m))
-        if distance != pytest.approx(limit, rel=1e-9):
-            assert K.steady == (distance > limit)
-            seen.add((K.steady, bool(p.k / p.m > p.Omega**2)))
-        if K.steady:  # the steady velocity solves the equation: complex amplitude against the constants
-            w = float(p.Omega)
-            response = 1j * w * float(p.B0) / (float(p.k) - float(p.m) * w * w + 1j * w * float(p.c))
-            assert complex(K.Sc, -K.Ss) == pytest.approx(response, rel=1e-12, abs=1e-12)
-            assert pytest.approx(abs(response), rel=1e-12, abs=1e-12) == K.V0
-        assert K.under == bool(p.c**2 < 4 * p.m * p.k)
-        assert max(abs(roots)) == pytest.approx(K.rate0, rel=1e-7)
-        assert K.rate == max(K.rate0, K.Om)
-    assert seen == {(False, False), (False, True), (True, False), (True, True)}
-
-
-def test_what_the_rounding_of_omega_and_of_its_period_took_is_kept() -> None:
-    """Om is a double, Omega is not; 2 pi/Om is none either: both rests are right to some digits."""
-    rng = random.Random(24)
-    with mpmath.workdps(50):
-        for _ in range(60):
-            p = BASE.replace(Omega=Fraction(rng.randrange(1, 10**6), rng.randrange(1, 10**6)))
-            K = flow.constants(p)
-            assert K.Om_gain == pytest.approx(float(Fraction(K.Om) / p.Omega - 1), rel=1e-12, abs=0)
-            assert abs(K.Om_gain) < 2.0**-52
-            rest = 2 * mpmath.pi / mpmath.mpf(K.Om) - mpmath.mpf(K.period)
-            assert abs(K.period_low - rest) < 1e-30 * K.period

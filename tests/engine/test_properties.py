@@ -1,7 +1,7 @@
-"""Properties over random scenes of all regimes: symmetries, invariants, and agreement with the oracle.
+"""Properties over random scenes of all regimes: symmetries and invariants.
 
-Times and positions must agree to 1e-12, plus what a few units of rounding do to that event: the oracle itself is run
-from pushed starts to see how much that is (`oracle_and_condition`). Events that a push of 1e-10 changes are left out.
+Times and positions must agree to 1e-12, plus what a few units of rounding do to that event: the oracle is run from
+pushed starts to see how much that is (`oracle_and_condition`). Events that a push of 1e-10 changes are left out.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import mpmath
 import numpy as np
 import pytest
-from agreement import assert_event_agrees, oracle_and_condition
+from agreement import oracle_and_condition
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from samples import sample_of
@@ -78,36 +78,6 @@ def run(start: Start) -> Any:
     return simulate(start.p, t0=start.t0, x0=start.x0, v0=start.v0, t_end=start.t_end)
 
 
-def assert_agrees_with_oracle(start: Start, offset: Any = 0) -> list[Any]:
-    """Compare up to where the start still determines the events; return the events that were compared."""
-    expected, conditions, determined = oracle_and_condition(*start)
-    trajectory = run(start)
-    assert not determined or trajectory.status in ("t_end", "equilibrium")
-    assert not determined or len(trajectory.events) == len(expected.events)
-    assert len(trajectory.events) >= len(conditions)
-    with mpmath.workdps(60):
-        for event, other, condition in zip(trajectory.events, expected.events, conditions, strict=False):
-            assert_event_agrees(event, other, 1e-12 + ROUNDING * condition)
-    return list(trajectory.events)[: len(conditions)]
-
-
-@pytest.mark.slow
-@sample_of(15, 300)
-def test_random_scenes_agree_with_the_oracle(count: int) -> None:
-    seen: Counter[tuple[str, int]] = Counter()
-
-    @settings(COMMON, max_examples=count)
-    @given(starts())
-    def check(start: Start) -> None:
-        events = assert_agrees_with_oracle(start)
-        seen.update((event.kind, event.boundary) for event in events)
-
-    check()
-    for kind in ("cross", "stick", "slip"):
-        for boundary in (1, 2):
-            assert seen[kind, boundary] >= count / 3, seen
-
-
 LABELS = {
     (1, "belt1", 1): "P1",
     (1, "Omega1", 1): "P2",
@@ -141,7 +111,7 @@ def test_words_name_the_mappings_between_events() -> None:
     assert set(seen) == set(LABELS.values())
 
 
-@pytest.mark.parametrize("count", [15, pytest.param(60, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [6, pytest.param(60, marks=pytest.mark.slow)])
 def test_invariants(count: int) -> None:
     for_all(count, invariants, starts())
 

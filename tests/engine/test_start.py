@@ -26,26 +26,6 @@ from symosc.engine.start import Start, first_state
 # -- exact starts ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.full(5)
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("length", few([18, 24, 31, 38, 45], 24, 31, 45))
-@pytest.mark.parametrize("mapping", CONTACTS)
-def test_a_start_is_exact_however_many_digits_it_has(mapping: str, length: int) -> None:
-    """Cut to so many digits a start misses its touch by about 1e-length, to one side or the other."""
-    a = aimed(f"aimed {mapping} {length}", mapping)
-    x0, v0, t_end = text(a.x0, length), text(a.v0, length), a.t_m + Fraction(1, 4)
-    run = simulate_oracle(a.p, a.t0, x0, v0, t_end, 2 * length + 60)
-    for digits in (20, length, None):
-        trajectory = simulate(a.p, t0=a.t0, x0=x0, v0=v0, t_end=t_end, digits=digits)
-        assert digits is None or trajectory.status == "t_end"
-        if trajectory.status == "undecidable":  # told only with more digits than doubles are backed up with
-            assert length > 30
-            assert list(trajectory.events) == []
-        else:
-            assert_agrees(trajectory, run, 1e-12 if digits is None else 10.0 ** (1 - digits))
-    assert "graze" not in {event.kind for event in run.events}
-
-
 @pytest.mark.parametrize("x0", ["0.123456789012345678", "0.12345678901234567890123456789", Fraction(1, 3**40)])
 def test_digits_decide_from_a_long_start(x0: Any) -> None:
     scene = load_scene("fig5")
@@ -194,18 +174,6 @@ def test_all_who_start_on_a_belt_start_alike() -> None:
         assert batch.row_of(state, 0.5, 0.0) == rows[0].tolist()
         seen.add(state.mode)
     assert seen == {1, 2, 3, 4, 5}
-
-
-def test_a_motion_that_creeps_to_its_rest_settles() -> None:
-    """Overdamped and without a drive: from rest beside its equilibrium it settles; towards a belt it does not."""
-    p = NEAR.replace(m=1, c=3, k=1, B0=0, v1=-1, v2=1)
-    rest = p.A(2) / p.k
-    for x0, v0, settled in ((rest + Fraction(1, 10), 0, True), (rest, Fraction(1, 2), True), (rest - 9, 0, False)):
-        assert start.settles(Start(p, Fraction(0), x0, Fraction(v0), Fraction(50))) is settled
-        assert bool(simulate(p, t0=0, x0=x0, v0=v0, t_end=50).events) is not settled
-    driven = Start(p.replace(B0=1), Fraction(0), rest, Fraction(0), Fraction(50))
-    assert start.settles(driven) is False
-    assert start.settles(Start(p.replace(c=1), Fraction(0), rest, Fraction(0), Fraction(50))) is False
 
 
 @pytest.mark.parametrize("spring", [True, False])

@@ -40,31 +40,17 @@ def rounded(number: Any) -> tuple[complex, Any]:
 @lru_cache(maxsize=1)
 def compiled() -> Callable[..., Any]:
     """Return all operators and functions of two numbers, compiled once for all tests."""
-    from_complex, to_complex = pairs.from_complex, pairs.to_complex
+    from_complex, out = pairs.from_complex, pairs.to_complex
 
     def values(a: Any, b: Any) -> Any:
         x, y = from_complex(a), from_complex(b)
-        sizes = abs(x), -x, 2 * x, x / 3, 0.5 + x
-        functions = math.sin(x), math.cos(x), math.exp(x), math.expm1(x), math.sqrt(abs(x))
+        branch = x if a.real > 0 else 1.0
+        sizes = out(abs(x)), out(-x), out(2 * x), out(x / 3), out(0.5 + x)
+        functions = out(math.sin(x)), out(math.cos(x)), out(math.exp(x)), out(math.expm1(x)), out(math.sqrt(abs(x)))
         order = x < y, x <= y, x > y, x >= y, x == y, x != y
-        return (x + y, x - y, x * y, x / y), sizes, functions, order, int(x), x if a.real > 0 else 1.0
+        return (out(x + y), out(x - y), out(x * y), out(x / y)), sizes, functions, order, int(x), out(branch)
 
-    inner = numba.njit(values)
-
-    def told(a: Any, b: Any) -> Any:
-        (s, d, p, q), (size, minus, double, third, more), (sine, cosine, e, em, root), order, whole, branch = inner(
-            a, b
-        )
-        return (
-            (to_complex(s), to_complex(d), to_complex(p), to_complex(q)),
-            (to_complex(size), to_complex(minus), to_complex(double), to_complex(third), to_complex(more)),
-            (to_complex(sine), to_complex(cosine), to_complex(e), to_complex(em), to_complex(root)),
-            order,
-            whole,
-            to_complex(branch),
-        )
-
-    return numba.njit(told)
+    return numba.njit(values)
 
 
 def numbers(count: int, seed: int) -> Iterator[Any]:

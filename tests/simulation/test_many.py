@@ -7,19 +7,16 @@ import math
 import random
 import sys
 import threading
-from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import creeping
 import numpy as np
-import problems
 import pytest
-import touches
 from effort import PATIENCE
+from fuzz import FAMILIES, scene_of
 from samples import sample_of
-from touches import tenths
+from scene_families import shortened
 
 from symosc import (
     MissingExtraError,
@@ -39,48 +36,6 @@ from symosc.simulation.simulate import in_doubles, read_start
 from symosc.simulation.tables import EventTable
 
 Problem = tuple[Parameters, tuple[Any, Any, Any], Any]  # parameters, start, end
-
-
-def of_estimates(family: str, rng: random.Random) -> Problem:
-    p, start = problems.FAMILIES[family](rng)
-    return p, (start["t0"], start["x0"], start["v0"]), start["t_end"]
-
-
-def of_touches(make: Any, rng: random.Random) -> Problem:
-    scene = make(rng, rng.choice(list(touches.NEIGHBOURS)))
-    return scene.p, (0, scene.x0, scene.v0), scene.t_end
-
-
-def of_creeping(make: Any, rng: random.Random, *arguments: Any) -> Problem:
-    scene = make(rng, rng.choice(list(creeping.AHEAD)), *arguments)
-    return scene.p, (0, scene.x0, scene.v0), scene.t_end
-
-
-def close_belts(rng: random.Random) -> Problem:
-    """Return belts a few units of rounding apart: two events that round to one t."""
-    p, start = problems.ordinary(rng)
-    apart = Fraction(rng.randint(1, 99), 10 ** rng.randint(12, 17))
-    p = p.replace(v2=p.v1 + apart, mu1=rng.choice([0, "0.3"]), mu2=rng.choice([0, "0.2"]))
-    t0 = start["t0"] + rng.choice([0, 0, 10**5])
-    return p, (t0, start["x0"], start["v0"]), t0 + 10
-
-
-def undriven(rng: random.Random) -> Problem:
-    v1 = tenths(rng, -20, 0)
-    p, start = problems.ordinary(rng, B0=0, v1=v1, v2=rng.choice([max(Fraction(0), v1 + 1), v1 + 3]))
-    return p, (start["t0"], start["x0"], start["v0"]), start["t_end"] + 80
-
-
-FAMILIES: dict[str, Callable[[random.Random], Problem]] = {
-    **{name: lambda rng, name=name: of_estimates(name, rng) for name in problems.FAMILIES},
-    **{f"touches, {make.__name__}": lambda rng, make=make: of_touches(make, rng)
-       for make in (touches.ordinary, touches.wild, touches.undriven, touches.free)},
-    "belt at rest": lambda rng: of_creeping(creeping.to_a_belt_at_rest, rng, Fraction(rng.choice([0, -1, 1]), 9)),
-    "limit speed": lambda rng: of_creeping(creeping.to_a_limit_speed, rng, Fraction(rng.choice([0, 1]), 10**9)),
-    "tiny drive": lambda rng: of_creeping(creeping.with_a_tiny_drive, rng, 12),
-    "close belts": close_belts,
-    "undriven": undriven,
-}  # fmt: skip
 
 
 def assert_same(table: EventTable, number: int, alone: Trajectory, about: Any = None) -> None:
@@ -112,26 +67,6 @@ def available(use_numba: bool) -> None:
         pytest.importorskip("numba", reason="numba is the extra `fast`")
 
 
-@pytest.mark.full(10)
-@pytest.mark.quick(3)
-@ENGINES
-@pytest.mark.parametrize("family", FAMILIES)
-def test_every_family(family: str, use_numba: bool) -> None:
-    available(use_numba)
-    assert_one_engine(FAMILIES[family](random.Random(f"{family} 0")), use_numba)
-
-
-@pytest.mark.campaign
-@ENGINES
-@pytest.mark.parametrize("family", FAMILIES)
-def test_every_family_in_many_scenes(family: str, use_numba: bool) -> None:
-    available(use_numba)
-    for seed in range(100, 160):
-        problem = FAMILIES[family](random.Random(f"{family} {seed}"))
-        for options in ({}, {"accuracy": 1e-9}, {"accuracy": math.inf}, {"max_events": 3}):
-            assert_one_engine(problem, use_numba, **options)
-
-
 @pytest.mark.full(4)
 @pytest.mark.quick(3)
 @ENGINES
@@ -149,7 +84,8 @@ def test_shipped_scenes(name: str, use_numba: bool) -> None:
 def test_a_batch_is_its_trajectories_one_by_one(use_numba: bool) -> None:
     """Mixed parameters, some of them twice, some undecided, in any order: every row is where it belongs."""
     available(use_numba)
-    work = [FAMILIES[family](random.Random(f"{family} batch")) for family in list(FAMILIES) * 2]
+    scenes = [shortened(scene_of(family, 1001, n), Fraction(1, 8)) for family in FAMILIES for n in (0, 1)]
+    work: list[Problem] = [(scene.p, (scene.t0, scene.x0, scene.v0), scene.t_end) for scene in scenes] * 2
     work += [(p, start, start[0] + 25) for p, starts in map(fig8_like, range(2)) for start in starts[:3]]
     sets, starts, ends = (list(column) for column in zip(*work, strict=True))
     table = simulate_many(sets, starts, ends, use_numba=use_numba, max_events=40)
@@ -240,18 +176,6 @@ def test_two_events_that_round_to_one_time(use_numba: bool) -> None:
     assert len(set(times)) < len(times)
     for before, after in zip(trajectory.events, trajectory.events[1:], strict=False):
         assert before.target == after.source
-
-
-@pytest.mark.quick(1)
-@ENGINES
-def test_grazes_that_only_the_batch_once_missed(use_numba: bool) -> None:
-    available(use_numba)
-    p = Parameters(
-        m="5.008", k=1, c=0, Omega=".8999", A0="-.07014", B0=0, FN=".1406", mu1=".7495", mu2=0, v1=".01733",
-        v2=".0173300000493",
-    )  # fmt: skip
-    trajectory = assert_one_engine((p, (0, 0, p.v2), "3619/50"), use_numba)
-    assert sum(event.kind == "graze" for event in trajectory.events) == 5
 
 
 # -- pairs of doubles, and more digits ---------------------------------------------------------------------------------

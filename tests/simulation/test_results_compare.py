@@ -83,6 +83,9 @@ CALLS: dict[str, Callable[[], Any] | None] = {
 }
 
 
+SLOW = ("continue_orbit", "continue_border", "check_grazing", "grazing_windows", "atlas")
+
+
 def test_every_public_function_is_called_below() -> None:
     functions = {name for name in symosc.__all__ if inspect.isfunction(getattr(symosc, name))}
     assert functions == set(CALLS)
@@ -101,7 +104,8 @@ def classes_in(value: Any) -> set[type]:
 
 
 @pytest.mark.parametrize(
-    "name", few([name for name, call in CALLS.items() if call], "continue_orbit", "check_grazing", "atlas")
+    "name",
+    few([name for name, call in CALLS.items() if call], *SLOW),
 )
 def test_what_a_public_function_returns_is_public_documented_and_comparable(name: str) -> None:
     call = CALLS[name]

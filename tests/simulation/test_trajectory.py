@@ -19,4 +19,6 @@ def test_a_motion_as_the_result_of_scipy(digits: int | None) -> None:
     assert found.y_events[1][0].tolist() == pytest.approx([float(trajectory.events[0].x), 5.0])
     assert found.sol(1.0) == pytest.approx(trajectory(1.0))
     assert crosscheck("fig6", found).ok
-    assert not simulate("fig5", max_events=2).to_scipy().success
+    stopped = simulate("fig6", max_events=3)  # at the time of its last event, to the last bit
+    assert not stopped.to_scipy().success
+    assert stopped.t_end == stopped.events[-1].t

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
-from math import pi, sqrt
+from math import pi
 from typing import Any, NamedTuple
 
 import mpmath
@@ -13,8 +13,6 @@ from symosc import Parameters
 
 # mapping: domain, belt, and the side of the belt that the motion does not reach
 NEIGHBOURS = {"P2": (1, 1, 1), "P3": (2, 1, -1), "P5": (2, 2, 1), "P6": (3, 2, -1)}
-# (R, Q) with R^2 + Q^2 = 1: the steady motion x = p + R cos(Omega t) + Q sin(Omega t)
-PYTHAGORAS = [(0, 1), (3, 4), (5, 12), (-3, 4), (-8, 15), (20, 21), (4, 3)]
 
 
 class Touching(NamedTuple):
@@ -82,48 +80,6 @@ def phase_of_touch(R: Fraction, Q: Fraction, digits: int = 40) -> Any:
         return angle if angle > 0 else angle + 2 * mpmath.pi
 
 
-def unit(pair: tuple[int, int]) -> tuple[Fraction, Fraction]:
-    """Return a whole-number pair of whole length, divided by its length."""
-    length = sqrt(pair[0] ** 2 + pair[1] ** 2)
-    return Fraction(pair[0], round(length)), Fraction(pair[1], round(length))
-
-
-def ordinary(rng: random.Random, mapping: str) -> Touching:
-    """Return a steady motion that touches, with rates of the order of 1."""
-    while True:
-        found = steady(
-            rng,
-            mapping,
-            m=tenths(rng, 2, 30),
-            c=tenths(rng, 1, 80),
-            Omega=tenths(rng, 3, 40),
-            radius=tenths(rng, 5, 30),
-            direction=unit(rng.choice(PYTHAGORAS)),
-        )
-        if found:
-            return found
-
-
-def wild(rng: random.Random, mapping: str) -> Touching:
-    """Return a steady motion that touches, with rates and sizes over many decades."""
-
-    def spread(low: float, high: float) -> Fraction:
-        return Fraction(f"{10 ** rng.uniform(low, high):.3g}")
-
-    while True:
-        found = steady(
-            rng,
-            mapping,
-            m=spread(-4, 1),
-            c=spread(-6, 2),
-            Omega=spread(-3, 2),
-            radius=spread(-3, 3),
-            direction=unit(rng.choice(PYTHAGORAS)),
-        )
-        if found:
-            return found
-
-
 def at_a_seam(rng: random.Random, mapping: str, offset: float, length: int = 50) -> Touching:
     """Return a lightly damped motion whose first touch lies `offset` beside the end of one search and the next's start.
 
@@ -141,30 +97,3 @@ def at_a_seam(rng: random.Random, mapping: str, offset: float, length: int = 50)
     assert found is not None
     assert c**2 < 4 * m * found.p.k
     return found
-
-
-def undriven(rng: random.Random, mapping: str) -> Touching:
-    """Return an undamped mass without drive that leaves its belt with F = 0: it is back there once a period."""
-    alpha, boundary, side = NEIGHBOURS[mapping]
-    m, k, speed = tenths(rng, 1, 50), tenths(rng, 1, 90), side * tenths(rng, 1, 60)
-    away = 2 * abs(speed) + tenths(rng, 1, 50)
-    p = Parameters(
-        m=m, c=0, k=k, A0=tenths(rng, -50, 50), B0=0, Omega=tenths(rng, 1, 40), **belts(rng, mapping, speed, away)
-    )
-    period = 2 * pi * sqrt(m / k)
-    times = [n * period for n in range(1, 7)]
-    return Touching(p, p.A(alpha) / k, speed, Fraction(times[-1] + period / 2), times, boundary, alpha)
-
-
-def free(rng: random.Random, mapping: str) -> Touching:
-    """Return a mass without spring and damper: v = v0 + B0/(m Omega) sin(Omega t)."""
-    alpha, boundary, side = NEIGHBOURS[mapping]
-    m, Omega, v0 = tenths(rng, 1, 50), tenths(rng, 3, 40), tenths(rng, -20, 20)
-    B0 = tenths(rng, 1, 60) * rng.choice([-1, 1])
-    swing = abs(B0) / (m * Omega)
-    numbers = belts(rng, mapping, v0 + side * swing, 2 * swing + tenths(rng, 1, 30))
-    p = Parameters(m=m, c=0, k=0, A0=0, B0=B0, Omega=Omega, **numbers)
-    p, period = p.replace(A0=-p.A(alpha)), 2 * pi / float(Omega)
-    phase = 0.25 if side * B0 > 0 else 0.75
-    times = [(n + phase) * period for n in range(4)]
-    return Touching(p, tenths(rng, -20, 20), v0, Fraction(times[-1] + period / 4), times, boundary, alpha)

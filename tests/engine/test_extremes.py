@@ -11,44 +11,10 @@ from regimes import random_sets
 
 from symosc import Parameters
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.batch import (
-    STATE_WIDTH,
-    keep_state,
-    row_of,
-    state_of,
-)
 from symosc.engine.flow import Constants, state_at
-from symosc.engine.state import (
-    Covariance,
-    Flown,
-    Launch,
-    State,
-)
+from symosc.engine.state import Flown, Launch
 from symosc.engine.summary import Extremes, Open, flight_extremes, widened
 from symosc.kernels._generated import acceleration
-
-
-def drawn(rng: random.Random) -> State:
-    numbers = [rng.uniform(-9, 9) for _ in range(5)]
-    S = Covariance(*(rng.uniform(0, 1e-9) for _ in range(3)))
-    clock = rng.uniform(0, 99), 1e-15, rng.uniform(-1, 1), rng.uniform(-1, 1), 1e-17
-    return State(rng.randint(1, 5), rng.randint(0, 2), rng.randint(0, 99), *numbers, S, *clock)
-
-
-def test_a_row_is_its_state() -> None:
-    rng = random.Random(1)
-    rows = np.full((5, STATE_WIDTH), np.nan)
-    states = [drawn(rng) for _ in range(5)]
-    for i, state in enumerate(states):
-        rows[i] = row_of(state, 123.0, 1e-14)
-        assert rows[i, 13:].tolist() == [123.0, 1e-14, state.t, state.s, state.c, state.theta_low]
-    assert [state_of(rows, i) for i in range(5)] == states
-    others = [drawn(rng) for _ in range(5)]
-    ends = rows[:, 13:16].copy()
-    for i in (3, 0):
-        keep_state(rows, i, others[i])
-    assert [state_of(rows, i) for i in range(5)] == [others[0], *states[1:3], others[3], states[4]]
-    assert np.array_equal(rows[:, 13:16], ends)
 
 
 def flight(p: Parameters, dice: random.Random) -> tuple[Constants, Launch, float, Flown]:
