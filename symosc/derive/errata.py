@@ -96,7 +96,7 @@ def one_line(text: str) -> str:
 #: Commands with a letter or sign of their own.
 _LETTERS = {
     "alpha": "α", "gamma": "γ", "delta": "δ", "lambda": "λ", "mu": "μ", "pi": "π", "tau": "τ", "varphi": "φ",
-    "Theta": "Θ", "Sigma": "Σ", "Omega": "Ω", "partial": "∂", "varepsilon": "ε", "infty": "∞", "ldots": "…",
+    "Theta": "Θ", "Sigma": "Σ", "Omega": "Ω", "partial": "∂", "varepsilon": "ε", "infty": "∞", "ldots": "…"
 }  # fmt: skip
 _SIGNS = {"le": "≤", "ge": "≥", "ne": "≠", "to": "→", "times": "×", "pm": "±"}
 _FUNCTIONS = ("sin", "cos", "arcsin")

@@ -35,7 +35,7 @@ LATEX_NAMES = {
 #: Terms of a sum stand in the order of the first of these letters that they have (the order of eq. (5)).
 ORDER = [
     "g", r"\dot{g}", r"\ddot{g}", "g^{(3)}", "C_4", "C_1", "C_2", "D_1", "D_2", "a_i", "A_m",
-    "A", "A_0", "f0", "B_0", "k", "w0sq", "c", "cm", "mu_1", "mu_2", r"\mu_\lambda",
+    "A", "A_0", "f0", "B_0", "k", "w0sq", "c", "cm", "mu_1", "mu_2", r"\mu_\lambda"
 ]  # fmt: skip
 #: A term with x_i or one of these, and none of `ORDER`, stands in front.
 SPEEDS = {"v_i", "v_1", "v_2", "v_lambda"}

@@ -158,26 +158,21 @@ def flat(parts: Items) -> list[Any]:
     found: list[Any] = []
     for part in parts:
         if isinstance(part, str):
-            found += _text_parts(part)
+            place = 0
+            for mark in _MARKUP.finditer(part):
+                found.append(Prose(part[place : mark.start()].strip()))
+                begin, kind, title, label, end, ended, subsection, heading = (group or "" for group in mark.groups())
+                found.append(Markup(begin or end or subsection, kind or ended or heading, title, label))
+                place = mark.end()
+            found.append(Prose(part[place:].strip()))
         elif isinstance(part, Prose):
-            last = max(i for i, item in enumerate(found) if isinstance(item, Prose))
+            last = max(i for i, item in enumerate(found) if isinstance(item, Prose) and item.text)
             found[last] = Prose(found[last].text, part.facts)
         elif type(part) in (tuple, list) or isinstance(part, Iterator):
             found += flat(part)
         else:
             found.append(part)
-    return found
-
-
-def _text_parts(text: str) -> Iterator[Any]:
-    """Yield headings, environments and paragraphs of a LaTeX text."""
-    place = 0
-    for found in _MARKUP.finditer(text):
-        yield from (Prose(part) for part in [text[place : found.start()].strip()] if part)
-        begin, kind, title, label, end, ended, subsection, heading = (group or "" for group in found.groups())
-        yield Markup(begin or end or subsection, kind or ended or heading, title, label)
-        place = found.end()
-    yield from (Prose(part) for part in [text[place:].strip()] if part)
+    return [item for item in found if not isinstance(item, Prose) or item.text]
 
 
 def steps_of(item: Any) -> tuple[Step, ...]:

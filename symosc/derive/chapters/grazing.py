@@ -41,7 +41,7 @@ CASES = (
     (sp.S.Zero, p, r"$\gamma = 0$"),
     (-p, p + q, r"$-a < \gamma < 0$"), (-p, p, r"$\gamma = -a$"), (-p - q, p, r"$\gamma < -a$"),
     (p, sp.S.Zero, r"$a = 0 < \gamma$"), (-p, sp.S.Zero, r"$\gamma < 0 = a$"),
-    (sp.S.Zero, sp.S.Zero, r"$a = \gamma = 0$"),
+    (sp.S.Zero, sp.S.Zero, r"$a = \gamma = 0$")
 )  # fmt: skip
 
 

@@ -62,7 +62,7 @@ def items(scope: Scope) -> Items:
     where = {tau: (theta_j - theta_i) / Omega}
     entries = (
         ("1", r"\theta_i", theta_i, "x_th0"), ("1", r"\theta_{i+1}", theta_j, "x_th1"),
-        ("2", "x_{i+1}", maps.x_j, "v_x1"), ("2", r"\theta_{i+1}", theta_j, "v_th1"),
+        ("2", "x_{i+1}", maps.x_j, "v_x1"), ("2", r"\theta_{i+1}", theta_j, "v_th1")
     )  # fmt: skip
     steps = []
     for n, by, letter, key in entries:

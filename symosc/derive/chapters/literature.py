@@ -206,8 +206,7 @@ def items(scope: Scope) -> Items:
         r"equations, in the basis functions of any regime, hold for $c > 0$.",
         _numbers("slow", r"The highest point of slowly driven motions, $F = 0.5$: $(P - F)/k = 0.5$."),
         _numbers(
-            "cycles",
-            r"Where the mass stops in the two cases of the model of \cite{murari2026}, $c = 0.1$, $F = 0.5$.",
+            "cycles", r"Where the mass stops in the two cases of the model of \cite{murari2026}, $c = 0.1$, $F = 0.5$."
         ),
         r"\begin{proposition}[odd numbers of stops]\label{thm:literature-odd} "
         r"Let $c = 0$. A periodic motion that is not its own mirror image, and with it every motion with an odd number "
