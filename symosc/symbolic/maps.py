@@ -23,26 +23,7 @@ from functools import cache
 import sympy as sp
 
 from symosc.symbolic import solution
-from symosc.symbolic.solution import (
-    E0,
-    E1,
-    E2,
-    I2,
-    R2,
-    Expr,
-    Omega,
-    a_i,
-    cm,
-    f0,
-    h,
-    m,
-    omega_d,
-    tau,
-    theta_i,
-    v_i,
-    w0sq,
-    x_i,
-)
+from symosc.symbolic.solution import E0, E1, E2, I2, R2, Expr, Omega, a_i, cm, f0, h, m, tau, theta_i, v_i, w0sq, x_i
 
 p, q = sp.symbols("p q", real=True)
 #: The functions that parameter derivatives need in addition to the basis functions.
@@ -78,7 +59,7 @@ def repeated_apart() -> dict[str, Expr]:
     """Return the functions of repeated roots where all roots are apart, as steps; D, u and z are between them."""
     # U1 = S*S is explicit; the others follow from D f = g, which their rates make an equation without derivatives. With
     # p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
-    first = (E1 - tau * (E0 + h * E1)) / (2 * omega_d**2)
+    first = (E1 - tau * (E0 + h * E1)) / (2 * solution.omega_d**2)
     found = {"U1": first, "U0": sp.factor(solution.time_derivative(first).subs(cm, 2 * h))}
     found |= {"U2": sp.solve(_operator(U2) - E2, U2)[0], "D": p**2 + q**2}
     swing = tuple(tau * wave(Omega * tau) for wave in (sp.cos, sp.sin))
@@ -152,10 +133,9 @@ def flight_phase() -> dict[str, Expr]:
 def _by_cause(expr: Expr) -> Expr:
     """Collect an expression by x_i, v_i, a_i and f0, with common factors outside."""
     expr = sp.expand(expr)
-    rest = expr.xreplace({x_i: 0, v_i: 0, a_i: 0, f0: 0})
     waves = [sp.cos(theta_i), sp.sin(theta_i)]
     sorted_ = (q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in (x_i, v_i, a_i, f0))
-    return sp.Add(*sorted_) + sp.collect(rest, waves)
+    return sp.Add(*sorted_) + sp.collect(expr.xreplace({x_i: 0, v_i: 0, a_i: 0, f0: 0}), waves)
 
 
 def _operator(expr: Expr) -> Expr:
@@ -181,9 +161,8 @@ def stick_parameters() -> dict[str, Expr]:
     """Return the derivatives of f2 with respect to m, c, k, A, B0 and v_i, and of f1 with respect to Omega and v_i."""
     residual = stick_residual()
     A, B0, c, k = solution.A, solution.B0, solution.c, solution.k
-    letters = {cm: c / m, w0sq: k / m, f0: B0 / m, solution.A_m: A / m}
     back = {c: cm * m, k: w0sq * m, B0: f0 * m, A: solution.A_m * m}
-    force = residual["f2"].xreplace(letters)
+    force = residual["f2"].xreplace({cm: c / m, w0sq: k / m, f0: B0 / m, solution.A_m: A / m})
     found = {f"v_{name}": force.diff(q) for name, q in (("c", c), ("k", k), ("A", A), ("B", B0), ("v0", v_i))}
     found["v_m"] = -F / m
     assert sp.expand(force.diff(m) + force / m) == 0

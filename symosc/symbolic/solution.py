@@ -56,8 +56,7 @@ def in_paper_letters(expr: Expr) -> Expr:
 
 def force_constant(alpha: int) -> Expr:
     """Return A_alpha: each belt pulls the mass forward in the domains below it and back in those above (eq. (1))."""
-    drag1, drag2 = {1: (1, 1), 2: (-1, 1), 3: (-1, -1)}[alpha]
-    return A0 + (drag1 * mu1 + drag2 * mu2) * FN
+    return A0 + {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}[alpha] * FN
 
 
 def acceleration(x: Expr = x, v: Expr = v, theta: Expr = theta) -> Expr:
@@ -96,22 +95,15 @@ def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
 
 
 @cache
-def definitions() -> dict[Expr, Expr]:
-    """Return E0, E1, E2, R2, I2 as sympy expressions: the impulse response S = E1, its derivative and integrals."""
-    S, u = sp.Function("S"), sp.Symbol("u", real=True)
-    integrals = [S(u) * wave for wave in (1, sp.cos(Omega * (tau - u)), sp.sin(Omega * (tau - u)))]
-    return dict(zip(BASIS, [S(tau).diff(tau), S(tau), *(sp.Integral(f, (u, 0, tau)) for f in integrals)], strict=True))
-
-
-@cache
 def rates() -> dict[Expr, Expr]:
     """Return d/dtau of each basis function, by the ODE of S and Leibniz' rule, in terms of the basis functions."""
-    S = definitions()[E1]
-    ode = {S.diff(tau, 2): -cm * S.diff(tau) - w0sq * S}
-    names = {definition: symbol for symbol, definition in definitions().items()}
+    S, u = sp.Function("S"), sp.Symbol("u", real=True)
+    integrals = [S(u) * wave for wave in (1, sp.cos(Omega * (tau - u)), sp.sin(Omega * (tau - u)))]
+    meanings = [S(tau).diff(tau), S(tau), *(sp.Integral(integral, (u, 0, tau)) for integral in integrals)]
+    known = dict(zip(meanings, BASIS, strict=True))
+    ode = {S(tau).diff(tau, 2): -cm * S(tau).diff(tau) - w0sq * S(tau)}
     # factor_terms takes Omega out of the integrals
-    found = {symbol: sp.factor_terms(definition.diff(tau)) for symbol, definition in definitions().items()}
-    return {symbol: rate.xreplace(ode).xreplace(names) for symbol, rate in found.items()}
+    return {name: sp.factor_terms(meaning.diff(tau)).xreplace(ode).xreplace(known) for meaning, name in known.items()}
 
 
 def start_values() -> dict[Expr, Expr]:
@@ -219,13 +211,13 @@ def divided_difference(*nodes: Expr) -> Expr:
 
 def _mode(z: Expr) -> Expr:
     """Write exp(z tau) with cos and sin for imaginary parts, cosh and sinh for eta."""
-    factors = []
-    for part in sp.Add.make_args(z):
+
+    def factor(part: Expr) -> Expr:
         if part.has(sp.I):
-            factors.append(sp.cos(part / sp.I * tau) + sp.I * sp.sin(part / sp.I * tau))
-        else:
-            factors.append(sp.cosh(part * tau) + sp.sinh(part * tau) if part.has(eta) else sp.exp(part * tau))
-    return sp.Mul(*factors)
+            return sp.cos(part / sp.I * tau) + sp.I * sp.sin(part / sp.I * tau)
+        return sp.cosh(part * tau) + sp.sinh(part * tau) if part.has(eta) else sp.exp(part * tau)
+
+    return sp.Mul(*map(factor, sp.Add.make_args(z)))
 
 
 def collect_modes(expr: Expr) -> Expr:
