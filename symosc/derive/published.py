@@ -51,15 +51,15 @@ class Flight:
         exact = {s.m: p.m, s.c: p.c, s.k: p.k, s.Omega: p.Omega, s.cm: p.c / p.m, s.w0sq: p.k / p.m}
         exact |= {coulomb.P: abs(p.B0), x_f: p.mu1 * p.FN / p.k}
         rationals = {letter: rational(value) for letter, value in exact.items()}
-        self.regime = next(r for r in solution.REGIMES.values() if r.condition.subs(rationals) == sp.true)
+        self.regime = next(r for r in s.REGIMES.values() if r.condition.subs(rationals) == sp.true)
         self.numbers = {letter: number(value) for letter, value in exact.items()}
         self.numbers |= {letter: self.value(meaning) for letter, meaning in self.regime.letters.items()}
 
     def value(self, expr: Any, more: dict[Any, Any] | None = None) -> Any:
         """Return an expression in the symbols as a number."""
         known = self.numbers | (more or {})
-        letters = sorted(sp.sympify(expr).free_symbols, key=str)
-        return _as_function(expr, tuple(letters))(*(known[letter] for letter in letters))
+        letters = tuple(sorted(sp.sympify(expr).free_symbols, key=str))
+        return _as_function(expr, letters)(*(known[letter] for letter in letters))
 
     def basis(self, time: Any) -> dict[Any, Any]:
         """Return E0, E1 and E2 at a time after the start."""
@@ -80,6 +80,8 @@ class Formulas(Flight):
         steady = [self.value(part, self.half) for part in coulomb.half_period()]
         self.numbers |= dict(zip((G, H), steady, strict=True))
         self.amplitude = self.numbers[x_0] = self.value(coulomb.amplitude())
+        known = self.numbers
+        self.steady = known[x_0] + known[G] * known[x_f], known[H] * known[x_f]  # p_0 and q_0
 
     def trace_and_determinant(self) -> tuple[Any, Any]:
         """Return trace and determinant of one period's matrix, the square of the half period's."""
@@ -95,11 +97,7 @@ class Formulas(Flight):
     def largest_slide_bound(self) -> tuple[Any, Any]:
         """Return the supremum of B over (0, pi) and its angle, 0 for the limit at the turning point."""
         # A maximum inside counts if it is above that limit by 1e-10, relative to it: far above rounding errors.
-
-        def slope(angle: Any) -> Any:
-            return MP.diff(self.slide_bound, angle)
-
-        limit = self.value(coulomb.slide_limit())
+        slope, limit = partial(MP.diff, self.slide_bound), self.value(coulomb.slide_limit())
         angles = np.linspace(0, pi, 4001)[1:-1]
         bound, letters = _slide_bounds(self.regime)
         values = bound(angles, *(float(self.numbers[letter]) for letter in letters))
@@ -119,8 +117,9 @@ class Formulas(Flight):
 @cache
 def _as_function(expr: Any, letters: tuple[Any, ...]) -> Callable[..., Any]:
     """Return an expression as a function of its symbols, in mpmath numbers of 60 digits."""
-    functions = {name: getattr(MP, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt")}
-    return sp.lambdify(letters, expr, modules=functions)
+    return sp.lambdify(
+        letters, expr, {name: getattr(MP, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt")}
+    )
 
 
 @cache
@@ -148,8 +147,7 @@ def _turning_points(parameters: Parameters, x0: Any, t_end: int, digits: int | N
 
 def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
     """Return the rise of the highest points per cycle at Omega = 1, c = 0."""
-    # The start is the one whose turning points are at theta = pi/2 + n pi: x = (P/2 - F)/k at t = 0, with any velocity
-    # that is large enough.
+    # Turning points are at theta = pi/2 + n pi from x = (P/2 - F)/k at t = 0, with any velocity that is large enough.
     highest = _turning_points(wall(F, 1, P=P), Fraction(P) / 2 - Fraction(F), 40, digits)[::2]
     return [after - before for before, after in pairwise(highest)]
 
@@ -200,8 +198,7 @@ def meeting_point(c: Any, guess: tuple[float, float]) -> tuple[Any, Any]:
 
     def conditions(Omega: Any, F: Any) -> tuple[Any, Any]:
         formulas = Formulas(wall(MP.nstr(F, 55), MP.nstr(Omega, 55), c))
-        known = formulas.numbers
-        p, q = known[x_0] + known[G] * known[x_f], known[H] * known[x_f]
+        p, q = formulas.steady
         turned = formulas.value(coulomb.turning_acceleration(True), {coulomb.p_0: p, coulomb.q_0: q})
         return turned, (1 - Omega**2) * q - number(Fraction(c)) * Omega * p
 
@@ -212,13 +209,11 @@ def meeting_point_by_running(c: Any, guess: tuple[float, float]) -> tuple[float,
     """Return (Omega, F) of the meeting point by running the package: from the switching points of the orbit P32."""
 
     def conditions(where: Any) -> tuple[float, float]:
-        p = wall(where[1], where[0], c)
-        t, x = max(find_orbit(p, "P32").points, key=lambda point: point.x)
+        t, x = max(find_orbit(wall(where[1], where[0], c), "P32").points, key=lambda point: point.x)
         phase = where[0] * t
         return np.cos(phase) - x + where[1], np.sin(phase)
 
-    found = optimize.root(conditions, guess, tol=1e-14, options={"eps": 1e-8})
-    return tuple(found.x.tolist())
+    return tuple(optimize.root(conditions, guess, tol=1e-14, options={"eps": 1e-8}).x.tolist())
 
 
 def end_without_stops(c: Any, P: Any, near: float) -> tuple[Any, Any]:
@@ -245,16 +240,14 @@ def base_and_wall(F: Any, Omega: Any) -> Parameters:
 def transmissibility(F: Any, Omega: Any) -> Any:
     """Return the largest absolute |x| by Den Hartog's motion of x - y, c = 0: y is (1 - r^2)/r^2 of its steady part."""
     formulas = Formulas(base_and_wall(F, Omega))
-    known, r = formulas.numbers, formulas.numbers[solution.Omega]
-    p, q = known[x_0] + known[G] * known[x_f], known[H] * known[x_f]
+    known, r, (p, q) = formulas.numbers, formulas.numbers[solution.Omega], formulas.steady
 
     def absolute(angle: Any) -> Any:
         steady = (p * MP.cos(angle) + q * MP.sin(angle)) / r**2
         free, rate = known[x_0] - p - known[x_f], -q * r
         return known[x_f] + steady + free * MP.cos(angle / r) + rate * MP.sin(angle / r)
 
-    angles = np.linspace(0, pi, 201)
-    top = float(max(angles, key=lambda angle: abs(absolute(angle))))
+    top = float(max(np.linspace(0, pi, 201), key=lambda angle: abs(absolute(angle))))
     return abs(absolute(MP.findroot(lambda angle: MP.diff(absolute, angle), top)))
 
 
@@ -314,18 +307,19 @@ class Border(NamedTuple):
 def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
     """Bisect the forced amplitude between two values of F/P with different numbers of stops."""
 
-    def count(ratio: Fraction) -> int | None:
-        return stops(wall(1, Omega, c, P=1 / ratio))
+    def count(ratio: Fraction) -> int:
+        found = stops(wall(1, Omega, c, P=1 / ratio))
+        if found is None:
+            raise SymoscError(f"the motion at F/P = {float(ratio)!r} does not settle")
+        return found
 
     a, b = Fraction(low), Fraction(high)
     below, above = count(a), count(b)
-    if below == above or below is None or above is None:
+    if below == above:
         raise ParameterError("low, high", (str(low), str(high)), "must have different numbers of stops")
     while b - a > 1e-8 * a:
         middle = (a + b) / 2
         found = count(middle)
-        if found is None:
-            raise SymoscError(f"the motion at F/P = {float(middle)!r} does not settle")
         if found == below:
             a = middle
         else:
@@ -365,16 +359,15 @@ def solve_stop_positions(p: Parameters) -> list[Any]:
     slides, _ = _slides_near_border(p, (stops(p) or 0) // 2)
     n, F = len(slides), number(p.mu1)
     guess = [*(phase for phase, _ in slides), *(time for _, time in slides)]
-    phases = list(MP.findroot(lambda *z: _half_cycle(p, F, z[:n], z[n:]), guess))[:n]
-    return [MP.cos(phase) + F for phase in phases]
+    return [MP.cos(phase) + F for phase in list(MP.findroot(lambda *z: _half_cycle(p, F, z[:n], z[n:]), guess))[:n]]
 
 
 def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
     """Return the residuals of half a cycle: they vanish if each slide ends at rest where the next one starts."""
     x, v, _ = _slide(p)
-    found = [v(phase, time) for phase, time in zip(phases, times, strict=True)]
-    rows = zip(phases, times, _slide_ends(F, phases), strict=True)
-    return found + [x(MP.cos(phase) + F, phase, time) - end for phase, time, end in rows]
+    rows = list(zip(phases, times, _slide_ends(F, phases), strict=True))
+    at_rest = [v(phase, time) for phase, time, _ in rows]
+    return at_rest + [x(MP.cos(phase) + F, phase, time) - end for phase, time, end in rows]
 
 
 def _slide_ends(F: Any, phases: Any) -> list[Any]:
@@ -403,9 +396,8 @@ def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, fl
     path = from_rest(p, 22)
     late = [event for event in path.events if event.t > 40 * pi / float(p.Omega)]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
-    first = next(
-        i for i in range(1, len(pairs)) if pairs[i - 1][0].target == "Omega2" and pairs[i][0].target == "Omega1"
-    )
+    targets = [start.target for start, _ in pairs]
+    first = next(i for i, ways in enumerate(pairwise(targets), 1) if ways == ("Omega2", "Omega1"))
     slides = pairs[first : first + count]
     candidates = []
     for j, (start, end) in enumerate(slides):
@@ -419,13 +411,13 @@ def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, fl
 
 def largest_exponent(count: int, seed: int = 0) -> float:
     """Return the largest Lyapunov exponent of random oscillators over 60 periods; m = k = 1, where it is never > 0."""
-    dice = random.Random(seed)
-    found = []
+    dice, largest = random.Random(seed), -np.inf
     for _ in range(count):
         F, Omega = f"{dice.uniform(0.01, 1):.3f}", f"{dice.uniform(0.05, 3):.3f}"
         p = wall(F, Omega, f"{dice.choice((0, dice.uniform(0, 1))):.3f}")
-        found.append(sensitivities(p, "x0", t0=0, x0=dice.uniform(-2, 2), v0=0, t_end="60T").lyapunov[0])
-    return float(max(found))
+        found = sensitivities(p, "x0", t0=0, x0=dice.uniform(-2, 2), v0=0, t_end="60T")
+        largest = max(largest, float(found.lyapunov[0]))
+    return largest
 
 
 # --- the tables ---
