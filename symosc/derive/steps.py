@@ -91,8 +91,7 @@ class Step:
 def step(left: Expr, op: str, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
     """Return a step; the check may be the value of `left`, or a dictionary of the values of the symbols."""
     if not isinstance(check, Check):
-        meaning = {} if check is None else check if isinstance(check, dict) else {left: check}
-        check = Exact(meaning)
+        check = Exact({} if check is None else check if isinstance(check, dict) else {left: check})
     return Step(Relation(sp.sympify(left), op, sp.sympify(right)), check, label, **options)
 
 
@@ -255,9 +254,8 @@ def modes(expr: Expr) -> Expr:
     """Return 0 for an expression in modes (products of tau, exp, sin, ...) that vanishes, else their sum."""
     expr = sp.expand_trig(expr)
     found = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
-    letters = dict(zip(found, (sp.Dummy() for _ in found), strict=True))
     # What vanishes for all values of its modes needs no more than its numerator.
-    above, _ = sp.fraction(sp.together(expr.xreplace(letters)))
+    above, _ = sp.fraction(sp.together(expr.xreplace(dict(zip(found, (sp.Dummy() for _ in found), strict=True)))))
     return sp.S.Zero if sp.expand(above) == 0 else solution.collect_modes(expr)
 
 

@@ -73,7 +73,6 @@ def items(scope: Scope) -> Items:
     flow = solution.flow()
     force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
     position, velocity, acceleration = named(r"x(\tau)"), named(r"\dot{x}(\tau)"), named(r"\ddot{x}(\tau)")
-    start = named(r"\ddot{x}_i")
     newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - a_i, a_i)[0]
     by_v, by_a = ({name: solution.time_derivative(expr)} for name, expr in ((velocity, flow.x), (acceleration, flow.v)))
     yield (
@@ -85,7 +84,7 @@ def items(scope: Scope) -> Items:
         equation(velocity, flow.v, Exact(by_v, solution.use_relations, independent=False), "v"),
         equation(acceleration, flow.a, Exact(by_a, solution.use_relations, independent=False), "a"),
         r"where the acceleration at the start is",
-        equation(start, solution.acceleration(x_i, v_i, theta_i), newton, "start"),
+        equation(named(r"\ddot{x}_i"), solution.acceleration(x_i, v_i, theta_i), newton, "start"),
         r"This holds in every regime of damping and at resonance.\end{theorem}",
         r"\begin{proof} $L x = (A_\alpha + B_0\cos\theta)/m$ by \eqref{eq:motion-domain}. Variation of constants gives "
         r"$x$ as a combination of $E_0$, $E_1$, $E_2$, $R_2$ and $I_2$. Then $A_\alpha$ is eliminated in favour of "
@@ -122,8 +121,7 @@ def items(scope: Scope) -> Items:
     for regime in scope.regimes:
         centre = latex(regime.centre) if regime.centre != 0 else ""
         roots = rf"${centre} \pm {latex(regime.offset)}$" if regime.offset != 0 else f"${centre or 0}$, double"
-        cells = basis_function(E1, regime), basis_function(E0, regime)
-        rows.append((*REGIME_WORDS[regime.name], roots, *cells))
+        rows.append((*REGIME_WORDS[regime.name], roots, basis_function(E1, regime), basis_function(E0, regime)))
     values = {name: value for regime in scope.regimes for name, value in regime.letters.items()}
     letters = solution.h, omega_d, eta, omega_0
     regimes = solution.REGIMES
@@ -300,8 +298,7 @@ def _one_exponential(v: Any, mode: Any) -> Any:
 def constants(form: PaperForm) -> list[Step]:
     """Return the constants of a form, checked to fit the start or the drive."""
     start = {tau: sp.Integer(0)}
-    wanted = (form.x.subs(start) - x_i, form.x.diff(tau).subs(start) - v_i)
-    fitted = sp.solve(wanted, [C1, C2], dict=True)[0]
+    fitted = sp.solve((form.x.subs(start) - x_i, form.x.diff(tau).subs(start) - v_i), [C1, C2], dict=True)[0]
     steps = []
     for letter, value in form.constants.items():
         start_fits = {name: fitted[name] for name in (letter, C1) if letter in fitted}

@@ -10,20 +10,7 @@ from symosc.derive.chapters.motion import MU, newton
 from symosc.derive.errata import SEVERITIES, read_errata
 from symosc.derive.latex import named
 from symosc.derive.scope import F, Scope
-from symosc.derive.steps import (
-    STEP_DIGITS,
-    AtRoot,
-    Close,
-    Items,
-    Sign,
-    Step,
-    StepError,
-    Table,
-    decimal,
-    equation,
-    facts,
-    step,
-)
+from symosc.derive.steps import AtRoot, Close, Items, Sign, Step, StepError, Table, decimal, equation, facts, step
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
@@ -65,28 +52,28 @@ def _flow_errata() -> Items:
     field = solution.in_paper_letters(solution.acceleration())
     domain, boundary = (field.diff(x) * v + field.diff(v) * rate + field.diff(t) for rate in (field, 0))
     difference = named(r"D_{\mathbf{x}^{(\alpha)}}F^{(\alpha)} - D_{\mathbf{x}^{(0)}}F^{(\alpha)}")
-    meaning = {difference: domain - boundary, F(r"\alpha"): field}
     return (
         r"\subsection{The derivative in (47)}",
         r"By its definition after (16), $D_{\mathbf{x}^{(0)}}$ differentiates along the boundary's flow, which has "
         r"$\dot{\mathbf{x}}^{(0)} = (v_\lambda, 0)^T$. The result that (47) gives is along the flow of the domain, "
         r"$\dot{\mathbf{x}}^{(\alpha)} = (v_\lambda, F^{(\alpha)})^T$. They differ by",
-        equation(difference, -c * F(r"\alpha") / m, meaning, "flows"),
+        equation(difference, -c * F(r"\alpha") / m, {difference: domain - boundary, F(r"\alpha"): field}, "flows"),
         r"which vanishes at a graze, so that nothing that the paper derives from it changes.",
     )
 
 
-def _first_slip(scene: str, alpha: int) -> Any:
-    """Return when the first stick ends, with 40 digits; StepError unless the mass slips into a domain."""
-    event = next(e for e in simulate(load_scene(scene), digits=40, max_events=6).events if e.kind == "slip")
-    if event.target != f"Omega{alpha}":
-        raise StepError(scene, f"the mass slips into {event.target}")
-    return event.t
+def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
+    """Return the times of the events up to the first slip; StepError unless the mass slips into a domain."""
+    events = simulate(load_scene(scene), digits=digits, max_events=6).events
+    place = next(n for n, event in enumerate(events) if event.kind == "slip")
+    if events[place].target != target:
+        raise StepError(scene, f"the mass slips into {events[place].target}")
+    return [event.t for event in events[: place + 1]]
 
 
 def _exit_errata() -> Items:
     def ends(scene: str, belt: int, alpha: int, words: str) -> Items:
-        numbers, other, time = Scope(load_scene(scene)).numbers, belt + 1, _first_slip(scene, alpha)
+        numbers, other, time = Scope(load_scene(scene)).numbers, belt + 1, _up_to_slip(scene, 40, f"Omega{alpha}")[-1]
         held, true = (newton(other) - newton(alpha)).subs(numbers), -2 * (MU[belt] * FN / m).subs(numbers)
         return (
             rf"({51 + belt}) lets a stick on belt {belt} end by $F^{{({other})}} = 0$ only. {words} at the time below "
@@ -113,7 +100,7 @@ def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any
     at = {solution.x_i: place, solution.v_i: speed, solution.a_i: 0, solution.tau: sp.Rational(5, 2) - time}
     at |= {solution.theta_i: (Omega * time).subs(numbers)}
     start = (expr.subs(scope.display).subs(at) for expr in (flow.x, flow.v))
-    return place, *(sp.N(each, STEP_DIGITS + 10)._to_mpmath(200) for each in start)
+    return place, *(sp.N(each, 60)._to_mpmath(200) for each in start)
 
 
 def _start(x0: Any, v0: Any, label: str) -> list[Step]:
@@ -154,7 +141,12 @@ def _figure7_errata() -> Items:
 
 def _figure8_errata() -> Items:
     _, x0, v0 = _graze("fig8", 2, sp.Integer(-4), sp.Rational("3.14158"))
-    short = step(named("t"), "<", sp.Rational(3, 1000), AtRoot(lambda: {named("t"): _first_stick("fig8")}))
+
+    def duration() -> dict[Any, Any]:
+        onset, end = _up_to_slip("fig8", 30, "Omega2")
+        return {named("t"): sp.Float(str(end - onset), 30)}
+
+    short = step(named("t"), "<", sp.Rational(3, 1000), AtRoot(duration))
     return (
         r"\subsection{Fig.~8: no error, but four decimals do not graze}",
         r"The starts at $t_0 = 2.5$ from which the flow grazes form a curve, with one point for each time $t_m$ of the "
@@ -164,14 +156,6 @@ def _figure8_errata() -> Items:
         r"goes beyond $v_1$, and the mass sticks for some milliseconds instead of grazing.",
         facts(_prints("5.898", x0), _prints("2.258", v0), short),
     )
-
-
-def _first_stick(scene: str) -> Any:
-    """Return the duration of the first stick, with 30 digits; StepError unless the mass sticks."""
-    first, second = simulate(load_scene(scene), digits=30, max_events=2).events
-    if (first.kind, second.kind) != ("stick", "slip"):
-        raise StepError(scene, f"{first.kind}, {second.kind}")
-    return sp.Float(str(second.t - first.t), 30)
 
 
 def _start_errata() -> Items:

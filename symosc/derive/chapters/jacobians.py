@@ -150,7 +150,6 @@ def saltation() -> Items:
     speed, delta = named(r"v_\lambda"), named(r"\delta\dot{x}^{-}")
     shift, result = named(r"\delta t"), named(r"\delta\dot{x}^{+}")
     delay = {shift: sp.solve(delta + BEFORE * named("s"), named("s"))[0]}
-    true = {result: delta + BEFORE * shift - AFTER * shift} | delay
     field_gap, normal = sp.Matrix([0, AFTER - BEFORE]), sp.Matrix([[0, 1]])
     matrix = sp.eye(2) + field_gap * normal / (normal * sp.Matrix([speed, BEFORE]))[0]
     entries = tuple(
@@ -172,7 +171,7 @@ def saltation() -> Items:
         r"\begin{proof} To first order the changed motion crosses later by",
         equation(shift, -delta / BEFORE, delay, "delay"),
         r"and during this time one motion has $F^{+}$ and the other still $F^{-}$, so that afterwards",
-        equation(result, AFTER * delta / BEFORE, true, "after"),
+        equation(result, AFTER * delta / BEFORE, {result: delta + BEFORE * shift - AFTER * shift} | delay, "after"),
         r"while $\delta x$ changes by terms of second order only. This is the general formula "
         r"$S = I + (\mathbf{f}^{+} - \mathbf{f}^{-})\,\mathbf{n}^T/(\mathbf{n}^T\mathbf{f}^{-})$ with "
         r"$\mathbf{f}^{\pm} = (v_\lambda, F^{\pm})^T$ \cite{leine2004,dibernardo2008}. A crossing upward has "
@@ -190,19 +189,17 @@ def _orbit(scene: str, word: str) -> tuple[Any, Any]:
 
     p = load_scene(scene).parameters
     found = find_orbit(p, word, digits=STEP_DIGITS + 5)
-    product, ratios = CONTEXT.mpf(1), CONTEXT.mpf(1)
-    for each in found.multipliers:
-        product = product * CONTEXT.mpmathify(each)
+    product, ratios = CONTEXT.fprod(map(CONTEXT.mpmathify, found.multipliers)), CONTEXT.mpf(1)
     for (t, x), (before, after) in zip(found.points, ((2, 1), (1, 2)), strict=True):
-        ratios *= _force(p, after, t, x) / _force(p, before, t, x)
-    decay = CONTEXT.exp(-number(p.c / p.m) * CONTEXT.mpf(found.period))
-    return CONTEXT.re(product), decay * ratios
+        end, start = (force_at_belt(p, alpha, 1, x, number(p.Omega) * t) for alpha in (after, before))
+        ratios *= end / start
+    return CONTEXT.re(product), CONTEXT.exp(-number(p.c / p.m) * CONTEXT.mpf(found.period)) * ratios
 
 
-def _force(p: Any, alpha: int, t: Any, x: Any) -> Any:
-    """Return m F^(alpha) on belt 1, from the parameters alone."""
-    constant = p.A0 + {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1}[alpha] * p.FN - p.c * p.v1
-    return number(constant) + number(p.B0) * CONTEXT.cos(number(p.Omega) * t) - number(p.k) * x
+def force_at_belt(p: Any, alpha: int, belt: int, x: Any, phase: Any) -> Any:
+    """Return m F^(alpha) at a belt's speed, from the parameters alone."""
+    friction = {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1, 3: -p.mu1 - p.mu2}[alpha] * p.FN
+    return number(p.A0 + friction - p.c * p.belt(belt)) + number(p.B0) * CONTEXT.cos(phase) - number(p.k) * x
 
 
 def _float(number: Any) -> Any:
