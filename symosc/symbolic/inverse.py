@@ -221,13 +221,6 @@ class Answers(tuple[Answer, ...], LatexAnswer):
 
     question: GrazingQuestion
 
-    @classmethod
-    def for_question(cls, question: GrazingQuestion, answers: Any) -> Answers:
-        """Make an `Answers` from answers, with the question that its text repeats."""
-        made = cls(answers)
-        made.question = question
-        return made
-
     def text(self) -> str:
         """Return question and answers as text, one line for each condition."""
         name = QUERY_LETTERS[self.question.names[0]]
@@ -486,15 +479,6 @@ def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
     return names
 
 
-class _Problem(NamedTuple):
-    """A question about one parameter: its name ("k", "v", "B0" or "Omega"), all values, and the allowed ones."""
-
-    where: Place
-    name: str
-    values: dict[str, Expr]
-    domain: Expr
-
-
 def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
     """Return the region of two parameters, or the answers for one, restricted to its allowed values."""
     where, name = place(question.mapping), question.names[0]
@@ -512,16 +496,16 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
         "v1": sp.Interval.open(-sp.oo, values[other]),
         "v2": sp.Interval.open(values[other], sp.oo),
     }[belt if name == "v" else name]
-    problem = _Problem(where, "v" if name == belt else name, values, domain)
+    asked = "v" if name == belt else name, values, domain
     if question.asked == "empty":
-        solved = _solve_for_all_phases(problem, -where.side, True, True)
+        solved = _solve_for_all_phases(*asked, -where.side, True, True)
     elif question.asked == "everything":
-        solved = _solve_for_all_phases(problem, where.side, full, False)
+        solved = _solve_for_all_phases(*asked, where.side, full, False)
     elif isinstance(question.theta, PhaseInterval):
-        decided = [_containing(problem, each, full) for each in question.theta.deciding((-1, 1))]
+        decided = [_containing(*asked, where.side, each, full) for each in question.theta.deciding((-1, 1))]
         solved = iter([Answer(sp.true, sp.Intersection(*(each.values for answers in decided for each in answers)))])
     else:
-        solved = _containing(problem, (question.theta, True), full)
+        solved = _containing(*asked, where.side, (question.theta, True), full)
     found: dict[Expr, Expr] = {}  # conditions with one answer are joined
     for condition, inside in solved:
         if condition != sp.false:
@@ -529,30 +513,33 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
             found[allowed] = sp.Or(found.get(allowed, sp.false), condition)
     if p is not None:
         return ParameterValues(question, *found)
-    return Answers.for_question(question, (Answer(condition, inside) for inside, condition in found.items()))
+    answers = Answers(Answer(condition, inside) for inside, condition in found.items())
+    answers.question = question
+    return answers
 
 
 # --- one parameter, case by case ---
 
 
-def _containing(problem: _Problem, extreme: Extreme, full: bool) -> Iterator[Answer]:
-    """Solve side (k v + B0 Omega sin theta) > 0, or >= 0 at a phase that is not attained."""
+def _containing(
+    name: str, values: dict[str, Expr], domain: Expr, side: int, extreme: Extreme, full: bool
+) -> Iterator[Answer]:
+    """Solve side (k v + B0 Omega sin theta) > 0, or >= 0 at a phase that is not attained, for k, v, B0 or Omega."""
     theta, attained = extreme
-    values, side = problem.values, problem.where.side
-    k, v, B0, Omega, sine = *(values[name] for name in ("k", "v", "B0", "Omega")), sp.sin(theta)
+    k, v, B0, Omega, sine = *(values[each] for each in ("k", "v", "B0", "Omega")), sp.sin(theta)
     # The left side is start + slope * parameter; level is side k v at its root.
-    if problem.name in ("Omega", "B0"):
-        start, slope = side * k * v, side * (B0 if problem.name == "Omega" else Omega) * sine
+    if name in ("Omega", "B0"):
+        start, slope = side * k * v, side * (B0 if name == "Omega" else Omega) * sine
         level = start
     else:
-        start, slope = side * B0 * Omega * sine, side * (v if problem.name == "k" else k)
+        start, slope = side * B0 * Omega * sine, side * (v if name == "k" else k)
         level = -start
     for slope_sign, sloped in _signs(slope):
         if slope_sign == 0:
             for positive, started in _positive(start) if attained else [(sign_of(start) >= 0, sp.true)]:
-                yield Answer(sloped & started, problem.domain if positive else sp.S.EmptySet)
+                yield Answer(sloped & started, domain if positive else sp.S.EmptySet)
             continue
-        cases: Any = [(not attained, sp.true)] if not (attained and full) else _quartic(theta, level)
+        cases: Any = _quartic(theta, level) if attained and full else [(not attained, sp.true)]
         for closed, closing in cases:
             yield Answer(sloped & closing, _half_line(-start / slope, slope_sign, closed))
 
@@ -563,50 +550,46 @@ def _quartic(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
     if not cosine.free_symbols:
         yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]
         return
+    turning = sp.Eq(cosine, 0)
     for positive, condition in _positive(level):
-        turning = sp.Eq(cosine, 0)
         if positive:
             yield True, turning & condition
-            yield False, sp.Not(turning) & condition
-        else:
-            yield False, condition
+        yield False, sp.Not(turning) & condition if positive else condition
 
 
-def _solve_for_all_phases(problem: _Problem, direction: int, closed: bool, at_zero: bool) -> Iterator[Answer]:
+def _solve_for_all_phases(
+    name: str, values: dict[str, Expr], domain: Expr, direction: int, closed: bool, at_zero: bool
+) -> Iterator[Answer]:
     """Solve direction k v >= |B0| Omega, or > unless `closed`; `at_zero`: whether 0 = 0 counts."""
-    k, v, B0, Omega = (problem.values[each] for each in ("k", "v", "B0", "Omega"))
-    if problem.name in ("Omega", "B0"):
+    k, v, B0, Omega = (values[each] for each in ("k", "v", "B0", "Omega"))
+    if name in ("Omega", "B0"):
         # |B0| Omega <= level
         level = direction * k * v
         for level_sign, levelled in _signs(level):
             if level_sign < 0 or (level_sign == 0 and not at_zero):
                 yield Answer(levelled, sp.S.EmptySet)
-            elif problem.name == "B0":
+            elif name == "B0":
                 end = level / Omega if level_sign else sp.S.Zero
                 yield Answer(levelled, sp.Interval(-end, end, not closed, not closed))
             else:
                 for B0_sign, signed in _signs(B0):
-                    values = problem.domain
-                    if B0_sign and level_sign == 0:  # Omega > 0
-                        values = sp.S.EmptySet
-                    elif B0_sign:  # the end is > 0 under these conditions
-                        values = sp.Interval(0, level / (B0_sign * B0), True, not closed)
-                    yield Answer(levelled & signed, values)
+                    found = domain
+                    if B0_sign:  # Omega > 0, and so is the end if the level is
+                        end = level / (B0_sign * B0)
+                        found = sp.Interval(0, end, True, not closed) if level_sign else sp.S.EmptySet
+                    yield Answer(levelled & signed, found)
         return
     # factor * parameter >= |B0| Omega
-    factor = direction * (v if problem.name == "k" else k)
+    factor = direction * (v if name == "k" else k)
     for factor_sign, factored in _signs(factor):
         for B0_sign, signed in _signs(B0):
-            reached = B0_sign == 0 and at_zero
-            if factor_sign == 0:
-                values = problem.domain if reached else sp.S.EmptySet
-            elif problem.name == "k" and factor_sign < 0:  # k >= 0
-                values = sp.FiniteSet(0) if reached else sp.S.EmptySet
-            elif B0_sign == 0:
-                values = _half_line(sp.S.Zero, factor_sign, at_zero)
+            if factor_sign == 0 or (name == "k" and factor_sign < 0):  # k >= 0
+                reached = domain if factor_sign == 0 else sp.FiniteSet(0)
+                found = reached if B0_sign == 0 and at_zero else sp.S.EmptySet
             else:
-                values = _half_line(B0_sign * B0 * Omega / factor, factor_sign, closed)
-            yield Answer(factored & signed, values)
+                end = B0_sign * B0 * Omega / factor if B0_sign else sp.S.Zero
+                found = _half_line(end, factor_sign, closed if B0_sign else at_zero)
+            yield Answer(factored & signed, found)
 
 
 def _half_line(end: Expr, direction: int, closed: bool) -> Expr:
