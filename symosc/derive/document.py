@@ -20,8 +20,7 @@ from symosc.derive.mathml import font_style, formula, words
 from symosc.derive.notation import HEADS, NOTATION
 from symosc.derive.scope import Scope
 from symosc.derive.steps import Illustration, Markup, Prose, Step, StepError, StepEvidence, Table, flat, steps_of
-from symosc.errors import OutputError
-from symosc.files import write_text
+from symosc.files import make_folder, write_text
 from symosc.scenes import Scene
 
 ToHtml = Callable[[str], str]
@@ -387,14 +386,14 @@ def write_document(chapters: list[Checked], scope: Scope, folder: Path, form: st
     from symosc import plot
 
     if form == "html":
-        return [write_text(_made(folder) / PAGE, as_page(chapters, scope))]
-    numbers, target = numbers_of(chapters), _made(folder / CHAPTER_FOLDER)
+        return [write_text(make_folder(folder) / PAGE, as_page(chapters, scope))]
+    numbers, target = numbers_of(chapters), make_folder(folder / CHAPTER_FOLDER)
     paths = [write_text(folder / MAIN, main_document(chapters, scope))]
     paths += [write_text(target / f"{each.key}.tex", as_latex(each, scope, numbers)) for each in chapters]
     paths.append(write_text(folder / BIBTEX, references_bib()))
     items = [part.item for chapter in chapters for part in chapter.parts]
     keys = [item.key for item in items if isinstance(item, Illustration)]
-    return paths + [plot.save(figure(key), _made(folder / PICTURES) / f"{key}.pdf") for key in keys]
+    return paths + [plot.save(figure(key), make_folder(folder / PICTURES) / f"{key}.pdf") for key in keys]
 
 
 def printed(chapters: list[Checked], scope: Scope, form: str) -> str:
@@ -402,12 +401,3 @@ def printed(chapters: list[Checked], scope: Scope, form: str) -> str:
     if form == "html":
         return as_page(chapters, scope)
     return "\n".join(as_latex(chapter, scope, numbers_of(chapters)) for chapter in chapters)
-
-
-def _made(folder: Path) -> Path:
-    """Make a folder if needed; OutputError if that fails."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(str(folder), error.strerror or str(error)) from None
-    return folder

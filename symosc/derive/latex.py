@@ -11,12 +11,10 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 
+from symosc.aliases import Expr
 from symosc.derive.steps import Relation
 from symosc.exact import show
 from symosc.symbolic import maps, solution
-
-Expr = Any  # sympy ships no types
-
 
 _dot, _x = r"\dot{x}", "x_{i+1}"
 LATEX_NAMES = {

@@ -8,6 +8,7 @@ from typing import Any
 
 import sympy as sp
 
+from symosc.aliases import Expr
 from symosc.derive.latex import latex, named
 from symosc.exact import read_exact, show
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
@@ -16,8 +17,6 @@ from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
 from symosc.symbolic.theorem7 import rational
 from symosc.words import MAPS, read_word
-
-Expr = Any  # sympy ships no types
 
 v1, v2, v_lambda = sp.symbols("v_1 v_2 v_lambda", real=True)
 BELTS = {1: v1, 2: v2}

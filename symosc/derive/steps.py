@@ -20,11 +20,11 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from symosc.aliases import Expr
 from symosc.errors import SymoscError
 from symosc.kernels.multiprecision import mp_context
 from symosc.symbolic import solution
 
-Expr = Any  # sympy ships no types
 Items = Iterable[Any]
 
 STEP_DIGITS = 50

@@ -17,14 +17,12 @@ they are in E0, E1, E2 at tau = pi/Omega, and `closed` puts in a regime's closed
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
 
 import sympy as sp
 
+from symosc.aliases import Expr
 from symosc.symbolic import solution
 from symosc.symbolic.solution import E0, E1, E2, Omega, a_i, c, cm, f0, h, k, m, omega_d, tau, v_i, w0sq, x_i
-
-Expr = Any  # sympy ships no types
 
 #: The amplitude of the drive, the friction force, and F/k.
 P, F, x_f = sp.symbols("P F x_f", positive=True)

@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 
 from symosc.aliases import Record
 from symosc.errors import OutputError, ParameterError
-from symosc.files import read_path, write_text
+from symosc.files import make_folder, read_path, write_text
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.scenes import load_scene
 from symosc.words import Map, Word, WordLike, read_word
@@ -93,20 +93,21 @@ def write_export(folder: str | Path, *arguments: Any, force: bool = False, **opt
     # OutputError if a file cannot be written, or, without `force`, is there with another content.
     folder = Path(read_path(folder))
     texts = {folder / name: text for name, text in export(*arguments, **options).items()}
-    path = folder
+    for path, text in texts.items():  # before the first of them is written
+        if isdir(path):
+            raise OutputError(str(path), "is a folder")
+        if not force and isfile(path) and not _holds(path, text):
+            raise OutputError(str(path), "is there with another content; give another name, or force it")
+    make_folder(folder)
+    return [write_text(path, text) for path, text in texts.items()]
+
+
+def _holds(path: Path, text: str) -> bool:
+    """Return whether a file has this text."""
     try:
-        for path, text in texts.items():  # before the first of them is written
-            if isdir(path):
-                raise OutputError(str(path), "is a folder")
-            if not force and isfile(path) and path.read_bytes() != text.encode():
-                raise OutputError(str(path), "is there with another content; give another name, or force it")
-        path = folder
-        folder.mkdir(parents=True, exist_ok=True)
-    except OutputError:
-        raise
+        return path.read_bytes() == text.encode()
     except OSError as error:
         raise OutputError(str(path), error.strerror or str(error)) from None
-    return [write_text(path, text) for path, text in texts.items()]
 
 
 # --- what a word needs of the kernels ---
@@ -736,12 +737,11 @@ if abspath(PROGRAM_FILE) == @__FILE__
     println({module}.jacobian({arguments}))
 end
 """
-    numbers = "\n".join(f"const {key} = {float(value)!r}" for key, value in program.numbers.items())
     parts = [
         program.about("# ", f"Try it: julia {name}.jl"),
         f"module {module}",
         f"export {', '.join(exports)}",
-        numbers,
+        "\n".join(f"const {key} = {float(value)!r}" for key, value in program.numbers.items()),
         struct,
         setup,
         *map(julia.function, program.functions.values()),

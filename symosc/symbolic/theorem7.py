@@ -10,7 +10,7 @@ Phases are points of the circle [0, 2 pi): where the paper writes [0, a) U (b, 2
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple
@@ -129,14 +129,18 @@ def theorem7(
     """
     where, full = cases.place(mapping), order == "full"
     gamma, amplitude = real("gamma", gamma), real("amplitude", amplitude)
-    if gamma.free_symbols or amplitude.free_symbols:
-        return _cases(where, gamma, amplitude, full)
-    return window_phases(where, gamma, amplitude, full)
+    if not gamma.free_symbols and not amplitude.free_symbols:
+        return window_phases(where, gamma, amplitude, full)
 
+    def substituted(expr: Expr) -> Expr:
+        if isinstance(expr, sp.Union):
+            return sp.Union(*map(substituted, expr.args), evaluate=False)
+        return expr.subs({GAMMA: gamma, AMPLITUDE: amplitude}, simultaneous=True)
 
-def window_phases(where: cases.Place, gamma: Expr, amplitude: Expr, full: bool) -> Expr:
-    """Return the set of phases at which a contact grazes (Theorem 7), for numbers gamma and B0 Omega/m."""
-    return _phases(where, signs(gamma, amplitude), gamma, amplitude, full)
+    # The sets are written for the signs that the condition demands.
+    given = ((case, substituted(case.condition)) for case in all_cases(where, full))
+    left = ((case, condition) for case, condition in given if condition != sp.false)
+    return Theorem7Cases(Case(case.label, condition, substituted(case.phases)) for case, condition in left)
 
 
 def signs(gamma: Expr, amplitude: Expr) -> tuple[int, int, int]:
@@ -154,8 +158,11 @@ def critical_phase(gamma: Expr, amplitude: Expr) -> Expr | None:
 # --- the sets ---
 
 
-def _phases(where: cases.Place, of: tuple[int, int, int], gamma: Expr, amplitude: Expr, full: bool) -> Expr:
-    """Return the set of phases for given signs of gamma, amplitude and |gamma| - |amplitude|."""
+def window_phases(
+    where: cases.Place, gamma: Expr, amplitude: Expr, full: bool, of: tuple[int, int, int] | None = None
+) -> Expr:
+    """Return the set of phases at which a contact grazes (Theorem 7); `of` are the signs of letters as in `signs`."""
+    of = of or signs(gamma, amplitude)
     kind = cases.window_kind(where.side, *of, full)
     if kind in (cases.EMPTY, cases.EVERYTHING):
         return CIRCLE if kind == cases.EVERYTHING else sp.S.EmptySet
@@ -185,20 +192,6 @@ def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
 # --- the cases, for symbols ---
 
 
-def _cases(where: cases.Place, gamma: Expr, amplitude: Expr, full: bool) -> Theorem7Cases:
-    """Return the cases with gamma and amplitude substituted."""
-
-    def substituted(expr: Expr) -> Expr:
-        if isinstance(expr, sp.Union):
-            return sp.Union(*map(substituted, expr.args), evaluate=False)
-        return expr.subs({GAMMA: gamma, AMPLITUDE: amplitude}, simultaneous=True)
-
-    conditions = [(case, substituted(case.condition)) for case in all_cases(where, full)]
-    # The sets are written for the signs that the condition demands.
-    found = ((case, condition) for case, condition in conditions if condition != sp.false)
-    return Theorem7Cases(Case(case.label, condition, substituted(case.phases)) for case, condition in found)
-
-
 @cache
 def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
     """Return every case in the symbols gamma and a = B0 Omega/m, a > 0 first, in the paper's order."""
@@ -220,7 +213,7 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
     for gamma_sign, condition in ((where.side, everything), (0, nothing)):
         found.append(((gamma_sign, 0, gamma_sign), condition & sp.Eq(a, 0)))
     return tuple(
-        Case(cases.case_label(where, *of), condition, _phases(where, of, g, a, full)) for of, condition in found
+        Case(cases.case_label(where, *of), condition, window_phases(where, g, a, full, of)) for of, condition in found
     )
 
 
@@ -270,7 +263,9 @@ def sign_of(number: Expr) -> int:
 
 # --- LaTeX as papers print it: arcsin, pi before arcsines, chains of inequalities ---
 
-LESS = {sp.StrictLessThan: "<", sp.LessThan: r"\leq"}
+#: Inequalities, and how each is printed once its smaller side stands first.
+INEQUALITIES = sp.StrictLessThan, sp.LessThan, sp.StrictGreaterThan, sp.GreaterThan
+LESS = {"<": "<", ">": "<", "<=": r"\leq", ">=": r"\leq"}
 
 
 class AnswerPrinter(LatexPrinter):
@@ -289,38 +284,29 @@ class AnswerPrinter(LatexPrinter):
         return r"\varnothing"
 
     def _print_And(self, expr: Expr, char: Any = None) -> str:
-        return r",\ ".join(self._chained(list(expr.args)))
+        # Equations stand first, and two bounds of one expression as a chain a < b < c.
+        texts, conditions = [], list(expr.args)
+        while conditions:
+            each = conditions.pop(0)
+            other = next((other for other in conditions if _from_both_sides(each, other)), None)
+            if other is None:
+                texts.append((not isinstance(each, sp.Eq), self._print(each)))
+                continue
+            conditions.remove(other)
+            low, high = (each, other) if each.lhs == each.gts else (other, each)
+            ends = [self._print(part) for part in (low.rhs, low.lhs, high.rhs)]
+            texts.append((False, f"{ends[0]} {LESS[low.rel_op]} {ends[1]} {LESS[high.rel_op]} {ends[2]}"))
+        return r",\ ".join(text for _, text in sorted(texts))
 
     def _print_Or(self, expr: Expr, char: Any = None) -> str:
         # A chain has commas, so that alternatives are words.
         return r"\ \text{or}\ ".join(sorted(self._print(each) for each in expr.args))
 
-    def _chained(self, conditions: list[Expr]) -> Iterable[str]:
-        """Yield conditions, two bounds of one expression as a chain a < b < c; the most frequent subject last."""
-        bounds = [_bound(each) for each in conditions]
-        texts = []
-        while conditions:
-            each, (low, subject, high) = conditions.pop(0), bounds.pop(0)
-            for i, (other_low, other, other_high) in enumerate(bounds):
-                if subject is not None and subject == other and (low is None) != (other_low is None):
-                    low, high = low or other_low, high or other_high
-                    del conditions[i], bounds[i]
-                    break
-            if low and high:
-                ends = [self._print(part) for part in (low[0], subject, high[0])]
-                texts.append((True, f"{ends[0]} {LESS[low[1]]} {ends[1]} {LESS[high[1]]} {ends[2]}"))
-            else:
-                texts.append((isinstance(each, sp.Eq), self._print(each)))
-        yield from (text for _, text in sorted(texts, key=lambda pair: (not pair[0], pair[1])))
 
-
-def _bound(condition: Expr) -> tuple[Any, Any, Any]:
-    """Return (low, subject, high) of an inequality, where low or high is (expression, kind) or None."""
-    if not isinstance(condition, sp.StrictLessThan | sp.LessThan | sp.StrictGreaterThan | sp.GreaterThan):
-        return None, None, None
-    kind = sp.StrictLessThan if isinstance(condition, sp.StrictLessThan | sp.StrictGreaterThan) else sp.LessThan
-    bound = condition.rhs, kind
-    return (bound, condition.lhs, None) if condition.lhs == condition.gts else (None, condition.lhs, bound)
+def _from_both_sides(one: Expr, other: Expr) -> bool:
+    """Return whether two conditions are a lower and an upper bound of one expression."""
+    both = isinstance(one, INEQUALITIES) and isinstance(other, INEQUALITIES) and one.lhs == other.lhs
+    return both and (one.lhs == one.gts) != (other.lhs == other.gts)
 
 
 def latex(expr: Expr) -> str:

@@ -15,7 +15,7 @@ from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, FN, A, Omega, c, k, m, t, theta
 
 TITLE = "Borders between words"
-RATE, CURVE = named(r"\dot{F}^{(\alpha)}"), named(r"\ddot{F}^{(\alpha)}")
+RATE = named(r"\dot{F}^{(\alpha)}")
 NAMES = ("grazing-sliding", "crossing-sliding", "switching-sliding", "adding-sliding")
 
 

@@ -16,7 +16,7 @@ TITLE = "Certificates"
 U, W = sp.symbols("u w", positive=True)
 RATE = sp.Symbol("h", nonnegative=True)
 ONE, TWO, TRACE, DET = named(r"\rho_1"), named(r"\rho_2"), named("T"), named("D")
-SECOND, FOURTH, SINE = named(r"\ddot{g}"), named(r"g^{(4)}"), named(r"\sin\theta")
+SECOND, FOURTH = named(r"\ddot{g}"), named(r"g^{(4)}")
 
 
 def items(scope: Scope) -> Items:

@@ -117,14 +117,13 @@ def items(scope: Scope) -> Items:
             [basis_function(symbol, regime, label=f"scene-{symbol.name}") for symbol in BASIS],
         )
         return
-    rows = []
-    for regime in scope.regimes:
+
+    def roots(regime: solution.Regime) -> str:
         centre = latex(regime.centre) if regime.centre != 0 else ""
-        roots = rf"${centre} \pm {latex(regime.offset)}$" if regime.offset != 0 else f"${centre or 0}$, double"
-        rows.append((*REGIME_WORDS[regime.name], roots, basis_function(E1, regime), basis_function(E0, regime)))
+        return rf"${centre} \pm {latex(regime.offset)}$" if regime.offset != 0 else f"${centre or 0}$, double"
+
     values = {name: value for regime in scope.regimes for name, value in regime.letters.items()}
-    letters = solution.h, omega_d, eta, omega_0
-    regimes = solution.REGIMES
+    regimes, letters = solution.REGIMES, (solution.h, omega_d, eta, omega_0)
     yield (
         r"\subsection{The regimes of damping}",
         r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With the letters",
@@ -136,7 +135,7 @@ def items(scope: Scope) -> Items:
             r"The regimes of damping: the roots of $m z^2 + c z + k$, and the two functions that the others follow "
             r"from.",
             ("regime", "condition", "roots", "$E_1$", "$E_0$"),
-            tuple(rows),
+            tuple((*REGIME_WORDS[r.name], roots(r), *(basis_function(f, r) for f in (E1, E0))) for r in scope.regimes),
         ),
         r"Three functions are left over, where the corollary divides by 0. Without a spring,",
         basis_function(E2, regimes["no spring"], note="for $c > 0$,", label="no-spring-E2"),

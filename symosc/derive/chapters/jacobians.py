@@ -35,16 +35,12 @@ def items(scope: Scope) -> Items:
     ends = {maps.v_end: flow.v, maps.a_end: flow.a}
     rows = []
     for which, (expr, short) in enumerate(((flow.x, "x"), (flow.v, "v")), 1):
-        name = f"f_{which}"
         slope = solution.time_derivative(expr) / Omega
-        true = {
-            (partial(name, "x_i"), "x0"): (total(expr, x_i), f"{short}_x0"),
-            (partial(name, r"\theta_i"), "th0"): (total(expr, theta_i) - slope, f"{short}_th0"),
-            (partial(name, r"\theta_{i+1}"), "th1"): (slope, f"{short}_th1"),
-        }
-        for (letter, by), (derivative, key) in true.items():
+        true = {"x0": ("x_i", total(expr, x_i)), "th0": (r"\theta_i", total(expr, theta_i) - slope)}
+        for key, (by, derivative) in (true | {"th1": (r"\theta_{i+1}", slope)}).items():
+            letter = partial(f"f_{which}", by)
             check = Exact({letter: derivative} | ends, solution.use_relations, independent=False)
-            rows.append(equation(letter, found[key], check, f"f{which}-{by}"))
+            rows.append(equation(letter, found[f"{short}_{key}"], check, f"f{which}-{key}"))
     yield (
         r"\subsection{Derivatives of the governing equations}",
         r"\begin{proposition}[flights]\label{thm:jacobians-flight} "
@@ -64,14 +60,14 @@ def items(scope: Scope) -> Items:
         ("1", r"\theta_i", theta_i, "x_th0"), ("1", r"\theta_{i+1}", theta_j, "x_th1"),
         ("2", "x_{i+1}", maps.x_j, "v_x1"), ("2", r"\theta_{i+1}", theta_j, "v_th1")
     )  # fmt: skip
-    steps = []
-    for n, by, letter, key in entries:
-        true = residual[f"f{n}"].subs(where).diff(letter)
-        steps.append(equation(partial(f"f_{n}", by), found[key], true, f"stick-{key}"))
+    slopes = [
+        equation(partial(f"f_{n}", by), found[key], residual[f"f{n}"].subs(where).diff(letter), f"stick-{key}")
+        for n, by, letter, key in entries
+    ]
     yield (
         r"\begin{proposition}[sticks]\label{thm:jacobians-stick} "
         r"For a stick (Theorem~\ref{thm:maps-stick}) with $\dot{x}_i = v_\lambda$",
-        *steps,
+        *slopes,
         r"while $\partial f_1/\partial x_i = 1$, $\partial f_1/\partial x_{i+1} = -1$, and $f_2$ does not depend on "
         r"$(x_i, \theta_i)$.\end{proposition}",
     )
