@@ -345,9 +345,6 @@ def items(scope: Scope) -> Items:
     )
 
 
-# --- sections ---
-
-
 # --- pieces ---
 
 
