@@ -16,7 +16,6 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 from latex_reader import Reader
-from samples import few
 from step_mutants import mutations
 from symbols import KNOWN, symbols
 
@@ -76,7 +75,8 @@ def test_every_step_of_a_flight_has_evidence(form: str) -> None:
     assert check_fragment("P7", fragment_scope({}, form=form)).steps()
 
 
-@pytest.mark.parametrize("name", few(["stick", "theorem6", "theorem7", "P1", "saltation"], "stick", "theorem6", "theorem7"))
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("name", ["stick", "theorem6", "theorem7", "P1", "saltation"])
 def test_a_changed_sign_fails(name: str) -> None:
     for item in flat(FRAGMENTS[name].items(fragment_scope({}))):
         for wrong in mutations(item) if isinstance(item, Step) else ():
