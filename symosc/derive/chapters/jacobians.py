@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from math import prod
 from typing import Any
 
 import sympy as sp
@@ -185,7 +186,7 @@ def _orbit(scene: str, word: str) -> tuple[Any, Any]:
 
     p = load_scene(scene).parameters
     found = find_orbit(p, word, digits=STEP_DIGITS + 5)
-    product, ratios = CONTEXT.fprod(map(CONTEXT.mpmathify, found.multipliers)), CONTEXT.mpf(1)
+    product, ratios = prod(map(CONTEXT.mpmathify, found.multipliers)), CONTEXT.mpf(1)
     for (t, x), (before, after) in zip(found.points, ((2, 1), (1, 2)), strict=True):
         end, start = (force_at_belt(p, alpha, 1, x, number(p.Omega) * t) for alpha in (after, before))
         ratios *= end / start
