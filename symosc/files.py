@@ -75,6 +75,15 @@ def check_new_folder(folder: Path, wanted: str = "the output is a folder") -> No
         raise OutputError(str(folder), "Permission denied")
 
 
+def make_folder(folder: Path) -> Path:
+    """Make a folder, and those above it, unless it is there; OutputError if that fails."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(str(folder), error.strerror or str(error)) from None
+    return folder
+
+
 def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
     """Write a draft by `write` and copy it to standard output."""
     with tempfile.TemporaryDirectory() as folder:
