@@ -17,6 +17,7 @@ from symosc import Parameters, Scene, find_orbit, load_scene, simulate
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.paper.checks import exact, grazes, model, motions, orbits, theorem_7, theorems
 from symosc.paper.checks.motions import Stretch, fly_again, judge, stretches_of
+from symosc.paper.checks.theorems import CONDITIONS
 from symosc.paper.claims import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence, read_claims
 from symosc.paper.pictures import PICTURES
 
@@ -191,17 +192,17 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
     (model, "residual", lambda *_: (1e-6, 0.0), model.governing_equations, NOT_AS_PRINTED),
     (model, "position_bound", lambda p: 1.0, model.bounded_motions, NOT_AS_PRINTED),
     (model, "printed_planes", lambda v, d: (v - 1, v + 1), model.planes_as_limits, CONFIRMED),
-    (theorems, "stick_condition", lambda below, above: above < 0, partial(theorems.theorem, 4, 1), NOT_AS_PRINTED),
-    (theorems, "passing_condition", lambda below, above: below > 0, partial(theorems.theorem, 5, 1), NOT_AS_PRINTED),
-    (theorems, "passing_condition", lambda below, above: above < 0, theorems.no_third_way, NOT_AS_PRINTED),
+    (CONDITIONS, "sticks, (26), (27)", lambda below, above: above < 0, partial(theorems.theorem, 4, 1), NOT_AS_PRINTED),
+    (CONDITIONS, "passes, (34), (35)", lambda below, above: below > 0, partial(theorems.theorem, 5, 1), NOT_AS_PRINTED),
+    (CONDITIONS, "passes, (34), (35)", lambda below, above: above < 0, theorems.no_third_way, NOT_AS_PRINTED),
     (theorems, "grazing_condition", lambda b, F, G: F == 0 and G < 0, partial(theorems.theorem, 6, 1), NOT_AS_PRINTED),
     (theorems, "grazing_condition", lambda b, F, G: F == 0, partial(theorems.theorem, 6, 2), NOT_AS_PRINTED),
     (theorems, "slope_of_field", _zero, theorems.both_sides_at_once, NOT_AS_PRINTED),
     (theorems, "slope_of_field", _zero, theorems.g_functions_are_derivatives, NOT_AS_PRINTED),
     (theorems, "BEFORE", "tₘ₋", theorems.time_labels, CONFIRMED),
-    (theorems, "sliding_condition", lambda towards, other: towards < 0, partial(theorems.lemma, 1), NOT_AS_PRINTED),
-    (theorems, "sliding_condition", lambda a, b: a < 0, theorems.necessary_and_sufficient, NOT_AS_PRINTED),
-    (theorems, "passing_either_way", lambda up, a, b: a > 0, partial(theorems.lemma, 2), NOT_AS_PRINTED),
+    (CONDITIONS, "slides, (20)", lambda below, above: above < 0, partial(theorems.lemma, 1), NOT_AS_PRINTED),
+    (CONDITIONS, "slides, (20)", lambda below, above: above < 0, theorems.necessary_and_sufficient, NOT_AS_PRINTED),
+    (CONDITIONS, "passes, (21), (22)", lambda below, above: below > 0, partial(theorems.lemma, 2), NOT_AS_PRINTED),
     (theorems, "grazing_condition", lambda below, F, G: F == 0, partial(theorems.lemma, 3), NOT_AS_PRINTED),
     (theorems, "g_functions", lambda n, y, t: (y[0], y[0]), theorems.general_g_functions, NOT_AS_PRINTED),
     (theorems, "g_functions", lambda n, y, t: ((n.T * y)[0],) * 2, theorems.reduction, NOT_AS_PRINTED),
@@ -221,7 +222,7 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
 def test_another_statement_gets_another_verdict(
     module: Any, name: str, instead: Any, check: Any, verdict: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, name, instead)
+    (monkeypatch.setitem if isinstance(module, dict) else monkeypatch.setattr)(module, name, instead)
     assert check().verdict == verdict
 
 

@@ -26,24 +26,13 @@ BEFORE = "tₘ₊"
 # --- what the paper prints ---
 
 
-def sliding_condition(towards: Fraction, other: Fraction) -> bool:
-    """Eq. (20): G^(0) of the domain that the normal vector points to, and of the other one."""
-    return towards < 0 < other
-
-
-def passing_either_way(normal_to_target: bool, before: Fraction, after: Fraction) -> bool:
-    """Eqs. (21) and (22): G^(0) of the domain that the flow leaves, and of the one that it enters."""
-    return (before > 0 and after > 0) if normal_to_target else (before < 0 and after < 0)
-
-
-def stick_condition(below: Fraction, above: Fraction) -> bool:
-    """Eqs. (26) and (27), of a stick: F^(below) > 0 > F^(above)."""
-    return below > 0 and above < 0
-
-
-def passing_condition(below: Fraction, above: Fraction) -> bool:
-    """Eqs. (34) and (35), of a passage: both forces have the same sign."""
-    return below * above > 0
+#: Conditions on F^(below) and F^(above). Eq. (20) has the normal vector to either side.
+CONDITIONS: dict[str, Callable[[Fraction, Fraction], bool]] = {
+    "slides, (20)": lambda below, above: above < 0 < below or -below < 0 < -above,
+    "passes, (21), (22)": lambda below, above: (below > 0 and above > 0) or (above < 0 and below < 0),
+    "sticks, (26), (27)": lambda below, above: below > 0 and above < 0,
+    "passes, (34), (35)": lambda below, above: below * above > 0,
+}
 
 
 def grazing_condition(from_below: bool, force: Fraction, slope: Fraction) -> bool:
@@ -216,16 +205,6 @@ def derivative_along_the_flow() -> Evidence:
 # --- Lemmas 1 to 3 and Theorems 4 to 6: is a printed "iff" sufficient, and is it necessary? ---
 
 
-def _slides(contact: RationalContact) -> bool:
-    below, above = contact.forces  # n = (0, 1) points to the domain above
-    return sliding_condition(above, below) or sliding_condition(-below, -above)
-
-
-def _passes(contact: RationalContact) -> bool:
-    below, above = contact.forces
-    return passing_either_way(True, below, above) or passing_either_way(False, above, below)
-
-
 def _grazes_as_printed(contact: RationalContact) -> list[bool]:
     """Return whether a contact grazes as printed, for the domain below and for the one above."""
     lo, hi = contact.domains
@@ -236,33 +215,28 @@ def _grazes(contact: RationalContact) -> bool:
     return any(contact.grazes(alpha) for alpha in contact.domains)
 
 
-def _a_force_is_zero(contact: RationalContact) -> bool:
-    return 0 in contact.forces
-
-
-def _force_and_slope_are_zero(contact: RationalContact) -> bool:
-    return any(contact.force(a) == contact.slope(a) == 0 for a in contact.domains)
+def _as_printed(contact: RationalContact, name: str) -> bool:
+    return any(_grazes_as_printed(contact)) if name == "grazes" else CONDITIONS[name](*contact.forces)
 
 
 Test = Callable[[RationalContact], bool]
-# What happens at a contact, its printed condition, whether the exact flow does it, and where the condition fails.
-LEMMAS: dict[int, tuple[str, Test, Test, str]] = {
-    1: ("slides", _slides, lambda c: c.sticks, "where a G⁽⁰⁾ is 0"),
-    2: ("passes", _passes, lambda c: c.passes, "where a G⁽⁰⁾ is 0"),
-    3: ("touches and returns", lambda c: any(_grazes_as_printed(c)), _grazes, "where G⁽⁰⁾ = G⁽¹⁾ = 0"),
+# The printed condition, whether the exact flow does it, its name, and where the condition is not necessary.
+LEMMAS: dict[int, tuple[str, Test, str, str]] = {
+    1: ("slides, (20)", lambda c: c.sticks, "slides", "where a G⁽⁰⁾ is 0"),
+    2: ("passes, (21), (22)", lambda c: c.passes, "passes", "where a G⁽⁰⁾ is 0"),
+    3: ("grazes", _grazes, "touches and returns", "where G⁽⁰⁾ = G⁽¹⁾ = 0"),
 }
-ZERO_FORCE, ZERO_SLOPE = "a force that is exactly 0", "F = 0 and G⁽¹⁾ = 0 together"
-THEOREMS: dict[int, tuple[str, Test, Test, str, Test]] = {
-    4: ("sticking", lambda c: stick_condition(*c.forces), lambda c: c.sticks, ZERO_FORCE, _a_force_is_zero),
-    5: ("passing", lambda c: passing_condition(*c.forces), lambda c: c.passes, ZERO_FORCE, _a_force_is_zero),
-    6: ("grazing", lambda c: any(_grazes_as_printed(c)), _grazes, ZERO_SLOPE, _force_and_slope_are_zero),
+THEOREMS: dict[int, tuple[str, Test, str, str]] = {
+    4: ("sticks, (26), (27)", lambda c: c.sticks, "sticking", "a force that is exactly 0"),
+    5: ("passes, (34), (35)", lambda c: c.passes, "passing", "a force that is exactly 0"),
+    6: ("grazes", _grazes, "grazing", "F = 0 and G⁽¹⁾ = 0 together"),
 }
 
 
 def lemma(which: int) -> Evidence:
     """Lemmas 1 to 3, eqs. (20) to (24), with the normal vector either way."""
-    what, printed, true, zero = LEMMAS[which]
-    cases = [(contact, printed(contact), true(contact)) for contact in all_contacts()]
+    printed, true, what, zero = LEMMAS[which]
+    cases = [(contact, _as_printed(contact, printed), true(contact)) for contact in all_contacts()]
     wrong = sum(said and not done for _, said, done in cases)
     missed = [contact for contact, said, done in cases if done and not said]
     numbers: dict[str, Any] = {
@@ -296,10 +270,14 @@ def necessary_and_sufficient() -> Evidence:
 
 def theorem(which: int, boundary: int) -> Evidence:
     """Theorems 4 to 6, eqs. (26), (27), (34), (35), (38) to (43): does the exact flow obey the printed "iff"?"""
-    what, printed, true, degenerate, is_degenerate = THEOREMS[which]
+    printed, true, what, degenerate = THEOREMS[which]
     cases, simulated = contacts(boundary), _simulated(boundary)
+
+    def is_degenerate(contact: RationalContact) -> bool:
+        return any(contact.force(a) == 0 and (which < 6 or contact.slope(a) == 0) for a in contact.domains)
+
     regular = sum(not is_degenerate(contact) for contact in cases)
-    wrong = [contact for contact in cases if printed(contact) != true(contact)]
+    wrong = [contact for contact in cases if _as_printed(contact, printed) != true(contact)]
     generic = [contact for contact in wrong if not is_degenerate(contact)]
     numbers: dict[str, Any] = {
         "rational contacts": len(cases),
@@ -349,14 +327,15 @@ def both_sides_at_once() -> Evidence:
 
 def no_third_way() -> Evidence:
     """Between Theorems 4 and 5 nothing is left where no force vanishes: the boundary never repels."""
+    stick_by_4, pass_by_5 = CONDITIONS["sticks, (26), (27)"], CONDITIONS["passes, (34), (35)"]
     questions: dict[str, Callable[[Any], Any]] = {
         "rational contacts with no force 0": lambda forces: True,
-        "stick by Theorem 4": lambda forces: stick_condition(*forces),
-        "pass by Theorem 5": lambda forces: passing_condition(*forces),
+        "stick by Theorem 4": lambda forces: stick_by_4(*forces),
+        "pass by Theorem 5": lambda forces: pass_by_5(*forces),
         "leave on both sides (F⁽ˡᵒ⁾ < 0 < F⁽ʰⁱ⁾)": lambda forces: forces[0] < 0 < forces[1],
-        "covered by neither theorem": lambda forces: not (stick_condition(*forces) or passing_condition(*forces)),
+        "covered by neither theorem": lambda forces: not (stick_by_4(*forces) or pass_by_5(*forces)),
     }
-    numbers = tally((contact.forces for contact in all_contacts() if not _a_force_is_zero(contact)), questions)
+    numbers = tally((contact.forces for contact in all_contacts() if all(contact.forces)), questions)
     strict, stick, passing, repelled, neither = numbers.values()
     finding = f"{stick} + {passing} of {strict} contacts stick or pass, {neither} do neither."
     return evidence(neither == repelled == 0 and stick + passing == strict, finding, numbers)
