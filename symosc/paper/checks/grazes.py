@@ -75,7 +75,7 @@ class Graze:
     @property
     def print_is_right(self) -> bool:
         """Whether a start that grazes rounds to the printed start, with all parameters as printed."""
-        return nearest_graze(self.printed, self.mapping, float(LAST_HALF_UNIT)).rounds
+        return nearest_graze(self.printed, self.mapping).rounds
 
 
 #: Fig. 7 needs A0 = 10.
@@ -374,8 +374,9 @@ def contact_or_misprint(figure: Graze) -> Evidence:
     as_printed = reaches_belt(scene, figure.place.boundary)
     if as_printed.verdict != NOT_AS_PRINTED:
         return as_printed
-    found, numbers = search(scene, figure.mapping, float(LAST_HALF_UNIT)), dict(as_printed.numbers)
-    for name in (*PARAMETER_NAMES, *START):
+    names, numbers = (*PARAMETER_NAMES, *START), dict(as_printed.numbers)
+    found = [value for name in names for value in values_that_graze(scene, figure.mapping, name)]
+    for name in names:
         values = [f"{each.shortest} (graze at t = {each.t_m:.6g})" for each in found if each.name == name]
         numbers[f"{name} free: values that graze"] = "; ".join(values) or "none"
     finding = f"{as_printed.finding} With one number changed it grazes: {misprints(scene, found)}."
@@ -397,15 +398,15 @@ def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
 
 def start_grazes(figure: Graze) -> Evidence:
     """Find the start of a graze next to the printed one, of all phases of the contact: does it round to it?"""
-    scene, printed, half_unit = figure.scene, figure.printed.parameters, float(LAST_HALF_UNIT)
-    near = nearest_graze(scene, figure.mapping, half_unit)
+    scene, printed = figure.scene, figure.printed.parameters
+    near = nearest_graze(scene, figure.mapping)
     values = {name: getattr(scene.parameters, name) for name in PARAMETER_NAMES}
     changed = ", ".join(f"{name} = {text(value)}" for name, value in values.items() if value != getattr(printed, name))
     numbers = {
         "printed x₀, ẋ₀": text((scene.x0, scene.v0)),
         "nearest start that grazes, minus printed: x₀, ẋ₀": f"{near.dx:+.3g}, {near.dv:+.3g}",
         "time of its contact": f"{near.t_m:.9g}",
-        "half a unit of the last printed digit": f"{half_unit:g}",
+        "half a unit of the last printed digit": f"{HALF_UNIT:g}",
         "contacts from the printed start": contacts_text(motion(scene)),
     }
     held, how = False, "which does not round to it"
@@ -445,9 +446,9 @@ def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bo
 # flow from the printed start touches the belt, and never is beyond it, explains the figure if it is no longer than what
 # is printed.
 
-#: Instants in which a graze is sought, and values of a number left free.
-INSTANTS, VALUES = 300, 201
-LONGEST = 12
+#: Instants in which a graze is sought, values of a number left free, and digits of one that grazes.
+INSTANTS, VALUES, LONGEST = 300, 201, 12
+HALF_UNIT = float(LAST_HALF_UNIT)
 
 
 @dataclass(frozen=True)
@@ -478,20 +479,17 @@ class FreeValue:
     @property
     def shortest(self) -> str:
         """The shortest decimal number within the uncertainty."""
-        for digits in range(1, LONGEST):
-            shown = f"{self.value:.{digits}g}"
-            if abs(float(shown) - self.value) <= self.uncertainty:
-                return f"{float(shown):.{LONGEST}g}"
-        return f"{self.value:.{LONGEST}g}"
+        rounded = [float(f"{self.value:.{digits}g}") for digits in range(1, LONGEST + 1)]
+        fitting = (each for each in rounded if abs(each - self.value) <= self.uncertainty)
+        return f"{next(fitting, self.value):.{LONGEST}g}"
 
     @property
     def as_short_as_printed(self) -> bool:
         """Whether it has no more digits than are printed: few for a parameter, one decimal for t0, four for x0, v0."""
-        if self.name in ("x0", "v0"):
-            return True
         if self.name == "t0":
             return len(self.shortest.partition(".")[2]) <= 1
-        return len(self.shortest.replace(".", "").lstrip("-0")) <= 3  # a parameter is printed with no more
+        # A parameter is printed with no more than three digits.
+        return self.name in START or len(self.shortest.replace(".", "").lstrip("-0")) <= 3
 
 
 def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray:
@@ -503,7 +501,7 @@ def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray
     return np.array([flow(p, A, (t, x, v), float(scene.t0)) for t, x in zip(t_m, x_m, strict=True)]).T
 
 
-def nearest_graze(scene: Scene, mapping: str, half_unit: float) -> NearestGraze:
+def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
     """Find the grazing start nearest to the printed one, and the times of those that round to it."""
     printed = np.array([[float(scene.x0)], [float(scene.v0)]])
 
@@ -521,28 +519,18 @@ def nearest_graze(scene: Scene, mapping: str, half_unit: float) -> NearestGraze:
         if not away(t) >= away(best):
             best, around = t, ends
     box = [np.nan, np.nan]
-    if away(best) <= half_unit:
-        box = [float(brentq(lambda t: away(t) - half_unit, *sorted((best, end)), xtol=1e-12)) for end in around]
+    if away(best) <= HALF_UNIT:
+        box = [float(brentq(lambda t: away(t) - HALF_UNIT, *sorted((best, end)), xtol=1e-12)) for end in around]
     dx, dv = (starts_that_graze(scene, mapping, np.array([best])) - printed)[:, 0]
     return NearestGraze(best, float(dx), float(dv), *box)
 
 
-def search(
-    scene: Scene, mapping: str, half_unit: float, names: Sequence[str] = (*PARAMETER_NAMES, *START)
-) -> list[FreeValue]:
-    """Vary each parameter and each number of the start in turn, and return all values that graze."""
-    return [value for name in names for value in _values(scene, mapping, name, half_unit)]
-
-
-def _values(scene: Scene, mapping: str, name: str, half_unit: float) -> list[FreeValue]:
-    """Return the values of a number of the scene that graze."""
-    if name in START:
-        printed = float(getattr(scene, name))
-        # Times come back after a period.
-        reach = pi / float(scene.parameters.Omega) if name == "t0" else REACH * max(1.0, abs(printed))
-        tried = printed - reach, printed + reach
-    else:
-        printed, tried = float(getattr(scene.parameters, name)), range_of(scene.parameters, name)
+def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
+    """Return the values of a number of the scene, a parameter or one of the start, that graze."""
+    printed = float(getattr(scene if name in START else scene.parameters, name))
+    # Times come back after a period.
+    reach = pi / float(scene.parameters.Omega) if name == "t0" else REACH * max(1.0, abs(printed))
+    tried = (printed - reach, printed + reach) if name in START else range_of(scene.parameters, name)
 
     def gap(value: float, **change: float) -> float:
         return _gap(scene, mapping, {name: value} | change)[0]
@@ -555,7 +543,7 @@ def _values(scene: Scene, mapping: str, name: str, half_unit: float) -> list[Fre
             continue
         root = float(brentq(gap, values[i], values[i + 1]))
         left, t_m, inside = _gap(scene, mapping, {name: root})
-        if not inside or abs(left) > half_unit:
+        if not inside or abs(left) > HALF_UNIT:
             continue
         # Central differences: by how much the root moves with the other numbers of the printed start.
         step, moved = 1e-6 * max(1.0, abs(root)), 0.0
@@ -563,7 +551,7 @@ def _values(scene: Scene, mapping: str, name: str, half_unit: float) -> list[Fre
             at = float(getattr(scene, key))
             moved += abs(gap(root, **{key: at + 1e-6}) - gap(root, **{key: at - 1e-6})) / 2e-6
         slope = abs(gap(root + step) - gap(root - step)) / (2 * step)
-        found.append(FreeValue(name, root, half_unit * (moved / slope + (name in START)), t_m))
+        found.append(FreeValue(name, root, HALF_UNIT * (moved / slope + (name in START)), t_m))
     return found
 
 
@@ -583,13 +571,9 @@ def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, f
         over = beyond(times)
     except ZeroDivisionError:  # resonance without a damper
         return np.nan, np.nan, False
-    i = int(np.argmax(over))
-    step = times[1] - times[0]
+    i, step = int(np.argmax(over)), times[1] - times[0]
     around = times[i] - step, times[i] + step
     best = minimize_scalar(lambda t: -float(beyond(t)), bounds=around, method="bounded", options={"xatol": 1e-10})
-    inside = over[0] < 0 and i > 0
-    if at.domain == 2:
-        other = p.v2 if at.boundary == 1 else p.v1
-        speeds = flow(p, A, start, times[: i + 1])[1]
-        inside = inside and bool(np.all(-at.side * (speeds - float(other)) < 0))
-    return -float(best.fun), float(best.x), bool(inside)
+    # Up to the contact the flow stays below the belt, and in domain 2 within the speeds of the two.
+    width = float(p.v2 - p.v1) if at.domain == 2 else inf
+    return -float(best.fun), float(best.x), bool(over[0] < 0 and i > 0 and np.all(over[: i + 1] > -width))
