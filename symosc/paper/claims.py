@@ -160,22 +160,13 @@ def _check(where: str, package: str, text: str) -> Callable[[], Evidence]:
 # --- which numbered equations, lemmas, theorems, figures and sections of the paper the claims are on ---
 
 
-class Kind(NamedTuple):
-    """A kind of numbered parts of the paper: how it is named in texts, and its first and last number."""
-
-    pattern: str
-    name: str
-    plural: str
-    first: int
-    last: int
-
-
+#: The kinds of numbered parts of the paper: pattern of the name in texts, name, plural, first and last number.
 KINDS = {
-    "section": Kind("Sections?", "Section", "sections (with the abstract)", 0, 7),
-    "equation": Kind("eqs?[.]", "eq.", "numbered equations", 1, 66),
-    "lemma": Kind("Lemmas?", "Lemma", "lemmas", 1, 3),
-    "theorem": Kind("Theorems?", "Theorem", "theorems", 4, 7),
-    "figure": Kind("Figs?[.]", "Fig.", "figures", 1, 10),
+    "section": ("Sections?", "Section", "sections (with the abstract)", 0, 7),
+    "equation": ("eqs?[.]", "eq.", "numbered equations", 1, 66),
+    "lemma": ("Lemmas?", "Lemma", "lemmas", 1, 3),
+    "theorem": ("Theorems?", "Theorem", "theorems", 4, 7),
+    "figure": ("Figs?[.]", "Fig.", "figures", 1, 10),
 }
 
 
@@ -190,13 +181,13 @@ class Item(NamedTuple):
         """Its name in the text, such as (26) or Lemma 1."""
         if self.kind == "equation":
             return f"({self.number})"
-        return "Abstract" if self == ("section", 0) else f"{KINDS[self.kind].name} {self.number}"
+        return "Abstract" if self == ("section", 0) else f"{KINDS[self.kind][1]} {self.number}"
 
 
 #: All items of the paper, in its order.
-PAPER = tuple(Item(name, number) for name, kind in KINDS.items() for number in range(kind.first, kind.last + 1))
+PAPER = tuple(Item(kind, n) for kind, (*_, first, last) in KINDS.items() for n in range(first, last + 1))
 # "after eq. (19)" is a place, and no statement on (19).
-_PLACE = re.compile(rf"(?:before|after) (?:{'|'.join(kind.pattern for kind in KINDS.values())}) [(]?\d+[)]?")
+_PLACE = re.compile(rf"(?:before|after) (?:{'|'.join(pattern for pattern, *_ in KINDS.values())}) [(]?\d+[)]?")
 # One number of a list, with what joins it to the one before: "(26)", ", (32)", " and 5", " to (48)", ", (55.2)".
 _NUMBER = r"(,? and |, | to | )[(]?(\d+)(?:[.]\d+)?[)]?"
 
@@ -205,8 +196,8 @@ def items_of(source: str) -> list[Item]:
     """Return the sections, equations, lemmas, theorems and figures that a source names: "eqs. (26), (32) to (34)"."""
     found = [Item("section", 0)] if "Abstract" in source else []
     source = _PLACE.sub("", source)
-    for name, kind in KINDS.items():
-        for numbers in re.finditer(rf"\b{kind.pattern}((?:{_NUMBER})+)", source):
+    for name, (pattern, *_) in KINDS.items():
+        for numbers in re.finditer(rf"\b{pattern}((?:{_NUMBER})+)", source):
             last = 0
             for joint, digits in re.findall(_NUMBER, numbers[1]):
                 first, last = last + 1 if joint == " to " else int(digits), int(digits)

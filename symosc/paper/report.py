@@ -76,7 +76,7 @@ def data(results: Results) -> dict[str, Any]:
         "paper": paper_reference(),
         "ok": results.ok,
         "counts": results.counts,
-        "errata": [asdict(e) | {"claims": [each.claim.id for each in results.shown_by(e)]} for e in plan.errata],
+        "errata": [asdict(e) | {"claims": results.shown_by(e)} for e in plan.errata],
         "coverage": [
             {
                 "item": item.label,
@@ -111,7 +111,7 @@ def data(results: Results) -> dict[str, Any]:
                 "subject": subject,
                 "number": number,
                 "title": CHAPTERS[subject],
-                "steps": done.value.steps if done.value else 0,
+                "steps": done.value[0] if done.value else 0,
                 "file": f"report.html#derivation-{number}" if done.value else None,
                 "claims": [claim.id for claim in plan.claims if claim.derivation == subject],
                 "seconds": round(done.seconds, 3),

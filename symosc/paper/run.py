@@ -54,13 +54,6 @@ class Drawn(NamedTuple):
     narrow: str = ""
 
 
-class Chapter(NamedTuple):
-    """The derivations of a chapter, each step of which was checked, as HTML."""
-
-    steps: int
-    html: str
-
-
 @dataclass(frozen=True)
 class Plan:
     """What to do: claims, pictures by key, chapters of the derivations, and the errata that the claims show."""
@@ -103,7 +96,7 @@ class Judged(NamedTuple):
 
 @dataclass(frozen=True)
 class Results:
-    """What a run of a plan found: a Done with a Drawn for each picture, and one with a Chapter for each chapter."""
+    """What a run of a plan found: Done with a Drawn for each picture, with steps and HTML for each chapter."""
 
     plan: Plan
     judged: tuple[Judged, ...]
@@ -111,9 +104,9 @@ class Results:
     chapters: Mapping[str, Done]
     seconds: float = 0.0
 
-    def shown_by(self, erratum: Erratum) -> tuple[Judged, ...]:
-        """Return the claims that show an erratum in this run."""
-        return tuple(each for each in self.judged if erratum.id in each.claim.errata and each.verdict in FAULTY)
+    def shown_by(self, erratum: Erratum) -> list[str]:
+        """Return the ids of the claims that show an erratum in this run."""
+        return [each.claim.id for each in self.judged if erratum.id in each.claim.errata and each.verdict in FAULTY]
 
     @property
     def counts(self) -> dict[str, int]:
@@ -123,9 +116,9 @@ class Results:
         return {name: verdicts.count(name) for name in names}
 
     @property
-    def changed(self) -> tuple[Judged, ...]:
+    def changed(self) -> list[Judged]:
         """Claims with a verdict that differs from the committed one."""
-        return tuple(each for each in self.judged if each.changed)
+        return [each for each in self.judged if each.changed]
 
     @property
     def failures(self) -> dict[str, str]:
@@ -214,12 +207,11 @@ def draw(picture: Picture) -> Drawn:
     return Drawn(svg(picture.build), picture.describe(), svg(picture.narrow) if picture.narrow else "")
 
 
-def derive(subject: str) -> Chapter:
-    """Return a chapter of derivations, checked."""
+def derive(subject: str) -> tuple[int, str]:
+    """Return the number of steps of a chapter of derivations, each checked, and its HTML."""
     from symosc.derive import document
     from symosc.derive.scope import Scope
 
     scope = Scope()
     chapter = document.check_chapter(subject, scope)
-    html = document.as_html(chapter, scope, level=4)
-    return Chapter(len(chapter.steps()), html)
+    return len(chapter.steps()), document.as_html(chapter, scope, level=4)
