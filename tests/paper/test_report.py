@@ -211,6 +211,3 @@ def test_an_erratum_stands_there_if_a_claim_has_shown_it_in_this_run(i: int) -> 
         assert listed(both).count(erratum.id) == there
         assert sum(counts(both["letter.txt"])[3:]) == counts(both["letter.html"])[2] == len(listed(both))
         assert " ".join(both["letter.txt"].split()).count(" ".join(f"Proof: {erratum.proof}".split())) == there
-
-
-# --- templates and formulas ---
