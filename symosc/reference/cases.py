@@ -16,7 +16,6 @@ from dataclasses import replace
 from difflib import get_close_matches
 from fractions import Fraction
 from functools import lru_cache
-from itertools import chain
 from math import pi
 
 from symosc.aliases import Number, NumberLike
@@ -76,7 +75,8 @@ def reference_cases() -> Sequence[ReferenceCase]:
     >>> cases[0].name, cases[-1].group
     ('paper-fig5', 'long run')
     """
-    return Listing([*_paper_cases(), *hard_cases(), *grazes(), *rests(), *coulomb(), *continuum(), *_long_run_cases()])
+    of_groups = (_paper_cases, hard_cases, grazes, *RESTING, *OSCILLATING, continuum, _long_run_cases)
+    return Listing([case for cases in of_groups for case in cases()])
 
 
 def reference_case(name: str) -> ReferenceCase:
@@ -126,9 +126,8 @@ Start = tuple[NumberLike, NumberLike, NumberLike]
 @lru_cache(maxsize=1)
 def hard_cases() -> tuple[ReferenceCase, ...]:
     """Return all hard cases, in the order of GROUPS; those that are `quick` are in `symosc bench --quick`."""
-    easy = [_hard("easy", name, replace(load_scene(name), t_end=Fraction(10)), True) for name in ("fig9", "fig10")]
-    made = (_peak_cases(), _short_contact_cases(), _shrinking_stick_cases(), _regime_cases(), _belt_cases())
-    cases = [*easy, *chain(*made), *_endless_run_cases()]
+    cases = [_hard("easy", name, replace(load_scene(name), t_end=Fraction(10)), True) for name in ("fig9", "fig10")]
+    cases += [*_peak_cases(), *_short_contact_cases(), *_changed_scenes()]
     return tuple(sorted(cases, key=lambda case: list(GROUPS).index(case.group)))
 
 
@@ -220,13 +219,10 @@ def _short_contact_cases() -> Iterator[ReferenceCase]:
     yield _hard("short stick or flight", "fig7-corrected as printed", load_scene("fig7-corrected"), True)
 
 
-def _shrinking_stick_cases() -> Iterator[ReferenceCase]:
-    for periods, t_end in ((2, 9), (5, 18), (10, 34)):
-        scene = replace(load_scene("fig8"), t_end=Fraction(t_end))
+def _changed_scenes() -> Iterator[ReferenceCase]:
+    for periods, end in ((2, 9), (5, 18), (10, 34)):
+        scene = replace(load_scene("fig8"), t_end=Fraction(end))
         yield _hard("fig8's sticks", f"{periods} periods of the drive", scene, periods == 5)
-
-
-def _regime_cases() -> Iterator[ReferenceCase]:
     quarter = Fraction(1, 4)
     for small in ("1e-4", "1e-8", "1e-14"):
         for sign in ("+", "-"):
@@ -247,10 +243,7 @@ def _regime_cases() -> Iterator[ReferenceCase]:
     for t0, text in ((10**8, "1e8"), (10**10, "1e10")):
         for base, (_, x0, v0), span in (("fig9", FIG9, 10), ("fig10", FIG10, 15)):
             yield _hard("late start", f"t0 = {text} ({base})", _scene(base, (t0, x0, v0), t0 + span), text == "1e10")
-
-
-def _belt_cases() -> Iterator[ReferenceCase]:
-    scenes = {
+    belts = {
         "mu1 = 0": _scene("fig5", FIG5, "25", mu1=0),
         "mu1 = mu2 = 0": _scene("fig5", FIG5, "25", mu1=0, mu2=0),
         "FN = 1e-9": _scene("fig5", FIG5, "25", FN="1e-9"),
@@ -259,11 +252,8 @@ def _belt_cases() -> Iterator[ReferenceCase]:
         "B0 = 0, c = 0": _scene("fig9", ("0", "30", "0"), "8", B0=0, c=0),
         "x0 = 1e8": _scene("fig9", ("0", "1e8", "0"), "5"),
     }
-    for name, scene in scenes.items():
+    for name, scene in belts.items():
         yield _hard("belts", name, scene, name in ("mu1 = 0", "v2 - v1 = 1e-6"))
-
-
-def _endless_run_cases() -> Iterator[ReferenceCase]:
     for name in ("fig9-orbit", "fig10-orbit"):
         scene = load_scene(name)
         # a twentieth of a period after the last event, where nothing happens
@@ -319,13 +309,6 @@ ELEMENTARY = "the solution of the linear equation in one domain"
 #: Overdamped, no drive, belt 1 at rest, far from belt 2; the roots are -1 and -3.
 CREEPER = Parameters(m=1, c=4, k=3, A0=0, B0=0, Omega=1, v1=0, v2=50, mu1="0.2", mu2="0.1", FN=1)
 GAP = Fraction(1)
-
-
-def rests() -> Iterator[ReferenceCase]:
-    """Yield motions that come to rest, or creep towards it."""
-    yield from _creeping()
-    yield from _towards_a_limit()
-    yield from _belt_start_cases()
 
 
 def _case(
@@ -390,6 +373,9 @@ def _belt_start_cases() -> Iterator[ReferenceCase]:
     yield _case("stick-then-settling", RESTS, fast, (0, 0, 1), 60, hard, ELEMENTARY)
 
 
+RESTING = (_creeping, _towards_a_limit, _belt_start_cases)
+
+
 # -- the Coulomb oscillator and its continuum of orbits ----------------------------------------------------------------
 
 DEN_HARTOG = "Den Hartog, Phil. Mag. 9 (1930) and Trans. ASME 53 (1931)"
@@ -406,14 +392,6 @@ ORBIT_DIGITS = 60
 def wall(F: NumberLike, Omega: NumberLike, c: NumberLike = 0, P: NumberLike = 1) -> Parameters:
     """Return the parameters of a mass on a spring that rubs on a wall."""
     return Parameters(m=1, c=c, k=1, A0=0, B0=P, Omega=Omega, v1=0, v2=10**6, mu1=F, mu2=0, FN=1)
-
-
-def coulomb() -> Iterator[ReferenceCase]:
-    """Yield Coulomb oscillators, whose events have closed forms."""
-    yield from _slides()
-    yield from _borders()
-    yield from _resonance()
-    yield from _decay()
 
 
 def _slides() -> Iterator[ReferenceCase]:
@@ -475,6 +453,9 @@ def _decay() -> Iterator[ReferenceCase]:
         hard = "free decay: all turning points are on the belt at rest, and the last one is a stop for ever"
         p, t_end = wall(F, 1, P=0), int(pi * last) + 20
         yield _case(f"free-decay-{number}", COULOMB, p, (0, x0, 0), t_end, hard, BALANCE, closed)
+
+
+OSCILLATING = (_slides, _borders, _resonance, _decay)
 
 
 def continuum() -> Iterator[ReferenceCase]:

@@ -1,20 +1,8 @@
 """Score a solver's events: each case judged event by event, with an error unit set by the problem.
 
-An event of the reference is found if the results have one of the same kind at the same belt within a window (a part of
-the forcing period); `symosc.reference.compare` pairs them in order, as many as possible. One that is left over beside
-an event of another kind or at another belt is a wrong kind. What is left then is missed, or invented.
-
-An error is that of the time, relative to max(1, t - t0), or that of the position, relative to max(1, |x|). Its unit is
-max(1, condition) * 1e-16: what rounding the numbers of the problem to doubles does to that event; for a time it is
-1e-16 |t| if that is more. A case is right if it was followed to its end, nothing is missed, invented or of a wrong
-kind, each event has a position, and each error is at most max(tolerance, 100 units).
-
-The error of a derivative is relative to max(1, |dt|), that of dx to max(1, |x|, |dt|, |dx|), as v dt is a part of it.
-It may be the tolerance, or 100 times condition^2 * 1e-16 if that is more: a derivative has about the square of the
-condition of its event. Those that are not given, and those that do not exist, are not judged.
-
-A graze is a double root: rounding turns it into two contacts or none. So one that is not listed, or stands as a stick
-and a slip or as two crossings within a time sqrt(tolerance)/Omega, is counted apart, and is no fault.
+`formats.txt`, the README of a set of cases, has the rules. `symosc.reference.compare` pairs the events in order, as
+many as possible. What is left over on both sides at one time is an event of a wrong kind, or at another belt; the rest
+is missed, or invented. A derivative has about the square of the condition of its event.
 """
 
 from __future__ import annotations
