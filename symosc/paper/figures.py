@@ -30,9 +30,6 @@ CENTER: dict[str, Any] = {"ha": "center", "va": "center"}
 Edges = tuple[float, float]
 
 
-# --- Fig. 1 ---
-
-
 @rc_context(STYLE)
 def fig1() -> Figure:
     """Return Fig. 1, the physical model: mass, spring, damper, the two belts, and the forces."""
@@ -100,9 +97,6 @@ def _belt(ax: Axes, side: int, number: int) -> None:
     ax.text(9.75, middle, f"belt {number}", ha="left", va="center")
 
 
-# --- Fig. 2 ---
-
-
 @rc_context(STYLE)
 def fig2(p: Parameters | None = None) -> Figure:
     """Return Fig. 2, the friction force F_f against the velocity, an interval at each belt's speed (eq. (1))."""
@@ -135,9 +129,6 @@ def fig2(p: Parameters | None = None) -> Figure:
     words = ["slips: one value", "sticks: any value"]
     ax.legend(key, words, loc="upper left", frameon=False, handlelength=0.9, handletextpad=0.5, borderaxespad=0.2)
     return drawing
-
-
-# --- Fig. 3 ---
 
 
 @rc_context(STYLE)
@@ -197,8 +188,6 @@ def _prepare_phase_axes(ax: Axes, p: Parameters, x: Edges, v: Edges) -> None:
     ax.set_xlabel("displacement $x$")
     ax.set_ylabel(r"velocity $\dot{x}$")
 
-
-# --- Fig. 4 ---
 
 #: The oscillator of Fig. 4; where and when each mapping starts, x_i and t_i; and where its name stands, from the
 #: middle of its curve: alignment, and distance in points.

@@ -385,9 +385,6 @@ def _contact_text(view: View, contact: Contact) -> str:
     )
 
 
-# --- the periodic orbits of Figs. 9 and 10 ---
-
-
 def orbit_figure(name: str, columns: int = 2) -> Figure:
     """Draw one period of the periodic orbit in the form of Figs. 9 and 10, with the printed start."""
     scene, panels = load_scene(printed_scene(name)), dict(PANELS)
@@ -510,8 +507,6 @@ def window_caption(mapping: str) -> str:
         )
     return f"{caption}{listed_parameters(p)}."
 
-
-# --- all pictures ---
 
 # What draws and what describes each form of figure: as a whole, or for a scene.
 FIG1, FIG2 = (fig1, partial(str, MODEL)), (fig2, partial(with_parameters, FRICTION, "fig5"))

@@ -91,9 +91,6 @@ def exact(figure: Graze, t_end: Any = None) -> Scene:
     return replace(figure.scene, **(start | {"t0": figure.scene.t0, "t_end": t_end or figure.scene.t_end}))
 
 
-# --- is there a graze at all? ---
-
-
 def reaches_belt(scene: Scene, belt: int) -> Evidence:
     """Check whether a motion below a belt reaches it: by the event search, and for all later times by a bound."""
     p, path = scene.parameters, motion(scene, LATE)
@@ -151,9 +148,6 @@ def contacts_text(path: Trajectory) -> str:
     """Return the first two contacts of a motion as text."""
     shown = [f"{e.kind} at t = {text(e.t, 16)}" for e in path.events[:2]]
     return ", ".join(shown) or f"none until t = {text(path.t_end)}"
-
-
-# --- the red point ---
 
 
 def tangential(figure: Graze) -> Evidence:

@@ -28,7 +28,7 @@ STATES = ("fig5", "fig6", "fig8", "fig9", "fig10")
 FIGURES = ("fig5", "fig6", "fig7", "fig8", "fig9", "fig10")
 
 
-# --- what the paper prints in Sections 2 and 3 ---
+# --- what the paper prints ---
 
 
 def friction_force(p: Parameters, alpha: int) -> Fraction:
@@ -65,7 +65,32 @@ def domain_of(p: Parameters, v: Fraction) -> list[int]:
     return [name for name, yes in inside.items() if yes]
 
 
-# --- checks of Sections 2 and 3 ---
+#: Eqs. (50) and (51): belt and side at the start and at the end (0 on the belt, -1 below, 1 above its speed).
+PLANES = {
+    "P1": ((1, 0), (1, 0)),
+    "P2": ((1, -1), (1, -1)),
+    "P3": ((1, 1), (1, 1)),
+    "P4": ((2, 0), (2, 0)),
+    "P5": ((2, -1), (2, -1)),
+    "P6": ((2, 1), (2, 1)),
+    "P7": ((2, -1), (1, 1)),
+    "P8": ((1, 1), (2, -1)),
+}
+
+
+def stick_exit(p: Parameters, boundary: int, x: Any, cosine: Any) -> Any:
+    """Eqs. (52) and (53): left side minus right side of the second equation, at the end of a stick."""
+    number = (lambda value: value) if isinstance(x, Fraction) else float
+    rest = number(p.A0) + number(p.B0) * cosine - number(p.k) * x - number(p.c * p.belt(boundary))
+    return rest + (number(p.mu2 * p.FN) if boundary == 1 else -number(p.mu2 * p.FN)) - number(p.mu1 * p.FN)
+
+
+def printed_planes(speed: Any, delta: Any) -> tuple[Any, Any]:
+    """Eq. (49): the expressions whose limits for delta -> 0 define v^- and v^+."""
+    return speed - delta, speed + delta
+
+
+# --- checks ---
 
 
 def _parameter_sets() -> list[Parameters]:
@@ -283,35 +308,6 @@ def forces_or_accelerations() -> Evidence:
     finding = f"m F⁽ᵅ⁾ is the force, F⁽ᵅ⁾ the acceleration; the two differ in {', '.join(apart) or 'no figure'}."
     return evidence(not wrong, finding, numbers, verdict(not apart, corrected=True))
 
-
-# --- what the paper prints in Section 5 ---
-
-#: Eqs. (50) and (51): belt and side at the start and at the end (0 on the belt, -1 below, 1 above its speed).
-PLANES = {
-    "P1": ((1, 0), (1, 0)),
-    "P2": ((1, -1), (1, -1)),
-    "P3": ((1, 1), (1, 1)),
-    "P4": ((2, 0), (2, 0)),
-    "P5": ((2, -1), (2, -1)),
-    "P6": ((2, 1), (2, 1)),
-    "P7": ((2, -1), (1, 1)),
-    "P8": ((1, 1), (2, -1)),
-}
-
-
-def stick_exit(p: Parameters, boundary: int, x: Any, cosine: Any) -> Any:
-    """Eqs. (52) and (53): left side minus right side of the second equation, at the end of a stick."""
-    number = (lambda value: value) if isinstance(x, Fraction) else float
-    rest = number(p.A0) + number(p.B0) * cosine - number(p.k) * x - number(p.c * p.belt(boundary))
-    return rest + (number(p.mu2 * p.FN) if boundary == 1 else -number(p.mu2 * p.FN)) - number(p.mu1 * p.FN)
-
-
-def printed_planes(speed: Any, delta: Any) -> tuple[Any, Any]:
-    """Eq. (49): the expressions whose limits for delta -> 0 define v^- and v^+."""
-    return speed - delta, speed + delta
-
-
-# --- checks of Section 5 ---
 
 MAPPED_SCENES = ("fig5", "fig6", "fig8", "fig9", "fig10", "fig7-exact", "fig8-exact")
 FLIGHTS = ("P2", "P3", "P5", "P6", "P7", "P8")

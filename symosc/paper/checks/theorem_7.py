@@ -68,9 +68,6 @@ def gamma_of(p: Parameters, acceleration: Fraction, velocity: Fraction) -> Fract
     return p.c / p.m * acceleration + p.k / p.m * velocity
 
 
-# --- exact contacts ---
-
-
 def turn(s: Any, c: Any) -> Any:
     """Map an angle, given by sine and cosine, to a number in [0, 4) that grows with it; rationals stay rational."""
     if s >= 0:
@@ -153,9 +150,6 @@ def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
         for ratio in RATIOS
         for s, c in RATIONAL_PHASES
     )
-
-
-# --- the windows ---
 
 
 def window(mapping: str, *scenes: str) -> Evidence:

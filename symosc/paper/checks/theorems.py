@@ -130,9 +130,6 @@ def reduction() -> Evidence:
     return evidence(not any(rests), finding, numbers)
 
 
-# --- at exact contacts ---
-
-
 def boundary_dimension() -> Evidence:
     """Eq. (14): in which space the boundary is, and its dimension, from contacts of (7)."""
     numbers, inside = {}, True
