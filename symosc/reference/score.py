@@ -21,14 +21,7 @@ from symosc.crosschecks.events import RETURNS, WINDOW
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.reference.case import KnownEvent
-from symosc.reference.compare import (
-    KIND_WINDOW,
-    ROUNDING_UNIT,
-    SCORE_TOLERANCE,
-    UNITS_ALLOWED,
-    align,
-    relative_error,
-)
+from symosc.reference.compare import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED, align, relative_error
 from symosc.reference.folder import StoredCase
 from symosc.reference.results import CaseResult, GivenEvent, Results
 
