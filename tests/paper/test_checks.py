@@ -28,7 +28,7 @@ FIG5, FIG6, FIG7, FIG9, FIG10 = (load_scene(f"fig{number}") for number in (5, 6,
 
 
 @pytest.mark.full(6)
-@pytest.mark.quick(6)
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("claim", QUICK, ids=[claim.id for claim in QUICK])
 def test_the_verdict_is_the_committed_one(claim: Any) -> None:
     evidence = judge(claim.check)
@@ -120,7 +120,7 @@ OTHER: dict[str, tuple[Callable[[], Evidence], str]] = {
 }
 
 
-@pytest.mark.quick(9)
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("name", OTHER)
 def test_other_motions_have_other_verdicts(name: str) -> None:
     check, expected = OTHER[name]
@@ -217,7 +217,7 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
 
 
 @pytest.mark.full(9)
-@pytest.mark.quick(8)
+@pytest.mark.quick(5)
 @pytest.mark.parametrize(("module", "name", "instead", "check", "verdict"), STATEMENTS)
 def test_another_statement_gets_another_verdict(
     module: Any, name: str, instead: Any, check: Any, verdict: str, monkeypatch: pytest.MonkeyPatch

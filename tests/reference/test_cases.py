@@ -73,7 +73,7 @@ def test_a_changed_set_has_a_new_version() -> None:
 
 
 @pytest.mark.full(16)
-@pytest.mark.quick(8)
+@pytest.mark.quick(4)
 @pytest.mark.parametrize("name", [name for name, case in CASES.items() if case.group != LONG_RUNS])
 def test_cases_are_proven_or_say_why_not(name: str) -> None:
     case = CASES[name]
@@ -102,7 +102,7 @@ def value(text: str) -> mpmath.mpf:
 CLOSED = [name for name, case in CASES.items() if case.closed_form and case.group != LONG_RUNS]
 
 
-@pytest.mark.quick(10)
+@pytest.mark.quick(5)
 @pytest.mark.parametrize("name", CLOSED)
 def test_closed_forms_are_what_happens(name: str) -> None:
     assert_closed(CASES[name])
@@ -156,7 +156,7 @@ def test_the_continuum_ends_where_csernak_has_it() -> None:
 
 
 @pytest.mark.full(8)
-@pytest.mark.quick(4)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("mapping", GRAZE_TIMES)
 @pytest.mark.parametrize("regime", DAMPED)
 def test_grazes_are_what_their_names_say(regime: str, mapping: str, tmp_path: object) -> None:
@@ -198,7 +198,7 @@ def test_the_page_about_the_set_counts_right() -> None:
 # -- hard cases --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.quick(10)
+@pytest.mark.quick(5)
 @pytest.mark.parametrize(("base", "mapping", "t_m", "t0", "exponent"), [(*row[:4], e) for row in PEAKS for e in row[5]])
 @pytest.mark.parametrize("side", [1, -1])
 def test_peaks_are_as_far_from_the_belt_as_said(
