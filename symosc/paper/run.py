@@ -8,19 +8,20 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable, Generator, Mapping
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import ExitStack, closing
+from concurrent.futures import as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
-from queue import SimpleQueue
 from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 from typing import Any, NamedTuple
 
 from matplotlib.figure import Figure
+from pebble import ProcessExpired, ProcessPool
 
-from symosc.bench.solvers import Worker
 from symosc.derive.errata import Erratum
 from symosc.errors import ParameterError
 from symosc.paper.checks.motions import judge
@@ -33,6 +34,8 @@ Tasks = dict[tuple[str, str], Callable[[], Any]]
 ERROR = "error"
 #: Seconds after which a task counts as hanging; the longest takes one minute on a usual machine.
 TASK_LIMIT = 3600.0
+#: How many pools of processes are tried. One in which a process dies while it takes its task may break down whole.
+POOLS = 3
 
 
 class Done(NamedTuple):
@@ -155,23 +158,31 @@ def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | N
 
 
 def _in_processes(tasks: Tasks, workers: int | None) -> Generator[tuple[tuple[str, str], Done], None, None]:
-    """Yield the result of each task; a process that hangs or dies takes none but its own task with it."""
-    count = min(read_workers(workers), len(tasks))
-    idle: SimpleQueue[Worker] = SimpleQueue()
-
-    def do(task: Callable[[], Any]) -> Done:
-        worker = idle.get()
-        outcome = worker.call(TASK_LIMIT, timed, task)
-        idle.put(worker)
-        return outcome.value or Done(error=outcome.failure)
-
-    with ThreadPoolExecutor(count) as threads, ExitStack() as stack:
-        for _ in range(count):
-            idle.put(stack.enter_context(Worker()))  # after an interrupt it ends what it does
-        stack.callback(threads.shutdown, wait=False, cancel_futures=True)
-        futures = {threads.submit(do, task): key for key, task in tasks.items()}
-        for future in as_completed(futures):
-            yield futures[future], future.result()
+    """Yield the result of each task; those lost by a broken pool are given to the next one."""
+    for _ in range(POOLS):
+        pool = ProcessPool(max_workers=min(read_workers(workers), len(tasks)), context=get_context("spawn"))
+        futures: dict[Any, tuple[str, str]] = {}
+        try:
+            with suppress(RuntimeError):  # the pool has already broken down
+                for key, task in tasks.items():
+                    futures[pool.schedule(timed, args=(task,), timeout=TASK_LIMIT)] = key
+            for future in as_completed(futures):
+                try:
+                    outcome = future.result()
+                except TimeoutError:
+                    outcome = Done(error=f"no result within {TASK_LIMIT:g} s")
+                except ProcessExpired as death:
+                    outcome = Done(error=f"the process ended with exit code {death.exitcode}")
+                except BrokenProcessPool:
+                    continue
+                yield futures[future], outcome
+                tasks = {key: task for key, task in tasks.items() if key != futures[future]}
+        finally:
+            pool.stop()  # nothing is left to do, or the user has interrupted it
+            pool.join()
+        if not tasks:
+            return
+    yield from ((key, Done(error=f"the pool of processes broke down, {POOLS} times")) for key in tasks)
 
 
 def timed(task: Callable[[], Any]) -> Done:

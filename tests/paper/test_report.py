@@ -59,7 +59,7 @@ def test_what_goes_wrong_is_a_result(read: Any) -> None:
     assert len({os.getpid(), *(int(each.numbers["process"]) for each in results.judged[-2:])}) == 3
     findings = {each.claim.id: each.finding for each in results.judged}
     assert re.fullmatch(r"ZeroDivisionError: by nothing \(stand_ins.py, line \d+\)", findings["raises"])
-    assert findings["dies"] == "crash: the process ended with exit code 7"
+    assert findings["dies"] == "the process ended with exit code 7"
     assert "no_evidence returned bool, not Evidence" in findings["no-evidence"]
     assert not results.ok
     assert [each.claim.id for each in results.changed] == ["wrong", "raises", "dies", "no-evidence"]
