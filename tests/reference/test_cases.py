@@ -86,6 +86,7 @@ def test_cases_are_proven_or_say_why_not(name: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.full(3)
 @pytest.mark.parametrize("case", LONG_ONES, ids=lambda case: case.name)
 def test_long_runs_are_long_and_proven(case: ReferenceCase) -> None:
     assert case.proven == (not case.open)
@@ -102,6 +103,7 @@ def value(text: str) -> mpmath.mpf:
 CLOSED = [name for name, case in CASES.items() if case.closed_form and case.group != LONG_RUNS]
 
 
+@pytest.mark.full(24)
 @pytest.mark.quick(5)
 @pytest.mark.parametrize("name", CLOSED)
 def test_closed_forms_are_what_happens(name: str) -> None:
@@ -135,6 +137,7 @@ def test_den_hartogs_amplitudes_are_the_published_ones() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.full(1)
 @pytest.mark.parametrize("Omega", ["1-5", "0-8"])
 def test_the_border_of_motions_without_stops_is_where_den_hartog_has_it(Omega: str) -> None:
     """The border is F = 0.64657909 at r = 1.5, 0.81740639 at r = 0.8."""
@@ -233,6 +236,7 @@ FOR_THE_ORACLE = [case for case in hard_cases() if not case.periods and case.nam
 
 
 @pytest.mark.slow
+@pytest.mark.full(30)
 @pytest.mark.parametrize("case", FOR_THE_ORACLE, ids=lambda case: case.name)
 def test_references_agree_with_the_oracle(case: ReferenceCase) -> None:
     scene, most = case.scene, 6
