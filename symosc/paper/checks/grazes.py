@@ -40,7 +40,7 @@ from symosc.paper.checks.motions import (
     together,
 )
 from symosc.paper.checks.orbits import REACH, range_of
-from symosc.paper.claims import NOT_AS_PRINTED, UNDECIDED, Evidence, verdict
+from symosc.paper.claims import NOT_AS_PRINTED, UNDECIDED, Evidence, Refuted, verdict
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.trajectory import Trajectory
 
@@ -308,10 +308,11 @@ def not_at_belt(figure: Graze) -> Evidence:
 
 def sticks_later(figure: Graze) -> Evidence:
     """Check that the contact that follows the red point is the onset of a stick on the same belt, for both starts."""
-    belt = figure.place.boundary
-    printed, true = (
-        [e for e in motion(each).events if e.kind != "slip"][1] for each in (figure.printed, exact(figure))
-    )
+    belt, scenes = figure.place.boundary, (figure.printed, exact(figure))
+    following = [e for scene in scenes for e in [e for e in motion(scene).events if e.kind != "slip"][1:2]]
+    if len(following) < 2:
+        raise Refuted("No contact follows.", {"starts with a contact after the red point": str(len(following))})
+    printed, true = following
     held = {(each.kind, each.boundary) for each in (printed, true)} == {("stick", belt)}
     numbers = {
         f"t, x of the next contact, {name} start": f"{text(each.t, 16)}, {text(each.x, 12)}"
