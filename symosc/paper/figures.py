@@ -145,7 +145,13 @@ def fig3(scene: str = "fig5") -> Figure:
     ax = drawing.add_subplot()
     for alpha, (low, high) in enumerate(((v[0], v1), (v1, v2), (v2, v[1])), 1):
         ax.axhspan(low, high, color=SHADES[alpha - 1], lw=0, zorder=0)
-        _arrow_field(ax, p, alpha, x, (low, high), (x, v))
+        # Arrows of one length in the direction of (x', F^(alpha)), as the axes show it.
+        rows = max(1, round(7 * (high - low) / (v[1] - v[0])))
+        X, V = np.meshgrid(np.linspace(*x, 12)[1:-1], low + (np.arange(rows) + 0.5) * (high - low) / rows)
+        F = (float(p.A(alpha) + p.B0) - float(p.k) * X - float(p.c) * V) / float(p.m)
+        U, W = V / width, F / (v[1] - v[0])
+        size, style = np.hypot(U, W), {"pivot": "mid", "color": GREY, "zorder": 1}
+        ax.quiver(X, V, U / size, W / size, width=0.004, scale=16, headwidth=4.5, **style)
         place, box = (x[1] - 0.02 * width, (low + high) / 2), dict(BOX, facecolor=SHADES[alpha - 1])
         ax.text(*place, rf"$\Omega_{alpha}$", ha="right", va="center", fontsize=11, bbox=box, zorder=5)
     stick: dict[str, Any] = {"color": ONSET_COLOR, "lw": THICK + 0.6}
@@ -166,17 +172,6 @@ def stick_zone(p: Parameters, belt: int) -> tuple[float, float]:
     """Return the displacements at which the mass sticks to a belt at phase 0: F(above) < 0 < F(below) (Theorem 4)."""
     ends = [(p.A(alpha) + p.B0 - p.c * p.belt(belt)) / p.k for alpha in reversed(NEIGHBOURS[belt])]
     return float(ends[0]), float(ends[1])
-
-
-def _arrow_field(ax: Axes, p: Parameters, alpha: int, x: Edges, v: Edges, limits: tuple[Edges, Edges]) -> None:
-    """Draw arrows of one length in the direction of (x', F^(alpha)) at phase 0, as the axes show it."""
-    rows = max(1, round(7 * (v[1] - v[0]) / (limits[1][1] - limits[1][0])))
-    speeds = v[0] + (np.arange(rows) + 0.5) * (v[1] - v[0]) / rows
-    X, V = np.meshgrid(np.linspace(*x, 12)[1:-1], speeds)
-    F = (float(p.A(alpha) + p.B0) - float(p.k) * X - float(p.c) * V) / float(p.m)
-    U, W = V / (limits[0][1] - limits[0][0]), F / (limits[1][1] - limits[1][0])
-    size = np.hypot(U, W)
-    ax.quiver(X, V, U / size, W / size, pivot="mid", color=GREY, width=0.004, scale=16, headwidth=4.5, zorder=1)
 
 
 def _prepare_phase_axes(ax: Axes, p: Parameters, x: Edges, v: Edges) -> None:

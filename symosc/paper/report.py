@@ -11,7 +11,6 @@ from dataclasses import asdict
 from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from textwrap import fill
 from typing import Any
 from unicodedata import normalize
 
@@ -167,11 +166,6 @@ def write(folder: Path, texts: Mapping[str, str]) -> None:
         raise OutputError(str(folder), error.strerror or str(error)) from None
 
 
-def _wrap(text: str, margin: str = "    ") -> str:
-    """Return a text in lines for a mail."""
-    return fill(text, 78, initial_indent=margin, subsequent_indent=margin)
-
-
 def render(template: str, context: Mapping[str, Any]) -> str:
     """Return a template of the folder templates, filled in."""
     environment = Environment(
@@ -187,7 +181,6 @@ def render(template: str, context: Mapping[str, Any]) -> str:
     environment.filters |= {
         "typeset": lambda text: Markup(typeset(text)),
         "md": lambda text: special.sub(r"\\\1", typeset(" ".join(text.split()))),
-        "wrapped": _wrap,
         "data_uri": lambda svg: f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}",
     }
     environment.globals["font_style"] = lambda: Markup(font_style())
@@ -220,7 +213,9 @@ _MARKED: list[tuple[str, _Replacement]] = [
     (r"\b(\d(?:\.\d+)?)e([+-]?)0*(\d+)\b", lambda found: (
         f"{'' if found[1] == '1' else f'{found[1]}·'}10<sup>{'−' if found[2] == '-' else ''}{found[3]}</sup>"
     )),
-    (_LETTER + r"\^(?:\{([^{}]+)\}|\(([^()]+)\)|(\w))", lambda found: _superscript(*found.groups())),
+    (_LETTER + r"\^(?:\{([^{}]+)\}|\(([^()]+)\)|(\w))", lambda found: (
+        f"{found[1]}<sup>{found[2] or found[4] or (f'({found[3]})' if found[1] in 'FG' else found[3])}</sup>"
+    )),
     (_LETTER + r"((?:<sup>.*?</sup>)?)_(?:\{([^{}]+)\}|(\([^()]+\)|\w+))", lambda found: (
         f"{found[1]}{found[2]}<sub>{found[3] or found[4]}</sub>"
     )),
@@ -243,8 +238,3 @@ def typeset(text: str) -> str:
     for pattern, marked in _MARKED:
         text = re.sub(pattern, marked, text)
     return text
-
-
-def _superscript(base: str, braced: str | None, bracketed: str | None, single: str | None) -> str:
-    power = braced or single or (f"({bracketed})" if base in "FG" else bracketed)
-    return f"{base}<sup>{power}</sup>"
