@@ -70,7 +70,7 @@ REST = """    yield ReferenceCase(
 def test_a_reference_case(scratch: Scratch) -> None:
     pytest.importorskip("flint")
     cases, tests, page = "symosc/reference/cases.py", "tests/reference/test_cases.py", "docs/cases.md"
-    scratch.replace(cases, "    yield from _belt_start_cases()\n", f"    yield from _belt_start_cases()\n{REST}")
+    scratch.replace(cases, "\n\nRESTING = ", f"{REST}\n\nRESTING = ")
     scratch.replace(cases, "SET_VERSION = 1\n", "SET_VERSION = 2\n")
     command = [sys.executable, "-m", "pytest", "-q", tests, "-k", "new_version", "-p", "no:cacheprovider"]
     said = subprocess.run(command, cwd=scratch.folder, capture_output=True, text=True, check=False).stdout

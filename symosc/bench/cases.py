@@ -57,8 +57,7 @@ KNOWN = "known"
 
 def hard_ones(quick: bool = False) -> list[ReferenceCase]:
     """Return the reference cases that are hard for solvers; with `quick` only those for `symosc bench --quick`."""
-    cases = [case for case in reference_cases() if case.group in GROUPS]
-    return [case for case, each in zip(cases, hard_cases(), strict=True) if each.quick or not quick]
+    return [case for case in hard_cases() if case.quick or not quick]
 
 
 def run(

@@ -81,10 +81,10 @@ def _print_summary(results: Results, output: Path) -> None:
     for name, error in results.failures.items():
         write(f"FAILED {name}: {error}")
     counts = ", ".join(f"{count} {verdict}" for verdict, count in results.counts.items() if count)
-    steps = sum(done.value.steps for done in results.chapters.values() if done.value)
+    steps = sum(done.value[0] for done in results.chapters.values() if done.value)
     drawn = sum(done.value is not None for done in results.drawn.values())
     write(f"{len(results.judged)} claim{'s' if len(results.judged) > 1 else ''}: {counts}")
-    errata = Counter(erratum.severity for erratum in results.errata if results.shown_by(erratum))
+    errata = Counter(erratum.severity for erratum in results.plan.errata if results.shown_by(erratum))
     severities = ", ".join(f"{errata[severity]} {severity}" for severity in SEVERITIES if errata[severity])
     if errata:
         write(f"{errata.total()} distinct {'errata' if errata.total() > 1 else 'erratum'}: {severities}")
