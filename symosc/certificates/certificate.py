@@ -94,7 +94,7 @@ class Certificate(Drawable):
 
 def confirmed(certificate: Certificate) -> Certificate:
     """Give a certificate to the independent checker; return it with the checker's message, or as not proven."""
-    from symosc.certificates.verify_atlas import judge
+    from symosc.certificates.verify_orbits import judge
 
     about = {name: value for name, value in certificate.as_dict().items() if name != "message"}
     code, answer = judge(about)

@@ -111,7 +111,7 @@ def _prove_part(orbits: Sequence[ListedOrbit]) -> list[str]:
 
 def _verify_part(orbits: Sequence[ListedOrbit]) -> list[str]:
     """Prove some orbits, and give the checker what their files say; return for each "" or the reason of failure."""
-    from symosc.certificates.verify_atlas import judge
+    from symosc.certificates.verify_orbits import judge
 
     answers = [(orbit, *judge(json.loads(json.dumps(orbit.prove().as_dict())))) for orbit in orbits]
     return [f"{orbit.word} at {orbit.p}: {line}" if code else "" for orbit, code, line in answers]

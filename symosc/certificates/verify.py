@@ -705,7 +705,7 @@ def window(data, source, limits):
 
 
 KINDS = {"trajectory": trajectory, "settled": settled, "window": window}
-BESIDE = {"orbit": "verify_orbits.py", "branch": "verify_orbits.py", "atlas": "verify_atlas.py"}
+BESIDE = ("orbit", "branch", "atlas")
 
 
 # -- the answer --------------------------------------------------------------------------------------------------------
@@ -724,7 +724,7 @@ def prove(data, limits):
     check(type(author) is str and len(author) <= 200, "made_by is no text of 200 characters at most", BAD)
     check(type(proven) is bool and type(kind) is str, "no kind, or proven is neither true nor false", BAD)
     check(proven, "the file itself says that it is not proven")
-    more = f" {BESIDE[kind]} proves it" if kind in BESIDE else ""
+    more = " verify_orbits.py proves it" if kind in BESIDE else ""
     check(kind in KINDS, f"{kind[:20]!r}: of that kind this checker proves none.{more}", BAD)
     source = {key: each for key, each in data.items() if key not in ("format", "kind", "proven", "message", "made_by")}
     some, derived = data.get("starts") == "some", "derivatives" if "wrt" in data else kind

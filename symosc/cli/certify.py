@@ -198,8 +198,8 @@ def _prove_list() -> int:
 def verify(file: str | None, *, listed: bool, size: int | None, events: int | None, steps: int | None) -> int:
     """Prove a certificate file once more, by other means than `symosc certify`, and print what is proven.
 
-    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits and branches, and
-    verify_atlas.py for atlases. They need python-flint and nothing of symosc: copy them, read them, and run them alone.
+    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits, branches and atlases. They
+    need python-flint and nothing of symosc: copy them, read them, and run them alone.
     Exit codes: 0 proven, 1 false or not proven, 2 no certificate.
 
     \b
@@ -210,13 +210,13 @@ def verify(file: str | None, *, listed: bool, size: int | None, events: int | No
     if (file is None) != listed:
         raise click.UsageError("--orbits verifies its own list; give no file" if listed else "Missing argument 'FILE'.")
     try:
-        from symosc.certificates import verify_atlas
+        from symosc.certificates import verify_orbits
     except ImportError:
         raise MissingExtraError("verify", "certify") from None
     if file is None:
         return _verify_list()
     limits = {name: most for name, most in (("bytes", size), ("events", events), ("steps", steps)) if most is not None}
-    code, answer = verify_atlas.verify(file, **limits)
+    code, answer = verify_orbits.verify(file, **limits)
     if code:
         complain(answer)
     else:

@@ -18,7 +18,7 @@ import symosc.certificates.atlas as atlases
 from symosc import Atlas, ParameterError, Parameters, atlas, certify, find_orbit
 from symosc.certificates.balls import ball
 from symosc.certificates.flow import Oscillator
-from symosc.certificates.verify_atlas import judge, marks
+from symosc.certificates.verify_orbits import judge, marks
 from symosc.model import PARAMETER_NAMES
 from symosc.orbits.border import borders_between
 
@@ -358,7 +358,7 @@ def test_long_words_end_at_the_limit_of_work() -> None:
 
 
 def test_a_stiff_spring_takes_no_memory() -> None:
-    assert len(marks([1], [arb(0), arb(1)], arb("1e-5"))) < 20
+    assert len(marks([(True, arb(0), arb(1))], arb("1e-5"))) < 20
     stiff = COULOMB.replace(k="1e20")
     o = Oscillator(stiff, {name: ball(getattr(stiff, name)) for name in PARAMETER_NAMES})
     flights = atlases._flights(("P2", "P1", "P3", "P1"), stiff, ("Omega", "FN"))

@@ -568,7 +568,6 @@ def test_precision_and_cap_are_given_back_also_by_threads() -> None:
 CHECKERS = {
     "verify.py": ((), {"motion", "settled", "window"}),
     "verify_orbits.py": (("verify.py",), {"motion", "settled", "window", "orbit", "branch"}),
-    "verify_atlas.py": (("verify_orbits.py", "verify.py"), {"motion", "settled", "window", "orbit", "branch"}),
 }
 
 
