@@ -56,16 +56,17 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
         before: list[ProvenEvent] = []
         try:
             points = closing.polished([arb(float(each)) for point in orbit.points for each in point])
-            root = next(closing.roots(points), None)
-            if root is None:
+            found = next(closing.roots(points), None)
+            if found is None:
                 raise Undecided("the orbit on which the motion is to settle")
+            _, root = found
             start, until = _start(closing.oscillator, task)
             for event, state in _followed(closing.oscillator, start, ball(task.t_end), MOST_EVENTS_BEFORE):
                 before.append(event)
-                i = _arrival(closing, root.points, event)
-                cycle = None if i is None else _invariant_box(closing, root.points, i, state)
+                i = _arrival(closing, root, event)
+                cycle = None if i is None else _invariant_box(closing, root, i, state)
                 if i is not None and cycle is not None:
-                    return _certificate(task, closing, root.points, i, before, cycle, MODE_NAMES[start.mode], until)
+                    return _certificate(task, closing, root, i, before, cycle, MODE_NAMES[start.mode], until)
             raise Undecided(f"whether the motion settles on the orbit within {len(before)} events")
         except Undecided as undecided:
             return Certificate("settled", False, f"not decided: {undecided.what}")

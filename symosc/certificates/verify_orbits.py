@@ -275,8 +275,8 @@ def entire(b, z):
     """Return 0F1(b; z) of a ball or series: cosh w for b = 1/2, sinh(w)/w for b = 3/2, z = w^2/4 of any sign."""
     if isinstance(z, arb | acb):
         return z.hypgeom_0f1(b)
-    series = partial(type(z), prec=z.prec)
-    change, total, factor = series([0, *list(z)[1:]]), series([0]), series([1])
+    kind: Any = type(z)
+    change, total, factor = (kind(each, prec=z.prec) for each in ([0, *list(z)[1:]], [0], [1]))
     for j in range(z.prec):  # by its derivative 0F1(b + 1; z)/b
         total, factor = total + factor * z[0].hypgeom_0f1(b + j), factor * change / ((b + j) * (j + 1))
     return total
@@ -592,7 +592,7 @@ def fails(problem, data, events, end, row):
 def branch(data, source, limits):
     """Prove a branch: every row, that they join, and both ends."""
     name, rows, span, periods = data["parameter"], data["boxes"], data["range"], data["periods"]
-    values, events, tried = [row["value"] for row in rows], course(data), []
+    values, events, tried = [row["value"] for row in rows], course(data), list[Any]()
     right = values and span == [values[0][0], values[-1][1]] and all(a[1] == b[0] for a, b in pairwise(values))
     check(right, "rows that follow each other from one end of the range to the other")
     check(all(low < high for low, high in values), "intervals from a lower to an upper value of a parameter", BAD)
@@ -1065,7 +1065,7 @@ def atlas(data, source, limits):
     stated = f"a share of {source['share'][:40]}, where the boxes have {proven / all_of}"[:160]
     check(proven == data["share"] * all_of, stated)
     check(proven + rest == all_of, "boxes and open ones that fill the range")
-    mirror, words = mirror_of(p, over), {}
+    mirror, words = mirror_of(p, over), dict[str, Word]()
     with ctx.workprec(BOX_BITS):
         values = {name: arb(problem.p[name]) for name in base.NAMES}
         for row, shown in zip(data["boxes"], source["boxes"], strict=True):
