@@ -73,6 +73,18 @@ def column(values: Sequence[Ball]) -> arb_mat:
     return arb_mat([[value] for value in values])
 
 
+def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Values | None:
+    """Return the Krawczyk image K(box) if it lies inside the box, which proves one root there; else None."""
+    try:
+        Y = J.mid().inv().mid()
+    except ZeroDivisionError:
+        return None
+    rest = column([value - c for value, c in zip(box, middle, strict=True)])
+    moved = (unit_matrix(len(box)) - Y * J) * rest - Y * column(residuals)
+    image = [c + each for c, each in zip(middle, moved.entries(), strict=True)]
+    return image if all(value.contains_interior(each) for value, each in zip(box, image, strict=True)) else None
+
+
 class Margin(NamedTuple):
     """A number, or a function of time during a piece, that must be positive; and the end of a branch where it is not.
 
@@ -165,19 +177,9 @@ class ClosingBalls:
                 return values
         raise Undecided("a root of the closing equations, which are singular or nearly so")
 
-    def krawczyk(self, box: Values, about: Values | None = None) -> Values | None:
-        """Return the Krawczyk image K(box) if it lies inside the box, which proves one root there; else None."""
-        middle = about or [each.mid() for each in box]
-        J = self.jacobian(box)
-        try:
-            Y = J.mid().inv().mid()
-        except ZeroDivisionError:
-            return None
-        rest = column([value - c for value, c in zip(box, middle, strict=True)])
-        moved = (unit_matrix(len(box)) - Y * J) * rest - Y * column(self.residuals(middle))
-        image = [c + each for c, each in zip(middle, moved.entries(), strict=True)]
-        inside = all(value.contains_interior(each) for value, each in zip(box, image, strict=True))
-        return image if inside else None
+    def krawczyk(self, box: Values, middle: Values) -> Values | None:
+        """Return the Krawczyk image of a box if it proves one root there, else None."""
+        return krawczyk(box, middle, self.residuals(middle), self.jacobian(box))
 
     def roots(self, middle: Values) -> Iterator[tuple[Values, Values]]:
         """Yield boxes near exact numbers with exactly one root, the widest first, and narrow enclosures of it."""
@@ -191,7 +193,7 @@ class ClosingBalls:
     def _narrowed(self, box: Values) -> Values:
         """Return a narrower enclosure of the root in a box with exactly one root."""
         for _ in range(4):
-            image = self.krawczyk(box)
+            image = self.krawczyk(box, [each.mid() for each in box])
             if image is None:
                 return box
             before, box = box, image

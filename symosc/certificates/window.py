@@ -30,14 +30,13 @@ def prove_window(window: GrazingWindow) -> Certificate:
     """Prove at which phases a contact of a map grazes; return the certificate of its window."""
     p, place = window.parameters, window.place
     bias, swing = place.side * p.k * p.belt(place.boundary), place.side * p.B0 * p.Omega
+    statement = made_by(WINDOW_BITS) | {"parameters": p.as_dict(), "map": window.mapping, "order": window.order}
     with ctx.workprec(WINDOW_BITS):
-        where, ends = _where(bias, swing, window.order == "full")
-        rows = [
+        statement["grazes"], ends = _where(bias, swing, window.order == "full")
+        statement["ends"] = [
             {"phase": list(outward(phase, WINDOW_PLACES)), "sine": show(sine), "cosine": cosine}
             for phase, sine, cosine in ends
         ]
-    about = {"parameters": p.as_dict(), "map": window.mapping, "order": window.order}
-    statement = made_by(WINDOW_BITS) | about | {"grazes": where, "ends": rows}
     return confirmed(Certificate("window", True, "", statement=statement))
 
 

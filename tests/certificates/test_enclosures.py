@@ -28,7 +28,7 @@ from symosc.certificates.balls import (
     sure_sign,
 )
 from symosc.certificates.flow import Flight, Jet, Oscillator, Turns, holding_force
-from symosc.certificates.motion import Slip, belts_around, end_of_stick, first_zero, zero_in
+from symosc.certificates.motion import belts_around, end_of_stick, first_zero, zero_in
 from symosc.certificates.orbit import Margin, Stability, prove_positive
 
 
@@ -287,14 +287,15 @@ def test_a_stick_ends_at_the_first_of_both_exits() -> None:
             slip = end_of_stick(o, boundary, t, x, arb(6))
             forces = [holding_force(o, boundary, boundary + i, t, x) for i in (0, 1)]
             times = np.linspace(0, 6, 300)
-            last = float(slip.tau.mid()) if isinstance(slip, Slip) else 6.0
+            last = float(slip[1].mid()) if slip else 6.0
             assert all(force(arb(float(tau))).g > 0 for force in forces for tau in times if tau < last)
-            if isinstance(slip, Slip):
-                out = slip.domain - boundary
+            if slip:
+                domain, tau, slope = slip
+                out = domain - boundary
                 sides.add(out)
-                assert forces[out](slip.tau).g.contains(0)
-                assert forces[1 - out](slip.tau).g > 0
-                assert (slip.slope > 0) == (out == 1)
+                assert forces[out](tau).g.contains(0)
+                assert forces[1 - out](tau).g > 0
+                assert (slope > 0) == (out == 1)
     assert sides == {0, 1}
 
 
@@ -304,7 +305,7 @@ def test_a_stick_on_a_belt_at_rest_may_last_for_ever() -> None:
         for x in ("-0.6", "0", "0.5"):
             assert end_of_stick(Oscillator(p), 1, arb(0), ball(Fraction(x)), arb(10) ** 9) is None
         # F^(2) reaches 0 where B0 cos(t) falls to -0.05
-        assert isinstance(end_of_stick(Oscillator(p), 1, arb(0), ball(Fraction("1.05")), arb(10) ** 9), Slip)
+        assert end_of_stick(Oscillator(p), 1, arb(0), ball(Fraction("1.05")), arb(10) ** 9) is not None
 
 
 def test_a_force_that_touches_0_where_it_turns_is_open() -> None:
