@@ -1,21 +1,14 @@
 """A branch of orbits, proven for every value of a parameter between two, and up to the ends of the branch.
 
-Krawczyk's proof about a curve instead of a point. Let delta be the change of the parameter from the middle of an
-interval, in D = [-h, h], and c(delta) a polynomial near the curve of roots (Newton's method for power series gives it;
-nothing rests on it). By Taylor's theorem
+It is Krawczyk's proof about a curve instead of a point. Let delta be the change of the parameter from the middle of an
+interval, and c(delta) a polynomial near the curve of roots (Newton's method for power series gives it; nothing rests on
+it). By Taylor's theorem f(c(delta), delta) is enclosed by its first N coefficients at 0 and that of order N at all
+delta: F, of order N in the width. Let R be a box about 0, J the Jacobian over all c(delta) + R, and Y any matrix. If
+- Y F + (1 - Y J) R lies inside R, there is exactly one root in c(delta) + R for every delta, the only one where J is.
 
-    f(c(delta), delta)  lies in  f_0 + f_1 delta + ... + f_(N-1) delta^(N-1) + f_N(D) delta^N
-
-with the coefficients f_j of its power series at 0, and those of order N at all delta in D. Both come from arithmetic
-with power series whose coefficients are balls. Let F be an enclosure of this, of order h^N, R a box about 0, J the
-Jacobian over all c(delta) + R, and Y any matrix. If - Y F + (1 - Y J) R lies inside R, then for every delta there is
-exactly one root in c(delta) + R. Then 1 - Y J has a norm below 1, so f is one-to-one where J is: the root is the only
-one there too.
-
-A branch ends where an inequality that holds inside it becomes an equality. The roots of the closing equations go on
-beyond the end. One root is proven for every value of the parameter between one just inside and one just outside. Inside
-all inequalities are proven. Outside one of them is proven to fail. Both of its sides depend continuously on the root,
-so it becomes an equality between the two values.
+A branch ends where an inequality that holds inside it becomes an equality: one root is proven for every value of the
+parameter between one just inside, where all inequalities are proven, and one just outside, where one of them is proven
+to fail. The proofs are in `symosc derive certificates`.
 """
 
 from __future__ import annotations

@@ -1,29 +1,21 @@
 """Proven steps from event to event: the next belt, the time, and the continuation (Theorems 4 and 5).
 
-Contacts. Let g = v - v_belt, taken positive where the flight is, and L g = drift/m (`symosc.certificates.flow`). On a
-piece between two turns, shorter than pi/omega_d if the motion is underdamped, take phi > 0 with L phi = 0 from its left
-end u = 0: phi = exp(-h u) C(u), C'' = kappa C, C(0) = 1, C'(0) = 0, and s = S/C with S'' = kappa S, S(0) = 0,
-S'(0) = 1. Then H = g/phi has d2H/ds2 = C^3 exp(h u) L g: a convex function of s if the drift is >= 0, a concave one if
-it is <= 0. So with signs at the ends only:
+No sign is guessed: a ball that contains 0 raises `Undecided`. The lemmas are proven in `symosc derive certificates`.
 
-- g < 0 at the end: exactly one zero in the piece;
-- concave, g > 0 at the end: none (H is above its chord);
-- convex, g(0) = 0 with g > 0 afterwards: none;
-- convex, g > 0 at both ends: none if H rises at the left or falls at the right end, or if its two tangents meet
-  above 0. Else the piece is cut where g may be least: g < 0 there means one zero before it, g > 0 two smaller pieces.
+Contacts. Let g = v - v_belt, taken positive where the flight is, and L g = drift/m (`symosc.certificates.flow`). On a
+piece between two turns, shorter than pi/omega_d if the motion is underdamped, let C'' = kappa C, C(0) = 1, C'(0) = 0
+and S'' = kappa S, S(0) = 0, S'(0) = 1. As a function of s = S/C, H = exp(h u) g/C is convex if the drift is >= 0,
+concave if it is <= 0. So with signs at the ends only: g < 0 at the end: one zero in the piece. Concave, g > 0 at the
+end: none. Convex: none after a start with g = 0, nor with g > 0 at both ends if H rises at the left or falls at the
+right, or if its tangents meet above 0. Else the piece is cut where g may be least.
 
 Sticks. F^(below) and F^(above) change alike, and between two turns monotonically. A falling piece can only end the
-stick downwards, where F^(below) reaches 0; a rising one only upwards, where F^(above) does. So the sign at the end of
-each piece decides it. If the drift has no mean (v = 0 or k = 0), the forces repeat with the drive: a stick that lasts
-for one period lasts for ever.
+stick downwards, where F^(below) reaches 0; a rising one only upwards, where F^(above) does. If the drift has no mean
+(v = 0 or k = 0), the forces repeat with the drive: a stick that lasts for one period lasts for ever.
 
-No sign is guessed: a ball that contains 0 raises `Undecided`.
-
-Exact grazes. In a domain without damping and drive v'' = -w^2 v, w^2 = k/m, so v = v0 cos(w tau) + (a0/w) sin(w tau)
-goes round a circle with R^2 = v0^2 + a0^2/w^2. If v0 and a0 are rational, so is R^2. The velocity grazes a belt if and
-only if R^2 = v_belt^2, which is decided in rational numbers: then it turns there, F = 0 and x = A/k. Balls only say
-when. Rational are v0 and a0 of an exact start, of the end of a stick (v0 = v_belt, a0 = F = 0) and of a graze (the
-same).
+Exact grazes. In a domain without damping and drive (v, v'/w), w^2 = k/m, goes round a circle. The velocity grazes a
+belt if and only if v^2 + v'^2 m/k = v_belt^2, which is decided in rational numbers: v and v' are rational for an exact
+start, at the end of a stick (v = v_belt, v' = F = 0) and at a graze (the same). Balls only say when.
 """
 
 from __future__ import annotations

@@ -1,31 +1,16 @@
 """A periodic orbit, proven: it exists, is alone in a box, has its word, and its multipliers are enclosed.
 
-The unknowns are all switching points t_0, x_0, t_1, x_1, ..., and the equations those of `symosc.orbits`: each flight
-ends on its belt, at the next point; each stick ends where the force on its side vanishes; the last piece ends where the
-first begins, `periods` periods of the drive later.
-
-Let f be these 2n functions, c the middle of a box X, J an enclosure of the Jacobian over X, Y any matrix. If
-
-    K(X) = c - Y f(c) + (1 - Y J) (X - c)
-
-lies inside X, then f has exactly one root in X, and it lies in K(X) (Krawczyk 1969). With constants that are balls this
-holds for every value in them.
+The unknowns are all switching points t_0, x_0, t_1, x_1, ..., and the equations f those of `symosc.orbits`. Let c be
+the middle of a box X, J an enclosure of the Jacobian over X, Y any matrix. If K(X) = c - Y f(c) + (1 - Y J) (X - c)
+lies inside X, then f has exactly one root in X, and it lies in K(X) (Krawczyk 1969). Constants may be balls.
 
 A root says that a piece ends on its belt, not that it comes there first. So for each belt around a flight the gap g has
-to be positive between its start and its end, and for each stick both forces that hold it. This is proven from the left
-to the right, in steps of adapted lengths. On a step from time a to time b, with balls for all times between them, one
-of these is enough, g > 0 being known at a, or g = 0 at a start on the belt:
+to be positive between its start and its end, and for each stick both forces that hold it. On a step one of these is
+enough, g > 0 being known where it begins, or g = 0 at a start on the belt: g > 0; g' > 0; g'' > 0 if it begins with a
+flight that leaves a stick; g' < 0 if it ends with the flight, where g = 0. The steps may begin and end anywhere.
 
-- g > 0 on the whole step;
-- g' > 0 on the whole step;
-- the step begins with the flight, g = g' = 0 there (it leaves a stick), and g'' > 0 on the whole step;
-- the step ends with the flight, g = 0 there, and g' < 0 on the whole step.
-
-No turning points of the forces enter: the steps may begin and end anywhere.
-
-The monodromy matrix is the product of the pieces (`symosc.orbits.floquet`). The multipliers are the roots of
-z^2 - T z + D, with its trace T and determinant D. Both lie inside the unit circle if and only if |D| < 1 and
-|T| < 1 + D (Schur and Cohn).
+Trace T and determinant D of the monodromy matrix give the multipliers. Both lie inside the unit circle if and only if
+|D| < 1 and |T| < 1 + D (Schur and Cohn). The proofs are in `symosc derive certificates`.
 """
 
 from __future__ import annotations

@@ -1,11 +1,10 @@
 """Proof of a motion that settles on a proven orbit: events of any number of periods, by a contraction over one.
 
 Let P be the map from an arrival at a belt to the same one some periods later, less the periods, and B = c + [-e, e] a
-box of times and positions about the orbit's arrival. If every motion from B has the events of the word, and P(B) lies
-in B, then by induction every motion that comes into B has these events in every later period, each within the times
-and positions of the first one. Let D contain the derivatives of P over B and q be the largest of (|D| e)_i / e_i. If
-q < 1, P is a contraction in the norm whose ball is B, so there is one fixed point in B, and after n cycles a motion is
-within 2 q^n e of it. So a certificate says as much of 100,000 periods as of one.
+box about the orbit's arrival. If every motion from B has the events of the word, and P(B) lies in B, then every motion
+that comes into B has these events in every later period. Let D contain the derivatives of P over B and q be the largest
+of (|D| e)_i / e_i. If q < 1, there is one fixed point in B, and after n cycles a motion is within 2 q^n e of it
+(`symosc derive certificates`). So a certificate says as much of 100,000 periods as of one.
 
 A start on a belt to all its digits, where a stick ends, may stick a little at first: every start leaves the belt before
 a time that is stated, with F = 0 or F of the sign of a flight. All these flights are followed as one set.

@@ -1,20 +1,13 @@
 """Proof of a motion up to its end, event by event, with as many bits as needed; a graze of one start in its error.
 
-A graze is a double zero of the gap, and no balls can tell it from a near miss. So one number of the start is left free,
-s, and with it the zero is a simple one of the bordered system
+A graze is a double zero of the gap, and no balls can tell it from a near miss. So one number s of the start is left
+free: (t, s) is a simple zero of gap = d gap/dt = 0, and Krawczyk's operator proves that exactly one s between two
+fractions grazes. The checker proves the same by continuity and by the sign of d gap/ds (`symosc derive certificates`).
 
-    gap(t, s) = 0,    d gap/dt (t, s) = 0,
-
-whose Jacobian [[gap_t, gap_s], [gap_tt, gap_ts]] is regular where gap_s and gap_tt are not 0. Krawczyk's operator
-(`symosc.certificates.orbit`) maps a box of times and of s between two fractions into its interior: for exactly one s
-between them the flight grazes. For all s between them the derivative of the acceleration has one sign around the graze,
-so it is the only contact there. The checker proves the same by continuity and by the sign of gap_s.
-
-Derivatives of the events by a number are coefficients of power series of two terms in its change. From event to event
-the flow is that of `symosc.certificates.flow`, with series for t, x and v at its start and for the parameter. At the
-time of the next event, which is known, v (on a belt: the force that vanishes) has then a derivative, and the implicit
-function theorem gives that of the event. It holds because each event is proven to be transversal: the slope there is
-not 0, nor is the force after it. So nearby motions have the same events.
+Derivatives of the events by a number are coefficients of power series of two terms in its change: at the time of the
+next event, which is known, v (on a belt: the force that vanishes) has a derivative, and the implicit function theorem
+gives that of the event. It holds because each event is proven to be transversal: the slope there is not 0, nor is the
+force after it. So nearby motions have the same events.
 """
 
 from __future__ import annotations
