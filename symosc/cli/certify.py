@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
 import click
@@ -97,7 +98,7 @@ def certify(
     if listed:
         if scene is not None:
             raise click.UsageError("--orbits proves its own list; give no scene")
-        return _prove_list()
+        return _listed("proven", False)
     if scene is None:
         raise click.UsageError("Missing argument 'SCENE'.")
     if (word or span or mapping) and (t_end or start_error or wrt):
@@ -176,17 +177,20 @@ def _print_certificate(certificate: Certificate) -> None:
         write(f"proven: {certificate.message}")
 
 
-def _prove_list() -> int:
+def _listed(verb: str, again: bool) -> int:
+    """Prove the list of orbits that ships, or prove it again; print how many are proven, and what is not."""
     from symosc.certificates.orbit_list import listed_orbits, prove_list
 
-    count = len(listed_orbits())
-    with bar("proven", count, "orbits") as report:
-        done = prove_list(progress=report)
-    regimes = ", ".join(f"{number} {name}" for name, number in done.regimes.items())
-    write(f"proven: {done.orbits} of {count} orbits ({regimes}), with {done.words} words")
-    for message in done.undecided:
-        complain(f"not proven: {message}")
-    return FAILED if done.undecided else 0
+    orbits = listed_orbits()
+    with bar(verb, len(orbits), "orbits") as report:
+        answers = prove_list(progress=report, again=again)
+    proven = [orbit for orbit, answer in zip(orbits, answers, strict=True) if not answer]
+    regimes = ", ".join(f"{number} {name}" for name, number in Counter(orbit.regime for orbit in proven).items())
+    more = "" if again else f" ({regimes}), with {len({orbit.cycle for orbit in proven})} words"
+    write(f"{verb}: {len(proven)} of {len(orbits)} orbits{more}")
+    for answer in filter(None, answers):
+        complain(answer if again else f"not proven: {answer}")
+    return FAILED if any(answers) else 0
 
 
 @click.command()
@@ -198,8 +202,8 @@ def _prove_list() -> int:
 def verify(file: str | None, *, listed: bool, size: int | None, events: int | None, steps: int | None) -> int:
     """Prove a certificate file once more, by other means than `symosc certify`, and print what is proven.
 
-    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits and branches, and
-    verify_atlas.py for atlases. They need python-flint and nothing of symosc: copy them, read them, and run them alone.
+    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits, branches and atlases. They
+    need python-flint and nothing of symosc: copy them, read them, and run them alone.
     Exit codes: 0 proven, 1 false or not proven, 2 no certificate.
 
     \b
@@ -210,28 +214,15 @@ def verify(file: str | None, *, listed: bool, size: int | None, events: int | No
     if (file is None) != listed:
         raise click.UsageError("--orbits verifies its own list; give no file" if listed else "Missing argument 'FILE'.")
     try:
-        from symosc.certificates import verify_atlas
+        from symosc.certificates import verify_orbits
     except ImportError:
         raise MissingExtraError("verify", "certify") from None
     if file is None:
-        return _verify_list()
+        return _listed("proven again", True)
     limits = {name: most for name, most in (("bytes", size), ("events", events), ("steps", steps)) if most is not None}
-    code, answer = verify_atlas.verify(file, **limits)
+    code, answer = verify_orbits.verify(file, **limits)
     if code:
         complain(answer)
     else:
         write(answer)
     return code
-
-
-def _verify_list() -> int:
-    from symosc.certificates.orbit_list import listed_orbits, verify_list
-
-    count = len(listed_orbits())
-    with bar("proven again", count, "orbits") as report:
-        answers = verify_list(progress=report)
-    wrong = [answer for answer in answers if answer]
-    write(f"proven again: {count - len(wrong)} of {count} orbits")
-    for line in wrong:
-        complain(line)
-    return FAILED if wrong else 0
