@@ -40,8 +40,8 @@ from symosc.crosschecks.objects import (
     refuse_twice,
     solutions_in,
 )
-from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, number_of, short
-from symosc.errors import MissingExtraError, ParameterError
+from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, number_of
+from symosc.errors import MissingExtraError, ParameterError, brief
 from symosc.files import STDOUT, read_path
 
 TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".out", ".asc")
@@ -108,7 +108,7 @@ def _read(path: str | Path, where: str, asked: Asked | None, text: Reader) -> An
     except Exception as error:
         first = str(error).partition("\n")[0]
         if library:
-            what = f"is not {library}, or it is damaged{': ' if first else ''}{short(first)}"
+            what = f"is not {library}, or it is damaged{': ' if first else ''}{brief(first)}"
             raise ParameterError("file", where, what) from None
         match error:
             case gzip.BadGzipFile() | lzma.LZMAError() | zlib.error() | EOFError():
@@ -224,7 +224,7 @@ def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
             try:
                 values[name].append(_number(cells[i], delimiter))
             except ValueError:
-                raise ParameterError(f"{name}[{row}]", short(cells[i]), f"is not a number (line {number})") from None
+                raise ParameterError(f"{name}[{row}]", brief(cells[i]), f"is not a number (line {number})") from None
         if id_column is not None:
             ids.append(sys.intern(cells[id_column]))  # one string for all rows of an id
     found = TextColumns((name, np.array(column)) for name, column in values.items())
@@ -264,7 +264,7 @@ def _table(
         found = choose(names)
         for name in found.values():
             if names.count(name) > 1:
-                raise ParameterError("file", where, f"has {short(name)!r} twice; there are: {names_text(names)}")
+                raise ParameterError("file", where, f"has {brief(name)!r} twice; there are: {names_text(names)}")
         return {name: names.index(column) for name, column in found.items()}
 
     first = _split_cells(head[data[0]][1], delimiter) if data else []
@@ -274,14 +274,15 @@ def _table(
     ]
     has_header = not _are_numbers(first, delimiter)  # or it is a row with words, below a header that is a comment
     usual = first if has_header else [str(i) for i in range(1, len(first) + 1)]
+    wrong: list[ParameterError] = []
     for names in [usual, *tried] if has_header else [*tried, usual]:
         try:
             columns, width = places(names), len(names)
             break
         except ParameterError as error:  # of a comment it only says that it is no header
-            wrong = error if names is usual else None
+            wrong += [error] if names is usual else []
     else:
-        raise wrong
+        raise wrong[0]
     begin = len(comments) + (has_header and names is usual)
 
     def rows() -> Iterator[tuple[int, list[str]]]:
