@@ -225,14 +225,13 @@ def explain(
         what = f"no event in the step, motion in {MODE_NAMES[first]}: tolerances of the method, or another model"
         return "local error", what
 
-    return tuple(
-        Fault(
-            i, *steps.t[i : i + 2].tolist(), *steps.defects[i].tolist(),
-            MODE_NAMES[int(steps.last[i])], MODE_NAMES.get(int(modes[i + 1]), ""),
-            *guess(i, misses[0][:, k], misses[1][:, k]),
-        )
-        for k, i in enumerate(chosen)
-    )  # fmt: skip
+    found = []
+    for k, i in enumerate(chosen):
+        (t, t_next), (dx, dv) = steps.t[i : i + 2].tolist(), steps.defects[i].tolist()
+        expected, mode = MODE_NAMES[int(steps.last[i])], MODE_NAMES.get(int(modes[i + 1]), "")
+        reason, words = guess(i, misses[0][:, k], misses[1][:, k])
+        found.append(Fault(i, t, t_next, dx, dv, expected, mode, reason, words))
+    return tuple(found)
 
 
 # -- alternatives tried on the wrong steps -----------------------------------------------------------------------------
