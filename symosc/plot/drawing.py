@@ -165,7 +165,9 @@ def read_panels(panels: Any, known: Iterable[str], ax: Any = None, alone: str = 
         panels = letters if ax is None else alone
     if not panels or set(panels) - set(letters) or len(set(panels)) < len(panels):
         raise ParameterError("panels", panels, f"must be different letters out of {letters}")
-    if ax is not None and figure_of(ax) and len(panels) > 1:
+    if ax is not None:
+        figure_of(ax)
+    if ax is not None and len(panels) > 1:
         raise ParameterError("panels", panels, f"axes hold one panel: give ax= with one letter out of {letters}")
     return panels
 

@@ -218,8 +218,8 @@ def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *
         if number == tall:
             draw_insets(ax, view)
         if len(panels) > 1:
-            above = {"y": INSET_TOP} if number == tall else {}
-            title = ax.set_title(f"({'abcdefg'[number]})", loc="left", pad=4, x=-0.12, **above)
+            place: Record = {"x": -0.12} | ({"y": INSET_TOP} if number == tall else {})
+            title = ax.set_title(f"({'abcdefg'[number]})", loc="left", pad=4, **place)
             title.set_in_layout(number != tall)  # the grid keeps that room free
         elif square:
             ax.set_box_aspect(1)
@@ -360,7 +360,7 @@ def _name_words(ax: Axes, branch: Branch) -> None:
     """Write the words of the branch and beyond its ends above the axes."""
     from symosc.orbits.branch import MOST, NO_CONVERGENCE
 
-    words = [(0.5 * (branch.values.min() + branch.values.max()), branch.word)]
+    words: list[Any] = [(0.5 * (branch.values.min() + branch.values.max()), branch.word)]
     words += [(end.value, end.kind if end.kind in (NO_CONVERGENCE, MOST) else end.beyond) for end in branch.ends]
     style: Record = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8}
     for place, word in words:

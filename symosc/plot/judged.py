@@ -28,6 +28,7 @@ from symosc.files import check_folder_of, write_text
 from symosc.fit import Fit
 from symosc.plot.drawing import STYLE, add_legend, axes_for, legend_entries, read_panels
 from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event
 
 if TYPE_CHECKING:
     from symosc.reference.score import CaseScore, Score
@@ -218,7 +219,7 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> No
     """Draw the velocity or the position in a step, with the exact motion from its first sample on."""
     values, name, color = (check.v, "$v$", VELOCITY) if of_velocity else (check.x, "$x$", POSITION)
     around, p = slice(max(0, step - 3), step + 2 + 3), check.trajectory.parameters
-    shown, events = values[around], ()
+    shown, events = values[around], tuple[Event, ...]()
     begin, end = float(check.t[step]), float(check.t[step + 1])
     if end > begin:
         motion = simulate(p, t0=begin, x0=float(check.x[step]), v0=float(check.v[step]), t_end=end)
@@ -412,7 +413,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     looks = []
     for i, _ in enumerate(scores):
         mark = SOLVER_MARKS[(i + i // len(SOLVER_COLOURS)) % len(SOLVER_MARKS)]
-        look = {"color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)], "marker": mark, "linestyle": "none"}
+        look: Record = {"color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)], "marker": mark, "linestyle": "none"}
         looks.append(look | {"markersize": 3.2, "markeredgewidth": 0})
     with rc_context(STYLE), axes_for(None, (10.0, 4.2)) as (drawing, (ax,)):
         for i, each in enumerate(scores):

@@ -147,7 +147,7 @@ def border_page(border: Border) -> str:
         (first, second, "error"), len(border), lambda i: [*border.points[i], f"{border.errors[i].max():.0e}"]
     )
     marks = [(float(point.values[0]), float(point.values[1])) for point in border.special]
-    drawn = curve(f"{second} against {first}", *border.points.T, marks)
+    drawn = curve(f"{second} against {first}", border.points[:, 0], border.points[:, 1], marks)
     about = dict(zip(END_NAMES, map(where, border.ends), strict=True))
     about |= {f"special point {i}": where(point) for i, point in enumerate(border.special, 1)}
     line = f"{border.words[0]} | {border.words[1] or 'no word'}: {border.sliding or border.kind}, {len(border)} points"

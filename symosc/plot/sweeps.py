@@ -321,10 +321,10 @@ def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: A
     depth = distance_transform_edt(np.pad(inside, 1), sampling=[1 / length for length in inside.shape])[1:-1, 1:-1]
     cell = np.unravel_index(np.argmax(depth), depth.shape)
     if depth[cell] > 0.045:  # so much of the map is free around the place
-        place = [(edge[k] + edge[k + 1]) / 2 for edge, k in zip(edges, cell, strict=True)]
+        x, y = ((edge[k] + edge[k + 1]) / 2 for edge, k in zip(edges, cell, strict=True))
         red, green, blue = color[:3]
         ink = "white" if 0.299 * red + 0.587 * green + 0.114 * blue < 0.45 else "black"  # by the lightness in grey
-        axes.text(*place, typeset(name), ha="center", va="center", color=ink, fontsize=8)
+        axes.text(x, y, typeset(name), ha="center", va="center", color=ink, fontsize=8)
 
 
 def borders(x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[list[tuple[float, float]]]:

@@ -115,6 +115,7 @@ def marks_of_ends(ax: Axes) -> set[tuple[str, float, float]]:
     return {(kinds[str(line.get_marker())], *map(float, np.asarray(line.get_xydata())[0])) for line in dots}  # type: ignore[misc]
 
 
+@pytest.mark.slow
 def test_a_style_of_lines_reaches_a_border_by_any_of_its_names() -> None:
     for given in ({"lw": 3, "c": "red"}, {"linewidth": 3, "color": "red"}):
         line = answer("border").plot(**given).axes[0].lines[0]
