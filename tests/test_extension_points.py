@@ -28,26 +28,25 @@ from __future__ import annotations
 import click
 
 import symosc
-from symosc.cli.common import json_option, scene_argument, scene_with, set_option, write_json, write_table
+from symosc.cli import options, output
 
 
 @click.command()
-@scene_argument
-@set_option
-@json_option
-def energy(scene: str, settings: tuple[str, ...], as_json: bool) -> int:
+@options.scene_argument
+@options.set_option
+@options.json_option
+def energy(scene: str, settings: options.Settings) -> None:
     """Print the energy at each event.
 
     \\b
     Example:
       symosc energy fig5
     """
-    problem = scene_with(scene, settings, {})
+    problem = options.scene_with(scene, settings)
     m, k = float(problem.parameters.m), float(problem.parameters.k)
     events = symosc.simulate(problem).events
     rows = [[f"{each.t:.6g}", f"{(m * each.v**2 + k * each.x**2) / 2:.6g}"] for each in events]
-    write_json(rows) if as_json else write_table(rows, ["t", "energy"])
-    return 0
+    output.report(lambda: rows, lambda: output.write_table(rows, ["t", "energy"]))
 '''
 
 
