@@ -261,6 +261,11 @@ def grazing_distance(equations: ClosingEquations, points: Points) -> float:
     return float(nearest)
 
 
+def of_function(condition: Condition) -> bool:
+    """Return whether a condition concerns a whole piece, not only its end or duration."""
+    return " stays in " in condition.text or " during " in condition.text
+
+
 def failing(all_of_them: list[Condition]) -> list[Condition]:
     """Return the failing conditions, the one that explains the others first."""
     return sorted((c for c in all_of_them if not c.value > 0), key=lambda condition: condition.rank)

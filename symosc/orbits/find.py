@@ -395,6 +395,43 @@ def settled_word(equations: ClosingEquations, passages: list[Passage]) -> Word |
     return None
 
 
+def orbit_of(
+    equations: ClosingEquations, passages: list[Passage], size: float
+) -> tuple[ClosingEquations, np.ndarray] | None:
+    """Return the equations and points of an admissible orbit that a simulation approaches."""
+    settled = settled_word(equations, passages)
+    words = ([settled] if settled else []) + _words_of_a_period(equations, passages)
+    for word in dict.fromkeys(words):
+        trial = ClosingEquations(equations.parameters, word, equations.periods)
+        found = windows(passages, word.labels, equations.periods, max(size, 1e-300))
+        for guess in sorted(found, key=lambda each: each.defect)[:4]:
+            solution = solve(trial, guess.points)
+            if solution.converged and not failures(trial, solution.points):
+                return trial, solution.points
+    return None
+
+
+def _words_of_a_period(equations: ClosingEquations, passages: list[Passage]) -> list[Word]:
+    """Return the words of one period that occur in the simulation, the last ones first."""
+    labels, found = mappings_between(passages), []
+    phases = np.array([passage.theta for passage in passages])
+    turn = 2 * pi * equations.periods
+    for last in range(len(labels), 0, -1):
+        first = int(np.argmin(np.abs(phases - (phases[last] - turn))))
+        part = labels[first:last]
+        if not 0 < len(part) <= 24 or None in part or phases[last] - turn < phases[0] - 1:
+            continue
+        try:
+            word = read_word(rotated(tuple(label for label in part if label), equations))
+        except WordError:
+            continue
+        if word not in found:
+            found.append(word)
+        if len(found) >= 6:
+            break
+    return found
+
+
 def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
     """Return a word of `labels`, begun with the first mapping of the equations' word if present."""
     first = equations.word.labels[0]

@@ -16,9 +16,8 @@ from units import UNITS, Units
 from symosc import Parameters, load_scene, simulate
 from symosc.errors import ParameterError
 from symosc.orbits import admissibility
-from symosc.orbits.admissibility import Condition, conditions, extrema, grazing_distance
+from symosc.orbits.admissibility import Condition, conditions, extrema, grazing_distance, of_function
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, polish, solve
-from symosc.orbits.curve import of_function
 from symosc.orbits.find import find_orbit, largest_displacement, orbit_at
 from symosc.orbits.floquet import monodromy, rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit
