@@ -39,19 +39,14 @@ from symosc.kernels.entire import EPS
 from symosc.mappings.numbers import number_of, symbolic
 from symosc.scenes import ParametersLike
 
-CHECK_PHASES, MOST_CHECK_PHASES = 10_000, 1_000_000
+CHECK_PHASES = 10_000
 YES, NO, NOT_DECIDED = 1, -1, 0
-# Rounding errors, in units of EPS and the size of the terms.
-FLOW_ROUNDING = 16.0
+FLOW_ROUNDING = 16.0  # rounding errors, in units of EPS and the size of the terms
 INTERVAL_DIGITS = 50
 # Digits of the exact flow at adversarial phases: a quartic tangency at the smallest time below needs 100 of them.
 FLOW_DIGITS = 130
 # Times before and after a contact, over the largest rate: in double precision, and two for the adversarial phases.
-FLOW_TIME = 1e-9
-FINE_FLOW_TIMES = ("1e-21", "1e-24")
-# DOP853: times before and after the contact, over the largest rate; the second one where the first cannot decide.
-DOP853_TIMES = (1e-2, 1e-13)
-DECIDER_TOLERANCE = 1e-13
+FLOW_TIME, FINE_FLOW_TIMES = 1e-9, ("1e-21", "1e-24")
 #: The three ways, and why they leave a phase undecided.
 G_SIGNS, EXACT_FLOW, DOP853 = "G-functions", "exact flow", "DOP853"
 WHY_UNDECIDED = {
@@ -59,7 +54,6 @@ WHY_UNDECIDED = {
     EXACT_FLOW: "the gap is 0 to all digits, or its sign depends on the time",
     DOP853: "the gap before or after is within the solver's error and the third-order term",
 }
-MOST_SHOWN = 20
 
 
 @dataclass(frozen=True)
@@ -138,7 +132,7 @@ class GrazingReport:
             lines.append(line + "".join(f"; cannot decide {n}: {why}" for why, n in self.undecided[way].items()))
         orders = ", ".join(f"order {order}: {count}" for order, count in sorted(self.orders.items()))
         lines.append(f"  decided by {orders}; {self.finely} phases needed intervals; {self.seconds:.2f} s")
-        lines += [f"  mismatch: {each}" for each in self.mismatches[:MOST_SHOWN]]
+        lines += [f"  mismatch: {each}" for each in self.mismatches[:20]]
         return "\n".join(lines)
 
 
@@ -173,7 +167,7 @@ def check_grazing(
     >>> check_grazing(load_scene("fig9").parameters, "P2", n=100).ok
     True
     """
-    n, seed = whole_number("n", n, 1, MOST_CHECK_PHASES), whole_number("seed", seed, 0, 2**63 - 1)
+    n, seed = whole_number("n", n, 1, 1_000_000), whole_number("seed", seed, 0, 2**63 - 1)
     begin = time.perf_counter()
     window = grazing_window(p, mapping)
     if p.k == 0:
@@ -187,27 +181,24 @@ def check_grazing(
             if advance:
                 advance(check.n_random / n, check.n_random)
         check.adversarial()
+    undecided = {way: {WHY_UNDECIDED[way]: count} if count else {} for way, count in check.undecided.items()}
+    mismatches, orders = tuple(check.mismatches), {order: count for order, count in check.orders.items() if count}
+    kept = ("n_random", "n_adversarial", "n_grazing", "agreements", "closest", "closest_phase", "finely")
     return GrazingReport(
-        mapping=mapping,
-        window=repr(window),
-        case=window.case,
-        seed=seed,
-        n_random=n,
-        n_adversarial=check.n_adversarial,
-        n_grazing=check.n_grazing,
-        agreements=check.agreements,
-        undecided={way: {WHY_UNDECIDED[way]: count} if count else {} for way, count in check.undecided.items()},
-        mismatches=tuple(check.mismatches),
-        closest=check.closest,
-        closest_phase=check.closest_phase,
-        orders={order: count for order, count in check.orders.items() if count},
-        finely=check.finely,
+        mapping,
+        repr(window),
+        window.case,
+        seed,
+        undecided=undecided,
+        mismatches=mismatches,
+        orders=orders,
         seconds=time.perf_counter() - begin,
+        **{name: getattr(check, name) for name in kept},
     )
 
 
 class _Check:
-    """The counters and comparisons of one check."""
+    """The counters and comparisons of one check, named as in its report."""
 
     def __init__(self, window: GrazingWindow) -> None:
         self.window, self.ways = window, Ways(window)
@@ -221,8 +212,13 @@ class _Check:
         """Decide random phases in double precision, the undecided ones singly with more digits."""
         ways = self.ways
         inside = self.window.contains(theta)
-        if inside.any():
-            self._check_contacts(theta[inside])
+        if inside.any():  # F must vanish at the window's x_m
+            K, grazing = ways.K, theta[inside]
+            drive, spring = K.f0 * np.cos(grazing), -K.w0sq * self.window.contact(grazing)
+            terms = [constant_force(self.window.place.domain, K), drive, spring, -K.cm * ways.v]
+            F, size = sum(terms), sum(map(abs, terms))
+            for i in np.nonzero(np.abs(F) > FLOW_ROUNDING * EPS * size)[0]:
+                self._mismatch(grazing[i], "contact", "F = 0", f"F = {F[i]}")
         signs, flow, solver = ways.verdicts_by_sign(theta), ways.verdicts_by_flow(theta), ways.verdicts_by_solver(theta)
         undecided = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
         self.orders[1] += int((~undecided).sum())
@@ -248,7 +244,7 @@ class _Check:
                 phase, value = base + symbolic(offset), number + self.ways.fine.number(offset)
                 zero = offset == 0 and base in zeros
                 verdicts = self._fine(value, zero)
-                margin = 0.0 if zero else abs(self.ways.fine_slope(value))
+                margin = 0.0 if zero else abs(self.ways.slope(value))
                 rows.append((phase, bool(self.window.contains(phase)), margin, *verdicts, float(value)))
                 if base in zeros and offset and NOT_DECIDED not in verdicts:
                     self.closest_phase = min(self.closest_phase, float(abs(offset)))
@@ -263,14 +259,6 @@ class _Check:
         verdict, order = self.ways.verdict_by_intervals(theta, zero)
         self.orders[order] += verdict != NOT_DECIDED
         return verdict, self.ways.verdict_by_fine_flow(theta)
-
-    def _check_contacts(self, theta: np.ndarray) -> None:
-        """Check that F vanishes at the window's x_m."""
-        K, v, x = self.ways.K, self.ways.v, self.window.contact(theta)
-        terms = [constant_force(self.window.place.domain, K), K.f0 * np.cos(theta), -K.w0sq * x, -K.cm * v]
-        F, size = sum(terms), sum(map(abs, terms))
-        for i in np.nonzero(np.abs(F) > FLOW_ROUNDING * EPS * size)[0]:
-            self._mismatch(theta[i], "contact", "F = 0", f"F = {F[i]}")
 
     def _count(self, phases: Any, inside: np.ndarray, margins: np.ndarray, *verdicts: np.ndarray) -> None:
         """Compare the verdicts of the three ways with the window."""
@@ -310,12 +298,10 @@ class Ways:
 
     # -- G-functions -------------------------------------------------------------------------------------------------
 
-    def slope(self, theta: np.ndarray) -> np.ndarray:
+    def slope(self, theta: Numbers) -> Any:
         """Return -side G^(1) divided by the sum of the sizes of its terms; positive for a graze."""
-        return self.side * (self.K.w0sq * self.v + self.K.fB * np.sin(theta)) / self.size
-
-    def fine_slope(self, theta: Number) -> float:
-        """Return -side G^(1)/size at an mpmath phase, computed with FLOW_DIGITS digits."""
+        if isinstance(theta, np.ndarray):
+            return self.side * (self.K.w0sq * self.v + self.K.fB * np.sin(theta)) / self.size
         slope = self.fine.K.w0sq * self.v_fine + self.fine.K.fB * self.fine.context.sin(theta)
         return self.side * float(slope) / self.size
 
@@ -382,7 +368,7 @@ class Ways:
     def verdicts_by_solver(self, theta: np.ndarray) -> np.ndarray:
         """Decide by DOP853, all phases in one system; NOT_DECIDED where terms of third order matter."""
         verdicts = np.zeros(len(theta), dtype=int)
-        for time_over_rate in DOP853_TIMES:
+        for time_over_rate in (1e-2, 1e-13):
             left = np.nonzero(verdicts == NOT_DECIDED)[0]
             if len(left):
                 tau = time_over_rate / self.K.rate
@@ -405,8 +391,7 @@ class Ways:
             force = -2.0 * K.f0 * np.sin(theta + half) * np.sin(half) - K.w0sq * tau * y - K.cm * u
             return np.concatenate([self.v + u, force / (self.size * tau)])
 
-        accuracy = {"rtol": DECIDER_TOLERANCE, "atol": DECIDER_TOLERANCE, "max_step": 0.25}
-        done = solve_ivp(rhs, (0.0, 1.0), np.zeros(2 * n), method="DOP853", **accuracy)
+        done = solve_ivp(rhs, (0.0, 1.0), np.zeros(2 * n), method="DOP853", rtol=1e-13, atol=1e-13, max_step=0.25)
         return -self.side * done.y[n:, -1]
 
 
