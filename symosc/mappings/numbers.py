@@ -28,11 +28,6 @@ POINT_NAMES = ("x_i", "theta_i", "x_j", "theta_j")
 REAL_NUMBER = "must be a finite real number: a float, an int or an mpmath number"
 
 
-def is_mp(value: object) -> bool:
-    """Return whether a value is an mpmath number."""
-    return hasattr(value, "_mpf_") and hasattr(value, "context")
-
-
 def is_array(value: Any) -> bool:
     """Return whether a value is an array or a sequence of numbers."""
     try:
@@ -92,8 +87,6 @@ def text_or_booleans(value: object) -> bool:
 
 # --- phases a + b pi ---
 
-# Longer texts are no angles that somebody means.
-LONGEST_TEXT = 200
 PHASE_FORMS = (
     "give a number, or a rational multiple of pi such as 'pi', '3*pi/2' or '-pi/4' (a rational number may be added)"
 )
@@ -138,8 +131,8 @@ def read_phase_text(name: str, text: str) -> ExactPhase:
         except ParameterError as error:
             allowed = f"{NUMBER_FORMS}, or a multiple of pi such as '3*pi/2'"
             raise ParameterError(name, text, allowed if error.allowed == NUMBER_FORMS else error.allowed) from None
-    if len(text) > LONGEST_TEXT:
-        raise ParameterError(name, f"{text[:20]}...", f"must have at most {LONGEST_TEXT} characters")
+    if len(text) > 200:  # no angle that somebody means
+        raise ParameterError(name, f"{text[:20]}...", "must have at most 200 characters")
     plain = re.sub(r"(?<=[\d)])\s*pi", "*pi", text.strip().replace("π", "pi"))
     if not PHASE_TEXT.fullmatch(plain) or "**" in plain or "//" in plain:
         raise ParameterError(name, text, PHASE_FORMS)
