@@ -40,18 +40,11 @@ from symosc.kernels.entire import EPS
 from symosc.model import Parameters
 from symosc.words import Word
 
-MOST_NEWTON_STEPS = 60
-MOST_POLISHING = 80
-# So many corrections in a row that shrink by a constant factor only are a sign of a multiple root.
-MOST_LINEAR = 16
-# Corrections in more digits that stop shrinking have converged if they are below this power of the arithmetic's unit.
-POLISHED = 0.8
+MOST_NEWTON_STEPS, MOST_POLISHING = 60, 80
 # A step may take at most this part of a piece's duration away: a flight must not shrink to its trivial root tau = 0.
 SHORTEN = 0.8
 # Below this size of a (relative) correction Newton's method is taken to converge; it then goes on to the last digit.
 CONVERGING = 1e-8
-# A residual below this may be rounding errors: Newton's method then goes on with more digits.
-ROUNDED, MORE_DIGITS = 1e-9, 40
 SINGULAR = "the Jacobian became singular"
 
 
@@ -113,11 +106,9 @@ def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
     """Return the pieces of a word, taken as periodic."""
     pieces = []
     for i, (row, exit) in enumerate(zip(word.maps, word.exits(), strict=True)):
-        upward = exit == "above" if row.sticks else row.end.superscript == 1  # from below
-        after_stick = word.maps[i - 1].sticks
-        pieces.append(
-            OrbitPiece(row.label, row.start.boundary, row.end.boundary, row.mode, 1 if upward else -1, after_stick)
-        )
+        side = 1 if (exit == "above" if row.sticks else row.end.superscript == 1) else -1  # 1: from below
+        ends = row.start.boundary, row.end.boundary
+        pieces.append(OrbitPiece(row.label, *ends, row.mode, side, word.maps[i - 1].sticks))
     return tuple(pieces)
 
 
@@ -227,9 +218,9 @@ class ClosingEquations:
         n = len(self.pieces)
         matrix = np.zeros((2 * n, 2 * n))
         for i, block in enumerate(self.blocks(points)):
-            j = (i + 1) % n
-            matrix[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] += np.asarray(block, dtype=float)[:, :2]
-            matrix[2 * i : 2 * i + 2, 2 * j : 2 * j + 2] += np.asarray(block, dtype=float)[:, 2:]
+            j, values = (i + 1) % n, np.asarray(block, dtype=float)
+            matrix[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] += values[:, :2]
+            matrix[2 * i : 2 * i + 2, 2 * j : 2 * j + 2] += values[:, 2:]
         return matrix
 
     def durations(self, points: np.ndarray) -> np.ndarray:
@@ -301,10 +292,10 @@ def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     # Near the birth of a short piece its duration has few digits in doubles, and steps that small are all noise.
     with np.errstate(all="ignore"):
         solution = newton(equations, guess)
-    if solution.converged or not np.isfinite(solution.residual) or solution.residual > ROUNDED:
+    if solution.converged or not np.isfinite(solution.residual) or solution.residual > 1e-9:
         return solution
     try:
-        finer = polish(equations.with_digits(MORE_DIGITS), solution.points)
+        finer = polish(equations.with_digits(40), solution.points)
     except (ZeroDivisionError, ValueError):
         return solution
     if not finer.converged:
@@ -320,9 +311,7 @@ def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) 
     changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]
     flights = np.array([not piece.sticks for piece in equations.pieces])
     shrinking = flights & (changes < 0)
-    if not shrinking.any():
-        return 1.0
-    return float(min(1.0, (SHORTEN * durations[shrinking] / -changes[shrinking]).min()))
+    return float((SHORTEN * durations[shrinking] / -changes[shrinking]).min(initial=1.0))
 
 
 def polish(equations: ClosingEquations, points: Points) -> Solution:
@@ -350,10 +339,10 @@ def polish(equations: ClosingEquations, points: Points) -> Solution:
         if not context.isfinite(size) or size > settled:
             return Solution(points, largest, steps, False, "the corrections grow in more digits")
         points = [(x + step[2 * i], theta + step[2 * i + 1]) for i, (x, theta) in enumerate(points)]
-        if size <= 16 * context.eps * settled or (size >= last / 4 and size < context.eps**POLISHED * settled):
+        if size <= 16 * context.eps * settled or (size >= last / 4 and size < context.eps**0.8 * settled):
             return Solution(points, equations.largest_residual(points), steps, True, "")
         linear = linear + 1 if size > last / 16 else 0
-        if linear > MOST_LINEAR:
+        if linear > 16:
             return Solution(points, largest, steps, False, "a multiple root")
         last = size
     return Solution(points, largest, MOST_POLISHING, False, "not converged in more digits")
