@@ -111,8 +111,7 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Numbe
 
 def bernstein(p: list[Number]) -> list[Number]:
     """Convert power coefficients of a polynomial to Bernstein coefficients on [0, 1]."""
-    n = len(p) - 1
-    row = [term / math.comb(n, j) for j, term in enumerate(p)]
+    row = [term / math.comb(len(p) - 1, j) for j, term in enumerate(p)]
     coefficients = []
     while row:  # a table of sums: b_i = sum_j comb(i, j) row_j
         coefficients.append(row[0])
@@ -445,8 +444,7 @@ class Flights:
             return 0
         t_error = arrival.v_error / abs(arrival.a) if arrival.kind == CONTACT else 0 * arrival.a
         x_error = arrival.x_error + abs(arrival.v) * t_error
-        v_error = arrival.v_error if arrival.kind == REACHED else 0 * arrival.a
-        worst = max(t_error, x_error, v_error)
+        worst = max(t_error, x_error, arrival.v_error if arrival.kind == REACHED else 0 * arrival.a)
         return int(self.context.ceil(self.context.log10(worst))) + wanted + 2 if worst > 0 else 0
 
 

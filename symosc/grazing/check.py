@@ -319,8 +319,7 @@ class Ways:
         angle = iv.mpf(bounds(theta, self.fine.context))
         s, c, Om, drive = iv.sin(angle), iv.cos(angle), interval(p.Omega), interval(p.B0 * p.Omega / p.m)
         values = [-(interval(p.k * self.window.speed / p.m) + drive * s), -drive * Om * c, drive * Om * Om * s]
-        equal = abs(p.k * self.window.speed) == abs(p.B0) * p.Omega
-        known_zero = [zero, zero and equal, False]
+        known_zero = [zero, zero and abs(p.k * self.window.speed) == abs(p.B0) * p.Omega, False]
         for order, G in enumerate(values, start=1):
             if known_zero[order - 1]:
                 if 0 not in G:  # the interval contradicts the zero
@@ -328,8 +327,7 @@ class Ways:
                 continue
             if 0 in G:
                 return NOT_DECIDED, order
-            inward = bool(-self.side * G.a > 0)
-            return (YES if order % 2 == 1 and inward else NO), order
+            return (YES if order % 2 == 1 and bool(-self.side * G.a > 0) else NO), order
         return NOT_DECIDED, len(values)
 
     # -- the exact flow ----------------------------------------------------------------------------------------------
@@ -360,8 +358,7 @@ class Ways:
 
     def _third_order(self, tau: float) -> float:
         """Bound the terms of third and higher order in the gap, over tau^2 (tau * rate << 1)."""
-        third = abs(self.K.fB) * self.K.Om + self.K.cm * self.size + self.K.w0sq * self.size * tau
-        return third * tau / 3.0
+        return (abs(self.K.fB) * self.K.Om + self.K.cm * self.size + self.K.w0sq * self.size * tau) * tau / 3.0
 
     # -- DOP853 ------------------------------------------------------------------------------------------------------
 

@@ -260,7 +260,7 @@ def read_points(
     if exit is not None and not (row.sticks and exit in EXITS):
         allowed = 'must be "below", "above" or None' if row.sticks else f"must be None: {label} is a flight"
         raise ParameterError("exit", exit, allowed)
-    given, shape = [*start, *end], None
+    given, shape, points = [*start, *end], None, list[Any]()
     context = next((value.context for value in given if hasattr(value, "_mpf_") and hasattr(value, "context")), None)
     if context is None and any(is_array(value) for value in given):
         numbers: MapArithmetic = _doubles(p, arrays=True)
@@ -366,10 +366,6 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
         "P1" to "P8".
     x_i, theta_i : number
         The start: position and phase Omega t (any multiple of 2 pi may be added). Floats or mpmath numbers.
-
-    Returns
-    -------
-    MapPoint
 
     Raises
     ------

@@ -69,20 +69,15 @@ def real_array(name: str, value: object, allowed: str) -> np.ndarray:
     try:
         array = np.asarray(value)
         plain = array is value and array.dtype.kind != "O"
-        if array.dtype.kind not in "iufO" or (not plain and text_or_booleans(value)):
-            raise TypeError
+        entries = [] if plain else np.asarray(value, dtype=object).ravel().tolist()
+        if array.dtype.kind not in "iufO" or any(isinstance(each, bool | np.bool_ | str | bytes) for each in entries):
+            raise TypeError  # numpy and float() would read text and booleans as numbers
         array = array.astype(float)
     except (TypeError, ValueError, OverflowError):
         raise ParameterError(name, value, allowed) from None
     if not np.isfinite(array).all():
         raise ParameterError(name, array[~np.isfinite(array)].flat[0], "must be finite everywhere")
     return array
-
-
-def text_or_booleans(value: object) -> bool:
-    """Return whether an entry is a text or a boolean, which numpy and float() would read as numbers."""
-    entries = np.asarray(value, dtype=object).ravel().tolist()
-    return any(isinstance(entry, bool | np.bool_ | str | bytes) for entry in entries)
 
 
 # --- phases a + b pi ---
@@ -273,8 +268,7 @@ def latex_point(letter: str, theta: Any, x: Any) -> str:
 
 def latex_words(text: str | None) -> str:
     """Return text for a LaTeX formula, with special characters escaped."""
-    escaped = re.sub(r"([_^%&#$])", r"\\\1", text or "")
-    return rf"\text{{{escaped}}}"
+    return r"\text{" + re.sub(r"([_^%&#$])", r"\\\1", text or "") + "}"
 
 
 def latex_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

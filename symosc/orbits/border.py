@@ -8,7 +8,7 @@ point are found on a small circle around it: the words of the settled motion are
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations, pairwise
 from math import cos, inf, pi, sin
@@ -34,6 +34,7 @@ from symosc.orbits.border_system import (
     ClosedForm,
     Node,
     Orbit,
+    Plane,
     Zero,
     is_symmetric,
     names_of,
@@ -139,28 +140,6 @@ class SpecialPoint(NamedTuple):
     error: float
 
 
-class Plane(NamedTuple):
-    """The plane of two parameters: the others, the names of the two, and their ranges."""
-
-    fixed: Parameters
-    names: tuple[str, str]
-    low: np.ndarray
-    high: np.ndarray
-
-    def parameters(self, values: Sequence[Any]) -> Parameters:
-        """Return the parameters at a point of the plane."""
-        return self.fixed.replace(**dict(zip(self.names, values, strict=True)))
-
-    def near(self, a: Sequence[float], b: Sequence[float]) -> bool:
-        """Return whether two points are the same within errors."""
-        return bool((np.abs(np.subtract(a, b)) < 1e-6 * self.widths).all())
-
-    @property
-    def widths(self) -> np.ndarray:
-        """The widths of the ranges."""
-        return self.high - self.low
-
-
 class Border(Drawable):
     """A border: the curve in a plane of two parameters on which the word of the settled motion changes.
 
@@ -199,9 +178,9 @@ class Border(Drawable):
     True
     """
 
-    def __init__(self, plane: Plane, system: BorderSystem, nodes: list[Node], ends: Any, special: Any) -> None:
-        self._plane, self._system, self._nodes = plane, system, nodes
-        self.parameters, self.fixed, self.ends, self.special = plane.names, plane.fixed, ends, tuple(special)
+    def __init__(self, system: BorderSystem, nodes: list[Node], ends: Any, special: Any) -> None:
+        self._plane, self._system, self._nodes = system.plane, system, nodes
+        self.parameters, self.fixed, self.ends, self.special = system.names, system.plane.fixed, ends, tuple(special)
         self.points = np.array([node.z[-2:] * system.scale[-2:] for node in nodes])
         self.errors = np.array([node.error for node in nodes])
         self.kind, self.sliding = names_of(system)
@@ -387,18 +366,18 @@ def motion_at(parameters: Parameters, orbit: Orbit) -> Orbit | None:
 class Tracer:
     """Follows one border from a point on it, both ways."""
 
-    def __init__(self, plane: Plane, system: BorderSystem, first: Node, step: float, most: int) -> None:
-        self.plane, self.system, self.first, self.longest, self.most = plane, system, first, step, most
-        self.low, self.high = (bound / plane.widths for bound in (plane.low, plane.high))
+    def __init__(self, system: BorderSystem, first: Node, step: float, most: int) -> None:
+        self.plane, self.system, self.first, self.longest, self.most = system.plane, system, first, step, most
+        self.low, self.high = (bound / self.plane.widths for bound in (self.plane.low, self.plane.high))
 
     def border(self) -> Border:
         """Return the border."""
         forward, last, special = self._follow(self.first)
         if last.kind == CLOSED:
-            return Border(self.plane, self.system, forward, (last, last), special)
+            return Border(self.system, forward, (last, last), special)
         backward, begin, others = self._follow(self.first._replace(tangent=-self.first.tangent))
         turned = [node._replace(tangent=-node.tangent) for node in reversed(backward[1:])]
-        return Border(self.plane, self.system, turned + forward, (begin, last), [*reversed(others), *special])
+        return Border(self.system, turned + forward, (begin, last), [*reversed(others), *special])
 
     def _follow(self, first: Node) -> tuple[list[Node], BorderEnd, list[SpecialPoint]]:
         """Follow the border along the first node's tangent; return its nodes, its end and its special points."""
@@ -531,8 +510,7 @@ class Tracer:
             q += change
         values, tangent = self._values(z), tangent * float(np.sign(tangent @ here.tangent))
         error = max(abs(change), *(2 * EPS * abs(value) for value in values))
-        bend = "largest" if here.tangent[-2 + j] > 0 else "smallest"
-        message = f"{self.plane.names[j]} is {bend} along the border"
+        message = f"{self.plane.names[j]} is {'largest' if here.tangent[-2 + j] > 0 else 'smallest'} along the border"
         return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
 
     def _codimension_two(self, good: Node, bad: Node) -> tuple[Node, SpecialPoint]:
@@ -620,7 +598,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
         more = [phase for other in mirrored for phase in other[1]]
         # The equations of one half of a symmetric orbit may leave the other half undetermined: both are tried first.
         for all_zeros, all_phases in (([*zeros, *added], [*phases, *more]), (zeros, phases))[not added :]:
-            system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit._replace(points=points), all_zeros)
+            system = BorderSystem(plane, orbit._replace(points=points), all_zeros)
             polished = system.polish(np.array([*points.ravel(), *all_phases, *values]) / system.scale)
             at = [float(value) for value in (polished or [])[-2:]]
             if polished is None or (np.abs(np.subtract(at, values)) > NEAR * plane.widths).any():
@@ -638,7 +616,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
 def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedForm, Node] | None:
     """Return the border at a place of the plane beyond which the motion has no word; None if there is none."""
     p = plane.parameters(place.tolist())
-    system = ClosedForm(p, plane.names, plane.widths, orbit)
+    system = ClosedForm(plane, p, orbit)
     holds, drives = system.terms(place)
     if not (holds > drives > 0 if system.line else abs(holds - drives) < 1e-6 * drives):
         return None
@@ -658,7 +636,7 @@ def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray)
     for zero, phases in (found for c in nearest for found in zeros_of(equations, points, c)):
         if zero.kind == AT_ARRIVAL:  # it belongs to the word with more pieces
             continue
-        system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit, [zero])
+        system = BorderSystem(plane, orbit, [zero])
         z, row = np.array([*np.ravel(points), *phases, *place]) / system.scale, np.zeros(len(system.scale))
         across = direction / plane.widths
         row[-2:] = np.array([-across[1], across[0]]) / np.linalg.norm(across)
@@ -744,7 +722,7 @@ def borders_between(
         begun, first, second = [found[1]], inside, found[0]
     if first[1] is not None and second[1] is not None:
         begun += all_crossings(plane, (first[0], first[1]), (second[0], second[1]))
-    return _distinct(plane, iter(begun), *_read_steps(**how))
+    return _distinct(begun, *_read_steps(**how))
 
 
 def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
@@ -759,7 +737,7 @@ def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
 
 def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> Any:
     """Return the border in closed form between an orbit and a place without one, and an orbit beside it; or None."""
-    system = ClosedForm(plane.parameters(place.tolist()), plane.names, plane.widths, inside[1])
+    system = ClosedForm(plane, plane.parameters(place.tolist()), inside[1])
 
     def word(part: float) -> bool:
         holds, drives = system.terms(place + part * (inside[0] - place))
@@ -786,14 +764,14 @@ def borders_leaving(border: Border, special: SpecialPoint, **how: Any) -> list[B
     plane, nearest = border._plane, np.abs(border.points - special.values).sum(axis=1).argmin()
     around = _circle(plane, special.values, border.orbit(int(nearest)))
     chords = pairwise([*around, *around[:1]])  # the plane's range is convex: the last chord is in it too
-    return _distinct(plane, (found for chord in chords for found in all_crossings(plane, *chord)), *_read_steps(**how))
+    return _distinct((found for chord in chords for found in all_crossings(plane, *chord)), *_read_steps(**how))
 
 
-def _distinct(plane: Plane, begun: Iterator[tuple[BorderSystem, Node]], step: float, most: int) -> list[Border]:
+def _distinct(begun: Iterable[tuple[BorderSystem, Node]], step: float, most: int) -> list[Border]:
     """Follow the border through each of the given nodes; return each border once."""
     found = list[Border]()
     for system, node in begun:
-        border = Tracer(plane, system, node, step, most).border()
+        border = Tracer(system, node, step, most).border()
         if len(border) > 1 and not any(passes(each, node.z[-2:] * system.scale[-2:], border.words) for each in found):
             found.append(border)
     return found
@@ -843,10 +821,6 @@ def continue_border(
     max_points : int
         Of each of the two directions.
 
-    Returns
-    -------
-    Border
-
     Raises
     ------
     ParameterError
@@ -872,11 +846,10 @@ def continue_border(
     longest, most = _read_steps(step, max_points)
     values = np.array([value, float(getattr(parameters, parameter))])
     inward = np.sign(branch.values[len(branch.values) // 2] - reason.value) or (1.0, -1.0)[which]
-    orbit = branch.orbit(-which)
-    near = Orbit(Word(branch.labels), branch.periods, orbit.phases())
+    near = Orbit(Word(branch.labels), branch.periods, branch.orbit(-which).phases())
     closed = closed_form(plane, values, near) if reason.beyond is None else None
     if closed is not None:
-        border = Tracer(plane, *closed, longest, most).border()
+        border = Tracer(*closed, longest, most).border()
         border.kind = reason.kind
         return border
     for distance in AWAY:
@@ -885,7 +858,7 @@ def continue_border(
         if inside is None or outside is None:
             continue
         for system, node in crossings(plane, (values + shift, inside), (values - shift, outside)):
-            border = Tracer(plane, system, node, longest, most).border()
+            border = Tracer(system, node, longest, most).border()
             if border.words[1] == cycle(branch.word):
                 border.words, border._side, border.kind = border.words[::-1], -border._side, reason.kind
             return border

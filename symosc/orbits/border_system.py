@@ -76,6 +76,28 @@ class Zero(NamedTuple):
         return self._replace(kind=AT_BEND if self.kind in TIMED else AT_FLAT)
 
 
+class Plane(NamedTuple):
+    """The plane of two parameters: the others, the names of the two, and their ranges."""
+
+    fixed: Parameters
+    names: tuple[str, str]
+    low: np.ndarray
+    high: np.ndarray
+
+    def parameters(self, values: Sequence[Any]) -> Parameters:
+        """Return the parameters at a point of the plane."""
+        return self.fixed.replace(**dict(zip(self.names, values, strict=True)))
+
+    def near(self, a: Sequence[float], b: Sequence[float]) -> bool:
+        """Return whether two points are the same within errors."""
+        return bool((np.abs(np.subtract(a, b)) < 1e-6 * self.widths).all())
+
+    @property
+    def widths(self) -> np.ndarray:
+        """The widths of the ranges."""
+        return self.high - self.low
+
+
 class Node(NamedTuple):
     """A point of a border: scaled unknowns, unit tangent, and error estimates of the two parameters."""
 
@@ -119,13 +141,11 @@ class BorderSystem:
     With one zero they have a curve of roots, with two a point. Scaled unknowns z = u/scale are used for lengths.
     """
 
-    def __init__(
-        self, fixed: Parameters, names: tuple[str, str], widths: Any, orbit: Orbit, zeros: Sequence[Zero]
-    ) -> None:
+    def __init__(self, plane: Plane, orbit: Orbit, zeros: Sequence[Zero]) -> None:
         self.word, self.periods, points = orbit
-        self.fixed, self.names, self.zeros = fixed, names, tuple(zeros)
+        self.plane, self.fixed, self.names, self.zeros = plane, plane.fixed, plane.names, tuple(zeros)
         self.timed = [zero for zero in self.zeros if zero.kind in TIMED]
-        self.given = {name: float(getattr(fixed, name)) for name in PARAMETER_NAMES}
+        self.given = {name: float(getattr(plane.fixed, name)) for name in PARAMETER_NAMES}
         self.pieces = pieces_of(self.word)
         self.n = len(self.pieces)
         self.sizes = np.zeros(0)
@@ -134,7 +154,7 @@ class BorderSystem:
         self.symmetric_pieces = self.pieces
         size = max(np.ptp(points[:, 0]), 0.1 * np.abs(points[:, 0]).max())
         weight = POINTS_WEIGHT * np.sqrt(2 * self.n)
-        self.scale = np.array([*[size * weight, weight] * self.n, *[weight] * len(self.timed), *widths])
+        self.scale = np.array([*[size * weight, weight] * self.n, *[weight] * len(self.timed), *plane.widths])
 
     def _at_rest_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
         """Return the pieces; flights after these crossings start with an acceleration of exactly 0."""
@@ -367,15 +387,15 @@ class ClosedForm(BorderSystem):
 
     If its speed is 0 the mass may rest on it where mu FN >= |B0|; in a plane of this speed that is a line between two
     words. Else no belt is met if it is as fast as the steady motion at its fastest: |v| sqrt((k - m Omega^2)^2 +
-    (c Omega)^2) >= |B0| Omega. The `orbit` is one beside the border.
+    (c Omega)^2) >= |B0| Omega. The parameters `fixed` are on the border, the `orbit` is one beside it.
     """
 
-    def __init__(self, fixed: Parameters, names: tuple[str, str], widths: Any, orbit: Orbit) -> None:
+    def __init__(self, plane: Plane, fixed: Parameters, orbit: Orbit) -> None:
         belt = 1 if abs(fixed.v1) <= abs(fixed.v2) else 2
-        super().__init__(fixed, names, widths, orbit, [Zero(AT_TOUCH, 0, belt)])
-        self.belt, self.n, self.near, self.scale = belt, 0, orbit.points, np.array(widths)
+        super().__init__(plane._replace(fixed=fixed), orbit, [Zero(AT_TOUCH, 0, belt)])
+        self.plane, self.belt, self.n, self.near, self.scale = plane, belt, 0, orbit.points, plane.widths
         self.rests = fixed.belt(belt) == 0
-        self.line = self.rests and f"v{belt}" in names
+        self.line = self.rests and f"v{belt}" in plane.names
         self.up, self.push = 1 if fixed.belt(belt) > 0 else -1, 1 if fixed.B0 > 0 else -1
 
     def _numbers(self, u: Any, digits: int | None = None) -> Any:

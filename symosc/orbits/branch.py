@@ -281,10 +281,6 @@ def continue_orbit(
         True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
         numbers: the part of the range that is done, and 1.
 
-    Returns
-    -------
-    Branch
-
     Raises
     ------
     WordError, ConvergenceError
@@ -669,8 +665,7 @@ Node = tuple[ClosingEquations, np.ndarray]
 
 def no_margin_vanishes(nodes: list[Node], margins: list[tuple[Condition, ...]]) -> bool:
     """Return whether no margin reaches 0 between the first and the last of five points of a branch."""
-    rows = [[c.value for c in row if not of_function(c)] for row in margins]
-    if not _cells(np.array(rows)).all():
+    if not _cells(np.array([[c.value for c in row if not of_function(c)] for row in margins])).all():
         return False
     equations, points = nodes[2]
     for i, duration in enumerate(equations.durations(points)):
@@ -693,8 +688,7 @@ def _cells(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
 
 def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
     """Return whether the margins of piece i stay positive at and between the parts u of its duration."""
-    found = [functions(equations, points, i, u) for equations, points in nodes]
-    for rows in zip(*found, strict=True):
+    for rows in zip(*(functions(equations, points, i, u) for equations, points in nodes), strict=True):
         values = np.array(rows)
         bend = np.abs(np.diff(values, 2, axis=1)).max(axis=0)
         bend = np.concatenate([bend[:1], bend, bend[-1:]])

@@ -188,8 +188,7 @@ class ClosingEquations:
         """Return f1, f2 of a piece, with the known roots divided out."""
         K, tau, v_end = self.K, (end[1] - start[1]) / self.K.Om, self.belt(piece.end).v
         if piece.sticks:
-            domain = piece.start + (piece.side > 0)
-            A = (K.A1, K.A2, K.A3)[domain - 1]
+            A = (K.A1, K.A2, K.A3)[piece.start - (piece.side < 0)]  # of the domain that it leaves to
             return stick_residual(start[0], v_end, tau, end[0], self.cos(end[1]), A, K.cm, K.w0sq, K.f0)
         v, a, s, c = self.start_of_flight(piece, start)
         basis = self.basis(tau, K)[:5]
@@ -309,8 +308,7 @@ def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) 
     # A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
     durations = equations.durations(points)
     changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]
-    flights = np.array([not piece.sticks for piece in equations.pieces])
-    shrinking = flights & (changes < 0)
+    shrinking = np.array([not piece.sticks for piece in equations.pieces]) & (changes < 0)
     return float((SHORTEN * durations[shrinking] / -changes[shrinking]).min(initial=1.0))
 
 

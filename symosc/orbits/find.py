@@ -18,7 +18,7 @@ from symosc.engine.start import belt_start, belt_state
 from symosc.engine.state import CROSS, END, FAILED, REST, SLIP, STICK, Covariance
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, unmasked, whole_number
-from symosc.mappings.numbers import text_or_booleans
+from symosc.mappings.numbers import real_array
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, failures, grazing_distance
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Solution, polish, solve
@@ -167,8 +167,7 @@ def _best_root(equations: ClosingEquations, guesses: Iterator[Guess]) -> tuple[C
         repeats = repetitions(tried, solution.points) > 1
         if not failed and (not repeats or tried.parameters.c > 0):  # with damping there is no other
             return tried, solution
-        rank = (bool(failed), repeats, max((-c.value for c in failed), default=0.0))
-        roots.append((rank, tried, solution))
+        roots.append(((bool(failed), repeats, max((-c.value for c in failed), default=0.0)), tried, solution))
     if roots:
         return min(roots, key=lambda root: root[0])[1:]
     word = str(equations.word)
@@ -288,20 +287,12 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
     if isinstance(guess, PeriodicOrbit):
         periods, guess = periods or guess.periods, guess.points
     guess = unmasked("guess", named("guess", guess, ("t", "x")))
-    try:
-        if isinstance(guess, Mapping):
-            guess = np.column_stack([np.atleast_1d(unmasked("guess", column)) for column in guess.values()])
-        if text_or_booleans(guess):
-            raise TypeError
-        rows = np.atleast_2d(np.array(guess, dtype=object))
-        if rows.ndim > 2:
-            raise TypeError
-        values = np.array([[float(value) for value in unmasked("guess", list(row))] for row in rows])
-    except (TypeError, ValueError, OverflowError):
-        values = np.zeros((0, 0))
-    if values.shape not in ((n, 2), (1, 2)) or not np.isfinite(values).all():
-        shape = f"an array of shape {values.shape}" if values.size else guess
-        raise ParameterError("guess", shape, f"must be {n} pairs (t, x), one for each switching, or one to start from")
+    if isinstance(guess, Mapping):
+        guess = np.array([np.ravel(unmasked("guess", column)) for column in guess.values()], dtype=object).T
+    allowed = f"must be {n} pairs (t, x), one for each switching, or one to start from"
+    values = np.atleast_2d(real_array("guess", guess, allowed))
+    if values.shape not in ((n, 2), (1, 2)):
+        raise ParameterError("guess", f"an array of shape {values.shape}" if values.size else guess, allowed)
     theta = Omega * values[:, 0]
     if len(values) == 1:
         passages, _ = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
@@ -379,8 +370,7 @@ def orbit_of(
 ) -> tuple[ClosingEquations, np.ndarray] | None:
     """Return the equations and points of an admissible orbit that a simulation approaches."""
     settled = settled_word(equations, passages)
-    words = ([settled] if settled else []) + _words_of_a_period(equations, passages)
-    for word in dict.fromkeys(words):
+    for word in dict.fromkeys(([settled] if settled else []) + _words_of_a_period(equations, passages)):
         trial = ClosingEquations(equations.parameters, word, equations.periods)
         found = windows(passages, word.labels, equations.periods, max(size, 1e-300))
         for guess in sorted(found, key=lambda each: each.defect)[:4]:

@@ -236,8 +236,7 @@ class PeriodicOrbit(Drawable):
             value: Fraction = getattr(self.parameters, name)
             step = max(abs(value), Fraction(1, 1000)) / 10**15
             up, down = (_beside(self, name, value + way * step) for way in (1, -1))
-            width = 2 * float(step)
-            columns.append([complex(a - b) / width for a, b in zip(up, down, strict=True)])
+            columns.append([complex(a - b) / (2 * float(step)) for a, b in zip(up, down, strict=True)])
         found, n = np.array(columns).T, len(self.points)
         slopes = found[2 * n :]
         if abs(complex(self.multipliers[0]) - complex(self.multipliers[1])) <= 1e-7:  # they are one
@@ -266,13 +265,11 @@ class PeriodicOrbit(Drawable):
             raise ParameterError("within", within, "must be > 0")
         if scene.parameters != self.parameters:
             raise ParameterError("scene", scene.name, "must have the orbit's parameters")
-        start = np.array([float(scene.x0), float(scene.v0)])
-        offset = start - self._at(scene, np.zeros(1))[:, 0]
+        offset = np.array([float(scene.x0), float(scene.v0)]) - self._at(scene, np.zeros(1))[:, 0]
         dt, dx = self._nearest_switching(scene)
         length, periods = float(self.period), None
         for span in (20, 400):  # most motions are near after a few periods
-            end = float(scene.t0) + (span + 0.5) * length
-            path = simulate(scene.reduced(), t_end=end)
+            path = simulate(scene.reduced(), t_end=float(scene.t0) + (span + 0.5) * length)
             elapsed = length * np.arange(1 + int((float(path.t_end) - float(scene.t0)) / length))
             away = np.abs(path(float(scene.t0) + elapsed) - self._at(scene, elapsed)).max(axis=0)
             far = np.flatnonzero(away > near)

