@@ -54,7 +54,7 @@ def test_digits_are_correct() -> None:
                 assert abs(getattr(start, name) - getattr(finer, name)) < mpmath.mpf(10) ** (1 - digits)
 
 
-@pytest.mark.full(2)
+@pytest.mark.full(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
@@ -169,7 +169,7 @@ def test_theorem_6_at_an_inflection() -> None:
 
 
 @pytest.mark.slow
-@sample_of(12, 40)
+@sample_of(5, 40)
 def test_theorem_6_is_what_the_flow_does(count: int) -> None:
     rng = random.Random(3)
     for _ in range(count):

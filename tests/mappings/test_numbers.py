@@ -95,7 +95,7 @@ def random_parameters(rng: random.Random) -> Parameters:
 def test_windows_contain_what_their_exact_sets_contain(mapping: str) -> None:
     """Against sympy's sets, whose ends are compared by sympy, at their ends and at random multiples of pi."""
     rng, at_ends = random.Random(mapping), 0
-    for _ in range(14):
+    for _ in range(10):
         p = random_parameters(rng)
         order = rng.choice(["full", "paper"])
         window = grazing_window(p, mapping, order)
@@ -110,7 +110,7 @@ def test_windows_contain_what_their_exact_sets_contain(mapping: str) -> None:
             assert inside == window.contains(phase)
             if inside and p.k:
                 assert sp.expand(window.contact(text) - window.contact(phase)) == 0
-    assert at_ends > 8
+    assert at_ends > 4
 
 
 @pytest.mark.slow
@@ -118,7 +118,7 @@ def test_windows_contain_what_their_exact_sets_contain(mapping: str) -> None:
 def test_windows_agree_with_theorem_6_at_the_contact(mapping: str) -> None:
     """A phase is in the full window iff F and its derivatives at the contact say so, in 50 digits."""
     rng = random.Random(f"contact {mapping}")
-    for _ in range(40):
+    for _ in range(12):
         p = random_parameters(rng)
         p = p.replace(k=max(p.k, 1))
         window = grazing_window(p, mapping)

@@ -15,11 +15,7 @@ from scipy.optimize import minimize_scalar
 from symosc import ParameterError, Parameters, load_scene, simulate
 from symosc.engine.flow import state_at
 from symosc.orbits import branch as branches
-from symosc.orbits.branch import (
-    Branch,
-    BranchError,
-    continue_orbit,
-)
+from symosc.orbits.branch import Branch, BranchError, continue_orbit
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.words import read_word
