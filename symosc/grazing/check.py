@@ -15,11 +15,11 @@ of equality and the quarters of the circle, and phases 1e-3 to 1e-14 before and 
 from __future__ import annotations
 
 import time
-from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
+from itertools import product
 from math import inf, pi
 from typing import Any
 
@@ -174,109 +174,94 @@ def check_grazing(
         raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m")
     if p.B0 == 0 and window.speed == 0:
         raise ParameterError("B0", "0", "must not be 0 where v_lambda is: the flow stays on the belt for ever")
-    check, theta = _Check(window), np.random.default_rng(seed).uniform(0.0, 2 * pi, n)
+    ways, theta = Ways(window), np.random.default_rng(seed).uniform(0.0, 2 * pi, n)
+    mismatches, parts, done = list[dict[str, str]](), [], 0
+
+    def disagree(phase: object, way: str, expected: str, found: str) -> None:
+        mismatches.append({"theta": str(phase), "way": way, "window": expected, "found": found})
+
     with late_bar(progress, f"check {mapping}", "phases") as advance:
-        for part in np.array_split(theta, range(CHECK_PHASES, n, CHECK_PHASES)):
-            check.random(part)
+        for some in np.array_split(theta, range(CHECK_PHASES, n, CHECK_PHASES)):
+            parts.append(_random(ways, some, disagree))
+            done += len(some)
             if advance:
-                advance(check.n_random / n, check.n_random)
-        check.adversarial()
-    undecided = {way: {WHY_UNDECIDED[way]: count} if count else {} for way, count in check.undecided.items()}
-    mismatches, orders = tuple(check.mismatches), {order: count for order, count in check.orders.items() if count}
-    kept = ("n_random", "n_adversarial", "n_grazing", "agreements", "closest", "closest_phase", "finely")
+                advance(done / n, done)
+        parts.append(_adversarial(ways))
+    phases, inside, margins, offsets, finely, orders, *verdicts = map(np.concatenate, zip(*parts, strict=True))
+    agreements, undecided, closest, words = {}, {}, {}, ("does not graze", "grazes")
+    for way, verdict in zip(WHY_UNDECIDED, verdicts, strict=True):
+        decided = verdict != NOT_DECIDED
+        right = decided & ((verdict == YES) == inside)
+        agreements[way] = int(right.sum())
+        undecided[way] = {} if decided.all() else {WHY_UNDECIDED[way]: int((~decided).sum())}
+        closest[way] = float(margins[right & (margins > 0)].min(initial=inf))
+        for j in np.nonzero(decided & ~right)[0]:
+            disagree(phases[j], way, words[int(inside[j])], words[int(verdict[j] == YES)])
+    near = offsets[(verdicts[0] != NOT_DECIDED) & (verdicts[1] != NOT_DECIDED)]
     return GrazingReport(
-        mapping,
-        repr(window),
-        window.case,
-        seed,
+        mapping=mapping,
+        window=repr(window),
+        case=window.case,
+        seed=seed,
+        n_random=n,
+        n_adversarial=len(phases) - n,
+        n_grazing=int(inside.sum()),
+        agreements=agreements,
         undecided=undecided,
-        mismatches=mismatches,
-        orders=orders,
+        mismatches=tuple(mismatches),
+        closest=closest,
+        closest_phase=float(near.min(initial=inf)),
+        orders={order: int((orders == order).sum()) for order in (1, 2, 3) if order in orders},
+        finely=int(finely.sum()),
         seconds=time.perf_counter() - begin,
-        **{name: getattr(check, name) for name in kept},
     )
 
 
-class _Check:
-    """The counters and comparisons of one check, named as in its report."""
+# What is known of some phases, in columns: the phase, whether it is in the window, |G^(1)| over its size, its distance
+# from a phase with G^(1) = 0 (inf: not known), whether it took intervals, the order that decides (0: none), and the
+# verdicts of the three ways.
 
-    def __init__(self, window: GrazingWindow) -> None:
-        self.window, self.ways = window, Ways(window)
-        self.agreements, self.undecided = dict.fromkeys(WHY_UNDECIDED, 0), dict.fromkeys(WHY_UNDECIDED, 0)
-        self.closest, self.closest_phase = dict.fromkeys(WHY_UNDECIDED, inf), inf
-        self.mismatches: list[dict[str, str]] = []
-        self.orders: Counter[int] = Counter()
-        self.n_random = self.n_grazing = self.n_adversarial = self.finely = 0
 
-    def random(self, theta: np.ndarray) -> None:
-        """Decide random phases in double precision, the undecided ones singly with more digits."""
-        ways = self.ways
-        inside = self.window.contains(theta)
-        if inside.any():  # F must vanish at the window's x_m
-            K, grazing = ways.K, theta[inside]
-            drive, spring = K.f0 * np.cos(grazing), -K.w0sq * self.window.contact(grazing)
-            terms = [constant_force(self.window.place.domain, K), drive, spring, -K.cm * ways.v]
-            F, size = sum(terms), sum(map(abs, terms))
-            for i in np.nonzero(np.abs(F) > FLOW_ROUNDING * EPS * size)[0]:
-                self._mismatch(grazing[i], "contact", "F = 0", f"F = {F[i]}")
-        signs, flow, solver = ways.verdicts_by_sign(theta), ways.verdicts_by_flow(theta), ways.verdicts_by_solver(theta)
-        undecided = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
-        self.orders[1] += int((~undecided).sum())
-        for i in np.nonzero(undecided)[0]:
-            signs[i], flow[i] = self._fine(ways.fine.context.mpf(float(theta[i])), False)
-        self._count(theta, inside, np.abs(ways.slope(theta)), signs, flow, solver)
-        self.n_random += len(theta)
+def _random(ways: Ways, theta: np.ndarray, disagree: Callable[..., None]) -> tuple[np.ndarray, ...]:
+    """Decide phases in double precision, the undecided ones singly with more digits."""
+    inside, K = ways.window.contains(theta), ways.K
+    if inside.any():  # F must vanish at the window's x_m
+        drive, spring = K.f0 * np.cos(theta[inside]), -K.w0sq * ways.window.contact(theta[inside])
+        terms = [constant_force(ways.window.place.domain, K), drive, spring, -K.cm * ways.v]
+        F, size = sum(terms), sum(map(abs, terms))
+        for i in np.nonzero(np.abs(F) > FLOW_ROUNDING * EPS * size)[0]:
+            disagree(theta[inside][i], "contact", "F = 0", f"F = {F[i]}")
+    signs, flow, orders = ways.verdicts_by_sign(theta), ways.verdicts_by_flow(theta), np.ones(len(theta), dtype=int)
+    finely = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
+    for i in np.nonzero(finely)[0]:
+        signs[i], orders[i], flow[i] = ways.fine_verdicts(ways.fine.context.mpf(float(theta[i])), False)
+    columns = theta.astype(object), inside, np.abs(ways.slope(theta)), np.full(len(theta), inf), finely, orders
+    return *columns, signs, flow, ways.verdicts_by_solver(theta)
 
-    def adversarial(self) -> None:
-        """Decide the special phases and phases 1e-3 to 1e-14 away from them."""
-        import sympy
 
-        zeros: set[Expr] = set()  # where G^(1) = 0 exactly
-        if self.window.signs[1] and self.window.signs[2] <= 0:
-            angle = sympy.asin(symbolic(-self.window.gamma / self.window.amplitude))
-            zeros = {end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)}
-        special = sorted(zeros | {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}, key=float)
-        offsets = [Fraction(0)] + [Fraction(sign, 10**k) for k in range(3, 15) for sign in (1, -1)]
-        rows = []
-        for base in special:
-            number = self.ways.fine.context.mpf(str(base.evalf(FLOW_DIGITS + 10)))
-            for offset in offsets:
-                phase, value = base + symbolic(offset), number + self.ways.fine.number(offset)
-                zero = offset == 0 and base in zeros
-                verdicts = self._fine(value, zero)
-                margin = 0.0 if zero else abs(self.ways.slope(value))
-                rows.append((phase, bool(self.window.contains(phase)), margin, *verdicts, float(value)))
-                if base in zeros and offset and NOT_DECIDED not in verdicts:
-                    self.closest_phase = min(self.closest_phase, float(abs(offset)))
-        phases = [row[0] for row in rows]
-        *columns, floats = (np.array(column) for column in list(zip(*rows, strict=True))[1:])
-        self._count(phases, *columns, self.ways.verdicts_by_solver(floats))
-        self.n_adversarial = len(phases)
+def _adversarial(ways: Ways) -> tuple[np.ndarray, ...]:
+    """Decide the special phases and phases 1e-3 to 1e-14 away from them."""
+    import sympy
 
-    def _fine(self, theta: Number, zero: bool) -> tuple[int, int]:
-        """Return the verdicts of the G-functions in intervals, and of the exact flow with many digits."""
-        self.finely += 1
-        verdict, order = self.ways.verdict_by_intervals(theta, zero)
-        self.orders[order] += verdict != NOT_DECIDED
-        return verdict, self.ways.verdict_by_fine_flow(theta)
-
-    def _count(self, phases: Any, inside: np.ndarray, margins: np.ndarray, *verdicts: np.ndarray) -> None:
-        """Compare the verdicts of the three ways with the window."""
-        self.n_grazing += int(inside.sum())
-        for way, verdict in zip(WHY_UNDECIDED, verdicts, strict=True):
-            decided = verdict != NOT_DECIDED
-            right = decided & ((verdict == YES) == inside)
-            self.agreements[way] += int(right.sum())
-            self.undecided[way] += int((~decided).sum())
-            measured = margins[right & (margins > 0)]
-            self.closest[way] = min(self.closest[way], float(measured.min(initial=inf)))
-            words = "does not graze", "grazes"
-            for i in np.nonzero(decided & ~right)[0]:
-                self._mismatch(phases[i], way, words[int(inside[i])], words[int(verdict[i] == YES)])
-
-    def _mismatch(self, theta: object, way: str, expected: str, found: str) -> None:
-        """Record a verdict that contradicts the window."""
-        self.mismatches.append({"theta": str(theta), "way": way, "window": expected, "found": found})
+    zeros: set[Expr] = set()  # where G^(1) = 0 exactly
+    if ways.window.signs[1] and ways.window.signs[2] <= 0:
+        angle = sympy.asin(symbolic(-ways.window.gamma / ways.window.amplitude))
+        zeros = {end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)}
+    special = sorted(zeros | {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}, key=float)
+    offsets = [Fraction(0)] + [Fraction(sign, 10**k) for k in range(3, 15) for sign in (1, -1)]
+    numbers = {base: ways.fine.context.mpf(str(base.evalf(FLOW_DIGITS + 10))) for base in special}
+    rows = []
+    for base, offset in product(special, offsets):
+        phase, zero = base + symbolic(offset), offset == 0 and base in zeros
+        value = numbers[base] + ways.fine.number(offset)
+        sign, order, flow = ways.fine_verdicts(value, zero)
+        away = float(abs(offset)) if base in zeros and offset else inf
+        margin = 0.0 if zero else abs(ways.slope(value))
+        rows.append((phase, bool(ways.window.contains(phase)), margin, away, True, order, sign, flow, float(value)))
+    phases, *columns, floats = zip(*rows, strict=True)
+    every = np.empty(len(phases), dtype=object)
+    every[:] = phases
+    return every, *map(np.array, columns), ways.verdicts_by_solver(np.array(floats))
 
 
 class Ways:
@@ -329,6 +314,11 @@ class Ways:
                 return NOT_DECIDED, order
             return (YES if order % 2 == 1 and bool(-self.side * G.a > 0) else NO), order
         return NOT_DECIDED, len(values)
+
+    def fine_verdicts(self, theta: Number, zero: bool) -> tuple[int, int, int]:
+        """Return the verdict by intervals, the order that decides (0: none), and the verdict of the flow in many digits."""
+        verdict, order = self.verdict_by_intervals(theta, zero)
+        return verdict, order * (verdict != NOT_DECIDED), self.verdict_by_fine_flow(theta)
 
     # -- the exact flow ----------------------------------------------------------------------------------------------
 
