@@ -234,7 +234,8 @@ def _random(ways: Ways, theta: np.ndarray, disagree: Callable[..., None]) -> tup
     signs, flow, orders = ways.verdicts_by_sign(theta), ways.verdicts_by_flow(theta), np.ones(len(theta), dtype=int)
     finely = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
     for i in np.nonzero(finely)[0]:
-        signs[i], orders[i], flow[i] = ways.fine_verdicts(ways.fine.context.mpf(float(theta[i])), False)
+        value = ways.fine.context.mpf(float(theta[i]))
+        (signs[i], orders[i]), flow[i] = ways.verdict_by_intervals(value, False), ways.verdict_by_fine_flow(value)
     columns = theta.astype(object), inside, np.abs(ways.slope(theta)), np.full(len(theta), inf), finely, orders
     return *columns, signs, flow, ways.verdicts_by_solver(theta)
 
@@ -254,10 +255,10 @@ def _adversarial(ways: Ways) -> tuple[np.ndarray, ...]:
     for base, offset in product(special, offsets):
         phase, zero = base + symbolic(offset), offset == 0 and base in zeros
         value = numbers[base] + ways.fine.number(offset)
-        sign, order, flow = ways.fine_verdicts(value, zero)
+        verdicts = *ways.verdict_by_intervals(value, zero)[::-1], ways.verdict_by_fine_flow(value)
         away = float(abs(offset)) if base in zeros and offset else inf
         margin = 0.0 if zero else abs(ways.slope(value))
-        rows.append((phase, bool(ways.window.contains(phase)), margin, away, True, order, sign, flow, float(value)))
+        rows.append((phase, bool(ways.window.contains(phase)), margin, away, True, *verdicts, float(value)))
     phases, *columns, floats = zip(*rows, strict=True)
     every = np.empty(len(phases), dtype=object)
     every[:] = phases
@@ -296,7 +297,7 @@ class Ways:
         return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED)
 
     def verdict_by_intervals(self, theta: Number, zero: bool) -> tuple[int, int]:
-        """Decide by the first nonzero G-function in 50-digit intervals whether theta grazes: (verdict, order)."""
+        """Decide by the first nonzero G-function in 50-digit intervals whether theta grazes: (verdict, order or 0)."""
         # `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where
         # that is 0, G^(2) = -(B0 Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one
         # decides.
@@ -305,20 +306,12 @@ class Ways:
         s, c, Om, drive = iv.sin(angle), iv.cos(angle), interval(p.Omega), interval(p.B0 * p.Omega / p.m)
         values = [-(interval(p.k * self.window.speed / p.m) + drive * s), -drive * Om * c, drive * Om * Om * s]
         known_zero = [zero, zero and abs(p.k * self.window.speed) == abs(p.B0) * p.Omega, False]
-        for order, G in enumerate(values, start=1):
-            if known_zero[order - 1]:
-                if 0 not in G:  # the interval contradicts the zero
-                    return NOT_DECIDED, order
-                continue
-            if 0 in G:
-                return NOT_DECIDED, order
-            return (YES if order % 2 == 1 and bool(-self.side * G.a > 0) else NO), order
-        return NOT_DECIDED, len(values)
-
-    def fine_verdicts(self, theta: Number, zero: bool) -> tuple[int, int, int]:
-        """Return the verdict by intervals, the order that decides (0: none), and the verdict of the flow in many digits."""
-        verdict, order = self.verdict_by_intervals(theta, zero)
-        return verdict, order * (verdict != NOT_DECIDED), self.verdict_by_fine_flow(theta)
+        for order, (G, is_zero) in enumerate(zip(values, known_zero, strict=True), start=1):
+            if is_zero == (0 not in G):  # undecided, or the interval contradicts the zero
+                break
+            if not is_zero:
+                return (YES if order % 2 == 1 and bool(-self.side * G.a > 0) else NO), order
+        return NOT_DECIDED, 0
 
     # -- the exact flow ----------------------------------------------------------------------------------------------
 
