@@ -19,7 +19,6 @@ only.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
 from math import cos, exp, inf, nan, pi, sin
 
 import numpy as np
@@ -227,10 +226,8 @@ def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
         samples = sorted([*samples, *inner], key=lambda each: each.theta_m)
     names = ("theta_m", "x_m", "theta", "x", "slope_theta", "slope_x")
     columns = {name: np.array([getattr(sample, name) for sample in samples]) for name in names}
-    low, high = (
-        CurveEnd(theta_m, sample.x, sample.theta, reason)
-        for theta_m, sample, reason in zip(run.span, (samples[0], samples[-1]), run.reasons, strict=True)
-    )
+    low = CurveEnd(run.span[0], samples[0].x, samples[0].theta, run.reasons[0])
+    high = CurveEnd(run.span[1], samples[-1].x, samples[-1].theta, run.reasons[1])
     return CurvePiece(**columns, low=low, high=high)
 
 
@@ -260,17 +257,13 @@ class Tracer(Origins):
         self.rest = float((p.A(self.place.domain) - p.c * p.belt(self.place.boundary)) / p.k)
         self.gain = float(p.B0 / p.k)
         self.steps_left = 40_000  # of all searches; when they are used up, each search has 50 left
-
-    @cached_property
-    def _autonomous(self) -> BackwardState:
-        """The arrival of a system without drive, the same for all phases."""
-        return self.arrival(0.0)
+        self._free: BackwardState | None = None
 
     def sample(self, theta_m: float, careful: bool = True) -> Sample:
         """Return the sample at theta_m; without `careful` an undecided contact counts as a graze."""
         K = self.K
         if self.p.B0 == 0:  # every phase has the same flight
-            arrival = self._autonomous
+            arrival = self._free = self._free or self.arrival(0.0)
         else:
             level, top = K.w0sq * self.v, abs(self.p.B0 * self.p.Omega)
             # At |k v_lambda| = |B0| Omega so small a G^(1) is that of the tangency of fourth order.

@@ -25,7 +25,7 @@ from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_exact, whole_number
 from symosc.grazing import curve as curves
 from symosc.grazing.backward import SEARCH_PERIODS, TOUCH, Flights, Instant
-from symosc.grazing.curve import CURVE_POINTS, OWN, CurveEnd, CurvePiece, GrazingCurve, grazing_curve
+from symosc.grazing.curve import CURVE_POINTS, OWN, CurveEnd, CurvePiece, GrazingCurve, Sample, grazing_curve
 from symosc.grazing.start import DEFAULT_DIGITS, MOST_START_DIGITS, GrazingStart, grazing_start, start_of
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings import numbers
@@ -232,10 +232,8 @@ class Candidates:
     def why_none(self) -> str:
         """Return the reason why there is no solution."""
         if not self.curve.pieces:
-            return "no flow from the mapping's belt grazes: " + "; ".join(
-                f"for theta_m in ({low:.6g}, {high:.6g}) the flow comes from {origin}"
-                for low, high, origin in self.curve.gaps
-            )
+            gaps = (f"({low:.6g}, {high:.6g}) the flow comes from {origin}" for low, high, origin in self.curve.gaps)
+            return "no flow from the mapping's belt grazes: " + "; ".join(f"for theta_m in {gap}" for gap in gaps)
         spans = [piece.x if self.name == "x_i" else piece.theta for piece in self.curve.pieces]
         reach = ", ".join(f"{values.min():.6g} to {values.max():.6g}" for values in spans)
         unwrapped = " (not reduced mod 2 pi)" if self.name == "theta_i" else ""
@@ -247,44 +245,39 @@ class Candidates:
         """Find the solutions on a piece of the curve."""
         points = self._points(piece)
         values = np.array([point.value for point in points])
-        ends = (piece.low, points[0]), (piece.high, points[-1])
-        extrema: dict[int, Point | None] = {}
-        targets = [self.target]
+        ends = (piece.low, points[0], 0), (piece.high, points[-1], -1)
+        targets, extrema = [self.target], dict[Point, Point | None]()
         if self.name == "theta_i":  # values that differ by whole turns
             turn, reach = 2 * self.flights.context.pi, (values.min() - 1e-3, values.max() + 1e-3)
             low, high = (int(np.floor((end - float(self.target)) / (2 * pi))) for end in reach)
             targets = [self.target + j * turn for j in range(low, high + 2)]
         for target in targets:
             wanted = float(target)
-            for end, point in ends:  # between the last sample and the end of the curve
+            for end, point, _ in ends:  # between the last sample and the end of the curve
                 gap = abs(end.theta_m - point.theta_m)
                 near = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
                 if gap > 0 and abs(wanted - point.value) <= near:
                     self._store_if_between(self._newton(point.theta_m, point.tau, target), point, point, gap)
-            signs = values >= wanted
-            for i, (first, last) in enumerate(pairwise(points)):
-                if signs[i] != signs[i + 1]:
-                    self._between(first, last, target)
-                elif first.slope * last.slope < 0:  # an extremum between them may reach the value
+            for first, last in pairwise(points):
+                turning = None
+                if first.slope * last.slope < 0:  # an extremum between them may reach the value
                     steepest = max(abs(first.slope), abs(last.slope)) * (last.theta_m - first.theta_m)
-                    if not min(abs(first.value - wanted), abs(last.value - wanted)) <= steepest:
-                        continue
-                    if i not in extrema:
-                        extrema[i] = self._extremum(first, last)
-                    turning = extrema[i]
-                    if turning is not None and (turning.value >= wanted) != signs[i]:
-                        self._between(first, turning, target)
-                        self._between(turning, last, target)
-                    elif turning is not None and abs(turning.value - wanted) <= 1e-12 * max(1.0, abs(turning.value)):
-                        self._store_if_between(self._newton(turning.theta_m, turning.tau, target), first, last)
-        for (end, point), index in zip(ends, (0, -1), strict=True):
-            self._note_endless(end, point, piece, index)
+                    if min(abs(first.value - wanted), abs(last.value - wanted)) <= steepest:
+                        if first not in extrema:
+                            extrema[first] = self._extremum(first, last)
+                        turning = extrema[first]
+                passed = [first, last] if turning is None else [first, turning, last]
+                crossed = [pair for pair in pairwise(passed) if (pair[0].value >= wanted) != (pair[1].value >= wanted)]
+                for pair in crossed:
+                    self._between(*pair, target)
+                if turning and not crossed and abs(turning.value - wanted) <= 1e-12 * max(1.0, abs(turning.value)):
+                    self._store_if_between(self._newton(turning.theta_m, turning.tau, target), first, last)
+        for each in ends:
+            self._note_endless(*each, piece)
 
     def _points(self, piece: CurvePiece) -> list[Point]:
         """Return the samples of a piece, with the end point if the curve ends in a tangency itself."""
-        values, slopes = (piece.x, piece.slope_x) if self.name == "x_i" else (piece.theta, piece.slope_theta)
-        columns = (piece.theta_m, values, slopes, (piece.theta_m - piece.theta) / self.K.Om)
-        points = [Point(*map(float, row)) for row in zip(*columns, strict=True)]
+        points = [Point(*map(float, row)) for row in zip(*self._columns(piece), strict=True)]
         for end, first in ((piece.high, len(points)), (piece.low, 0)):  # from the back: an insertion moves what follows
             near = points[min(first, len(points) - 1)]
             if end.reason == "end of the window" and near.tau * self.K.Om < 10 * abs(near.theta_m - end.theta_m):
@@ -292,6 +285,11 @@ class Candidates:
                 value = contact if self.name == "x_i" else end.theta_m
                 points.insert(first, Point(end.theta_m, float(value), near.slope, 0.0))
         return points
+
+    def _columns(self, of: CurvePiece | Sample) -> tuple[Any, Any, Any, Any]:
+        """Return theta_m, the value, its slope, and the duration of the flight, of a piece or a sample."""
+        value, slope = (of.x, of.slope_x) if self.name == "x_i" else (of.theta, of.slope_theta)
+        return of.theta_m, value, slope, (of.theta_m - of.theta) / self.K.Om
 
     def _extremum(self, first: Point, last: Point) -> Point | None:
         """Return the extremum between neighbours with slopes of opposite sign; None at a break of the curve."""
@@ -307,10 +305,7 @@ class Candidates:
     def _sampled(self, theta_m: float) -> Point | None:
         """Return the point of the curve at theta_m."""
         sample = self.curve.sample(theta_m)
-        if sample.origin != OWN:
-            return None
-        value, slope = (sample.x, sample.slope_x) if self.name == "x_i" else (sample.theta, sample.slope_theta)
-        return Point(sample.theta_m, value, slope, (sample.theta_m - sample.theta) / self.K.Om)
+        return Point(*self._columns(sample)) if sample.origin == OWN else None
 
     # -- Newton's method ---------------------------------------------------------------------------------------------
 
@@ -406,7 +401,7 @@ class Candidates:
         self._solutions.append((theta, tau))
         return True
 
-    def _note_endless(self, end: CurveEnd, point: Point, piece: CurvePiece, index: int) -> None:
+    def _note_endless(self, end: CurveEnd, point: Point, index: int, piece: CurvePiece) -> None:
         """Add a note where a curve continues forever below the resolution of doubles."""
         if end.reason in ("end of the window", "closed"):
             return
@@ -416,7 +411,6 @@ class Candidates:
         # The end of a curve that doubles still resolve, over its slope there: more means that it has no limit.
         steep = not abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m) < 1e-4  # or nan
         if steep and (self.name != "x_i" or abs(float(self.target)) > abs(point.value)):
-            self.notes.append(
-                f"at theta_m = {end.theta_m:.12g} the curve goes on for ever; solutions beyond theta = "
-                f"{piece.theta[index]:.6g}, x = {piece.x[index]:.6g} are nearer to its end than doubles resolve"
-            )
+            last = f"theta = {piece.theta[index]:.6g}, x = {piece.x[index]:.6g}"
+            ends = f"at theta_m = {end.theta_m:.12g} the curve goes on for ever"
+            self.notes.append(f"{ends}; solutions beyond {last} are nearer to its end than doubles resolve")

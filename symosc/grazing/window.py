@@ -293,7 +293,7 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     def _shown(self) -> str:
         """Return the intervals as short text."""
-        parts = [f"{'(['[closed]}{low:.6g}, {high:.6g})" for low, high, closed, _ in self.intervals]
+        parts = [f"{'[' if closed else '('}{low:.6g}, {high:.6g})" for low, high, closed, _ in self.intervals]
         return " or ".join(parts) or "empty"
 
 

@@ -282,19 +282,16 @@ class BorderSystem:
             return None
         number = ClosingEquations(self.fixed, self.word, self.periods, FINE_DIGITS).arithmetic.number
         u, before = [number(Fraction(value)) for value in (got[0] * self.scale).tolist()], inf
-        if fixed is not None:
-            u[fixed[0]] = number(fixed[1])
         try:
             for _ in range(30):
+                if fixed is not None:
+                    u[fixed[0]] = number(fixed[1])
                 values = [float(value) for value in self.residuals(u, FINE_DIGITS)]
                 if not np.isfinite(values).all():
                     return None
                 step = got[1] @ np.array(values if fixed is None else [*values, 0.0])
                 size, changes = float(np.abs(step).max()), (step * self.scale).tolist()
-                u = [
-                    value if fixed and j == fixed[0] else value - number(Fraction(changes[j]))
-                    for j, value in enumerate(u)
-                ]
+                u = [value - number(Fraction(change)) for value, change in zip(u, changes, strict=True)]
                 if size < 1e-30 or size > before / 2:
                     return u if size < 1e-30 else None
                 before = size

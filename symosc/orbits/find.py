@@ -114,10 +114,10 @@ def find_orbit(
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
     digits = read_digits(digits)
     equations = ClosingEquations(parameters, found, periods or 1)
-    guesses = chain(from_simulations(equations, periods), evenly_spaced(equations, periods or 1))
-    return orbit_at(
-        *_best_root(equations, guesses if guess is None else iter([_read_guess(guess, equations, periods)])), digits
-    )
+    guesses: Iterator[Guess] = chain(from_simulations(equations, periods), evenly_spaced(equations, periods or 1))
+    if guess is not None:
+        guesses = iter([_read_guess(guess, equations, periods)])
+    return orbit_at(*_best_root(equations, guesses), digits)
 
 
 def settled_orbit(parameters: Parameters, digits: int | None = None, most: int = SETTLING_PERIODS[-1]) -> PeriodicOrbit:
