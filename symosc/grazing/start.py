@@ -205,9 +205,9 @@ def start_of(
     velocity = p.belt(boundary) if boundary else arrival.v
     start: Record = {"t0": _text(t, decimals, shown), "x0": _text(x, decimals, shown)}
     start["v0"] = show(velocity) if isinstance(velocity, Fraction) else _text(velocity, decimals, shown)
-    # A unit of the last decimal; belts have exact speeds.
-    units = [Fraction(bool(rest), 10 ** len(rest)) for rest in (text.partition(".")[2] for text in start.values())]
-    start["start_error"] = units[0], units[1], Fraction(0) if boundary else units[2]
+    decimal_places = [len(text.partition(".")[2]) for text in start.values()]
+    units = [Fraction(1, 10**places) if places else Fraction(0) for places in decimal_places]  # of the last decimals
+    start["start_error"] = units[0], units[1], Fraction(0) if boundary else units[2]  # belts have exact speeds
     values = {"t": t, "x": x, "v": flights.number(velocity), "theta": theta}
     return GrazingStart(
         mapping=origins.mapping,

@@ -23,7 +23,7 @@ from symosc import (
     find_orbit,
     load_scene,
 )
-from symosc.orbits.border import borders_between, borders_leaving
+from symosc.orbits.border import borders_between
 from symosc.orbits.branch import Branch
 from symosc.words import cycle
 
@@ -129,8 +129,6 @@ def test_the_borders_that_leave_points_of_codimension_two() -> None:
     (one,), (other,) = (border.at(FN="0.248") for border in (graze, switch))
     assert 0 < one - other < 1e-7
     assert len(borders) == 4
-    again = borders_leaving(graze, graze.special[0], step="0.05")
-    assert {frozenset(border.words) for border in again} == {frozenset(border.words) for border in borders}
 
 
 @pytest.mark.slow
@@ -318,7 +316,8 @@ def test_where_a_belt_stands_still_two_words_meet_above_rest() -> None:
 
 
 def test_a_figure_and_a_page_show_the_border() -> None:
-    branch = continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.28, 3.3))
+    p = load_scene("fig9").parameters.replace(Omega="3.29")
+    branch = continue_orbit(p, "P32", "Omega", ("3.28", "3.3"))
     border = continue_border(branch, 0, "FN", {"Omega": (3.2, 3.4), "FN": ("9.8", "10.2")}, step="0.1")
     (axes,) = border.plot().axes
     assert {text.get_text() for text in axes.texts} == {f"$P_{{{word[1:]}}}$" for word in border.words}
