@@ -23,25 +23,9 @@ from symosc.errors import ParameterError, SymoscError, meant
 from symosc.exact import read_exact, whole_number
 from symosc.kernels.entire import EPS
 from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.orbits import border_system
 from symosc.orbits.admissibility import Condition, conditions, failures, scales
-from symosc.orbits.border_system import (
-    AT_ARRIVAL,
-    AT_FAR,
-    AT_HOLD,
-    AT_TOUCH,
-    NOTHING,
-    BorderSystem,
-    ClosedForm,
-    Node,
-    Orbit,
-    Plane,
-    Zero,
-    is_symmetric,
-    names_of,
-    symmetrised,
-    zero_values,
-    zeros_of,
-)
+from symosc.orbits.border_system import BorderSystem, ClosedForm, Node, Orbit, Plane, Zero, names_of, zeros_of
 from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, solve
 from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow, orbit_of
@@ -76,10 +60,10 @@ NEAR = 1e-3  # so far from where it is looked for a point is accepted, and a mar
 BESIDE, AWAY, SHIFTS = (1e-6, 1e-5, 1e-4, 1e-7), (1e-7, 1e-6, 1e-5), (1e-9, 1e-8, 1e-7, 1e-6)
 STEP, MOST_POINTS = 0.002, 5000
 REGULAR = {
-    AT_FAR: ", and G^(1) of that domain is 0 there",
-    AT_ARRIVAL: ", and G^(1) of that domain is 0 there: a cubic tangency",
-    AT_TOUCH: " in an extremum at which v'' is 0 too",
-    AT_HOLD: " in an extremum at which F'' is 0 too",
+    border_system.AT_FAR: ", and G^(1) of that domain is 0 there",
+    border_system.AT_ARRIVAL: ", and G^(1) of that domain is 0 there: a cubic tangency",
+    border_system.AT_TOUCH: " in an extremum at which v'' is 0 too",
+    border_system.AT_HOLD: " in an extremum at which F'' is 0 too",
 }
 #: What stands for a word where the mass may rest on a belt for ever.
 REST = "rest"
@@ -576,15 +560,15 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
     equations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods)
     solution = solve(equations, orbit.points)
     points = solution.points if solution.converged else orbit.points
-    half = len(points) // 2 if is_symmetric(points, NEAR) else 0
-    points = symmetrised(points) if half else points
+    half = len(points) // 2 if border_system.is_symmetric(points, NEAR) else 0
+    points = border_system.symmetrised(points) if half else points
     size = scales(equations, points)
     single, pairs = list[tuple[Zero, list[float], Condition]](), list[Any]()
     for c in conditions(equations, points):
         if abs(_part(c)) < NEAR:
             single += [(zero, phases, c) for zero, phases in zeros_of(equations, points, c)]
     for zero, phases, c in single:
-        (flat,) = zero_values(equations, points, zero.bend, phases[0] if phases else 0.0)
+        (flat,) = border_system.zero_values(equations, points, zero.bend, phases[0] if phases else 0.0)
         if abs(flat) * size.t < 0.1 * size.a:  # it may be 0 at a point that is known as well as a curve shows it
             pairs.append((-1.0 if phases else -2.0, (zero, zero.bend), phases, (c.text,)))
     for one, two in combinations(single, 2):
@@ -607,7 +591,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
             kind = " and ".join(sorted(sliding or what for what, sliding in names))
             message = " and ".join(f"{text} just fails" for text in texts)
             if len(texts) == 1:
-                kind = f"degenerate {kind}" if zeros[0].kind != AT_ARRIVAL else kind
+                kind = f"degenerate {kind}" if zeros[0].kind != border_system.AT_ARRIVAL else kind
                 message += REGULAR[zeros[0].kind]
             return SpecialPoint(kind, (at[0], at[1]), f"{message} ({orbit.cycle})", 2 * EPS * max(map(abs, at)))
     return None
@@ -634,7 +618,7 @@ def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray)
     equations, points = ClosingEquations(plane.parameters(place.tolist()), orbit.word, orbit.periods), orbit.points
     nearest = sorted(conditions(equations, points), key=lambda c: abs(_part(c)))[:6]
     for zero, phases in (found for c in nearest for found in zeros_of(equations, points, c)):
-        if zero.kind == AT_ARRIVAL:  # it belongs to the word with more pieces
+        if zero.kind == border_system.AT_ARRIVAL:  # it belongs to the word with more pieces
             continue
         system = BorderSystem(plane, orbit, [zero])
         z, row = np.array([*np.ravel(points), *phases, *place]) / system.scale, np.zeros(len(system.scale))
@@ -646,7 +630,7 @@ def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray)
         if first is None or second is None:
             continue
         system.hide([first.z, second.z])
-        if all(_part(c) > -NOTHING for c in system.margins(first.z)):
+        if all(_part(c) > -border_system.NOTHING for c in system.margins(first.z)):
             yield system, first
 
 

@@ -38,20 +38,8 @@ from symosc.engine.flow import constants, derivatives
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
-from symosc.orbits.admissibility import (
-    BIRTH,
-    FLIGHT_VANISHING,
-    GRAZING,
-    HOLD,
-    PASSING,
-    SLIP_BIRTH,
-    STAYS_INSIDE,
-    Condition,
-    conditions,
-    gaps,
-    holds,
-    scales,
-)
+from symosc.orbits import admissibility
+from symosc.orbits.admissibility import Condition, conditions, gaps, holds, scales
 from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, pieces_of
 from symosc.words import Word, cycle
 
@@ -341,7 +329,7 @@ class BorderSystem:
         own = [(zero.kind, (zero.piece + add) % self.n) for zero in self.zeros for add in (0, shift)]
         self.hidden = tuple({*small, *(i for i, c in enumerate(found) if (kind_of(c), c.piece) in own)})
         # Only for the inequalities: the equations would not fix an orbit that is at rest twice.
-        crossings = [c.piece for i, c in enumerate(found) if i in small and c.rank == PASSING]
+        crossings = [c.piece for i, c in enumerate(found) if i in small and c.rank == admissibility.PASSING]
         self.symmetric_pieces = self._at_rest_after(crossings)
 
     def margins(self, z: np.ndarray) -> list[Condition]:
@@ -512,13 +500,13 @@ def symmetrised(points: np.ndarray) -> np.ndarray:
 
 def kind_of(condition: Condition) -> str:
     """Return the kind of zero of an inequality that vanishes; "" if a piece loses its length with it."""
-    if condition.rank == PASSING or " at the onset of " in condition.text:
+    if condition.rank == admissibility.PASSING or " at the onset of " in condition.text:
         return AT_FAR
-    if condition.rank == HOLD:
+    if condition.rank == admissibility.HOLD:
         return AT_HOLD
     if " meets v" in condition.text:
         return AT_ARRIVAL
-    return AT_TOUCH if condition.rank == STAYS_INSIDE and "stays in" in condition.text else ""
+    return AT_TOUCH if condition.rank == admissibility.STAYS_INSIDE and "stays in" in condition.text else ""
 
 
 def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> list[tuple[Zero, list[float]]]:
@@ -544,14 +532,15 @@ def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
     """Name what happens at a border: the kind of end that a branch has there, and the name used in the literature."""
     zero = zero or system.zeros[0]
     if isinstance(system, ClosedForm) and system.rests:
-        return FLIGHT_VANISHING, ""
+        return admissibility.FLIGHT_VANISHING, ""
     if zero.kind == AT_ARRIVAL:  # a cubic tangency: a graze, and a stick that is left at once, begin there
-        return GRAZING, "adding-sliding and grazing-sliding"
+        return admissibility.GRAZING, "adding-sliding and grazing-sliding"
     if zero.kind == AT_HOLD:
-        return SLIP_BIRTH, "adding-sliding"
+        return admissibility.SLIP_BIRTH, "adding-sliding"
     if zero.kind == AT_TOUCH:
         p = system.fixed
         friction = (p.mu1 if zero.place == 1 else p.mu2) * p.FN
-        return GRAZING, "grazing-sliding" if friction else ""  # a belt without friction is only passed through
+        # A belt without friction is only passed through.
+        return admissibility.GRAZING, "grazing-sliding" if friction else ""
     sticks = system.pieces[(zero.piece + 1) % system.n].sticks
-    return (SLIP_BIRTH, "switching-sliding") if sticks else (BIRTH, "crossing-sliding")
+    return (admissibility.SLIP_BIRTH, "switching-sliding") if sticks else (admissibility.BIRTH, "crossing-sliding")

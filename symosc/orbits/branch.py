@@ -56,16 +56,8 @@ from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
 from symosc.kernels.entire_array import basis
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.orbits.admissibility import (
-    FLIGHT_VANISHING,
-    MARGINAL,
-    SAMPLE,
-    Condition,
-    conditions,
-    failing,
-    failures,
-    of_function,
-)
+from symosc.orbits import admissibility
+from symosc.orbits.admissibility import MARGINAL, SAMPLE, Condition, conditions, failing, failures, of_function
 from symosc.orbits.closing_equations import CONVERGING, ClosingEquations, OrbitPiece, solve
 from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow, largest_displacement, orbit_of, resting_text
 from symosc.orbits.floquet import NEAR_ONE, monodromy
@@ -505,7 +497,7 @@ class Curve:
                 nearest = min(current.conditions, key=lambda condition: condition.value)
                 if (belt := _begins_to_rest(self.equations(current.value).parameters)) is not None:
                     message = f"the flights vanish at mu{belt} FN = |B0|; beyond it the mass may rest on belt {belt}"
-                    return end(FLIGHT_VANISHING, f"{message} for ever", nearest)
+                    return end(admissibility.FLIGHT_VANISHING, f"{message} for ever", nearest)
                 message = f"the steps became too short; nearest to failing: {nearest.text} (by {nearest.value:.3g})"
                 return end(NO_CONVERGENCE, message, nearest)
             points, failed = scanned
@@ -601,7 +593,7 @@ class Curve:
         # What a margin must have fallen to to count as 0, or where doubles cannot decide on which side of 0 it is
         part = 1e-3 if any(condition.value > 0 for condition in failed.failures) else 1e-5
         pairs = zip(before.conditions, failed.conditions, strict=True)
-        zero = [c for was, c in pairs if c.value < part * min(was.value, 1e300) or c.value < MARGINAL * c.scale]
+        zero = [c for was, c in pairs if c.value < max(part * min(was.value, 1e300), MARGINAL * c.scale)]
         zero = sorted(zero, key=lambda condition: condition.rank) or list(failed.failures)
         reasons = tuple(condition for condition in zero if condition.event == zero[0].event)
         message = "; ".join(f"{c.text} no longer holds at t = {c.t:.10g}" for c in reasons)

@@ -28,14 +28,7 @@ from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.flow import BeltConstants
 from symosc.engine.state import Launch
 from symosc.errors import SymoscError
-from symosc.kernels._generated import (
-    acceleration,
-    flight_jacobian,
-    flight_residual,
-    motion,
-    stick_jacobian,
-    stick_residual,
-)
+from symosc.kernels import _generated as kernels
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
 from symosc.words import Word
@@ -172,7 +165,7 @@ class ClosingEquations:
     def force(self, domain: int, x: Number, v: Number, theta: Number) -> Number:
         """Return the acceleration F^(domain) (eq. (9))."""
         K = self.K
-        return acceleration(x, v, self.cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
+        return kernels.acceleration(x, v, self.cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
 
     def belt(self, boundary: int) -> BeltConstants:
         """Return the constants of a belt."""
@@ -189,21 +182,22 @@ class ClosingEquations:
         K, tau, v_end = self.K, (end[1] - start[1]) / self.K.Om, self.belt(piece.end).v
         if piece.sticks:
             A = (K.A1, K.A2, K.A3)[piece.start - (piece.side < 0)]  # of the domain that it leaves to
-            return stick_residual(start[0], v_end, tau, end[0], self.cos(end[1]), A, K.cm, K.w0sq, K.f0)
+            return kernels.stick_residual(start[0], v_end, tau, end[0], self.cos(end[1]), A, K.cm, K.w0sq, K.f0)
         v, a, s, c = self.start_of_flight(piece, start)
         basis = self.basis(tau, K)[:5]
-        return flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
+        return kernels.flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
 
     def _jacobian(self, piece: OrbitPiece, start: Point, end: Point) -> Any:
         """Return the 2x4 Jacobian of a piece."""
         K, tau = self.K, (end[1] - start[1]) / self.K.Om
         if piece.sticks:
-            x_th0, x_th1, v_x1, v_th1 = stick_jacobian(self.belt(piece.start).v, self.sin(end[1]), K.w0sq, K.f0, K.Om)
+            v, s = self.belt(piece.start).v, self.sin(end[1])
+            x_th0, x_th1, v_x1, v_th1 = kernels.stick_jacobian(v, s, K.w0sq, K.f0, K.Om)
             return (1, x_th0, -1, x_th1), (0, 0, v_x1, v_th1)
         v, a, s, c = self.start_of_flight(piece, start)
         E0, E1, E2, R2, I2 = self.basis(tau, K)[:5]
-        _, dv, a_end = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-        x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = flight_jacobian(v, a, v + dv, a_end, K.w0sq, K.Om, E0, E1, E2)
+        _, dv, a_end = kernels.motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+        x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = kernels.flight_jacobian(v, a, v + dv, a_end, K.w0sq, K.Om, E0, E1, E2)
         if piece.after_stick:  # the acceleration at the start is 0 whatever x and theta are
             x_x0, x_th0 = x_x0 + K.w0sq * E2, x_th0 + K.f0 * s * E2
             v_x0, v_th0 = v_x0 + K.w0sq * E1, v_th0 + K.f0 * s * E1
