@@ -29,7 +29,7 @@ from symosc.errors import ParameterError
 from symosc.exact import read_exact, show, whole_number
 from symosc.files import write_text
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.orbits.border import REST, Border, BorderError, borders_between, network, passes
+from symosc.orbits.border import REST, Border, BorderError, borders_between, passes
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import SETTLING_PERIODS, find_orbit
 from symosc.scenes import Scene, load_scene
@@ -214,7 +214,7 @@ class Plane(NamedTuple):
             try:
                 for border in borders_between(ends[0], ends[1], self.names, limits, step=BORDER_STEP):
                     if not _among(border, found):
-                        found += [each for each in network(border, step=BORDER_STEP) if not _among(each, found)]
+                        found += [each for each in border.network(step=BORDER_STEP) if not _among(each, found)]
             except (BorderError, ConvergenceError):
                 pass
             failed[words] += not explained(found, a, b)
