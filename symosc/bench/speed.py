@@ -27,6 +27,7 @@ from tabulate import tabulate
 
 from symosc.aliases import Number, Record
 from symosc.bench import machine, sentence
+from symosc.bench.peers_heyoka import count_in_batches
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.fit import fit
 from symosc.grazing.window import grazing_window, grazing_windows
@@ -45,6 +46,8 @@ from symosc.simulation.tangents import NAMES
 FLOOR_EVALUATIONS = 30_000
 #: Periods of the motions of an ensemble; samples per period and tolerance of the scan.
 PERIODS, SCAN_POINTS, SCAN_ACCURACY = 50, 20, 1e-13
+#: The tolerance of heyoka's batches; a looser one saves hardly anything, since callbacks take most of the time.
+BATCH_TOLERANCE = 2e-13
 ONE_CORE: Record = {"use_numba": True, "workers": 1}
 COUNTS = ("events",)
 # Seconds: what takes longer is measured once, what takes less several times in a turn.
@@ -166,6 +169,9 @@ def _ensemble(count: int) -> Iterator[Call]:
     yield Call("as many values of Omega, all columns", "event", partial(follow, record="summary"), events_of_sets)
     scan = f"closed form, scan of {SCAN_POINTS} points, numba"
     yield Call(scan, "event", scan_of_starts(p, starts, ends - starts[:, 0]), events)
+    if find_spec("heyoka"):
+        batches = count_in_batches(p, starts, ends - starts[:, 0], BATCH_TOLERANCE)
+        yield Call("heyoka, motions in batches, counted", "event", batches, events)
 
 
 def _derivatives(count: int) -> Iterator[Call]:
