@@ -39,9 +39,8 @@ from symosc.bench.event_logic import (
     runner,
     turn,
 )
-from symosc.bench.solvers import Solver
+from symosc.bench.solvers import LazyEvents, Solver
 from symosc.engine.arithmetic import bind
-from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
 State = Sequence[float]
@@ -140,7 +139,7 @@ def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
     return leave
 
 
-def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
+def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
     """Prepare an integrator with ``rtol = tolerance``."""
     longest = problem(scene.parameters).period / STEPS_PER_PERIOD
     options = {"method": method, "rtol": tolerance, "atol": ATOL * tolerance, "max_step": longest}

@@ -42,7 +42,7 @@ DIP = Scene(
 def found_by(solver: Solver, scene: Scene, tolerance: float | None = None) -> Sequence[FoundEvents]:
     if solver.missing:
         pytest.skip(solver.missing)
-    return solver.prepare(scene, solver.tolerances[-1] if tolerance is None else tolerance)()
+    return list(solver.prepare(scene, solver.tolerances[-1] if tolerance is None else tolerance)())
 
 
 def words(events: Sequence[Any]) -> list[tuple[str, int]]:
