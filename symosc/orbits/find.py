@@ -289,6 +289,8 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
     guess = unmasked("guess", named("guess", guess, ("t", "x")))
     if isinstance(guess, Mapping):
         guess = np.array([np.ravel(unmasked("guess", column)) for column in guess.values()], dtype=object).T
+    for row in guess if isinstance(guess, list | tuple) else ():
+        unmasked("guess", row)
     allowed = f"must be {n} pairs (t, x), one for each switching, or one to start from"
     values = np.atleast_2d(real_array("guess", guess, allowed))
     if values.shape not in ((n, 2), (1, 2)):
