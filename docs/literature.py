@@ -368,12 +368,12 @@ def write(folder: Path = DOCS) -> list[Path]:
 
     from matplotlib import rc_context
 
-    from symosc.plot.drawing import style_for
+    from symosc.plot.drawing import own_style
 
     paths = [write_text(folder / PAGE, page())]
     for name, draw in ((FIGURE, figure), (MAPS, maps)):
         buffer = io.StringIO()
-        with style_for(None), rc_context({"svg.hashsalt": "symosc"}):
+        with own_style(), rc_context({"svg.hashsalt": "symosc"}):
             draw().savefig(buffer, format="svg", dpi=120, metadata={"Date": None})
         paths.append(write_text(folder / name, re.sub(r"[ \t]+\n", "\n", buffer.getvalue())))
     return paths

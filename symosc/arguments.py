@@ -13,7 +13,6 @@ import numbers
 from collections.abc import Callable, Mapping, Sequence, Set
 from decimal import Decimal
 from functools import partial, wraps
-from types import FunctionType
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from symosc.errors import ParameterError, meant
@@ -63,9 +62,27 @@ def _is_row(kind: type) -> bool:
     return hasattr(kind, "dtype") and hasattr(kind, "__len__")
 
 
+def _is_text(kind: type) -> bool:
+    return issubclass(kind, str)
+
+
+def _is_file_name(kind: type) -> bool:
+    return issubclass(kind, str) or hasattr(kind, "__fspath__")
+
+
 def _is_short(value: Any) -> bool:
     """Return whether a row has entries, and not more than can be read."""
     return value.shape != () if hasattr(value, "dtype") else len(value) <= MOST_ENTRIES
+
+
+def _is_shallow(value: Any, depth: int = MOST_DEPTH) -> bool:
+    """Return whether lists in lists have an end, and not more entries than can be read."""
+    if not isinstance(value, list | tuple | range):
+        return True
+    if not depth or not _is_short(value):
+        return False
+    inner = [] if isinstance(value, range) else set(map(type, value)) & {list, tuple, range}
+    return not inner or all(_is_shallow(each, depth - 1) for each in value)
 
 
 def _takes_arguments(count: int | None, value: Any) -> bool:
@@ -81,28 +98,6 @@ def _takes_arguments(count: int | None, value: Any) -> bool:
     return True
 
 
-def _may_be_word(kind: type) -> bool:
-    return issubclass(kind, str) or _is_row(kind) or hasattr(kind, "__next__")
-
-
-def _has_letters(value: Any) -> bool:
-    return hasattr(value, "__next__") or (_is_short(value) and _is_shallow(value))
-
-
-def _may_be_solution(kind: type) -> bool:
-    return not issubclass(kind, bytes | bytearray | memoryview | Set | numbers.Number | None)
-
-
-def _is_shallow(value: Any, depth: int = MOST_DEPTH) -> bool:
-    """Return whether lists in lists have an end, and not more entries than can be read."""
-    if not isinstance(value, list | tuple | range):
-        return True
-    if not depth or not _is_short(value):
-        return False
-    inner = [] if isinstance(value, range) else set(map(type, value)) & {list, tuple, range}
-    return not inner or all(_is_shallow(each, depth - 1) for each in value)
-
-
 def _class(name: str, source: str = "") -> Kind:
     """Return the kind of the instances of a class."""
     return Kind(f"{'an' if name[0] in 'AEIO' else 'a'} {name}", _inherits(name), source=source)
@@ -110,36 +105,41 @@ def _class(name: str, source: str = "") -> Kind:
 
 #: Functions that convert an argument, by name; the modules that have them put them here.
 CONVERTERS: dict[str, Callable[[Any], Any]] = {}
-NUMBER = Kind("a number (or its text, such as '4/5')", lambda kind: issubclass(kind, str) or _is_real(kind))
 #: What the names in annotations mean; a text is another annotation.
 KINDS: dict[str, Kind | str] = {
     "None": Kind("None", lambda kind: kind is type(None)),
     "bool": Kind("True or False", _is_truth),
     "int": Kind("a whole number", lambda kind: issubclass(kind, numbers.Integral) and _is_real(kind)),
     "float": Kind("a number", _is_real),
-    "str": Kind("text", lambda kind: issubclass(kind, str)),
+    "str": Kind("text", _is_text),
     "slice": Kind("a slice", lambda kind: kind is slice),
     "Path": Kind("a path", lambda kind: hasattr(kind, "__fspath__")),
-    "NumberLike": NUMBER,
+    "NumberLike": Kind("a number (or its text, such as '4/5')", lambda kind: _is_text(kind) or _is_real(kind)),
     "ArrayLike": "NumberLike | Rows",
     "Rows": Kind("an array or lists of numbers", lambda kind: _is_row(kind) or hasattr(kind, "dtype"), _is_shallow),
-    "SceneName": Kind("the name or file of a scene", lambda t: issubclass(t, str) or hasattr(t, "__fspath__")),
+    "SceneName": Kind("the name or file of a scene", _is_file_name),
     "Progress": "bool | Callable[[float, float], object]",
     "StartError": "NumberLike | tuple[NumberLike, NumberLike, NumberLike]",
-    "WordLike": Kind("a word such as 'P32' or ['P3', 'P2']", _may_be_word, _has_letters),
+    "WordLike": Kind(
+        "a word such as 'P32' or ['P3', 'P2']",
+        lambda kind: _is_text(kind) or _is_row(kind) or hasattr(kind, "__next__"),
+        lambda value: hasattr(value, "__next__") or (_is_short(value) and _is_shallow(value)),
+    ),
     "Number": "float | Scalar",
     "Scalar": Kind("an array without dimensions", lambda kind: hasattr(kind, "dtype"), lambda value: value.shape == ()),
     "ndarray": Kind("an array", _inherits("ndarray")),
     "Order": "Literal['full', 'paper']",
     "Pair": Kind("a pair (x, theta)", _is_row, lambda value: _is_short(value) and len(value) == 2),
     "SolutionLike": Kind(
-        "a file, arrays, a table, a function, or what a solver returns", _may_be_solution, _is_shallow
+        "a file, arrays, a table, a function, or what a solver returns",
+        lambda kind: not issubclass(kind, bytes | bytearray | memoryview | Set | numbers.Number | None),
+        _is_shallow,
     ),
     "Parameters": Kind("Parameters", _inherits("Parameters"), source="a scene has them as scene.parameters"),
     "ParametersLike": "Parameters | ParametersSource",
     "ParametersSource": Kind(
         "a Scene, or the name or file of one",
-        lambda kind: issubclass(kind, str) or hasattr(kind, "__fspath__") or _inherits("Scene", "OtherModel")(kind),
+        lambda kind: _is_file_name(kind) or _inherits("Scene", "OtherModel")(kind),
         converted="parameters",
     ),
     "Axes": Kind("axes of matplotlib, such as plt.subplots() makes", _inherits("Axes")),
@@ -169,18 +169,18 @@ KINDS |= {
 }
 
 
-def _kinds(node: ast.expr) -> list[Kind] | None:
+def _kinds(annotation: ast.expr | str) -> list[Kind] | None:
     """Return the kinds allowed by an annotation, or None for anything."""
-    match node:
+    match ast.parse(annotation, mode="eval").body if isinstance(annotation, str) else annotation:
         case ast.BinOp(left, ast.BitOr(), right):
             first, second = _kinds(left), _kinds(right)
             return None if first is None or second is None else first + second
         case ast.Constant(None):
-            return _named("None")
+            return _kinds_of_name("None")
         case ast.Constant(str(text)):
-            return _kinds(_parsed(text))
+            return _kinds(text)
         case ast.Name(name) | ast.Attribute(_, name):
-            return _named(name)
+            return _kinds_of_name(name)
         case ast.Subscript(ast.Name("Callable"), ast.Tuple([taken, _])):
             count = len(taken.elts) if isinstance(taken, ast.List) else None
             text = "a function" if count is None else f"a function of {('one number', 'two numbers')[count - 1]}"
@@ -188,27 +188,23 @@ def _kinds(node: ast.expr) -> list[Kind] | None:
         case ast.Subscript(ast.Name("Literal"), choices):
             values = ast.literal_eval(choices)
             values = values if isinstance(values, tuple) else (values,)
-            return [Kind(" or ".join(map(repr, values)), lambda kind: issubclass(kind, str), lambda v: v in values)]
+            return [Kind(" or ".join(map(repr, values)), _is_text, lambda value: value in values)]
         case ast.Subscript(ast.Name("tuple"), ast.Tuple(entries)):
             return [_row([_kinds(entry) for entry in entries])]
         case ast.Subscript(ast.Name("Sequence" | "Iterable" as name), entry):
             return [_rows(_kinds(entry), name == "Iterable")]
         case ast.Subscript(ast.Name("Mapping"), ast.Tuple([key, value])):
             return [_mapping(_kinds(key), _kinds(value))]
-    raise TypeError(f"no kind of argument: {ast.unparse(node)}")  # a fault of the annotation
+        case other:
+            raise TypeError(f"no kind of argument: {ast.unparse(other)}")  # a fault of the annotation
 
 
-def _named(name: str) -> list[Kind] | None:
+def _kinds_of_name(name: str) -> list[Kind] | None:
     """Return the kinds of a named type."""
     if name in ("Any", "object"):
         return None
     kind = KINDS.get(name) or _class(name)
-    return _kinds(_parsed(kind)) if isinstance(kind, str) else [kind]
-
-
-def _parsed(text: str) -> ast.expr:
-    """Parse an annotation."""
-    return ast.parse(text, mode="eval").body
+    return _kinds(kind) if isinstance(kind, str) else [kind]
 
 
 def _fits(kinds: list[Kind] | None, value: object) -> bool:
@@ -240,13 +236,10 @@ def _row(entries: list[list[Kind] | None]) -> Kind:
 def _rows(entry: list[Kind] | None, once: bool) -> Kind:
     """Return the kind of rows of any length; entries that are read only `once` are not checked here."""
 
-    def may(kind: type) -> bool:
-        return _is_row(kind) or (once and hasattr(kind, "__next__"))
-
     def fits(value: Any) -> bool:
         return not _is_row(type(value)) or (_is_short(value) and all(_fits(entry, each) for each in value))
 
-    return Kind(f"a sequence{_each(entry)}", may, fits)
+    return Kind(f"a sequence{_each(entry)}", lambda kind: _is_row(kind) or (once and hasattr(kind, "__next__")), fits)
 
 
 def _mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
@@ -279,52 +272,42 @@ class Rule:
         raise ParameterError(self.name, value, f"must be {_text(self.kinds)}{source}")
 
 
-class Rules(NamedTuple):
-    """What a function takes: in order, those that ``*`` collects, by name, those of ``**``, and all names."""
+class Rules:
+    """What a function takes: in order, those that ``*`` collects, by name, and those of ``**``."""
 
-    in_order: list[Rule | None]
-    more: Rule | None
-    by_name: dict[str, Rule]
-    others: list[Kind] | None
-    names: list[str]
+    __slots__ = ("by_name", "in_order", "more", "others", "parameters", "title")
 
+    def __init__(self, function: Callable[..., object]) -> None:
+        self.parameters = [*inspect.signature(function).parameters.values()]
+        self.title = f"{function.__qualname__.removesuffix('.__init__')}()"
+        rules = dict[str, Rule | None]()
+        for each in self.parameters:
+            kinds = None if each.annotation is each.empty else _kinds(each.annotation)
+            rules[each.name] = None if kinds is None else Rule(each.name, kinds)
+        many = inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD
+        variable = {each.kind: rules.pop(each.name) for each in self.parameters if each.kind in many}
+        self.more, self.others = (variable.get(kind) for kind in many)
+        self.by_name = {name: rule for name, rule in rules.items() if rule}
+        self.in_order = [rules[each.name] for each in self.parameters if each.kind < each.VAR_POSITIONAL]
 
-def _rules(function: FunctionType) -> Rules:
-    in_order, by_name = list[Rule | None](), dict[str, Rule]()
-    more, others = None, None
-    parameters = inspect.signature(function).parameters
-    for name, parameter in parameters.items():
-        text = parameter.annotation
-        kinds = None if text is parameter.empty else _kinds(_parsed(text))
-        rule = None if kinds is None else Rule(name, kinds)
-        if parameter.kind is parameter.VAR_KEYWORD:
-            others = kinds
-        elif parameter.kind is parameter.VAR_POSITIONAL:
-            more = rule
-        else:
-            if rule is not None:
-                by_name[name] = rule
-            if parameter.kind is not parameter.KEYWORD_ONLY:
-                in_order.append(rule)
-    open_to_any = any(each.kind is each.VAR_KEYWORD for each in parameters.values())
-    return Rules(
-        in_order, more, by_name, others, [] if open_to_any else [each for each in parameters if each != "self"]
-    )
+    def too_many(self) -> TypeError:
+        """Return the error of a call with more values without names than the function takes."""
+        named = [each for each in self.parameters if each.name != "self"]
+        in_order = ", ".join(each.name for each in named if each.kind < each.VAR_POSITIONAL)
+        by_name = [f"{each.name}=" for each in named if each.kind is each.KEYWORD_ONLY]
+        by_name = by_name or ["NAME=VALUE" for each in named if each.kind is each.VAR_KEYWORD]
+        more = f"; give more by name: {', '.join(by_name)}" if by_name else ""
+        return TypeError(f"{self.title} takes {f'only {in_order}' if in_order else 'nothing'} without a name{more}")
 
-
-def _called(function: Callable[..., object]) -> str:
-    """Return how a function is called, a class by its name."""
-    return f"{function.__qualname__.removesuffix('.__init__')}()"
-
-
-def _too_many(function: Callable[..., object]) -> TypeError:
-    """Return the error of a call with more values without names than a function takes."""
-    parameters = [each for each in inspect.signature(function).parameters.values() if each.name != "self"]
-    in_order = ", ".join(each.name for each in parameters if each.kind < each.VAR_POSITIONAL)
-    by_name = [f"{each.name}=" for each in parameters if each.kind is each.KEYWORD_ONLY]
-    by_name = by_name or ["NAME=VALUE" for each in parameters if each.kind is each.VAR_KEYWORD]
-    more = f"; give more by name: {', '.join(by_name)}" if by_name else ""
-    return TypeError(f"{_called(function)} takes {f'only {in_order}' if in_order else 'nothing'} without a name{more}")
+    def check_unknown(self, name: str, value: object) -> None:
+        """Raise an error for a value by a name that is no parameter, or that ``**`` does not allow."""
+        if self.others is not None:
+            Rule(name, self.others.kinds).check(value)
+            return
+        names = [each.name for each in self.parameters if each.name != "self"]
+        if name not in names and not any(each.kind is each.VAR_KEYWORD for each in self.parameters):
+            known = f"; known are {', '.join(names)}{meant(name, names)}" if names else ""
+            raise TypeError(f"{self.title} got an unexpected keyword argument {name!r}{known}")
 
 
 def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
@@ -335,34 +318,29 @@ def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
     ParameterError
         From the call, if an argument is not what its annotation says; with its name and value, and what is allowed.
     """
-    read: Rules | None = None
+    rules: Rules | None = None
 
     @wraps(function)
     def checked(*given: Given.args, **named: Given.kwargs) -> Result:
-        nonlocal read
-        if read is None:
-            read = _rules(function)  # type: ignore[arg-type]
-        in_order, more, by_name, others, names = read
+        nonlocal rules
+        if rules is None:
+            rules = Rules(function)
         values: Any = given
-        for i, (rule, value) in enumerate(zip(in_order, given)):  # noqa: B905  too few: Python says so below
+        for i, (rule, value) in enumerate(zip(rules.in_order, given)):  # noqa: B905  too few: Python says so below
             if rule is not None and type(value) not in rule.known:
                 taken = rule.check(value)
                 values = values if taken is value else (*values[:i], taken, *values[i + 1 :])
-        if more is not None:
-            for value in given[len(in_order) :]:
-                more.check(value)
-        elif len(given) > len(in_order):
-            raise _too_many(function)
+        if len(given) > len(rules.in_order):
+            if rules.more is None:
+                raise rules.too_many()
+            for value in given[len(rules.in_order) :]:
+                rules.more.check(value)
         for name, value in named.items():
-            rule = by_name.get(name)
-            if rule is not None:
-                if type(value) not in rule.known:
-                    named[name] = rule.check(value)
-            elif others is not None:
-                Rule(name, others).check(value)
-            elif names and name not in names:
-                known = f"; known are {', '.join(names)}{meant(name, names)}"
-                raise TypeError(f"{_called(function)} got an unexpected keyword argument {name!r}{known}")
+            rule = rules.by_name.get(name)
+            if rule is None:
+                rules.check_unknown(name, value)
+            elif type(value) not in rule.known:
+                named[name] = rule.check(value)
         return function(*values, **named)
 
     return checked

@@ -48,26 +48,26 @@ def read_exact(name: str, value: object) -> Fraction:
 
 def _read(name: str, value: Any) -> Fraction:
     """Return a value as an exact Fraction."""
-    if isinstance(value, bool):
-        raise ParameterError(name, value, NUMBER_FORMS)
     if isinstance(value, Fraction):
         return value
+    # numpy takes its timedelta64 for an integer
+    if isinstance(value, bool) or type(value).__name__ == "timedelta64":
+        raise ParameterError(name, value, NUMBER_FORMS)
     if isinstance(value, str):
         return _read_text(name, value)
-    if isinstance(value, Decimal):
-        if not value.is_finite():
-            raise ParameterError(name, value, "must be finite")
-        return _read_text(name, str(value))
-    if type(value).__name__ == "timedelta64":  # which numpy takes for an integer
-        raise ParameterError(name, value, NUMBER_FORMS)
     if isinstance(value, numbers.Rational):  # int, numpy integers and the rational numbers of sympy register here
         return Fraction(int(value.numerator), int(value.denominator))
     if hasattr(type(value), "_mpf_") and hasattr(type(value), "context"):  # mpmath: prints fewer digits than it has
-        return _read_mpf(name, value)
-    if isinstance(value, numbers.Real):
-        if not math.isfinite(float(value)):
+        sign, mantissa, exponent, bits = value._mpf_
+        if not mantissa and (exponent or bits):  # mpmath's encoding of nan and the infinities
             raise ParameterError(name, value, "must be finite")
-        return Fraction(str(value))  # str, not repr: numpy's repr names the type
+        magnitude = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+        return -magnitude if sign else magnitude
+    if isinstance(value, Decimal | numbers.Real):
+        if not (value.is_finite() if isinstance(value, Decimal) else math.isfinite(float(value))):
+            raise ParameterError(name, value, "must be finite")
+        # str, not repr: numpy's repr names the type
+        return _read_text(name, str(value)) if isinstance(value, Decimal) else Fraction(str(value))
     # An expression of sympy, such as 2*pi, is known by how it prints.
     symbolic = hasattr(type(value), "free_symbols") and EXPRESSION.search(str(value))
     raise ParameterError(name, value, NO_EXPRESSION if symbolic else NUMBER_FORMS)
@@ -90,15 +90,6 @@ def _read_text(name: str, text: str) -> Fraction:
         raise ParameterError(name, text, "the denominator must not be 0") from None
 
 
-def _read_mpf(name: str, value: Any) -> Fraction:
-    """Return an mpf as an exact Fraction."""
-    sign, mantissa, exponent, bits = value._mpf_
-    if not mantissa and (exponent or bits):  # mpmath's encoding of nan and the infinities
-        raise ParameterError(name, value, "must be finite")
-    magnitude = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-    return -magnitude if sign else magnitude
-
-
 def unmasked(name: str, value: Any) -> Any:
     """Return `value`, or raise ParameterError if it is, or has, an array of numpy.ma with something masked."""
     # Most functions of numpy read what is behind the mask.
@@ -111,15 +102,14 @@ def unmasked(name: str, value: Any) -> Any:
 
 def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
     """Return `value` as an int, or raise ParameterError if it is not one or out of range."""
-    allowed = f"must be a whole number >= {least}" if most is None else f"must be a whole number from {least} to {most}"
-    if type(unmasked(name, value)).__name__ in ("bool", "bool_"):  # numpy need not be loaded
-        raise ParameterError(name, value, allowed)
     try:
-        number = operator.index(value)
+        # numpy need not be loaded
+        number = None if type(unmasked(name, value)).__name__ in ("bool", "bool_") else operator.index(value)
     except TypeError:
-        raise ParameterError(name, value, allowed) from None
-    if number < least or (most is not None and number > most):
-        raise ParameterError(name, value, allowed)
+        number = None
+    if number is None or number < least or (most is not None and number > most):
+        allowed = f">= {least}" if most is None else f"from {least} to {most}"
+        raise ParameterError(name, value, f"must be a whole number {allowed}")
     return number
 
 

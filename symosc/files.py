@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Container, Mapping
@@ -14,37 +13,29 @@ from symosc.errors import OutputError, ParameterError
 
 #: The file name that means standard output.
 STDOUT = "-"
-#: How the name of a file or folder begins that is not yet whole.
+#: How the name of a folder begins that has what is not yet whole.
 DRAFT_PREFIX = ".symosc-"
 
 
 def write_whole(path: str | Path, write: Callable[[Path], object], suffix: str = "") -> Path:
-    """Write a draft next to `path` by `write`, then move it there; on an error nothing remains."""
+    """Write a draft beside `path` by `write`, then move it there; on an error nothing remains."""
     # ``"-"`` is standard output; the draft then has the given suffix. OutputError if the folder cannot be written to.
     name = read_path(path)
-    target, draft = Path(name), None
+    target = Path(name).resolve()  # a link stays one
     try:
         if name == STDOUT:
             _to_stdout(write, suffix)
-            return target
-        target = target.resolve()  # a link stays one
-        if target.exists() and not target.is_file() and not target.is_dir():
-            write(target)  # a device or a pipe cannot be replaced
-            return Path(name)
-        if target.is_dir():
+        elif target.is_dir():
             raise IsADirectoryError(None, "is a folder")
-        handle, made = tempfile.mkstemp(prefix=DRAFT_PREFIX, suffix=target.suffix, dir=target.parent)
-        os.close(handle)
-        draft = Path(made)
-        write(draft)
-        draft.chmod(0o666 & ~_umask())
-        os.replace(draft, target)
-        draft = None
+        elif target.exists() and not target.is_file():
+            write(target)  # a device or a pipe cannot be replaced
+        else:
+            with tempfile.TemporaryDirectory(prefix=DRAFT_PREFIX, dir=target.parent) as folder:
+                draft = Path(folder) / f"draft{target.suffix}"
+                write(draft)
+                draft.replace(target)
     except OSError as error:
         raise OutputError(name, error.strerror or str(error)) from None
-    finally:
-        if draft is not None:
-            draft.unlink(missing_ok=True)
     return Path(name)
 
 
@@ -73,6 +64,15 @@ def check_new_folder(folder: Path, wanted: str = "the output is a folder") -> No
         raise OutputError(str(folder), f"{above} is a file, and {wanted}")
     if not os.access(above, os.W_OK):
         raise OutputError(str(folder), "Permission denied")
+
+
+def make_folder(folder: Path) -> Path:
+    """Make a folder, and those above it, unless it is there; OutputError if that fails."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(str(folder), error.strerror or str(error)) from None
+    return folder
 
 
 def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
@@ -107,19 +107,23 @@ def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[
     """Write a folder of text files whole or not at all, in place of an earlier one."""
     # `earlier(folder)` returns the names of the files that an earlier run has written; a folder with any other file
     # stays as it is. OutputError then, and if it cannot be written.
-    target, draft = check_folder(path, earlier), None
+    target = check_folder(path, earlier)
     try:
-        draft = Path(tempfile.mkdtemp(prefix=DRAFT_PREFIX, dir=target.parent))
-        for each, text in texts.items():
-            (draft / each).parent.mkdir(parents=True, exist_ok=True)
-            (draft / each).write_bytes(text.encode())
-        draft.chmod(0o777 & ~_umask())
-        _put_in_place(draft, target)
+        with tempfile.TemporaryDirectory(prefix=DRAFT_PREFIX, dir=target.parent) as folder:
+            draft, away = Path(folder) / "new", Path(folder) / "old"
+            for each, text in texts.items():
+                (draft / each).parent.mkdir(parents=True, exist_ok=True)
+                (draft / each).write_bytes(text.encode())
+            if target.exists():
+                target.rename(away)
+            try:
+                draft.rename(target)
+            except OSError:
+                if away.exists():
+                    away.rename(target)
+                raise
     except OSError as error:
         raise OutputError(str(path), error.strerror or str(error)) from None
-    finally:
-        if draft is not None:
-            shutil.rmtree(draft, ignore_errors=True)
     return Path(path)
 
 
@@ -140,25 +144,3 @@ def check_folder(path: str | Path, earlier: Callable[[Path], Container[str]]) ->
         if not each.is_dir() and inside not in known:
             raise OutputError(name, f"has a file that would be lost: {inside}; name another folder")
     return target
-
-
-def _put_in_place(draft: Path, target: Path) -> None:
-    """Rename a draft to its final name; restore the previous file if that fails."""
-    if not target.exists():
-        draft.rename(target)
-        return
-    away = draft.with_name(f"{draft.name}-old")
-    target.rename(away)
-    try:
-        draft.rename(target)
-    except OSError:
-        away.rename(target)
-        raise
-    shutil.rmtree(away, ignore_errors=True)
-
-
-def _umask() -> int:
-    """Return the file mode creation mask."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

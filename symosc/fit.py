@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -144,79 +145,62 @@ def fit(
             raise ParameterError("start", name, f"is a first value of what is not free; free are {', '.join(names)}")
     measured, scale = replace(_read(data), weighted=sigma is not None), _sigma(sigma)
     last = float(measured.t.max())
-    given = {"t0": None, "x0": None, "v0": None, "t_end": None}
-    scene = read_start(what, given | ({"t_end": last + 1.0} if isinstance(what, Parameters) else {}), None)
+    given = {"t0": None, "x0": None, "v0": None, "t_end": last + 1.0 if isinstance(what, Parameters) else None}
+    scene = read_start(what, given, None)
     end = last + (0.05 * (last - float(scene.t0)) if measured.kinds is not None else 0.0)
     own = {name: getattr(scene.parameters if name in PARAMETER_NAMES else scene, name) for name in names}
     first = [float(read_number(name, (start or {}).get(name, own[name]))[0]) for name in names]
 
-    def moved(values: np.ndarray) -> Sensitivities:
-        new = {name: repr(float(value)) for name, value in zip(names, values, strict=True)}
+    @lru_cache(maxsize=1)
+    def evaluated(*values: float) -> tuple[np.ndarray, np.ndarray, Trajectory]:
+        new = dict(zip(names, map(repr, values), strict=True))
         p = scene.parameters.replace(**{name: new[name] for name in names if name in PARAMETER_NAMES})
         begin = {name: new.get(name, getattr(scene, name)) for name in STARTS}
-        return sensitivities(p, names, **begin, t_end=end)
+        return _residuals(sensitivities(p, names, **begin, t_end=end), measured, scale, end)
 
-    kept: dict[bytes, tuple[np.ndarray, np.ndarray, Trajectory]] = {}
-
-    def evaluated(values: np.ndarray) -> tuple[np.ndarray, np.ndarray, Trajectory]:
-        key = values.tobytes()
-        if key not in kept:
-            kept.clear()
-            kept[key] = _residuals(moved(values), measured, scale, end)
-        return kept[key]
-
-    low = [
-        float(bound) if (bound := least(name) if name in PARAMETER_NAMES else None) is not None else -np.inf
-        for name in names
-    ]
-    steps = [abs(value) or 1.0 for value in first]
+    bounds = [least(name) if name in PARAMETER_NAMES else None for name in names]
+    low = np.array([-np.inf if bound is None else float(bound) for bound in bounds])
+    steps = np.array([abs(value) or 1.0 for value in first])
     found = least_squares(
-        lambda values: evaluated(values)[0],
-        np.clip(first, np.array(low) * (1 + 1e-9), np.inf),
-        jac=lambda values: evaluated(values)[1],
+        lambda values: evaluated(*values.tolist())[0],
+        np.clip(first, low * (1 + 1e-9), np.inf),
+        jac=lambda values: evaluated(*values.tolist())[1],
         bounds=(low, np.inf),
         x_scale=steps,
         max_nfev=200,
     )
-    residuals, slopes, trajectory = evaluated(found.x)
-    units, estimated = np.array(steps), sigma is None
-    return _result(names, found, residuals, slopes * units, units, estimated, trajectory, measured)
-
-
-def _result(
-    names: tuple[str, ...], found: Any, residuals: np.ndarray, slopes: np.ndarray, steps: np.ndarray,
-    estimated: bool, trajectory: Trajectory, measured: Measured,
-) -> Fit:  # fmt: skip
-    """Return the fit with its errors from the Jacobian by numbers in units of `steps`."""
-    _, sizes, rows = np.linalg.svd(slopes, full_matrices=False)
-    free = sizes <= UNDETERMINED * max(float(sizes.max(initial=0.0)), 1e-300)
-    if len(residuals) < len(names):
-        free = np.append(free, [True] * (len(names) - len(free)))
-        rows = np.linalg.svd(slopes, full_matrices=True)[2]
-        sizes = np.append(sizes, [0.0] * (len(names) - len(sizes)))
-    spread = float(residuals @ residuals) / max(len(residuals) - len(names), 1) if estimated else 1.0
-    inverse = np.where(free, 0.0, 1.0 / np.where(free, 1.0, sizes) ** 2)
-    covariance = (rows.T * inverse) @ rows * spread * np.outer(steps, steps)
-    errors = np.sqrt(np.diag(covariance))
-    unknown = [name for i, name in enumerate(names) if (abs(rows[free, i]) > 1e-6).any()]
-    errors = np.where([name in unknown for name in names], np.inf, errors)
+    residuals, slopes, trajectory = evaluated(*found.x.tolist())
+    errors, covariance, unknown, undetermined = _spread(names, residuals, slopes, steps, sigma is None)
     message = f"converged: {found.nfev} motions, {len(residuals)} residuals"
     if unknown:
-        parts = [
-            " ".join(f"{row[i]:+.3g} {name}" for i, name in enumerate(names) if abs(row[i]) > 1e-6)
-            for row in rows[free]
-        ]
-        message = f"the data do not determine {', '.join(unknown)} (in units of their first values: {'; '.join(parts)})"
-    elif estimated and len(residuals) <= len(names):
+        message = f"the data do not determine {unknown} (in units of their first values: {undetermined})"
+    elif sigma is None and len(residuals) <= len(names):
         errors = np.full(len(names), np.inf)
         message += "; from no more residuals than numbers no errors can be estimated: give sigma"
     elif not found.success:
         message = f"not converged: {found.message}"
-    return Fit(
-        {name: float(value) for name, value in zip(names, found.x, strict=True)},
-        {name: float(value) for name, value in zip(names, errors, strict=True)},
-        covariance, residuals, bool(found.success) and not unknown, message, trajectory, measured,
-    )  # fmt: skip
+    values, spread = (dict(zip(names, each.tolist(), strict=True)) for each in (found.x, errors))
+    success = bool(found.success) and not unknown
+    return Fit(values, spread, covariance, residuals, success, message, trajectory, measured)
+
+
+def _spread(
+    names: tuple[str, ...], residuals: np.ndarray, slopes: np.ndarray, steps: np.ndarray, estimated: bool
+) -> tuple[np.ndarray, np.ndarray, str, str]:
+    """Return errors and covariance from the Jacobian, and names and combinations of what is not determined."""
+    _, sizes, rows = np.linalg.svd(slopes * steps, full_matrices=len(residuals) < len(names))
+    sizes = np.append(sizes, np.zeros(len(names) - len(sizes)))
+    free = sizes <= UNDETERMINED * max(float(sizes.max(initial=0.0)), 1e-300)
+    variance = float(residuals @ residuals) / max(len(residuals) - len(names), 1) if estimated else 1.0
+    inverse = np.where(free, 0.0, 1.0 / np.where(free, 1.0, sizes) ** 2)
+    covariance = (rows.T * inverse) @ rows * variance * np.outer(steps, steps)
+    combined = [
+        {name: part for name, part in zip(names, row, strict=True) if abs(part) > 1e-6} for row in rows[free].tolist()
+    ]
+    unknown = [name for name in names if any(name in each for each in combined)]
+    errors = np.where([name in unknown for name in names], np.inf, np.sqrt(np.diag(covariance)))
+    texts = (" ".join(f"{part:+.3g} {name}" for name, part in each.items()) for each in combined)
+    return errors, covariance, ", ".join(unknown), "; ".join(texts)
 
 
 def _residuals(
@@ -267,20 +251,17 @@ def _read(data: Any) -> Measured:
         raise ParameterError("data", brief(shown), allowed)
     if len({len(column) for column in columns.values()}) > 1:
         raise ParameterError("data", len(columns["t"]), "must have columns of one length")
-    t = np.array([float(read_exact(f"t[{row}]", each)) for row, each in enumerate(columns["t"])])
-    if "kind" in columns:
-        for row, kind in enumerate(columns["kind"]):
-            if not isinstance(kind, str) or kind not in KINDS:
-                raise ParameterError(
-                    f"kind[{row}]", kind, f"must be one of {', '.join(KINDS)}{meant(str(kind), KINDS)}"
-                )
-        return Measured(t, np.array(columns["kind"], dtype=object), None)
-    states = [
-        [float(read_exact(f"{name}[{row}]", each)) for row, each in enumerate(columns[name])]
-        for name in ("x", "v")
-        if name in columns
-    ]
-    return Measured(t, None, np.array(states))
+
+    def numbers(name: str) -> list[float]:
+        return [float(read_exact(f"{name}[{row}]", each)) for row, each in enumerate(columns[name])]
+
+    t = np.array(numbers("t"))
+    if "kind" not in columns:
+        return Measured(t, None, np.array([numbers(name) for name in ("x", "v") if name in columns]))
+    for row, kind in enumerate(columns["kind"]):
+        if not isinstance(kind, str) or kind not in KINDS:
+            raise ParameterError(f"kind[{row}]", kind, f"must be one of {', '.join(KINDS)}{meant(str(kind), KINDS)}")
+    return Measured(t, np.array(columns["kind"], dtype=object), None)
 
 
 def _columns(data: Any) -> dict[str, list[Any]]:

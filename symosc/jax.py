@@ -16,7 +16,7 @@ import numpy as np
 from symosc.errors import MissingExtraError, ParameterError, meant
 from symosc.exact import whole_number
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.sensitivities import sensitivities
+from symosc.sensitivities import STARTS, sensitivities
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.tangents import NAMES
 
@@ -86,9 +86,11 @@ def events(
     >>> print(f"{jax.grad(first)(0.8):.6f}")
     0.936995
     """
-    given = _values(parameters, t0, x0, v0)
+    events_, _ = _functions()
+    from jax import numpy
+
     count = whole_number("count", count, 1)
-    return Events(*_functions().events(given, _functions().number(t_end), count))
+    return Events(*events_(_values(parameters, t0, x0, v0), numpy.asarray(t_end, float), count))
 
 
 def flow(parameters: Parameters | Mapping[str, Any], t: Any, *, t0: Any = 0.0, x0: Any = 0.0, v0: Any = 0.0) -> Any:
@@ -106,10 +108,11 @@ def flow(parameters: Parameters | Mapping[str, Any], t: Any, *, t0: Any = 0.0, x
     >>> print(jax.jacobian(lambda x0: flow(p, 2.5, x0=x0))(0.0).round(6))
     [ 0.017646 -0.060594]
     """
-    functions = _functions()
-    times = functions.number(t)
-    found = functions.flow(_values(parameters, t0, x0, v0), times.reshape(-1))
-    return found.reshape((2, *times.shape))
+    _, flow_ = _functions()
+    from jax import numpy
+
+    times = numpy.asarray(t, float)
+    return flow_(_values(parameters, t0, x0, v0), times.reshape(-1)).reshape((2, *times.shape))
 
 
 def _values(parameters: Any, *start: Any) -> Any:
@@ -125,20 +128,12 @@ def _values(parameters: Any, *start: Any) -> Any:
     for name in PARAMETER_NAMES:
         if name not in parameters:
             raise ParameterError("parameters", sorted(parameters), f"{name} is missing")
-    number = _functions().number
-    return _functions().stack([number(each) for each in (*(parameters[name] for name in PARAMETER_NAMES), *start)])
+    from jax import numpy
+
+    return numpy.stack([numpy.asarray(each, float) for each in (*map(parameters.get, PARAMETER_NAMES), *start)])
 
 
-class _Functions(NamedTuple):
-    """The functions that are made once, when JAX is first used."""
-
-    number: Callable[[Any], Any]
-    stack: Callable[[Any], Any]
-    events: Callable[..., Any]
-    flow: Callable[..., Any]
-
-
-def _functions() -> _Functions:
+def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Return the differentiable functions; MissingExtraError without JAX."""
     try:
         import jax
@@ -151,20 +146,19 @@ def _functions() -> _Functions:
 
 
 @lru_cache(maxsize=1)
-def _made() -> _Functions:
-    """Return the differentiable functions."""
+def _made() -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Return the differentiable functions, of events and of the flow."""
     import jax
-    from jax import numpy
 
-    def shaped(*shapes: tuple[tuple[int, ...], Any]) -> Any:
-        return tuple(jax.ShapeDtypeStruct(shape, kind) for shape, kind in shapes)
+    def computed(function: Callable[..., Any], shapes: Any, *given: Any) -> Any:
+        """Call a function of numpy, whose results have these shapes and types."""
+        out = tuple(jax.ShapeDtypeStruct(shape, kind) for shape, kind in shapes)
+        return jax.pure_callback(function, out, *given, vmap_method="broadcast_all")
 
     def all_of_events(values: Any, t_end: Any, count: int) -> Any:
-        one, by = (count,), (count, len(NAMES))
-        out = shaped(
-            (one, float), (one, float), (one, np.int32), (one, np.int32), (one, bool), (by, float), (by, float)
-        )
-        return jax.pure_callback(partial(_events_of, count=count), out, values, t_end, vmap_method="broadcast_all")
+        kinds = (float, float, np.int32, np.int32, bool)
+        shapes = [((count,), kind) for kind in kinds] + [((count, len(NAMES)), float)] * 2
+        return computed(partial(_events_of, count=count), shapes, values, t_end)
 
     @partial(jax.custom_jvp, nondiff_argnums=(2,))
     def events_(values: Any, t_end: Any, count: int) -> Any:
@@ -178,9 +172,8 @@ def _made() -> _Functions:
         return tuple(found), (dt @ tangents[0], dx @ tangents[0], *none)
 
     def all_of_flow(values: Any, times: Any) -> Any:
-        n = len(times)
-        out = shaped(((2, n), float), ((2, n, len(NAMES)), float), ((2, n), float))
-        return jax.pure_callback(_states_of, out, values, times, vmap_method="broadcast_all")
+        shape = (2, len(times))
+        return computed(_states_of, [(shape, float), ((*shape, len(NAMES)), float), (shape, float)], values, times)
 
     @jax.custom_jvp
     def flow_(values: Any, times: Any) -> Any:
@@ -191,7 +184,7 @@ def _made() -> _Functions:
         found, slopes, rates = all_of_flow(*primals)
         return found, slopes @ tangents[0] + rates * tangents[1]
 
-    return _Functions(lambda value: numpy.asarray(value, dtype=float), numpy.stack, events_, flow_)
+    return events_, flow_
 
 
 def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
@@ -199,7 +192,7 @@ def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
     values, lead = np.asarray(values), np.shape(values)[:-1]
     rows, ends = values.reshape(-1, len(NAMES)), np.broadcast_to(np.asarray(t_end), lead).reshape(-1)
     columns = dict(zip(NAMES, rows.T, strict=True))
-    starts = {name: columns.pop(name) for name in ("t0", "x0", "v0")}
+    starts = {name: columns.pop(name) for name in STARTS}
     table = simulate_many(columns, starts, ends, max_events=count, wrt=NAMES)
     first = np.searchsorted(table.trajectory, np.arange(len(rows)))
     at = table.trajectory, np.arange(len(table)) - first[table.trajectory]
@@ -209,11 +202,9 @@ def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
         made[at] = column
         return made.reshape((*lead, *made.shape[1:]))
 
-    return (
-        placed(table.t, np.inf), placed(table.x, np.inf), placed(table.kind_code, 0, np.int32),
-        placed(table.boundary, 0, np.int32), placed(table.regular.all(axis=1), False, bool),
-        placed(table.dt, 0.0), placed(table.dx, 0.0),
-    )  # fmt: skip
+    places = placed(table.t, np.inf), placed(table.x, np.inf)
+    codes = placed(table.kind_code, 0, np.int32), placed(table.boundary, 0, np.int32)
+    return *places, *codes, placed(table.regular.all(axis=1), False, bool), placed(table.dt, 0.0), placed(table.dx, 0.0)
 
 
 def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
@@ -224,12 +215,11 @@ def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
     states, slopes, rates = (np.empty((len(rows), 2, n, *last)) for last in ((), (len(NAMES),), ()))
     for i, (row, each) in enumerate(zip(rows.tolist(), instants, strict=True)):
         given = dict(zip(NAMES, row, strict=True))
-        start = {name: given.pop(name) for name in ("t0", "x0", "v0")}
+        start = {name: given.pop(name) for name in STARTS}
         last = float(each.max()) if float(each.max()) > start["t0"] else start["t0"] + 1.0
         s = sensitivities(Parameters(**given), NAMES, **start, t_end=last)
-        motion, modes = s.trajectory, s.trajectory.mode(each)
-        states[i], slopes[i] = motion(each), s(each)
-        forces = {f"Omega{alpha}": motion.force(alpha, each) for alpha in (1, 2, 3)}
+        states[i], slopes[i] = s.trajectory(each), s(each)
+        forces = {f"Omega{alpha}": s.trajectory.force(alpha, each) for alpha in (1, 2, 3)}
         rates[i, 0] = states[i, 1]
-        rates[i, 1] = [forces[mode][k] if mode in forces else 0.0 for k, mode in enumerate(modes)]
+        rates[i, 1] = [forces[mode][k] if mode in forces else 0.0 for k, mode in enumerate(s.trajectory.mode(each))]
     return tuple(made.reshape((*lead, *made.shape[1:])) for made in (states, slopes, rates))

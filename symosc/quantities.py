@@ -71,14 +71,14 @@ UNITS = {
 }  # fmt: skip
 
 
-def unit_of(name: str) -> str:
-    """Return the unit of a parameter or start value."""
-    return UNITS[_quantity(name).dimension]
-
-
 def _quantity(name: str) -> Quantity:
     """Return what a number is, which in a column is called such as Omega[3]."""
     return QUANTITIES[name.partition("[")[0]]
+
+
+def unit_of(name: str) -> str:
+    """Return the unit of a parameter or start value."""
+    return UNITS[_quantity(name).dimension]
 
 
 def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
@@ -87,10 +87,7 @@ def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
     text = str(value) if symbolic else value
     if not isinstance(text, str) or NUMBER.fullmatch(text.strip()) or NOT_FINITE.fullmatch(text.strip()):
         return read_exact(name, text), True
-    if not is_quantity(text):
-        return read_expression(name, text)
-    number, exact = read_quantity(name, text)
-    return (number if exact else rounded(number)), exact
+    return read_quantity(name, text) if is_quantity(text) else read_expression(name, text)
 
 
 #: Digits to which an expression with pi is known, and bits with which it is computed.
@@ -107,81 +104,69 @@ _OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.m
 
 def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
     """Return the value of an expression, and whether it is exact."""
-    source = text.strip().replace("π", "pi").replace("^", "**")
-    if len(source) > LONGEST_EXPRESSION or _LETTERS.sub("", source):
-        raise ParameterError(name, text, FORMS)
+    from mpmath import iv, mp
 
-    def refused(allowed: str) -> ParameterError:
+    source = text.strip().replace("π", "pi").replace("^", "**")
+    iv.prec = ENCLOSURE_BITS
+
+    def refused(allowed: str = FORMS) -> ParameterError:
         return ParameterError(name, text, allowed)
+
+    def enclosed(value: Any) -> Any:
+        return iv.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
+
+    def limited(value: Any) -> Any:
+        """Return a value of limited size; raise OverflowError for one that is too expensive to compute with."""
+        if isinstance(value, Fraction):
+            large = max(abs(value.numerator), value.denominator).bit_length() > LARGEST_BITS
+        else:
+            large = not (-LARGEST.numerator < value.a and value.b < LARGEST.numerator)  # where it divides by 0 too
+        if large:
+            raise OverflowError
+        return value
 
     def value(node: ast.expr) -> Any:
         """Return the value of a part: a Fraction as long as that is exact, else an enclosure."""
-        if isinstance(node, ast.Constant):
-            return read_exact(name, ast.get_source_segment(source, node))
-        if isinstance(node, ast.Name) and node.id == "pi":
-            return _enclosures().pi
-        if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.UAdd, ast.USub)):
-            if isinstance(node.operand, ast.UnaryOp):  # two signs are a slip of the hand
-                raise refused(FORMS)
-            inside = value(node.operand)
-            return -inside if isinstance(node.op, ast.USub) else inside
-        if isinstance(node, ast.BinOp):
-            left, right = value(node.left), value(node.right)
-            if isinstance(node.op, ast.Pow):
-                if not (isinstance(right, Fraction) and right.denominator == 1 and abs(right) <= MOST_POWER):
+        match node:
+            case ast.Constant():
+                return read_exact(name, ast.get_source_segment(source, node))
+            case ast.Name("pi"):
+                return iv.pi
+            case ast.UnaryOp(ast.UAdd() | ast.USub() as sign, inside) if not isinstance(inside, ast.UnaryOp):
+                return value(inside) if isinstance(sign, ast.UAdd) else -value(inside)  # two signs are a slip
+            case ast.BinOp(left, ast.Pow(), right):
+                base, power = value(left), value(right)
+                if not (isinstance(power, Fraction) and power.denominator == 1 and abs(power) <= MOST_POWER):
                     raise refused(f"a power must be a whole number up to {MOST_POWER} in size")
-                return _limited(left ** int(right))
-            if type(node.op) in _OPERATORS:
-                if not (isinstance(left, Fraction) and isinstance(right, Fraction)):
-                    left, right = _enclosed(left), _enclosed(right)
-                return _limited(_OPERATORS[type(node.op)](left, right))
-        if isinstance(node, ast.Call) and len(node.args) == 1 and not node.keywords and isinstance(node.func, ast.Name):
-            argument = _enclosed(value(node.args[0]))
-            if node.func.id == "sqrt" and argument.a < 0:
-                raise refused("has no value: the root of a negative number")
-            if node.func.id == "exp" and argument.b > LARGEST.numerator.bit_length():
-                raise OverflowError
-            if node.func.id in ("sqrt", "sin", "cos", "exp"):
-                return _limited(getattr(_enclosures(), node.func.id)(argument))
-        raise refused(FORMS)
+                return limited(base ** int(power))
+            case ast.BinOp(left, operation, right) if type(operation) in _OPERATORS:
+                first, second = value(left), value(right)
+                if not (isinstance(first, Fraction) and isinstance(second, Fraction)):
+                    first, second = enclosed(first), enclosed(second)
+                return limited(_OPERATORS[type(operation)](first, second))
+            case ast.Call(ast.Name("sqrt" | "sin" | "cos" | "exp" as function), [inside], []):
+                argument = enclosed(value(inside))
+                if function == "sqrt" and argument.a < 0:
+                    raise refused("has no value: the root of a negative number")
+                if function == "exp" and argument.b > LARGEST.numerator.bit_length():
+                    raise OverflowError
+                return limited(getattr(iv, function)(argument))
+        raise refused()
 
+    if len(source) > LONGEST_EXPRESSION or _LETTERS.sub("", source):
+        raise refused()
     try:
         found = value(ast.parse(source, mode="eval").body)
     except (SyntaxError, RecursionError, MemoryError):
-        raise refused(FORMS) from None
+        raise refused() from None
     except (ZeroDivisionError, OverflowError):
         raise refused(f"has no value of at most {float(LARGEST):g} in size") from None
     if isinstance(found, Fraction):
         return found, True
-    from mpmath import mp
-
     low, high = (read_exact(name, mp.make_mpf(end._mpi_[0])) for end in (found.a, found.b))
     if (high - low) * 10 ** (KNOWN_DIGITS + 5) > min(abs(low), abs(high)):
         raise refused(f"is not known to {KNOWN_DIGITS} digits, as they cancel; write it as a number, 0 if it is that")
     return rounded((low + high) / 2), False
-
-
-def _limited(value: Any) -> Any:
-    """Return a value of limited size; raise OverflowError for one that is too expensive to compute with."""
-    if isinstance(value, Fraction):
-        large = max(abs(value.numerator), value.denominator).bit_length() > LARGEST_BITS
-    else:
-        large = not (-LARGEST.numerator < value.a and value.b < LARGEST.numerator)  # where it divides by 0 too
-    if large:
-        raise OverflowError
-    return value
-
-
-def _enclosures() -> Any:
-    """Return mpmath's intervals, with their precision set."""
-    from mpmath import iv
-
-    iv.prec = ENCLOSURE_BITS
-    return iv
-
-
-def _enclosed(value: Any) -> Any:
-    return _enclosures().mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
 
 
 def rounded(value: Fraction) -> Fraction:
@@ -213,24 +198,25 @@ def is_quantity(text: str) -> bool:
 def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
     """Return a quantity as a number in the unit of its dimension, and whether it is exact."""
     parts, wanted, what = _QUANTITY.fullmatch(text), unit_of(name), _quantity(name).meaning
-    allowed = f"{name} is the {what}: give it in {wanted}, or in a unit of the same kind"
-    if wanted == "1":
-        allowed = f"{name} is the {what}, a number without a unit"
+    plain = wanted == "1"
+    allowed = "a number without a unit" if plain else f"give it in {wanted}, or in a unit of the same kind"
+    refused = ParameterError(name, text, f"{name} is the {what}{',' if plain else ':'} {allowed}")
     if parts is None or len(parts["unit"]) > LONGEST_UNIT:
-        raise ParameterError(name, text, allowed)
+        raise refused
     registry = _registry()
     try:
         given = registry.parse_units(parts["unit"].strip().replace("^", "**").replace("·", "*"))
-        unit = "dimensionless" if wanted == "1" else registry.parse_units(wanted)
+        unit = "dimensionless" if plain else registry.parse_units(wanted)
         # Both count turns or radians, and do not say which.
         ambiguous = wanted == "rad/s" and any(part.endswith(("hertz", "counts_per_second")) for part in given._units)
         factor = Fraction(registry.Quantity(Fraction(1), given).to(unit).magnitude)
     except Exception:  # pint has a dozen kinds, some of them AssertionError and TypeError
-        raise ParameterError(name, text, allowed) from None
+        raise refused from None
     if ambiguous:
         raise ParameterError(name, text, "hertz may mean turns or radians per second: write turn/s or rad/s")
+    number = read_exact(name, parts["number"]) * factor
     exact = max(len(str(factor.numerator)), len(str(factor.denominator))) <= LONGEST_FACTOR
-    return read_exact(name, parts["number"]) * factor, exact
+    return (number if exact else rounded(number)), exact
 
 
 @cache

@@ -58,10 +58,6 @@ class Harmonic(NamedTuple):
         """Return the time derivative of the harmonic."""
         return Harmonic(Omega * self.S, -Omega * self.C, self.exact)
 
-    def integral(self, Omega: Fraction) -> Harmonic:
-        """Return the time integral of the harmonic whose mean is 0."""
-        return Harmonic(-self.S / Omega, self.C / Omega, self.exact)
-
     def at(self, cos: Any, sin: Any, number: Callable[[Fraction], Any] = float) -> Any:
         """Return the value of the harmonic, given cosine and sine of Omega t."""
         return number(self.C) * cos + number(self.S) * sin
@@ -105,17 +101,12 @@ def polar(sum: Harmonic) -> tuple[Fraction, Fraction, bool]:
         return P, Fraction(0), sum.exact
     if P == 0:
         return Q, PI / 2, False
-    context = _context(DIGITS)
+    context, square = _context(DIGITS), P * P + Q * Q
     p, q = (context.mpf(each.numerator) / each.denominator for each in (P, Q))
-    root = _root(P * P + Q * Q)
-    size = rounded(read_exact("B0", context.hypot(p, q))) if root is None or not sum.exact else root
+    size = Fraction(isqrt(square.numerator), isqrt(square.denominator))
+    if size * size != square or not sum.exact:
+        size = rounded(read_exact("B0", context.hypot(p, q)))
     return size, read_exact("phase", context.atan2(q, p)), False
-
-
-def _root(square: Fraction) -> Fraction | None:
-    """Return the square root of a fraction if it is rational, else None."""
-    root = Fraction(isqrt(square.numerator), isqrt(square.denominator))
-    return root if root * root == square else None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -215,7 +206,8 @@ class OtherModel:
     @cached_property
     def shift(self) -> Harmonic:
         """The motion w of the belts beyond constant speeds: x = z + w."""
-        own = harmonic(self.W, self.W_phase).integral(self.Omega)
+        rate = harmonic(self.W, self.W_phase)
+        own = Harmonic(-rate.S / self.Omega, rate.C / self.Omega, rate.exact)  # its integral with mean 0
         return own.plus(self.base) if self.joined else own
 
     @cached_property
@@ -226,10 +218,9 @@ class OtherModel:
     @cached_property
     def _drive(self) -> tuple[Fraction, Fraction, bool]:
         """The drive of the oscillator that it is: R and psi of R cos(Omega t - psi), and whether both are exact."""
-        Omega, base, shift = self.Omega, self.base, self.shift
-        sum = self.force.plus(base.rate(Omega), self.c).plus(base, self.k)
-        sum = sum.plus(shift.rate(Omega).rate(Omega), -self.m).plus(shift.rate(Omega), -self.c).plus(shift, -self.k)
-        return polar(sum)
+        base, shift, shift_rate = self.base, self.shift, self.shift.rate(self.Omega)
+        sum = self.force.plus(base.rate(self.Omega), self.c).plus(base, self.k)
+        return polar(sum.plus(shift_rate.rate(self.Omega), -self.m).plus(shift_rate, -self.c).plus(shift, -self.k))
 
     @property
     def delay(self) -> Fraction:
@@ -302,12 +293,9 @@ class OtherModel:
 
     def as_dict(self) -> dict[str, Any]:
         """Return what differs from the defaults, as text that reads back exactly; `joined` is true or false."""
-        found: dict[str, Any] = {}
-        for each in fields(self):
-            value = getattr(self, each.name)
-            if value != each.default:
-                found[each.name] = value if isinstance(value, bool) else show(value)
-        return found
+        values = {each.name: getattr(self, each.name) for each in fields(self)}
+        changed = {each.name: values[each.name] for each in fields(self) if values[each.name] != each.default}
+        return {name: value if isinstance(value, bool) else show(value) for name, value in changed.items()}
 
     def __repr__(self) -> str:
         return f"OtherModel({', '.join(f'{name}={value!r}' for name, value in self.as_dict().items())})"
@@ -339,10 +327,8 @@ def reduced_time(model: OtherModel, t: Fraction) -> Fraction:
 
 def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -> tuple[Three, Three]:
     """Convert a start of a model to one of its oscillator; return it and the half-widths of what is not exact."""
-    p, angle, delay = model.parameters, model.Omega * t0, model.delay
-    cos, sin, exact = cos_sin(angle)
-    zero = Fraction(0)
-    s0, s_error = reduced_time(model, t0), half_unit(abs(t0) + abs(delay)) if delay else zero
+    p, zero, (cos, sin, exact) = model.parameters, Fraction(0), cos_sin(model.Omega * t0)
+    s0, s_error = reduced_time(model, t0), half_unit(abs(t0) + abs(model.delay)) if model.delay else zero
     if model.shift.bound() == 0:
         return (s0, x0, v0), (s_error, zero, zero)
     w, rate = (each.at(cos, sin, Fraction) for each in (model.shift, model.shift.rate(model.Omega)))

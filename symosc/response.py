@@ -11,7 +11,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from itertools import pairwise
 from math import asin, atan2, hypot, inf, nan, pi, sqrt
@@ -22,7 +22,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
-from symosc.aliases import Progress, SceneName
+from symosc.aliases import Progress, Record, SceneName
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
@@ -50,25 +50,6 @@ MOST_HALVES, ROUNDING = 30, 1e-10
 
 #: Periods after which motions from harmonic balance are examined, and after which that from rest is given up.
 FOLLOWED = 3, 12, 48
-
-
-class Row(NamedTuple):
-    """The response at one value; see `FrequencyResponse`."""
-
-    status: str
-    word: str = ""
-    amplitude: float = nan
-    transmissibility: float = nan
-    phase: float = nan
-    harmonic: float = nan
-    work: float = nan
-    dissipated: float = nan
-    damper: float = nan
-    friction: float = nan
-    stuck: float = nan
-    balance: float = nan
-    balance_error: float = nan
-    error: float = nan
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -137,7 +118,7 @@ class FrequencyResponse(Drawable):
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return all columns by name, that of the parameter first."""
-        return {self.name: self.values} | {name: getattr(self, name) for name in Row._fields}
+        return {self.name: self.values} | {name: getattr(self, name) for name in COLUMNS}
 
     def to_pandas(self) -> Any:
         """Return a DataFrame, a row per value; MissingExtraError if pandas is not installed."""
@@ -168,6 +149,9 @@ class FrequencyResponse(Drawable):
     def __repr__(self) -> str:
         low, high = self.values.min(), self.values.max()
         return f"<FrequencyResponse over {self.name} from {low:g} to {high:g}, {len(self)} values>"
+
+
+COLUMNS = tuple(each.name for each in fields(FrequencyResponse))[2:]
 
 
 @public
@@ -215,14 +199,16 @@ def frequency_response(
     if name not in NUMBER_NAMES:
         raise ParameterError("over", name, f"is not one of {', '.join(NUMBER_NAMES)}{meant(str(name), NUMBER_NAMES)}")
     values = read_axis(name, given)
-    rows, before = list[Row](), None
+    rows, before = list[Record](), None
     with late_bar(progress, f"response over {name}", "values") as advance:
         for i, value in enumerate(values.tolist()):
             row, before = respond(model.replace(**{name: value}), before)
             rows.append(row)
             if advance:
                 advance((i + 1) / len(values), i + 1)
-    return FrequencyResponse(name, values, *(np.array(column) for column in zip(*rows, strict=True)))
+    missing: Record = {"word": ""}
+    columns = {each: np.array([row.get(each, missing.get(each, nan)) for row in rows]) for each in COLUMNS}
+    return FrequencyResponse(name, values, **columns)
 
 
 def model_of(what: Any) -> OtherModel:
@@ -237,8 +223,9 @@ def model_of(what: Any) -> OtherModel:
     return OtherModel(**{name: getattr(what, name) for name in PARAMETER_NAMES})
 
 
-def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Row, PeriodicOrbit | None]:
+def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Record, PeriodicOrbit | None]:
     """Compute the response of a model and its orbit, if it has one; `before` is an orbit for nearby parameters."""
+    # The columns of `FrequencyResponse` that are known.
     p = model.parameters
     if p.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of a settled motion")
@@ -246,13 +233,18 @@ def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Row
     balance = inf if z == inf else abs(_phasor(model.shift) + late * z)
     try:
         if z == inf:
-            raise ConvergenceError("", (), 1, inf, "the motion grows for ever, at resonance without a damper")
+            raise _unsettled("the motion grows for ever, at resonance without a damper")
         settled = settle(p, (mean + z.real, -float(p.Omega) * z.imag), before)
         row = measured(model, settled)
     except ConvergenceError as error:
-        return Row(error.reason, balance=balance), before
-    part = balance / row.amplitude - 1 if row.amplitude else nan if balance == 0 else inf
-    return row._replace(balance=balance, balance_error=part), settled.orbit or before
+        return {"status": error.reason, "balance": balance}, before
+    part = balance / row["amplitude"] - 1 if row["amplitude"] else nan if balance == 0 else inf
+    return row | {"balance": balance, "balance_error": part}, settled.orbit or before
+
+
+def _unsettled(reason: str) -> ConvergenceError:
+    """Return the error that says why there is no settled motion."""
+    return ConvergenceError("", (), 1, inf, reason)
 
 
 # -- the settled motion
@@ -277,14 +269,13 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
     free = meets_no_belt(p)
     if free is not None:
         if p.c == 0:
-            raise ConvergenceError("", (), 1, inf, "without a damper the motion between the belts goes on for ever")
+            raise _unsettled("without a damper the motion between the belts goes on for ever")
         z = float(p.B0) / complex(float(p.k - p.m * p.Omega**2), float(p.c * p.Omega))  # the first harmonic
         return Settled("linear", (0, float(p.A(free) / p.k) + z.real, -float(p.Omega) * z.imag))
     orbit = _near(p, before) or _followed(p, guess) or settled_orbit(p, most=1000)
-    status = "orbit" if orbit.stable else "marginal orbit"
     (t, x), belt = orbit.points[0], orbit.equations().pieces[0].start
-    sizes = max(abs(complex(each)) for each in orbit.multipliers)
-    return Settled(status, (t, x, p.belt(belt)), orbit.periods, sizes, orbit)
+    size = max(abs(complex(each)) for each in orbit.multipliers)
+    return Settled("orbit" if orbit.stable else "marginal orbit", (t, x, p.belt(belt)), orbit.periods, size, orbit)
 
 
 def _near(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit | None:
@@ -301,8 +292,8 @@ def _followed(p: Parameters, guess: tuple[float, float]) -> PeriodicOrbit | None
     period = 2 * pi / float(p.Omega)
     for count in FOLLOWED:
         motion = simulate(p, t0=0, x0=guess[0], v0=guess[1], t_end=count * period)
-        times = np.array([float(event.t) for event in motion.events]) - (count - 2) * period
-        (cycle,) = np.nonzero((times >= 0) & (times < period))
+        begin = (count - 2) * period
+        cycle = [i for i, event in enumerate(motion.events) if begin <= float(event.t) < begin + period]
         labels = [motion.segments[i + 1].label for i in cycle]
         if labels and None not in labels:
             points = [(float(event.t), float(event.x)) for event in (motion.events[i] for i in cycle)]
@@ -425,63 +416,60 @@ def turning_points(values: np.ndarray) -> np.ndarray:
     return np.concatenate([[-1, 1], inside])
 
 
-def measured(model: OtherModel, settled: Settled) -> Row:
+def measured(model: OtherModel, settled: Settled) -> Record:
     """Return the response of a settled motion: integrals and extremes over a cycle; ConvergenceError near a graze."""
-    p, Omega = model.parameters, float(model.Omega)
-    period = 2 * pi * settled.periods / Omega
-    t0, x0, v0 = settled.start
+    p, Omega, delay, n = model.parameters, float(model.Omega), float(model.delay), settled.periods
+    period, (t0, x0, v0) = 2 * pi * n / Omega, settled.start
     motion = simulate(p, t0=t0, x0=x0, v0=v0, t_end=float(t0) + period)
     if motion.status == "undecidable":
-        raise ConvergenceError("", (), 1, inf, motion.message)
+        raise _unsettled(motion.message)
     m, c, k, FN, drive = (float(each) for each in (model.m, model.c, model.k, p.FN, p.B0))
     belts = [(float(mu) * FN, float(v)) for mu, v in ((p.mu1, p.v1), (p.mu2, p.v2))]
+    shift_rate, base_rate = model.shift.rate(model.Omega), model.base.rate(model.Omega)
+    waves = model.shift, shift_rate, shift_rate.rate(model.Omega), model.base, base_rate, model.force
     turns, passed, first, damper, work, heat, stuck = list[np.ndarray](), list[float](), 0j, 0.0, 0.0, 0.0, 0.0
     for part in parts(motion):
         mode, weights = part.segment.mode, part.weights
-        cos, sin = np.cos(Omega * (part.t + float(model.delay))), np.sin(Omega * (part.t + float(model.delay)))
-        shifts = model.shift, model.shift.rate(model.Omega), model.shift.rate(model.Omega).rate(model.Omega)
-        w, rate, second = (each.at(cos, sin) for each in shifts)
-        y, base_rate = model.base.at(cos, sin), model.base.rate(model.Omega).at(cos, sin)
-        force, x, v = model.force.at(cos, sin), part.z + w, part.u + rate
+        cos, sin = np.cos(Omega * (part.t + delay)), np.sin(Omega * (part.t + delay))
+        w, w_rate, w_second, y, y_rate, force = (each.at(cos, sin) for each in waves)
+        x, v = part.z + w, part.u + w_rate
         driven = float(p.A0) + drive * np.cos(Omega * part.t) - c * part.u - k * part.z  # all but friction
-        held = int(mode[-1]) if mode.startswith("belt") else None
         pulls = [np.full(POINTS, friction * (-1 if part.u.mean() > speed else 1)) for friction, speed in belts]
-        if held is not None:
+        if mode.startswith("belt"):
+            held = int(mode[-1])
             pulls[held - 1] = -driven - pulls[2 - held]
+            stuck += float(weights.sum())
         acceleration = (driven + sum(pulls)) / m
-        lengths = [abs(float(weights @ (part.u - speed))) for _, speed in belts]
-        heat += sum(friction * length for (friction, _), length in zip(belts, lengths, strict=True))  # 0 on a belt
-        damper += c * float(weights @ (v - base_rate) ** 2)
-        pushed = force * v + (k * (y - x) + c * (base_rate - v)) * base_rate
-        drawn = sum(pull * (speed + rate) for pull, (_, speed) in zip(pulls, belts, strict=True))
+        heat += sum(friction * abs(float(weights @ (part.u - speed))) for friction, speed in belts)  # 0 on a belt
+        damper += c * float(weights @ (v - y_rate) ** 2)
+        pushed = force * v + (k * (y - x) + c * (y_rate - v)) * y_rate
+        drawn = sum(pull * (speed + w_rate) for pull, (_, speed) in zip(pulls, belts, strict=True))
         work += float(weights @ (pushed + drawn))
         first += complex(weights @ (x * (cos - 1j * sin)))
-        stuck += float(weights.sum()) if held is not None else 0.0
         turns.append(part.begin + (part.end - part.begin) * (turning_points(x) + 1) / 2)
-        felt = force - m * (acceleration + second)
+        felt = force - m * (acceleration + w_second)
         passed += legendre.legval(turning_points(felt), _gauss()[2] @ felt).tolist()
     times = np.clip(np.concatenate(turns), float(motion.t_start), float(motion.t_end))
-    amplitude = np.ptp(motion(times)[0] + motion_of_belts(model, times + float(model.delay))[0]) / 2
+    amplitude = float(np.ptp(motion(times)[0] + motion_of_belts(model, times + delay)[0])) / 2
     first *= 2 / period
     # What phases refer to: the base, the force, or the belts' speeds.
     excitation = _phasor(model.base if model.Y else model.force if model.B0 else harmonic(model.W, model.W_phase))
     Y, B0 = abs(float(model.Y)), abs(float(model.B0))
     closure = np.abs(motion([motion.t_start, motion.t_end]) @ [1, -1]) / [1, Omega]
-    n = settled.periods
-    return Row(
-        settled.status,
-        settled.orbit.word if settled.orbit else "",
-        float(amplitude),
-        float(amplitude / Y if Y else np.ptp(passed) / 2 / B0 if B0 else nan),
-        float(np.angle(excitation / first)) if abs(first) > CONVERGED * abs(excitation) else nan,
-        abs(first),
-        work / n,
-        (damper + heat) / n,
-        damper / n,
-        heat / n,
-        stuck / period,
-        error=float(closure.max()) / max(1 - settled.multiplier, CONVERGED) + float(np.spacing(amplitude)),
-    )
+    return {
+        "status": settled.status,
+        "word": settled.orbit.word if settled.orbit else "",
+        "amplitude": amplitude,
+        "transmissibility": float(amplitude / Y if Y else np.ptp(passed) / 2 / B0 if B0 else nan),
+        "phase": float(np.angle(excitation / first)) if abs(first) > CONVERGED * abs(excitation) else nan,
+        "harmonic": abs(first),
+        "work": work / n,
+        "dissipated": (damper + heat) / n,
+        "damper": damper / n,
+        "friction": heat / n,
+        "stuck": stuck / period,
+        "error": float(closure.max()) / max(1 - settled.multiplier, CONVERGED) + float(np.spacing(amplitude)),
+    }
 
 
 def _phasor(function: Harmonic) -> complex:

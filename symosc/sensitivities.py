@@ -133,33 +133,23 @@ class _Columns:
     """The columns of a motion in its arithmetic, as `symosc.engine.tangent` takes them."""
 
     def __init__(self, trajectory: Trajectory, start: Start) -> None:
-        self.trajectory, p = trajectory, trajectory.parameters
-        self.kind: Any = float if self.context is None else object
-        number = self.numbers.number
+        self.trajectory, p, digits = trajectory, trajectory.parameters, trajectory.digits
+        self.context: Any = None if digits is None else mp_context(digits + SPARE)  # None: doubles
+        self.kind: Any = float if digits is None else object
+        number, piece = self.numbers.number, trajectory._pieces[:, 0]
         self.letters = np.array([[number(each) for each in (p.m, p.mu1, p.mu2, p.FN)]], dtype=self.kind)
-        piece, events = trajectory._pieces[:, 0], trajectory.rows()
         theta = many_digits(p, self.context.dps).phase(start.t0) if self.context else piece[1]
         first = int(piece[2]), number(start.t0), theta, number(start.x0), number(start.v0)
         self.starts = np.array([first], dtype=self.kind)
+        self.rows: tuple[Any, ...] = columns_of(trajectory.rows())
         if self.context:
             names = ("t", "theta", "x", "v")
-            exact = np.array(
-                [[self.context.mpf(getattr(event, name)) for name in names] for event in trajectory.events]
-            )
-            floats = list(exact.reshape(-1, 4).astype(object).T)
-            self.rows: tuple[Any, ...] = *floats, *columns_of(events)[4:]
-        else:
-            self.rows = columns_of(events)
-
-    @property
-    def context(self) -> Any:
-        """The mpmath context of the numbers; None for doubles."""
-        digits = self.trajectory.digits
-        return None if digits is None else mp_context(digits + SPARE)
+            exact = [[self.context.mpf(getattr(event, name)) for event in trajectory.events] for name in names]
+            self.rows = (*np.array(exact, dtype=object), *self.rows[4:])
 
     @property
     def numbers(self) -> MapArithmetic:
-        """The functions and constants in this arithmetic."""
+        """The functions and constants in this arithmetic, which cannot be copied."""
         return map_arithmetic(self.trajectory.parameters, self.context)
 
     def loop(self, name: str, count: int) -> tuple[Callable[..., None], Any]:
@@ -190,30 +180,30 @@ class _Columns:
         """Return the derivatives of x and v (2, times, wrt), with those of the events."""
         codes, (starts, events) = codes_of(wrt), self.pieces()
         launched = np.zeros((3, len(starts), len(wrt)), self.kind)
-        for row in range(3):
-            launched[row, 0] = codes == tangent.T0 + row
-        boundaries = self.rows[5][events]
+        launched[:, 0] = codes == tangent.T0 + np.arange(3)[:, None]
         launched[0, 1:], launched[1, 1:] = dt[events], dx[events]
-        launched[2, 1:] = codes[None, :] == tangent.V1 - 1 + boundaries[:, None]
+        launched[2, 1:] = codes == tangent.V1 - 1 + self.rows[5][events, None]
         times = np.array([self.numbers.number(Fraction(t)) for t in times]) if self.context else times
         pieces = np.maximum(np.searchsorted(starts[1:, 1].astype(float), times.astype(float), "right"), 0)
-        out = np.zeros((2, len(times), len(wrt)), self.kind)
-        loop, table = self.loop("changes_at", len(times))
+        return self._changes_at(self.loop("changes_at", len(times)), times, pieces, starts, launched, codes)
+
+    def _changes_at(
+        self, loop: Any, times: np.ndarray, pieces: np.ndarray, starts: np.ndarray, launched: np.ndarray, codes: Any
+    ) -> np.ndarray:
+        """Return the derivatives at times of pieces, from those at their starts."""
+        out, (function, table) = np.zeros((2, len(times), len(codes)), self.kind), loop
         work = work_space(codes, self.kind)
-        loop(times, pieces, starts, launched, codes, is_deep(codes), self.letters, table, out, work)
+        function(times, pieces, starts, launched, codes, is_deep(codes), self.letters, table, out, work)
         return out
 
     def exponents(self) -> np.ndarray:
         """Return the Lyapunov exponents over the motion, the larger one first."""
+        codes, last = codes_of(("x0", "v0")), self.pieces()[0][-1:]
         *_, growth, work = self.changes(("x0", "v0"), 0)
-        codes, (starts, _) = codes_of(("x0", "v0")), self.pieces()
         grown, volume = growth[0].tolist()
         end = (self.context.mpf if self.context else float)(self.trajectory.t_end)
-        out, last = np.zeros((2, 1, 2), self.kind), starts[-1:]
-        launched, at, none = work[:3, None, :2].copy(), np.array([end]), np.zeros(1, np.int64)
-        self.numbers.of["changes_at"](
-            at, none, last, launched, codes, False, self.letters, [self.numbers.K], out, work_space(codes, self.kind)
-        )
+        interpreted, none = (self.numbers.of["changes_at"], [self.numbers.K]), np.zeros(1, np.int64)
+        out = self._changes_at(interpreted, np.array([end]), none, last, work[:3, None, :2].copy(), codes)
         volume -= float(self.numbers.K.cm * (end - last[0, 1])) if last[0, 0] <= ON_BELT else inf
         size, span = float(np.linalg.norm(out[:, 0].astype(float), 2)), float(end - self.starts[0, 1])
         first = (grown + log(size)) / span if size > 0.0 else -inf
@@ -261,22 +251,36 @@ def sensitivities(
     names = read_wrt(wrt)
     start = read_start(what, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, None)
     about: dict[str, Any] = {"t0": start.t0, "x0": start.x0, "v0": start.v0, "t_end": start.t_end}
-    if start.start_error:
-        about["start_error"] = start.start_error
-    motion = simulate(start.parameters, **about, max_events=max_events, digits=digits)
+    about |= {"max_events": max_events} | ({"start_error": start.start_error} if start.start_error else {})
+    motion = simulate(start.parameters, **about, digits=digits)
     columns = _Columns(motion, start)
     dt, dx, marks, why, *_ = columns.changes(names, len(names))
     belts = max(abs(float(start.parameters.v1)), abs(float(start.parameters.v2)))
     # A rounding that dx may have from v dt, relative to max(1, |dx|): with t0 = 1e8 all times depend much on Omega.
     late = EPS * belts * np.abs(dt) > 1e-12 * np.maximum(1, np.abs(dx))
     if digits is None and ((why >= tangent.ROUGH).any() or late.any()):
-        exact = simulate(start.parameters, **about, max_events=max_events, digits=MORE_DIGITS)
+        exact = simulate(start.parameters, **about, digits=MORE_DIGITS)
         if [event.kind for event in exact.events] == [event.kind for event in motion.events]:
             columns = _Columns(exact, start)
             dt, dx, marks, why, *_ = columns.changes(names, len(names))
             dt, dx = dt.astype(float), dx.astype(float)
-    reasons = _reasons(motion, names, marks, why, _kink_at_start(columns, names, marks))
-    return Sensitivities(motion, names, dt, dx, marks == 1, reasons, columns)
+    return Sensitivities(motion, names, dt, dx, marks == 1, _reasons(columns, names, marks, why), columns)
+
+
+def _reasons(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: np.ndarray) -> tuple[str | None, ...]:
+    """Return for each event what is not regular from there on; what is not at the start is said of the first one."""
+    found: list[str | None] = [None] * len(codes)
+    for n in np.flatnonzero(codes).tolist():
+        event = columns.trajectory.events[n]
+        if codes[n] == tangent.KINK:
+            words = {tangent.OPENS_ABOVE: "larger", tangent.OPENS_BELOW: "smaller"}
+            sides = [f"{name} {words[mark]}" for name, mark in zip(wrt, marks[n].tolist(), strict=True) if mark > 1]
+            found[n] = f"after the graze at t = {float(event.t):.6g} for {', '.join(sides)}"
+        elif codes[n] != tangent.ROUGH:
+            found[n] = REASONS[codes[n]].format(t=float(event.t), belt=event.boundary)
+    if found and (at_start := _kink_at_start(columns, wrt, marks)):
+        found[0] = "; ".join(filter(None, (at_start, found[0])))
+    return tuple(found)
 
 
 def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -> str | None:
@@ -284,36 +288,14 @@ def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -
     mode, _, _, _, v = columns.starts[0]
     p, number = columns.trajectory.parameters, columns.numbers.number
     on = [name for n, name in ((1, "v1"), (2, "v2")) if v == number(p.belt(n))]
-    if not on or not len(marks):
+    if not on:
         return None
     off = [name for name in wrt if name in ("v0", *on)]
     moved = [name for name, mark in zip(wrt, marks[0].tolist(), strict=True) if not mark and name not in off]
-    said = []
+    parts, names = list[str](), ", ".join(off)
     if off:
-        names = ", ".join(off)
-        said.append(
-            f"for other {names} a stick begins first" if mode > ON_BELT else f"by {names} on the flight's side only"
-        )
+        side = f"for other {names} a stick begins first" if mode > ON_BELT else f"by {names} on the flight's side only"
+        parts.append(side)
     if moved:
-        said.append(f"a force there is 0, and {', '.join(moved)} may move it")
-    return f"the start is on a belt: {'; '.join(said)}" if said else None
-
-
-def _reasons(
-    motion: Trajectory, wrt: tuple[str, ...], marks: np.ndarray, codes: np.ndarray, said: str | None
-) -> tuple[str | None, ...]:
-    """Return for each event what is not regular from there on; `said` of the start is the first one's."""
-    found: list[str | None] = [None] * len(codes)
-    for n in np.flatnonzero(codes).tolist():
-        event = motion.events[n]
-        if codes[n] == tangent.ROUGH:
-            continue
-        if codes[n] == tangent.KINK:
-            words = {tangent.OPENS_ABOVE: "larger", tangent.OPENS_BELOW: "smaller"}
-            sides = [f"{name} {words[mark]}" for name, mark in zip(wrt, marks[n].tolist(), strict=True) if mark > 1]
-            found[n] = f"after the graze at t = {float(event.t):.6g} for {', '.join(sides)}"
-        else:
-            found[n] = REASONS[codes[n]].format(t=float(event.t), belt=event.boundary)
-    if found and said:
-        found[0] = "; ".join(filter(None, (said, found[0])))
-    return tuple(found)
+        parts.append(f"a force there is 0, and {', '.join(moved)} may move it")
+    return f"the start is on a belt: {'; '.join(parts)}" if parts else None

@@ -72,18 +72,18 @@ class Map(NamedTuple):
         return self.domain or 3 + self.start.boundary
 
 
-#: The eight mappings.
+#: The eight mappings: label, superscript and boundary of both planes, and domain.
 MAPS = {
-    row.label: row
-    for row in (
-        Map("P1", Plane(0, 1), Plane(0, 1), 0),
-        Map("P2", Plane(1, 1), Plane(1, 1), 1),
-        Map("P3", Plane(2, 1), Plane(2, 1), 2),
-        Map("P4", Plane(0, 2), Plane(0, 2), 0),
-        Map("P5", Plane(1, 2), Plane(1, 2), 2),
-        Map("P6", Plane(2, 2), Plane(2, 2), 3),
-        Map("P7", Plane(1, 2), Plane(2, 1), 2),
-        Map("P8", Plane(2, 1), Plane(1, 2), 2),
+    label: Map(label, Plane(*start), Plane(*end), domain)
+    for label, start, end, domain in (
+        ("P1", (0, 1), (0, 1), 0),
+        ("P2", (1, 1), (1, 1), 1),
+        ("P3", (2, 1), (2, 1), 2),
+        ("P4", (0, 2), (0, 2), 0),
+        ("P5", (1, 2), (1, 2), 2),
+        ("P6", (2, 2), (2, 2), 3),
+        ("P7", (1, 2), (2, 1), 2),
+        ("P8", (2, 1), (1, 2), 2),
     )
 }
 
@@ -108,9 +108,8 @@ class Word(NamedTuple):
 
     def latex(self) -> str:
         """Return the word as the paper writes it: P_{32} = P_3 after P_2."""
-        digits = "".join(label[1:] for label in reversed(self.labels))
         composed = r" \circ ".join(f"P_{label[1:]}" for label in reversed(self.labels))
-        return f"P_{{{digits}}} = {composed}" if len(self.labels) > 1 else composed
+        return f"P_{{{str(self)[1:]}}} = {composed}" if len(self.labels) > 1 else composed
 
     def _repr_latex_(self) -> str:
         return f"${self.latex()}$"
@@ -125,8 +124,12 @@ class Word(NamedTuple):
 
         The last map is followed by the first one, as on a periodic orbit, if they fit; its exit is None if not.
         """
-        pairs = zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True)
-        return tuple(_exit(step, after) if step.sticks else None for step, after in pairs)
+        found: list[str | None] = []
+        for step, after in zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True):
+            fit = step.sticks and not after.sticks and after.start.boundary == step.end.boundary
+            below = after.domain == NEIGHBOURS[step.end.boundary][0]
+            found.append(("below" if below else "above") if fit else None)
+        return tuple(found)
 
     def __str__(self) -> str:
         return "P" + "".join(label[1] for label in reversed(self.labels))
@@ -180,13 +183,6 @@ def collapsed(labels: Sequence[str]) -> str:
 WordLike: TypeAlias = str | Iterable[str] | Word
 
 
-def _exit(stick: Map, after: Map) -> str | None:
-    """Return the side on which a stick ends, by the mapping after it; None if that cannot follow."""
-    if after.sticks or after.start.boundary != stick.end.boundary:
-        return None
-    return "below" if after.domain == NEIGHBOURS[stick.end.boundary][0] else "above"
-
-
 @public
 def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> Word:
     """Read a mapping structure and check that a motion can follow it.
@@ -213,19 +209,11 @@ def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> 
     >>> str(read_word(["P3", "P2"])), read_word("P32").labels
     ('P32', ('P2', 'P3'))
     """
-    if isinstance(word, Word):
-        labels, text = word.labels, str(word)
-    else:
-        labels, text = _read(word)
-    found = Word(labels)
-    steps = list(itertools.pairwise(labels))
-    if closed:
-        steps.append((labels[-1], labels[0]))
-    for before, after in steps:
-        reason = why_not(before, after, grazing=grazing)
-        if reason:
+    labels, text = (word.labels, str(word)) if isinstance(word, Word) else _read(word)
+    for before, after in itertools.pairwise((*labels, labels[0]) if closed else labels):
+        if reason := why_not(before, after, grazing=grazing):
             raise WordError(text, reason, (before, after))
-    return found
+    return Word(labels)
 
 
 def why_not(before: str, after: str, *, grazing: bool = False) -> str:
@@ -244,19 +232,13 @@ def why_not(before: str, after: str, *, grazing: bool = False) -> str:
 
 def _read(word: str | Iterable[object]) -> tuple[tuple[str, ...], str]:
     """Return the labels of a word in order of time, and its text."""
-    if isinstance(word, str):
-        text = word.strip()
-        parts = [part for part in re.split(r"[\s,*·∘]+", text) if part]
-    else:
-        parts = list(word)
-        text = "∘".join(map(str, parts))
-    digits = ""
+    parts = list(filter(None, re.split(r"[\s,*·∘]+", word)) if isinstance(word, str) else word)
+    text, digits = word.strip() if isinstance(word, str) else "∘".join(map(str, parts)), ""
     for part in parts:
         match = re.fullmatch(r"P_?\{?([1-8]+)\}?", part) if isinstance(part, str) else None
         if match is None:
-            raise WordError(
-                text, f"{shown(part)} is not a mapping; the mappings are P1 to P8, written P32, P3∘P2 or ['P3', 'P2']"
-            )
+            allowed = "the mappings are P1 to P8, written P32, P3∘P2 or ['P3', 'P2']"
+            raise WordError(text, f"{shown(part)} is not a mapping; {allowed}")
         digits += match.group(1)
     if not digits:
         raise WordError(repr(text), "is empty; write for example P32, which applies P2 first")

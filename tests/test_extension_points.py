@@ -28,26 +28,25 @@ from __future__ import annotations
 import click
 
 import symosc
-from symosc.cli.common import json_option, scene_argument, scene_with, set_option, write_json, write_table
+from symosc.cli import options, output
 
 
 @click.command()
-@scene_argument
-@set_option
-@json_option
-def energy(scene: str, settings: tuple[str, ...], as_json: bool) -> int:
+@options.scene_argument
+@options.set_option
+@options.json_option
+def energy(scene: str, settings: options.Settings) -> None:
     """Print the energy at each event.
 
     \\b
     Example:
       symosc energy fig5
     """
-    problem = scene_with(scene, settings, {})
+    problem = options.scene_with(scene, settings)
     m, k = float(problem.parameters.m), float(problem.parameters.k)
     events = symosc.simulate(problem).events
     rows = [[f"{each.t:.6g}", f"{(m * each.v**2 + k * each.x**2) / 2:.6g}"] for each in events]
-    write_json(rows) if as_json else write_table(rows, ["t", "energy"])
-    return 0
+    output.report(lambda: rows, lambda: output.write_table(rows, ["t", "energy"]))
 '''
 
 
@@ -70,7 +69,7 @@ REST = """    yield ReferenceCase(
 def test_a_reference_case(scratch: Scratch) -> None:
     pytest.importorskip("flint")
     cases, tests, page = "symosc/reference/cases.py", "tests/reference/test_cases.py", "docs/cases.md"
-    scratch.replace(cases, "    yield from _belt_start_cases()\n", f"    yield from _belt_start_cases()\n{REST}")
+    scratch.replace(cases, "\n\nRESTING = ", f"{REST}\n\nRESTING = ")
     scratch.replace(cases, "SET_VERSION = 1\n", "SET_VERSION = 2\n")
     command = [sys.executable, "-m", "pytest", "-q", tests, "-k", "new_version", "-p", "no:cacheprovider"]
     said = subprocess.run(command, cwd=scratch.folder, capture_output=True, text=True, check=False).stdout

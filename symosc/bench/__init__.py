@@ -11,6 +11,8 @@ from datetime import date
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from symosc.aliases import Record
+
 PACKAGES = ("numpy", "scipy", "mpmath", "numba", "heyoka", "scikit-sundae")
 
 
@@ -18,15 +20,20 @@ def machine() -> dict[str, str]:
     """Return the processor, its number of cores, the date, and the versions of symosc, Python and the solvers."""
     from symosc import __version__
 
-    def installed(package: str) -> str:
-        try:
-            return version(package)
-        except PackageNotFoundError:
-            return "not installed"
-
-    about = {"processor": _processor(), "cores": str(os.cpu_count()), "date": date.today().isoformat()}
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    processor = next(filter(None, names), platform.processor() or platform.machine())
+    about = {"processor": processor, "cores": str(os.cpu_count()), "date": date.today().isoformat()}
     about |= {"symosc": __version__, "python": platform.python_version()}
-    return about | {package: installed(package) for package in PACKAGES}
+    for package in PACKAGES:
+        try:
+            about[package] = version(package)
+        except PackageNotFoundError:
+            about[package] = "not installed"
+    return about
 
 
 def sentence(about: dict[str, str]) -> str:
@@ -35,10 +42,6 @@ def sentence(about: dict[str, str]) -> str:
     return f"{about['processor']}, {about['cores']} cores, {about['date']}; {', '.join(versions)}"
 
 
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        lines = []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return next(filter(None, names), platform.processor() or platform.machine())
+def not_run(result: Record) -> list[str]:
+    """Return a sentence for each solver that could not run, and why."""
+    return [f"Not run: {name}: {reason}." for name, reason in result["skipped"].items()]

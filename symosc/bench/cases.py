@@ -17,13 +17,12 @@ from tabulate import tabulate
 
 from symosc import plot
 from symosc.aliases import Record
-from symosc.bench import machine, sentence
+from symosc.bench import machine, not_run, sentence
 from symosc.bench.solvers import (
     FIRST_LIMIT,
     HANG,
     OURS,
     PROCESSES,
-    Job,
     Outcome,
     Solver,
     all_solvers,
@@ -31,34 +30,23 @@ from symosc.bench.solvers import (
     processor_limit,
 )
 from symosc.files import write_text
+from symosc.reference import score
 from symosc.reference.case import ReferenceCase
 from symosc.reference.cases import GROUPS, SET_VERSION, hard_cases, reference_cases
 from symosc.reference.compare import SCORE_TOLERANCE, FoundEvents
 from symosc.reference.folder import stored
 from symosc.reference.results import CaseResult, GivenEvent
-from symosc.reference.score import (
-    Score,
-    as_markdown,
-    by_group,
-    case_table,
-    group_cell,
-    group_table,
-    judge_case,
-    legend,
-    verdict,
-)
+from symosc.reference.score import Score
 
 #: Seconds of processor time for a case, the solver's preparation included.
 CASE_LIMIT = 4.0
 #: The error that symosc may have in a hard case, unless 100 units (condition * 1e-16) are more.
 OUR_TOLERANCE = 1e-12
-KNOWN = "known"
 
 
 def hard_ones(quick: bool = False) -> list[ReferenceCase]:
     """Return the reference cases that are hard for solvers; with `quick` only those for `symosc bench --quick`."""
-    cases = [case for case in reference_cases() if case.group in GROUPS]
-    return [case for case, each in zip(cases, hard_cases(), strict=True) if each.quick or not quick]
+    return [case for case in hard_cases() if case.quick or not quick]
 
 
 def run(
@@ -77,22 +65,22 @@ def run(
     chosen = list(reference_cases() if cases is None else cases)
     able = [solver for solver in solvers if not solver.missing]
     steps = iter(progress(range(len(chosen) * (1 + len(able)))))
-    chunks = [
-        [Job((KNOWN, i), stored, (chosen[i], with_derivatives)) for i in range(k, len(chosen), PROCESSES)]
-        for k in range(PROCESSES)
-    ]
-    known = {i: _value(outcome) for (_, i), outcome in in_parallel(chunks, FIRST_LIMIT, None, steps).items()}
-    jobs = [[Job((s.name, i), found_by, (s, case, limit)) for i, case in enumerate(chosen)] for s in able]
+    jobs = [(i, stored, case, with_derivatives) for i, case in enumerate(chosen)]
+    known = in_parallel([jobs[first::PROCESSES] for first in range(PROCESSES)], FIRST_LIMIT, steps)
+    for outcome in known.values():
+        if outcome.failure:
+            raise RuntimeError(f"no events of a reference case: {outcome.failure}")
+    chunks = [[((s.name, i), found_by, s, case, limit) for i, case in enumerate(chosen)] for s in able]
     # The limit by the clock is this many times that of processor time; it ends what Python cannot interrupt.
-    outcomes = in_parallel(jobs, 10.0 * limit, FIRST_LIMIT, steps)
+    outcomes = in_parallel(chunks, 10.0 * limit, steps)
     next(steps, None)  # lets a progress bar come to its end
-    made = {key: _result(outcome, limit) for key, outcome in outcomes.items()}
 
-    def score(solver: Solver, numbers: Iterable[int], tolerance: float) -> Score:
-        return Score(solver.name, tolerance, [judge_case(known[i], made[solver.name, i], tolerance) for i in numbers])
+    def judged(solver: Solver, numbers: Iterable[int], tolerance: float) -> Score:
+        pairs = [(known[i].value, _result(outcomes[solver.name, i], limit)) for i in numbers]
+        return Score(solver.name, tolerance, [score.judge_case(case, result, tolerance) for case, result in pairs])
 
-    judged = [i for i, case in enumerate(chosen) if case.group in GROUPS]
-    ours = [score(solver, judged, OUR_TOLERANCE) for solver in able if solver in OURS]
+    hard = [i for i, case in enumerate(chosen) if case.group in GROUPS]
+    ours = [judged(solver, hard, OUR_TOLERANCE) for solver in able if solver in OURS]
     violations = [
         f"{each.name}: {case.name}: {case.wrong[0] if case.wrong else case.note}"
         for each in ours
@@ -103,7 +91,7 @@ def run(
         "machine": machine(),
         "limit_s": limit,
         "skipped": {solver.name: solver.missing for solver in solvers if solver.missing},
-        "scores": [score(solver, range(len(chosen)), SCORE_TOLERANCE) for solver in able],
+        "scores": [judged(solver, range(len(chosen)), SCORE_TOLERANCE) for solver in able],
         "ours": ours,
         "ok": not violations,
         "violations": violations,
@@ -125,17 +113,10 @@ def _result(outcome: Outcome, limit: float) -> CaseResult:
         return CaseResult(note=f"> {limit:g} s")
     if outcome.failure:
         return CaseResult(note="chatters" if "chatters" in outcome.failure else "gives up")
-    finite = sorted((row for row in outcome.value if isfinite(row[0]) and isfinite(row[1])), key=lambda row: row[:2])
-    if len(finite) < len(outcome.value):
+    if not all(isfinite(row[0]) and isfinite(row[1]) for row in outcome.value):
         return CaseResult(note="not finite")
-    return CaseResult([GivenEvent(Fraction(t), Fraction(x), *words) for t, x, *words in finite])
-
-
-def _value(outcome: Outcome) -> Any:
-    """Return the value of an outcome, or raise RuntimeError for a failure."""
-    if outcome.failure:
-        raise RuntimeError(f"no events of a reference case: {outcome.failure}")
-    return outcome.value
+    rows = sorted(outcome.value, key=lambda row: row[:2])
+    return CaseResult([GivenEvent(Fraction(t), Fraction(x), *words) for t, x, *words in rows])
 
 
 def our_verdict(result: Record) -> str:
@@ -144,48 +125,47 @@ def our_verdict(result: Record) -> str:
     if result["violations"]:
         return "\n".join([f"Not within {bound}:", *(f"  {each}" for each in result["violations"])])
     parts = []
-    for score in result["ours"]:
-        errors = [error for case in score.given for error in (case.error_t, case.error_x) if error is not None]
+    for each in result["ours"]:
+        errors = [error for case in each.given for error in (case.error_t, case.error_x) if error is not None]
         largest = f", largest error {max(errors):.0e}" if errors else ""
-        absent = len(score.cases) - len(score.given)
+        absent = len(each.cases) - len(each.given)
         unfinished = f", {absent} not finished" if absent else ""
-        parts.append(f"{score.name} {len(score.given)} of {len(score.cases)}{largest}{unfinished}")
+        parts.append(f"{each.name} {len(each.given)} of {len(each.cases)}{largest}{unfinished}")
     return f"Hard cases solved within {bound}: {'; '.join(parts)}."
 
 
 def table(result: Record) -> str:
     """Return the result of `run` as text: a row per case, a row per group, what the numbers mean, and the verdicts."""
     scores = result["scores"]
-    not_run = [f"Not run: {name}: {reason}." for name, reason in result["skipped"].items()]
-    parts = [case_table(scores), group_table(scores), *legend(scores[0]), "\n".join(map(verdict, scores))]
-    return "\n\n".join([*parts, *not_run, our_verdict(result), sentence(result["machine"])])
+    parts = [score.case_table(scores), score.group_table(scores), *score.legend(scores[0])]
+    parts += ["\n".join(map(score.verdict, scores)), *not_run(result)]
+    return "\n\n".join([*parts, our_verdict(result), sentence(result["machine"])])
 
 
 def hard_summary(result: Record) -> str:
     """Return a Markdown table of the groups of hard cases: each solver's results, and the difficulty."""
     scores, rows = result["scores"], []
-    for group, cases in by_group(scores[0].cases):
+    for group, cases in score.by_group(scores[0].cases):
         if group in GROUPS:
-            cells = (group_cell([case for case in score.cases if case.group == group]) for score in scores)
+            cells = (score.group_cell([case for case in each.cases if case.group == group]) for each in scores)
             rows.append([f"{group} ({len(cases)})", *cells, GROUPS[group]])
-    heads = ["group (cases)", *(score.name for score in scores), "what is hard"]
+    heads = ["group (cases)", *(each.name for each in scores), "what is hard"]
     return tabulate(rows, heads, tablefmt="github", disable_numparse=True)
 
 
 def as_json(result: Record) -> Record:
     """Return the results as plain data."""
-    return result | {key: [score.as_dict() for score in result[key]] for key in ("scores", "ours")}
+    return result | {key: [each.as_dict() for each in result[key]] for key in ("scores", "ours")}
 
 
 def write(path: str | Path, result: Record, command: str) -> list[Path]:
     """Write the page of all scores and its picture; return both files."""
-    picture = Path(path).with_suffix(".svg")
-    scores: list[Score] = result["scores"]
+    picture, scores = Path(path).with_suffix(".svg"), result["scores"]
     more = [
         f"Made by `{command}`. Each solver of `symosc bench` at its finest tolerance, with at "
         f"most {result['limit_s']:g} s of processor time for a case. {sentence(result['machine'])}",
         f"![The largest error of each case, a mark per solver]({picture.name})",
-        *(f"Not run: {name}: {reason}." for name, reason in result["skipped"].items()),
+        *not_run(result),
     ]
-    page = as_markdown(scores, "Scores of solvers on the reference cases", SET_VERSION, more, with_faults=False)
+    page = score.as_markdown(scores, "Scores of solvers on the reference cases", SET_VERSION, more, with_faults=False)
     return [write_text(path, page), plot.save(plot.score_figure(scores), picture)]

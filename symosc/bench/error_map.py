@@ -51,9 +51,9 @@ def value_at(place: float) -> Fraction:
     # Below NEAREST the place is log10(value/(1 - value)), above it 2 NEAREST + log10(value - 1), in between is 1.
     if abs(place - NEAREST) < 1e-9:
         return Fraction(1)
+    part = Fraction(repr(float(10.0 ** (place - 2 * NEAREST if place > NEAREST else -abs(place)))))
     if place > NEAREST:
-        return 1 + _power_of_ten(place - 2 * NEAREST)
-    part = _power_of_ten(-abs(place))
+        return 1 + part
     return part / (1 + part) if place < 0 else 1 / (1 + part)
 
 
@@ -62,13 +62,7 @@ def place_of(value: float, beyond: float = 0.0) -> float:
     below = (1.0 - value) - beyond
     if below == 0.0:
         return float(NEAREST)
-    if below < 0.0:
-        return 2 * NEAREST + log10(-below)
-    return log10((value + beyond) / below)
-
-
-def _power_of_ten(exponent: float) -> Fraction:
-    return Fraction(repr(float(10.0**exponent)))
+    return 2 * NEAREST + log10(-below) if below < 0.0 else log10((value + beyond) / below)
 
 
 def axis(low: int, high: int, points: int) -> np.ndarray:
@@ -110,6 +104,8 @@ def run(
                 if K.under:
                     cheap[n, i, j] = error(closed_form(tau, K), truth, tau)
     fine_zetas, fine_ratios = axis(*ZETA_RANGE, BORDER_POINTS), axis(*RATIO_RANGE, BORDER_POINTS)
+    exact_ratios = [value_at(each) for each in fine_ratios]
+    rows = [[constants(scaled_parameters(value_at(zeta), each)) for each in exact_ratios] for zeta in fine_zetas]
     return {
         "taus": list(taus),
         "zeta": zetas.tolist(),
@@ -118,7 +114,7 @@ def run(
         "symosc": shipped.tolist(),
         "border_zeta": fine_zetas.tolist(),
         "border_ratio": fine_ratios.tolist(),
-        "formulas": _formulas(fine_zetas, fine_ratios, taus),
+        "formulas": [[[_formula(tau, K) for K in row] for row in rows] for tau in taus],
         "largest": float(np.nanmax(shipped)),
     }
 
@@ -138,16 +134,17 @@ def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
     return values
 
 
-def _namer(name: str) -> Callable[..., tuple[str, ...]]:
-    """Return a function that returns a name in place of each of its five results."""
-    return lambda *arguments: (name,) * 5
-
-
 # The kernel itself, with formulas that return their names: so the border on the map is the one that is shipped.
+_NAMES = {"series": "series", "closed_form": "apart", "careful": "careful"}
 _naming_basis = types.FunctionType(
     entire.basis_with_drive.__code__,
-    vars(entire) | {"series": _namer("series"), "closed_form": _namer("apart"), "careful": _namer("careful")},
+    vars(entire) | {formula: lambda *_, name=name: (name,) * 5 for formula, name in _NAMES.items()},
 )
+
+
+def _formula(tau: float, K: Constants) -> str:
+    """Name the formula by which symosc computes E0, E1, ...: "series", "apart" (the cheap one) or "careful"."""
+    return "" if tau > K.chunk else str(_naming_basis(tau, 0.0, 1.0, K)[0])
 
 
 def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
@@ -161,39 +158,15 @@ def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
     return lambda tau: basis(context.mpf(tau), K)
 
 
-def _formulas(zetas: np.ndarray, ratios: np.ndarray, taus: Sequence[float]) -> list[list[list[str]]]:
-    """Name the formula by which symosc computes E0, E1, ...: "series", "apart" (the cheap one) or "careful"."""
-    rows = [[constants(scaled_parameters(value_at(zeta), value_at(ratio))) for ratio in ratios] for zeta in zetas]
-    return [
-        [["" if tau > K.chunk else str(_naming_basis(tau, 0.0, 1.0, K)[0]) for K in row] for row in rows]
-        for tau in taus
-    ]
-
-
 # -- the picture -------------------------------------------------------------------------------------------------------
 
 #: Range of the colours, as powers of ten.
 COLOUR_RANGE = (-17, 0)
-# Label and place of the marks of both axes: numbers next to 1 are given by their distance from it.
-RATIO_TICKS = (
-    ("0.01", place_of(0.01)),
-    (r"$1{-}10^{-3}$", place_of(1, -1e-3)),
-    (r"$1{-}10^{-6}$", place_of(1, -1e-6)),
-    ("1", place_of(1)),
-    (r"$1{+}10^{-6}$", place_of(1, 1e-6)),
-    (r"$1{+}10^{-3}$", place_of(1, 1e-3)),
-    ("100", place_of(100)),
-)
-ZETA_TICKS = (
-    (r"$10^{-9}$", place_of(1e-9)),
-    (r"$10^{-6}$", place_of(1e-6)),
-    (r"$10^{-3}$", place_of(1e-3)),
-    ("0.5", place_of(0.5)),
-    (r"$1{-}10^{-5}$", place_of(1, -1e-5)),
-    ("1", place_of(1)),
-    (r"$1{+}10^{-5}$", place_of(1, 1e-5)),
-    ("100", place_of(100)),
-)
+# Marks of both axes by their label, as `place_of` takes them: numbers next to 1 by their distance from it.
+RATIO_TICKS: Record = {"0.01": (0.01,), r"$1{-}10^{-3}$": (1, -1e-3), r"$1{-}10^{-6}$": (1, -1e-6), "1": (1,)}
+RATIO_TICKS |= {r"$1{+}10^{-6}$": (1, 1e-6), r"$1{+}10^{-3}$": (1, 1e-3), "100": (100,)}
+ZETA_TICKS: Record = {r"$10^{-9}$": (1e-9,), r"$10^{-6}$": (1e-6,), r"$10^{-3}$": (1e-3,), "0.5": (0.5,)}
+ZETA_TICKS |= {r"$1{-}10^{-5}$": (1, -1e-5), "1": (1,), r"$1{+}10^{-5}$": (1, 1e-5), "100": (100,)}
 FORMULA_LABELS = {"apart": "cheap", "careful": "careful", "series": "series"}
 OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
 
@@ -218,7 +191,7 @@ def figure(result: Record) -> Figure:
                 ax.tick_params(labelfontfamily="STIXGeneral", labelsize=7.0, direction="out")
             grid[row, 0].set_ylabel(rf"{name}" + "\n" + r"damping ratio $\zeta = c/(2m\omega_0)$")
         for ax, ticks in ((grid[0, 0].xaxis, RATIO_TICKS), (grid[0, 0].yaxis, ZETA_TICKS)):
-            ax.set_ticks([place for _, place in ticks], [label for label, _ in ticks])
+            ax.set_ticks([place_of(*each) for each in ticks.values()], list(ticks))
         for ax in grid[1]:
             ax.tick_params(axis="x", labelrotation=90)
             ax.set_xlabel(r"$\Omega/\omega_0$")

@@ -12,7 +12,7 @@ at a belt by so little that the forces send it back is a "graze" here.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from fractions import Fraction
 from math import cos, inf, pi, sin, sqrt
 from typing import Any, NamedTuple
@@ -216,14 +216,13 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
     return rows, count, 0, mode
 
 
-def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Callable[[], Sequence[FoundEvents]]:
+def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Callable[[], LazyEvents]:
     """Return a function that follows a scene and returns its events, or raises PeerError."""
     # `functions` are those of this module and of a solver, bound together; `settings` is the argument `s` of `leave`.
     # Flights from a belt start the part `offset` of the larger belt speed off it.
     q, t0, x, v = problem(scene.parameters, scene.t0), float(scene.t0), float(scene.x0), float(scene.v0)
     arguments = q, settings, 0.0, x, v, *start_mode(q, x, v), offset * max(abs(q.v1), abs(q.v2))
-    duration = float(scene.t_end - scene.t0)
-    follow = functions["follow"]
+    duration, follow = float(scene.t_end - scene.t0), functions["follow"]
     follow(*arguments, 0.0)  # compiles
 
     def run() -> LazyEvents:
@@ -232,12 +231,8 @@ def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Cal
             where = f"in {MODE_NAMES[last]} after t = {t0 + rows[count - 1, 0] if count else t0:.6g}"
             chatters = f"chatters {where}: more than {CHATTER} events within one period"
             raise PeerError(chatters if outcome == CHATTERS else f"took too many steps {where}")
-
-        def events() -> list[FoundEvents]:
-            times, positions, kinds, boundaries = rows[:count].T.tolist()
-            words = (EVENT_KINDS[int(kind)] for kind in kinds)
-            return list(map(FoundEvents, (t0 + t for t in times), positions, words, map(int, boundaries)))
-
-        return LazyEvents(events)
+        return LazyEvents(
+            lambda: [FoundEvents(t0 + t, x, EVENT_KINDS[int(n)], int(at)) for t, x, n, at in rows[:count].tolist()]
+        )
 
     return run

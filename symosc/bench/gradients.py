@@ -20,7 +20,7 @@ import numpy as np
 from tabulate import tabulate
 
 from symosc.aliases import Record
-from symosc.bench import cases, event_logic, peers_heyoka, peers_numba, peers_scipy, sentence
+from symosc.bench import cases, event_logic, not_run, peers_heyoka, peers_numba, peers_scipy, sentence
 from symosc.bench.event_logic import ONE_STEP_OFFSET, STEPS_PER_PERIOD, force, problem, runner, start_mode
 from symosc.bench.peers_numba import E3, E5, STAGE_TIMES, STAGE_WEIGHTS, STAGES, STEP_EXPONENT, STEP_SAFETY
 from symosc.bench.solvers import Solver
@@ -58,74 +58,89 @@ def found_changes(event: FoundEvents, dt: Sequence[float], dx: Sequence[float]) 
     """Return an event with its derivatives by parameters and start values, without those that are NaN."""
     rows = (("dt", dt), ("dx", dx))
     changes = {f"{of}_{name}": float(d) for of, row in rows for name, d in zip(NAMES, row, strict=True) if d == d}
-    return FoundChanges(event.t, event.x, event.kind, event.boundary, changes)
+    return FoundChanges(*event, changes)
 
 
 # -- derivatives of flights, and what events do to them ----------------------------------------------------------------
 
+#: The derivatives of each parameter and start value by all of them.
+ONE = dict(zip(NAMES, np.eye(len(NAMES)), strict=True))
 
-def through_events(scene: Scene, events: Sequence[FoundEvents], jacobian: Jacobian) -> Iterator[FoundChanges]:
+
+class Piece(NamedTuple):
+    """A flight or stick: its mode, its start and the boundary of that (or 0), the side where it ends, the mode then."""
+
+    mode: int
+    t: float
+    x: float
+    v: float
+    boundary: int
+    side: int
+    after: int
+
+
+def pieces(scene: Scene, events: Iterable[FoundEvents]) -> Iterator[tuple[FoundEvents, Piece]]:
+    """Yield each event with the flight or stick before it; a flight goes on behind a graze."""
+    q, t, x, v = problem(scene.parameters, scene.t0), float(scene.t0), float(scene.x0), float(scene.v0)
+    t0, (mode, boundary) = t, start_mode(q, x, v)
+    for event in events:
+        at, speed = event.boundary, q.v1 if event.boundary == 1 else q.v2
+        if mode < 4:
+            side = 1 if at == mode else -1
+            after = 3 + at if event.kind == "stick" else mode if event.kind == "graze" else 2 * at + 1 - mode
+        else:
+            below, above = (abs(force(q, n, event.t - t0, event.x, speed)) for n in NEIGHBOURS[at])
+            side, after = (1, at + 1) if above < below else (-1, at)
+        yield event, Piece(mode, t, x, v, boundary, side, after)
+        if event.kind != "graze":
+            mode, boundary, t, x, v = after, at, event.t, event.x, speed
+
+
+def through_events(scene: Scene, events: Iterable[FoundEvents], jacobian: Jacobian) -> Iterator[FoundChanges]:
     """Yield the events of a motion with their derivatives, by the chain rule from the derivatives of its flights."""
-    p, q = scene.parameters, problem(scene.parameters, scene.t0)
+    p, q, t0 = scene.parameters, problem(scene.parameters, scene.t0), float(scene.t0)
     number = {name: float(getattr(p, name)) for name in PARAMETER_NAMES}
     m, c, k, B0, Omega = (number[name] for name in ("m", "c", "k", "B0", "Omega"))
-    t, x, v, t0 = float(scene.t0), float(scene.x0), float(scene.v0), float(scene.t0)
-    mode, _ = start_mode(q, x, v)
-
-    def own(name: str) -> np.ndarray:
-        return np.array([float(name == each) for each in NAMES])
 
     def drag(domain: int) -> np.ndarray:
         """Return the derivatives of A in a domain."""
         one, two = friction_signs(domain)
-        by_mu = one * number["FN"] * own("mu1") + two * number["FN"] * own("mu2")
-        return own("A0") + by_mu + (one * number["mu1"] + two * number["mu2"]) * own("FN")
+        by_mu = number["FN"] * (one * ONE["mu1"] + two * ONE["mu2"])
+        return ONE["A0"] + by_mu + (one * number["mu1"] + two * number["mu2"]) * ONE["FN"]
 
-    a = force(q, mode, 0.0, x, v) if mode < 4 else 0.0
-    dx, dv = own("x0") - v * own("t0"), own("v0") - a * own("t0")  # at fixed times
-    for event in events:
-        duration, speed = event.t - t, number[f"v{event.boundary}"]
-        belt, phase = own(f"v{event.boundary}"), q.theta + Omega * (event.t - t0)
+    dx, dv = ONE["x0"], ONE["v0"]  # at fixed times
+    for n, (event, (mode, t, x, v, _, _, after)) in enumerate(pieces(scene, events)):
+        if n == 0:
+            dx, dv = dx - v * ONE["t0"], dv - (force(q, mode, 0.0, x, v) if mode < 4 else 0.0) * ONE["t0"]
+        duration, speed, belt = event.t - t, number[f"v{event.boundary}"], ONE[f"v{event.boundary}"]
         if mode < 4:
-            A = float(p.A(mode))
-            by_x, by_v = jacobian(m, c, k, A, B0, Omega, (q.theta + Omega * (t - t0)) % (2 * pi), x, v, duration)
-            dx, dv = (
-                d[X] * dx + d[V] * dv + d[OF_M] * own("m") + d[OF_C] * own("c") + d[OF_K] * own("k")
-                + d[OF_A] * drag(mode) + d[OF_B] * own("B0") + (d[OF_OMEGA] + t * d[OF_PHASE]) * own("Omega")
-                for d in (by_x, by_v)
+            phase = (q.theta + Omega * (t - t0)) % (2 * pi)
+            dx_end, dv_end = (
+                d[X] * dx + d[V] * dv + d[OF_M] * ONE["m"] + d[OF_C] * ONE["c"] + d[OF_K] * ONE["k"]
+                + d[OF_A] * drag(mode) + d[OF_B] * ONE["B0"] + (d[OF_OMEGA] + t * d[OF_PHASE]) * ONE["Omega"]
+                for d in jacobian(m, c, k, float(p.A(mode)), B0, Omega, phase, x, v, duration)
             )  # fmt: skip
-            dt = (belt - dv) / force(q, mode, event.t - t0, event.x, speed)
-            following = _behind(event, mode)
+            dt = (belt - dv_end) / force(q, mode, event.t - t0, event.x, speed)
         else:
-            dx, sides = dx + dv * duration, NEIGHBOURS[event.boundary]
-            forces = [force(q, domain, event.t - t0, event.x, speed) for domain in sides]
-            following = sides[int(abs(forces[1]) < abs(forces[0]))]
-            change = drag(following) + cos(phase) * own("B0") - B0 * event.t * sin(phase) * own("Omega")
-            change = change - event.x * own("k") - k * dx - speed * own("c") - c * belt
+            dx_end, phase = dx + dv * duration, q.theta + Omega * (event.t - t0)
+            change = drag(after) + cos(phase) * ONE["B0"] - B0 * event.t * sin(phase) * ONE["Omega"]
+            change = change - event.x * ONE["k"] - k * dx_end - speed * ONE["c"] - c * belt
             dt = change / (k * speed + B0 * Omega * sin(phase))
-        yield found_changes(event, dt, dx + speed * dt)
+        yield found_changes(event, dt, dx_end + speed * dt)
         if event.kind != "graze":
-            mode, t, x, v = following, event.t, event.x, speed
-            a = force(q, mode, t - t0, x, v) if mode < 4 else 0.0
-            dv = belt - a * dt
-
-
-def _behind(event: FoundEvents, mode: int) -> int:
-    """Return the mode after the event that ends a flight."""
-    if event.kind == "stick":
-        return 3 + event.boundary
-    return mode if event.kind == "graze" else 2 * event.boundary + 1 - mode
+            a = force(q, after, event.t - t0, event.x, speed) if after < 4 else 0.0
+            dx, dv = dx_end, belt - a * dt
 
 
 def by_flights(
-    follow: Callable[[Scene, float], Callable[[], Sequence[FoundEvents]]],
+    follow: Callable[[Scene, float], Callable[[], Iterable[FoundEvents]]],
     jacobian_of: Callable[[float], Jacobian],
     scene: Scene,
     tolerance: float,
 ) -> Callable[[], list[FoundChanges]]:
     """Prepare a solver: `follow` finds the events of a scene, `jacobian_of` the derivatives of each of its flights."""
     run, jacobian = follow(scene, tolerance), jacobian_of(tolerance)
-    return lambda: list(through_events(scene, list(run()), jacobian))
+    return lambda: list(through_events(scene, run(), jacobian))
 
 
 @lru_cache(maxsize=1)
@@ -234,12 +249,11 @@ def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundChange
     follow = partial(peers_scipy.prepare, "DOP853")
 
     def moved(name: str, by: float) -> list[FoundEvents] | None:
-        start = name in ("t0", "x0", "v0")
+        start = name not in PARAMETER_NAMES
         try:
-            value = getattr(scene if start else scene.parameters, name) + Fraction(by)
-            near = replace(scene, **{name: value}) if start else scene
-            near = near if start else replace(near, parameters=scene.parameters.replace(**{name: value}))
-            return list(follow(near, tolerance)())
+            changed = {name: getattr(scene if start else scene.parameters, name) + Fraction(by)}
+            changed = changed if start else {"parameters": scene.parameters.replace(**changed)}
+            return list(follow(replace(scene, **changed), tolerance)())
         except (ParameterError, event_logic.PeerError):
             return None
 
@@ -251,13 +265,10 @@ def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundChange
             h = DIFFERENCE * (abs(value) or 1.0)
             more, less = moved(name, h), moved(name, -h)
             low, width = (events, h) if less is None else (less, 2 * h)
-            for n, event in enumerate(events):
-                pair = (more or [])[n : n + 1], low[n : n + 1]
-                if any(
-                    [(each.kind, each.boundary) for each in side] != [(event.kind, event.boundary)] for side in pair
-                ):
+            for n, (event, a, b) in enumerate(zip(events, more or [], low, strict=False)):
+                if not event[2:] == a[2:] == b[2:]:
                     break
-                slopes[:, n, j] = [(a - b) / width for a, b in zip(pair[0][0][:2], pair[1][0][:2], strict=True)]
+                slopes[:, n, j] = (a.t - b.t) / width, (a.x - b.x) / width
         return [found_changes(event, *slopes[:, n]) for n, event in enumerate(events)]
 
     return run
@@ -306,19 +317,17 @@ def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., 
 
 def _settings(p: Parameters, mode: int, side: int) -> tuple[float, ...]:
     """Return the signs of friction, whether the mass flies, and the coefficients of the event function of an exit."""
-    if mode < 4:
-        boundary = mode if side > 0 else mode - 1
-        speeds = [side * float(boundary == n) for n in (1, 2)]
-        return *friction_signs(mode), 1.0, -float(side), 0.0, *speeds
-    domain = mode - 3 if side < 0 else mode - 2
-    return *friction_signs(domain), 0.0, 0.0, -float(side), 0.0, 0.0
+    if mode > 3:
+        return *friction_signs(mode - 3 if side < 0 else mode - 2), 0.0, 0.0, -float(side), 0.0, 0.0
+    boundary = mode if side > 0 else mode - 1
+    return *friction_signs(mode), 1.0, -float(side), 0.0, *(side * float(boundary == n) for n in (1, 2))
 
 
 def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]:
     """Prepare diffrax: it finds the events, and JAX differentiates each piece through them."""
-    p, (piece, slopes) = scene.parameters, diffrax_pieces(tolerance)
-    numbers = np.array([float(getattr(p, name)) for name in PARAMETER_NAMES])
-    longest, t0 = problem(p).period / STEPS_PER_PERIOD, float(scene.t0)
+    p, (piece, slopes), t0 = scene.parameters, diffrax_pieces(tolerance), float(scene.t0)
+    numbers, q = np.array([float(getattr(p, name)) for name in PARAMETER_NAMES]), problem(p, scene.t0)
+    longest, offset = q.period / STEPS_PER_PERIOD, ONE_STEP_OFFSET * max(abs(q.v1), abs(q.v2))
 
     def leave(q: Any, s: None, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
         best = 0, t_end, x
@@ -331,28 +340,18 @@ def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], li
     follow = runner(scene, bind((event_logic,), {"leave": leave}), None, ONE_STEP_OFFSET)
 
     def run() -> list[FoundChanges]:
-        q, found = problem(p, scene.t0), []
-        x, v, t = float(scene.x0), float(scene.v0), 0.0
-        mode, boundary = start_mode(q, x, v)
-        at = np.eye(14)[11:]  # derivatives of t, x, v at the start of a piece by NAMES
-        for event in follow():
-            here, speed = event_logic.from_now(q, t), float(p.belt(event.boundary))
-            if mode > 3:
-                forces = [abs(force(here, n, event.t - t0 - t, event.x, speed)) for n in NEIGHBOURS[event.boundary]]
-                side = 1 if forces[1] < forces[0] else -1
-                after = NEIGHBOURS[event.boundary][(side + 1) // 2]
-            else:
-                side, after = 1 if event.boundary == mode else -1, _behind(event, mode)
-                if boundary:  # off the belt, as in `follow`
-                    v += ONE_STEP_OFFSET * max(abs(q.v1), abs(q.v2)) * (1 if mode > boundary else -1)
-            args = numbers, t0 + t, x, v, here.theta, 2 * (event.t - t0 - t) + longest, longest
-            by_p, by_t, by_x, by_v = map(np.asarray, slopes(*args, *_settings(p, mode, side)))
-            change = by_p @ np.eye(14)[:11] + np.outer(by_t, at[0]) + np.outer(by_x, at[1]) + np.outer(by_v, at[2])
+        found, at = [], np.stack([ONE["t0"], ONE["x0"], ONE["v0"]])  # of t, x, v at the start of a piece
+        for event, (mode, t, x, v, boundary, side, _) in pieces(scene, follow()):
+            if boundary and mode < 4:  # off the belt, as in `follow`
+                v += offset if mode > boundary else -offset
+            theta = event_logic.from_now(q, t - t0).theta
+            args = numbers, t, x, v, theta, 2 * (event.t - t) + longest, longest, *_settings(p, mode, side)
+            by_p, *by_start = map(np.asarray, slopes(*args))
+            change = by_p @ np.eye(len(NAMES))[:11] + np.stack(by_start, axis=1) @ at
             dt, dx = at[0] + change[0], change[1]
             found.append(found_changes(event, dt, dx))
             if event.kind != "graze":
-                mode, boundary, t, x, v = after, event.boundary, event.t - t0, event.x, speed
-                at = np.stack([dt, dx, np.eye(14)[5 + event.boundary]])
+                at = np.stack([dt, dx, ONE[f"v{event.boundary}"]])
         return found
 
     return run
@@ -379,20 +378,13 @@ def solvers() -> tuple[Solver, ...]:
     heyoka = partial(by_flights, peers_heyoka.prepare, heyoka_jacobian)
     dop853 = partial(by_flights, peers_numba.prepare, dop853_jacobian)
     cvodes = partial(by_flights, partial(peers_scipy.prepare, "Adams"), cvodes_jacobian)
-    flights = "derivatives of flights; what an event does to them is the user's"
+    flights, ours = "derivatives of flights; what an event does to them is the user's", "JAX goes through its events"
     return (
         Solver("symosc", compiled, (0.0,), needs="numba"),
         Solver("heyoka, variational", heyoka, (1e-16,), "heyoka", flights),
         Solver("numba DOP853, tangents", dop853, (1e-14,), "numba", flights),
         Solver("casadi, CVODES", cvodes, (TOLERANCE,), "casadi", f"{flights}; events by scikit-sundae", "gradients"),
-        Solver(
-            "diffrax, jacfwd",
-            differentiated_by_diffrax,
-            (TOLERANCE,),
-            "diffrax",
-            "JAX goes through its events",
-            "gradients",
-        ),
+        Solver("diffrax, jacfwd", differentiated_by_diffrax, (TOLERANCE,), "diffrax", ours, "gradients"),
         Solver("scipy DOP853, differences", differences, (TOLERANCE,), note=f"relative step {DIFFERENCE:g}"),
     )
 
@@ -401,9 +393,8 @@ def run(
     progress: Callable[[Sequence[Any]], Iterable[Any]] = iter, chosen: Sequence[ReferenceCase] | None = None
 ) -> Record:
     """Judge the derivatives that each way to differentiate finds in the reference cases; return plain data."""
-    some = reference_cases() if chosen is None else chosen
-    some = [case for case in some if not case.periods]
-    return cases.run(progress, solvers(), some, 4.0, with_derivatives=True)  # seconds of processor time for a case
+    some = [case for case in (reference_cases() if chosen is None else chosen) if not case.periods]
+    return cases.run(progress, solvers(), some, with_derivatives=True)
 
 
 def table(scores: Sequence[Score]) -> str:
@@ -416,11 +407,10 @@ def table(scores: Sequence[Score]) -> str:
         return f"{total(found, 'derivatives') - total(found, 'wrong_derivatives'):,}"
 
     rows = []
-    for group, first in by_group(scores[0].cases):
-        known = total(first, "known_derivatives")
-        columns = [right([case for case in score.cases if case.group == group]) for score in scores]
-        rows += [[group, f"{known:,}", *columns]] if known else []
-    rows.append(["all", f"{total(scores[0].cases, 'known_derivatives'):,}", *(right(score.cases) for score in scores)])
+    for group, first in (*by_group(scores[0].cases), ("all", scores[0].cases)):
+        if known := total(first, "known_derivatives"):
+            of_group = ([case for case in each.cases if group in ("all", case.group)] for each in scores)
+            rows.append([group, f"{known:,}", *map(right, of_group)])
     rows.append(["wrong", "", *(f"{total(score.cases, 'wrong_derivatives'):,}" for score in scores)])
     largest = [[case.error_d for case in score.cases if case.error_d is not None] for score in scores]
     rows.append(["largest error of a case: median", "", *(f"{median(each):.0e}" if each else "" for each in largest)])
@@ -434,7 +424,7 @@ def write(path: str | Path, result: Record, command: str) -> list[Path]:
         f"Made by `{command}`. Each way differentiates all events by all eleven parameters and by t0, x0, v0, with at "
         f"most {result['limit_s']:g} s of processor time for a case. {sentence(result['machine'])}",
         f"What is compared: {notes}.",
-        *(f"Not run: {name}: {reason}." for name, reason in result["skipped"].items()),
+        *not_run(result),
         "How many derivatives are right. An error of dt is relative to max(1, |dt|), that of dx to max(1, |x|, |dt|, "
         "|dx|). It may be 1e-9, or 100 * condition^2 * 1e-16 where that is more. What is neither right nor wrong was "
         "not given.",

@@ -21,7 +21,7 @@ import numpy as np
 
 from symosc.bench.event_logic import CHATTER, ONE_STEP_OFFSET, PeerError, Problem, problem, start_mode
 from symosc.bench.solvers import LazyEvents, Solver
-from symosc.model import NEIGHBOURS
+from symosc.model import NEIGHBOURS, Parameters
 from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
@@ -121,6 +121,68 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
         if outcome != hy.taylor_outcome.time_limit:
             raise PeerError(f"heyoka: {outcome} after {len(rows)} events")
         return LazyEvents(lambda: list(map(FoundEvents._make, rows)))
+
+    return run
+
+
+def count_in_batches(
+    p: Parameters, starts: np.ndarray, durations: np.ndarray, tolerance: float
+) -> Callable[[], np.ndarray]:
+    """Return a function that counts events of motions from (t, x, v), as many side by side as a register holds."""
+    import heyoka as hy
+
+    q, width = problem(p), hy.recommended_simd_size()
+    A, belts, pars, v_starts = tables(q)
+    stiffness, now, counts = q.stiffness, [0] * width, [0] * width
+
+    def callback(event: int) -> Callable[[Any, int, int], bool]:
+        """Return the callback of an event, as in `prepare`, with the number of the motion in the batch."""
+        belt = belts[event]
+        drag, A_below, A_above = q.damping * belt, A[event], A[event + 1]
+        v_below, v_above, stick = v_starts[event, event], v_starts[event, event + 1], pars[3 + event]
+
+        def act(_: Any, sign: int, i: int) -> bool:
+            counts[i] += 1
+            source = now[i]
+            if source > 3:
+                boundary = source - 3
+                now[i] = mode = boundary + event - 1
+                v_now[i], parameters[i][:] = v_starts[boundary, mode], pars[mode]
+                return True
+            a = drive(i) - stiffness * position(i) - drag
+            if a + A_above > 0.0:
+                now[i], v_now[i], force_now[i] = event + 1, v_above, A_above
+            elif a + A_below < 0.0:
+                now[i], v_now[i], force_now[i] = event, v_below, A_below
+            else:
+                now[i], v_now[i], parameters[i][:] = 3 + event, belt, stick
+            return True
+
+        return act
+
+    rates, functions = equations(q)
+    events = [hy.t_event_batch(f, callback=callback(n), cooldown=0.0) for n, f in enumerate(functions, 1)]
+    zeros, options = np.zeros((4, width)), {"t_events": events, "tol": tolerance, "fast_math": True}
+    integrator = hy.taylor_adaptive_batch(rates, zeros, pars=np.zeros((8, width)), **options)
+    state, all_parameters = integrator.state, integrator.pars
+    parameters, v_now, force_now = list(all_parameters.T), state[1], all_parameters[1]
+    position, drive = state[0].item, state[2].item
+
+    def run() -> np.ndarray:
+        found = np.zeros(len(starts), np.int64)
+        for first in range(0, len(starts), width):
+            rows = np.arange(first, first + width) % len(starts)  # the last batch begins again with the first motions
+            theta = q.theta + q.Omega * starts[rows, 0]
+            state[:] = starts[rows, 1], starts[rows, 2], q.swing * np.cos(theta), q.swing * np.sin(theta)
+            integrator.set_time(0.0)
+            for i, (_, x, v) in enumerate(starts[rows].tolist()):
+                now[i], counts[i] = start_mode(q, x, v)[0], 0
+                parameters[i][:] = pars[now[i]]
+            integrator.propagate_until(durations[rows])
+            if any(each[0] != hy.taylor_outcome.time_limit for each in integrator.propagate_res):
+                raise PeerError(f"heyoka: {integrator.propagate_res}")
+            found[rows] = counts
+        return found
 
     return run
 

@@ -8,7 +8,7 @@ itself refine the event, not its interpolant, and flights start off the belt.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import lru_cache
 from math import sqrt
 from typing import NamedTuple
@@ -32,9 +32,8 @@ from symosc.bench.event_logic import (
     runner,
     turn,
 )
-from symosc.bench.solvers import Solver
+from symosc.bench.solvers import LazyEvents, Solver
 from symosc.engine.arithmetic import compile_modules
-from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
 STAGES = DOP853.n_stages
@@ -218,7 +217,7 @@ def compiled() -> Record:
     return compile_modules((event_logic, sys.modules[__name__]))
 
 
-def prepare(scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
+def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
     """Prepare DOP853."""
     return runner(scene, compiled(), settings(problem(scene.parameters), tolerance), ONE_STEP_OFFSET)
 

@@ -8,7 +8,7 @@ and by the distance from resonance.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import lru_cache, partial
 from math import cos, exp, sin, sqrt
 from typing import NamedTuple
@@ -16,9 +16,8 @@ from typing import NamedTuple
 from symosc.aliases import Record
 from symosc.bench import event_logic
 from symosc.bench.event_logic import UNSOLVED, PeerError, Problem, margins, problem, root, runner
-from symosc.bench.solvers import Solver
+from symosc.bench.solvers import LazyEvents, Solver
 from symosc.engine.arithmetic import compile_modules
-from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
 UNDERDAMPED, CRITICAL, OVERDAMPED = range(3)
@@ -144,7 +143,7 @@ def compiled() -> Record:
     return compile_modules((event_logic, sys.modules[__name__]))
 
 
-def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
+def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
     """Prepare the scan with `points` samples per period."""
     return runner(scene, compiled(), scan_of(problem(scene.parameters), points, tolerance), 0.0)
 

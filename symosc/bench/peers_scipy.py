@@ -39,16 +39,16 @@ from symosc.bench.event_logic import (
     runner,
     turn,
 )
-from symosc.bench.solvers import Solver
+from symosc.bench.solvers import LazyEvents, Solver
 from symosc.engine.arithmetic import bind
-from symosc.reference.compare import FoundEvents
 from symosc.scenes import Scene
 
 State = Sequence[float]
 #: On which sides a mode can be left.
 SIDES = {1: (1,), 2: (-1, 1), 3: (-1,), 4: (-1, 1), 5: (-1, 1)}
-#: ``integrate(q, mode, x, v, t_end)`` returns side, t and x of the end, and the turning points (t, (x, v)) before it.
-Integrate = Callable[[Problem, int, float, float, float], tuple[int, float, float, Iterable[tuple[float, State]]]]
+#: What ``integrate(q, mode, x, v, t_end)`` returns: side, t and x of the end, and turning points (t, (x, v)) before it.
+Left = tuple[int, float, float, Iterable[tuple[float, State]]]
+Integrate = Callable[[Problem, int, float, float, float], Left]
 
 
 def _functions(q: Problem, mode: int) -> tuple[Callable[..., Any], list[Callable[..., float]], Any]:
@@ -65,16 +65,12 @@ def _functions(q: Problem, mode: int) -> tuple[Callable[..., Any], list[Callable
     return rate, [*exits, lambda t, y: turn(q, mode, t, y[0], y[1])], jacobian
 
 
-def integrate_by_scipy(
-    options: Record, q: Problem, mode: int, x: float, v: float, t_end: float
-) -> tuple[int, float, float, Iterable[tuple[float, State]]]:
+def integrate_by_scipy(options: Record, q: Problem, mode: int, x: float, v: float, t_end: float) -> Left:
     """Follow a flight or stick with solve_ivp; return side, t and x of its end, and the turning points before it."""
     rate, functions, jacobian = _functions(q, mode)
-    events = []
-    for i, function in enumerate(functions):
-        event: Any = partial(function)
-        event.direction, event.terminal = (-1, True) if i < len(functions) - 1 else (0, False)
-        events.append(event)
+    events: list[Any] = [partial(function) for function in functions]
+    for event in events:
+        event.direction, event.terminal = (0, False) if event is events[-1] else (-1, True)
     if options["method"] in ("Radau", "LSODA"):
         options = options | {"jac": lambda t, y: jacobian}
     try:
@@ -90,9 +86,7 @@ def integrate_by_scipy(
     return 0, float(solution.t[-1]), float(solution.y[0, -1]), turns
 
 
-def integrate_by_cvode(
-    options: Record, q: Problem, mode: int, x: float, v: float, t_end: float
-) -> tuple[int, float, float, Iterable[tuple[float, State]]]:
+def integrate_by_cvode(options: Record, q: Problem, mode: int, x: float, v: float, t_end: float) -> Left:
     """Follow a flight or stick with CVODE; return side, t and x of its end, and the turning points before it."""
     from sksundae.cvode import CVODE
 
@@ -140,7 +134,7 @@ def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
     return leave
 
 
-def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
+def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
     """Prepare an integrator with ``rtol = tolerance``."""
     longest = problem(scene.parameters).period / STEPS_PER_PERIOD
     options = {"method": method, "rtol": tolerance, "atol": ATOL * tolerance, "max_step": longest}

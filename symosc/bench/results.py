@@ -58,16 +58,15 @@ def write(readme: str | Path, result: Record) -> list[Path]:
         *cases.write(folder / "scores.md", result["scores"], command),
         write_text(folder / "README.md", overview(result)),
     ]
-    about = speed.measurement_note(result["speed"])
-    brief = f"{about}\n\n{speed.brief(result['speed'])}\n\n{said(result)}\n"
-    brief += f"[All calls, solvers, cases, and pictures]({RESULTS_FOLDER}/README.md).\n"
+    parts = [speed.measurement_note(result["speed"]), speed.brief(result["speed"]), said(result)]
+    brief = "\n\n".join(parts) + f"\n[All calls, solvers, cases, and pictures]({RESULTS_FOLDER}/README.md).\n"
     return [write_text(readme, replaced(text, "results", brief, readme)), *files]
 
 
 def said(result: Record) -> str:
     """Return the paragraph that compares symosc with heyoka, with looser accuracies and with its own error bound."""
-    measured = result["work_precision"]
-    text = f"{_heyoka(measured)}{looser(measured)}{cases.our_verdict(result['scores'])}"
+    rows = result["work_precision"]["rows"]
+    text = " ".join([_heyoka(rows), *_looser(rows), cases.our_verdict(result["scores"])])
     return fill(" ".join(text.split()), 120, break_long_words=False, break_on_hyphens=False)
 
 
@@ -116,34 +115,30 @@ formula everywhere, below as symosc evaluates it, with the borders between its f
 """
 
 
-def _heyoka(measured: Record) -> str:
+def _heyoka(rows: list[Record]) -> str:
     """Return a sentence about heyoka at its finest tolerance; "" if it did not run."""
     finest: dict[str, str] = {}
-    for row in measured["rows"]:
-        if row["solver"] == "heyoka" and row["over_ours"]:
+    for row in rows:
+        if row["solver"] == "heyoka" and row["over_ours"]:  # tolerances run from coarse to fine
             error = f", error {row['error']:.0e}" if row["over_ours"] < 1 and row["error"] is not None else ""
-            ratio = work.rounded(row["over_ours"], 2)
-            finest[row["scene"]] = f"{ratio} ({row['scene']}{error})"  # tolerances run from coarse to fine
+            finest[row["scene"]] = f"{work.rounded(row['over_ours'], 2)} ({row['scene']}{error})"
     ratios = ", ".join(finest.values())
-    return f"heyoka at its finest tolerance takes {ratios} times as long as symosc.\n" if finest else ""
+    return f"heyoka at its finest tolerance takes {ratios} times as long as symosc." if finest else ""
 
 
-def looser(measured: Record) -> str:
+def _looser(rows: list[Record]) -> list[str]:
     """Return sentences about scenes on which symosc takes less than half of the time at a looser accuracy."""
     ours: dict[str, list[Record]] = {}
-    for row in measured["rows"]:
+    for row in rows:
         if row["solver"] == OURS[0].name and row["us_per_event"]:
             ours.setdefault(row["scene"], []).append(row)
-    lines = []
-    for scene, rows in ours.items():
-        loose, fine = rows[0], rows[-1]
+    found = [f"Where doubles cannot keep errors below {ACCURACY:g}, more digits are taken, which cost time:"]
+    for scene, (loose, *_, fine) in ((scene, each) for scene, each in ours.items() if len(each) > 1):
         if loose["us_per_event"] < 0.5 * fine["us_per_event"]:
             less, more = (work.rounded(row["us_per_event"], 2) for row in (loose, fine))
-            lines.append(f"{scene} takes {more} µs per event with an error of {fine['error']:.0e}, and with")
-            lines.append(f"`accuracy={loose['tolerance']:g}` {less} µs with {loose['error']:.0e}.")
-    if lines:
-        lines.insert(0, f"Where doubles cannot keep errors below {ACCURACY:g}, more digits are taken, which cost time:")
-    return "".join(f"{line}\n" for line in lines)
+            found.append(f"{scene} takes {more} µs per event with an error of {fine['error']:.0e}, and with")
+            found.append(f"`accuracy={loose['tolerance']:g}` {less} µs with {loose['error']:.0e}.")
+    return found if len(found) > 1 else []
 
 
 def _command_text(result: Record) -> str:

@@ -11,17 +11,17 @@ import os
 import pkgutil
 import signal
 import warnings
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, TimeoutError
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from importlib import import_module
 from importlib.util import find_spec
 from multiprocessing import get_context
 from threading import Event as Flag
 from threading import Lock
-from typing import Any, NamedTuple
+from typing import Any
 
 from pebble import ProcessExpired, ProcessPool
 
@@ -39,22 +39,14 @@ FIRST_LIMIT = 600.0
 PROCESSES = min(2, os.cpu_count() or 1)
 
 
-class LazyEvents(Sequence[FoundEvents]):
-    """Events converted to Python objects on first access, so that array solvers are timed without that."""
+@dataclass(frozen=True)
+class LazyEvents:
+    """Events that become Python objects when they are read, so that array solvers are timed without that."""
 
-    def __init__(self, make: Callable[[], Sequence[FoundEvents]]) -> None:
-        self._make = make
+    make: Callable[[], Iterable[FoundEvents]]
 
-    @cached_property
-    def events(self) -> Sequence[FoundEvents]:
-        """The events."""
-        return self._make()
-
-    def __len__(self) -> int:
-        return len(self.events)
-
-    def __getitem__(self, index: Any) -> Any:
-        return self.events[index]
+    def __iter__(self) -> Iterator[FoundEvents]:
+        return iter(self.make())
 
 
 @dataclass(frozen=True)
@@ -65,7 +57,7 @@ class Solver:
     # prepare(scene, tolerance) returns a function that follows the scene from its start to its end and returns its
     # events (`FoundEvents`), `LazyEvents` where they come in arrays. It does what a user would do once (compile, build
     # the integrator).
-    prepare: Callable[[Scene, float], Callable[[], Sequence[Any]]]
+    prepare: Callable[[Scene, float], Callable[[], Iterable[Any]]]
     tolerances: tuple[float, ...]  # of a work-precision curve, coarse to fine; 0.0 alone for a solver without one
     needs: str = ""  # the module that must be importable, "" if it comes with symosc
     note: str = ""  # its precautions
@@ -79,19 +71,19 @@ class Solver:
         return f"{self.needs} is not installed (extra `{self.extra}`)"
 
 
-def compiled(scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
+def compiled(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
     """Prepare `simulate_many`; the tolerance is its `accuracy`: events with larger error estimates get more digits."""
     start, known = [scene.t0, scene.x0, scene.v0], scene.start_error
 
     def run() -> LazyEvents:
         table = simulate_many(scene.parameters, start, scene.t_end, accuracy=tolerance, start_error=known)
         columns = (table.t, table.x, table.kind, table.boundary)
-        return LazyEvents(lambda: list(map(FoundEvents, *(column.tolist() for column in columns))))
+        return LazyEvents(lambda: map(FoundEvents, *(column.tolist() for column in columns)))
 
     return run
 
 
-def multiprecision(scene: Scene, tolerance: float) -> Callable[[], Sequence[FoundEvents]]:
+def multiprecision(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
     """Prepare `simulate` with mpmath; the tolerance says how many digits."""
     digits = max(5, len(f"{1 / tolerance:.0f}") - 1)
 
@@ -128,17 +120,13 @@ class Outcome:
     failure: str = ""  # "hang" (time limit), "exception: <type>: <message>" or "crash: <how the process ended>"
     warnings: tuple[str, ...] = ()  # first lines of the different warnings
 
-    @property
-    def lost(self) -> bool:
-        """Whether the process has ended and must be started again."""
-        return self.failure == HANG or self.failure.startswith(CRASH)
-
 
 class Worker:
     """A process that runs one call at a time, in a ``with`` statement; what calls print is dropped."""
 
     def __init__(self) -> None:
         self._pool = ProcessPool(max_workers=1, initializer=_drop_output, context=get_context("spawn"))
+        self._warm = set[str]()
 
     def __enter__(self) -> Worker:
         return self
@@ -154,11 +142,19 @@ class Worker:
         future = self._pool.schedule(_guarded, args=(function, arguments), timeout=limit)
         try:
             outcome: Outcome = future.result()
+            return outcome
         except TimeoutError:
-            return Outcome(failure=HANG)
+            failure = HANG
         except ProcessExpired as death:
-            return Outcome(failure=f"{CRASH}: the process ended with exit code {death.exitcode}")
-        return outcome
+            failure = f"{CRASH}: the process ended with exit code {death.exitcode}"
+        self._warm.clear()
+        return Outcome(failure=failure)
+
+    def warm(self, name: str, function: Callable[..., Any], *arguments: object) -> None:
+        """Make a first call that imports and compiles, once in each new process for a name."""
+        if name not in self._warm:
+            self.call(FIRST_LIMIT, function, *arguments)
+            self._warm.add(name)
 
 
 @contextmanager
@@ -168,7 +164,6 @@ def processor_limit(seconds: float) -> Iterator[None]:
     if not hasattr(signal, "setitimer"):
         yield
         return
-
     late = TimeoutError(f"more than {seconds:g} s of processor time")
 
     def stop(*_: object) -> None:
@@ -179,7 +174,7 @@ def processor_limit(seconds: float) -> Iterator[None]:
     try:
         yield
     except SystemError as error:  # what an exception becomes that is raised while compiled code runs
-        raise late if error.__cause__ is late or error.__context__ is late else error from None
+        raise late if late in (error.__cause__, error.__context__) else error from None
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.signal(signal.SIGPROF, before)
@@ -208,35 +203,21 @@ def _drop_output() -> None:
         os.dup2(nothing, stream)
 
 
-class Job(NamedTuple):
-    """A call in a worker, and the key of its result."""
-
-    key: Hashable
-    function: Callable[..., Any]
-    arguments: tuple[object, ...]
-
-
-def in_parallel(
-    chunks: Sequence[Sequence[Job]], limit: float, first_limit: float | None, steps: Iterator[Any]
-) -> dict[Any, Outcome]:
-    """Run each chunk of jobs in a separate worker, PROCESSES at a time; return the outcomes by key."""
-    # With `first_limit` the first job of a new process may take that long: it imports and compiles. So the first job of
-    # a chunk is done again where a process was lost, and does not count.
+def in_parallel(chunks: Sequence[Sequence[tuple[Any, ...]]], limit: float, steps: Iterator[Any]) -> dict[Any, Outcome]:
+    """Run each chunk of jobs (key, function, arguments ...) in its own worker; return the outcomes by key."""
+    # The first job of a chunk is done once more before it in each new process, where it may take FIRST_LIMIT.
     stop, turn = Flag(), Lock()
 
-    def follow(chunk: Sequence[Job]) -> dict[Any, Outcome]:
+    def follow(chunk: Sequence[tuple[Any, ...]]) -> dict[Any, Outcome]:
         found: dict[Any, Outcome] = {}
         with Worker() as worker:
-            fresh = bool(first_limit)
-            for job in chunk:
+            for key, *call in chunk:
                 if stop.is_set():
                     break
-                if fresh and first_limit:
-                    worker.call(first_limit, chunk[0].function, *chunk[0].arguments)
+                worker.warm("", *chunk[0][1:])
                 with turn:
                     next(steps, None)
-                found[job.key] = worker.call(limit, job.function, *job.arguments)
-                fresh = found[job.key].lost
+                found[key] = worker.call(limit, *call)
         return found
 
     done: dict[Any, Outcome] = {}

@@ -27,6 +27,7 @@ from tabulate import tabulate
 
 from symosc.aliases import Number, Record
 from symosc.bench import machine, sentence
+from symosc.bench.peers_heyoka import count_in_batches
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.fit import fit
 from symosc.grazing.window import grazing_window, grazing_windows
@@ -40,11 +41,15 @@ from symosc.simulation.batch import warm
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.motion import Motion
 from symosc.simulation.simulate import read_start, simulate
+from symosc.simulation.tables import EventTable
 from symosc.simulation.tangents import NAMES
+from symosc.simulation.trajectory import Trajectory
 
 FLOOR_EVALUATIONS = 30_000
 #: Periods of the motions of an ensemble; samples per period and tolerance of the scan.
 PERIODS, SCAN_POINTS, SCAN_ACCURACY = 50, 20, 1e-13
+#: The tolerance of heyoka's batches; a looser one saves hardly anything, since callbacks take most of the time.
+BATCH_TOLERANCE = 2e-13
 ONE_CORE: Record = {"use_numba": True, "workers": 1}
 COUNTS = ("events",)
 # Seconds: what takes longer is measured once, what takes less several times in a turn.
@@ -57,7 +62,7 @@ class Call(NamedTuple):
     what: str
     per: str
     action: Callable[[], Any]
-    units: float | None = 1  # None: len of the result
+    units: float | None = None  # None: the events of the result
     once: bool = False  # whether the first call is of interest; else a call is made before it is measured
 
 
@@ -65,7 +70,7 @@ class Group(NamedTuple):
     """Calls that are measured in turns; times are also given as multiples of the first call's."""
 
     title: str
-    calls: Sequence[Call]
+    calls: Iterable[Call]
     clock: Callable[[], float] = time.process_time
 
 
@@ -93,9 +98,9 @@ def compiled_floor() -> Callable[..., float]:
 
 def floor_s() -> float:
     """Measure the seconds that one evaluation of the closed form takes now."""
-    evaluate, arguments = compiled_floor(), (0.5, 0.866, 1.0, 1.0, 2.0, 3.0, 4.0)
-    evaluate(10, *arguments)
-    return _seconds(lambda: evaluate(FLOOR_EVALUATIONS, *arguments), time.perf_counter) / FLOOR_EVALUATIONS
+    evaluate = partial(compiled_floor(), h=0.5, w=0.866, Om=1.0, P=1.0, Q=2.0, R=3.0, S=4.0)
+    evaluate(10)
+    return _seconds(lambda: evaluate(FLOOR_EVALUATIONS), time.perf_counter) / FLOOR_EVALUATIONS
 
 
 def _seconds(action: Callable[[], object], clock: Callable[[], float]) -> float:
@@ -112,29 +117,27 @@ def groups(quick: bool = False) -> Iterator[Group]:
     """Yield the groups of calls, prepared; with `quick` smaller ones, and only what they call is compiled."""
     if not quick:
         warm()
-    yield Group("One long motion, events counted", [*_long_motions(100_000 if quick else 200_000)])
-    yield Group(f"Starts of fig9, {PERIODS} periods each", [*_ensemble(2_000 if quick else 10_000)])
-    yield Group(f"Derivatives, starts of fig9, {PERIODS} periods each", [*_derivatives(500 if quick else 2_000)])
-    yield Group("simulate", [*_single_motions(10_000 if quick else 100_000)])
-    yield Group("fig8 in simulate_many, to t =", [*_shrinking_sticks(2 if quick else 4, 20 if quick else 100)])
-    yield Group("Formulas", [*_residuals(100_000 if quick else 1_000_000)])
-    yield Group("Orbits and windows", [*_orbits_and_windows(100_000 if quick else 1_000_000)])
-    yield Group("Workers, time on the wall", [*_workers(2_000 if quick else 10_000)], time.perf_counter)
-    if find_spec("xarray"):
-        with TemporaryDirectory() as folder:
-            yield Group("Sweep of x0 in fig9", [*_sweep(4_000 if quick else 300_000, folder)])
-    with TemporaryDirectory() as cache:
-        yield Group("New process", [*_processes(quick, cache)], time.perf_counter)
+    yield Group("One long motion, events counted", _long_motions(100_000 if quick else 200_000))
+    yield Group(f"Starts of fig9, {PERIODS} periods each", _ensemble(2_000 if quick else 10_000))
+    yield Group(f"Derivatives, starts of fig9, {PERIODS} periods each", _derivatives(500 if quick else 2_000))
+    yield Group("simulate", _single_motions(10_000 if quick else 100_000))
+    yield Group("fig8 in simulate_many, to t =", _shrinking_sticks(2 if quick else 4, 20 if quick else 100))
+    yield Group("Formulas", _residuals(100_000 if quick else 1_000_000))
+    yield Group("Orbits and windows", _orbits_and_windows(100_000 if quick else 1_000_000))
+    yield Group("Workers, time on the wall", _workers(2_000 if quick else 10_000), time.perf_counter)
+    with TemporaryDirectory() as folder:
+        if find_spec("xarray"):
+            yield Group("Sweep of x0 in fig9", _sweep(4_000 if quick else 300_000, folder))
+        yield Group("New process", _processes(quick, folder), time.perf_counter)
 
 
 def _long_motions(events: int) -> Iterator[Call]:
-    for name in ("fig5", "fig9", "fig10"):
-        scene = load_scene(name)
+    for name in ("fig5", "fig9", "fig10", "fig10, interpreted"):
+        scene, options = load_scene(name.partition(",")[0]), {"max_events": events, **ONE_CORE}
+        if "interpreted" in name:
+            options = {"max_events": 2_000, "use_numba": False}
         start, far = [scene.t0, scene.x0, scene.v0], scene.t0 + 10**7
-        call = partial(simulate_many, scene.parameters, start, far, max_events=events, record=COUNTS, **ONE_CORE)
-        yield Call(name, "event", call, events)
-    call = partial(simulate_many, scene.parameters, start, far, max_events=2_000, record=COUNTS, use_numba=False)
-    yield Call("fig10, interpreted", "event", call, 2_000)
+        yield Call(name, "event", partial(simulate_many, scene.parameters, start, far, record=COUNTS, **options))
 
 
 def _starts(count: int, name: str = "fig9") -> tuple[Parameters, np.ndarray, np.ndarray]:
@@ -146,45 +149,43 @@ def _starts(count: int, name: str = "fig9") -> tuple[Parameters, np.ndarray, np.
 
 
 def _ensemble(count: int) -> Iterator[Call]:
-    """Yield calls of `simulate_many` that count events or return their rows."""
+    """Yield calls of `simulate_many` that count events or return their rows, and of others that count them."""
     p, starts, ends = _starts(count)
     follow = partial(simulate_many, p, starts, ends, **ONE_CORE)
-    events = int(follow(record=COUNTS).events.sum())
-    yield Call("events counted", "event", partial(follow, record=COUNTS), events)
+    yield Call("events counted", "event", partial(follow, record=COUNTS))
     for name in ("fig5", "fig10"):
-        p_there, starts_there, ends_there = _starts(count, name)
-        call = partial(simulate_many, p_there, starts_there, ends_there, record=COUNTS, **ONE_CORE)
-        yield Call(f"events counted, {name}", "event", call, int(call().events.sum()))
-    yield Call("rows of events", "event", follow, events)
-    yield Call("words", "event", partial(follow, record=("events", "word", "multiplicity")), events)
-    yield Call("all columns of a summary", "event", partial(follow, record="summary"), events)
+        counted = partial(simulate_many, *_starts(count, name), record=COUNTS, **ONE_CORE)
+        yield Call(f"events counted, {name}", "event", counted)
+    yield Call("rows of events", "event", follow)
+    yield Call("words", "event", partial(follow, record=("events", "word", "multiplicity")))
+    yield Call("all columns of a summary", "event", partial(follow, record="summary"))
     columns: Record = {name: float(getattr(p, name)) for name in PARAMETER_NAMES}
     columns["Omega"] = np.random.default_rng(2).uniform(0.9, 1.1, count) * float(p.Omega)
-    follow = partial(simulate_many, columns, (0, 0, 0), PERIODS * 2 * pi / columns["Omega"], **ONE_CORE)
-    events_of_sets = int(follow(record=COUNTS).events.sum())
-    yield Call("as many values of Omega, counted", "event", partial(follow, record=COUNTS), events_of_sets)
-    yield Call("as many values of Omega, all columns", "event", partial(follow, record="summary"), events_of_sets)
+    swept = partial(simulate_many, columns, (0, 0, 0), PERIODS * 2 * pi / columns["Omega"], **ONE_CORE)
+    yield Call("as many values of Omega, counted", "event", partial(swept, record=COUNTS))
+    yield Call("as many values of Omega, all columns", "event", partial(swept, record="summary"))
     scan = f"closed form, scan of {SCAN_POINTS} points, numba"
-    yield Call(scan, "event", scan_of_starts(p, starts, ends - starts[:, 0]), events)
+    yield Call(scan, "event", scan_of_starts(p, starts, ends - starts[:, 0]))
+    if find_spec("heyoka"):
+        batches = count_in_batches(p, starts, ends - starts[:, 0], BATCH_TOLERANCE)
+        yield Call("heyoka, motions in batches, counted", "event", batches)
 
 
 def _derivatives(count: int) -> Iterator[Call]:
-    """Yield calls of `simulate_many` with and without derivatives."""
-    p, starts, ends = _starts(count)
-    follow = partial(simulate_many, p, starts, ends, **ONE_CORE)
-    events = len(follow())
-    yield Call("rows of events", "event", follow, events)
+    """Yield calls of `simulate_many` with and without derivatives, and a fit."""
+    follow = partial(simulate_many, *_starts(count), **ONE_CORE)
+    yield Call("rows of events", "event", follow)
     for last in ("mu1", "Omega"):
         wrt = "t0", "x0", "v0", last
-        yield Call(f"with derivatives by {', '.join(wrt)}", "event", partial(follow, wrt=wrt), events)
-    yield Call("by all parameters and the start", "event", partial(follow, wrt=NAMES), events)
+        yield Call(f"with derivatives by {', '.join(wrt)}", "event", partial(follow, wrt=wrt))
+    yield Call("by all parameters and the start", "event", partial(follow, wrt=NAMES))
     scene = load_scene("fig5")
     far = simulate(scene, t_end=3_200).events[:1_000]
-    noise = np.random.default_rng(1).normal(0, 1e-4, len(far))
-    data = {"t": [event.t + e for event, e in zip(far, noise.tolist(), strict=True)], "kind": [e.kind for e in far]}
+    noise = np.random.default_rng(1).normal(0, 1e-4, len(far)).tolist()
+    data = [(event.t + error, event.kind) for event, error in zip(far, noise, strict=True)]
     first = {"mu1": 0.81, "c": float(scene.parameters.c) * 1.01}
     call = partial(fit, scene, data, ("mu1", "c", "FN"), sigma=1e-4, start=first)
-    yield Call("fit of 3 parameters to 1,000 events of fig5", "call", call)
+    yield Call("fit of 3 parameters to 1,000 events of fig5", "call", call, 1)
 
 
 def scan_of_starts(p: Parameters, starts: np.ndarray, durations: np.ndarray) -> Callable[[], np.ndarray]:
@@ -214,16 +215,16 @@ def scan_of_starts(p: Parameters, starts: np.ndarray, durations: np.ndarray) -> 
 
 def _single_motions(most: int) -> Iterator[Call]:
     fig5, fig8 = load_scene("fig5"), load_scene("fig8")
+    far = replace(fig5, t_end=fig5.t0 + 10**7)
     for count in (10, 1_000, most):
-        far = replace(fig5, t_end=fig5.t0 + 10**7)
-        yield Call(f"fig5, {count:,} events", "event", partial(simulate, far, max_events=count), count)
-    yield Call("fig5 by its name, 16 events", "call", partial(simulate, "fig5"))
-    soft = len(simulate(fig5).events)
-    yield Call("fig5, 30 digits", "event", partial(simulate, fig5, digits=30), soft)
-    yield Call("fig5, as many digits, all by mpmath", "event", partial(_in_mpmath, fig5, 40), soft)
-    hard = len(simulate(fig8).events)
-    yield Call("fig8", "event", partial(simulate, fig8), hard)
-    yield Call("fig8, accuracy=1e-9", "event", partial(simulate, fig8, accuracy=1e-9), hard)
+        yield Call(f"fig5, {count:,} events", "event", partial(simulate, far, max_events=count))
+    yield Call("fig5 by its name, 16 events", "call", partial(simulate, "fig5"), 1)
+    yield Call("fig5, 30 digits", "event", partial(simulate, fig5, digits=30))
+    yield Call(
+        "fig5, as many digits, all by mpmath", "event", partial(_in_mpmath, fig5, 40), len(simulate(fig5).events)
+    )
+    yield Call("fig8", "event", partial(simulate, fig8))
+    yield Call("fig8, accuracy=1e-9", "event", partial(simulate, fig8, accuracy=1e-9))
 
 
 def _in_mpmath(scene: Scene, digits: int) -> None:
@@ -238,7 +239,7 @@ def _shrinking_sticks(ends: int, motions: int) -> Iterator[Call]:
     scene = load_scene("fig8")
     for t_end in (9, 27, 60, 200)[:ends]:
         starts = [(scene.t0, scene.x0, scene.v0)] * (motions if t_end < 30 else max(motions // 20, 1))
-        yield Call(str(t_end), "event", partial(simulate_many, scene.parameters, starts, t_end, **ONE_CORE), None)
+        yield Call(str(t_end), "event", partial(simulate_many, scene.parameters, starts, t_end, **ONE_CORE))
 
 
 def _residuals(points: int) -> Iterator[Call]:
@@ -248,14 +249,16 @@ def _residuals(points: int) -> Iterator[Call]:
     theta_i = rng.uniform(0, 6.28, points)
     theta_j = theta_i + float(p.Omega) * rng.uniform(0.01, 2, points)
     arguments = (x_i, theta_i, x_j, theta_j)
-    for name, cse in (("with common subexpressions", True), ("as it stands", False)):
-        yield Call(
-            f"residual of P3 by sympy's lambdify, {name}", "point", partial(lambdified(p, cse), *arguments), points
-        )
-    yield Call("residual of P3", "point", lambda: residual(p, "P3", (x_i, theta_i), (x_j, theta_j)), points)
-    for name, jacobian in (("compiled", False), ("compiled, with its Jacobian", True)):
-        call = partial(compiled_residual(p, "P3", jacobian=jacobian), *arguments)
-        yield Call(f"residual of P3, {name}", "point", call, points)
+    by_sympy = "by sympy's lambdify, "
+    functions: dict[str, Callable[..., Any]] = {
+        f" {by_sympy}with common subexpressions": lambdified(p, True),
+        f" {by_sympy}as it stands": lambdified(p, False),
+        "": lambda *_: residual(p, "P3", (x_i, theta_i), (x_j, theta_j)),
+        ", compiled": compiled_residual(p, "P3", jacobian=False),
+        ", compiled, with its Jacobian": compiled_residual(p, "P3", jacobian=True),
+    }
+    for name, function in functions.items():
+        yield Call(f"residual of P3{name}", "point", partial(function, *arguments), points)
 
 
 def lambdified(p: Parameters, cse: bool) -> Callable[..., Any]:
@@ -282,8 +285,10 @@ def _orbits_and_windows(points: int) -> Iterator[Call]:
     """Yield calls that find an orbit or grazing windows."""
     p = load_scene("fig10").parameters
     guess = [(round(point.t, 1), round(point.x, 1)) for point in find_orbit(p, "P4645").points]
-    yield Call("orbit P4645 of fig10 from a guess of one decimal", "call", partial(find_orbit, p, "P4645", guess=guess))
-    yield Call("without a guess", "call", partial(find_orbit, p, "P4645"))
+    yield Call(
+        "orbit P4645 of fig10 from a guess of one decimal", "call", partial(find_orbit, p, "P4645", guess=guess), 1
+    )
+    yield Call("without a guess", "call", partial(find_orbit, p, "P4645"), 1)
     q, speeds = load_scene("fig9").parameters, np.random.default_rng(1).uniform(-20, 20, points)
     changed = (q.replace(v1=Fraction(n, 7)) for n in range(1, 10**6))
 
@@ -291,7 +296,7 @@ def _orbits_and_windows(points: int) -> Iterator[Call]:
         window = grazing_window(next(changed), "P3")
         _ = window.phases, window.theta_cr, window.intervals
 
-    yield Call("grazing window, exact", "call", exact)
+    yield Call("grazing window, exact", "call", exact, 1)
     yield Call("grazing windows of floats", "window", partial(grazing_windows, q, "P3", v1=speeds), points)
 
 
@@ -319,16 +324,15 @@ def _sweep(motions: int, folder: str) -> Iterator[Call]:
 def _processes(quick: bool, cache: str) -> Iterator[Call]:
     """Yield commands in new processes, without a warm cache not in a quick run: the compiler takes a minute."""
     many = "import symosc; symosc.simulate_many(symosc.load_scene('fig9').parameters, (0, 0, 0), 30, use_numba=True)"
-
-    def call(*arguments: str, **changes: str) -> Callable[[], object]:
-        environment = os.environ | changes
-        return partial(subprocess.run, [sys.executable, *arguments], check=True, capture_output=True, env=environment)
-
-    yield Call("import numpy", "call", call("-c", "import numpy"))
-    yield Call("symosc simulate fig5", "call", call("-m", "symosc", "simulate", "fig5"))
-    yield Call("a first simulate_many, compiled loops in the cache", "call", call("-c", many))
-    if not quick:
-        yield Call("a first simulate_many, no cache", "call", call("-c", many, NUMBA_CACHE_DIR=cache), once=True)
+    commands: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
+        ("import numpy", ("-c", "import numpy"), {}),
+        ("symosc simulate fig5", ("-m", "symosc", "simulate", "fig5"), {}),
+        ("a first simulate_many, compiled loops in the cache", ("-c", many), {}),
+        ("a first simulate_many, no cache", ("-c", many), {"NUMBA_CACHE_DIR": cache}),
+    ]
+    for what, arguments, changes in commands[:3] if quick else commands:
+        options: Record = {"check": True, "capture_output": True, "env": os.environ | changes}
+        yield Call(what, "call", partial(subprocess.run, [sys.executable, *arguments], **options), 1, bool(changes))
 
 
 # -- measuring ---------------------------------------------------------------------------------------------------------
@@ -351,34 +355,35 @@ def run(quick: bool = False, progress: Callable[[Sequence[Any]], Iterable[Any]] 
 
 def _measured(group: Group, repeats: int, progress: Callable[..., Iterable[Any]]) -> Record:
     """Measure the calls of a group in turns, after a first call of each."""
-    units, lengths = zip(*(_first(call, group.clock) for call in group.calls), strict=True)
-    times: list[list[float]] = [[] for _ in units]
+    calls, clock = list(group.calls), group.clock
+    units, lengths = list[float](), list[float]()  # number of units of each call, and seconds of one
+    for call in calls:
+        begin = clock()
+        result = call.action()
+        first = clock() - begin
+        units.append(_events_of(result) if call.units is None else call.units)
+        lengths.append(first if call.once else max(_seconds(call.action, clock), 1e-6))
+    times: list[list[float]] = [[] for _ in calls]
     for turn in progress(range(repeats)):
-        for i, call in enumerate(group.calls):
+        for call, length, unit, each in zip(calls, lengths, units, times, strict=True):
             if call.once:
-                took = lengths[i]
-            elif turn and lengths[i] > LONG:
-                continue
-            else:
-                took = min(_seconds(call.action, group.clock) for _ in range(min(20, 1 + int(SHORT / lengths[i]))))
-            times[i].append(took / units[i])
+                each.append(length / unit)
+            elif not turn or length <= LONG:
+                count = min(20, 1 + int(SHORT / length))
+                each.append(min(_seconds(call.action, clock) for _ in range(count)) / unit)
     ratios = [median(a / b for a, b in zip(each, times[0], strict=False)) for each in times]
-    return {
-        "title": group.title,
-        "rows": [
-            {"what": call.what, "per": call.per, "s": min(each), "over_first": ratio}
-            for call, each, ratio in zip(group.calls, times, ratios, strict=True)
-        ],
-    }
+    rows = [
+        {"what": call.what, "per": call.per, "s": min(each), "over_first": ratio}
+        for call, each, ratio in zip(calls, times, ratios, strict=True)
+    ]
+    return {"title": group.title, "rows": rows}
 
 
-def _first(call: Call, clock: Callable[[], float]) -> tuple[float, float]:
-    """Make a call and return its number of units and its seconds: of the first time if `once`, else of the second."""
-    begin = clock()
-    result = call.action()
-    first = clock() - begin
-    units = call.units if call.units is not None else len(result)
-    return units, first if call.once else max(_seconds(call.action, clock), 1e-6)
+def _events_of(result: Any) -> int:
+    """Return the number of events of a motion, a table of events, a summary or counts."""
+    if isinstance(result, EventTable):
+        return len(result)
+    return len(result.events) if isinstance(result, Trajectory) else int(np.sum(getattr(result, "events", result)))
 
 
 def measure_errors() -> list[Record]:
@@ -455,13 +460,9 @@ def table(result: Record, form: str = "simple") -> str:
         [each["scene"], each["events"], f"{each['error']:.1e}", f"{each['estimate']:.1e}"] for each in result["errors"]
     ]
     heads = ["scene", "events compared", "largest error", "estimated error"]
-    times = ["", "time", "times the group's first", "times c"]
-    options: Record = {"tablefmt": form, "disable_numparse": True}
-    return "\n\n".join(
-        [
-            *([] if form == "github" else [measurement_note(result)]),
-            tabulate(rows, times, colalign=("left", "right", "right", "right"), **options),
-            tabulate(errors, heads, colalign=("left", "right", "right", "right"), **options),
-            f"Errors of times and positions against {REFERENCE_DIGITS} digits, relative to max(1, |value|).",
-        ]
-    )
+    options: Record = {"tablefmt": form, "disable_numparse": True, "colalign": ("left", "right", "right", "right")}
+    parts = [] if form == "github" else [measurement_note(result)]
+    parts += [tabulate(rows, ["", "time", "times the group's first", "times c"], **options)]
+    parts += [tabulate(errors, heads, **options)]
+    parts += [f"Errors of times and positions against {REFERENCE_DIGITS} digits, relative to max(1, |value|)."]
+    return "\n\n".join(parts)

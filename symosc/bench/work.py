@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf, nan
 from statistics import median
 from typing import Any
@@ -22,7 +23,7 @@ from tabulate import tabulate
 
 from symosc.aliases import Record
 from symosc.bench import machine
-from symosc.bench.solvers import FIRST_LIMIT, HANG, OURS, Outcome, Solver, Worker, all_solvers
+from symosc.bench.solvers import HANG, OURS, Outcome, Solver, Worker, all_solvers
 from symosc.bench.speed import floor_s
 from symosc.exact import read_exact
 from symosc.plot.drawing import STYLE
@@ -58,18 +59,6 @@ class Span:
     until: float
 
 
-@dataclass(frozen=True)
-class Timed:
-    """The worker process's report on a solver and a span; times in seconds."""
-
-    prepare_s: float
-    first_call_s: float
-    times_s: list[float]
-    # one closed-form evaluation right after each call: some machines change their pace by the second
-    floors_s: list[float]
-    found: list[FoundEvents]
-
-
 def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
     """Prepare a solver, so that imports and compilation are done."""
     floor_s()
@@ -78,23 +67,26 @@ def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
         follow()  # numba compiles our event loop when it is first called
 
 
-def measure(solver: Solver, scene: Scene, tolerance: float, until: float, limit: float, budget: float) -> Timed:
+def measure(
+    solver: Solver, scene: Scene, tolerance: float, until: float, limit: float, budget: float
+) -> tuple[list[float], list[float], list[FoundEvents]]:
     """Prepare a solver and call it once, then again until `budget` seconds are spent; return events before `until`."""
-    # Only what the call itself does is timed: events that it returns `LazyEvents` are read afterwards.
+    # First the seconds of the preparation and of all calls, then those of one closed-form evaluation right after each
+    # repeated call: some machines change their pace by the second. Only what the call itself does is timed: events that
+    # it returns as `LazyEvents` are read afterwards.
     begin = time.perf_counter()
     follow = solver.prepare(scene, tolerance)
     prepared = time.perf_counter()
     found = follow()
-    first = time.perf_counter() - prepared
-    least = 0 if first > LONG_CALL_PART * limit else 1 if first > SHORT_CALL else LEAST_REPEATS
-    times: list[float] = []
-    floors: list[float] = [floor_s()] if not least else []
-    while len(times) < least or (least and sum(times) < budget and len(times) < MOST_REPEATS):
+    times = [prepared - begin, time.perf_counter() - prepared]
+    least = 0 if times[1] > LONG_CALL_PART * limit else 1 if times[1] > SHORT_CALL else LEAST_REPEATS
+    floors = [] if least else [floor_s()]
+    while len(floors) < least or (least and sum(times[2:]) < budget and len(floors) < MOST_REPEATS):
         again = time.perf_counter()
         found = follow()
         times.append(time.perf_counter() - again)
         floors.append(floor_s())
-    return Timed(prepared - begin, first, times, floors, [event for event in found if not event.t > until])
+    return times, floors, [event for event in found if not event.t > until]
 
 
 def run(
@@ -129,25 +121,17 @@ def run(
         for tolerance in (solver.tolerances[-1:] if quick and solver != OURS[0] else solver.tolerances)
     ]
     rows: list[Record] = []
-    prepared: set[str] = set()  # in the worker process
     with Worker() as worker:
 
         def call(solver: Solver, tolerance: float, span: Span) -> Outcome:
-            if solver.name not in prepared:
-                outcome = worker.call(FIRST_LIMIT, prepare, solver, span.scene, tolerance)
-                if outcome.failure:
-                    return outcome
-                prepared.add(solver.name)
-            outcome = worker.call(limit, measure, solver, span.scene, tolerance, span.until, limit, budget)
-            if outcome.lost:
-                prepared.clear()
-            return outcome
+            worker.warm(solver.name, prepare, solver, span.scene, tolerance)
+            return worker.call(limit, measure, solver, span.scene, tolerance, span.until, limit, budget)
 
         for name, solver, tolerance in progress(plan):
             if name not in spans:
                 spans[name] = _spans(load_scene(name), *chosen[name])
             row = {"scene": name, "solver": solver.name, "tolerance": tolerance}
-            rows.append(row | _measured(lambda span, s=solver, a=tolerance: call(s, a, span), *spans[name]))  # type: ignore[misc]
+            rows.append(row | _measured(partial(call, solver, tolerance), *spans[name]))
     # A machine may be half as fast in one minute as in the next, so seconds of different minutes do not compare: times
     # are in units of the floor of their moment.
     unit = min((row["floor_ns"] for row in rows if row["floor_ns"]), default=nan)
@@ -156,20 +140,24 @@ def run(
         own, mine = row["over_floor"], ours.get(row["scene"])
         row["over_ours"] = own / mine if own and mine else None
         row["us_per_event"] = 1e-3 * unit * own if own else None
-    skipped = {solver.name: solver.missing for solver in solvers if solver.missing}
-    notes = {solver.name: solver.note for solver in able if solver.note}
-    about = {"machine": machine(), "floor_ns": unit, "limit_s": limit}
-    return {**about, "skipped": skipped, "notes": notes, "rows": rows}
+    return {
+        "machine": machine(),
+        "floor_ns": unit,
+        "limit_s": limit,
+        "skipped": {solver.name: solver.missing for solver in solvers if solver.missing},
+        "notes": {solver.name: solver.note for solver in able if solver.note},
+        "rows": rows,
+    }
 
 
 def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[Span, Span]:
     """Return the short and the long span of a scene: cut off halfway between two events."""
+    far = scene.t0 + 10**6
 
     def until(events: Sequence[Event], number: int) -> float:
         return (float(events[number - 1].t) + float(events[number].t)) / 2
 
     def span(count: int, compared: int) -> Span:
-        far = scene.t0 + 10**6
         end = until(simulate(scene, t_end=far, max_events=count + 1).events, count)
         exact = simulate(scene, t_end=far, max_events=compared + 1, digits=REFERENCE_DIGITS).events
         cut = replace(scene, t_end=read_exact("t_end", end))
@@ -183,8 +171,7 @@ def _measured(call: Callable[[Span], Outcome], short: Span, long: Span) -> Recor
     """Measure a solver on the short span and, if it is fast, on the long one; return its times, errors and failure."""
     outcome = call(short)
     row, failure, warnings = _numbers(outcome, short), outcome.failure, outcome.warnings
-    fast = not failure and row["us_per_event"] * long.count < 1e6 * LONG_RUN
-    if fast and long is not short:
+    if long is not short and not failure and row["us_per_event"] * long.count < 1e6 * LONG_RUN:
         longer = call(long)
         if longer.failure:
             failure = f"{longer.failure} (in {long.count} events, not in {short.count})"
@@ -199,14 +186,12 @@ def _numbers(outcome: Outcome, span: Span) -> Record:
     about = {"compared": len(span.reference)}
     if outcome.failure:
         return about | dict.fromkeys((*TIME_KEYS, *ERROR_KEYS))
-    timed, count = outcome.value, span.count
-    times = timed.times_s or [timed.first_call_s]
-    multiple = median(a / b for a, b in zip(times, timed.floors_s, strict=True)) / count
-    per_event, floor = 1e6 / count * median(times), 1e9 * min(timed.floors_s)
-    values = (timed.prepare_s, timed.first_call_s, timed.times_s, count, per_event, floor, multiple)
-    comparison = compare(timed.found, span.reference, window_of(span.scene), float(span.scene.t0))
-    errors = {name: getattr(comparison, name) for name in ERROR_KEYS}
-    return about | dict(zip(TIME_KEYS, values, strict=True)) | errors
+    (prepared, first, *repeats), floors, found = outcome.value
+    times, count = repeats or [first], span.count
+    multiple = median(a / b for a, b in zip(times, floors, strict=True)) / count
+    values = prepared, first, repeats, count, 1e6 / count * median(times), 1e9 * min(floors), multiple
+    comparison = compare(found, span.reference, window_of(span.scene), float(span.scene.t0))
+    return about | dict(zip(TIME_KEYS, values, strict=True)) | {key: getattr(comparison, key) for key in ERROR_KEYS}
 
 
 # -- tables ------------------------------------------------------------------------------------------------------------
@@ -250,14 +235,13 @@ def best_rows(result: Record) -> dict[tuple[str, str], Record]:
 
     def badness(row: Record) -> tuple[float, ...]:
         if row["missed"] is None:
-            return (1, 0, 0)
-        return (0, row["missed"] + row["invented"], inf if row["error"] is None else row["error"])
+            return inf, inf
+        return row["missed"] + row["invented"], inf if row["error"] is None else row["error"]
 
     best: dict[tuple[str, str], Record] = {}
     for row in result["rows"]:
         key = row["solver"], row["scene"]
-        if key not in best or badness(row) <= badness(best[key]):
-            best[key] = row
+        best[key] = min(row, best.get(key, row), key=badness)
     return best
 
 
@@ -299,7 +283,7 @@ def figure(result: Record) -> Figure:
     # A cross over a mark: events were missed or invented; no line leads there. Runs that failed have no time; each
     # panel says how many there were.
     scenes = list(dict.fromkeys(row["scene"] for row in result["rows"]))
-    styles = _styles(list(dict.fromkeys(row["solver"] for row in result["rows"])))
+    styles = _styles(dict.fromkeys(row["solver"] for row in result["rows"]))
     columns = min(COLUMNS, len(scenes) + 1)
     lines = -(-(len(scenes) + 1) // columns)  # one cell is for the legend
     with rc_context(STYLE):
@@ -307,7 +291,7 @@ def figure(result: Record) -> Figure:
         drawing = Figure(figsize=(7.2 / COLUMNS * columns, 2.6 * lines), layout=layout)
         grid = drawing.subplots(lines, columns, sharex=True, sharey=True, squeeze=False)
         for ax, scene in zip(grid.flat, scenes, strict=False):
-            _panel(ax, scene, [row for row in result["rows"] if row["scene"] == scene], styles)
+            _draw_panel(ax, scene, [row for row in result["rows"] if row["scene"] == scene], styles)
         for ax in grid.flat[len(scenes) :]:
             ax.set_axis_off()
         for ax in grid[:, 0]:
@@ -323,40 +307,37 @@ def figure(result: Record) -> Figure:
     return drawing
 
 
-def _styles(solvers: Sequence[str]) -> dict[str, Record]:
-    """Return colour and mark of each solver."""
-    libraries: dict[str, int] = {}
+def _styles(solvers: Iterable[str]) -> dict[str, Record]:
+    """Return colour and mark of each solver: a black star for ours, a colour per library for the others."""
+    methods: dict[str, int] = {}
     styles: dict[str, Record] = {}
     for name in solvers:
         library = name.split()[0].rstrip(",")
-        number = libraries[library] = libraries.get(library, -1) + 1
+        number = methods[library] = methods.get(library, -1) + 1
         if library == "symosc":
             styles[name] = {"color": "black", "marker": "*P"[number % 2], "markersize": 9 - 3 * number}
         else:
-            others = [each for each in libraries if each != "symosc"]
-            colour = COLOURS[others.index(library) % len(COLOURS)]
+            colour = COLOURS[[each for each in methods if each != "symosc"].index(library) % len(COLOURS)]
             styles[name] = {"color": colour, "marker": POINT_MARKS[number % len(POINT_MARKS)], "markersize": 4}
     return styles
 
 
-def _panel(ax: Axes, scene: str, rows: Sequence[Record], styles: dict[str, Record]) -> None:
+def _draw_panel(ax: Axes, scene: str, rows: Sequence[Record], styles: dict[str, Record]) -> None:
+    """Draw the curves of a scene."""
+
     def points(rows: Sequence[Record]) -> tuple[list[float], list[float]]:
         errors = [WORST if row["error"] is None else min(max(row["error"], BEST), WORST) for row in rows]
         return [row["us_per_event"] for row in rows], errors
 
     for solver in dict.fromkeys(row["solver"] for row in rows):
-        style = dict(styles[solver])
+        style = styles[solver] | {"markeredgewidth": 0.6} | ({"zorder": 4} if solver.startswith("symosc") else {})
         drawn = [row for row in rows if row["solver"] == solver and row["us_per_event"] is not None]
-        above: Record = {"zorder": 4} if style["color"] == "black" else {}
         right = [row for row in drawn if not row["missed"] and not row["invented"]]
         wrong = [row for row in drawn if row not in right]
-        ax.plot(*points(right), linewidth=0.7, markeredgewidth=0.6, **style, **above)
-        ax.plot(*points(wrong), markeredgewidth=0.6, **style | {"linestyle": "none"}, **above)
+        ax.plot(*points(right), linewidth=0.7, **style)
+        ax.plot(*points(wrong), **style | {"linestyle": "none"})
         ax.plot(*points(wrong), "x", color="black", markersize=6, markeredgewidth=0.7, zorder=5)
-    ax.set_xscale("log")
-    ax.set_yscale("log")
-    ax.set_ylim(BEST / 3, WORST * 3)
-    ax.set_yticks([10.0**n for n in range(-16, 1, 4)])
+    ax.set(xscale="log", yscale="log", ylim=(BEST / 3, WORST * 3), yticks=[10.0**n for n in range(-16, 1, 4)])
     ax.minorticks_off()
     ax.grid(linewidth=0.3, color="0.85")
     ax.set_title(scene, loc="left", pad=4)

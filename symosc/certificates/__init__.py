@@ -15,10 +15,9 @@ Modules, lowest layer first:
     certificate     `Certificate` and its JSON
     certify         `certify`; the events of a scene as a reference
     verify          proves motions and windows again by other means; one file, independent of symosc
-    verify_orbits   the same for orbits and branches; needs verify.py only
+    verify_orbits   the same for orbits, branches and atlases; needs verify.py only
     plane           a box of two parameters: one word for all of them
     atlas           `atlas`: a plane of two parameters, its words, borders, and proven boxes
-    verify_atlas    proves the boxes of an atlas again; needs verify.py and verify_orbits.py
 
 Another kind of proof builds on `motion`: `next_event` takes a set of states (`Moving`) and returns the proven event and
 the set after it, or raises `Undecided`. `verify.KINDS` names what proves a kind of file again, and `verify.SHAPES` its

@@ -11,7 +11,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import nullcontext
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 from itertools import product
 from math import log2
 from pathlib import Path
@@ -29,12 +29,12 @@ from symosc.errors import ParameterError
 from symosc.exact import read_exact, show, whole_number
 from symosc.files import write_text
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.orbits.border import REST, Border, BorderError, borders_between, network, passes
+from symosc.orbits.border import REST, Border, BorderError, borders_between, passes
 from symosc.orbits.closing_equations import ConvergenceError
-from symosc.orbits.find import find_orbit
+from symosc.orbits.find import SETTLING_PERIODS, find_orbit
 from symosc.scenes import Scene, load_scene
-from symosc.sweeps.plan import cycles
-from symosc.words import Word, read_word
+from symosc.simulation.ensemble import simulate_many
+from symosc.words import Word, cycle, read_word
 
 #: Boxes that are tried between two looks at the clock, and in one call of a worker.
 BATCH, CHUNK = 64, 8
@@ -44,37 +44,14 @@ MOST_NEAR = 3
 LEAST_SIDE = Fraction(1, 1 << 24)
 #: So often it is tried to find a border between two words; the part of the plane beside a border at which it is found.
 MOST_FAILED, BESIDE = 3, 1e-4
-#: So far inside of the plane's edge a place is looked at.
-EDGE = 1e-6
-
-#: Points of the grid along each side; as parts: the longest step along a border.
-GRID, BORDER_STEP = 12, 0.005
-REST_NAMES = ("v1", "v2", "mu1", "mu2", "FN", "B0")
+#: Points of the grid along each side; so far inside of the plane's edge a place is looked at; the step along a border.
+GRID, EDGE, BORDER_STEP = 12, 1e-6, 0.005
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
 #: Labels of a word in order of time, and the unknowns of its orbit, nearly (`symosc.certificates.plane`).
 Candidate = tuple[tuple[str, ...], tuple[float, ...]]
 #: Both parameters and the word there, "" if it has none.
 Place = tuple[float, float, str]
-
-
-class Task(NamedTuple):
-    """A rectangle to prove, and orbits that may be near, the more probable ones first; `divide`: it is too large."""
-
-    box: Rectangle
-    near: tuple[Candidate, ...]
-    divide: int = 0
-    #: The middle of a rectangle around it or beside it, and the word there.
-    above: Place | None = None
-
-
-class Tried(NamedTuple):
-    """What came of a task: the word, or "" and the parts to try; the orbit at the middle, and its word."""
-
-    word: str
-    points: tuple[tuple[float, float], ...]
-    parts: tuple[Task, ...]
-    seen: str = ""
 
 
 class ProvenBox(NamedTuple):
@@ -113,16 +90,26 @@ class Region(NamedTuple):
     proven: float
 
 
+class Task(NamedTuple):
+    """A rectangle to prove, and orbits that may be near, the more probable ones first; `divide`: it is too large."""
+
+    box: Rectangle
+    near: tuple[Candidate, ...] = ()
+    divide: int = 0
+    #: The middle of a rectangle around it or beside it, and the word there.
+    above: Place | None = None
+
+
 def area(box: Rectangle) -> Fraction:
     """Return the area of a rectangle."""
     (a, b), (c, d) = box
     return (b - a) * (d - c)
 
 
-def middle_of(box: Rectangle, word: str) -> Place:
-    """Return the middle of a rectangle, with its word."""
+def middle_of(box: Rectangle) -> tuple[float, float]:
+    """Return the middle of a rectangle."""
     x, y = (float(low + high) / 2 for low, high in box)
-    return x, y, word
+    return x, y
 
 
 def divided(box: Rectangle, along: int, at: Fraction | None = None) -> list[Rectangle]:
@@ -134,27 +121,9 @@ def divided(box: Rectangle, along: int, at: Fraction | None = None) -> list[Rect
     return [(part, other) if along == 0 else (other, part) for part in ((low, middle), (middle, high))]
 
 
-@lru_cache(maxsize=256)
-def _flights(labels: tuple[str, ...], p: Parameters, names: tuple[str, str]) -> Any:
-    from symosc.certificates.plane import Flights, mirrors
-
-    return Flights(labels, mirrors(p, names))
-
-
-def orbit_near(p: Parameters, names: tuple[str, str], box: Rectangle) -> Candidate | None:
-    """Return the orbit to which the motion at the middle of a box settles; None if it is not found."""
-    middle = p.replace(**{name: (low + high) / 2 for name, (low, high) in zip(names, box, strict=True)})
-    try:
-        orbit = find_orbit(middle)
-    except ConvergenceError:
-        return None
-    if not orbit.admissible or orbit.periods != 1:
-        return None
-    Omega, wanted = float(middle.Omega), flight_first(canonical(orbit.labels))
-    turns = (orbit.labels[i:] + orbit.labels[:i] for i in range(len(wanted)))
-    first = next(i for i, labels in enumerate(turns) if labels == wanted)
-    points = [(t * Omega, x) for t, x in orbit.points[first:] + orbit.points[:first]]
-    return wanted, tuple(_flights(wanted, p, names).unknowns(Omega, points))
+def canonical(labels: Sequence[str]) -> str:
+    """Return the text of a word, the same for all its rotations."""
+    return cycle(str(Word(tuple(labels))))
 
 
 def flight_first(word: str) -> tuple[str, ...]:
@@ -164,46 +133,169 @@ def flight_first(word: str) -> tuple[str, ...]:
     return labels[first:] + labels[:first]
 
 
-def attempt(p: Parameters, names: tuple[str, str], task: Task) -> Tried:
-    """Try to prove a rectangle with the orbits near its middle; divide it if that fails."""
-    from symosc.certificates.plane import NotInBox, Surface, box_arithmetic
+class Plane(NamedTuple):
+    """Two parameters and their ranges; the other nine are those of `p`."""
 
-    box, along, found, surface = task.box, None, list(task.near), None
-    candidates = iter(task.near)
-    while surface is None:
-        candidate = next(candidates, None)
-        if candidate is None:
-            if len(found) > len(task.near) or (candidate := orbit_near(p, names, box)) is None:
-                break
-            found.insert(0, candidate)
-        labels, unknowns = candidate
+    p: Parameters
+    names: tuple[str, str]
+    range: Rectangle
+
+    def at(self, point: Sequence[Any]) -> Parameters:
+        """Return the parameters at a point."""
+        return self.p.replace(**dict(zip(self.names, point, strict=True)))
+
+    def rests(self, box: Rectangle) -> bool | None:
+        """Return whether the mass may rest on a belt for all parameters of a box; None: for some of them."""
+        ends = {name: (getattr(self.p, name),) * 2 for name in PARAMETER_NAMES} | dict(
+            zip(self.names, box, strict=True)
+        )
+        low, high = sorted(map(abs, ends["B0"]))
+        low = Fraction(0) if ends["B0"][0] < 0 < ends["B0"][1] else low
+        still = [belt for belt in "12" if ends["v" + belt] == (0, 0)]
+        holds = [[mu * FN for mu, FN in zip(ends["mu" + belt], ends["FN"], strict=True)] for belt in still]
+        return any(least >= high for least, _ in holds) or (None if any(most > low for _, most in holds) else False)
+
+    def cut_at_rest(self) -> list[Rectangle]:
+        """Return the parts of the plane between the borders of rest that are parallel to a side."""
+        parts, p = [self.range], self.p
+        for belt in "12":
+            mu = getattr(p, "mu" + belt)
+            at = {"B0": mu * p.FN, "FN": abs(p.B0) / mu if mu else 0, "mu" + belt: abs(p.B0) / p.FN if p.FN else 0}
+            free = [name for name in at if name in self.names]
+            if f"v{belt}" in self.names or p.belt(int(belt)) != 0 or len(free) != 1:
+                continue
+            along, value = self.names.index(free[0]), Fraction(at[free[0]])
+            for each in (value, -value):
+                parts = [piece for part in parts for piece in divided(part, along, each)]
+        return parts
+
+    def word(self, point: Sequence[Any]) -> str:
+        """Return the word at a point; "" if it is not found."""
+        x, y = map(Fraction, point)
+        if self.rests(((x, x), (y, y))):
+            return REST
+        try:
+            return canonical(find_orbit(self.at((x, y))).labels)
+        except ConvergenceError:
+            return ""
+
+    def grid(self, pool: Executor | None) -> tuple[Place, ...]:
+        """Return the words of the settled motions on a grid and on the edges, row by row; "" where none is found."""
+        parts = [Fraction(0), *(Fraction(2 * i + 1, 2 * GRID) for i in range(GRID)), Fraction(1)]
+        axes = [[low + (high - low) * part for part in parts] for low, high in self.range]
+        points = [(x, y) for x in axes[0] for y in axes[1]]
+        words = {(x, y): REST for x, y in points if self.rests(((x, x), (y, y)))}
+        moving = [point for point in points if point not in words]
+        if moving:  # one run of all of them finds most words; the others are looked for one by one
+            numbers: Record = {name: float(getattr(self.p, name)) for name in PARAMETER_NAMES}
+            numbers |= dict(zip(self.names, np.array(moving, dtype=float).T, strict=True))
+            runs = simulate_many(
+                numbers, (0, 0, 0), f"{SETTLING_PERIODS[0]}T", record=("word", "multiplicity", "status"), workers=1
+            )
+            for point, word, count, status in zip(moving, runs.word, runs.multiplicity, runs.status, strict=True):
+                if word and count == 1 and status == "t_end":
+                    words[point] = canonical(read_word(str(word)).labels)
+        left = [point for point in points if point not in words]
+        found = map(self.word, left) if pool is None else pool.map(self.word, left, chunksize=CHUNK)
+        words.update(zip(left, found, strict=True))
+        return tuple((float(x), float(y), words[x, y]) for x, y in points)
+
+    # -- borders -------------------------------------------------------------------------------------------------------
+
+    def borders(self, pairs: Sequence[tuple[Place, Place]], known: Sequence[Border] = ()) -> list[Border]:
+        """Return known borders, those between places with different words, and all that are connected with these."""
+        found, failed, looked, waiting = list(known), Counter[frozenset[str]](), len(known), deque(pairs)
+        while waiting:
+            a, b = waiting.popleft()
+            words = frozenset((a[2], b[2]))
+            if len(words) < 2 or failed[words] >= MOST_FAILED or explained(found, a, b):
+                continue
+            ends, limits = [self.at(place[:2]) for place in (a, b)], dict(zip(self.names, self.range, strict=True))
+            try:
+                for border in borders_between(ends[0], ends[1], self.names, limits, step=BORDER_STEP):
+                    if not _among(border, found):
+                        found += [each for each in border.network(step=BORDER_STEP) if not _among(each, found)]
+            except (BorderError, ConvergenceError):
+                pass
+            failed[words] += not explained(found, a, b)
+            waiting += [pair for border in found[looked:] for pair in self.beyond(border)]
+            looked = len(found)
+        return found
+
+    def beyond(self, border: Border) -> Iterator[tuple[Place, Place]]:
+        """Yield a place beside the middle of a border and one straight ahead at the edge, on both sides of it."""
+        middle, way = self.across(border.points)
+        for step in (way, -way):
+            sides = zip(np.array(self.range, dtype=float), middle, step, strict=True)
+            reach = min(((high if by > 0 else low) - value) / by for (low, high), value, by in sides if by)
+            if reach > 2 * BESIDE:
+                ends = [(middle + part * step).tolist() for part in (BESIDE, reach * (1 - EDGE))]
+                a, b = ((x, y, self.word((x, y))) for x, y in ends)
+                yield a, b
+
+    def across(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the middle of a border, and the direction at a right angle to it, in units of the ranges."""
+        middle, size = len(points) // 2, np.array([float(high - low) for low, high in self.range])
+        along = (points[middle] - points[middle - 1]) / size
+        return points[middle], np.array([along[1], -along[0]]) / np.hypot(*along) * size
+
+    # -- boxes ---------------------------------------------------------------------------------------------------------
+
+    def orbit_near(self, box: Rectangle) -> Candidate | None:
+        """Return the orbit to which the motion at the middle of a box settles; None if it is not found."""
+        middle = self.at([(low + high) / 2 for low, high in box])
+        try:
+            orbit = find_orbit(middle)
+        except ConvergenceError:
+            return None
+        if not orbit.admissible or orbit.periods != 1:
+            return None
+        Omega, labels, wanted = float(middle.Omega), orbit.labels, flight_first(canonical(orbit.labels))
+        first = next(i for i in range(len(labels)) if labels[i:] + labels[:i] == wanted)
+        points = [(t * Omega, x) for t, x in orbit.points[first:] + orbit.points[:first]]
+        return wanted, tuple(_flights(wanted, self.p, self.names).unknowns(Omega, points))
+
+    def attempt(self, task: Task) -> tuple[str, ProvenBox | None, list[Task]]:
+        """Try to prove a rectangle with the orbits near its middle: the word there, what is proven, or parts to try."""
+        from symosc.certificates.plane import NotInBox, Surface, box_arithmetic
+
+        box, found, surface, labels = task.box, list(task.near), None, tuple[str, ...]()
+
+        def candidates() -> Iterator[Candidate]:
+            yield from task.near
+            if (candidate := self.orbit_near(box)) is not None:
+                found.insert(0, candidate)
+                yield candidate
+
+        for labels, unknowns in candidates():
+            try:
+                with box_arithmetic():
+                    surface = Surface(self.p, self.names, box, _flights(labels, self.p, self.names), unknowns)
+                    break
+            except NotInBox:
+                continue
+        if surface is None:
+            return "", None, [Task(part, tuple(found[:MOST_NEAR])) for part in divided(box, _longer(box))]
+        word, along, divide = canonical(labels), None, task.divide - 1
         try:
             with box_arithmetic():
-                surface = Surface(p, names, box, _flights(labels, p, names), unknowns)
-        except NotInBox:
-            continue
-    if surface is None:
-        return Tried("", (), tuple(Task(part, tuple(found[:MOST_NEAR])) for part in divided(box, _longer(box))))
-    try:
-        with box_arithmetic():
-            if not task.divide:
-                surface.prove()
-                return Tried(canonical(labels), tuple(surface.points()), ())
-            divide = task.divide - 1
-    except NotInBox as reason:
-        along, divide = reason.along, int(log2(max(reason.excess, 1)) / 2) if reason.excess < 1e6 else 3
-    along = _longer(box) if along is None else along
-    others = [each for each in found if each[0] != labels][: MOST_NEAR - 1]
-    places = ((-0.5, 0), (0.5, 0)) if along == 0 else ((0, -0.5), (0, 0.5))
-    near = [(labels, surface.near(*place)) for place in places]
-    others.insert(0, (labels, surface.near(0, 0)))
-    parts = [Task(part, (each, *others), divide) for part, each in zip(divided(box, along), near, strict=True)]
-    return Tried("", (), tuple(parts), canonical(labels))
+                if not task.divide:
+                    surface.prove()
+                    return word, ProvenBox(word, box, tuple(surface.points())), []
+        except NotInBox as reason:
+            along, divide = reason.along, int(log2(max(reason.excess, 1)) / 2) if reason.excess < 1e6 else 3
+        along = _longer(box) if along is None else along
+        others = [(labels, surface.near(0, 0)), *(each for each in found if each[0] != labels)][:MOST_NEAR]
+        near = [(labels, surface.near(*((by, 0) if along == 0 else (0, by)))) for by in (-0.5, 0.5)]
+        parts = zip(divided(box, along), near, strict=True)
+        return word, None, [Task(part, (each, *others), divide) for part, each in parts]
 
 
-def canonical(labels: Sequence[str]) -> str:
-    """Return the text of a word, the same for all its rotations."""
-    return str(cycles(np.array([str(Word(tuple(labels)))]))[0])
+@lru_cache(maxsize=256)
+def _flights(labels: tuple[str, ...], p: Parameters, names: tuple[str, str]) -> Any:
+    from symosc.certificates.plane import Flights, mirrors
+
+    return Flights(labels, mirrors(p, names))
 
 
 def _longer(box: Rectangle) -> int:
@@ -212,53 +304,49 @@ def _longer(box: Rectangle) -> int:
     return int(sizes[1] > sizes[0])
 
 
-def may_rest(p: Parameters, names: tuple[str, str], box: Rectangle) -> bool | None:
-    """Return whether the mass may rest on a belt for all parameters of a box; None: for some of them."""
-    ends = {name: (value, value) for name in REST_NAMES for value in [getattr(p, name)]}
-    ends |= {name: both for name, both in zip(names, box, strict=True) if name in ends}
-    low, high = sorted((abs(ends["B0"][0]), abs(ends["B0"][1])))
-    low = Fraction(0) if ends["B0"][0] < 0 < ends["B0"][1] else low
-    some = False
-    for belt in "12":
-        if ends["v" + belt] == (0, 0):
-            least, most = (ends["mu" + belt][i] * ends["FN"][i] for i in (0, 1))
-            if least >= high:
-                return True
-            some = some or most > low
-    return None if some else False
+def explained(found: Sequence[Border], a: Place, b: Place) -> bool:
+    """Return whether the borders that cross the segment between two places have both words."""
+    words = {word or "" for each in found if crosses(each.points, a[:2], b[:2]) for word in each.words}
+    return {a[2], b[2]} <= words
 
 
-def cut_at_rest(p: Parameters, names: tuple[str, str], box: Rectangle) -> list[Rectangle]:
-    """Return the parts of a box between the borders of rest that are parallel to a side."""
-    parts = [box]
-    for belt in "12":
-        free = [name for name in ("mu" + belt, "FN", "B0") if name in names]
-        if f"v{belt}" in names or p.belt(int(belt)) != 0 or len(free) != 1:
-            continue
-        mu, along = getattr(p, "mu" + belt), names.index(free[0])
-        held = {"B0": mu * p.FN, "FN": abs(p.B0) / mu if mu else 0, "mu" + belt: abs(p.B0) / p.FN if p.FN else 0}[
-            free[0]
-        ]
-        for at in (held, -held):
-            parts = [each for part in parts for each in divided(part, along, at)]
-    return parts
+def _among(border: Border, found: Sequence[Border]) -> bool:
+    """Return whether a border is one of those found."""
+    return any(passes(each, border.points[len(border) // 2], border.words) for each in found)
+
+
+def crosses(points: np.ndarray, a: Any, b: Any) -> bool:
+    """Return whether a line through points crosses the segment from a to b."""
+
+    def sides(of: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        along, to = end - start, of - start
+        return np.sign(along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0])
+
+    a, b, low, high = np.asarray(a), np.asarray(b), points[:-1], points[1:]
+    return bool(((sides(low, a, b) != sides(high, a, b)) & (sides(a, low, high) != sides(b, low, high))).any())
+
+
+def neighbours(grid: Sequence[Place]) -> list[tuple[Place, Place]]:
+    """Return the pairs of neighbours on a grid."""
+    side = GRID + 2
+    ends = ((i, j) for i in range(len(grid)) for j in (i + 1, i + side) if j < len(grid) and (j != i + 1 or j % side))
+    return [(grid[i], grid[j]) for i, j in ends]
 
 
 class Cover:
     """Boxes of the plane: those that are proven, and those that are not, the larger ones first."""
 
-    def __init__(self, p: Parameters, names: tuple[str, str], whole: Rectangle) -> None:
-        self.p, self.names, self.whole, self.count = p, names, whole, 0
-        self.proven, self.area, self.small = list[ProvenBox](), Fraction(0), list[Rectangle]()
-        self.heap = list[tuple[float, int, Task]]()
+    def __init__(self, plane: Plane) -> None:
+        self.plane, self.count, self.area = plane, 0, Fraction(0)
+        self.proven, self.small, self.heap = list[ProvenBox](), list[Rectangle](), list[tuple[float, int, Task]]()
         #: Places near to each other with different words.
         self.changes = list[tuple[Place, Place]]()
 
     def add(self, *tasks: Task) -> None:
         """Add rectangles to prove; what rests there is known at once."""
         for task in tasks:
-            sides = zip(task.box, self.whole, strict=True)
-            if may_rest(self.p, self.names, task.box):
+            sides = zip(task.box, self.plane.range, strict=True)
+            if self.plane.rests(task.box):
                 self.prove(ProvenBox(REST, task.box, ()))
             elif min((b - a) / (d - c) for (a, b), (c, d) in sides) < LEAST_SIDE:
                 self.small.append(task.box)
@@ -266,15 +354,10 @@ class Cover:
                 heapq.heappush(self.heap, (-float(area(task.box)), self.count, task))
                 self.count += 1
 
-    def prove(self, box: ProvenBox) -> None:
-        """Add a proven box."""
-        self.proven.append(box)
-        self.area += area(box.range)
-
-    @property
-    def share(self) -> Fraction:
-        """The part of the area that is proven."""
-        return self.area / area(self.whole)
+    def prove(self, *boxes: ProvenBox) -> None:
+        """Add proven boxes."""
+        self.proven += boxes
+        self.area += sum((area(box.range) for box in boxes), Fraction(0)) / area(self.plane.range)
 
     def open(self) -> list[Rectangle]:
         """Return what is not proven."""
@@ -282,36 +365,34 @@ class Cover:
 
     def run(self, share: Fraction, until: float, pool: Executor | None, report: Any) -> None:
         """Prove boxes until a part of the area is proven, or until a time."""
-        work = partial(attempt, self.p, self.names)
-        while self.heap and self.share < share and monotonic() < until:
+        work = self.plane.attempt
+        while self.heap and self.area < share and monotonic() < until:
             tasks = [heapq.heappop(self.heap)[2] for _ in range(min(BATCH, len(self.heap)))]
             results = map(work, tasks) if pool is None else pool.map(work, tasks, chunksize=CHUNK)
-            for task, tried in zip(tasks, results, strict=True):
-                place, above = middle_of(task.box, tried.word or tried.seen), task.above
-                if above and place[2] not in ("", above[2]):
+            for task, (word, box, parts) in zip(tasks, results, strict=True):
+                place, above = (*middle_of(task.box), word), task.above
+                if above and word not in ("", above[2]):
                     self.changes.append((above, place))
-                if tried.word:
-                    self.prove(ProvenBox(tried.word, task.box, tried.points))
-                self.add(*(part._replace(above=place if place[2] else above) for part in tried.parts))
-            report(min(float(self.share), float(share)), float(share))
+                if box:
+                    self.prove(box)
+                self.add(*(part._replace(above=place if word else above) for part in parts))
+            report(min(float(self.area), float(share)), float(share))
 
-    def taken_up(self, boxes: Sequence[ProvenBox], left: Sequence[Rectangle]) -> None:
+    def take_up(self, boxes: Sequence[ProvenBox], left: Sequence[Rectangle]) -> None:
         """Take up the boxes of an earlier run: the orbits near an open one are those of the nearest proven ones."""
-        for each in boxes:
-            self.prove(each)
-        orbits = [each for each in boxes if each.points]
-        sizes = np.array([float(high - low) for low, high in self.whole])
-        middles = np.array([[float(a + b) / 2 for a, b in each.range] for each in orbits]).reshape(-1, 2) / sizes
+        self.prove(*boxes)
+        orbits, plane = [each for each in boxes if each.points], self.plane
+        sizes = np.array([float(high - low) for low, high in plane.range])
+        middles = np.array([middle_of(each.range) for each in orbits]).reshape(-1, 2) / sizes
         for box in left:
-            place = np.array([float(a + b) / 2 for a, b in box]) / sizes
+            place = np.array(middle_of(box)) / sizes
             near, nearest = dict[tuple[str, ...], Candidate](), np.argsort(((middles - place) ** 2).sum(axis=1))
-            for i in nearest[:MOST_NEAR]:
-                labels = flight_first(orbits[i].word)
-                middle = {name: (a + b) / 2 for name, (a, b) in zip(self.names, orbits[i].range, strict=True)}
-                Omega = float(middle.get("Omega", self.p.Omega))
-                unknowns = _flights(labels, self.p, self.names).unknowns(Omega, orbits[i].points)
+            for each in (orbits[i] for i in nearest[:MOST_NEAR]):
+                labels, Omega = flight_first(each.word), float(plane.at([(a + b) / 2 for a, b in each.range]).Omega)
+                unknowns = _flights(labels, plane.p, plane.names).unknowns(Omega, each.points)
                 near.setdefault(labels, (labels, tuple(unknowns)))
-            above = middle_of(orbits[nearest[0]].range, orbits[nearest[0]].word) if orbits else None
+            first = [orbits[i] for i in nearest[:1]]
+            above = (*middle_of(first[0].range), first[0].word) if first else None
             self.add(Task(box, tuple(near.values()), above=above))
 
 
@@ -355,9 +436,14 @@ class Atlas(Drawable):
     borders: tuple[Any, ...] = ()
 
     @property
+    def _share(self) -> Fraction:
+        """The part of the area in which the word is proven."""
+        return sum((area(box.range) for box in self.boxes), Fraction(0)) / area(self.range)
+
+    @property
     def proven(self) -> float:
         """The part of the area in which the word is proven."""
-        return float(sum((area(box.range) for box in self.boxes), Fraction(0)) / area(self.range))
+        return float(self._share)
 
     @cached_property
     def regions(self) -> tuple[Region, ...]:
@@ -372,7 +458,7 @@ class Atlas(Drawable):
         words = {
             *proven,
             *(word for *_, word in looked),
-            *(word for border in self.borders for word in border.words if word),
+            *(word for each in self.borders for word in each.words if word),
         }
         left = max(0.0, 1 - sum(proven.values()))
         found = [Region(word, proven[word] + left * seen[word] / max(seen.total(), 1), proven[word]) for word in words]
@@ -382,9 +468,8 @@ class Atlas(Drawable):
     def special(self) -> tuple[Any, ...]:
         """The folds of borders and points of codimension two, each once."""
         found, size = dict[tuple[Any, ...], Any](), [float(high - low) for low, high in self.range]
-        for border in self.borders:
-            for each in border.special:
-                found.setdefault((each.kind, *(round(v / s, 6) for v, s in zip(each.values, size, strict=True))), each)
+        for each in (point for border in self.borders for point in border.special):
+            found.setdefault((each.kind, *(round(v / s, 6) for v, s in zip(each.values, size, strict=True))), each)
         return tuple(found.values())
 
     @public
@@ -410,18 +495,18 @@ class Atlas(Drawable):
         """
         if set(values) != set(self.over):
             raise ParameterError("values", ", ".join(values), f"give {self.over[0]} and {self.over[1]}")
-        point = [read_exact(name, values[name]) for name in self.over]
-        for name, value, (low, high) in zip(self.over, point, self.range, strict=True):
+        x, y = (read_exact(name, values[name]) for name in self.over)
+        for name, value, (low, high) in zip(self.over, (x, y), self.range, strict=True):
             if not low <= value <= high:
                 raise ParameterError(name, values[name], f"must be between {show(low)} and {show(high)}")
-        exact = tuple((value, value) for value in point)
-        if may_rest(self.parameters, self.over, (exact[0], exact[1])):
+        plane = Plane(self.parameters, self.over, self.range)
+        if plane.rests(((x, x), (y, y))):
             return REST
-        for i in self._around(*map(float, point)):
+        for i in self._around(float(x), float(y)):
             box = self.boxes[i]
-            if all(low <= value <= high for value, (low, high) in zip(point, box.range, strict=True)):
+            if all(low <= value <= high for value, (low, high) in zip((x, y), box.range, strict=True)):
                 return box.word
-        return canonical(find_orbit(self.parameters.replace(**dict(zip(self.over, point, strict=True)))).labels)
+        return canonical(find_orbit(plane.at((x, y))).labels)
 
     @cached_property
     def _ends(self) -> np.ndarray:
@@ -440,30 +525,25 @@ class Atlas(Drawable):
         def pairs(box: Rectangle) -> list[list[str]]:
             return [[show(low), show(high)] for low, high in box]
 
-        found = {
-            "grid": [list(each) for each in self.grid],
-            "borders": [border.as_dict() for border in self.borders],
-        }
         return {
             "parameters": self.parameters.as_dict(),
             "over": list(self.over),
             "range": pairs(self.range),
-            "share": show(sum((area(box.range) for box in self.boxes), Fraction(0)) / area(self.range)),
+            "share": show(self._share),
             "boxes": [
                 {"word": box.word, "range": pairs(box.range)}
                 | {"phases": [f"{phase:.8g}" for phase, _ in box.points], "x": [f"{x:.8g}" for _, x in box.points]}
                 for box in self.boxes
             ],
             "open": [pairs(box) for box in self.open],
-            "found": found,
+            "found": {"grid": list(map(list, self.grid)), "borders": [border.as_dict() for border in self.borders]},
         }
 
     def to_json(self, path: str | Path) -> None:
         """Write the atlas as JSON, which `symosc verify` proves ("-": to standard output)."""
         about = {"format": FORMAT, "kind": "atlas", "proven": bool(self.boxes), "made_by": "symosc"}
-        write_text(
-            path, json.dumps(about | self.statement(), separators=(",", ":")).replace('{"word"', '\n{"word"') + "\n"
-        )
+        text = json.dumps(about | self.statement(), separators=(",", ":"))
+        write_text(path, text.replace('{"word"', '\n{"word"') + "\n")
 
     def __repr__(self) -> str:
         words, borders = len([each for each in self.regions if each.word]), len(self.borders)
@@ -520,8 +600,7 @@ def atlas(
     """
     began = monotonic()
     p = what if isinstance(what, Parameters) else (what if isinstance(what, Scene) else load_scene(what)).parameters
-    names, whole = _read_plane(p, over)
-    share = read_exact("prove", prove)
+    plane, share = _read_plane(p, over), read_exact("prove", prove)
     if not 0 <= share <= 1:
         raise ParameterError("prove", prove, "must be a part of the area, from 0 to 1")
     limit = float("inf") if seconds is None else float(read_exact("seconds", seconds))
@@ -530,195 +609,72 @@ def atlas(
     count = whole_number("workers", workers, 1) if workers is not None else os.cpu_count() or 1
     if share > 0:
         import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
-    left = None if path is None or not Path(path).exists() else read_atlas(path)
-    if left is not None and (left.parameters, left.over, left.range) != (p, names, whole):
-        raise ParameterError("path", path, "is the atlas of another plane: name another file")
-    cover = Cover(p, names, whole)
+    cover, earlier = Cover(plane), path is not None and Path(path).exists()
+    if earlier:
+        before, boxes, left, grid, pairs = _read_file(path)
+        if before != plane:
+            raise ParameterError("path", path, "is the atlas of another plane: name another file")
     with (
         ProcessPoolExecutor(count) if count > 1 else nullcontext() as pool,
         reporting(progress, 0, float(share), "proven", "") as report,
     ):
-        if left is None:
-            grid = looked_at(p, names, whole, pool)
-            borders = borders_of(p, names, whole, neighbours(grid))
-            cover.add(*(Task(part, ()) for part in cut_at_rest(p, names, whole)))
+        if earlier:
+            cover.take_up(boxes, left)
         else:
-            grid, borders = left.grid, list(left.borders)
-            cover.taken_up(left.boxes, left.open)
+            grid = plane.grid(pool)
+            pairs = neighbours(grid)
+            cover.add(*map(Task, plane.cut_at_rest()))
+        borders = plane.borders(pairs)
         cover.run(share, began + limit, pool, report)
-    borders = borders_of(p, names, whole, cover.changes, borders)  # those that the grid has missed
-    made = Atlas(p, names, whole, tuple(cover.proven), tuple(cover.open()), grid, tuple(borders))
+    borders = plane.borders(cover.changes, borders)  # those that the grid has missed
+    made = Atlas(*plane, tuple(cover.proven), tuple(cover.open()), grid, tuple(borders))
     if path is not None:
         made.to_json(path)
     return made
 
 
-def _read_plane(p: Parameters, over: Mapping[str, Any]) -> tuple[tuple[str, str], Rectangle]:
-    """Return the names of both parameters, and their ranges."""
+def _read_plane(p: Parameters, over: Mapping[str, Any]) -> Plane:
+    """Return the plane of two parameters and their ranges."""
     if len(over) != 2 or not set(over) <= set(PARAMETER_NAMES):
-        raise ParameterError(
-            "over", ", ".join(map(str, over)), f"give two parameters out of {', '.join(PARAMETER_NAMES)}"
-        )
+        names = ", ".join(PARAMETER_NAMES)
+        raise ParameterError("over", ", ".join(map(str, over)), f"give two parameters out of {names}")
     ranges = []
     for name, limits in over.items():
-        if np.ndim(np.asarray(limits, dtype=object)) != 1 or len(limits) != 2:
+        if np.array(limits, dtype=object).shape != (2,):
             raise ParameterError(name, limits, "give its lowest and its highest value")
         low, high = (read_exact(name, value) for value in limits)
         if not low < high:
             raise ParameterError(name, f"{show(low)}:{show(high)}", "give its lowest value before its highest")
         ranges.append((low, high))
     first, second = over
-    for corner in product(*ranges):
-        at = p.replace(**dict(zip(over, corner, strict=True)))
-        for name in "ck":
-            if getattr(at, name) <= 0:
-                raise ParameterError(name, getattr(at, name), "must be > 0: else a point need not have one word")
-    return (first, second), (ranges[0], ranges[1])
+    plane = Plane(p, (first, second), (ranges[0], ranges[1]))
+    for name, at in product("ck", map(plane.at, product(*ranges))):
+        if getattr(at, name) <= 0:
+            raise ParameterError(name, getattr(at, name), "must be > 0: else a point need not have one word")
+    return plane
 
 
-def looked_at(p: Parameters, names: tuple[str, str], whole: Rectangle, pool: Any) -> tuple[Place, ...]:
-    """Return the words of the settled motions on a grid and on the edges, row by row; "" where none is found."""
-    parts = [Fraction(0), *(Fraction(2 * i + 1, 2 * GRID) for i in range(GRID)), Fraction(1)]
-    axes = [[low + (high - low) * part for part in parts] for low, high in whole]
-    points = [((x, x), (y, y)) for x in axes[0] for y in axes[1]]
-    work = partial(_word_of, p, names)
-    words = map(work, points) if pool is None else pool.map(work, points, chunksize=CHUNK)
-    return tuple((float(x[0]), float(y[0]), word) for (x, y), word in zip(points, words, strict=True))
+def _read_file(path: Any) -> tuple[Plane, list[ProvenBox], list[Rectangle], tuple[Place, ...], list[Any]]:
+    """Read the file of an atlas: its plane, boxes, open boxes and grid; pairs of places beside its borders."""
 
+    def box(sides: Any) -> Rectangle:
+        (a, b), (c, d) = ([Fraction(end) for end in side] for side in sides)
+        return (a, b), (c, d)
 
-def neighbours(grid: Sequence[Place]) -> list[tuple[Place, Place]]:
-    """Return the pairs of neighbours on a grid."""
-    side = GRID + 2
-    ends = ((i, j) for i in range(len(grid)) for j in (i + 1, i + side) if j < len(grid) and (j != i + 1 or j % side))
-    return [(grid[i], grid[j]) for i, j in ends]
-
-
-def _word_of(p: Parameters, names: tuple[str, str], point: Rectangle) -> str:
-    """Return the word at a point; "" if it is not found."""
-    if may_rest(p, names, point):
-        return REST
-    try:
-        return canonical(
-            find_orbit(p.replace(**{name: low for name, (low, _) in zip(names, point, strict=True)})).labels
-        )
-    except ConvergenceError:
-        return ""
-
-
-def borders_of(
-    p: Parameters,
-    names: tuple[str, str],
-    whole: Rectangle,
-    pairs: Sequence[tuple[Place, Place]],
-    known: Sequence[Border] = (),
-) -> list[Border]:
-    """Return the known borders, those between places with different words, and all that are connected with these."""
-    found, failed, looked = list(known), Counter[frozenset[str]](), len(known)
-    waiting = deque(pairs)
-    while waiting:
-        a, b = waiting.popleft()
-        words = frozenset((a[2], b[2]))
-        if len(words) < 2 or failed[words] >= MOST_FAILED or explained(found, a, b):
-            continue
-        try:
-            for border in between(p, names, whole, a[:2], b[:2]):
-                if not _among(border, found):
-                    found += [each for each in network(border, step=BORDER_STEP) if not _among(each, found)]
-        except (BorderError, ConvergenceError):
-            pass
-        failed[words] += not explained(found, a, b)
-        for border in found[looked:]:
-            waiting += beyond(p, names, whole, border)
-        looked = len(found)
-    return found
-
-
-def beyond(p: Parameters, names: tuple[str, str], whole: Rectangle, border: Border) -> Iterator[tuple[Place, Place]]:
-    """Yield a place beside the middle of a border and one straight ahead at the plane's edge, on both sides of it."""
-    middle, way = across(border.points, whole)
-    for step in (way, -way):
-        reach = min(
-            ((high if by > 0 else low) - value) / by
-            for (low, high), value, by in zip(np.array(whole, dtype=float), middle, step, strict=True)
-            if by
-        )
-        if reach > 2 * BESIDE:
-            ends = [(middle + part * step).tolist() for part in (BESIDE, reach * (1 - EDGE))]
-            a, b = ((x, y, _word_of(p, names, ((Fraction(x),) * 2, (Fraction(y),) * 2))) for x, y in ends)
-            yield a, b
-
-
-def between(p: Parameters, names: tuple[str, str], whole: Rectangle, a: Any, b: Any) -> list[Border]:
-    """Return the borders that cross the segment between two points of the plane."""
-    ends = [p.replace(**dict(zip(names, at, strict=True))) for at in (a, b)]
-    return borders_between(ends[0], ends[1], names, dict(zip(names, whole, strict=True)), step=BORDER_STEP)
-
-
-def explained(found: Sequence[Border], a: Place, b: Place) -> bool:
-    """Return whether the borders that cross the segment between two places have both words."""
-    words = {word or "" for each in found if crosses(each.points, a[:2], b[:2]) for word in each.words}
-    return {a[2], b[2]} <= words
-
-
-def across(border_points: np.ndarray, whole: Rectangle) -> tuple[np.ndarray, np.ndarray]:
-    """Return the middle of a border, and the direction at a right angle to it, in units of the ranges."""
-    middle, size = len(border_points) // 2, np.array([float(high - low) for low, high in whole])
-    along = (border_points[middle] - border_points[middle - 1]) / size
-    return border_points[middle], np.array([along[1], -along[0]]) / np.hypot(*along) * size
-
-
-def _among(border: Border, found: Sequence[Border]) -> bool:
-    """Return whether a border is one of those found."""
-    return any(passes(each, border.points[len(border) // 2], border.words) for each in found)
-
-
-def crosses(points: np.ndarray, a: Any, b: Any) -> bool:
-    """Return whether a line through points crosses the segment from a to b."""
-
-    def sides(of: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-        along, to = end - start, of - start
-        return np.sign(along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0])
-
-    a, b, low, high = np.asarray(a), np.asarray(b), points[:-1], points[1:]
-    return bool(((sides(low, a, b) != sides(high, a, b)) & (sides(a, low, high) != sides(b, low, high))).any())
-
-
-def _followed_again(p: Parameters, names: tuple[str, str], whole: Rectangle, points: np.ndarray) -> list[Border]:
-    """Return the borders between both sides of the middle of a known one."""
-    middle, way = across(points, whole)
-    try:
-        low, high = np.array(whole, dtype=float).T
-        return between(p, names, whole, *(np.clip(middle + by * way, low, high) for by in (-BESIDE, BESIDE)))
-    except (BorderError, ConvergenceError):
-        return []  # it is looked for once more where it is needed
-
-
-def read_atlas(path: str | Path) -> Atlas:
-    """Read the file of an atlas; its borders are followed again from where they were."""
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
-        p = Parameters(**data["parameters"])
-
-        def box(sides: Any) -> Rectangle:
-            (a, b), (c, d) = ([Fraction(end) for end in side] for side in sides)
-            return (a, b), (c, d)
-
-        boxes = tuple(
-            ProvenBox(
-                row["word"],
-                box(row["range"]),
-                tuple((float(t), float(x)) for t, x in zip(row["phases"], row["x"], strict=True)),
-            )
-            for row in data["boxes"]
-        )
         first, second = data["over"]
-        grid = tuple((float(x), float(y), str(word)) for x, y, word in data["found"]["grid"])
-        names, whole, borders = (first, second), box(data["range"]), list[Border]()
+        plane, boxes, pairs = Plane(Parameters(**data["parameters"]), (first, second), box(data["range"])), [], []
+        for row in data["boxes"]:
+            points = zip(map(float, row["phases"]), map(float, row["x"]), strict=True)
+            boxes.append(ProvenBox(row["word"], box(row["range"]), tuple(points)))
+        low, high = np.array(plane.range, dtype=float).T
         for row in data["found"]["borders"]:
-            for border in _followed_again(p, names, whole, np.array(row["points"], dtype=float)):
-                borders += [border] * (not _among(border, borders))
-        return Atlas(p, names, whole, boxes, tuple(map(box, data["open"])), grid, tuple(borders))
+            middle, way = plane.across(np.array(row["points"], dtype=float))
+            ends = zip((-BESIDE, BESIDE), row["words"], strict=True)
+            pairs.append(tuple((*np.clip(middle + by * way, low, high).tolist(), word or "") for by, word in ends))
+        grid = tuple((float(x), float(y), str(word)) for x, y, word in data["found"]["grid"])
+        return plane, boxes, [box(each) for each in data["open"]], grid, pairs
     except (OSError, ValueError, LookupError, TypeError) as error:
-        raise ParameterError(
-            "path", path, f"is no file of an atlas ({type(error).__name__}: {str(error)[:80]})"
-        ) from None
+        reason = f"is no file of an atlas ({type(error).__name__}: {str(error)[:80]})"
+        raise ParameterError("path", path, reason) from None

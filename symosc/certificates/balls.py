@@ -94,8 +94,7 @@ def outward(value: Ball, digits: int) -> tuple[str, str]:
 
 def _decimal(exact: Fraction) -> str:
     """Return a fraction that is a finite decimal as text, with all digits."""
-    with localcontext() as context:
-        context.prec = len(str(abs(exact.numerator))) + len(str(exact.denominator)) + 5
+    with localcontext(prec=len(str(abs(exact.numerator))) + len(str(exact.denominator)) + 5):
         return format(Decimal(exact.numerator) / Decimal(exact.denominator), "f")
 
 

@@ -1,21 +1,14 @@
 """A branch of orbits, proven for every value of a parameter between two, and up to the ends of the branch.
 
-Krawczyk's proof about a curve instead of a point. Let delta be the change of the parameter from the middle of an
-interval, in D = [-h, h], and c(delta) a polynomial near the curve of roots (Newton's method for power series gives it;
-nothing rests on it). By Taylor's theorem
+It is Krawczyk's proof about a curve instead of a point. Let delta be the change of the parameter from the middle of an
+interval, and c(delta) a polynomial near the curve of roots (Newton's method for power series gives it; nothing rests on
+it). By Taylor's theorem f(c(delta), delta) is enclosed by its first N coefficients at 0 and that of order N at all
+delta: F, of order N in the width. Let R be a box about 0, J the Jacobian over all c(delta) + R, and Y any matrix. If
+- Y F + (1 - Y J) R lies inside R, there is exactly one root in c(delta) + R for every delta, the only one where J is.
 
-    f(c(delta), delta)  lies in  f_0 + f_1 delta + ... + f_(N-1) delta^(N-1) + f_N(D) delta^N
-
-with the coefficients f_j of its power series at 0, and those of order N at all delta in D. Both come from arithmetic
-with power series whose coefficients are balls. Let F be an enclosure of this, of order h^N, R a box about 0, J the
-Jacobian over all c(delta) + R, and Y any matrix. If - Y F + (1 - Y J) R lies inside R, then for every delta there is
-exactly one root in c(delta) + R. Then 1 - Y J has a norm below 1, so f is one-to-one where J is: the root is the only
-one there too.
-
-A branch ends where an inequality that holds inside it becomes an equality. The roots of the closing equations go on
-beyond the end. One root is proven for every value of the parameter between one just inside and one just outside. Inside
-all inequalities are proven. Outside one of them is proven to fail. Both of its sides depend continuously on the root,
-so it becomes an equality between the two values.
+A branch ends where an inequality that holds inside it becomes an equality: one root is proven for every value of the
+parameter between one just inside, where all inequalities are proven, and one just outside, where one of them is proven
+to fail. The proofs are in `symosc derive certificates`.
 """
 
 from __future__ import annotations
@@ -23,12 +16,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 from math import comb, floor, log10
-from typing import NamedTuple
 
 from flint import arb, arb_series, ctx
 
 from symosc.aliases import Record
-from symosc.certificates.balls import Ball, Undecided, ball, made_by, outward, sure_sign
+from symosc.certificates.balls import Ball, Undecided, ball, made_by, outward
 from symosc.certificates.certificate import Certificate, confirmed
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.orbit import ClosingBalls, Margin, Values, column, switchings, unit_matrix
@@ -36,14 +28,12 @@ from symosc.display.progress import reporting
 from symosc.exact import show
 from symosc.model import Parameters
 from symosc.orbits.branch import Branch
-from symosc.orbits.closing_equations import OrbitPiece, pieces_of
+from symosc.orbits.closing_equations import pieces_of
 from symosc.words import Word
 
 BRANCH_BITS = 128
-#: Digits of the enclosures in a file.
-BRANCH_DIGITS = 16
-#: Coefficients of the curve.
-ORDER = 3
+#: Digits of the enclosures in a file; coefficients of the curve.
+BRANCH_DIGITS, ORDER = 16, 3
 MOST_INFLATIONS, INFLATION = 8, 1.2
 #: How much wider the balls are in which a root is the only one: those that are stated; those that are proven, so that
 #: a checker whose balls are a little wider proves the others.
@@ -54,51 +44,43 @@ END_WIDTH = Fraction(1, 10**11)
 FIRST_WIDTH, GROWTH = Fraction(1, 50), Fraction(8, 5)
 MOST_BOXES, LEAST_WIDTH = 100_000, Fraction(1, 10**16)
 END_OF_RANGE = "end of the range"
-#: Times of a piece at which a margin is sampled, and Newton steps from the lowest of them.
-LOW_SAMPLES, MOST_LOW_STEPS = 96, 12
-#: Nearest times to the start or the end of a piece, as negative powers of 2.
-MOST_NEAR = 60
+#: Times of a piece at which a margin is sampled, Newton steps from the lowest of them, and the powers of 1/2 of a piece
+#: by which the others are off its start or end.
+LOW_SAMPLES, MOST_LOW_STEPS, NEAR_POWERS = 96, 12, range(8, 60)
 
 #: The kind of an end of a branch, the parameter's value there, and t_0, x_0, ... of the orbit, nearly.
 GivenEnd = tuple[str, Fraction, Values]
 
 
 class Family:
-    """The closing equations of one word over an interval of one parameter, and their roots there, proven."""
+    """The closing equations of one word over an interval of one parameter, and their roots there, proven.
 
-    def __init__(
-        self,
-        p: Parameters,
-        name: str,
-        low: Fraction,
-        high: Fraction,
-        pieces: tuple[OrbitPiece, ...],
-        periods: int,
-        near: Values,
-    ) -> None:
-        self.p, self.name, self.pieces, self.periods = p.replace(**{name: (low + high) / 2}), name, pieces, periods
-        self.low, self.high, self.middle = low, high, ball((low + high) / 2)
-        self.range = ball(low).union(ball(high))
-        self.change = self.range - self.middle
-        self.thin = ClosingBalls(Oscillator(self.p), pieces, periods)
-        self.wide = ClosingBalls(Oscillator(self.p, {name: self.range}), pieces, periods)
-        self._prove(near)
+    Undecided if it is not proven that there is one root for every value of the parameter.
+    """
 
-    def _prove(self, near: Values) -> None:
-        """Prove that there is one root for every value of the parameter, or raise Undecided."""
-        start = self.thin.polished(near)
+    def __init__(self, prover: BranchProver, low: Fraction, high: Fraction, near: Values) -> None:
+        self.prover, self.low, self.high, self.middle = prover, low, high, ball((low + high) / 2)
+        every = ball(low).union(ball(high))
+        change, thin = every - self.middle, prover.at((low + high) / 2)
+        self.wide = ClosingBalls(Oscillator(thin.oscillator.p, {prover.name: every}), prover.pieces, prover.periods)
+        start = thin.polished(near)
         try:
-            Y = self.thin.jacobian(start).mid().inv().mid()
+            Y = thin.jacobian(start).mid().inv().mid()
         except ZeroDivisionError:
             raise Undecided("singular closing equations") from None
-        curve = [start]
+        self.curve = [start]
         for order in range(2, ORDER + 1):
-            rest = self._coefficients(self.middle, [*curve, [arb(0)] * len(start)], order)[-1]
-            curve.append([(-each).mid() for each in (Y * column(rest)).entries()])
-        enclosed = _horner([*self._coefficients(self.middle, curve, ORDER), self._remainder(curve)], self.change)
-        pushed = [-each for each in (Y * column(enclosed)).entries()]
-        along = _horner(curve, self.change)
-        box = pushed
+            rest = self._coefficients(self.middle, [*self.curve, [arb(0)] * len(start)], order)[-1]
+            self.curve.append([(-each).mid() for each in (Y * column(rest)).entries()])
+        # The coefficients of f of order ORDER along the curve are those about all values of the parameter.
+        shifted = [
+            _horner([[comb(k, j) * each for each in self.curve[k]] for k in range(j, ORDER)], change)
+            for j in range(ORDER)
+        ]
+        remainder = self._coefficients(every, shifted, ORDER + 1)[-1]
+        enclosed = _horner([*self._coefficients(self.middle, self.curve, ORDER), remainder], change)
+        box = pushed = [-each for each in (Y * column(enclosed)).entries()]
+        along = _horner(self.curve, change)
         for _ in range(MOST_INFLATIONS):
             wider = [(INFLATION * abs(each).upper()).mid() for each in box]
             box = [arb(0, each) + arb(0, arb(2) ** (8 - ctx.prec)) for each in wider]
@@ -107,8 +89,13 @@ class Family:
             turned = ((unit_matrix(len(start)) - Y * J) * column(box)).entries()
             image = [a + b for a, b in zip(pushed, turned, strict=True)]
             if all(r.contains_interior(each) for r, each in zip(box, image, strict=True)):
-                self.curve, self.tube, self.stated = curve, box, [_scaled(each, STATED_WIDTH) for each in whole]
-                self.points = [c + each for c, each in zip(along, image, strict=True)]
+                self.tube, self.points = box, [c + each for c, each in zip(along, image, strict=True)]
+                events = switchings(self.wide, [_scaled(each, STATED_WIDTH) for each in whole], 0)
+                #: The enclosures of t and x at all events, as decimals for the file.
+                self.row: Record = {
+                    name: [list(outward(event[j], BRANCH_DIGITS)) for event in events]
+                    for name, j in (("t", 4), ("x", 5))
+                }
                 return
             if not all(each.is_finite() for each in image):
                 break
@@ -117,20 +104,11 @@ class Family:
 
     def _coefficients(self, value: Ball, curve: list[Values], order: int) -> list[Values]:
         """Return the first `order` Taylor coefficients of f along a curve, about a value of the parameter."""
-        if ctx.cap < order:
-            ctx.cap = order
-        series = Oscillator(self.p, {self.name: arb_series([value, 1], prec=order)})
+        ctx.cap, wide = max(ctx.cap, order), self.wide
+        series = Oscillator(wide.oscillator.p, {self.prover.name: arb_series([value, 1], prec=order)})
         values = [arb_series(list(each), prec=order) for each in zip(*curve, strict=True)]
-        found = ClosingBalls(series, self.pieces, self.periods).residuals(values)
+        found = ClosingBalls(series, wide.pieces, wide.periods).residuals(values)
         return [[each[j] for each in found] for j in range(order)]
-
-    def _remainder(self, curve: list[Values]) -> Values:
-        """Enclose the coefficients of f of order ORDER along the curve, about all values of the parameter."""
-        shifted = [
-            _horner([[comb(k, j) * each for each in curve[k]] for k in range(j, ORDER)], self.change)
-            for j in range(ORDER)
-        ]
-        return self._coefficients(self.range, shifted, ORDER + 1)[-1]
 
     def near(self, value: Fraction) -> Values:
         """Return the points of the polynomial curve at a value of the parameter, possibly outside the interval."""
@@ -140,15 +118,12 @@ class Family:
         """Return whether points at a value of the parameter are all in the box with the unique root."""
         return all((c + r).contains(each) for c, r, each in zip(self.near(value), self.tube, points, strict=True))
 
-    def at(self, value: Fraction) -> ClosingBalls:
-        """Return the closing equations at one value of the parameter."""
-        return ClosingBalls(Oscillator(self.p.replace(**{self.name: value})), self.pieces, self.periods)
-
-    def root(self, thin: ClosingBalls, value: Fraction) -> Values:
-        """Return a narrow enclosure of the root at the parameter value of the equations `thin`."""
-        for root in thin.roots(thin.polished([each.mid() for each in self.near(value)])):
-            if self.holds(value, root.points):
-                return root.points
+    def root(self, value: Fraction) -> tuple[ClosingBalls, Values]:
+        """Return the closing equations at a value of the parameter, and a narrow enclosure of their root."""
+        thin = self.prover.at(value)
+        for _, points in thin.roots(thin.polished([each.mid() for each in self.near(value)])):
+            if self.holds(value, points):
+                return thin, points
         raise Undecided("whether the roots of two intervals of the parameter are one")
 
 
@@ -165,37 +140,21 @@ def _scaled(value: Ball, factor: float) -> Ball:
     return value.mid() + arb(0, (factor * value.rad()).mid())
 
 
-# -- the end of a branch -----------------------------------------------------------------------------------------------
-
-
-class Violation(NamedTuple):
-    """An inequality that certainly fails: its text, a time of failure, and the kind of branch end."""
-
-    text: str
-    t: Ball
-    kind: str
-
-
-def violated(closing: ClosingBalls, values: Values) -> Violation | None:
-    """Return an inequality that certainly fails for the root in `values`; None if none is found."""
-    ends, pieces = closing.ends(values), closing.pieces
-    spans = [ends[2 * i] - values[2 * i] for i in range(len(pieces))]
-    for i, (piece, span) in enumerate(zip(pieces, spans, strict=True)):
-        if span < 0:
-            kind = "stick" if piece.sticks else "slip" if piece.after_stick else "flight"
-            return Violation(f"{piece.label} lasts", values[2 * i], f"vanishing of a {kind}")
-    for i, piece in enumerate(pieces):
-        for domain, text, force, wanted in closing.forces_at(i, values):
-            if sure_sign(force) == -wanted:
-                far = domain != pieces[i - 1].mode and not closing.oscillator.jump[piece.start].is_zero()
-                kind = "grazing" if not far else "birth of a slip" if piece.sticks else "birth of a stick"
-                return Violation(text, values[2 * i], kind)
-        for margin in closing.margins(i, values):
-            tau = _below(margin, spans[i]) if spans[i] > 0 else None
-            if tau is not None:
-                leaves = margin.curve(arb(0))[1 + margin.at_start] > 0
-                kind = "birth of a slip" if piece.sticks else "grazing" if leaves else "vanishing of a slip"
-                return Violation(margin.what, values[2 * i] + tau, kind)
+def violated(closing: ClosingBalls, values: Values) -> tuple[str, Ball, str] | None:
+    """Return an inequality that certainly fails for a root: its text, a time, and the kind of branch end; or None."""
+    margins = [closing.margins(i, values) for i in range(len(closing.pieces))]
+    durations = [(i, span) for i, (span, *_) in enumerate(margins)]
+    for i, margin in durations + [(i, margin) for i, (_, *others) in enumerate(margins) for margin in others]:
+        span: Ball = margins[i][0].curve
+        curve, kind = margin.curve, margin.kind
+        if not callable(curve):
+            tau = arb(0) if curve < 0 else None
+        else:
+            tau = _below(margin, span) if span > 0 else None
+            leaves = curve(arb(0))[1 + margin.at_start] > 0
+            kind = kind or ("grazing" if leaves else "vanishing of a slip")
+        if tau is not None:
+            return margin.what, values[2 * i] + tau, kind
     return None
 
 
@@ -211,19 +170,9 @@ def _below(margin: Margin, span: Ball) -> Ball | None:
         if not (following.is_finite() and 0 < following < last):
             break
         tau = following
-    near = [last * arb(2) ** -power for power in range(8, MOST_NEAR)]  # right after the start, right before the end
+    near = [last * arb(2) ** -power for power in NEAR_POWERS]  # right after the start, right before the end
     near = near if curve(arb(0))[1 + margin.at_start] < 0 else [last - each for each in near]
     return next((each for each in near if curve(each).g < 0), None)
-
-
-class ProvenEnd(NamedTuple):
-    """A branch end: a value inside with all inequalities true, and what its row in the file says."""
-
-    inside: Fraction
-    row: Record
-
-
-# -- the branch --------------------------------------------------------------------------------------------------------
 
 
 def prove_branch(branch: Branch, progress: Callable[[float], None] | bool | None = None) -> Certificate:
@@ -249,56 +198,70 @@ class BranchProver:
         self.p, self.name, self.word, self.periods, self.ends = p, name, Word(labels), periods, ends
         self.pieces, self.families = pieces_of(self.word), list[Family]()
 
+    def at(self, value: Fraction) -> ClosingBalls:
+        """Return the closing equations at one value of the parameter."""
+        return ClosingBalls(Oscillator(self.p.replace(**{self.name: value})), self.pieces, self.periods)
+
     def certificate(self, progress: Callable[[float], None] | None = None) -> Certificate:
         """Prove every orbit of the branch and both of its ends; return the certificate."""
         with ctx.workprec(BRANCH_BITS):
             try:
-                low, high = (self._end(*end, side) for side, end in zip((-1, 1), self.ends, strict=True))
-                self._cover(low.inside, high.inside, progress)
+                rows = [self._end(*end, side) for side, end in zip((-1, 1), self.ends, strict=True)]
+                low, high = (Fraction(row["inside"]) for row in rows)
+                self._cover(low, high, progress)
             except Undecided as undecided:
                 near = "" if not self.families else f" near {self.name} = {float(self.families[-1].high):.12g}"
                 message = f"the branch of {self.word} in {self.name}: not decided: {undecided.what}{near}"
                 return Certificate("branch", False, message)
-            return self._certificate((low, high))
+            first = self.families[0]
+            changes = [event[:4] for event in switchings(first.wide, first.points, 0)]
+            stable = all(family.wide.stability(family.points).stable for family in self.families) or None
+        statement = made_by(BRANCH_BITS) | {
+            "parameters": self.p.as_dict(),
+            "parameter": self.name,
+            "range": [row["inside"] for row in rows],
+            "word": str(self.word),
+            "periods": self.periods,
+            "stable": stable,
+            "ends": rows,
+            "events": [dict(zip(("kind", "boundary", "source", "target"), each, strict=True)) for each in changes],
+            "boxes": [{"value": [show(each.low), show(each.high)]} | each.row for each in self.families],
+        }
+        events = tuple((kind, source, target) for kind, _, source, target in changes)
+        return confirmed(Certificate("branch", True, "", events, stable=stable, statement=statement))
 
-    def _family(self, low: Fraction, high: Fraction, near: Values) -> Family:
-        """Return the family of roots between two parameter values."""
-        return Family(self.p, self.name, low, high, self.pieces, self.periods, near)
-
-    def _end(self, kind: str, value: Fraction, near: Values, side: int) -> ProvenEnd:
-        """Prove a branch end: one root for all values around it, and an inequality that fails for it beyond."""
+    def _end(self, kind: str, value: Fraction, near: Values, side: int) -> Record:
+        """Prove an end: one root for all values around it, an inequality that fails for it beyond; return its row."""
         if kind == END_OF_RANGE:
-            return ProvenEnd(value, {"kind": kind, "inside": show(value), "outside": show(value)})
+            return {"kind": kind, "inside": show(value), "outside": show(value)}
         width = Fraction(10) ** floor(log10(END_WIDTH * max(abs(value), self.ends[1][1] - self.ends[0][1])))
         value = round(value / width) * width
         inside, outside = value - side * width, value + side * width
-        family = self._family(min(inside, outside), max(inside, outside), near)
-        within = family.at(inside)
-        within.prove_course(family.root(within, inside))
-        thin = family.at(outside)
-        broken = violated(thin, family.root(thin, outside))
+        family = Family(self, min(inside, outside), max(inside, outside), near)
+        within, root = family.root(inside)
+        within.prove_course(root)
+        broken = violated(*family.root(outside))
         if broken is None:
             raise Undecided(f"which inequality fails beyond the {kind} at {self.name} = {float(value):.12g}")
-        at = broken.t.mid().str(BRANCH_DIGITS, radius=False)
-        row = {"kind": broken.kind, "inside": show(inside), "outside": show(outside)}
-        return ProvenEnd(inside, row | {"inequality": broken.text, "at": at} | _points(family))
+        text, t, kind = broken
+        row = {"kind": kind, "inside": show(inside), "outside": show(outside), "inequality": text}
+        return row | {"at": t.mid().str(BRANCH_DIGITS, radius=False)} | family.row
 
     def _cover(self, low: Fraction, high: Fraction, progress: Callable[[float], None] | None) -> None:
         """Prove the orbits for all values from low to high, by intervals of adapted widths that share roots."""
-        whole, (kind, value, near) = high - low, self.ends[0]
+        whole, (kind, value, near), at = high - low, self.ends[0], low
         width = FIRST_WIDTH * whole if kind == END_OF_RANGE else (low - value) / 2
-        at = low
         while at < high:
             end = min(high, at + Fraction(f"{float(width):.1e}"))  # few digits, so that the values stay short
             try:
-                family = self._family(at, end, near)
+                family = Family(self, at, end, near)
                 family.wide.prove_course(family.points)
             except Undecided:
                 width = (end - at) / 2
                 if width < LEAST_WIDTH * whole:
                     raise
                 continue
-            if self.families and not self.families[-1].holds(at, family.root(family.at(at), at)):
+            if self.families and not self.families[-1].holds(at, family.root(at)[1]):
                 raise Undecided("whether the orbits of two intervals of the parameter are one")
             self.families.append(family)
             if len(self.families) > MOST_BOXES:
@@ -307,31 +270,3 @@ class BranchProver:
             near = [each.mid() for each in family.near(end)]
             if progress:
                 progress(float((at - low) / whole))
-
-    def _certificate(self, ends: tuple[ProvenEnd, ProvenEnd]) -> Certificate:
-        """Return the certificate of the branch."""
-        first = self.families[0]
-        events = [
-            {"kind": kind, "boundary": boundary, "source": source, "target": target}
-            for kind, boundary, source, target, _, _ in switchings(first.wide, first.points, 0)
-        ]
-        stable = all(family.wide.stability(family.points).stable for family in self.families) or None
-        statement = made_by(BRANCH_BITS) | {
-            "parameters": self.p.as_dict(),
-            "parameter": self.name,
-            "range": [show(end.inside) for end in ends],
-            "word": str(self.word),
-            "periods": self.periods,
-            "stable": stable,
-            "ends": [end.row for end in ends],
-            "events": events,
-            "boxes": [{"value": [show(each.low), show(each.high)]} | _points(each) for each in self.families],
-        }
-        changes = tuple((row["kind"], row["source"], row["target"]) for row in events)
-        return confirmed(Certificate("branch", True, "", changes, stable=stable, statement=statement))
-
-
-def _points(family: Family) -> Record:
-    """Return the enclosures of t and x at all events, as decimals for the file."""
-    events = switchings(family.wide, family.stated, 0)
-    return {name: [list(outward(event[j], BRANCH_DIGITS)) for event in events] for name, j in (("t", 4), ("x", 5))}

@@ -24,12 +24,11 @@ STARTS = ("t0", "x0", "v0")
 
 def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
     """Return the numbers by which derivatives can be enclosed, if no event is a graze and no force 0 at the start."""
-    belts = {f"v{n}" for n in (1, 2) if v0 == p.belt(n)}
-    left_out = belts | ({"v0"} if belts else set())
-    left_out |= (
-        {"k"} if p.k == 0 else {"m", "c", "k", "Omega"} if p.c == 0 and p.k == p.m * p.Omega**2 and p.B0 else set()
-    )
-    left_out |= {"c"} if p.k == p.c == 0 else set()
+    left_out = [name for n in (1, 2) if v0 == p.belt(n) for name in (f"v{n}", "v0")]
+    if p.k == 0:
+        left_out += ["k", "c"] if p.c == 0 else ["k"]
+    elif p.c == 0 and p.k == p.m * p.Omega**2 and p.B0:
+        left_out += ["m", "c", "k", "Omega"]
     return tuple(name for name in (*PARAMETER_NAMES, *STARTS) if name not in left_out)
 
 
@@ -94,10 +93,9 @@ class Certificate(Drawable):
 
 def confirmed(certificate: Certificate) -> Certificate:
     """Give a certificate to the independent checker; return it with the checker's message, or as not proven."""
-    from symosc.certificates.verify_atlas import judge
+    from symosc.certificates.verify_orbits import judge
 
-    about = {name: value for name, value in certificate.as_dict().items() if name != "message"}
-    code, answer = judge(about)
+    code, answer = judge({name: value for name, value in certificate.as_dict().items() if name != "message"})
     if code:
         return replace(certificate, proven=False, message=f"not confirmed by the checker: {answer}")
     return replace(certificate, message=answer.splitlines()[0].removeprefix("proven: "))

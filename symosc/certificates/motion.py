@@ -1,29 +1,21 @@
 """Proven steps from event to event: the next belt, the time, and the continuation (Theorems 4 and 5).
 
-Contacts. Let g = v - v_belt, taken positive where the flight is, and L g = drift/m (`symosc.certificates.flow`). On a
-piece between two turns, shorter than pi/omega_d if the motion is underdamped, take phi > 0 with L phi = 0 from its left
-end u = 0: phi = exp(-h u) C(u), C'' = kappa C, C(0) = 1, C'(0) = 0, and s = S/C with S'' = kappa S, S(0) = 0,
-S'(0) = 1. Then H = g/phi has d2H/ds2 = C^3 exp(h u) L g: a convex function of s if the drift is >= 0, a concave one if
-it is <= 0. So with signs at the ends only:
+No sign is guessed: a ball that contains 0 raises `Undecided`. The lemmas are proven in `symosc derive certificates`.
 
-- g < 0 at the end: exactly one zero in the piece;
-- concave, g > 0 at the end: none (H is above its chord);
-- convex, g(0) = 0 with g > 0 afterwards: none;
-- convex, g > 0 at both ends: none if H rises at the left or falls at the right end, or if its two tangents meet
-  above 0. Else the piece is cut where g may be least: g < 0 there means one zero before it, g > 0 two smaller pieces.
+Contacts. Let g = v - v_belt, taken positive where the flight is, and L g = drift/m (`symosc.certificates.flow`). On a
+piece between two turns, shorter than pi/omega_d if the motion is underdamped, let C'' = kappa C, C(0) = 1, C'(0) = 0
+and S'' = kappa S, S(0) = 0, S'(0) = 1. As a function of s = S/C, H = exp(h u) g/C is convex if the drift is >= 0,
+concave if it is <= 0. So with signs at the ends only: g < 0 at the end: one zero in the piece. Concave, g > 0 at the
+end: none. Convex: none after a start with g = 0, nor with g > 0 at both ends if H rises at the left or falls at the
+right, or if its tangents meet above 0. Else the piece is cut where g may be least.
 
 Sticks. F^(below) and F^(above) change alike, and between two turns monotonically. A falling piece can only end the
-stick downwards, where F^(below) reaches 0; a rising one only upwards, where F^(above) does. So the sign at the end of
-each piece decides it. If the drift has no mean (v = 0 or k = 0), the forces repeat with the drive: a stick that lasts
-for one period lasts for ever.
+stick downwards, where F^(below) reaches 0; a rising one only upwards, where F^(above) does. If the drift has no mean
+(v = 0 or k = 0), the forces repeat with the drive: a stick that lasts for one period lasts for ever.
 
-No sign is guessed: a ball that contains 0 raises `Undecided`.
-
-Exact grazes. In a domain without damping and drive v'' = -w^2 v, w^2 = k/m, so v = v0 cos(w tau) + (a0/w) sin(w tau)
-goes round a circle with R^2 = v0^2 + a0^2/w^2. If v0 and a0 are rational, so is R^2. The velocity grazes a belt if and
-only if R^2 = v_belt^2, which is decided in rational numbers: then it turns there, F = 0 and x = A/k. Balls only say
-when. Rational are v0 and a0 of an exact start, of the end of a stick (v0 = v_belt, a0 = F = 0) and of a graze (the
-same).
+Exact grazes. In a domain without damping and drive (v, v'/w), w^2 = k/m, goes round a circle. The velocity grazes a
+belt if and only if v^2 + v'^2 m/k = v_belt^2, which is decided in rational numbers: v and v' are rational for an exact
+start, at the end of a stick (v = v_belt, v' = F = 0) and at a graze (the same). Balls only say when.
 """
 
 from __future__ import annotations
@@ -35,7 +27,7 @@ from typing import NamedTuple
 from flint import arb, ctx
 
 from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, decided_sign, sure_sign
-from symosc.certificates.flow import Curve, Flight, FlightPoint, Jet, Oscillator, holding_force
+from symosc.certificates.flow import Curve, Flight, Jet, Oscillator, holding_force
 from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
 
 ON_A_BELT = 3  # modes above it are sticks, on belt mode - ON_A_BELT
@@ -204,32 +196,24 @@ def sharper(gap: Curve, found: Ball, slope: Ball) -> Ball:
     return found
 
 
-class Slip(NamedTuple):
-    """The end of a stick: the domain entered, the time since the stick's start, the force's derivative there."""
+def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> tuple[int, Ball, Ball] | None:
+    """Return the domain that a stick from (t, x) enters, how long it lasts, and the force's derivative at its end.
 
-    domain: int
-    tau: Ball
-    slope: Ball
-
-
-def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> Slip | None:
-    """Return the end of a stick from (t, x), or None if it lasts for a time `stop` at least."""
-    # At its start F^(below) >= 0 >= F^(above) is known, and that it goes into the stick where one of them is 0.
+    None if it lasts for a time `stop` at least. It is known that F^(below) >= 0 >= F^(above) at its start, and that it
+    goes into the stick where one of them is 0.
+    """
     begin, turns = stop * 0, o.turns(boundary)
     for lasted, (turn, drift) in enumerate(turns.after(t), 1):
         if drift == 0:
             return None
-        end = stop if turn is None else turn - t
-        last = turn is None or end >= stop
-        if last:
-            end = stop
-        domain = boundary + (drift > 0)
+        last = turn is None or turn - t >= stop
+        end, domain = stop if last else turn - t, boundary + (drift > 0)
         force = holding_force(o, boundary, domain, t, x)
-        there = force(end)
-        if there.g < 0:
+        g = force(end).g
+        if g < 0:
             tau = zero_in(force, begin, end, "the end of a stick", t)
-            return Slip(domain, tau, -drift * force(tau).dg)
-        if not there.g > 0:
+            return domain, tau, -drift * force(tau).dg
+        if not g > 0:
             raise Undecided("a stick that may end where a force turns", t + end)
         if last or (turns.repeats and lasted > 2):
             return None
@@ -242,20 +226,14 @@ def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> 
 # -- from event to event -----------------------------------------------------------------------------------------------
 
 
-class Circle(NamedTuple):
-    """A flight without damping and drive: its exact initial v and a; the point (v, a/omega_0) moves on a circle."""
-
-    v: Fraction
-    a: Fraction
-
-
 class Moving(NamedTuple):
     """A set of states in one mode: (t, x), or (t, x, v) before the first event of a start off the belts."""
 
     mode: int  # a code of `symosc.model.MODE_NAMES`
     boundary: int  # the belt that it is on or leaves just now (into its mode, which is proven), or 0
     states: StateSet
-    circle: Circle | None = None  # known where velocities go round one from an exact state
+    #: Exact initial v and a of a flight without damping and drive: the point (v, a/omega_0) moves on a circle.
+    circle: tuple[Fraction, Fraction] | None = None
 
     def flight(self, o: Oscillator, values: list[Ball]) -> Flight:
         """Return the flight from t, x and v; on a belt v is the belt's and is not given."""
@@ -299,7 +277,7 @@ def begin(o: Oscillator, start: tuple[Fraction, ...], errors: tuple[Fraction, ..
         values.pop()
     circle = None
     if goes_round(p) and not any(errors) and mode <= ON_A_BELT:
-        circle = Circle(v0, (p.A(mode) - p.k * x0) / p.m)
+        circle = v0, (p.A(mode) - p.k * x0) / p.m
     return Moving(mode, boundary, StateSet.of(values), circle)
 
 
@@ -345,7 +323,7 @@ def _first_contact(flight: Flight, belts: list[int], on: int, t_end: Ball) -> tu
 def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
     """Return the event at the first contact of a flight and the states after it."""
     flight, belts = state.flight(o, state.states.hull()), belts_around(state.mode)
-    grazes = {} if state.circle is None else _exact_grazes(o.p, state.circle, belts)
+    grazes = {} if state.circle is None else _exact_grazes(o.p, *state.circle, belts)
     met = _first_contact(flight, [belt for belt in belts if belt not in grazes], state.boundary, t_end)
     if grazes:
         boundary = min(grazes, key=lambda belt: float(grazes[belt]))
@@ -355,7 +333,7 @@ def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Mo
             if decided_sign(until - t, "whether a touch is the next event", t) < 0:
                 return None
             x, name = ball(o.p.A(state.mode) / o.p.k), MODE_NAMES[state.mode]
-            after = Moving(state.mode, boundary, StateSet.of([t, x]), Circle(o.p.belt(boundary), Fraction(0)))
+            after = Moving(state.mode, boundary, StateSet.of([t, x]), (o.p.belt(boundary), Fraction(0)))
             return ProvenEvent("graze", boundary, name, name, t, x), after
     if met is None:
         return None
@@ -367,70 +345,58 @@ def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Mo
         thin = state.flight(o, list(state.states.centre))
         then = sharper(thin.gap(boundary), tau, flight.side(boundary) * there.a)
         value = [thin.t0 + then, thin.x(thin.at(then))]
-        states = state.states.image(value, _contact_jacobian(flight, there, boundary, len(state.states.centre)))
+        columns, count = [], len(state.states.centre)  # the derivatives of (t, x) by those of (t, x, v) at the start
+        for i in range(count):
+            dx, dv = flight.moved(there, [arb(int(i == j)) for j in range(3)])
+            dt = -dv / there.a
+            columns.append((dt, dx + o.speed[boundary] * dt))
+        states = state.states.image(value, [list(row) for row in zip(*columns, strict=True)])
     t, x = states.hull()
-    target = _mode_after(o, state.mode, boundary, there.a, t)
-    kind = "stick" if target > ON_A_BELT else "cross"
+    # What follows (Theorems 4 and 5): it crosses if both forces have the sign of the passage, else it sticks.
+    upward, jump, kind, target = state.mode == boundary, o.jump[boundary], "cross", 2 * boundary + 1 - state.mode
+    if not jump.is_zero():
+        other = there.a - jump if upward else there.a + jump
+        if decided_sign(other, "a force at a contact", t) != (1 if upward else -1):
+            kind, target = "stick", ON_A_BELT + boundary
     event = ProvenEvent(kind, boundary, MODE_NAMES[state.mode], MODE_NAMES[target], t, x)
     return event, Moving(target, boundary, states)
 
 
-def _exact_grazes(p: Parameters, circle: Circle, belts: list[int]) -> dict[int, Ball]:
+def _exact_grazes(p: Parameters, v0: Fraction, a0: Fraction, belts: list[int]) -> dict[int, Ball]:
     """Return the belts that a flight on a circle touches at its extreme speed, a graze, with the first time of each."""
-    square, found = circle.v**2 + circle.a**2 * p.m / p.k, {}
+    square, found = v0**2 + a0**2 * p.m / p.k, {}
     for boundary in belts:
         speed = p.belt(boundary)
         if speed == 0 or speed**2 != square:
             continue
         w = (ball(p.k) / ball(p.m)).sqrt()
-        if circle.a == 0:
-            turn = 2 * arb.pi() if circle.v == speed else arb.pi()
+        if a0 == 0:
+            turn = 2 * arb.pi() if v0 == speed else arb.pi()
         else:  # the angle from the start's direction (v0, a0/w) to that of the belt, the way the motion goes
             side = 1 if speed > 0 else -1
-            turn = arb.atan2(side * ball(circle.a) / w, side * ball(circle.v))
-            turn = turn if circle.a * side > 0 else turn + 2 * arb.pi()
+            turn = arb.atan2(side * ball(a0) / w, side * ball(v0))
+            turn = turn if a0 * side > 0 else turn + 2 * arb.pi()
         found[boundary] = turn / w
     return found
 
 
-def _mode_after(o: Oscillator, mode: int, boundary: int, force: Ball, t: Ball) -> int:
-    """Return the mode after a flight has met a belt with the acceleration `force` (Theorems 4 and 5)."""
-    upward = mode == boundary
-    beyond = boundary + 1 if upward else boundary
-    if o.jump[boundary].is_zero():
-        return beyond
-    other = force - o.jump[boundary] if upward else force + o.jump[boundary]
-    passes = decided_sign(other, "a force at a contact", t) == (1 if upward else -1)
-    return beyond if passes else ON_A_BELT + boundary
-
-
-def _contact_jacobian(flight: Flight, there: FlightPoint, boundary: int, count: int) -> list[list[Ball]]:
-    """Return the derivatives of (t, x) at a contact by the first `count` of (t, x, v) at the start."""
-    columns = []
-    for i in range(count):
-        dx, dv = flight.moved(there, [arb(int(i == j)) for j in range(3)])
-        dt = -dv / there.a
-        columns.append((dt, dx + flight.oscillator.speed[boundary] * dt))
-    return [list(row) for row in zip(*columns, strict=True)]
-
-
 def _slip(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
     """Return the event at the end of a stick and the states after it."""
-    boundary, speed = state.boundary, o.speed[state.boundary]
-    t, x = state.states.hull()
+    boundary, speed, (t, x) = state.boundary, o.speed[state.boundary], state.states.hull()
     slip = end_of_stick(o, boundary, t, x, t_end - t)
     if slip is None:
         return None
+    domain, tau, slope = slip
     if state.states.thin:
-        states = StateSet.of([t + slip.tau, x + speed * slip.tau])
+        states = StateSet.of([t + tau, x + speed * tau])
     else:
         t_c, x_c = state.states.centre
-        then = sharper(holding_force(o, boundary, slip.domain, t_c, x_c), slip.tau, -abs(slip.slope))
+        then = sharper(holding_force(o, boundary, domain, t_c, x_c), tau, -abs(slope))
         # The force depends on the line x - v t = u of the stick and on time: dt = (k/m) du / (dF/dt).
-        by_x = o.km / slip.slope
+        by_x = o.km / slope
         jacobian = [[-speed * by_x, by_x], [-speed * (1 + speed * by_x), 1 + speed * by_x]]
         states = state.states.image([t_c + then, x_c + speed * then], jacobian)
     t, x = states.hull()
-    event = ProvenEvent("slip", boundary, MODE_NAMES[state.mode], MODE_NAMES[slip.domain], t, x)
-    circle = Circle(o.p.belt(boundary), Fraction(0)) if goes_round(o.p) else None
-    return event, Moving(slip.domain, boundary, states, circle)
+    event = ProvenEvent("slip", boundary, MODE_NAMES[state.mode], MODE_NAMES[domain], t, x)
+    circle = (o.p.belt(boundary), Fraction(0)) if goes_round(o.p) else None
+    return event, Moving(domain, boundary, states, circle)

@@ -1,31 +1,16 @@
 """A periodic orbit, proven: it exists, is alone in a box, has its word, and its multipliers are enclosed.
 
-The unknowns are all switching points t_0, x_0, t_1, x_1, ..., and the equations those of `symosc.orbits`: each flight
-ends on its belt, at the next point; each stick ends where the force on its side vanishes; the last piece ends where the
-first begins, `periods` periods of the drive later.
-
-Let f be these 2n functions, c the middle of a box X, J an enclosure of the Jacobian over X, Y any matrix. If
-
-    K(X) = c - Y f(c) + (1 - Y J) (X - c)
-
-lies inside X, then f has exactly one root in X, and it lies in K(X) (Krawczyk 1969). With constants that are balls this
-holds for every value in them.
+The unknowns are all switching points t_0, x_0, t_1, x_1, ..., and the equations f those of `symosc.orbits`. Let c be
+the middle of a box X, J an enclosure of the Jacobian over X, Y any matrix. If K(X) = c - Y f(c) + (1 - Y J) (X - c)
+lies inside X, then f has exactly one root in X, and it lies in K(X) (Krawczyk 1969). Constants may be balls.
 
 A root says that a piece ends on its belt, not that it comes there first. So for each belt around a flight the gap g has
-to be positive between its start and its end, and for each stick both forces that hold it. This is proven from the left
-to the right, in steps of adapted lengths. On a step from time a to time b, with balls for all times between them, one
-of these is enough, g > 0 being known at a, or g = 0 at a start on the belt:
+to be positive between its start and its end, and for each stick both forces that hold it. On a step one of these is
+enough, g > 0 being known where it begins, or g = 0 at a start on the belt: g > 0; g' > 0; g'' > 0 if it begins with a
+flight that leaves a stick; g' < 0 if it ends with the flight, where g = 0. The steps may begin and end anywhere.
 
-- g > 0 on the whole step;
-- g' > 0 on the whole step;
-- the step begins with the flight, g = g' = 0 there (it leaves a stick), and g'' > 0 on the whole step;
-- the step ends with the flight, g = 0 there, and g' < 0 on the whole step.
-
-No turning points of the forces enter: the steps may begin and end anywhere.
-
-The monodromy matrix is the product of the pieces (`symosc.orbits.floquet`). The multipliers are the roots of
-z^2 - T z + D, with its trace T and determinant D. Both lie inside the unit circle if and only if |D| < 1 and
-|T| < 1 + D (Schur and Cohn).
+Trace T and determinant D of the monodromy matrix give the multipliers. Both lie inside the unit circle if and only if
+|D| < 1 and |T| < 1 + D (Schur and Cohn). The proofs are in `symosc derive certificates`.
 """
 
 from __future__ import annotations
@@ -33,12 +18,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from math import floor, log10
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, ctx
 
 from symosc.aliases import Number, Record
-from symosc.certificates.balls import Ball, Undecided, exact_ends, made_by, outward, sure_sign
+from symosc.certificates.balls import Ball, Undecided, exact_ends, made_by, outward
 from symosc.certificates.certificate import Certificate, confirmed, events_of
 from symosc.certificates.flow import Curve, Flight, Oscillator, holding_force
 from symosc.model import MODE_NAMES, Parameters
@@ -73,20 +58,29 @@ def column(values: Sequence[Ball]) -> arb_mat:
     return arb_mat([[value] for value in values])
 
 
-class Root(NamedTuple):
-    """A proven root: the box in which it is unique, and a narrow enclosure; t_0, x_0, t_1, x_1, ..."""
-
-    box: Values
-    points: Values
+def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Values | None:
+    """Return the Krawczyk image K(box) if it lies inside the box, which proves one root there; else None."""
+    try:
+        Y = J.mid().inv().mid()
+    except ZeroDivisionError:
+        return None
+    rest = column([value - c for value, c in zip(box, middle, strict=True)])
+    moved = (unit_matrix(len(box)) - Y * J) * rest - Y * column(residuals)
+    image = [c + each for c, each in zip(middle, moved.entries(), strict=True)]
+    return image if all(value.contains_interior(each) for value, each in zip(box, image, strict=True)) else None
 
 
 class Margin(NamedTuple):
-    """A function that must stay positive: its text, the function, and where it is known to be 0."""
+    """A number, or a function of time during a piece, that must be positive; and the end of a branch where it is not.
+
+    The function is known to be 0 where the piece ends if `at_end`, and so are `at_start` of g, g' where it starts.
+    """
 
     what: str
-    curve: Curve
-    at_start: int  # how many of g, g' are 0 at the start
-    at_end: bool  # whether g is 0 at the end
+    curve: Curve | Ball
+    at_start: int = 0
+    at_end: bool = False
+    kind: str = ""
 
 
 class ClosingBalls:
@@ -168,89 +162,72 @@ class ClosingBalls:
                 return values
         raise Undecided("a root of the closing equations, which are singular or nearly so")
 
-    def krawczyk(self, box: Values, about: Values | None = None) -> Values | None:
-        """Return the Krawczyk image K(box) if it lies inside the box, which proves one root there; else None."""
-        middle = about or [each.mid() for each in box]
-        J = self.jacobian(box)
-        try:
-            Y = J.mid().inv().mid()
-        except ZeroDivisionError:
-            return None
-        rest = column([value - c for value, c in zip(box, middle, strict=True)])
-        moved = (unit_matrix(len(box)) - Y * J) * rest - Y * column(self.residuals(middle))
-        image = [c + each for c, each in zip(middle, moved.entries(), strict=True)]
-        inside = all(value.contains_interior(each) for value, each in zip(box, image, strict=True))
-        return image if inside else None
+    def krawczyk(self, box: Values, middle: Values) -> Values | None:
+        """Return the Krawczyk image of a box if it proves one root there, else None."""
+        return krawczyk(box, middle, self.residuals(middle), self.jacobian(box))
 
-    def roots(self, middle: Values) -> Iterator[Root]:
-        """Yield proven roots near exact numbers, that with the widest box of uniqueness first."""
+    def roots(self, middle: Values) -> Iterator[tuple[Values, Values]]:
+        """Yield boxes near exact numbers with exactly one root, the widest first, and narrow enclosures of it."""
         sizes = self.turn.mid(), max((abs(value) for value in middle[1::2]), key=float) + 1
         for part in BOXES:
             box = [value + arb(0, (part * sizes[j % 2]).mid()) for j, value in enumerate(middle)]
             image = self.krawczyk(box, middle)
             if image is not None:
-                yield Root(box, self._narrowed(image))
+                yield box, self._narrowed(image)
 
     def _narrowed(self, box: Values) -> Values:
         """Return a narrower enclosure of the root in a box with exactly one root."""
         for _ in range(4):
-            image = self.krawczyk(box)
+            image = self.krawczyk(box, [each.mid() for each in box])
             if image is None:
-                break
-            done = all(float(a.rad()) > 0.25 * float(b.rad()) for a, b in zip(image, box, strict=True))
-            box = image
-            if done:
-                break
+                return box
+            before, box = box, image
+            if all(float(a.rad()) > 0.25 * float(b.rad()) for a, b in zip(box, before, strict=True)):
+                return box
         return box
 
     # -- the course of the word ----------------------------------------------------------------------------------------
 
     def margins(self, i: int, values: Values) -> list[Margin]:
-        """Return the margins of piece i: distances to belts of a flight, forces that hold a stick."""
-        o, piece = self.oscillator, self.pieces[i]
+        """Return the margins of piece i: its duration, the forces that Theorems 4 and 5 need at its start, its course.
+
+        Where a stick ends one force is 0, and that the other one holds is part of the stick.
+        """
+        o, piece, before, (t, x) = self.oscillator, self.pieces[i], self.pieces[i - 1], values[2 * i : 2 * i + 2]
+        kind = "stick" if piece.sticks else "slip" if piece.after_stick else "flight"
+        found = [Margin(f"{piece.label} lasts", self.ends(values)[2 * i] - t, kind=f"vanishing of a {kind}")]
+        if not before.sticks:
+            signs = (1, -1) if piece.sticks else (1, 1) if before.mode == piece.start else (-1, -1)
+            smooth = o.jump[piece.start].is_zero()
+            for domain, sign in zip((piece.start, piece.start + 1), signs, strict=True):
+                force = o.force(piece.start if smooth else domain, t, x, o.speed[piece.start])
+                far = domain != before.mode and not smooth
+                kind = "grazing" if not far else "birth of a slip" if piece.sticks else "birth of a stick"
+                what = f"F^({domain}) {'>' if sign > 0 else '<'} 0 where {before.label} ends"
+                found.append(Margin(what, sign * force, kind=kind))
         if piece.sticks:
-            found = []
             for domain in (piece.start, piece.start + 1):
-                curve = holding_force(o, piece.start, domain, values[2 * i], values[2 * i + 1])
+                curve = holding_force(o, piece.start, domain, t, x)
                 what = f"F^({domain}) {'>' if domain == piece.start else '<'} 0 during {piece.label}"
-                found.append(Margin(what, curve, 0, domain == self.slips_into(i)))
+                found.append(Margin(what, curve, 0, domain == self.slips_into(i), "birth of a slip"))
             return found
-        flight, found = self.flight(i, values), []
+        flight = self.flight(i, values)
         for boundary in (piece.mode - 1, piece.mode):
             if boundary in (1, 2):
-                roots = 0 if boundary != piece.start else 2 if piece.after_stick else 1
+                zeros = 0 if boundary != piece.start else 2 if piece.after_stick else 1
                 what = f"v {'>' if piece.mode > boundary else '<'} v{boundary} during {piece.label}"
-                found.append(Margin(what, flight.gap(boundary), roots, boundary == piece.end))
+                found.append(Margin(what, flight.gap(boundary), zeros, boundary == piece.end))
         return found
-
-    def forces_at(self, i: int, values: Values) -> list[tuple[int, str, Ball, int]]:
-        """Return the forces that Theorems 4 and 5 need at the start of piece i: domain, text, value and wanted sign."""
-        # None where a stick ends: one force is 0 there, and that the other one holds is part of the stick.
-        o, piece, before = self.oscillator, self.pieces[i], self.pieces[i - 1]
-        if before.sticks:
-            return []
-        boundary, (t, x) = piece.start, values[2 * i : 2 * i + 2]
-        low, high = (o.force(domain, t, x, o.speed[boundary]) for domain in (boundary, boundary + 1))
-        if o.jump[boundary].is_zero():
-            high = low
-        signs = (1, -1) if piece.sticks else (1, 1) if before.mode == boundary else (-1, -1)
-        return [
-            (domain, f"F^({domain}) {'>' if sign > 0 else '<'} 0 where {before.label} ends", force, sign)
-            for domain, force, sign in zip((boundary, boundary + 1), (low, high), signs, strict=True)
-        ]
 
     def prove_course(self, values: Values) -> None:
         """Prove by durations, forces and margins that the root in `values` follows its word, or raise Undecided."""
-        ends = self.ends(values)
-        for i, piece in enumerate(self.pieces):
-            span = ends[2 * i] - values[2 * i]
-            if not span > 0:
-                raise Undecided(f"the duration of {piece.label}", values[2 * i])
-            for _, what, force, sign in self.forces_at(i, values):
-                if sure_sign(force) != sign:
-                    raise Undecided(what, values[2 * i])
-            for margin in self.margins(i, values):
-                prove_positive(margin, span)
+        for i in range(len(self.pieces)):
+            span, *others = self.margins(i, values)
+            for margin in (span, *others):
+                if callable(margin.curve):
+                    prove_positive(margin, span.curve)
+                elif not margin.curve > 0:
+                    raise Undecided(margin.what, values[2 * i])
 
     # -- multipliers ---------------------------------------------------------------------------------------------------
 
@@ -336,19 +313,17 @@ class Stability(NamedTuple):
             return (self.trace, zero), (zero, zero)
         if abs(square) < NEARLY_DOUBLE:  # real or complex: a checker may not be able to tell
             square = (-NEARLY_DOUBLE).union(NEARLY_DOUBLE)
+        if not abs(square) > 0:
+            reach = abs(square).upper().sqrt()
+            around = (-reach).union(reach)
+            return ((half + around, around),) * 2
+        root = abs(square).sqrt()
         if square < 0:
-            turn = (-square).sqrt()
-            return (half, turn), (half, -turn)
-        if square > 0 and not half.contains(0):
-            root = square.sqrt()
-            large = half + root if half > 0 else half - root
-            return (large, zero), (self.determinant / large, zero)
-        if square > 0:
-            root = square.sqrt()
+            return (half, root), (half, -root)
+        if half.contains(0):
             return (half + root, zero), (half - root, zero)
-        reach = abs(square).upper().sqrt()
-        around = (-reach).union(reach)
-        return (half + around, around), (half + around, around)
+        large = half + root if half > 0 else half - root
+        return (large, zero), (self.determinant / large, zero)
 
 
 # -- the proof ---------------------------------------------------------------------------------------------------------
@@ -364,9 +339,10 @@ def certify_orbit(
         with ctx.workprec(bits):
             try:
                 closing = ClosingBalls(Oscillator(p), pieces_of(word), periods)
-                root, stability = _prove_with_word(closing, near)
+                box, root = _prove_with_word(closing, near)
+                stability = closing.stability(root)
                 if stability.stable is not None or bits >= MOST_ORBIT_BITS:
-                    return _certificate(p, word, closing, root, stability, bits)
+                    return _certificate(p, word, closing, box, root, stability, bits)
             except Undecided as undecided:
                 if bits >= MOST_ORBIT_BITS:
                     message = f"the orbit {word}, with {bits} bits: not decided: {undecided.what}{undecided.place()}"
@@ -376,26 +352,22 @@ def certify_orbit(
 
 def _exact(number: Number) -> Ball:
     """Convert a number, of mpmath too, to a ball of radius 0 without rounding."""
-    man_exp = getattr(number, "man_exp", None)  # an mpmath number has more digits than a float
-    if man_exp is None:
-        return arb(number)
-    mantissa, exponent = (int(each) for each in man_exp)
-    return arb((mantissa, exponent))
+    man_exp: Any = getattr(number, "man_exp", None)  # an mpmath number has more digits than a float
+    return arb(number) if man_exp is None else arb((int(man_exp[0]), int(man_exp[1])))
 
 
-def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Root, Stability]:
-    """Prove a root near the given points and that it follows its word; return it with its multipliers' enclosures."""
-    middle = closing.polished(near)
+def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Values, Values]:
+    """Prove a root near the given points and that it follows its word; return the box in which it is alone, and it."""
     reason = Undecided("the closing equations: no box in which their root is the only one")
-    for root in closing.roots(middle):
+    for box, root in closing.roots(closing.polished(near)):
         try:
-            closing.prove_course(root.box)
+            closing.prove_course(box)
         except Undecided as undecided:
             reason = undecided
             continue
-        if any(float(value.rad()) > ACCURATE * max(1.0, abs(float(value))) for value in root.points):
+        if any(float(value.rad()) > ACCURATE * max(1.0, abs(float(value))) for value in root):
             raise Undecided("the digits of the switching points")
-        return root, closing.stability(root.points)
+        return box, root
     raise reason
 
 
@@ -417,24 +389,11 @@ def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[
     """Return the orbit's events from number `begin` up to its repetition: kind, boundary, source, target, t and x."""
     pieces, n, rows = closing.pieces, len(closing.pieces), []
     for j in range(begin, begin + n + 1):
-        i = j % n
-        source, target = pieces[i - 1].mode, pieces[i].mode
-        kind = "slip" if pieces[i - 1].sticks else "stick" if pieces[i].sticks else "cross"
-        t = values[2 * i] + closing.turn if j >= n else values[2 * i]
-        rows.append((kind, pieces[i].start, MODE_NAMES[source], MODE_NAMES[target], t, values[2 * i + 1]))
+        (before, piece), (t, x) = (pieces[j % n - 1], pieces[j % n]), values[2 * (j % n) : 2 * (j % n) + 2]
+        kind = "slip" if before.sticks else "stick" if piece.sticks else "cross"
+        t = t + closing.turn if j >= n else t
+        rows.append((kind, piece.start, MODE_NAMES[before.mode], MODE_NAMES[piece.mode], t, x))
     return rows
-
-
-def _reaches(closing: ClosingBalls, root: Root, begin: int) -> list[Ball]:
-    """Estimate how far apart in time motions from the first box meet each event; a hint for the checker, no proof."""
-    # Many times the first-order value: the checker uses balls that are wider than the set.
-    n, values = len(closing.pieces), [value.mid() for value in root.points]
-    wide_t, wide_x = (STATED * value.rad().mid() for value in root.box[2 * begin : 2 * begin + 2])
-    moved, found = arb_mat([[wide_t, 0], [0, wide_x]]), [2 * wide_t]
-    for i in range(begin, begin + n):
-        moved = (closing.end_by_start(i % n, values) * moved).mid()
-        found.append(SPARE * (abs(moved[0, 0]) + abs(moved[0, 1])))
-    return found
 
 
 def one_digit(radius: Ball) -> str:
@@ -445,18 +404,24 @@ def one_digit(radius: Ball) -> str:
 
 
 def _certificate(
-    p: Parameters, word: Word, closing: ClosingBalls, root: Root, stability: Stability, bits: int
+    p: Parameters, word: Word, closing: ClosingBalls, box: Values, root: Values, stability: Stability, bits: int
 ) -> Certificate:
     """Return the certificate of the orbit."""
-    pieces, points = closing.pieces, root.points
+    pieces, n = closing.pieces, len(closing.pieces)
     # It begins at the end of a flight: there the forces say how the motion goes on.
-    begin = next(i for i in range(len(pieces)) if not pieces[i - 1].sticks)
+    begin = next(i for i in range(n) if not pieces[i - 1].sticks)
+    # How far apart in time motions from the box meet each event is a hint for the checker, and no proof: many times
+    # the first-order value, as the checker uses balls that are wider than the set.
+    wide, middle = [STATED * value.rad() for value in box[2 * begin : 2 * begin + 2]], [each.mid() for each in root]
+    moved = arb_mat([[wide[0].mid(), 0], [0, wide[1].mid()]])
+    reaches = [2 * moved[0, 0]]
+    for i in range(begin, begin + n):
+        moved = (closing.end_by_start(i % n, middle) * moved).mid()
+        reaches.append(SPARE * (abs(moved[0, 0]) + abs(moved[0, 1])))
     rows: list[Record] = [
         {"kind": kind, "boundary": boundary, "source": source, "target": target}
         | {"t": list(outward(t, POINT_DIGITS)), "x": list(outward(x, POINT_DIGITS)), "reach": one_digit(reach)}
-        for (kind, boundary, source, target, t, x), reach in zip(
-            switchings(closing, points, begin), _reaches(closing, root, begin), strict=True
-        )
+        for (kind, boundary, source, target, t, x), reach in zip(switchings(closing, root, begin), reaches, strict=True)
     ]
 
     def decimals(value: Ball) -> tuple[str, str]:
@@ -468,10 +433,10 @@ def _certificate(
         "word": str(word),
         "periods": closing.periods,
         "events": rows,
-        "alone_within": [one_digit(STATED * value.rad()) for value in root.box[2 * begin : 2 * begin + 2]],
+        "alone_within": [one_digit(each) for each in wide],
         "multipliers": [{"re": list(re), "im": list(im)} for re, im in pairs],
         "stable": stability.stable,
     }
-    enclosures = [outward(value, POINT_DIGITS) for value in points]
+    enclosures = [outward(value, POINT_DIGITS) for value in root]
     both = tuple(zip(enclosures[::2], enclosures[1::2], strict=True))
     return confirmed(Certificate("orbit", True, "", events_of(rows), both, pairs, stability.stable, statement))

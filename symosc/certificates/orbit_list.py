@@ -9,22 +9,18 @@ from __future__ import annotations
 import csv
 import json
 import math
-from collections import Counter
 from collections.abc import Callable, Sequence
-from functools import cache
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache, partial
 from importlib.resources import files
 from multiprocessing import get_context
 from typing import NamedTuple
-
-from pebble import ProcessPool
 
 from symosc.certificates.certificate import Certificate
 from symosc.certificates.orbit import certify_orbit
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.simulation.simulate import simulate
-from symosc.words import MAPS, read_word
-
-ORBITS_PER_TASK = 25
+from symosc.words import MAPS, cycle, read_word
 
 
 class ListedOrbit(NamedTuple):
@@ -38,17 +34,15 @@ class ListedOrbit(NamedTuple):
     @property
     def regime(self) -> str:
         """The damping regime."""
-        p = self.p
-        square = p.c * p.c - 4 * p.k * p.m
-        if p.c == 0:
+        square = self.p.c * self.p.c - 4 * self.p.k * self.p.m
+        if self.p.c == 0:
             return "undamped"
         return "underdamped" if square < 0 else "overdamped" if square > 0 else "critically damped"
 
     @property
     def cycle(self) -> str:
         """The word, started so that rotated words are equal."""
-        digits = self.word[1:]
-        return "P" + min(digits[i:] + digits[:i] for i in range(len(digits)))
+        return cycle(self.word)
 
     def points(self) -> list[tuple[float, float]]:
         """Return approximate switching points (t, x), simulated from the first one."""
@@ -63,20 +57,10 @@ class ListedOrbit(NamedTuple):
         return certify_orbit(self.p, read_word(self.word).labels, 1, self.points())
 
 
-class Proven(NamedTuple):
-    """The result for a list: the number of proven orbits by damping and word, and the undecided ones."""
-
-    orbits: int
-    regimes: dict[str, int]
-    words: int
-    undecided: tuple[str, ...]
-
-
 @cache
 def listed_orbits() -> tuple[ListedOrbit, ...]:
     """Return the list that ships with the package."""
-    text = (files("symosc.certificates") / "orbits.csv").read_text(encoding="utf-8")
-    found = []
+    text, found = (files("symosc.certificates") / "orbits.csv").read_text(encoding="utf-8"), []
     for row in csv.reader(text.splitlines()):
         if row and not row[0].startswith("#"):
             *numbers, word, t, x = row
@@ -86,49 +70,32 @@ def listed_orbits() -> tuple[ListedOrbit, ...]:
 
 
 def prove_list(
-    orbits: Sequence[ListedOrbit] | None = None, workers: int = 2, progress: Callable[[int, int], None] | None = None
-) -> Proven:
-    """Prove all orbits of a list (default: the shipped one); `progress`: how many are done, and how many there are."""
-    orbits = listed_orbits() if orbits is None else orbits
-    answers = _in_processes(_prove_part, orbits, workers, progress)
-    proven = [orbit for orbit, answer in zip(orbits, answers, strict=True) if not answer]
-    regimes = dict(Counter(orbit.regime for orbit in proven))
-    return Proven(len(proven), regimes, len({orbit.cycle for orbit in proven}), tuple(filter(None, answers)))
-
-
-def verify_list(
-    orbits: Sequence[ListedOrbit] | None = None, workers: int = 2, progress: Callable[[int, int], None] | None = None
+    orbits: Sequence[ListedOrbit] | None = None,
+    workers: int = 2,
+    progress: Callable[[int, int], None] | None = None,
+    *,
+    again: bool = False,
 ) -> list[str]:
-    """Prove all orbits of a list and what their files say; return for each "", or the reason of failure."""
-    return _in_processes(_verify_part, listed_orbits() if orbits is None else orbits, workers, progress)
+    """Prove all orbits of a list (default: the shipped one); return for each "", or the reason of failure.
 
-
-def _prove_part(orbits: Sequence[ListedOrbit]) -> list[str]:
-    """Prove some orbits; return for each "" if it is proven, else the reason."""
-    found = [orbit.prove() for orbit in orbits]
-    return ["" if each.proven else each.message for each in found]
-
-
-def _verify_part(orbits: Sequence[ListedOrbit]) -> list[str]:
-    """Prove some orbits, and give the checker what their files say; return for each "" or the reason of failure."""
-    from symosc.certificates.verify_atlas import judge
-
-    answers = [(orbit, *judge(json.loads(json.dumps(orbit.prove().as_dict())))) for orbit in orbits]
-    return [f"{orbit.word} at {orbit.p}: {line}" if code else "" for orbit, code, line in answers]
-
-
-def _in_processes(
-    work: Callable[[Sequence[ListedOrbit]], list[str]],
-    orbits: Sequence[ListedOrbit],
-    workers: int,
-    progress: Callable[[int, int], None] | None,
-) -> list[str]:
-    """Return the result of `work` for each orbit; in processes, as the precision of balls is global to each."""
-    parts = [orbits[i : i + ORBITS_PER_TASK] for i in range(0, len(orbits), ORBITS_PER_TASK)]
-    answers: list[str] = []
-    with ProcessPool(max_workers=workers, context=get_context("spawn")) as pool:
-        for answer in pool.map(work, parts).result():
-            answers += answer
+    With `again` the checker is given what their files say. `progress`: how many are done, and how many there are. It is
+    done in processes, as the precision of balls is global to each.
+    """
+    orbits, answers = listed_orbits() if orbits is None else orbits, list[str]()
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        for answer in pool.map(partial(_reason, again), orbits, chunksize=25):
+            answers.append(answer)
             if progress:
                 progress(len(answers), len(orbits))
     return answers
+
+
+def _reason(again: bool, orbit: ListedOrbit) -> str:
+    """Prove an orbit; return "" or the reason of failure."""
+    proof = orbit.prove()
+    if not again:
+        return "" if proof.proven else proof.message
+    from symosc.certificates.verify_orbits import judge
+
+    code, line = judge(json.loads(json.dumps(proof.as_dict())))
+    return f"{orbit.word} at {orbit.p}: {line}" if code else ""

@@ -1,34 +1,43 @@
 """Proof of a motion up to its end, event by event, with as many bits as needed; a graze of one start in its error.
 
-A graze is a double zero of the gap, and no balls can tell it from a near miss. So one number of the start is left free,
-s, and with it the zero is a simple one of the bordered system
+A graze is a double zero of the gap, and no balls can tell it from a near miss. So one number s of the start is left
+free: (t, s) is a simple zero of gap = d gap/dt = 0, and Krawczyk's operator proves that exactly one s between two
+fractions grazes. The checker proves the same by continuity and by the sign of d gap/ds (`symosc derive certificates`).
 
-    gap(t, s) = 0,    d gap/dt (t, s) = 0,
-
-whose Jacobian [[gap_t, gap_s], [gap_tt, gap_ts]] is regular where gap_s and gap_tt are not 0. Krawczyk's operator
-(`symosc.certificates.orbit`) maps a box of times and of s between two fractions into its interior: for exactly one s
-between them the flight grazes. For all s between them the derivative of the acceleration has one sign around the graze,
-so it is the only contact there. The checker proves the same by continuity and by the sign of gap_s.
+Derivatives of the events by a number are coefficients of power series of two terms in its change: at the time of the
+next event, which is known, v (on a belt: the force that vanishes) has a derivative, and the implicit function theorem
+gives that of the event. It holds because each event is proven to be transversal: the slope there is not 0, nor is the
+force after it. So nearby motions have the same events.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import islice
 from math import ceil, log2, log10
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
-from flint import arb, arb_mat, ctx
+from flint import arb, arb_mat, arb_series, ctx
 
 from symosc.aliases import Record
 from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends, made_by, outward, size
-from symosc.certificates.certificate import Certificate, changes_of, confirmed, events_of
-from symosc.certificates.derivatives import NUMBERS, Change, event_changes
-from symosc.certificates.flow import Flight, Jet, Oscillator
-from symosc.certificates.motion import Moving, ProvenEvent, begin, belts_around, fenced, first_zero, next_event
+from symosc.certificates.certificate import STARTS, Certificate, changes_of, confirmed, events_of, provable
+from symosc.certificates.flow import Flight, Jet, Oscillator, first_coefficient
+from symosc.certificates.motion import (
+    ON_A_BELT,
+    Moving,
+    ProvenEvent,
+    begin,
+    belts_around,
+    fenced,
+    first_zero,
+    next_event,
+)
+from symosc.certificates.orbit import krawczyk
 from symosc.exact import show
-from symosc.model import MODE_NAMES, Parameters
+from symosc.model import MODE_NAMES, PARAMETER_NAMES, Parameters
 
 FIRST_BITS, MOST_BITS = 128, 8192
 #: More bits do not help a start that is known to an error; they are raised this often only.
@@ -41,6 +50,9 @@ WIDE = "the digits of a derivative"
 #: Numbers of the start that may be left free, in this order: the first one that is known to an error.
 FREE = (("x0", 1), ("v0", 2), ("t0", 0))
 MOST_SECANTS, MOST_NARROWINGS = 12, 60
+MODE_NUMBERS = {name: mode for mode, name in MODE_NAMES.items()}
+#: dt and dx of an event.
+Change: TypeAlias = tuple[Ball, Ball]
 
 
 class ToProve(NamedTuple):
@@ -57,6 +69,10 @@ class ToProve(NamedTuple):
     def exact(self) -> bool:
         """Whether the start is known exactly."""
         return not any(self.errors)
+
+    def precise(self, *values: Ball) -> bool:
+        """Return whether balls are known to the digits asked for."""
+        return all(size(each.rad()) < 10.0 ** (-self.digits - 1) * max(1.0, size(each)) for each in values)
 
 
 class Proof(NamedTuple):
@@ -96,8 +112,7 @@ def _first_bits(task: ToProve) -> int:
     small = [each for each in (*task.errors, abs(v0 - p.v1), abs(v0 - p.v2)) if each]
     turns = abs(p.Omega * t0) + p.Omega * (task.t_end - t0)
     spare = max(0, *(-_log2(each) for each in small)) + max(0, _log2(turns))
-    spare += ceil((task.digits - DIGITS) / log10(2))
-    return FIRST_BITS + 32 * ceil(spare / 32)
+    return FIRST_BITS + 32 * ceil((spare + ceil((task.digits - DIGITS) / log10(2))) / 32)
 
 
 def _log2(number: Fraction) -> int:
@@ -118,21 +133,6 @@ def _follow(task: ToProve) -> Proof:
     return Proof(mode, events)
 
 
-def _differentiated(task: ToProve, proof: Proof) -> Proof:
-    """Return a proof with the derivatives asked for, or with the reason why one of them is undecided."""
-    changes, mode = [], NUMBERS[proof.mode]
-    try:
-        for name in task.wrt:
-            changes.append(event_changes(task.p, task.start, mode, proof.events, name))
-        wanted = 10.0 ** (-task.digits - 1)
-        for value in (value for column in changes for change in column for value in change):
-            if not size(value.rad()) < wanted * max(1.0, size(value)):
-                raise Undecided(WIDE)
-    except Undecided as undecided:
-        return proof._replace(undecided=undecided)
-    return proof._replace(changes=changes)
-
-
 def _events(o: Oscillator, state: Moving, task: ToProve) -> Iterator[tuple[ProvenEvent, Moving]]:
     """Yield the proven events until t_end, and the states after each."""
     t_end = ball(task.t_end)
@@ -143,11 +143,76 @@ def _events(o: Oscillator, state: Moving, task: ToProve) -> Iterator[tuple[Prove
         event, state = following
         if not event.t < t_end:
             raise Undecided("an event at the end", event.t)
-        wanted = 10.0 ** (-task.digits - 1)
-        if task.exact and not all(size(it.rad()) < wanted * max(1.0, size(it)) for it in (event.t, event.x)):
+        if task.exact and not task.precise(event.t, event.x):
             raise Undecided("the digits of an event", event.t)
         yield following
     raise Undecided(f"what comes after {MOST_PROVEN_EVENTS} events", event.t)
+
+
+# -- derivatives -------------------------------------------------------------------------------------------------------
+
+
+def _differentiated(task: ToProve, proof: Proof) -> Proof:
+    """Return a proof with the derivatives asked for, or with the reason why one of them is undecided."""
+    changes = []
+    try:
+        for name in task.wrt:
+            changes.append(event_changes(task.p, task.start, MODE_NUMBERS[proof.mode], proof.events, name))
+        if not task.precise(*(value for column in changes for change in column for value in change)):
+            raise Undecided(WIDE)
+    except Undecided as undecided:
+        return proof._replace(undecided=undecided)
+    return proof._replace(changes=changes)
+
+
+def event_changes(
+    p: Parameters, start: Sequence[Fraction], mode: int, events: Sequence[ProvenEvent], name: str
+) -> list[Change]:
+    """Enclose the derivatives of t and x at all events by one parameter or start value, or raise Undecided."""
+    if name not in provable(p, start[2]):
+        on_belt = start[2] in (p.v1, p.v2) and name[0] == "v"
+        where = "of a start on a belt" if on_belt else "at resonance or where it is 0"
+        raise Undecided(f"a derivative by {name} {where}")
+    found: list[Change] = []
+    with suppress(ZeroDivisionError, ValueError):  # series cannot be divided by what may be 0
+        for event, change in zip(events, _changes(p, start, mode, events, name), strict=True):
+            if not all(each.is_finite() for each in change):
+                raise Undecided(f"a derivative by {name} of an event", event.t)
+            found.append(change)
+        return found
+    raise Undecided(f"a derivative by {name} at critical damping")
+
+
+def _changes(
+    p: Parameters, start: Sequence[Fraction], mode: int, events: Sequence[ProvenEvent], name: str
+) -> list[Change]:
+    """Return the derivatives of t and x of all events by a number, as coefficients of power series in it."""
+
+    def series(value: Ball, slope: Ball) -> Ball:
+        return arb_series([value, slope], prec=2)
+
+    def slope(value: Ball) -> Ball:
+        return value[1] if isinstance(value, arb_series) else arb(0)
+
+    o = Oscillator(p, {name: series(ball(getattr(p, name)), arb(1))} if name in PARAMETER_NAMES else None)
+    t, x, v = (series(ball(value), arb(int(name == own))) for value, own in zip(start, STARTS, strict=True))
+    found = []
+    for event in events:
+        if event.kind == "graze":
+            raise Undecided("a derivative behind a graze", event.t)
+        speed, then, target = o.speed[event.boundary], series(event.t, arb(0)), MODE_NUMBERS[event.target]
+        if mode > ON_A_BELT:
+            at_end = x + speed * (then - t)
+            force = o.force(target, then, at_end, speed)
+            dt = slope(force) / first_coefficient(o.km * speed + o.drive * (o.Omega * then).sin())
+        else:
+            flight = Flight(o, mode, t, x, v)
+            there = flight.at(then - t)
+            at_end, dt = flight.x(there), (slope(speed) - slope(there.v)) / first_coefficient(there.a)
+        dx = slope(at_end) + first_coefficient(speed) * dt
+        found.append((dt, dx))
+        mode, t, x, v = target, series(event.t, dt), series(event.x, dx), speed
+    return found
 
 
 # -- a graze of some start ---------------------------------------------------------------------------------------------
@@ -173,12 +238,12 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
 
     try:
         low, high = _grazing_interval(o, arrive, boundary, task.start[place], task.errors[place], near)
-        state = arrive(ball(low).union(ball(high)))
-        before_it = events.copy()
+        free = ball(low).union(ball(high))
+        thin, state = arrive(free.mid()), arrive(free)
         flight, there = _lowest(o, state, boundary, near)
         _only_contact(o, state, flight, there, boundary)
-        _krawczyk(o, arrive, state, flight, there.tau, boundary, place, ball(low), ball(high))
-        events[:] = before_it
+        if not _one_touches(o, thin, state, flight, there.tau, boundary, place, ball(low), ball(high)):
+            raise Undecided("whether a flight near this start touches", flight.t0 + there.tau)
         states = StateSet.of([flight.t0 + there.tau, flight.x(flight.at(there.tau))])
         t, x = states.hull()
         mode = MODE_NAMES[state.mode]
@@ -193,24 +258,19 @@ def _grazing_interval(
     o: Oscillator, arrive: Callable[[Ball], Moving], boundary: int, given: Fraction, error: Fraction, near: Ball
 ) -> tuple[Fraction, Fraction]:
     """Estimate, by secants, two fractions with the free number's value for a graze between them; proves nothing."""
-    start, reach, points = ball(given), ball(error), []
-
-    def sample(value: Ball, near: Ball) -> Ball:
+    start, reach, points = ball(given), ball(error), list[tuple[Ball, Ball]]()
+    for count in range(2 + MOST_SECANTS):
+        if count < 2:
+            value = (start + arb(0.25 * count) * reach).mid()
+        else:
+            (s, g), (s2, g2) = points[-2:]
+            step = (g2 * (s2 - s) / (g2 - g)).mid()
+            value = (s2 - step).mid()
+            if not (step.is_finite() and abs(value - start) <= reach):
+                break
         _, there = _lowest(o, arrive(value), boundary, near)
         points.append((value, there.g.mid()))
-        return there.tau
-
-    for share in (arb(0), arb(0.25)):
-        near = sample((start + share * reach).mid(), near)
-    for _ in range(MOST_SECANTS):
-        (s, g), (s2, g2) = points[-2:]
-        step = (g2 * (s2 - s) / (g2 - g)).mid()
-        if not step.is_finite():
-            break
-        value = (s2 - step).mid()
-        if not abs(value - start) <= reach:
-            break
-        near = sample(value, near)
+        near = there.tau
     unit = Fraction(1, 10 ** int(ctx.prec * 0.301 / 2.5 + 1))
     low, high = (Fraction(round(exact_ends(points[-1][0])[0] / unit) + step) * unit for step in (-1, 1))
     if max(abs(low - given), abs(high - given)) > error:
@@ -218,9 +278,9 @@ def _grazing_interval(
     return low, high
 
 
-def _krawczyk(
+def _one_touches(
     o: Oscillator,
-    arrive: Callable[[Ball], Moving],
+    thin: Moving,
     state: Moving,
     flight: Flight,
     tau: Ball,
@@ -228,31 +288,19 @@ def _krawczyk(
     place: int,
     low: Ball,
     high: Ball,
-) -> None:
-    """Prove that for exactly one free number between low and high a flight grazes in a box of times."""
-    # `flight` and `state` are of all these starts, `tau` is when their gap is lowest, `place` that of the free number.
-    side, speed = flight.side(boundary), o.speed[boundary]
-    lowest, free = flight.t0 + tau, low.union(high)
-    times = around(lowest.mid(), 4 * lowest.rad())
-    t, s = times.mid(), free.mid()
-
-    thin = arrive(s)
-    one = thin.flight(o, thin.states.hull())
-    there = one.at(t - one.t0)
-    residual = arb_mat([[side * (there.v - speed)], [side * there.a]])
-
+) -> bool:
+    """Return whether for exactly one free number between low and high a flight grazes in a box of times (Krawczyk)."""
+    # `flight` and `state` are of all these starts, `thin` of the middle one, `tau` is when their gap is lowest, `place`
+    # that of the free number.
+    side, lowest, free = flight.side(boundary), flight.t0 + tau, low.union(high)
+    times, one = around(lowest.mid(), 4 * lowest.rad()), thin.flight(o, thin.states.hull())
+    there = one.at(times.mid() - one.t0)
+    residual = [side * (there.v - o.speed[boundary]), side * there.a]
     there = flight.at(times - flight.t0)
     dx, dv = flight.moved(there, [row[place] for row in state.states.slopes])
-    da = -o.cm * dv - o.km * dx
-    J = side * arb_mat([[there.a, dv], [flight.jerk(there), da]])
-    try:
-        Y = J.mid().inv().mid()
-    except ZeroDivisionError:
-        raise Undecided("a touch that does not depend on the free number of the start", lowest) from None
-    off = (arb_mat([[1, 0], [0, 1]]) - Y * J) * arb_mat([[times - t], [free - s]]) - Y * residual
-    t, s = t + off[0, 0], s + off[1, 0]
-    if not (times.contains_interior(t) and low < s < high):
-        raise Undecided("whether a flight near this start touches", lowest)
+    J = side * arb_mat([[there.a, dv], [flight.jerk(there), -o.cm * dv - o.km * dx]])
+    image = krawczyk([times, free], [times.mid(), free.mid()], residual, J)
+    return image is not None and bool(low < image[1] < high)
 
 
 def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Flight, Jet]:
@@ -281,8 +329,7 @@ def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boun
     """Prove that there is no other contact up to and near a graze, or raise Undecided."""
     width = there.tau.mid() / 4
     for _ in range(MOST_NARROWINGS):
-        bend = flight.jerk(flight.at(around(there.tau, width)))
-        if bend > 0 or bend < 0:
+        if abs(flight.jerk(flight.at(around(there.tau, width)))) > 0:
             break
         width = width / 2
     else:
@@ -298,7 +345,7 @@ def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boun
 
 def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
     """Return the certificate of the motion."""
-    rows, before = [], ball(task.start[0])
+    rows, before, undecided = [], ball(task.start[0]), proof.undecided
     for event in proof.events:
         digits, since = task.digits, event.t - before
         if since > 0:
@@ -306,30 +353,26 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
             digits = max(digits, DIGITS_BEYOND + ceil(log2(scale / size(since)) * log10(2)))
         rows.append(event_row(event, digits))
         before = event.t
-    statement = question(task, bits) | {
-        "starts": "all" if proof.free is None else "some",
-        "mode": proof.mode,
-        "events": rows,
-    }
+    starts = "all" if proof.free is None else "some"
+    statement = question(task, bits) | {"starts": starts, "mode": proof.mode, "events": rows}
     if proof.changes:
-        ends = [
-            [[list(outward(each, _known(each, task.digits))) for each in change] for change in column]
-            for column in proof.changes
-        ]
-        derivatives = [
-            {name: [change[i] for change in row] for i, name in enumerate(("dt", "dx"))}
-            for row in zip(*ends, strict=True)
-        ]
-        statement |= {"wrt": list(task.wrt), "derivatives": derivatives}
+
+        def decimals(value: Ball) -> list[str]:
+            return list(outward(value, _known(value, task.digits)))
+
+        statement |= {"wrt": list(task.wrt), "derivatives": []}
+        for of_event in zip(*proof.changes, strict=True):
+            dt, dx = ([decimals(change[i]) for change in of_event] for i in (0, 1))
+            statement["derivatives"].append({"dt": dt, "dx": dx})
     if proof.free is not None:
         name, low, high = proof.free
         statement["free"] = {"name": name, "low": show(low), "high": show(high)}
-    if proof.undecided is None:
+    if undecided is None:
         changes = changes_of(statement.get("derivatives", ()))
         return confirmed(Certificate("trajectory", True, "", events_of(rows), statement=statement, derivatives=changes))
     count = f"{len(rows)} event{'' if len(rows) == 1 else 's'}"
-    message = f"{proof.undecided.what}{proof.undecided.place()} is not decided with {bits} bits, after {count}"
-    if proof.undecided.graze is not None and task.exact:
+    message = f"{undecided.what}{undecided.place()} is not decided with {bits} bits, after {count}"
+    if undecided.graze is not None and task.exact:
         message += "; with start_error the statement that a start so near touches can be proven"
     return Certificate("trajectory", False, message, events_of(rows), statement=statement)
 
@@ -337,8 +380,8 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
 def question(task: ToProve, bits: int) -> Record:
     """Return the header of a motion's file: the program, and the exact input as rational numbers."""
     return made_by(bits) | {
-        "parameters": {name: show(getattr(task.p, name)) for name in task.p.as_dict()},
-        "start": {name: show(value) for name, value in zip(("t0", "x0", "v0"), task.start, strict=True)},
+        "parameters": task.p.as_dict(),
+        "start": {name: show(value) for name, value in zip(STARTS, task.start, strict=True)},
         "start_error": [show(error) for error in task.errors],
         "t_end": show(task.t_end),
     }
@@ -346,8 +389,8 @@ def question(task: ToProve, bits: int) -> Record:
 
 def event_row(event: ProvenEvent, digits: int) -> Record:
     """Return an event as a row of the file, with at most `digits` digits."""
-    row: Record = {"kind": event.kind, "boundary": event.boundary, "source": event.source, "target": event.target}
-    return row | {name: list(outward(value, _known(value, digits))) for name, value in (("t", event.t), ("x", event.x))}
+    row: Record = event._asdict()
+    return row | {name: list(outward(row[name], _known(row[name], digits))) for name in "tx"}
 
 
 def _known(value: Ball, digits: int) -> int:

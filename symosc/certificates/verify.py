@@ -121,22 +121,25 @@ def mode_number(value, where):
     return MODES.index(read(value, set(MODES[1:]), where))
 
 
+def optional(value, where):
+    """Read a number or null."""
+    return None if value is None else number(value, where)
+
+
 WHAT = {"kind": {"cross", "stick", "slip", "graze"}, "boundary": {1, 2}, "source": mode_number, "target": mode_number}
 EVENTS = [WHAT | {"t": interval, "x": interval}]
 MOTION = {"parameters": dict.fromkeys(NAMES, number), "start": dict.fromkeys(START, number), "t_end": number}
 MOTION |= {"start_error": (number,) * 3, "mode": mode_number, "events": EVENTS}
 SHAPES = {
     "trajectory": MOTION | {"starts": {"all"}},
-    "derivatives": MOTION
-    | {"starts": {"all"}, "wrt": [{*NAMES, *START}], "derivatives": [{"dt": [interval], "dx": [interval]}]},
     "some": MOTION | {"starts": {"some"}, "free": {"name": set(START), "low": number, "high": number}},
-    "settled": MOTION
-    | {"may_stick_until": lambda value, where: None if value is None else number(value, where)}
-    | {"cycle": EVENTS, "periods": int, "count": int, "last": EVENTS},
+    "settled": MOTION | {"may_stick_until": optional, "cycle": EVENTS, "periods": int, "count": int, "last": EVENTS},
     "window": {"parameters": MOTION["parameters"], "map": {"P2", "P3", "P5", "P6"}, "order": {"full", "paper"}}
     | {"grazes": {"nowhere", "everywhere", "everywhere but at one phase", "on an arc"}}
     | {"ends": [{"phase": interval, "sine": number, "cosine": {-1, 0, 1}}]},
 }
+CHANGES = {"wrt": [{*NAMES, *START}], "derivatives": [{"dt": [interval], "dx": [interval]}]}
+SHAPES["derivatives"] = SHAPES["trajectory"] | CHANGES
 
 
 # -- motions -----------------------------------------------------------------------------------------------------------
@@ -306,11 +309,10 @@ class Motion:
         if flies:
             check(end in mode.ends, "an event at a belt that is not beside the domain")
         else:
-            check(end in self.mode.ends and row["boundary"] == self.belt, "the end of a stick on another belt")
+            check(end in mode.ends and row["boundary"] == self.belt, "the end of a stick on another belt")
         times, *_, (_, slope, _) = self.around(end, row, -1)
-        require(
-            -slope, "that v meets a belt once at an event" if flies else "that F meets 0 once at the end of a stick"
-        )
+        once = "that v meets a belt once at an event" if flies else "that F meets 0 once at the end of a stick"
+        require(-slope, once)
         when, kind, then, leaves = self.zero(end, 0, times), "slip", end, {belt: 2}
         centre, columns, rest = self.arrive(end, belt, when)
         if flies:
@@ -395,10 +397,8 @@ class Motion:
 
     def from_centre(self, parts):
         """Return t and x of the start that lies at `parts` of the columns from the centre."""
-        return [
-            c + sum((part * column[i] for part, column in zip(parts, self.columns, strict=True)), arb(0))
-            for i, c in enumerate(self.centre[:2])
-        ]
+        moved = [[part * each for each in column] for part, column in zip(parts, self.columns, strict=True)]
+        return [sum((column[i] for column in moved), c) for i, c in enumerate(self.centre[:2])]
 
 
 def frame(sides):
@@ -511,12 +511,10 @@ def changes(problem, motions, rows, name):
         N, by_row = (arb_mat(each) for each in varied(problem, mode.number, name))
         rate, turned = mode.M * z, motion.t if name == "Omega" else arb(0)
         launched = [dx - rate[0, 0] * dt, dv - rate[1, 0] * dt, arb(0), -z[4, 0] * turned, z[3, 0] * turned]
-        both = arb_mat(10, 10)
-        for i in range(5):
-            for j in range(5):
-                both[i, j], both[i, 5 + j], both[5 + i, 5 + j] = mode.M[i, j], N[i, j], mode.M[i, j]
-        zq = ((after.t - motion.t) * both).exp() * arb_mat([[each] for each in [*launched, *z.entries()]])
-        zq, belt = arb_mat([[zq[i, 0]] for i in range(5)]), row["boundary"]
+        M, none = mode.M.tolist(), [arb(0)] * 5
+        both = arb_mat([[*a, *b] for a, b in zip(M, N.tolist(), strict=True)] + [[*none, *a] for a in M])
+        zq = ((after.t - motion.t) * both).exp() * arb_mat(10, 1, [*launched, *z.entries()])
+        zq, belt = arb_mat(zq.tolist()[:5]), row["boundary"]
         i = mode.ends.index(belt if mode.flies else row["target"])
         there = arb_mat([[after.x], [problem.p[f"v{belt}"]], [1], *([after.first[i, 0]] for i in (3, 4))])
         slope = (mode.rows[1] * there)[i, 0]
@@ -571,9 +569,8 @@ def trajectory(data, source, limits):
         differentiated(problem, data, motions)
         suffix = f", with derivatives by {', '.join(data['wrt'])}"
         for i, row in enumerate(source["derivatives"], 1):
-            for name, *ends in zip(data["wrt"], row["dt"], row["dx"], strict=True):
-                parts = (f"{low} < d{what}/d{name} < {high}" for what, (low, high) in zip("tx", ends, strict=True))
-                lines.append(f"{i}: {'; '.join(parts)}")
+            for name, (a, b), (c, d) in zip(data["wrt"], row["dt"], row["dx"], strict=True):
+                lines.append(f"{i}: {a} < dt/d{name} < {b}; {c} < dx/d{name} < {d}")
     first = f"{count} event{'s' * (count != 1)} until t = {source['t_end']}{suffix}"
     return [first, shown, *table(source["events"]), *lines]
 
@@ -697,7 +694,7 @@ def window(data, source, limits):
             inside((2 - arb(sine)) * arb.pi() / 2, end["phase"])
     first, shown = f"{data['map']} grazes {where}, order {data['order']}", source["ends"]
     if where == "on an arc":
-        balls = [arb(end["phase"][0]).union(arb(end["phase"][1])) for end in ends]
+        balls = [arb(low).union(arb(high)) for low, high in (end["phase"] for end in ends)]
         first += " from {} to {}".format(*(phase.str(12, radius=phase.rad() > 1e-12) for phase in balls))
     first += f", the sine being {shown[0]['sine']} there" if ends else ""
     phases = [f"{i}: {end['phase'][0]} < theta < {end['phase'][1]}" for i, end in enumerate(shown, 1)]
@@ -705,7 +702,7 @@ def window(data, source, limits):
 
 
 KINDS = {"trajectory": trajectory, "settled": settled, "window": window}
-BESIDE = {"orbit": "verify_orbits.py", "branch": "verify_orbits.py", "atlas": "verify_atlas.py"}
+BESIDE = ("orbit", "branch", "atlas")
 
 
 # -- the answer --------------------------------------------------------------------------------------------------------
@@ -724,21 +721,20 @@ def prove(data, limits):
     check(type(author) is str and len(author) <= 200, "made_by is no text of 200 characters at most", BAD)
     check(type(proven) is bool and type(kind) is str, "no kind, or proven is neither true nor false", BAD)
     check(proven, "the file itself says that it is not proven")
-    more = f" {BESIDE[kind]} proves it" if kind in BESIDE else ""
+    more = " verify_orbits.py proves it" if kind in BESIDE else ""
     check(kind in KINDS, f"{kind[:20]!r}: of that kind this checker proves none.{more}", BAD)
     source = {key: each for key, each in data.items() if key not in ("format", "kind", "proven", "message", "made_by")}
-    some, derived = data.get("starts") == "some", "derivatives" if "wrt" in data else kind
-    shape = SHAPES[kind if kind != "trajectory" else "some" if some else derived]
+    some = "some" if data.get("starts") == "some" else "derivatives" if "wrt" in data else kind
+    shape = SHAPES[some if kind == "trajectory" else kind]
     counted = sum(len(each) for each in source.values() if type(each) is list)
     check(counted <= limits["events"], f"more than {limits['events']} events and boxes (--events)")
-    content, limits["left"] = read(source, shape, kind), limits["steps"]
-    exact = kind == "trajectory" and not any(content["start_error"])
-    while True:
+    content, limits["left"], lines = read(source, shape, kind), limits["steps"], None
+    most = 4096 if kind == "trajectory" and not any(content["start_error"]) else 2048
+    while not lines:
         try:
             lines = KINDS[kind](content, source, limits)
-            break
         except Stop as stop:
-            if stop.args[0] != OPEN or ctx.prec >= (4096 if exact else 2048):
+            if stop.args[0] != OPEN or ctx.prec >= most:
                 raise
             ctx.prec *= 2
     check(data.get("message", lines[0]) == lines[0], f"a message that says something else than {lines[0]}")
@@ -768,14 +764,14 @@ def verify(path, **limits):
             content = file.read(most + 1)
         check(len(content) <= most, f"more than {most} bytes (--bytes)", BAD)
         data = json.loads(content, object_pairs_hook=unique)
+        return judge(data, **limits)
     except Stop as stop:
-        return BAD, f"no certificate: {stop.args[1]}"
+        what = stop.args[1]
     except OSError as error:
-        return BAD, f"no certificate: {' '.join(str(error).split())[:200]}"
+        what = str(error)
     except (ValueError, RecursionError) as error:
         what = f"{path} is not the JSON that symosc certify writes ({error})"
-        return BAD, f"no certificate: {' '.join(what.split())[:200]}"
-    return judge(data, **limits)
+    return BAD, f"no certificate: {' '.join(what.split())[:200]}"
 
 
 def main():

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prove a certificate of an orbit or of a branch of orbits once more: ``python verify_orbits.py FILE``.
+"""Prove a certificate of an orbit, of a branch of orbits or of an atlas once more: ``python verify_orbits.py FILE``.
 
 It needs verify.py beside it, python-flint, and nothing of symosc; it proves all kinds. verify.py has the equation and
 how a motion is followed from event to event, for all starts of a box at once. Balls (arb) prove:
@@ -29,17 +29,44 @@ A "branch", for an interval of a parameter at once:
 7. An end: from `inside`, a value that the boxes contain, to `outside` r has one root in a box. It is the branch's at
    `inside`, where all inequalities hold; at `outside` the one named fails (a distance or a force on a belt: at the time
    `at`). Both sides of it are continuous: in between it becomes an equality. Which one is the first is not proven.
+
+An "atlas", for a box of two parameters at once. For c > 0 and k > 0 an orbit with a flight attracts all other motions
+(the energy of a difference of two motions never grows), so that a point of the plane has one word:
+
+8. Between two events x'' + (c/m) x' + (k/m) x = (A + B0 cos theta)/m. With the roots l, l' of l^2 + (c/m) l + k/m and
+   X(a, b) = (exp(a s) - exp(b s))/(a - b) = s exp((a + b) s/2) sinh(w)/w, w = (a - b) s/2, it is S = X(l, l') for a
+   unit of velocity at the start, and Z = (X(l, i Omega) - X(l', i Omega))/(l - l') for the drive exp(i Omega s)/m.
+   sinh(w)/w = 0F1(3/2; w^2/4) is entire: nothing is special at resonance.
+9. Unknowns u: of each flight the phase at its start, its duration, and x at its start, unless it follows a stick:
+   there F = 0 says x. r(u) = 0: v is that of the belt at its end, and x and the phase fit to the next flight. If word
+   and oscillator are symmetric about A0/k, half a period is enough (a belt without friction is seen in the image too).
+10. u(d) is a polynomial of degree 2 in the place d in the box, |d_i| <= 1 (it proves nothing). By Taylor's theorem
+   r(u(d)) is r_0 + ... + r_3 with r_0, r_1, r_2 at the middle, and r_3, a cubic form, somewhere in the box: from series
+   in four directions. J, the derivatives of r by u, is that at the middle and its change, from series in sums of two
+   directions. Let p >= |Y r| and N >= |1 - Y J| for |u - u(d)| <= e. If p + N e < e there is one root for each d
+   (Krawczyk).
+11. The inequalities of the word, by the same series to second order: each flight and stick lasts; at the end of a
+   flight F on both sides of the belt says what follows; during a stick both forces hold it: they are monotone between
+   the turns, where k v + B0 Omega sin theta = 0, so it is enough to look there and at its ends.
+12. In a flight back to its belt the distance g has m (g'' + (c/m) g' + (k/m) g) = q = -side (k v + B0 Omega sin theta).
+   Over a time less than pi/|Im l| no solution y of the equation with q = 0 has two zeros (Polya). So g > 0 where q < 0
+   between two times with g >= 0. Where q > 0, g >= y with the value and slope of g at one time: g > 0 after
+   g = 0 <= g', before g = 0 >= g', and around a time as far as y > 0. Elsewhere, and at the other belt, by short steps.
+13. "rest": a belt has the speed 0, and mu FN >= |B0|: the mass may rest on it, and no orbit has a flight.
+14. The boxes are in the range and do not overlap; their part of its area is the share. With the open boxes they fill
+   it. What is "found" is not proven; but no point of a border may be inside a box, where the word does not change.
 """
 
 import sys
+from bisect import bisect_left, bisect_right, insort
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 from importlib import import_module
 from itertools import pairwise
-from math import comb
+from math import comb, inf
 from typing import Any, NamedTuple
 
-from flint import arb, arb_mat, arb_series, ctx, fmpq
+from flint import acb, acb_series, arb, arb_mat, arb_series, ctx, fmpq
 
 try:
     base = import_module(".verify" if __package__ else "verify", __package__)
@@ -51,27 +78,44 @@ number, interval, verify, judge, MODES = base.number, base.interval, base.verify
 
 PIECES = ((1, 4, 1), (1, 1, 1), (1, 2, 1), (2, 5, 2), (2, 2, 2), (2, 3, 2), (2, 2, 1), (1, 2, 2))  # from, mode, to
 LABELS = {piece: number for number, piece in enumerate(PIECES, 1)}
-SMALL, KNOWN = fmpq(1, 10**15), 1e-16
-ORDER, MOST_PARTS, NEWTON_STEPS, RANGE_END = 3, 256, 4, "end of the range"
-
-EVENT, POINTS = base.WHAT | {"t": interval, "x": interval}, {"t": [interval], "x": [interval]}
-ORBIT = {"parameters": base.MOTION["parameters"], "word": str, "periods": int}
-END = {"kind": {RANGE_END}, "inside": number, "outside": number}
+SMALL, KNOWN, RANGE_END = fmpq(1, 10**15), 1e-16, "end of the range"
+ORDER, MOST_PARTS, NEWTON_STEPS = 3, 256, 4
+BOX_BITS, MOST_BOX_PARTS, BOX_NEWTON_STEPS, NEAR, MOST_CUTS, MOST_TURNS = 64, 1024, 12, 1e-14, 16, 1000
+SIDES = ((1, 0), (0, 1), (1, 1), (1, -1))
 
 
 def end_of_branch(value, where):
     """Read an end of a branch."""
-    at_range = type(value) is dict and value.get("kind") == RANGE_END
-    return base.read(value, END if at_range else END | POINTS | {"kind": str, "inequality": str, "at": number}, where)
+    shape = {"kind": {RANGE_END}, "inside": number, "outside": number}
+    if not (type(value) is dict and value.get("kind") == RANGE_END):
+        shape |= POINTS | {"kind": str, "inequality": str, "at": number}
+    return base.read(value, shape, where)
 
 
-base.SHAPES["orbit"] = ORBIT | {
-    "events": [EVENT | {"reach": number}],
+def curves(value, where):
+    """Read the points of all borders that were found, in order; the rest is not looked at."""
+    try:
+        points = [tuple(map(float, point)) for border in value.get("borders", ()) for point in border["points"]]
+    except (AttributeError, LookupError, TypeError, ValueError):
+        points = [()]
+    check(all(len(each) == 2 and abs(sum(each)) < 1e99 for each in points), f"{where}: the points of a border", BAD)
+    return sorted(points)
+
+
+PARAMETERS, POINTS, BOX = base.MOTION["parameters"], {"t": [interval], "x": [interval]}, ((number, number),) * 2
+base.SHAPES["orbit"] = {
+    "parameters": PARAMETERS,
+    "word": str,
+    "periods": int,
+    "events": [base.WHAT | {"t": interval, "x": interval, "reach": number}],
     "alone_within": (number, number),
     "multipliers": ({"re": interval, "im": interval},) * 2,
     "stable": {True, False, None},
 }
-base.SHAPES["branch"] = ORBIT | {
+base.SHAPES["branch"] = {
+    "parameters": PARAMETERS,
+    "word": str,
+    "periods": int,
     "parameter": set(base.NAMES),
     "range": (number, number),
     "stable": {True, None},
@@ -79,6 +123,18 @@ base.SHAPES["branch"] = ORBIT | {
     "events": [base.WHAT],
     "boxes": [POINTS | {"value": (number, number)}],
 }
+base.SHAPES["atlas"] = {
+    "parameters": PARAMETERS,
+    "over": (set(base.NAMES), set(base.NAMES)),
+    "range": BOX,
+    "share": number,
+    "boxes": [{"word": str, "range": BOX, "phases": [number], "x": [number]}],
+    "open": [BOX],
+    "found": curves,
+}
+
+
+# -- orbits ------------------------------------------------------------------------------------------------------------
 
 
 def course(data):
@@ -108,25 +164,21 @@ def least(events, periods, apart):
             check(apart(n // q, less), f"that the least period is {periods} forcing periods, not {less}", OPEN)
 
 
-def column(values):
-    """Return a matrix with one column."""
-    return arb_mat(len(values), 1, values)
-
-
 def eigenvalues(T, d):
     """Return real and imaginary parts of the roots of z^2 - T z + d, the larger one first if they are real."""
+    zero, square = arb(0), T * T / 4 - d
     if d.is_zero():
-        return (T, arb(0)), (arb(0), arb(0))
-    square = T * T / 4 - d
-    root = abs(square).upper().sqrt()
+        return (T, zero), (zero, zero)
     if not abs(square) > 0:
+        root = abs(square).upper().sqrt()
         around = root.union(-root)
         return ((T / 2 + around, around),) * 2
     root = abs(square).sqrt()
     if square < 0:
         return (T / 2, root), (T / 2, -root)
     require(abs(T), "which multiplier is the larger one")
-    return (T / 2 + (root if T > 0 else -root), arb(0)), (T / 2 - (root if T > 0 else -root), arb(0))
+    root = root if T > 0 else -root
+    return (T / 2 + root, zero), (T / 2 - root, zero)
 
 
 #: A motion of which it is known that nothing happens between its events: it is one of more that are proven.
@@ -137,10 +189,9 @@ def orbit(data, source, limits):
     """Prove that the stated orbit exists with its multipliers, and is unique in its box."""
     problem, periods, events = base.Problem(data["parameters"], limits), data["periods"], course(data)
     rows, turn = data["events"], 2 * periods * arb.pi() / arb(problem.p["Omega"])
-    centre, widths = ([arb((row[1] + sign * row[0]) / 2) for row in (rows[0]["t"], rows[0]["x"])] for sign in (1, -1))
-    widths = [arb(each) for each in data["alone_within"]]
     right = min(data["alone_within"]) > 0 <= min(row["reach"] for row in rows)
     check(right, "alone_within, or reach out of range", BAD)
+    centre, widths = [arb(sum(rows[0][name]) / 2) for name in "tx"], [arb(each) for each in data["alone_within"]]
     whole = list(zip(centre, widths, strict=True))
     for scale in (fmpq(1), SMALL, SMALL**2):  # the box stated, and one or two in it
         spare = [row["reach"] * scale for row in rows]
@@ -184,7 +235,12 @@ def orbit(data, source, limits):
     return [first, base.about(source["parameters"]), *base.table(source["events"]), *shown]
 
 
-# -- branches ----------------------------------------------------------------------------------------------------------
+# -- the oscillator with parameters that vary --------------------------------------------------------------------------
+
+
+def column(values):
+    """Return a matrix with one column."""
+    return arb_mat(len(values), 1, values)
 
 
 def horner(rows, at):
@@ -195,80 +251,98 @@ def horner(rows, at):
     return total
 
 
-def level(value):
-    """Return a ball itself, or the first coefficient of a series."""
-    return value[0] if isinstance(value, arb_series) else value
+def coefficient(value, order=0):
+    """Return a coefficient of a series; a ball is a constant."""
+    return value[order] if isinstance(value, arb_series) else arb(0) if order else value
+
+
+def lifted(value):
+    """Return a real ball or series as a complex one."""
+    return acb_series(value) if isinstance(value, arb_series) else acb(value)
+
+
+def times_i(value):
+    """Return i times a real ball or series."""
+    return acb_series([acb(0, 1)]) * acb_series(value) if isinstance(value, arb_series) else acb(0, value)
+
+
+def real(value):
+    """Return the real part of a complex ball or series."""
+    return arb_series([each.real for each in value], prec=value.prec) if isinstance(value, acb_series) else value.real
 
 
 def entire(b, z):
-    """Return 0F1(b; z) of a ball or a series: cosh w for b = 1/2, sinh(w)/w for b = 3/2, z = w^2/4 of any sign."""
-    if isinstance(z, arb):
+    """Return 0F1(b; z) of a ball or series: cosh w for b = 1/2, sinh(w)/w for b = 3/2, z = w^2/4 of any sign."""
+    if isinstance(z, arb | acb):
         return z.hypgeom_0f1(b)
-    total, factor = 0 * z, 1 + 0 * z
+    kind: Any = type(z)
+    change, total, factor = (kind(each, prec=z.prec) for each in ([0, *list(z)[1:]], [0], [1]))
     for j in range(z.prec):  # by its derivative 0F1(b + 1; z)/b
-        total, factor = total + factor * z[0].hypgeom_0f1(b + j), factor * (z - z[0]) / ((b + j) * (j + 1))
+        total, factor = total + factor * z[0].hypgeom_0f1(b + j), factor * change / ((b + j) * (j + 1))
     return total
 
 
-class Equation:
-    """The equation of motion with one parameter a ball, or a series in a change of it."""
+class Oscillator:
+    """The oscillator with balls or series as parameters."""
 
-    def __init__(self, p, name, value):
-        q = {each: arb(p[each]) for each in base.NAMES} | {name: value}
+    def __init__(self, q):
         self.m, self.c, self.k, A0, self.B0, self.Om, *belts, mu1, mu2, FN = (q[each] for each in base.NAMES)
         self.A, self.belts = [A0 + each * FN for each in (0, mu1 + mu2, mu2 - mu1, -mu1 - mu2)], [None, *belts]
-        self.friction = [None, mu1 * FN, mu2 * FN]
+        self.jump = [None, *(2 * mu * FN / self.m for mu in (mu1, mu2))]
         self.h, self.km, self.drive = self.c / (2 * self.m), self.k / self.m, self.B0 * self.Om / self.m
-        pull, drag, square = self.k - self.m * self.Om * self.Om, self.c * self.Om, self.h * self.h - self.km
-        size, self.square, self.over = pull * pull + drag * drag, square, level(square) > 0
-        self.a, self.b, self.turn = self.B0 * pull / size, self.B0 * drag / size, 2 * arb.pi() / self.Om
-        self.w = (square if self.over else -square).sqrt()
-        self.critical = not level(self.w) > 32 * level(self.w).rad()  # or nearly so
+        self.square, self.turn = self.h * self.h - self.km, 2 * arb.pi() / self.Om
+
+    @cached_property
+    def steady(self):
+        """Return a and b (4 above)."""
+        pull, drag = self.k - self.m * self.Om * self.Om, self.c * self.Om
+        size = pull * pull + drag * drag
+        return self.B0 * pull / size, self.B0 * drag / size
+
+    @cached_property
+    def frequency(self):
+        """Return whether w^2 > 0, w or its twin, and whether it is critical or nearly so."""
+        over = coefficient(self.square) > 0
+        w = (self.square if over else -self.square).sqrt()
+        return over, w, not coefficient(w) > 32 * coefficient(w).rad()
 
     def free(self, s):
-        """Return C and S, the free motions from position 1 and from velocity 1, after a time s (1 above)."""
-        decay, ws, z = (-self.h * s).exp(), self.w * s, self.square * s * s / 4
-        if self.critical:
+        """Return C and S, the free motions from position 1 and from velocity 1, after a time s (4 above)."""
+        decay, (over, w, critical) = (-self.h * s).exp(), self.frequency
+        if critical:
+            z = self.square * s * s / 4
             return decay * entire(arb(0.5), z), decay * s * entire(arb(1.5), z)
-        up, down = (ws.exp(), (-ws).exp()) if self.over else (ws, ws)
-        sine, cosine = ((up - down) / 2, (up + down) / 2) if self.over else ws.sin_cos()
-        return decay * cosine, decay * sine / self.w
+        ws = w * s
+        up, down = (ws.exp(), (-ws).exp()) if over else (ws, ws)
+        sine, cosine = ((up - down) / 2, (up + down) / 2) if over else ws.sin_cos()
+        return decay * cosine, decay * sine / w
 
+    @cached_property
+    def roots(self):
+        """Return l and l' (8 above)."""
+        root = lifted(self.square).sqrt()
+        return root - lifted(self.h), -root - lifted(self.h)
 
-class Piece:
-    """The motion in one mode from t and x at a belt on, and the functions f that are > 0 during it."""
+    def driven(self, s):
+        """Return S, S', and Z and its derivative (8 above)."""
+        (first_root, other), s, drive = self.roots, lifted(s), times_i(self.Om)
 
-    def __init__(self, e, mode, belt, t, x, late):
-        self.e, self.mode, self.t, self.x, self.v, self.ends = e, mode, t, x, e.belts[belt], {belt: 1, belt + 1: -1}
-        self.a = self.force(mode, 0, t)[0] if mode < 4 else arb(0)
-        self.x, self.v = x - self.v * late, self.v - self.a * late  # a later start is one with another x and v
-        if mode < 4:
-            self.ends = {i: 1 if mode > i else -1 for i in (1, 2) if mode - i in (0, 1)}
-            sine, cosine = (e.Om * t).sin_cos()
-            self.y = self.x - e.A[mode] / e.k - e.a * cosine - e.b * sine
-            self.dy, force = self.v - e.Om * (e.b * cosine - e.a * sine), self.force(mode, 0, t)[0]
-            self.ddy = force + e.Om * e.Om * (e.a * cosine + e.b * sine)
+        def X(a, b):
+            """Return X(a, b)."""
+            half = (a - b) * s / 2
+            if abs(half[0] if isinstance(half, acb_series) else half) > 1:
+                return ((a * s).exp() - (b * s).exp()) / (a - b)
+            return s * ((a + b) * s / 2).exp() * entire(acb(1.5), half * half / 4)
 
-    def at(self, s, t):
-        """Return x, v, v' and v'' after a time s of a flight, which is the time t."""
-        e, (C, S) = self.e, self.e.free(s)
-        sine, cosine = (e.Om * t).sin_cos()
-        u, w, square = e.a * cosine + e.b * sine, e.Om * (e.b * cosine - e.a * sine), e.Om * e.Om
-        y = C * self.y + S * (self.dy + e.h * self.y)
-        dy, ddy = C * self.dy + S * (self.ddy + e.h * self.dy), C * self.ddy - S * (e.km * self.dy + e.h * self.ddy)
-        return e.A[self.mode] / e.k + u + y, w + dy, ddy - square * u, -2 * e.h * ddy - e.km * dy - square * w
+        first, second, difference, S = X(first_root, drive), X(other, drive), first_root - other, X(first_root, other)
+        S1 = (first_root * s).exp() + other * S
+        # The derivative of X(a, b) by s is exp(b s) + a X(a, b).
+        return real(S), real(S1), (first - second) / difference, (first_root * first - other * second) / difference
 
-    def force(self, domain, s, t):
-        """Return F of a domain on the belt after a time s, which is the time t, and its first two derivatives."""
-        e = self.e
-        sine, cosine = (e.Om * t).sin_cos()
-        F = (e.A[domain] + e.B0 * cosine - e.k * (self.x + self.v * s) - e.c * self.v) / e.m
-        return F, -e.drive * sine - e.km * self.v, -e.drive * e.Om * cosine
-
-    def f(self, end, s):
-        """Return f, f' and f'' of an end after a time s."""
-        first, *others = self.force(end, s, self.t + s) if self.mode > 3 else self.at(s, self.t + s)[1:]
-        return [self.ends[end] * each for each in (first if self.mode > 3 else first - self.e.belts[end], *others)]
+    def part(self):
+        """Return a time that is surely shorter than half a period of the free motion."""
+        most = (-coefficient(self.square)).upper()
+        return (arb.pi() / most.sqrt()).lower() if most > 0 else arb.pos_inf()
 
 
 class Margin(NamedTuple):
@@ -280,6 +354,81 @@ class Margin(NamedTuple):
     order: int = 0  # which derivative of f is not 0 at the start
     zero: bool = False  # whether f is 0 at the end
     during: bool = False  # whether f is > 0 all the time between them
+
+
+def positive(margin, until, problem):
+    """Prove that f > 0 between 0 and a time, by Taylor's theorem about the middles of steps."""
+    a, step, order = arb(0), until / 8, margin.order
+    while True:
+        problem.step()
+        last = not a + step < until
+        b = until if last else (a + step).mid()
+        m, T, h = ((a + b) / 2).mid(), a.union(b), ((b - a) / 2).upper()
+        middle, around = margin.f(m), margin.f(T)
+        slope = middle[1] + around[2] * arb(0, 1) * h
+        if last and margin.zero:
+            sure = slope < 0 and not order
+        else:
+            check(not middle[0] < 0, margin.text)
+            sure = middle[0] - abs(middle[1]) * h - abs(around[2]) * h * h / 2 > 0
+            sure = sure or (slope > 0 and (order or a > 0))  # f was > 0 at a, or 0 at the start
+            sure = sure or (order and around[2] > 0)  # f' >= 0 at the start, by the forces there
+        if sure and last:
+            return
+        a, order, step = (b, 0, step * 3 / 2) if sure else (a, order, h)
+        check(step > until * arb(2) ** -ctx.prec, margin.text, OPEN)
+
+
+def in_parts(prove, whole, halves, most, what):
+    """Prove something for a whole, or else for parts of it; return the last result."""
+    parts, count, found = [whole], 0, None
+    while parts:
+        part, count = parts.pop(), count + 1
+        try:
+            found = prove(part)
+        except (Stop, ZeroDivisionError, ValueError) as stop:  # the latter two: a ball or a series may be 0
+            check(not isinstance(stop, Stop) or stop.args[0] == OPEN, str(stop.args[-1]))
+            check(count < most, what)
+            parts += halves(part)
+    return found
+
+
+# -- branches ----------------------------------------------------------------------------------------------------------
+
+
+class Piece:
+    """The motion in one mode from t and x at a belt on, and the functions f that are > 0 during it."""
+
+    def __init__(self, e, mode, belt, t, x, late):
+        self.e, self.mode, self.t, self.x, self.v, self.ends = e, mode, t, x, e.belts[belt], {belt: 1, belt + 1: -1}
+        self.a = self.force(mode, 0, t)[0] if mode < 4 else arb(0)
+        self.x, self.v = x - self.v * late, self.v - self.a * late  # a later start is one with another x and v
+        if mode < 4:
+            self.ends, (a, b) = {i: 1 if mode > i else -1 for i in (1, 2) if mode - i in (0, 1)}, e.steady
+            sine, cosine = (e.Om * t).sin_cos()
+            self.y = self.x - e.A[mode] / e.k - a * cosine - b * sine
+            self.dy, force = self.v - e.Om * (b * cosine - a * sine), self.force(mode, 0, t)[0]
+            self.ddy = force + e.Om * e.Om * (a * cosine + b * sine)
+
+    def at(self, s, t):
+        """Return x, v, v' and v'' after a time s of a flight, which is the time t."""
+        e, (C, S), (a, b) = self.e, self.e.free(s), self.e.steady
+        sine, cosine = (e.Om * t).sin_cos()
+        u, w, square = a * cosine + b * sine, e.Om * (b * cosine - a * sine), e.Om * e.Om
+        y = C * self.y + S * (self.dy + e.h * self.y)
+        dy, ddy = C * self.dy + S * (self.ddy + e.h * self.dy), C * self.ddy - S * (e.km * self.dy + e.h * self.ddy)
+        return e.A[self.mode] / e.k + u + y, w + dy, ddy - square * u, -2 * e.h * ddy - e.km * dy - square * w
+
+    def force(self, domain, s, t):
+        """Return F of a domain on the belt after a time s, which is the time t, and its first two derivatives."""
+        e, (sine, cosine) = self.e, (self.e.Om * t).sin_cos()
+        F = (e.A[domain] + e.B0 * cosine - e.k * (self.x + self.v * s) - e.c * self.v) / e.m
+        return F, -e.drive * sine - e.km * self.v, -e.drive * e.Om * cosine
+
+    def f(self, end, s):
+        """Return f, f' and f'' of an end after a time s."""
+        first, *others = self.force(end, s, self.t + s) if self.mode > 3 else self.at(s, self.t + s)[1:]
+        return [self.ends[end] * each for each in (first if self.mode > 3 else first - self.e.belts[end], *others)]
 
 
 class Course:
@@ -306,12 +455,12 @@ class Course:
 
     def jacobian(self, u):
         """Return the derivatives of r: the first coefficients of series."""
-        J, none = arb_mat(len(u), len(u)), arb_series([0], prec=2)
+        J = arb_mat(len(u), len(u))
         for i in range(self.count):
             for j in (j % len(u) for j in range(2 * i, 2 * i + 4)):
                 moved = u if j == 2 * i else [*u[:j], arb_series([u[j], 1], prec=2), *u[j + 1 :]]
                 parts = self.left(i, moved, arb_series([0, 1], prec=2) if j == 2 * i else 0)
-                J[2 * i, j], J[2 * i + 1, j] = ((each + none)[1] for each in parts)
+                J[2 * i, j], J[2 * i + 1, j] = (coefficient(each, 1) for each in parts)
         return J
 
     def margins(self, i, u):
@@ -325,7 +474,7 @@ class Course:
         for domain, sign in zip((belt, belt + 1), signs, strict=False):
             F = sign * piece.force(domain, 0, piece.t)[0], arb(0), arb(0)
             text = f"F^({domain}) {'<>'[sign > 0]} 0 where {previous} ends"
-            far = domain != source and level(self.e.friction[belt]) > 0
+            far = domain != source and coefficient(self.e.jump[belt]) > 0
             kind = "grazing" if not far else "birth of a slip" if mode > 3 else "birth of a stick"
             found.append(Margin(text, kind, lambda _, F=F: F))
         for end, side in piece.ends.items():
@@ -345,38 +494,15 @@ class Course:
         """Prove all margins (6 above) for all roots in u, and, if `stable`, that both multipliers are inside 1 (2)."""
         period, D, J = arb_mat([[1, 0], [0, 1]]), arb(1), self.jacobian(u)
         for i in range(self.count):
+            piece, s, until = self.piece(i, u)
             for margin in self.margins(i, u):
-                positive(margin, self.piece(i, u)[1].upper(), problem)
+                positive(margin, s.upper(), problem)
             rows = [[J[j, (2 * i + k) % len(u)] for k in range(4)] for j in (2 * i, 2 * i + 1)]
             start, end = (arb_mat([row[k : k + 2] for row in rows]) for k in (0, 2))
-            piece, s, until = self.piece(i, u)
             D *= (-2 * self.e.h * s).exp() * piece.a / (1 if piece.mode > 3 else piece.at(s, until)[2])
             period = -end.solve(start) * period
         for margin in (1 - abs(D), 1 + D - abs(period.trace())) if stable else ():
             require(margin, "stable")
-
-
-def positive(margin, until, problem):
-    """Prove that f > 0 between 0 and a time, by Taylor's theorem about the middles of steps."""
-    a, step, order = arb(0), until / 8, margin.order
-    while True:
-        problem.step()
-        last = not a + step < until
-        b = until if last else (a + step).mid()
-        m, T, h = ((a + b) / 2).mid(), a.union(b), ((b - a) / 2).upper()
-        middle, around = margin.f(m), margin.f(T)
-        slope = middle[1] + around[2] * arb(0, 1) * h
-        if last and margin.zero:
-            sure = slope < 0 and not order
-        else:
-            check(not middle[0] < 0, margin.text)
-            sure = middle[0] - abs(middle[1]) * h - abs(around[2]) * h * h / 2 > 0
-            sure = sure or (slope > 0 and (order or a > 0))  # f was > 0 at a, or 0 at the start
-            sure = sure or (order and around[2] > 0)  # f' >= 0 at the start, by the forces there
-        if sure and last:
-            return
-        a, order, step = (b, 0, step * 3 / 2) if sure else (a, order, h)
-        check(step > until * arb(2) ** -ctx.prec, margin.text, OPEN)
 
 
 class Family:
@@ -385,11 +511,12 @@ class Family:
     def __init__(self, problem, data, events, row, low, high):
         problem.step((2 * len(events)) ** 3 // 256)  # the work, and by it the size, of the matrices
         check(len(row["t"]) == len(row["x"]) == len(events), "t and x at each event", BAD)
-        ends = [pair for both in zip(row["t"], row["x"], strict=True) for pair in both]
-        self.course = lambda value: Course(events, data["periods"], Equation(problem.p, data["parameter"], value))
+        ends, p = [pair for both in zip(row["t"], row["x"], strict=True) for pair in both], problem.p
+        fixed, name, periods = {each: arb(p[each]) for each in base.NAMES}, data["parameter"], data["periods"]
+        self.course = lambda value: Course(events, periods, Oscillator(fixed | {name: value}))
         self.box = [arb(a).union(arb(b)) for a, b in ends[:-2]]
         self.middle, every, c = arb((low + high) / 2), arb(low).union(arb(high)), [each.mid() for each in self.box]
-        thin, self.all, self.change = self.course(self.middle), self.course(every), every - self.middle
+        thin, self.all, change = self.course(self.middle), self.course(every), every - self.middle
         for _ in range(NEWTON_STEPS):  # it finds c and proves nothing
             self.Y = thin.jacobian(c).mid().inv().mid()
             c = (column(c) - self.Y * column(thin.r(c))).mid().entries()
@@ -399,9 +526,9 @@ class Family:
             curve.append((-(self.Y * column(rest))).mid().entries())
         self.YJ = self.Y * self.all.jacobian(self.box)
         moved = [[[comb(k, j) * each for each in curve[k]] for k in range(j, ORDER)] for j in range(ORDER)]
-        last = self.coefficients(every, [horner(rows, self.change) for rows in moved], ORDER + 1)[-1]
-        r = horner([*self.coefficients(self.middle, curve, ORDER), last], self.change)
-        self.curve, self.points = curve, self.newton(horner(curve, self.change), r)
+        last = self.coefficients(every, [horner(rows, change) for rows in moved], ORDER + 1)[-1]
+        r = horner([*self.coefficients(self.middle, curve, ORDER), last], change)
+        self.curve, self.points = curve, self.newton(horner(curve, change), r)
         self.within(row, self.points, self.all)
 
     def coefficients(self, value, curve, count):
@@ -434,27 +561,25 @@ class Family:
         return not (t - t0).overlaps(earlier * self.all.e.turn) or not x.overlaps(x0)
 
 
-def families(problem, data, events, row):
+def family(problem, data, events, row):
     """Prove the orbits of a row for all values of its interval, in parts; return the family of the last part."""
-    parts, count = [row["value"]], 0
-    while parts:
-        low, high = parts.pop()
-        count += 1
-        try:
-            family = Family(problem, data, events, row, low, high)
-            family.all.prove(family.points, data["stable"], problem)
-        except (Stop, ZeroDivisionError, ValueError) as stop:  # the latter two: a ball or a series may be 0
-            check(not isinstance(stop, Stop) or stop.args[0] == OPEN, str(stop.args[-1]))
-            parts += [((low + high) / 2, high), (low, (low + high) / 2)]
-            check(count < MOST_PARTS, f"for all values from {row['value'][0]} to {row['value'][1]}")
-    return family
+
+    def prove(part):
+        """Prove the orbits for all values of a part."""
+        found = Family(problem, data, events, row, *part)
+        found.all.prove(found.points, data["stable"], problem)
+        return found
+
+    low, high = row["value"]
+    what = f"for all values from {low} to {high}"
+    return in_parts(prove, (low, high), lambda it: ((sum(it) / 2, it[1]), (it[0], sum(it) / 2)), MOST_PARTS, what)
 
 
 def fails(problem, data, events, end, row):
     """Prove that an end's inequality fails at its outer value, for the root in a row at the inner one."""
-    family = Family(problem, data, events, end, *sorted((end["inside"], end["outside"])))
-    family.within(row, *family.root(end["inside"]))
-    (u, course), at, kind = family.root(end["outside"]), arb(end["at"]), end["kind"]
+    found = Family(problem, data, events, end, *sorted((end["inside"], end["outside"])))
+    found.within(row, *found.root(end["inside"]))
+    (u, course), at, kind = found.root(end["outside"]), arb(end["at"]), end["kind"]
     for i in range(course.count):
         after, s = at - u[2 * i], course.piece(i, u)[1]
         for margin in course.margins(i, u):
@@ -467,19 +592,17 @@ def fails(problem, data, events, end, row):
 def branch(data, source, limits):
     """Prove a branch: every row, that they join, and both ends."""
     name, rows, span, periods = data["parameter"], data["boxes"], data["range"], data["periods"]
-    values, events, before = [row["value"] for row in rows], course(data), None
+    values, events, tried = [row["value"] for row in rows], course(data), list[Any]()
     right = values and span == [values[0][0], values[-1][1]] and all(a[1] == b[0] for a, b in pairwise(values))
     check(right, "rows that follow each other from one end of the range to the other")
     check(all(low < high for low, high in values), "intervals from a lower to an upper value of a parameter", BAD)
     for value in [*span, *(end["outside"] for end in data["ends"])]:
         problem = base.Problem(data["parameters"] | {name: value}, limits)
-    tried = []
     for row in rows:
-        if before:
-            before.within(row, *before.root(row["value"][0]))
-        before = families(problem, data, events, row)
-        tried.append(before)
-    least(events, periods, lambda *shift: any(family.apart(*shift) for family in tried))
+        if tried:
+            tried[-1].within(row, *tried[-1].root(row["value"][0]))
+        tried.append(family(problem, data, events, row))
+    least(events, periods, lambda *shift: any(each.apart(*shift) for each in tried))
     first = f"an orbit {data['word']} for every {name} from {source['range'][0]} to {source['range'][1]}"
     first += f", by {len(rows)} intervals"
     for end, row, inner, side, shown in zip(
@@ -509,7 +632,463 @@ def pairs(row):
     )
 
 
-base.KINDS.update(orbit=orbit, branch=branch)
+# -- atlases -----------------------------------------------------------------------------------------------------------
+
+
+class Flight:
+    """A flight: mode, belts at its start and end, if it follows a stick, the domain in which the next stick ends."""
+
+    def __init__(self, piece, at, slips, stick):
+        (self.belt, self.mode, self.onto), self.at, self.slips, self.stick = piece, at, slips, stick
+        self.tau, self.side = at + 2 - slips, 1 if self.mode > self.onto else -1
+
+    def start(self, e, u):
+        """Return x at the start of the flight, from the unknowns u."""
+        if not self.slips:
+            return u[self.at + 1]
+        return (e.A[self.mode] + e.B0 * u[self.at].cos() - e.c * e.belts[self.belt]) / e.k
+
+    def after(self, e, u, s):
+        """Return x, v and v' of the flight after a time s, from the unknowns u."""
+        x, v, A, phase, (S, S1, Z, Z1) = self.start(e, u), e.belts[self.belt], e.A[self.mode], u[self.at], e.driven(s)
+        turn, y = times_i(phase).exp() * lifted(e.B0 / e.m), x - A / e.k
+        there = A / e.k + y * (S1 + 2 * e.h * S) + v * S + real(turn * Z)
+        speed = v * S1 - e.km * S * y + real(turn * Z1)
+        return there, speed, (A + e.B0 * (phase + e.Om * s).cos() - e.k * there - e.c * speed) / e.m
+
+    def end(self, e, u):
+        """Return the phase at the end of the flight."""
+        return u[self.at] + e.Om * u[self.tau]
+
+    def parts(self, e, u):
+        """Return if q > 0 on the parts of a flight back to its belt, and their ends (12 above); None: unknown."""
+        phase, end, found = u[self.at], self.end(e, u), []
+        turns = [turning(e, self.belt, n) for n in between(e, self.belt, phase, end)]
+        if not all(phase < turn < end for turn in turns):
+            return None
+        times = [arb(0), *((turn - phase) / e.Om for turn in turns), u[self.tau]]
+        for (a, b), ends in zip(pairwise([phase, *turns, end]), pairwise(times), strict=True):
+            place = ((a + b) / 2).mid()
+            q = -self.side * (e.k * e.belts[self.belt] + e.B0 * e.Om * place.sin())
+            if not (a < place < b and abs(q) > 0):
+                return None
+            found.append((q > 0, *ends))
+        return found
+
+    def short(self, e, u, cuts):
+        """Return whether g > 0 at the cuts proves it for a whole flight (12 above)."""
+        found, most, at = self.parts(e, u), e.part(), [(u[self.tau] * part, reach) for part, reach in cuts]
+        if found is None:
+            return False
+        for i, (up, a, b) in enumerate(found):
+            here, at = [each for each in at if each[0] < b], [each for each in at if not each[0] < b]
+            if not all(a < mark for mark, _ in here):
+                return False
+            if not up:
+                spans = [y - x for x, y in pairwise([a, *(mark for mark, _ in here), b])]
+                if not all(0 < span < most for span in spans):
+                    return False
+                continue
+            until = a + most if i == 0 else a
+            for mark, reach in here:
+                if not (mark - reach < until and 2 * reach < most):
+                    return False
+                until = mark + reach
+            if not until > (b - most if i + 1 == len(found) else b):
+                return False
+        return not at
+
+    def far(self, e, u, least):
+        """Return whether the velocity never comes to a belt: a steady motion, and a free one that loses energy."""
+        phase, (a, b) = u[self.at], e.steady
+        y = self.start(e, u) - e.A[self.mode] / e.k - a * phase.cos() - b * phase.sin()
+        dy = e.belts[self.belt] - e.Om * (b * phase.cos() - a * phase.sin())
+        ddy = -2 * e.h * dy - e.km * y
+        most = (dy * dy + ddy * ddy / e.km).upper().sqrt() + abs(e.Om) * (a * a + b * b).upper().sqrt()
+        return most < -least
+
+
+def turning(e, belt, n):
+    """Return the phase of a turn of the forces on a belt."""
+    v = e.belts[belt]
+    if isinstance(v, arb) and v.is_zero():
+        return n * arb.pi()
+    return n * arb.pi() + (-1) ** (n % 2) * (-e.k * v / (e.B0 * e.Om)).asin()
+
+
+def between(e, belt, low, high):
+    """Return the turns that may be between two phases."""
+    bias, swing = abs(e.k * e.belts[belt]), abs(e.B0 * e.Om)
+    if bias > swing:
+        return []
+    require(swing - bias, "whether the forces on a belt turn")
+    first, last = (low / arb.pi()).lower().floor() - 1, (high / arb.pi()).upper().ceil() + 1
+    check(last - first < MOST_TURNS, "few turns in a piece", OPEN)
+    all_of = range(int(float(first)), int(float(last)) + 1)
+    return [n for n in all_of if not turning(e, belt, n) < low and not turning(e, belt, n) > high]
+
+
+def marks(parts, most):
+    """Choose at which parts of a flight to evaluate g, and for how long before and after; this proves nothing."""
+    most, tau, found = 0.95 * float(most), float(parts[-1][2]), []
+    spare = 2 * max(float(b.rad()) for _, _, b in parts) + tau / 500
+    for i, (up, *ends) in enumerate(parts):
+        a, b = map(float, ends)
+        a, b = (a + most * (i == 0), b - most * (i + 1 == len(parts))) if up else (a, b)
+        count = (int(4 * (b - a) / most) + 1 if a < b else 0) if up else int((b - a) / most)
+        count = min(count, MOST_CUTS + 1)  # else there are too many
+        step = (b - a) / max(count, 1) if up else (b - a) / (count + 1)
+        found += [(a + (j + (0.5 if up else 1)) * step, 0.52 * step + spare if up else 0.0) for j in range(count)]
+    return [(round(at / tau * 512) / 512, reach) for at, reach in found]
+
+
+class Word:
+    """The flights of a word, and r (9 above)."""
+
+    def __init__(self, text, mirror):
+        digits, what = text[1:], f"the word {text[:40]!r}"
+        check(text[:1] == "P" and 0 < len(digits) <= 200 and set(digits) <= set("12345678"), what, BAD)
+        pieces = [PIECES[int(digit) - 1] for digit in reversed(digits)]
+        check(any(mode < 4 for _, mode, _ in pieces), f"{what}, which has no flight", BAD)
+        while pieces[0][1] > 3:
+            pieces = pieces[1:] + pieces[:1]
+        for (_, mode, end), (start, after, _) in zip(pieces, pieces[1:] + pieces[:1], strict=True):
+            near = {mode, after} <= {start, start + 1, start + 3} and mode != after
+            check(end == start and near, f"{what}, whose maps do not follow each other", BAD)
+        self.text, self.count, half, modes = text, len(pieces), len(pieces) // 2, [mode for _, mode, _ in pieces]
+        self.half = len(modes) % 2 == 0 and [mirror.get(mode) for mode in modes[:half]] == modes[half:]
+        self.alone = mirror.get(1) != 3  # one belt is at rest, and v = 0 divides the modes
+        self.flights, self.rows, self.size = [], [], 0
+        for i in range(half if self.half else self.count):
+            if modes[i] < 4:
+                slips, follows = modes[i - 1] > 3, modes[(i + 1) % self.count] > 3
+                self.flights.append(Flight(pieces[i], self.size, slips, modes[(i + 2) % self.count] if follows else 0))
+                self.rows.append(i)
+                self.size += 3 - slips
+
+    def unknowns(self, row, Om):
+        """Return u approximately, from the phases and positions of a row."""
+        check(len(row["phases"]) == len(row["x"]) == self.count, "a phase and an x at each event", BAD)
+        phases, found = [float(arb(each)) for each in row["phases"]], []
+        phases.append(phases[0] + 2 * float(arb.pi()))
+        for flight, i in zip(self.flights, self.rows, strict=True):
+            found += [phases[i]] + ([] if flight.slips else [float(arb(row["x"][i]))])
+            found.append((phases[i + 1] - phases[i]) / Om)
+        return [arb(each) for each in found]
+
+    def next(self, e, i, u):
+        """Return phase and x at the start of the flight after flight i; after the last, of flight 0 a turn later."""
+        if i + 1 < len(self.flights):
+            return u[self.flights[i + 1].at], self.flights[i + 1].start(e, u)
+        x = self.flights[0].start(e, u)
+        return (u[0] + arb.pi(), (e.A[1] + e.A[3]) / e.k - x) if self.half else (u[0] + 2 * arb.pi(), x)
+
+    def r(self, e, u, plan=None):
+        """Return the residuals r of the word, and its margins, which have to be > 0 (9 and 11 above)."""
+        found, margins, self.looks = [], [], {}  # the margins by which a flight is looked at, and its number
+        for i, flight in enumerate(self.flights):
+            s, (phase, x), v, end = u[flight.tau], self.next(e, i, u), e.belts[flight.onto], flight.end(e, u)
+            there, speed, F = flight.after(e, u, s)
+            if not flight.stick:
+                found += [speed - v, there - x, end - phase]
+            else:
+                found += [speed - v, there + v * ((phase - end) / e.Om) - x]
+            if plan is None:
+                continue
+            meets, jump = -flight.side * F, e.jump[flight.onto]
+            margins += [s, meets, jump - meets if flight.stick else meets - jump]
+            if flight.stick:
+                sign = 1 if flight.stick == flight.onto else -1
+                margins += [(phase - end) / e.Om, sign * (e.k * v + e.B0 * e.Om * phase.sin())]
+                for n in plan[0][i]:
+                    turn = turning(e, flight.onto, n)
+                    force = sign * (e.B0 * (turn.cos() - phase.cos()) + e.k * v * (phase - turn) / e.Om) / e.m
+                    margins += [force, jump - force]
+            for part, reach in plan[1][i]:
+                _, at, slope = flight.after(e, u, s * part)
+                for later in (reach, -reach) if reach else (0.0,):
+                    S, S1, _, _ = e.driven(arb(later))
+                    self.looks[len(margins)] = i
+                    margins.append(flight.side * ((at - v) * (S1 + 2 * e.h * S) + slope * S))
+        return found, margins
+
+    def plan(self, e, u):
+        """Return which turns may be in each stick, and where to evaluate each g (12 above); None: short steps."""
+        turns, cuts, steps = [], list[Any](), []
+        for i, flight in enumerate(self.flights):
+            turns.append(
+                between(e, flight.onto, flight.end(e, u), self.next(e, i, u)[0]) if flight.stick else list[Any]()
+            )
+            found = flight.parts(e, u) if flight.belt == flight.onto else None
+            chosen = marks(found, e.part()) if found else []
+            steps.append(found is None or len(chosen) > MOST_CUTS)
+            cuts.append([] if steps[-1] else chosen)
+        return turns, cuts, steps
+
+    def stays(self, e, u, plan, problem):
+        """Prove for all u in a box, where the margins are > 0, that no flight meets a belt before its end (12)."""
+        for flight, cuts, steps in zip(self.flights, *plan[1:], strict=True):
+            near = {flight.mode - 1, flight.mode} & {1, 2}
+            sides = {belt: (1 if flight.mode > belt else -1, e.belts[belt]) for belt in near}
+            if self.half and self.alone and flight.mode != 2:  # the mirror image is between both belts
+                other = 2 if flight.mode == 1 else 1
+                sides[other] = -flight.side, -e.belts[other]
+            for belt, (side, speed) in sides.items():
+                if belt == flight.belt == flight.onto and not steps and flight.short(e, u, cuts):
+                    continue
+                if belt not in (flight.belt, flight.onto) and flight.far(e, u, side * speed):
+                    continue
+
+                def f(s, flight=flight, side=side, speed=speed):
+                    """Return the distance from a belt and its derivatives."""
+                    _, v, a = flight.after(e, u, s)
+                    jerk = -2 * e.h * a - e.km * v - e.drive * (u[flight.at] + e.Om * s).sin()
+                    return side * (v - speed), side * a, side * jerk
+
+                order = (1 + flight.slips) * (belt == flight.belt)
+                margin = Margin("a flight that meets no belt before its end", "", f, order, belt == flight.onto)
+                positive(margin, u[flight.tau].upper(), problem)
+
+
+class Box:
+    """A word for all parameters of a box (10 above)."""
+
+    def __init__(self, p, over, word, box, u, problem):
+        self.p, self.over, self.word, self.u, self.problem = p, over, word, u, problem
+        self.middle = [arb((low + high) / 2) for low, high in box]
+        self.half = [arb((high - low) / 2) for low, high in box]
+        self.wide = [arb(low).union(arb(high)) for low, high in box]
+        problem.step(word.size)
+        self.newton()
+        self.surface()
+
+    def plane(self, values):
+        """Return the oscillator with values of both parameters."""
+        return Oscillator(self.p | dict(zip(self.over, values, strict=True)))
+
+    def series(self, side, rows, count, wide=False, plan=None):
+        """Return r and the margins as power series in one direction, from the middle or from all places of the box."""
+        ctx.cap = count
+        start = self.wide if wide else self.middle
+        e = self.plane([arb_series([b, h * i], prec=count) for b, h, i in zip(start, self.half, side, strict=True)])
+        return self.word.r(e, [arb_series(list(each), prec=count) for each in zip(*rows, strict=True)], plan)
+
+    def columns(self, e, u, plan=None):
+        """Return the derivatives of r and of the margins by each unknown; balls."""
+        found, ctx.cap = [], 2
+        self.problem.step(len(u) * len(self.word.flights) // 2)
+        for j in range(len(u)):
+            parts = self.word.r(e, [*u[:j], arb_series([u[j], 1], prec=2), *u[j + 1 :]], plan)
+            found.append([[coefficient(each, 1) for each in part] for part in parts])
+        return found
+
+    def newton(self):
+        """Find the root at the middle; it proves nothing."""
+        e = self.plane(self.middle)
+        for _ in range(BOX_NEWTON_STEPS):
+            self.J = arb_mat([column[0] for column in self.columns(e, self.u)]).transpose()
+            self.Y = self.J.mid().inv().mid()
+            step = self.by([each.mid() for each in self.word.r(e, self.u)[0]])
+            if all(abs(each) < NEAR for each in step):
+                return  # J is that at u
+            self.u = [(each - change).mid() for each, change in zip(self.u, step, strict=True)]
+            check(all(abs(each) < 10 for each in step), "a root at the middle of a box", OPEN)
+        raise Stop(OPEN, "a root at the middle of a box")
+
+    def by(self, values):
+        """Return Y times a vector."""
+        return (self.Y * column(values)).entries()
+
+    def surface(self):
+        """Prove that for all parameters of the box the word has one orbit."""
+        word, size, second, thin, d = self.word, self.word.size, [], [], arb(0, 1)
+        p = [arb(0)] * size
+        a, b = (
+            [-each.mid() for each in self.by([r[1] for r in self.series(side, [self.u], 2)[0]])] for side in SIDES[:2]
+        )
+        for i, j in SIDES[:3]:
+            rows = [self.u, [i * each + j * other for each, other in zip(a, b, strict=True)]]
+            r, _ = self.series((i, j), rows, 3)
+            second.append([-each.mid() for each in self.by([each[2] for each in r])])
+            bend = (self.J * column(second[-1])).entries()
+            thin.append(rows)
+            last = [each[2] + more for each, more in zip(r, bend, strict=True)]
+            for part in ([each[0] for each in r], [each[1] for each in r], last):
+                p = [each + 3 * abs(more) for each, more in zip(p, self.by(part), strict=True)]
+        aa, bb, ab = second[0], second[1], [z - x - y for x, y, z in zip(*second, strict=True)]
+        u = [
+            u + d * (a + d * aa + d * ab) + d * (b + d * bb)
+            for u, a, b, aa, bb, ab in zip(self.u, a, b, aa, bb, ab, strict=True)
+        ]
+
+        def slopes(i, j):
+            """Return the first and second coefficients of u(d) in a direction, somewhere in the box."""
+            rows = [
+                (i * (p + 2 * d * pp + d * pq) + j * (q + 2 * d * qq + d * pq), i * i * pp + j * j * qq + i * j * pq)
+                for p, q, pp, qq, pq in zip(a, b, aa, bb, ab, strict=True)
+            ]
+            return [list(each) for each in zip(*rows, strict=True)]
+
+        e, cubes, bends = self.plane(self.wide), [], []
+        plan = word.plan(e, u)
+        for side in SIDES:
+            r, margins = self.series(side, [u, *slopes(*side)], 4, True, plan)
+            cubes.append(self.by([each[3] for each in r]))
+            bends.append([coefficient(each, 2) for each in margins])
+        A, D, both, apart = cubes
+        for j in range(size):
+            B, C = (both[j] - apart[j]) / 2 - D[j], (both[j] + apart[j]) / 2 - A[j]
+            p[j] = (p[j] + abs(A[j]) + abs(B) + abs(C) + abs(D[j])).upper()
+        tube = self.contract(p, u, [slopes(*side)[0] for side in SIDES[:2]])
+        around = [each + arb(0, by) for each, by in zip(u, tube, strict=True)]
+        same = all(set(new) <= set(old) for new, old in zip(word.plan(e, around)[0], plan[0], strict=True))
+        check(same, "which turns are in a stick", OPEN)
+        by_u = [column[1] for column in self.columns(e, around, plan)]
+        lines = [self.series(side, rows, 2, False, plan)[1] for side, rows in zip(SIDES[:2], thin, strict=False)]
+        for i, (one, other) in enumerate(zip(*lines, strict=True)):
+            bend, zero = [each[i] for each in bends[:3]], arb(0)
+            least = coefficient(one) - abs(coefficient(one, 1)) - abs(coefficient(other, 1))
+            least += bend[0].min(zero) + bend[1].min(zero) - abs(bend[2] - bend[0] - bend[1])
+            least -= sum((abs(column[i]) * by for column, by in zip(by_u, tube, strict=True)), zero)
+            if i in word.looks and not least > 0:
+                plan[2][word.looks[i]] = True  # by short steps, then
+                continue
+            check(least > 0, "an inequality of a word in a box", OPEN)  # smaller boxes may decide it
+        word.stays(e, around, plan, self.problem)
+
+    def contract(self, p, u, slopes):
+        """Return e with p + N e < e (10 above)."""
+        size, tube = self.word.size, [arb(1.1) * each for each in p]
+        scales = [
+            max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in zip(*slopes, tube, strict=True)
+        ]
+        for _ in range(4):
+            tube = [(arb(1.15) * each).mid() for each in tube]
+            middle, around = ([x + arb(0, by) for x, by in zip(each, tube, strict=True)] for each in (self.u, u))
+            at = [self.by(column[0]) for column in self.columns(self.plane(self.middle), middle)]
+            N = [[abs(arb(int(i == j)) - each) for i, each in enumerate(row)] for j, row in enumerate(at)]
+            units = [[scales[j] if i == j else arb(0) for i in range(size)] for j in range(size)]
+            alone = [self.squares((0, 0), around, unit) for unit in units]
+            for side, slope in zip(SIDES[:2], slopes, strict=False):
+                own = self.squares(side, around, slope)
+                for j, unit in enumerate(units):
+                    both = self.squares(side, around, [x + y for x, y in zip(slope, unit, strict=True)])
+                    mixed = self.by([x - y - z for x, y, z in zip(both, own, alone[j], strict=True)])
+                    N[j] = [x + abs(y) / scales[j] for x, y in zip(N[j], mixed, strict=True)]
+            image = [p[i] + sum((N[j][i] * tube[j] for j in range(size)), arb(0)) for i in range(size)]
+            if all(each < by for each, by in zip(image, tube, strict=True)):
+                return tube
+            tube = [each.upper() for each in image]
+            if not all(each < 10 for each in tube):
+                break
+        raise Stop(OPEN, "one root for all parameters of a box")
+
+    def squares(self, side, u, slope):
+        """Return the second coefficients of r in a direction, from everywhere in the box."""
+        return [coefficient(each, 2) for each in self.series(side, [u, slope, [arb(0)] * len(u)], 3, True)[0]]
+
+
+def rests(p, over, box):
+    """Prove that the mass may rest on a belt for all parameters of a box (13 above)."""
+    ends = {name: (p[name], p[name]) for name in base.NAMES} | dict(zip(over, box, strict=True))
+    drive = max(abs(each) for each in ends["B0"])
+    holds = (ends["v" + belt] == (0, 0) and ends["mu" + belt][0] * ends["FN"][0] >= drive for belt in "12")
+    check(any(holds), "that the mass may rest on a belt")
+
+
+def apart(boxes):
+    """Prove that no two boxes overlap: from left to right, those at one place in order."""
+    events = sorted((box[0][side], side == 0, i) for i, box in enumerate(boxes) for side in (0, 1))
+    there = list[Any]()
+    for _, begins, i in events:
+        low, high = boxes[i][1]
+        at = bisect_left(there, (low, high, i))
+        if not begins:
+            del there[at]
+            continue
+        for low_of, high_of, _ in there[max(at - 1, 0) : at + 1]:
+            check(high_of <= low or high <= low_of, "boxes that overlap")
+        insort(there, (low, high, i))
+
+
+def clear(boxes, points, whole):
+    """Check that no point of a border is inside a box, by more than rounding errors."""
+    away = [1e-12 * float(high - low) for low, high in whole]
+    for box in boxes:
+        (left, right), (low, high) = ((float(a) + by, float(b) - by) for (a, b), by in zip(box, away, strict=True))
+        for x, y in points[bisect_right(points, (left, inf)) : bisect_left(points, (right,))]:
+            check(not low < y < high, f"a border at {x:.6g}, {y:.6g}, in a box of one word")
+
+
+def mirror_of(p, over):
+    """Return the mirror images of the modes of a symmetric oscillator (9 above)."""
+    if not {"v1", "v2", "mu1", "mu2"} & set(over) and p["v1"] == -p["v2"] and p["mu1"] == p["mu2"]:
+        return {1: 3, 2: 2, 3: 1, 4: 5, 5: 4}
+    for belt, other in ((1, 2), (2, 1)):
+        free = {f"v{belt}", f"mu{other}"} & set(over)
+        if not free and p[f"v{belt}"] == 0 == p[f"mu{other}"]:
+            return {belt: belt + 1, belt + 1: belt, 3 + belt: 3 + belt}
+    return {}
+
+
+def halved(whole):
+    """Return how a box is halved across its side that is the longer part of that of the whole."""
+
+    def halves(part):
+        """Return both halves of a box, the upper one last."""
+        sides = [(high - low) / (b - a) for (low, high), (a, b) in zip(part, whole, strict=True)]
+        along = int(sides[1] > sides[0])
+        low, high = part[along]
+        ends = (low, (low + high) / 2), ((low + high) / 2, high)
+        return [(half, part[1]) if along == 0 else (part[0], half) for half in ends]
+
+    return halves
+
+
+def atlas(data, source, limits):
+    """Prove an atlas: every box, that they do not overlap, and the share of the area."""
+    over, whole, p = data["over"], data["range"], data["parameters"]
+    check(over[0] != over[1], "two different parameters", BAD)
+    for corner in ((x, y) for x in whole[0] for y in whole[1]):
+        problem = base.Problem(p | dict(zip(over, corner, strict=True)), limits)
+        check(min(problem.p["c"], problem.p["k"]) > 0, "a damper and a spring in the whole range")
+    boxes = [row["range"] for row in data["boxes"]]
+    for box in [whole, *boxes, *data["open"]]:
+        check(all(low < high for low, high in box), "sides from a lower to an upper value", BAD)
+        inner = all(low <= a and b <= high for (a, b), (low, high) in zip(box, whole, strict=True))
+        check(inner, "a box beyond the range")
+    apart([*boxes, *data["open"]])
+    clear(boxes, data["found"], whole)
+    all_of, proven, rest = (
+        sum((b - a) * (d - c) for (a, b), (c, d) in each) for each in ([whole], boxes, data["open"])
+    )
+    stated = f"a share of {source['share'][:40]}, where the boxes have {proven / all_of}"[:160]
+    check(proven == data["share"] * all_of, stated)
+    check(proven + rest == all_of, "boxes and open ones that fill the range")
+    mirror, words = mirror_of(p, over), dict[str, Word]()
+    with ctx.workprec(BOX_BITS):
+        values = {name: arb(problem.p[name]) for name in base.NAMES}
+        for row, shown in zip(data["boxes"], source["boxes"], strict=True):
+            text, box = row["word"], row["range"]
+            problem.step()
+            if text == "rest":
+                check(not row["phases"] and not row["x"], "a rest with switchings", BAD)
+                rests(p, over, box)
+                continue
+            word = words[text] = words.get(text) or Word(text, mirror)
+            middle = dict(zip(over, (sum(side) / 2 for side in box), strict=True))
+            near = word.unknowns(row, float(arb(middle.get("Omega", p["Omega"]))))
+            what = f"the word {text} in the box {shown['range']}, in {MOST_BOX_PARTS} parts"
+            prove = partial(Box, values, over, word, u=near, problem=problem)
+            in_parts(prove, box, halved(box), MOST_BOX_PARTS, what)
+    share = f"{float((data['share'] * 10**6).floor()) / 1e6:.6f}"  # rounded down
+    named = ", ".join(sorted({row["word"] for row in data["boxes"]}))
+    spans = [f"{name} from {low} to {high}" for name, (low, high) in zip(over, source["range"], strict=True)]
+    first = f"the words of {len(boxes)} boxes, {share} of the area, {', '.join(spans)}: {named}"
+    return [first, base.about(source["parameters"] | dict.fromkeys(over, "(varies)"))]
+
+
+base.KINDS.update(orbit=orbit, branch=branch, atlas=atlas)
 
 
 if __name__ == "__main__":

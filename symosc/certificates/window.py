@@ -1,14 +1,9 @@
 """A grazing window, proven for all phases: where a motion that meets a belt with F = 0 turns back, and where not.
 
-Let g be the distance of v from the belt, positive on the side of the motion: g = 0 at the contact, and g' = 0 by F = 0.
-Then m g'' = s with s = side (k v + B0 Omega sin theta), side = 1 below the belt and -1 above it. So it grazes where
-s > 0, and leaves its domain where s < 0. The zeros of s are the phases with sin theta = -k v/(B0 Omega), and no others.
-
-- Two of them: between them s keeps its sign, which one phase of each arc shows. At the ends g'' = 0 and g''' != 0: the
-  motion passes.
-- One, if |k v| = |B0| Omega, decided in rational numbers: s has one sign elsewhere. At that phase g'' = g''' = 0, and
-  m g'''' = Omega^2 side k v: there the touch is of fourth order. The paper's order leaves it out.
-- None, or all phases (B0 = 0): one sign.
+At the contact g = g' = 0 for the distance g from the belt, and m g'' = s = side (k v + B0 Omega sin theta), side = 1
+below the belt and -1 above it. It grazes where s > 0, and leaves its domain where s < 0. If s has two zeros, one phase
+shows its sign on each arc, and at the ends the motion passes. If it has one (|k v| = |B0| Omega, decided in rational
+numbers), the touch there is of fourth order, which the paper's order leaves out (`symosc derive certificates`).
 """
 
 from __future__ import annotations
@@ -30,14 +25,13 @@ def prove_window(window: GrazingWindow) -> Certificate:
     """Prove at which phases a contact of a map grazes; return the certificate of its window."""
     p, place = window.parameters, window.place
     bias, swing = place.side * p.k * p.belt(place.boundary), place.side * p.B0 * p.Omega
+    statement = made_by(WINDOW_BITS) | {"parameters": p.as_dict(), "map": window.mapping, "order": window.order}
     with ctx.workprec(WINDOW_BITS):
-        where, ends = _where(bias, swing, window.order == "full")
-        rows = [
+        statement["grazes"], ends = _where(bias, swing, window.order == "full")
+        statement["ends"] = [
             {"phase": list(outward(phase, WINDOW_PLACES)), "sine": show(sine), "cosine": cosine}
             for phase, sine, cosine in ends
         ]
-    about = {"parameters": p.as_dict(), "map": window.mapping, "order": window.order}
-    statement = made_by(WINDOW_BITS) | about | {"grazes": where, "ends": rows}
     return confirmed(Certificate("window", True, "", statement=statement))
 
 

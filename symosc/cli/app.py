@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 import click
 
 import symosc
-from symosc.cli.common import BAD_INPUT, INTERRUPTED, note, write
+from symosc.cli.output import BAD_INPUT, INTERRUPTED, note, write
 from symosc.display import progress
 from symosc.errors import CodeCacheWarning, SymoscError, meant
 from symosc.files import drop_stdout

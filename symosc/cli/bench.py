@@ -12,30 +12,23 @@ from typing import Any
 import click
 
 from symosc.aliases import Record
-from symosc.cli.common import FAILED, check_picture, goes_to_stdout, json_option, write, write_json, write_table, wrote
+from symosc.cli import options, output
+from symosc.cli.options import Text, flag, option
 from symosc.display.progress import bar
 from symosc.errors import MissingExtraError
 
 
 @click.command()
-@click.option("--quick", is_flag=True, help="Fewer scenes, tolerances, cases and repeats: half a minute.")
-@click.option("--hard", "hard_cases", is_flag=True, help="The hard cases in place of speed, work and precision.")
-@json_option
-@click.option(
-    "-o", "--output", metavar="FIGURE", help="Draw error against time per event: .pdf, .svg or .png. -: SVG to stdout."
+@flag("--quick", "Fewer scenes, tolerances, cases and repeats: half a minute.")
+@flag("--hard", "The hard cases in place of speed, work and precision.")
+@options.json_option
+@options.picture_option(
+    "-o, --output FIGURE", "Draw error against time per event: .pdf, .svg or .png. -: SVG to stdout.", "picture"
 )
-@click.option("--results", "readme", metavar="README", help="Run everything, and write it between the README's marks.")
-@click.option("--scores", "page", metavar="FILE", help="Score all solvers on the reference cases: a Markdown page.")
-@click.option("--gradients", "slopes", metavar="FILE", help="Score ways to differentiate the events: a Markdown page.")
-def bench(
-    quick: bool,
-    hard_cases: bool,
-    as_json: bool,
-    output: str | None,
-    readme: str | None,
-    page: str | None,
-    slopes: str | None,
-) -> int:
+@option("--results README", "Run everything, and write it between the README's marks.", "readme")
+@option("--scores FILE", "Score all solvers on the reference cases: a Markdown page.")
+@option("--gradients FILE", "Score ways to differentiate the events: a Markdown page.")
+def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text, gradients: Text) -> int:
     """Measure speed beside error, of symosc and of other solvers.
 
     Prints our time per event and the solvers' time and error on the shipped scenes, all as multiples of ours and of one
@@ -61,71 +54,59 @@ def bench(
       symosc bench --scores docs/results/scores.md
       symosc bench --gradients docs/results/gradients.md
     """
-    piped = goes_to_stdout(output, "--output", as_json)
     from symosc import plot
     from symosc.bench import cases, error_map, results, speed, work
 
-    alone = [(name, path) for name, path in (("--scores", page), ("--gradients", slopes)) if path is not None]
+    alone = [(name, path) for name, path in (("--scores", scores), ("--gradients", gradients)) if path is not None]
     if alone:
-        if quick or hard_cases or as_json or output is not None or readme is not None or len(alone) > 1:
+        if quick or hard or output.prints_json() or picture is not None or readme is not None or len(alone) > 1:
             raise click.UsageError(f"{alone[0][0]} is a run of its own: leave out the other options")
-        return _scores(*alone[0])
-    if readme is not None and (hard_cases or output is not None):
-        raise click.UsageError("--results runs everything and draws its own pictures: leave out --hard and -o")
-    check_picture(output)
+        return _score(*alone[0])
     if readme is not None:
+        if hard or picture is not None:
+            raise click.UsageError("--results runs everything and draws its own pictures: leave out --hard and -o")
         results.check(readme)
     result: Record = {"quick": quick}
-    if readme is not None or not hard_cases:
-        result |= _run_speed(quick)
+    if not hard:
+        if find_spec("numba") is None:
+            raise MissingExtraError("symosc bench", "bench")
+        result["speed"] = speed.run(quick=quick, progress=partial(_bar, "calls"))
+        result["work_precision"] = work.run(quick=quick, progress=partial(_bar, "solvers"))
     if readme is not None:
         result["scores"] = cases.run(progress=partial(_bar, "reference cases"))
-    elif hard_cases:
+    elif hard:
         result["hard"] = cases.run(partial(_bar, "hard cases"), cases=cases.hard_ones(quick))
-    if readme is not None or (hard_cases and output is not None):
+    if readme is not None or (hard and picture is not None):
         result["error_map"] = error_map.run(quick=quick, progress=partial(_bar, "error map"))
     written = [] if readme is None else results.write(readme, result)
-    if output is not None:
-        picture = error_map.figure(result["error_map"]) if hard_cases else work.figure(result["work_precision"])
-        written.append(plot.save(picture, output))
-    code = 0 if all(result[key]["ok"] for key in ("hard", "scores") if key in result) else FAILED
-    if as_json:
-        plain = {key: cases.as_json(each) if key in ("hard", "scores") else each for key, each in result.items()}
-        write_json(_plain(plain))
-    if as_json or piped:
-        return code
-    if readme is None and hard_cases:
-        write(cases.table(result["hard"]))
-    elif readme is None:
-        write(f"{speed.table(result['speed'])}\n\n{work.table(result['work_precision'])}")
-    for path in written:
-        write(wrote(path))
-    return code
+    if picture is not None:
+        drawing = error_map.figure(result["error_map"]) if hard else work.figure(result["work_precision"])
+        written.append(plot.save(drawing, picture))
+
+    def show() -> None:
+        if readme is None and hard:
+            output.write(cases.table(result["hard"]))
+        elif readme is None:
+            output.write(f"{speed.table(result['speed'])}\n\n{work.table(result['work_precision'])}")
+        output.name_files(*written)
+
+    judged = result.keys() & {"hard", "scores"}
+    plain = result | {key: cases.as_json(result[key]) for key in judged if output.prints_json()}
+    output.report(lambda: _plain(plain), show)
+    return 0 if all(result[key]["ok"] for key in judged) else output.FAILED
 
 
-def _run_speed(quick: bool) -> Record:
-    from symosc.bench import speed, work
-
-    if find_spec("numba") is None:
-        raise MissingExtraError("symosc bench", "bench")
-    return {
-        "speed": speed.run(quick=quick, progress=partial(_bar, "calls")),
-        "work_precision": work.run(quick=quick, progress=partial(_bar, "solvers")),
-    }
-
-
-def _scores(option: str, page: str) -> int:
+def _score(hint: str, page: str) -> int:
     """Run all solvers on the reference cases and write the page; return the exit code."""
     from symosc.bench import cases, gradients
     from symosc.files import check_folder_of
 
     if not page.endswith(".md"):
-        raise click.BadParameter(f"{page!r} must end in .md", param_hint=option)
+        raise click.BadParameter(f"{page!r} must end in .md", param_hint=hint)
     check_folder_of(page)  # before the work
-    runs = cases if option == "--scores" else gradients
+    runs = cases if hint == "--scores" else gradients
     result = runs.run(partial(_bar, "reference cases"))
-    for path in runs.write(page, result, f"symosc bench {option} {Path(page).as_posix()}"):
-        write(wrote(path))
+    output.name_files(*runs.write(page, result, f"symosc bench {hint} {Path(page).as_posix()}"))
     return 0
 
 
@@ -147,8 +128,8 @@ def _plain(value: object) -> object:
 
 
 @click.command()
-@json_option
-def warm(as_json: bool) -> None:
+@options.json_option
+def warm() -> None:
     """Compile ahead what simulate_many needs, so that no later program waits for a compiler.
 
     Needs numba (extra fast), and takes a minute. What is compiled is kept on disk; it is made anew when symosc or numba
@@ -161,8 +142,6 @@ def warm(as_json: bool) -> None:
     from symosc.simulation.batch import warm as compile_all
 
     rows = compile_all()
-    if as_json:
-        write_json([row._asdict() for row in rows])
-        return
     table = [[row.what, "loaded" if row.was_there else "compiled", f"{row.seconds:.1f}"] for row in rows]
-    write_table(table, ["what", "how", "seconds"])
+    heads = ["what", "how", "seconds"]
+    output.report(lambda: [row._asdict() for row in rows], lambda: output.write_table(table, heads))

@@ -2,32 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections import Counter
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from symosc.certificates.certificate import common_complex, common_digits
-from symosc.cli.common import (
-    FAILED,
-    complain,
-    complete,
-    goes_to_stdout,
-    json_option,
-    optional_scene,
-    read_error,
-    read_span,
-    reduced_scene,
-    scene_with,
-    set_option,
-    start_error_option,
-    write,
-    write_json,
-    write_table,
-)
+from symosc.cli import options, output
+from symosc.cli.options import Settings, Text, flag, option
 from symosc.display.progress import bar
 from symosc.errors import MissingExtraError
 from symosc.mappings.theorem7_cases import PLACES
-from symosc.model import PARAMETER_NAMES
 
 if TYPE_CHECKING:
     from symosc.certificates.certificate import Certificate
@@ -36,47 +21,39 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@optional_scene
-@click.option("--t-end", metavar="T", help="End time in place of the scene's; 10T: after 10 periods.")
-@start_error_option
-@click.option(
-    "--wrt",
-    metavar="NAMES",
-    shell_complete=complete(PARAMETER_NAMES, ","),
-    help="Enclose the derivatives of all events too, by parameters and t0, x0, v0, such as mu1,x0.",
+@options.optional_scene
+@option("--t-end T", "End time in place of the scene's; 10T: after 10 periods.")
+@options.start_error_option
+@option(
+    "--wrt NAMES",
+    "Enclose the derivatives of all events too, by parameters and t0, x0, v0, such as mu1,x0.",
+    shell_complete=options.PARAMETER_LIST,
 )
-@click.option("--orbit", "word", metavar="WORD", help="Prove the periodic orbit with this structure, such as P32.")
-@click.option(
-    "--branch",
-    "span",
-    metavar="NAME=LO:HI",
-    shell_complete=complete(PARAMETER_NAMES, "="),
-    help="Prove the orbit for every value of a parameter.",
+@option("--orbit WORD", "Prove the periodic orbit with this structure, such as P32.", "word")
+@option(
+    "--branch NAME=LO:HI", "Prove the orbit for every value of a parameter.", "span", shell_complete=options.PARAMETER
 )
-@click.option(
-    "--window",
+@option(
+    "--window MAP",
+    "Prove the grazing window of a map, such as P2.",
     "mapping",
-    metavar="MAP",
-    shell_complete=complete(PLACES),
-    help="Prove the grazing window of a map, such as P2.",
+    shell_complete=options.complete(PLACES),
 )
-@click.option("--orbits", "listed", is_flag=True, help="Prove the list of orbits that ships, in two processes.")
-@set_option
-@click.option("-o", "--output", metavar="FILE", help="Write the certificate, a JSON file. -: to stdout, and only that.")
-@json_option
+@flag("--orbits", "Prove the list of orbits that ships, in two processes.")
+@options.set_option
+@options.file_option("-o, --output FILE", "Write the certificate, a JSON file. -: to stdout, and only that.", "path")
+@options.json_option
 def certify(
-    scene: str | None,
-    *,
-    t_end: str | None,
-    start_error: str | None,
-    wrt: str | None,
-    word: str | None,
-    span: str | None,
-    mapping: str | None,
-    listed: bool,
-    settings: tuple[str, ...],
-    output: str | None,
-    as_json: bool,
+    scene: Text,
+    t_end: Text,
+    start_error: Any,
+    wrt: Text,
+    word: Text,
+    span: Text,
+    mapping: Text,
+    orbits: bool,
+    settings: Settings,
+    path: Text,
 ) -> int:
     """Prove all events of a scene: that each is the next one, of its kind, and between which times and positions.
 
@@ -93,33 +70,27 @@ def certify(
       symosc certify fig9 --orbit P32
       symosc certify fig9 --branch Omega=3:6
     """
-    piped = goes_to_stdout(output, "--output", as_json)
-    if listed:
+    if orbits:
         if scene is not None:
             raise click.UsageError("--orbits proves its own list; give no scene")
-        return _prove_list()
+        return _listed("proven", False)
     if scene is None:
         raise click.UsageError("Missing argument 'SCENE'.")
     if (word or span or mapping) and (t_end or start_error or wrt):
         raise click.UsageError("--t-end, --start-error and --wrt are for motions, not for an orbit, branch or window")
-    problem = reduced_scene(scene_with(scene, settings, {"t_end": t_end}))
+    problem = options.reduced_scene(options.scene_with(scene, settings, t_end=t_end))
     certificate = _proof(problem, start_error, wrt, word, span, mapping)
     if certificate is None:
-        return FAILED
-    if output is not None:
-        certificate.to_json(output)
-    if as_json:
-        write_json(certificate.as_dict())
-    elif not piped:
-        _print_certificate(certificate)
+        return output.FAILED
+    if path is not None:
+        certificate.to_json(path)
+    output.report(certificate.as_dict, lambda: _print_certificate(certificate))
     if not certificate.proven:
-        complain(f"not proven: {certificate.message}")
-    return 0 if certificate.proven else FAILED
+        output.complain(f"not proven: {certificate.message}")
+    return 0 if certificate.proven else output.FAILED
 
 
-def _proof(
-    problem: Scene, start_error: str | None, wrt: str | None, word: str | None, span: str | None, mapping: str | None
-) -> Certificate | None:
+def _proof(problem: Scene, start_error: Any, wrt: Text, word: Text, span: Text, mapping: Text) -> Certificate | None:
     """Return the certificate that is asked for; None, after a line that says so, if there is no such orbit."""
     from symosc.certificates.certify import certify as prove
 
@@ -129,18 +100,17 @@ def _proof(
         return prove(grazing_window(problem.parameters, mapping))
     if word is None and span is None:
         names = None if wrt is None else [name.strip() for name in wrt.split(",")]
-        return prove(problem, start_error=read_error(start_error), wrt=names)
-    found = _orbit_certificate(problem, word)
+        return prove(problem, start_error=start_error, wrt=names)
+    found = _orbit(problem, word)
     if found is None or span is None:
         return None if found is None else prove(found)
     from symosc.orbits.branch import continue_orbit
 
-    name, limits = read_span(span, "--branch")
-    branch = continue_orbit(found.parameters, found.word, name, limits, found)
-    return prove(branch, progress=True)
+    name, limits = options.read_span(span, "--branch")
+    return prove(continue_orbit(found.parameters, found.word, name, limits, found), progress=True)
 
 
-def _orbit_certificate(problem: Scene, word: str | None) -> PeriodicOrbit | None:
+def _orbit(problem: Scene, word: Text) -> PeriodicOrbit | None:
     from symosc.orbits.closing_equations import ConvergenceError
     from symosc.orbits.find import find_orbit
 
@@ -150,10 +120,10 @@ def _orbit_certificate(problem: Scene, word: str | None) -> PeriodicOrbit | None
     try:
         found = find_orbit(problem.parameters, word)
     except ConvergenceError as error:
-        complain(f"not proven: {error}")
+        output.complain(f"not proven: {error}")
         return None
     if not found.admissible:
-        complain(f"not proven: {found.word} is {found.message}")
+        output.complain(f"not proven: {found.word} is {found.message}")
         return None
     return found
 
@@ -161,45 +131,47 @@ def _orbit_certificate(problem: Scene, word: str | None) -> PeriodicOrbit | None
 def _print_certificate(certificate: Certificate) -> None:
     # The events of a branch have no times: these depend on the parameter.
     timed = [event for event in certificate.events if len(event) > 3]
-    rows = [[common_digits(*t), common_digits(*x), kind, f"{old} -> {new}"] for kind, old, new, t, x in timed]
-    if rows:
-        write_table(rows, ["t", "x", "kind", "from -> to"])
-        write("")
+    if timed:
+        rows = [[common_digits(*t), common_digits(*x), kind, f"{old} -> {new}"] for kind, old, new, t, x in timed]
+        output.write_table(rows, ["t", "x", "kind", "from -> to"])
+        output.write("")
     if certificate.derivatives:
-        names = certificate.statement["wrt"]
-        changes = [[common_digits(*each) for each in (*dt, *dx)] for dt, dx in certificate.derivatives]
-        write_table(changes, [f"d{of}/d{name}" for of in "tx" for name in names])
-        write("")
+        rows = [[common_digits(*each) for each in (*dt, *dx)] for dt, dx in certificate.derivatives]
+        output.write_table(rows, [f"d{of}/d{name}" for of in "tx" for name in certificate.statement["wrt"]])
+        output.write("")
     for i, multiplier in enumerate(certificate.multipliers, 1):
-        write(f"multiplier {i}: {common_complex(*multiplier)}")
+        output.write(f"multiplier {i}: {common_complex(*multiplier)}")
     if certificate.proven:
-        write(f"proven: {certificate.message}")
+        output.write(f"proven: {certificate.message}")
 
 
-def _prove_list() -> int:
+def _listed(verb: str, again: bool) -> int:
+    """Prove the list of orbits that ships, or prove it again; print how many are proven, and what is not."""
     from symosc.certificates.orbit_list import listed_orbits, prove_list
 
-    count = len(listed_orbits())
-    with bar("proven", count, "orbits") as report:
-        done = prove_list(progress=report)
-    regimes = ", ".join(f"{number} {name}" for name, number in done.regimes.items())
-    write(f"proven: {done.orbits} of {count} orbits ({regimes}), with {done.words} words")
-    for message in done.undecided:
-        complain(f"not proven: {message}")
-    return FAILED if done.undecided else 0
+    orbits = listed_orbits()
+    with bar(verb, len(orbits), "orbits") as report:
+        answers = prove_list(progress=report, again=again)
+    proven = [orbit for orbit, answer in zip(orbits, answers, strict=True) if not answer]
+    regimes = ", ".join(f"{number} {name}" for name, number in Counter(orbit.regime for orbit in proven).items())
+    more = "" if again else f" ({regimes}), with {len({orbit.cycle for orbit in proven})} words"
+    output.write(f"{verb}: {len(proven)} of {len(orbits)} orbits{more}")
+    for answer in filter(None, answers):
+        output.complain(answer if again else f"not proven: {answer}")
+    return output.FAILED if any(answers) else 0
 
 
 @click.command()
 @click.argument("file", required=False)
-@click.option("--orbits", "listed", is_flag=True, help="Certify and verify the list of orbits that ships.")
-@click.option("--bytes", "size", metavar="N", type=click.IntRange(1), help="Largest file. Default: 10,000,000.")
-@click.option("--events", metavar="N", type=click.IntRange(1), help="Most events and boxes. Default: 50,000.")
-@click.option("--steps", metavar="N", type=click.IntRange(1), help="Most steps of the proof. Default: 2,000,000.")
-def verify(file: str | None, *, listed: bool, size: int | None, events: int | None, steps: int | None) -> int:
+@flag("--orbits", "Certify and verify the list of orbits that ships.")
+@option("--bytes N", "Largest file. Default: 10,000,000.", type=click.IntRange(1))
+@option("--events N", "Most events and boxes. Default: 50,000.", type=click.IntRange(1))
+@option("--steps N", "Most steps of the proof. Default: 2,000,000.", type=click.IntRange(1))
+def verify(file: Text, orbits: bool, **limits: int | None) -> int:
     """Prove a certificate file once more, by other means than `symosc certify`, and print what is proven.
 
-    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits and branches, and
-    verify_atlas.py for atlases. They need python-flint and nothing of symosc: copy them, read them, and run them alone.
+    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits, branches and atlases. They
+    need python-flint and nothing of symosc: copy them, read them, and run them alone.
     Exit codes: 0 proven, 1 false or not proven, 2 no certificate.
 
     \b
@@ -207,31 +179,14 @@ def verify(file: str | None, *, listed: bool, size: int | None, events: int | No
       symosc verify fig8.json
       symosc verify --orbits
     """
-    if (file is None) != listed:
-        raise click.UsageError("--orbits verifies its own list; give no file" if listed else "Missing argument 'FILE'.")
+    if (file is None) != orbits:
+        raise click.UsageError("--orbits verifies its own list; give no file" if orbits else "Missing argument 'FILE'.")
     try:
-        from symosc.certificates import verify_atlas
+        from symosc.certificates import verify_orbits
     except ImportError:
         raise MissingExtraError("verify", "certify") from None
     if file is None:
-        return _verify_list()
-    limits = {name: most for name, most in (("bytes", size), ("events", events), ("steps", steps)) if most is not None}
-    code, answer = verify_atlas.verify(file, **limits)
-    if code:
-        complain(answer)
-    else:
-        write(answer)
+        return _listed("proven again", True)
+    code, answer = verify_orbits.verify(file, **{name: most for name, most in limits.items() if most is not None})
+    (output.complain if code else output.write)(answer)
     return code
-
-
-def _verify_list() -> int:
-    from symosc.certificates.orbit_list import listed_orbits, verify_list
-
-    count = len(listed_orbits())
-    with bar("proven again", count, "orbits") as report:
-        answers = verify_list(progress=report)
-    wrong = [answer for answer in answers if answer]
-    write(f"proven again: {count - len(wrong)} of {count} orbits")
-    for line in wrong:
-        complain(line)
-    return FAILED if wrong else 0

@@ -4,79 +4,60 @@ from __future__ import annotations
 
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from symosc.aliases import Record
-from symosc.cli.common import (
-    WholeNumber,
-    check_picture,
-    complete_scene,
-    folder_name,
-    goes_to_stdout,
-    json_option,
-    scene_with,
-    set_option,
-    split_setting,
-    write,
-    write_json,
-    write_table,
-)
+from symosc.cli import options, output
+from symosc.cli.options import Settings, Text, flag, option
 from symosc.display.progress import bar
-from symosc.exact import read_exact
-
-if TYPE_CHECKING:
-    from symosc.scenes import Scene
-
-COLUMN_NAMES = ("t", "x", "v", "id")
 
 
-def _split_columns(text: str | None) -> dict[str, str]:
+def _split_columns(text: Text) -> dict[str, str]:
     names: dict[str, str] = {}
     for part in () if text is None else text.split(","):
         form = "t=NAME, x=NAME, v=NAME or id=NAME"
-        name, column = (each.strip() for each in split_setting(part, "--columns", form))
-        if name not in COLUMN_NAMES or not column:
+        name, column = options.split_setting(part, "--columns", form, names)
+        if name not in ("t", "x", "v", "id"):
             raise click.BadParameter(f"{part!r} is not {form}", param_hint="--columns")
-        if name in names:
-            raise click.BadParameter(f"{name} is given twice", param_hint="--columns")
         names[name] = column
     return names
 
 
 @click.command()
-@click.argument("files", nargs=-1, shell_complete=complete_scene)
-@click.option(
-    "--scene",
-    metavar="SCENE",
-    shell_complete=complete_scene,
-    help="Name of a scene or path of a TOML file, if it is not the first word.",
+@click.argument("files", nargs=-1, shell_complete=options.complete_scene)
+@option(
+    "--scene SCENE",
+    "Name of a scene or path of a TOML file, if it is not the first word.",
+    shell_complete=options.complete_scene,
 )
-@click.option("--case", metavar="NAME", help="A reference case in place of a scene; `symosc cases` lists them.")
-@set_option
-@click.option("--solver", metavar="MODULE:FUNCTION", help="Run FUNCTION(parameters, t0, x0, v0, t_end) and check that.")
-@click.option(
-    "--t-end", metavar="T", help="Where the solution has to end, if not at the scene's end; 10T: after 10 periods."
+@option("--case NAME", "A reference case in place of a scene; `symosc cases` lists them.")
+@options.set_option
+@option("--solver MODULE:FUNCTION", "Run FUNCTION(parameters, t0, x0, v0, t_end) and check that.")
+@option("--t-end T", "Where the solution has to end, if not at the scene's end; 10T: after 10 periods.")
+@flag("--own-start", "Allow a solution that starts elsewhere than the scene.")
+@flag("--partial", "Allow a solution that ends before the scene does.")
+@option("--columns t=…,x=…,v=…", "What the columns are called, or their numbers; v=none: no velocities.")
+@option("--tolerance E", "Allowed defect of a step, relative to the largest |x|, |v|; default 1e-8.")
+@option(
+    "--global-tolerance E",
+    "Allowed error since the start; default 1000 times the tolerance, of rounded samples 5 last places.",
 )
-@click.option("--own-start", is_flag=True, help="Allow a solution that starts elsewhere than the scene.")
-@click.option("--partial", is_flag=True, help="Allow a solution that ends before the scene does.")
-@click.option(
-    "--columns", metavar="t=…,x=…,v=…", help="What the columns are called, or their numbers; v=none: no velocities."
-)
-@click.option(
-    "--tolerance", metavar="E", help="Allowed defect of a step, relative to the largest |x|, |v|; default 1e-8."
-)
-@click.option(
-    "--global-tolerance",
-    metavar="E",
-    help="Allowed error since the start; default 1000 times the tolerance, of rounded samples 5 last places.",
-)
-@click.option("--workers", type=WholeNumber(min=1), metavar="N", help="Processes for several solutions; default 1.")
-@json_option
-@click.option("-o", "--output", metavar="FIGURE", help="Draw the errors against time as well: .pdf, .svg or .png.")
-@click.option("--report", metavar="FILE.html", help="Write a page with diagnosis, events and pictures as well.")
-def check(files: tuple[str, ...], output: str | None, report: str | None, as_json: bool, **options: Any) -> int:
+@option("--workers N", "Processes for several solutions; default 1.", type=options.WholeNumber(min=1))
+@options.json_option
+@options.picture_option("-o, --output FIGURE", "Draw the errors against time as well: .pdf, .svg or .png.", "picture")
+@option("--report FILE.html", "Write a page with diagnosis, events and pictures as well.")
+def check(
+    files: tuple[str, ...],
+    scene: Text,
+    case: Text,
+    settings: Settings,
+    solver: Text,
+    t_end: Text,
+    picture: Text,
+    report: Text,
+    **limits: Any,
+) -> int:
     """Check somebody's solution against the exact motion.
 
     Give SCENE FILE, FILE --scene SCENE, or FILE --case NAME; FILE is - for standard input. It holds samples t, x, v in
@@ -100,82 +81,46 @@ def check(files: tuple[str, ...], output: str | None, report: str | None, as_jso
       symosc check run.csv --case late-start-t0-1e8-fig9
       symosc check fig9 --set k=3 --solver mysolver:solve
     """
-    piped = goes_to_stdout(output, "--output", as_json)
     if report is not None and not report.lower().endswith((".html", ".htm")):
         raise click.BadParameter(f"{report!r}: a page's name must end in .html", param_hint="--report")
-    scene, words = _scene_and_files(files, _named_scene(options), options["solver"])
-    problem = scene_with(scene, options["settings"], {"t_end": options["t_end"]})
-    check_picture(output)
-    result = _checked(problem, words, options)
-    if output is not None:
-        from symosc import plot
+    if case is not None and scene is not None:
+        raise click.UsageError("give --scene or --case, not both")
+    asked: Any = scene
+    if case is not None:
+        from symosc.reference.cases import reference_case
 
-        plot.save(plot.crosscheck_figure(_only_one(result, "--output")), output)
+        asked = reference_case(case).scene
+    elif scene is None:
+        if len(files) < 1 + (solver is None):
+            raise click.UsageError("give SCENE FILE, FILE --scene SCENE, or FILE --case NAME")
+        asked, files = files[0], files[1:]
+    if solver is not None and files:
+        raise click.UsageError("give files or --solver, not both")
+    if solver is None and not files:
+        raise click.UsageError("give a file of samples, or --solver MODULE:FUNCTION")
+    from symosc.crosschecks.compare import crosscheck
+    from symosc.crosschecks.objects import run_solver
+
+    problem = options.scene_with(asked, settings, t_end=t_end)
+    limits = {name: value for name, value in limits.items() if value is not None}
+    limits["columns"] = _split_columns(limits.get("columns"))
+    source = files[0] if len(files) == 1 else files if solver is None else run_solver(solver, problem)
+    result = crosscheck(problem, source, progress=True, **limits)
+    for path, hint in ((picture, "--output"), (report, "--report")):
+        if path is not None and isinstance(result, list):
+            raise click.BadParameter(f"shows one solution, and there are {len(result)}", param_hint=hint)
+    output.draw(picture, lambda: result.plot())
     if report is not None:
-        _only_one(result, "--report").to_html(report)
-    if not piped:
-        write_json(result.as_dict()) if as_json else write(result.summary())
+        result.to_html(report)
+    output.report(result.as_dict, lambda: output.write(result.summary()))
     return int(not result.ok)
 
 
-def _named_scene(options: Record) -> str | Scene | None:
-    """Return the scene or the reference case named by an option."""
-    if options["case"] is None:
-        name: str | None = options["scene"]
-        return name
-    if options["scene"] is not None:
-        raise click.UsageError("give --scene or --case, not both")
-    from symosc.reference.cases import reference_case
-
-    return reference_case(options["case"]).scene
-
-
-def _scene_and_files(
-    words: tuple[str, ...], scene: str | Scene | None, solver: str | None
-) -> tuple[str | Scene, tuple[str, ...]]:
-    """Return the scene, which may be the first word, and the files."""
-    if scene is None:
-        if len(words) < 1 + (solver is None):
-            raise click.UsageError("give SCENE FILE, FILE --scene SCENE, or FILE --case NAME")
-        scene, words = words[0], words[1:]
-    if solver is not None and words:
-        raise click.UsageError("give files or --solver, not both")
-    if solver is None and not words:
-        raise click.UsageError("give a file of samples, or --solver MODULE:FUNCTION")
-    return scene, words
-
-
-def _checked(problem: Scene, files: tuple[str, ...], options: Record) -> Any:
-    """Check the solutions in files, or of a solver, as the options say."""
-    from symosc.crosschecks.compare import STEP_TOLERANCE, crosscheck
-    from symosc.crosschecks.objects import run_solver
-
-    tolerance = options["tolerance"]
-    limits: Record = {"tolerance": STEP_TOLERANCE if tolerance is None else float(read_exact("tolerance", tolerance))}
-    if options["global_tolerance"] is not None:
-        limits["global_tolerance"] = float(read_exact("global_tolerance", options["global_tolerance"]))
-    workers = 1 if options["workers"] is None else options["workers"]
-    limits |= {"own_start": options["own_start"], "partial": options["partial"]}
-    limits |= {"columns": _split_columns(options["columns"]), "workers": workers}
-    if options["solver"] is not None:
-        source: Any = run_solver(options["solver"], problem)
-    else:
-        source = files[0] if len(files) == 1 else files
-    return crosscheck(problem, source, progress=True, **limits)
-
-
-def _only_one(result: Any, option: str) -> Any:
-    """Return a result; raise BadParameter if it is a list of several."""
-    if isinstance(result, list):
-        raise click.BadParameter(f"shows one solution, and there are {len(result)}", param_hint=option)
-    return result
-
-
 @click.command()
-@click.option("-o", "--output", metavar="DIR", help="Write the cases into this folder: all files or none.")
-@click.option("--group", metavar="NAME", help="Only the cases of one group, such as 'exact graze'.")
-@json_option
-def cases(output: str | None, group: str | None, as_json: bool) -> int:
+@option("-o, --output DIR", "Write the cases into this folder: all files or none.", "folder")
+@option("--group NAME", "Only the cases of one group, such as 'exact graze'.")
+@options.json_option
+def cases(folder: Text, group: Text) -> None:
     """List reference cases: motions whose events are known for certain, mostly with a proof.
 
     With -o they are written as files that any language reads: exact parameters, events between 40-digit decimals,
@@ -192,39 +137,36 @@ def cases(output: str | None, group: str | None, as_json: bool) -> int:
     from symosc.reference.folder import write_cases
 
     wanted = chosen(group)
-    if output is not None:
-        folder = folder_name(output)
-        written = count(1)
-        with bar("cases", len(wanted), "cases") as report:
-            path = write_cases(folder, wanted, progress=lambda _: report(next(written), len(wanted)))
-        if as_json:
-            write_json({"folder": str(path), "cases": [case.name for case in wanted]})
-        else:
-            write(f"wrote {len(wanted)} cases into {click.format_filename(path)}")
-        return 0
+    if folder is not None:
+        written, folder = count(1), options.folder_name(folder)
+        with bar("cases", len(wanted), "cases") as progress:
+            path = write_cases(folder, wanted, progress=lambda _: progress(next(written), len(wanted)))
+        output.report(
+            lambda: {"folder": str(path), "cases": [case.name for case in wanted]},
+            lambda: output.write(f"wrote {len(wanted)} cases into {click.format_filename(path)}"),
+        )
+        return
     rows = [
         {"name": case.name, "group": case.group, "events": case.count, "status": case.status, "hard": case.hard}
         for case in wanted
     ]
-    if as_json:
-        write_json({"cases": rows})
-        return 0
-    write_table([[str(row[name]) for name in rows[0]][:-1] for row in rows], [*rows[0]][:-1])
-    proven = sum(case.proven for case in wanted)
-    write(f"\n{len(wanted)} cases, {proven} of them proven")
-    return 0
+    heads = ["name", "group", "events", "status"]
+
+    def show() -> None:
+        output.write_table([[str(row[name]) for name in heads] for row in rows], heads)
+        output.write(f"\n{len(wanted)} cases, {sum(case.proven for case in wanted)} of them proven")
+
+    output.report(lambda: {"cases": rows}, show)
 
 
 @click.command()
 @click.argument("folder", metavar="DIR")
 @click.argument("results", metavar="THEIRS", nargs=-1, required=True)
-@click.option("--tolerance", metavar="E", help="Allowed error, relative to max(1, t - t0), max(1, |x|); default 1e-9.")
-@click.option("-o", "--output", metavar="FILE", help="Write a page: .md or .html.")
-@click.option("--plot", "picture", metavar="FIGURE", help="Draw all errors: .pdf, .svg or .png. -: SVG to stdout.")
-@json_option
-def score(
-    folder: str, results: tuple[str, ...], tolerance: str | None, output: str | None, picture: str | None, as_json: bool
-) -> int:
+@option("--tolerance E", "Allowed error, relative to max(1, t - t0), max(1, |x|); default 1e-9.")
+@option("-o, --output FILE", "Write a page: .md or .html.", "page")
+@options.picture_option("--plot FIGURE", "Draw all errors: .pdf, .svg or .png. -: SVG to stdout.")
+@options.json_option
+def score(folder: str, results: tuple[str, ...], tolerance: Text, page: Text, plot: Text) -> int:
     """Judge the events that solvers have found in the reference cases.
 
     DIR is what `symosc cases -o DIR` has written. THEIRS is a folder with a file per case, or one file for all, of any
@@ -243,36 +185,29 @@ def score(
       symosc score cases mine theirs -o scores.html --plot scores.svg
       symosc score cases mine.json --tolerance 1e-6 --json
     """
-    piped = goes_to_stdout(picture, "--plot", as_json)
     from symosc.files import write_text
     from symosc.reference.compare import SCORE_TOLERANCE
     from symosc.reference.folder import read_set
     from symosc.reference.results import read_results
     from symosc.reference.score import as_html, as_markdown, as_text, read_tolerance
-    from symosc.reference.score import score as judged
+    from symosc.reference.score import score as judge
 
-    form = "" if output is None else Path(output).suffix.lower()
-    if output is not None and form not in (".md", ".html"):  # before the work
-        raise click.BadParameter(f"{output!r} must end in .md or .html", param_hint="--output")
-    check_picture(picture)
+    as_page = {".md": as_markdown, ".html": as_html}.get("" if page is None else Path(page).suffix.lower())
+    if page is not None and as_page is None:  # before the work
+        raise click.BadParameter(f"{page!r} must end in .md or .html", param_hint="--output")
     limit = SCORE_TOLERANCE if tolerance is None else read_tolerance(tolerance)
     version, cases = read_set(folder)
-    names = {case.name for case in cases}
-    short = [Path(each).stem or each for each in results]
+    names, short = {case.name for case in cases}, [Path(each).stem or each for each in results]
     titles = [name if short.count(name) == 1 else each for name, each in zip(short, results, strict=True)]
-    scores = [
-        judged(title, cases, read_results(each, names), limit) for title, each in zip(titles, results, strict=True)
-    ]
-    if output is not None:
-        write_text(
-            output, (as_html if form == ".html" else as_markdown)(scores, "Scores on the reference cases", version)
-        )
-    if picture is not None:
-        from symosc import plot
+    scores = [judge(name, cases, read_results(each, names), limit) for name, each in zip(titles, results, strict=True)]
+    if page is not None and as_page is not None:
+        write_text(page, as_page(scores, "Scores on the reference cases", version))
+    if plot is not None:
+        from symosc.plot import score_figure
 
-        plot.save(plot.score_figure(scores), picture)
-    if as_json:
-        write_json({"set_version": version, "scores": [each.as_dict() for each in scores]})
-    elif not piped:
-        write(as_text(scores))
+        output.draw(plot, score_figure, scores)
+    output.report(
+        lambda: {"set_version": version, "scores": [each.as_dict() for each in scores]},
+        lambda: output.write(as_text(scores)),
+    )
     return int(not all(each.ok for each in scores))

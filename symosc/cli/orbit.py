@@ -8,28 +8,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from symosc.aliases import Record
-from symosc.cli.common import (
-    FAILED,
-    FLOAT_FORMAT,
-    WholeNumber,
-    check_picture,
-    complain,
-    complete,
-    goes_to_stdout,
-    json_option,
-    read_span,
-    reduced_scene,
-    scene_argument,
-    scene_with,
-    set_option,
-    split_setting,
-    write,
-    write_json,
-    write_table,
-)
+from symosc.cli import options, output
+from symosc.cli.options import Settings, Text, WholeNumber, option
 from symosc.display.tables import plain_table
 from symosc.exact import show
-from symosc.model import PARAMETER_NAMES
+from symosc.files import STDOUT
 from symosc.reductions import MODEL_NAMES
 
 if TYPE_CHECKING:
@@ -39,44 +22,35 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@scene_argument
-@click.option(
-    "--structure",
-    metavar="WORD",
-    help="Mapping structure, such as P32. Default: the scene's, or that of the settled motion.",
-)
-@set_option
-@click.option(
-    "--periods", type=WholeNumber(), metavar="N", help="Close after N forcing periods. Default: what simulations do."
-)
-@click.option("--digits", type=WholeNumber(), metavar="N", help="N correct digits, instead of double precision.")
-@click.option(
-    "--continue",
+@options.scene_argument
+@option("--structure WORD", "Mapping structure, such as P32. Default: the scene's, or that of the settled motion.")
+@options.set_option
+@option("--periods N", "Close after N forcing periods. Default: what simulations do.", type=WholeNumber())
+@option("--digits N", "N correct digits, instead of double precision.", type=WholeNumber())
+@option(
+    "--continue NAME=LOW:HIGH",
+    "Follow it over a parameter, such as Omega=3:5.",
     "span",
-    metavar="NAME=LOW:HIGH",
-    shell_complete=complete(PARAMETER_NAMES, "="),
-    help="Follow it over a parameter, such as Omega=3:5.",
+    shell_complete=options.PARAMETER,
 )
-@click.option(
-    "--response",
-    metavar="NAME=LOW:HIGH:N",
-    shell_complete=complete(MODEL_NAMES, "="),
-    help="Amplitude, energies and so on of the settled motion over a parameter, such as Omega=1:5:80.",
+@option(
+    "--response NAME=LOW:HIGH:N",
+    "Amplitude, energies and so on of the settled motion over a parameter, such as Omega=1:5:80.",
+    shell_complete=options.complete(MODEL_NAMES, "="),
 )
-@click.option(
-    "-o", "--output", metavar="FILE", help="Draw orbit, branch or response: .pdf, .svg or .png. -: SVG to stdout."
+@options.picture_option(
+    "-o, --output FILE", "Draw orbit, branch or response: .pdf, .svg or .png. -: SVG to stdout.", "picture"
 )
-@json_option
+@options.json_option
 def orbit(
     scene: str,
-    structure: str | None,
-    settings: tuple[str, ...],
+    structure: Text,
+    settings: Settings,
     periods: int | None,
     digits: int | None,
-    span: str | None,
-    response: str | None,
-    output: str | None,
-    as_json: bool,
+    span: Text,
+    response: Text,
+    picture: Text,
 ) -> int:
     """Find a periodic orbit, and say whether it is stable: that of a mapping structure, or of the settled motion.
 
@@ -94,88 +68,79 @@ def orbit(
     from symosc.orbits.closing_equations import ConvergenceError
     from symosc.orbits.find import find_orbit
 
-    piped = goes_to_stdout(output, "--output", as_json)
-    problem = scene_with(scene, settings, {})
+    problem = options.scene_with(scene, settings)
     if response is not None:
         if structure or span or periods or digits:
             reason = "it is that of the settled motion: leave out --structure, --continue, --periods and --digits"
             raise click.BadParameter(reason, param_hint="--response")
-        return _response(problem, response, output, as_json, piped)
+        _print_response(problem, response, picture)
+        return 0
     if span is not None and problem.original is not None:
         reason = f"{problem.name} is of another model, whose drive changes with its parameters: no branch is followed"
         raise click.BadParameter(reason, param_hint="--continue")
-    problem = reduced_scene(problem)
-    structure = problem.structure if structure is None else structure  # None: that of the settled motion
-    check_picture(output)
+    problem = options.reduced_scene(problem)
     try:
-        found = find_orbit(problem.parameters, structure, digits=digits, periods=periods)
+        found = find_orbit(problem.parameters, structure or problem.structure, digits=digits, periods=periods)
     except ConvergenceError as error:
-        complain(f"{error}")
-        return FAILED
+        output.complain(f"{error}")
+        return output.FAILED
     branch = None
-    if span is not None and found.admissible:
-        from symosc.orbits.branch import continue_orbit
+    if found.admissible:
+        if span is not None:
+            from symosc.orbits.branch import continue_orbit
 
-        name, limits = read_span(span, "--continue")
-        branch = continue_orbit(found.parameters, found.word, name, limits, found, periods=periods, progress=True)
-    if output is not None and found.admissible:
-        from symosc import plot
-
-        plot.save(plot.orbit_figure(found) if branch is None else plot.branch_figure(branch), output)
-    if as_json:
-        write_json(_orbit_data(problem, found, branch))
-    elif not piped:
-        write(_report_text(problem, found, branch))
-    elif not found.admissible:
+            name, limits = options.read_span(span, "--continue")
+            branch = continue_orbit(found.parameters, found.word, name, limits, found, periods=periods, progress=True)
+        output.draw(picture, (branch or found).plot)
+    output.report(
+        lambda: _orbit_data(problem, found, branch), lambda: output.write(_report_text(problem, found, branch))
+    )
+    if picture == STDOUT and not found.admissible:
         click.echo(_report_text(problem, found, branch), err=True)
-    return 0 if found.admissible else FAILED
+    return 0 if found.admissible else output.FAILED
 
 
-def _response(problem: Scene, over: str, output: str | None, as_json: bool, piped: bool) -> int:
+def _print_response(problem: Scene, over: str, picture: Text) -> None:
     """Print and draw a frequency response."""
     from symosc.response import frequency_response
 
-    name, values = split_setting(over, "--response", "NAME=LOW:HIGH:N, such as Omega=1:5:80")
-    check_picture(output)
+    name, values = options.split_setting(over, "--response", "NAME=LOW:HIGH:N, such as Omega=1:5:80")
     found = frequency_response(problem, {name: values}, progress=True)
-    if output is not None:
-        from symosc import plot
-
-        plot.save(plot.response_figure(found), output)
+    output.draw(picture, found.plot)
     columns = {head: column.tolist() for head, column in found.columns().items()}
-    if as_json:
-        known = {
-            head: [None if isinstance(value, float) and not isfinite(value) else value for value in column]
-            for head, column in columns.items()
-        }
-        write_json({"scene": problem.name, **known})  # JSON has no infinity
-    elif not piped:
-        table = zip(*columns.values(), strict=True)
-        rows = [[f"{each:.8g}" if isinstance(each, float) else each for each in row] for row in table]
-        write_table(rows, [head.replace("_", " ") for head in columns])
-    return 0
+
+    def known(column: list[Any]) -> list[Any]:  # JSON has no infinity
+        return [None if isinstance(value, float) and not isfinite(value) else value for value in column]
+
+    def show() -> None:
+        rows = zip(*columns.values(), strict=True)
+        texts = [[f"{each:.8g}" if isinstance(each, float) else each for each in row] for row in rows]
+        output.write_table(texts, [head.replace("_", " ") for head in columns])
+
+    data = {"scene": problem.name, **{head: known(column) for head, column in columns.items()}}
+    output.report(lambda: data, show)
 
 
 def _orbit_data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
     data = {"scene": scene.name, **found.as_dict()}
     if found.admissible:
-        data["start"] = found.approach(scene)._asdict()
-        for name in ("dt", "dx"):
-            data["start"][name] = None if data["start"][name] != data["start"][name] else data["start"][name]
+        start = found.approach(scene)._asdict()
+        data["start"] = {name: None if value != value else value for name, value in start.items()}  # JSON has no nan
     return data if branch is None else data | {"branch": branch.as_dict()}
 
 
 def _report_text(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> str:
+    def decimal(value: Any) -> str:
+        return output.FLOAT_FORMAT.format(value) if found.digits is None else value.context.nstr(value, found.digits)
+
     rows = []
     for piece, (t, x) in zip(found.equations().pieces, found.points, strict=True):
-        does = f"moves in Omega{piece.mode} from v{piece.start} to v{piece.end}"
-        if piece.sticks:
-            does = f"sticks to belt {piece.start}"
-        rows.append([_decimal(t, found.digits), _decimal(x, found.digits), piece.label, does])
-    table = plain_table(["t", "x", "map", "from here it"], rows)
+        moves = f"moves in Omega{piece.mode} from v{piece.start} to v{piece.end}"
+        does = f"sticks to belt {piece.start}" if piece.sticks else moves
+        rows.append([decimal(t), decimal(x), piece.label, does])
     sizes = ", ".join(_complex(value) for value in found.multipliers)
-    lines = [table, "", f"{found.word}: {found.message}"]
-    lines.append(f"period {_decimal(found.period, found.digits)}, multipliers {sizes}, residual {found.residual:.1e}")
+    lines = [plain_table(["t", "x", "map", "from here it"], rows), "", f"{found.word}: {found.message}"]
+    lines.append(f"period {decimal(found.period)}, multipliers {sizes}, residual {found.residual:.1e}")
     if found.admissible:
         lines.append(_start_text(scene, found))
     if branch is not None:
@@ -198,11 +163,6 @@ def _start_text(scene: Scene, found: PeriodicOrbit) -> str:
     return f"{place}; the motion from it is within {near.within:g} after {periods}"
 
 
-def _decimal(value: Any, digits: int | None) -> str:
-    return FLOAT_FORMAT.format(value) if digits is None else value.context.nstr(value, digits)
-
-
 def _complex(value: Any) -> str:
-    if abs(value.imag) == 0:
-        return f"{float(value.real):.12g}"
-    return f"{float(value.real):.12g} {'+' if value.imag > 0 else '-'} {float(abs(value.imag)):.12g} i"
+    real = f"{float(value.real):.12g}"
+    return f"{real} {'+' if value.imag > 0 else '-'} {float(abs(value.imag)):.12g} i" if value.imag else real

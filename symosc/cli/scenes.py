@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import takewhile
-from os.path import lexists
+from os.path import commonprefix, lexists
 from pathlib import Path
 
 import click
 
 from symosc.aliases import Record
-from symosc.cli.common import goes_to_stdout, json_option, optional_scene, write, write_json, write_table
+from symosc.cli import options, output
 from symosc.errors import OutputError
 from symosc.exact import show
-from symosc.files import write_text
-from symosc.scenes import START_NAMES, Scene, as_toml, figure_of, load_scene, scene_names
+from symosc.files import STDOUT, write_text
+from symosc.scenes import START_NAMES, Original, Scene, as_toml, figure_of, load_scene, scene_names
 
 
 @click.command()
-@optional_scene
-@json_option
-def scenes(scene: str | None, as_json: bool) -> None:
+@options.optional_scene
+@options.json_option
+def scenes(scene: str | None) -> None:
     """List the shipped scenes, or print one as a TOML file.
 
     \b
@@ -30,42 +29,40 @@ def scenes(scene: str | None, as_json: bool) -> None:
     """
     if scene is not None:
         chosen = load_scene(scene)
-        if as_json:
-            write_json(_scene_data(chosen))
-        else:
-            write(as_toml(chosen))
+        output.report(lambda: _scene_data(chosen), lambda: output.write(as_toml(chosen)))
         return
     listed = [load_scene(name) for name in scene_names()]
-    if as_json:
-        write_json([_scene_data(each) for each in listed])
-        return
+    output.report(lambda: list(map(_scene_data, listed)), lambda: _print_scenes(listed))
+
+
+def _print_scenes(listed: list[Scene]) -> None:
     # The source of every scene of the paper begins with the paper; once is enough.
     sources = [each.source for each in listed if figure_of(each.name)]
-    same = takewhile(lambda pair: pair[0] == pair[1], zip(min(sources), max(sources), strict=False))
-    common = "".join(letter for letter, _ in same).rpartition(", ")[0]
+    common = commonprefix(sources).rpartition(", ")[0]  # noqa: RUF071  letter by letter
     rows = []
     for each in listed:
-        since, until = (f"{float(time):.6g}" for time in (each.t0, each.t_end))
-        rows.append([each.name, since, until, each.structure or "", each.source.removeprefix(f"{common}, ")])
-    write_table(rows, ["scene", "from t", "to t", "structure", "what it is"])
-    write(f"\nsource of the figures: {common}")
+        span = [f"{float(time):.6g}" for time in (each.t0, each.t_end)]
+        rows.append([each.name, *span, each.structure or "", each.source.removeprefix(f"{common}, ")])
+    output.write_table(rows, ["scene", "from t", "to t", "structure", "what it is"])
+    output.write(f"\nsource of the figures: {common}")
 
 
 def _scene_data(scene: Scene) -> Record:
-    start = {name: show(getattr(scene, name)) for name in START_NAMES}
-    about = {"name": scene.name, "source": scene.source, "structure": scene.structure}
+    def start(problem: Scene | Original) -> Record:
+        return {name: show(getattr(problem, name)) for name in START_NAMES}
+
     error = None if scene.start_error is None else [show(each) for each in scene.start_error]
-    data: Record = {**about, **start, "start_error": error, "parameters": scene.parameters.as_dict()}
+    data: Record = {"name": scene.name, "source": scene.source, "structure": scene.structure, **start(scene)}
+    data |= {"start_error": error, "parameters": scene.parameters.as_dict()}
     if scene.original is not None:
-        own: Record = {name: show(getattr(scene.original, name)) for name in START_NAMES}
-        data["original"] = own | {"model": scene.original.model.as_dict()}
+        data["original"] = start(scene.original) | {"model": scene.original.model.as_dict()}
     return data
 
 
 @click.command()
-@click.argument("file")
-@click.option("--like", default="fig5", show_default=True, metavar="SCENE", help="The scene whose numbers it has.")
-@click.option("--force", is_flag=True, help="Replace a file that is there.")
+@click.argument("file", callback=options.read_file)
+@options.option("--like SCENE", "The scene whose numbers it has.", default="fig5", show_default=True)
+@options.flag("--force", "Replace a file that is there.")
 def new(file: str, like: str, force: bool) -> None:
     """Write a scene file of your own to begin with: each number with what it is, its unit and what is allowed.
 
@@ -76,15 +73,14 @@ def new(file: str, like: str, force: bool) -> None:
       symosc new mine.toml
       symosc new orbit.toml --like fig9
     """
-    piped = goes_to_stdout(file, "FILE")
     scene = load_scene(like)
-    if not piped:
-        if Path(file).suffix != ".toml":
-            raise OutputError(file, "the name of a scene file ends in .toml")
-        if lexists(file) and not force:
-            raise OutputError(file, "there is such a file already; --force replaces it")
-        scene = replace(scene, name=Path(file).stem, source=f"the numbers of {like}")
-    shown = click.format_filename(file)
-    write_text(file, as_toml(scene, explained=True, file="mine.toml" if piped else shown) + "\n")
-    if not piped:
-        write(f"{shown}: a scene like {like}; symosc simulate {shown} follows it")
+    if file == STDOUT:
+        write_text(file, as_toml(scene, explained=True) + "\n")
+        return
+    if Path(file).suffix != ".toml":
+        raise OutputError(file, "the name of a scene file ends in .toml")
+    if lexists(file) and not force:
+        raise OutputError(file, "there is such a file already; --force replaces it")
+    scene, shown = replace(scene, name=Path(file).stem, source=f"the numbers of {like}"), click.format_filename(file)
+    write_text(file, as_toml(scene, explained=True, file=shown) + "\n")
+    output.write(f"{shown}: a scene like {like}; symosc simulate {shown} follows it")

@@ -183,64 +183,55 @@ def explain(
         until = np.minimum(since + n, len(steps.t) - 1)
         gaps = np.array([steps.flight(domain, since, until) - steps.states[until] for domain in (1, 2, 3)])
         misses.append(np.max(np.abs(gaps / allowed[since]), axis=2))
+
+    def guess(i: int, to_next: np.ndarray, over_next: np.ndarray) -> tuple[str, str]:
+        """Return the reason of a wrong step and its text, from its misses by the force of each domain."""
+        if not np.isfinite(sizes[i]):
+            return "undecidable", "the exact motion over the step cannot be decided in double precision"
+        if steps.t[i + 1] == steps.t[i]:
+            return "jump", f"samples {i} and {i + 1} are at one time and differ"
+        first, last, found = int(steps.first[i]), int(steps.last[i]), int(modes[i + 1])
+        rows, limit = steps.events.rows(i, i), max(1.0, EXPLAINS * float(sizes[i]))
+        times = steps.events.t[rows]
+        fitting = (1 + np.flatnonzero(to_next <= limit)).tolist()
+        at_once = len(times) and times[0] - steps.t[i] <= 1e-6 * steps.K.period
+        gaps = steps.v[i : i + 2] - steps.belts[:, None]
+        nearest = int(np.argmin(np.abs(gaps[:, 0]))) + 1
+        here = f"v - v{nearest} = {gaps[nearest - 1, 0]:.2g} at its start"
+        near_start = abs(gaps[nearest - 1, 0]) <= near[i]
+        if last > 3 and found == last and abs(gaps[last - 4, 1]) > 0.0 and abs(steps.defects[i, 0]) <= allowed[i, 0]:
+            return "drift on the belt", f"v should be v{last - 3} in the stick and is off by {gaps[last - 4, 1]:.2g}"
+        if fitting and not len(times) and first <= 3:
+            return "wrong force", f"the force of Omega{fitting[0]} explains the step, which lies in Omega{first}"
+        if first > 3 and found <= 3:
+            return "event at the start", f"the mass sticks to belt {first - 3} here, the samples leave it ({here})"
+        if fitting and near_start and (not len(times) or at_once):
+            return "event at the start", f"the force of Omega{fitting[0]} explains the step ({here})"
+        if found <= 3 and first <= 3 and at_once:
+            return "sign tolerance", f"{here}: the step begins on the wrong side of the belt"
+        if found > 3 and last <= 3 and modes[i] == found:
+            return "sign tolerance", f"the mass leaves belt {found - 3}, the samples stay on it ({here})"
+        if len(times) and last == first and found == first:
+            what = f"the motion meets belt {steps.events.boundary[rows][0]} at t = {times[0]:.10g} and is back at t ="
+            return "double root", f"{what} {times[-1]:.10g}; signs at the ends of the step do not show it"
+        if not len(times) and i + 2 < len(steps.t) and first <= 3 and over_next[first - 1] <= limit:
+            left = over_next[first - 1]
+            part = "is right" if left <= 1.0 else f"is off by {left / sizes[i]:.0e} of that"
+            return "outlier", f"without sample {i + 1} the step from {i} to {i + 2} {part}"
+        if len(times):
+            force = f"; the force of Omega{fitting[0]} was kept" if fitting else ""
+            what = f"{MODE_NAMES[first]} -> {MODE_NAMES[int(steps.events.target[rows][0])]} at t = {times[0]:.10g}"
+            return "crossing inside the step", what + force
+        what = f"no event in the step, motion in {MODE_NAMES[first]}: tolerances of the method, or another model"
+        return "local error", what
+
     found = []
     for k, i in enumerate(chosen):
-        reason, words = _guess(steps, i, modes, sizes, allowed, near[i], misses[0][:, k], misses[1][:, k])
         (t, t_next), (dx, dv) = steps.t[i : i + 2].tolist(), steps.defects[i].tolist()
         expected, mode = MODE_NAMES[int(steps.last[i])], MODE_NAMES.get(int(modes[i + 1]), "")
+        reason, words = guess(i, misses[0][:, k], misses[1][:, k])
         found.append(Fault(i, t, t_next, dx, dv, expected, mode, reason, words))
     return tuple(found)
-
-
-def _guess(
-    steps: ExactSteps,
-    i: int,
-    modes: np.ndarray,
-    sizes: np.ndarray,
-    allowed: np.ndarray,
-    near: float,
-    to_next: np.ndarray,
-    over_next: np.ndarray,
-) -> tuple[str, str]:
-    """Guess the reason of a wrong step, from its misses by the force of each domain; return it with its text."""
-    if not np.isfinite(sizes[i]):
-        return "undecidable", "the exact motion over the step cannot be decided in double precision"
-    if steps.t[i + 1] == steps.t[i]:
-        return "jump", f"samples {i} and {i + 1} are at one time and differ"
-    first, last, found = int(steps.first[i]), int(steps.last[i]), int(modes[i + 1])
-    rows, limit = steps.events.rows(i, i), max(1.0, EXPLAINS * float(sizes[i]))
-    times = steps.events.t[rows]
-    fitting = (1 + np.flatnonzero(to_next <= limit)).tolist()
-    at_once = len(times) and times[0] - steps.t[i] <= 1e-6 * steps.K.period
-    gaps = steps.v[i : i + 2] - np.array([[steps.K.belt1.v], [steps.K.belt2.v]])
-    nearest = int(np.argmin(np.abs(gaps[:, 0]))) + 1
-    here = f"v - v{nearest} = {gaps[nearest - 1, 0]:.2g} at its start"
-    near_start = abs(gaps[nearest - 1, 0]) <= near
-    if last > 3 and found == last and abs(gaps[last - 4, 1]) > 0.0 and abs(steps.defects[i, 0]) <= allowed[i, 0]:
-        return "drift on the belt", f"v should be v{last - 3} in the stick and is off by {gaps[last - 4, 1]:.2g}"
-    if fitting and not len(times) and first <= 3:
-        return "wrong force", f"the force of Omega{fitting[0]} explains the step, which lies in Omega{first}"
-    if first > 3 and found <= 3:
-        return "event at the start", f"the mass sticks to belt {first - 3} here, the samples leave it ({here})"
-    if fitting and near_start and (not len(times) or at_once):
-        return "event at the start", f"the force of Omega{fitting[0]} explains the step ({here})"
-    if found <= 3 and first <= 3 and at_once:
-        return "sign tolerance", f"{here}: the step begins on the wrong side of the belt"
-    if found > 3 and last <= 3 and modes[i] == found:
-        return "sign tolerance", f"the mass leaves belt {found - 3}, the samples stay on it ({here})"
-    if len(times) and last == first and found == first:
-        what = f"the motion meets belt {steps.events.boundary[rows][0]} at t = {times[0]:.10g} and is back at t ="
-        return "double root", f"{what} {times[-1]:.10g}; signs at the ends of the step do not show it"
-    if not len(times) and i + 2 < len(steps.t) and first <= 3 and over_next[first - 1] <= limit:
-        left = over_next[first - 1]
-        part = "is right" if left <= 1.0 else f"is off by {left / sizes[i]:.0e} of that"
-        return "outlier", f"without sample {i + 1} the step from {i} to {i + 2} {part}"
-    if len(times):
-        force = f"; the force of Omega{fitting[0]} was kept" if fitting else ""
-        what = f"{MODE_NAMES[first]} -> {MODE_NAMES[int(steps.events.target[rows][0])]} at t = {times[0]:.10g}"
-        return "crossing inside the step", what + force
-    what = f"no event in the step, motion in {MODE_NAMES[first]}: tolerances of the method, or another model"
-    return "local error", what
 
 
 # -- alternatives tried on the wrong steps -----------------------------------------------------------------------------
@@ -285,8 +276,7 @@ class Case:
         self.near = np.append(self.allowed[:1, 1], self.allowed[:, 1])
         s = follow_steps(self.parameters, check.t[part], check.x[part], check.v[part], self.near, self.scales)
         self.steps, self.sizes = s, np.max(np.abs(s.defects) / self.allowed, axis=1)
-        self.wrong = ~(self.sizes <= 1.0)
-        moving = np.diff(s.t) > 0.0
+        self.wrong, moving = ~(self.sizes <= 1.0), np.diff(s.t) > 0.0
         self.moving_wrong = np.flatnonzero(self.wrong & moving)
         at_belt = np.min(np.abs(s.v[:, None] - s.belts), axis=1) <= self.near
         self.domain = np.where(at_belt, 0, 1 + (s.v > s.K.belt1.v) + (s.v > s.K.belt2.v))
@@ -326,13 +316,12 @@ class Case:
 
     def miss_sizes(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
         """Return the larger of the two misses in x and v."""
-        return np.asarray(np.max(np.abs(self.misses(ends, steps)), axis=1))
+        return larger(self.misses(ends, steps))
 
     def followed(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
-        """Return the sizes of all defects if the parameters are others, or the clock is shifted by `ahead`."""
+        """Return the defects in allowed units if the parameters are others, or the clock is shifted by `ahead`."""
         s = self.steps
-        found = follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales)
-        return np.asarray(np.max(np.abs(found.defects) / self.allowed, axis=1))
+        return np.asarray(follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales).defects / self.allowed)
 
     def share_of(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
         """Return the fraction of the wrong steps that other columns t, x, v explain; these may have fewer rows."""
@@ -340,7 +329,7 @@ class Case:
             return 0.0
         near, allowed = float(np.median(self.near)), np.median(self.allowed, axis=0)
         found = follow_steps(self.parameters, t, x, v, near, self.scales)
-        left, wrong = np.max(np.abs(found.defects) / allowed, axis=1), self.sizes[self.wrong]
+        left, wrong = larger(found.defects / allowed), self.sizes[self.wrong]
         limit = max(1.0, EXPLAINS * float(np.median(wrong[np.isfinite(wrong)]))) if np.isfinite(wrong).any() else 1.0
         return float(1.0 - np.mean(~(left <= limit)) / max(np.mean(self.wrong), 1e-300))
 
@@ -355,18 +344,15 @@ class Case:
         begin = np.column_stack([self.steps.t, self.steps.states])[chosen]
         return self.between(begin, chosen + 1, self.near[chosen], p) / self.allowed[chosen]
 
-    def between(
-        self, begin: np.ndarray, until: np.ndarray, near: np.ndarray, p: Parameters | None = None
-    ) -> np.ndarray:
+    def between(self, begin: np.ndarray, until: np.ndarray, near: Any, p: Parameters | None = None) -> np.ndarray:
         """Return the exact motion from states t, x, v (rows) minus the samples `until`; shape (rows, 2)."""
         # No row may begin before the one before ends.
         end = np.column_stack([self.steps.t, self.steps.states])[until]
-        found = begin[:, 1:] - end[:, 1:]
-        moving = begin[:, 0] < end[:, 0]
+        found, moving = begin[:, 1:] - end[:, 1:], begin[:, 0] < end[:, 0]
         if np.any(moving):
             t, x, v = np.stack([begin, end], axis=1)[moving].reshape(-1, 3).T
-            steps = follow_steps(p or self.parameters, t, x, v, np.repeat(near[moving], 2), self.scales)
-            found[moving] = steps.defects[::2]
+            near = np.repeat(np.broadcast_to(near, len(moving))[moving], 2)
+            found[moving] = follow_steps(p or self.parameters, t, x, v, near, self.scales).defects[::2]
         return np.asarray(found)
 
     def flown(self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None) -> np.ndarray:
@@ -374,6 +360,11 @@ class Case:
         chosen, s = self.inside if chosen is None else chosen, self.steps
         other = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
         return self.misses(other.flight(self.domain[chosen], chosen, chosen + 1), chosen)
+
+
+def larger(misses: np.ndarray) -> np.ndarray:
+    """Return the larger of the two misses in x and v of each step, in size."""
+    return np.asarray(np.max(np.abs(misses), axis=1))
 
 
 def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks: np.ndarray) -> Fit | None:
@@ -391,7 +382,7 @@ def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks:
         if change is None:
             return None
         value, error = value + change[0], change[1]
-        sizes = np.max(np.abs(misses(value)), axis=1)
+        sizes = larger(misses(value))
         if np.all(np.isnan(sizes)):  # there is no such system
             return None
         # Steps that miss by much more than the others are left out of the next round.
@@ -404,13 +395,12 @@ def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks:
 
 def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """Return the weighted median over the steps of the change of one number, and its standard deviation."""
-    slopes = J[..., 0]
-    weights = np.sum(slopes * slopes, axis=1)
-    if not np.sum(weights) > 0.0:
+    squares = np.sum(J[..., 0] ** 2, axis=1)
+    used = squares > 0.0
+    if not np.any(used):
         return None
-    wanted = -np.sum(slopes * here, axis=1)[weights > 0.0] / weights[weights > 0.0]
-    weights = np.sqrt(weights[weights > 0.0])
-    order = np.argsort(wanted)
+    wanted = -np.sum(J[..., 0] * here, axis=1)[used] / squares[used]
+    weights, order = np.sqrt(squares[used]), np.argsort(wanted)
     middle = np.searchsorted(np.cumsum(weights[order]), 0.5 * np.sum(weights))
     return wanted[order][[middle]], np.array([1.0 / np.sqrt(np.sum(weights**2))])
 
@@ -433,8 +423,7 @@ def best_between(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the numbers in [low, high], one per step, at which the steps miss least, and what they miss there."""
     # A grid of `points` is refined around the best one, at most 8 times or until all misses are <= `enough`.
-    best, leaves = low.copy(), np.full(len(low), np.inf)
-    begin, end = low, high
+    best, leaves, begin, end = low, np.full(len(low), np.inf), low, high
     for _ in range(8):
         for part in np.linspace(0.0, 1.0, points):
             tried = begin + part * (end - begin)

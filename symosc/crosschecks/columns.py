@@ -28,6 +28,10 @@ POSITIONS_ALONE = Change("with positions alone", columns=lambda t, x, v: (t, x, 
 
 # -- signs, places and units -------------------------------------------------------------------------------------------
 
+#: Sizes of other units, as factors.
+SIZES = {1000.0: "1000 times too large", 100.0: "100 times too large", 0.01: "100 times too small",
+         0.001: "1000 times too small"}  # fmt: skip
+
 
 def other_columns(case: Case) -> Iterator[Candidate]:
     """Yield every change of columns that people make by mistake, with the fraction of wrong steps that it explains."""
@@ -39,30 +43,25 @@ def other_columns(case: Case) -> Iterator[Candidate]:
 
 def changed_columns(p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Iterator[Candidate]:
     """Yield columns with other signs, order or units as candidates; units only if x agrees with the integral of v."""
+    m, Om = float(p.m), float(p.Omega)
     table: list[tuple[str, str, str, str, float | None, Callable[..., Columns]]] = [
         ("sign", "x", "x has the wrong sign", "with -x", None, lambda t, x, v: (t, -x, v)),
         ("sign", "v", "v has the wrong sign", "with -v", None, lambda t, x, v: (t, x, -v)),
         ("sign", "x and v", "x and v have the wrong sign", "with -x, -v", None, lambda t, x, v: (t, -x, -v)),
         ("columns", "x and v", "the columns x and v are swapped", "swapped", None, lambda t, x, v: (t, v, x)),
-    ]
-    for boundary in (1, 2):
-        if speed := float(p.belt(boundary)):
-            table.append((
-                "columns", "v", f"v is the velocity relative to belt {boundary}", f"with v + v{boundary}", speed,
-                lambda t, x, v, speed=speed: (t, x, v + speed),
-            ))  # fmt: skip
-    table += [
+        *(
+            ("columns", "v", f"v is the velocity relative to belt {boundary}", f"with v + v{boundary}", speed,
+             lambda t, x, v, speed=speed: (t, x, v + speed))
+            for boundary in (1, 2) if (speed := float(p.belt(boundary)))
+        ),
         ("columns", "v", "v is one sample late", "with v of the next sample", None,
          lambda t, x, v: (t[:-1], x[:-1], v[1:])),
         ("columns", "v", "v is one sample early", "with v of the sample before", None,
          lambda t, x, v: (t[1:], x[1:], v[:-1])),
     ]  # fmt: skip
-    m, Om = float(p.m), float(p.Omega)
     units = [
         (name, factor, f"{name} {'are' if ' ' in name else 'is'} {size}: other units")
-        for factor, size in ((1000.0, "1000 times too large"), (100.0, "100 times too large"),
-                             (0.01, "100 times too small"), (0.001, "1000 times too small"))
-        for name in ("x", "v", "x and v", "t")
+        for factor, size in SIZES.items() for name in ("x", "v", "x and v", "t")
     ]  # fmt: skip
     units += [
         ("v", m, "v is the momentum, m times the velocity"), ("v", 1.0 / Om, "v is dx/d(Omega t)"),
@@ -74,18 +73,18 @@ def changed_columns(p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray) 
             change = f"with {name} divided by {factor:.17g}"
             table.append(("columns", name, words, change, factor, partial(_divided, name.split(" and "), factor)))
     for cause, subject, words, change, value, make in table:
+        error = None if value is None else 0.0
         if value is not None:  # the path from x must be as long as that from v
             times, places, velocities = make(t, x, v)
             way = float(np.sum(np.abs(velocities[1:] + velocities[:-1]) * np.abs(np.diff(times))) / 2.0)
             if not 1.0 / SAME_WAY < (float(np.sum(np.abs(np.diff(places)))) / way if way else np.inf) < SAME_WAY:
                 continue
-        yield Candidate(Diagnosis(cause, subject, words, "", value, None if value is None else 0.0),
-                        Change(change, columns=make))  # fmt: skip
+        yield Candidate(Diagnosis(cause, subject, words, "", value, error), Change(change, columns=make))
 
 
-def _divided(names: list[str], factor: float, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
+def _divided(names: list[str], factor: float, *columns: np.ndarray) -> Columns:
     """Return t, x, v with the named columns divided by a factor."""
-    t, x, v = (each / factor if name in names else each for name, each in (("t", t), ("x", x), ("v", v)))
+    t, x, v = (each / factor if name in names else each for name, each in zip("txv", columns, strict=True))
     return t, x, v
 
 
@@ -134,14 +133,13 @@ def other_velocities(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis that the positions are right and v is not their velocity, whatever it is."""
     exact = _from_positions(case) if len(case.inside) >= 60 else None
     if exact is not None:
-        s, (first, v) = case.steps, exact
-        share = case.share_of(s.t[first:], s.x[first:], v)
+        share = case.share_of(case.steps.t[exact[0] :], case.steps.x[exact[0] :], exact[1])
         found = Diagnosis("columns", "v", "v is not the velocity of x; the positions are right", "", share=share)
         yield Candidate(found, POSITIONS_ALONE)
 
 
 def _from_positions(case: Case) -> tuple[int, np.ndarray] | None:
-    """Return the velocities determined by the positions, from the first sample that has one."""
+    """Return the first sample with a velocity determined by the positions, and the velocities from there on."""
     s, tolerance = case.steps, float(case.allowed[0, 0] / case.scales[0])
     try:
         found = with_velocities(Samples(s.t, s.x, np.full(len(s.t), np.nan)), case.parameters, tolerance)
@@ -282,9 +280,8 @@ def event_list_faults(check: Any) -> Iterator[Diagnosis]:
         words = f"{len(missed)} events of the list are at wrong times, by up to {worst:.3g}"
         yield Diagnosis("event times", "", words, evidence, worst, None)
         return
-    for cause, events, what in (
-        ("missing events", missed, "lacks"), ("invented events", invented, "has, and the motion has not,"),
-    ):  # fmt: skip
+    lists = ("missing events", missed, "lacks"), ("invented events", invented, "has, and the motion has not,")
+    for cause, events, what in lists:
         if events:
             first = f"{events[0].kind} at t = {float(events[0].t):.10g}"
             words = f"the list {what} {len(events)} event{'s' if len(events) > 1 else ''}, first: {first}"
@@ -293,16 +290,15 @@ def event_list_faults(check: Any) -> Iterator[Diagnosis]:
 
 def outliers(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis of outliers: single wrong samples, without which the steps are right."""
-    check = case.check
-    off = [fault for fault in check.faults if fault.reason == "outlier"]
+    check, off = case.check, [fault for fault in case.check.faults if fault.reason == "outlier"]
     if off:
-        explained = {step for fault in off for step in (fault.step, fault.step + 1)} & set(check.wrong_steps.tolist())
-        words = f"{len(off)} sample{'s are' if len(off) > 1 else ' is'} off, the first is number {off[0].step + 1}"
-        size = float(np.median([max(abs(fault.defect_x), abs(fault.defect_v)) for fault in off]))
-        found = Diagnosis("outlier", "", words, "", size, None, len(explained) / len(check.wrong_steps))
         rows = [fault.step + 1 for fault in off]
+        share = float(np.mean(np.isin(check.wrong_steps, rows) | np.isin(check.wrong_steps + 1, rows)))
+        words = f"{len(off)} sample{'s are' if len(off) > 1 else ' is'} off, the first is number {rows[0]}"
+        size = float(np.median([max(abs(fault.defect_x), abs(fault.defect_v)) for fault in off]))
         without = "without them" if len(off) > 1 else "without it"
-        yield Candidate(found, Change(without, columns=lambda *columns: tuple(np.delete(c, rows) for c in columns)))
+        change = Change(without, columns=lambda *columns: tuple(np.delete(each, rows) for each in columns))
+        yield Candidate(Diagnosis("outlier", "", words, "", size, None, share), change)
 
 
 def noise(case: Case) -> Iterator[Diagnosis]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial as partial_of
 from itertools import pairwise
@@ -33,10 +33,10 @@ from symosc.crosschecks.velocities import with_velocities
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.model import Parameters
-from symosc.scenes import Scene, load_scene, not_reduced_error
+from symosc.scenes import START_NAMES, Scene, load_scene, not_reduced_error
 from symosc.simulation.batch import read_workers
 from symosc.simulation.simulate import simulate
-from symosc.simulation.trajectory import Event, Trajectory
+from symosc.simulation.trajectory import Trajectory
 
 __all__ = ["CrossCheck", "CrossChecks", "FoundEvent", "Match", "crosscheck"]
 
@@ -174,8 +174,8 @@ class Task:
         units = np.array([rounding[c].units if c in rounding else 0.0 * samples.t for c in SAMPLE_COLUMNS])
         listed = rounding["events"].units if "events" in rounding else np.zeros(len(samples.events or ()))
         jump = max(1e-4, self.tolerance)  # pieces joined at an event may differ by so much
-        check_joints(samples, jump, *sample_errors(self.parameters, samples, units).T)
-        result = self.judge(np.broadcast_to(0.0, units.shape), np.zeros_like(listed))
+        check_joints(samples, jump, sample_errors(self.parameters, samples, units))
+        result = self.judge(np.zeros_like(units), np.zeros_like(listed))
         if not result.ok and rounding:
             half = units * (0.5 + 1e-9)
             result = self.judge(half, listed)
@@ -196,8 +196,7 @@ class Task:
         for way, sign in (("cut off", np.sign(numbers)), ("rounded down", np.ones_like(numbers))):
             # Each sample is put into the middle of the numbers that it may be.
             t, x, v = numbers + half * sign
-            middle = replace(self, samples=replace(samples, t=t, x=x, v=v))
-            other = middle.judge(half * (2.0 - np.abs(sign)), listed)
+            other = replace(self, samples=replace(samples, t=t, x=x, v=v)).judge(half * (2.0 - np.abs(sign)), listed)
             if other.ok:
                 note = f"the last digits are {way}: half a unit of the last place is added to each sample"
                 return replace(other, notes=(*other.notes, note))
@@ -205,12 +204,12 @@ class Task:
 
     def _coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
         """Judge every n-th sample too, where rounding hides errors within single steps; return the result with both."""
-        spans, samples, count = result.wrong_spans, self.samples, len(self.samples.t)
+        spans, samples = result.wrong_spans, self.samples
         # A few spans show no cause, and where most steps are wrong these show it themselves.
         if len(spans) < 6 or 2 * len(result.wrong_steps) >= np.sum(spans[:, 1] - spans[:, 0]):
             return result
-        kept = np.unique([*range(0, count, int(np.max(spans[:, 1] - spans[:, 0]))), count - 1])
-        columns = {name: getattr(samples, name)[kept] for name in ("t", "x", "v")}
+        kept = _every(int(np.max(spans[:, 1] - spans[:, 0])), len(samples.t))
+        columns = {name: getattr(samples, name)[kept] for name in SAMPLE_COLUMNS}
         off = None if samples.v_off is None else samples.v_off[kept]
         few = replace(self, samples=replace(samples, **columns, v_off=off, dense=None))
         return replace(result, coarser=few.judge(half[:, kept], listed))
@@ -218,11 +217,6 @@ class Task:
     def judge(self, rounding: np.ndarray, listed: np.ndarray) -> CrossCheck:
         """Compare the samples with the exact motion."""
         samples, p, tolerance = self.samples, self.parameters, self.tolerance
-        notes = list(samples.notes)
-        columns = ", ".join(f"{name} to {digits.text}" for name, digits in self.rounding.items())
-        if columns:
-            at_it = "; they are judged at that precision" if np.any(rounding) or np.any(listed) else ""
-            notes.append(f"the samples are rounded: {columns}{at_it}")
         loose = sample_errors(p, samples, rounding)
         start, other_start = self._start(loose[0], rounding[:, 0])
         trajectory = self._simulate(float(samples.t[-1]), start)
@@ -238,12 +232,6 @@ class Task:
             few = np.minimum(limits, np.maximum(places, 100.0 * tolerance * scales))
             limits = np.where(places > 0.0, few, limits)
         limits = limits + loose + propagated(p, loose[0], samples.t - samples.t[0])
-        if until < samples.t[-1]:
-            notes.append(
-                f"the exact motion ends at t = {until:.10g} ({trajectory.message}); later only steps are compared"
-            )
-        notes += [] if samples.dense is None else [dense_note(trajectory, samples.dense, until)]
-        notes += [other_start] if other_start and self.own_start else []
         near = tolerance * scales[1] + loose[:, 1]
         allowed = double_rounding(p, samples.t, scales) + tolerance * scales
         allowed = allowed + loose[1:] + propagated(p, loose[:-1], np.diff(samples.t))
@@ -259,22 +247,30 @@ class Task:
         reach = Reach(steps, within + loose, tolerance * float(scales[1]), tolerance, listed)
         matching = self._match(trajectory, start, found, reach, label, wrong)
         faults = _faults(steps, modes, sizes, allowed, near, matching)
-        ordered = True
-        for (before, _), (time, kind) in pairwise(samples.events or ()):
-            if ordered and time < before:
-                ordered = False
-                what = f"{kind} at t = {time:.10g} comes after t = {before:.10g}"
-                notes.append(f"the list is not in order of time: {what}")
+        late = next((pair for pair in pairwise(samples.events or ()) if pair[1][0] < pair[0][0]), None)
         close = not np.any(np.abs(errors) > limits)
-        refused = "" if self.own_start else other_start
-        if not close and not wrong.any() and not len(spans) and not other_start:
+        right = not (wrong.any() or len(spans))
+        rounded = {name: digits.text for name, digits in self.rounding.items()}
+        notes = list(samples.notes)
+        if rounded:
+            at_it = "; they are judged at that precision" if np.any(rounding) or np.any(listed) else ""
+            columns = ", ".join(f"{name} to {text}" for name, text in rounded.items())
+            notes.append(f"the samples are rounded: {columns}{at_it}")
+        if until < samples.t[-1]:
+            ends = f"the exact motion ends at t = {until:.10g} ({trajectory.message})"
+            notes.append(f"{ends}; later only steps are compared")
+        notes += [] if samples.dense is None else [dense_note(trajectory, samples.dense, until)]
+        notes += [other_start] if other_start and self.own_start else []
+        if late:
+            (before, _), (time, kind) = late
+            what = f"{kind} at t = {time:.10g} comes after t = {before:.10g}"
+            notes.append(f"the list is not in order of time: {what}")
+        if not close and right and not other_start:
             notes.append("every step is right, but their errors add up, or the start is another one")
-        faulty = wrong.any() or len(spans) or matching.missed or matching.invented
-        own = None
-        if isinstance(self.scene, Scene):
-            own = float(self.scene.t0), float(self.scene.x0), float(self.scene.v0)
+        refused, scene = "" if self.own_start else other_start, self.scene
+        own = (float(scene.t0), float(scene.x0), float(scene.v0)) if isinstance(scene, Scene) else None
         return CrossCheck(
-            ok=bool(close and ordered and not faulty and not refused),
+            ok=bool(close and late is None and right and not (matching.missed or matching.invented or refused)),
             max_error_x=float(np.nanmax(np.abs(errors[:, 0]))),
             max_error_v=float(np.nanmax(np.abs(errors[:, 1]))),
             errors=errors,
@@ -295,7 +291,7 @@ class Task:
             tolerance=tolerance,
             global_tolerance=self.limit,
             scales=(float(scales[0]), float(scales[1])),
-            rounded={name: digits.text for name, digits in self.rounding.items()},
+            rounded=rounded,
             notes=(*notes, *matching.notes),
             modes=modes,
             t=samples.t,
@@ -310,29 +306,33 @@ class Task:
     def _start(self, loose: np.ndarray, rounding: np.ndarray) -> tuple[Record, str]:
         """Return the start of the exact motion, and a note if it differs from the scene's start."""
         # {} is the scene's own start, which may have more digits than the first sample.
-        scene, samples, limit = self.scene, self.samples, self.limit
-        start = {"t0": float(samples.t[0]), "x0": float(samples.x[0]), "v0": float(samples.v[0])}
+        scene, samples, limit, rate = self.scene, self.samples, self.limit, fastest_rate(self.parameters)
+        first = np.array([samples.t[0], samples.x[0], samples.v[0]])
+        start = dict(zip(START_NAMES[:3], first.tolist(), strict=True))
         if isinstance(scene, Parameters):
             return start, ""
-        own = {name: float(getattr(scene, name)) for name in start}
-        slack = {name: limit * max(1.0, abs(own[name])) for name in start}
-        slack["t0"] = max(limit / fastest_rate(self.parameters), 4.0 * float(np.spacing(abs(own["t0"]))))
-        off = dict(zip(start, rounding, strict=True))
-        off["v0"] = max(off["v0"], 0.0 if samples.v_off is None else float(samples.v_off[0]))
-        if all(abs(start[name] - own[name]) <= slack[name] + off[name] for name in start):
+        own = np.array([float(scene.t0), float(scene.x0), float(scene.v0)])
+        slack = limit * np.maximum(1.0, np.abs(own))
+        slack[0] = max(limit / rate, 4.0 * float(np.spacing(abs(own[0]))))
+        v_off = 0.0 if samples.v_off is None else float(samples.v_off[0])
+        off = np.maximum(rounding, [0.0, 0.0, v_off])
+        if np.all(np.abs(first - own) <= slack + off):
             return {}, ""
         if samples.v_off is not None:  # positions show the first velocity less well
-            slack["v0"] += 20.0 * max(1.0, fastest_rate(self.parameters)) * off["v0"]
-            if all(abs(start[name] - own[name]) <= slack[name] + off[name] for name in start):
+            slack[2] += 20.0 * max(1.0, rate) * off[2]
+            if np.all(np.abs(first - own) <= slack + off):
                 return start, ""
-        if start["t0"] > own["t0"]:
+        if first[0] > own[0]:
             before = self._simulate(start["t0"], {})
             there = before(min(start["t0"], float(before.t_end)))
             allowed = limit * _scales(self.parameters, there[:, None]) + loose
-            if before.t_end >= start["t0"] and np.all(np.abs(there - [start["x0"], start["v0"]]) <= allowed):
+            if before.t_end >= start["t0"] and np.all(np.abs(there - first[1:]) <= allowed):
                 return start, ""
-        first, its = (", ".join(f"{name} = {value:.10g}" for name, value in each.items()) for each in (start, own))
-        return start, f"the solution starts at {first}; {scene.name} starts at {its}"
+        given, its = (
+            ", ".join(f"{name} = {value:.10g}" for name, value in zip(start, each, strict=True))
+            for each in (first, own)
+        )
+        return start, f"the solution starts at {given}; {scene.name} starts at {its}"
 
     def _early_end(self, trajectory: Trajectory) -> str:
         """Return a note if the solution ends before the motion does, else ""."""
@@ -353,7 +353,7 @@ class Task:
         p, samples, best = self.parameters, self.samples, np.empty((0, 2), int)
         count, length, most = len(samples.t), SPAN_FACTOR, 0.0
         while length < count and np.any(loose):
-            ends = np.unique([*range(0, count, length), count - 1])
+            ends = _every(length, count)
             t = samples.t[ends]
             of_steps = np.minimum(np.diff(ends)[:, None] * self.tolerance, self.limit) * scales
             allowed = double_rounding(p, t, scales) + loose[ends[1:]]
@@ -366,42 +366,32 @@ class Task:
         return best
 
     def _match(
-        self,
-        trajectory: Trajectory,
-        start: Record,
-        found: list[FoundEvent],
-        reach: Reach,
-        label: np.ndarray,
-        wrong: np.ndarray,
+        self, trajectory: Trajectory, start: Record, found: list[FoundEvent], reach: Reach, label: Any, wrong: Any
     ) -> Matcher:
         """Match the exact events with those of the samples or the list."""
-        events, until, times = self.samples.events, float(trajectory.t_end), list[float]()
-        if events and not any(kind for _, kind in events):  # a solver's list of times
-            times, events = [t for t, _ in events], None
-        ended = until < self.samples.t[-1]  # where the exact motion has ended there is nothing to match
-        if events is None:
+        events, until, last = self.samples.events, float(trajectory.t_end), float(self.samples.t[-1])
+        there = until if until < last else np.inf  # where the exact motion has ended there is nothing to match
+        if events is None or (events and not any(kind for _, kind in events)):
             found = [event for event in found if float(self.samples.t[event.step]) <= until]
             matching = Matcher(trajectory, trajectory.events, found, False, reach, label, wrong)
-            if times:
-                matching.match_times([t for t in times if t <= until])
+            if events:  # a solver's list of times
+                matching.match_times([t for t, _ in events if t <= until])
             return matching
-        order = sorted((i for i, (t, _) in enumerate(events) if not ended or t <= until), key=lambda i: events[i][0])
-        pairs, reach = [events[i] for i in order], replace(reach, listed=reach.listed[order])
-        exact = [*trajectory.events, *self._later_events(trajectory, start, pairs)]
+        order = sorted((i for i, (t, _) in enumerate(events) if t <= there), key=lambda i: events[i][0])
+        pairs, exact, span = [events[i] for i in order], [*trajectory.events], WINDOW * reach.steps.K.period
+        if trajectory.status == "t_end" and pairs and pairs[-1][0] >= until - span:  # and those just after the end
+            exact += self._simulate(until + span, start).events[len(exact) :]
+        reach = replace(reach, listed=reach.listed[order])
         return Matcher(trajectory, exact, given_events(reach.steps, pairs), True, reach, label, wrong)
 
-    def _later_events(self, trajectory: Trajectory, start: Record, pairs: Sequence[tuple[float, str]]) -> list[Event]:
-        """Return exact events just after the last sample, if the list has events near there."""
-        t_end, span = float(trajectory.t_end), WINDOW * 2.0 * np.pi / float(self.parameters.Omega)
-        if trajectory.status != "t_end" or not pairs or pairs[-1][0] < t_end - span:
-            return []
-        return list(self._simulate(t_end + span, start).events[len(trajectory.events) :])
-
     def _simulate(self, t_end: float, start: Record) -> Trajectory:
-        """Return the exact motion from a start to t_end."""
-        # So many more events than samples cannot be meant.
-        most = 2_000 + 10 * len(self.samples.t)
-        return simulate(self.scene, t_end=t_end, max_events=most, **start)
+        """Return the exact motion from a start to t_end; so many more events than samples cannot be meant."""
+        return simulate(self.scene, t_end=t_end, max_events=2_000 + 10 * len(self.samples.t), **start)
+
+
+def _every(n: int, count: int) -> np.ndarray:
+    """Return the numbers of every n-th of `count` samples, and of the last one."""
+    return np.unique([*range(0, count, n), count - 1])
 
 
 def _faults(
@@ -412,13 +402,12 @@ def _faults(
     odd = {event.step for event in matching.invented}
     odd |= {int(np.searchsorted(steps.t, float(event.t))) - 1 for event in matching.missed}
     odd |= set(np.flatnonzero(wrong & (modes[1:] > 0) & (steps.last != modes[1:]))[:MOST_FAULTS].tolist())
-    first = np.flatnonzero(wrong)[:MOST_FAULTS].tolist()
-    chosen = sorted(set(first) | {i for i in odd if 0 <= i < len(wrong) and wrong[i]})
-    return explain(steps, chosen, modes, sizes, allowed, near)
+    odd |= set(np.flatnonzero(wrong)[:MOST_FAULTS].tolist())
+    return explain(steps, sorted(i for i in odd if 0 <= i < len(wrong) and wrong[i]), modes, sizes, allowed, near)
 
 
 def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:
     """Return the sizes of x and v: the maxima of the exact motion, at least those given by the belts."""
-    reach = np.array([np.max(np.abs(row)) for row in exact])
+    reach = np.max(np.abs(exact), axis=1)
     speed = max(float(reach[1]), abs(float(p.v1)), abs(float(p.v2)))
     return np.array([max(float(reach[0]), speed / fastest_rate(p)), speed])

@@ -300,21 +300,15 @@ class Matcher:
     # The results `matched`, `missed`, `invented`, `unresolved` and `notes` are those of `CrossCheck`.
 
     def __init__(
-        self,
-        trajectory: Trajectory,
-        exact: Sequence[Event],
-        found: Sequence[FoundEvent],
-        given: bool,
-        reach: Reach,
-        label: np.ndarray,
-        wrong: np.ndarray,
-    ) -> None:
+        self, trajectory: Trajectory, exact: Sequence[Event], found: Sequence[FoundEvent], given: bool, reach: Reach,
+        label: np.ndarray, wrong: np.ndarray,
+    ) -> None:  # fmt: skip
         self.trajectory, self.exact, self.found, self.given = trajectory, exact, found, given
         self.reach, self.steps, self.label, self.wrong = reach, reach.steps, label, wrong
         self.window = WINDOW * self.steps.K.period
         self.times = np.array([float(event.t) for event in exact])
         self.reaches = np.array([reach.of(event) for event in exact])
-        self.local = [self._local(event, time) for event, time in zip(exact, self.times.tolist(), strict=True)]
+        self.local = [self._local(event) for event in exact]
         # Numbers of the exact events and of those found that have no partner yet.
         self.exact_free, self.found_free = set(range(len(exact))), set(range(len(found)))
         self.matched, self.missed, self.invented = list[Match](), list[Event](), list[FoundEvent]()
@@ -329,13 +323,17 @@ class Matcher:
         self._judge_found()
         self.matched.sort(key=lambda match: float(match.event.t))
 
-    def _local(self, event: Event, time: float) -> int | None:
+    def _local(self, event: Event) -> int | None:
         """Return the row of `steps.events` that is this exact event, found over a right step; None if there is none."""
-        events = self.steps.events
+        events, time = self.steps.events, float(event.t)
         rows = np.arange(*np.searchsorted(events.t, [time - self.window, time + self.window]))
         same = (events.kind[rows] == CODES[event.kind]) & (events.boundary[rows] == event.boundary)
         rows = rows[same & ~self.wrong[events.step[rows]]]
         return int(rows[np.argmin(np.abs(events.t[rows] - time))]) if len(rows) else None
+
+    def _own_time(self, i: int) -> float | None:
+        """Return the time of exact event i on the samples' own path; None if it has none."""
+        return None if self.local[i] is None else float(self.steps.events.t[self.local[i]])
 
     def _pair(self) -> None:
         """Pair events of one kind in order within their time errors, as many as possible."""
@@ -345,15 +343,12 @@ class Matcher:
             slack = event.spread + self.reach.listed[j] if self.given else event.spread
             low, high = np.searchsorted(self.times, [event.t - most - slack, event.t + most + slack])
             for i in range(int(low), int(high)):
-                own = self.exact[i]
-                if own.kind != event.kind or event.boundary not in (0, own.boundary):
-                    continue
-                distance = abs(self.times[i] - event.t)
-                row = self.local[i]
-                if row is not None:  # its time on the samples' own path
-                    distance = min(distance, abs(float(self.steps.events.t[row]) - event.t))
-                if distance <= self.reaches[i] + slack:
-                    pairs.append((i, j, float(distance)))
+                if self.exact[i].kind == event.kind and event.boundary in (0, self.exact[i].boundary):
+                    own = self._own_time(i)
+                    distance = abs(self.times[i] - event.t)
+                    distance = distance if own is None else min(distance, abs(own - event.t))
+                    if distance <= self.reaches[i] + slack:
+                        pairs.append((i, j, float(distance)))
         for i, j in in_order(pairs):
             self.exact_free.remove(i)
             self.found_free.remove(j)
@@ -378,16 +373,16 @@ class Matcher:
             event = self.found[j]
             low, high = np.searchsorted(events.t, [event.t - self.window, event.t + self.window])
             for row in range(int(low), int(high)):
-                if events.kind[row] == CODES[event.kind] and row not in used and not self.wrong[events.step[row]]:
-                    distance, reach = abs(float(events.t[row]) - event.t), self.reach.of_row(row)
-                    near = np.flatnonzero(np.abs(self.times - events.t[row]) <= self.reaches + reach).tolist()
-                    kind = event.kind, events.boundary[row]
-                    is_exact = any((self.exact[i].kind, self.exact[i].boundary) == kind for i in near)
-                    if not is_exact and distance <= reach + self.reach.listed[j]:
-                        used.add(row)
-                        self.found_free.remove(j)
-                        self.unresolved.append(event)
-                        break
+                if events.kind[row] != CODES[event.kind] or row in used or self.wrong[events.step[row]]:
+                    continue
+                distance, reach = abs(float(events.t[row]) - event.t), self.reach.of_row(row)
+                near = np.flatnonzero(np.abs(self.times - events.t[row]) <= self.reaches + reach).tolist()
+                kind = event.kind, events.boundary[row]
+                is_exact = any((self.exact[i].kind, self.exact[i].boundary) == kind for i in near)
+                if not is_exact and distance <= reach + self.reach.listed[j]:
+                    used.add(row)
+                    self._set_aside([j], ())
+                    break
 
     def _allow_close_events(self) -> None:
         """Ignore differences within the tolerance where exact events at one belt cannot be resolved."""
@@ -395,9 +390,8 @@ class Matcher:
         index = {id(event): j for j, event in enumerate(self.found)}
         clusters: list[list[int]] = []
         for i, event in enumerate(self.exact):
-            before = clusters[-1][-1] if clusters else i
-            gap = self.times[i] - self.times[before] if event.boundary == self.exact[before].boundary else np.inf
-            if i > before and gap <= self.reaches[i] + self.reaches[before]:
+            close = i > 0 and event.boundary == self.exact[i - 1].boundary
+            if close and self.times[i] - self.times[i - 1] <= self.reaches[i] + self.reaches[i - 1]:
                 clusters[-1].append(i)
             else:
                 clusters.append([i])
@@ -426,12 +420,11 @@ class Matcher:
             # Next to an exact event it is that one.
             if width is None or np.any(np.abs(self.times - time) <= self.reaches + width):
                 continue
-            if self._is_wrong(time - width, time + width):
-                continue
-            if runs and self.found[j].t - self.found[runs[-1][-1]].t <= 2.0 * width:
-                runs[-1].append(j)
-            else:
-                runs.append([j])
+            if not self._is_wrong(time - width, time + width):
+                if runs and self.found[j].t - self.found[runs[-1][-1]].t <= 2.0 * width:
+                    runs[-1].append(j)
+                else:
+                    runs.append([j])
         for run in runs:
             if tuple(self.found[j].kind for j in run) in RETURNS:
                 self._set_aside(run, ())
@@ -449,16 +442,20 @@ class Matcher:
 
     def _judge_exact(self) -> None:
         """Classify unmatched exact events: missed, inside a step, or not on the samples' path."""
-        slack, start, end = 1e-6 * self.steps.K.period, float(self.steps.t[0]), float(self.steps.t[-1])
+        t, slack = self.steps.t, 1e-6 * self.steps.K.period
         for i in sorted(self.exact_free):
             own, time, reach = self.exact[i], float(self.times[i]), self.reaches[i]
-            if time > end:
+            if time > t[-1]:
                 continue
-            if self.given and (time >= end - reach or time <= start + reach):  # it may be outside the samples
+            if self.given and (time >= t[-1] - reach or time <= t[0] + reach):  # it may be outside the samples
                 self.unresolved.append(own)
                 continue
             first, last = self.steps.at(time, slack)
-            inside = self._inside(i, first, last, slack)
+            inside = self._own_time(i)
+            if inside is None:  # a contact that is a sample is inside no step
+                nearest = first + int(np.argmin(np.abs(t[first : last + 2] - time)))
+                there = abs(t[nearest] - time) <= slack and self.label[nearest] == 3 + own.boundary
+                inside = float(t[nearest]) if there else None
             near = inside is not None and abs(inside - time) <= self.window
             if self.wrong[first : last + 1].any() or (self.given and near and own.kind != "graze"):
                 if own.kind != "graze":  # nothing changes at a graze: it cannot be missed
@@ -468,23 +465,14 @@ class Matcher:
             else:
                 self.unresolved.append(own)
 
-    def _inside(self, i: int, first: int, last: int, slack: float) -> float | None:
-        """Return the time of exact event i on the samples' own path, over right steps, or None."""
-        row = self.local[i]
-        if row is not None:
-            return float(self.steps.events.t[row])
-        nearest = first + int(np.argmin(np.abs(self.steps.t[first : last + 2] - self.times[i])))
-        there = abs(self.steps.t[nearest] - self.times[i]) <= slack
-        # A contact that is a sample is inside no step.
-        return float(self.steps.t[nearest]) if there and self.label[nearest] == 3 + self.exact[i].boundary else None
-
     def _judge_found(self) -> None:
         """Classify unmatched events of the samples: invented, or only on the samples' own path."""
+        events = self.steps.events
         for j in sorted(self.found_free):
             event = self.found[j]
-            rows = self.steps.events.rows(event.step, event.last_step)
-            same = self.steps.events.kind[rows] == CODES[event.kind]
-            same &= (self.steps.events.boundary[rows] == event.boundary) | (event.boundary == 0)
+            rows = events.rows(event.step, event.last_step)
+            same = events.kind[rows] == CODES[event.kind]
+            same &= (events.boundary[rows] == event.boundary) | (event.boundary == 0)
             if self.given or self.wrong[event.step : event.last_step + 1].any():
                 self.invented.append(event)
             elif same.any() or not len(same):
@@ -502,9 +490,8 @@ class Matcher:
             near = nearest >= 0 and gaps[nearest] <= self.window
             close = False
             if near:  # the event may be as far from its exact time as that of the samples' own path, and its reach
-                row = self.local[nearest]
-                own = 0.0 if row is None else abs(float(self.steps.events.t[row]) - float(self.times[nearest]))
-                close = bool(gaps[nearest] <= float(self.reaches[nearest]) + own)
+                exact, own = float(self.times[nearest]), self._own_time(nearest)
+                close = bool(gaps[nearest] <= self.reaches[nearest] + abs((exact if own is None else own) - exact))
             if close and nearest not in used:
                 used.add(nearest)
                 event = self.exact[nearest]

@@ -40,8 +40,8 @@ from symosc.crosschecks.objects import (
     refuse_twice,
     solutions_in,
 )
-from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, number_of, short
-from symosc.errors import MissingExtraError, ParameterError
+from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, number_of
+from symosc.errors import MissingExtraError, ParameterError, brief
 from symosc.files import STDOUT, read_path
 
 TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".out", ".asc")
@@ -67,7 +67,7 @@ def read_solutions(
     """Read solutions from a file, standard input ("-"), a list of files, or any object of docs/checking.md."""
     # `columns` names the columns t, x, v and id (None: there is no such column); a function needs a `problem` for its
     # times. ParameterError if the file cannot be read, a column is missing or the samples are wrong.
-    asked: Asked = read_column_names(columns)
+    asked = read_column_names(columns)
     if isinstance(source, (list, tuple)) and source and all(isinstance(each, (str, Path)) for each in source):
         found = [(path, each) for path in source for each in read_solutions(path, columns, problem)]
         return [replace(each, name=f"{path}:{each.name}" if each.name else str(path)) for path, each in found]
@@ -75,9 +75,8 @@ def read_solutions(
         return solutions_in(source, asked, problem)
     where = "standard input" if source == STDOUT else str(source)
     content = _read(source, where, asked, read_text)
-    if isinstance(content, TextColumns):  # the columns asked for have been found
-        asked = {}
-    return solutions_in(content, asked, problem, where)
+    # Of text the columns asked for have been found.
+    return solutions_in(content, {} if isinstance(content, TextColumns) else asked, problem, where)
 
 
 def read_content(path: str | Path, choose: Choose) -> Any:
@@ -86,8 +85,9 @@ def read_content(path: str | Path, choose: Choose) -> Any:
 
     def cells_by_name(file: IO[bytes], asked: Any, where: str) -> list[tuple[str, dict[str, str]]]:
         _, columns, rows = _table(file, choose, where)
-        found = ((f"line {number}", {name: cells[i] for name, i in columns.items()}) for number, cells in rows)
-        return [(line, {name: cell for name, cell in row.items() if cell}) for line, row in found]
+        return [
+            (f"line {number}", {name: cells[i] for name, i in columns.items() if cells[i]}) for number, cells in rows
+        ]
 
     return _read(path, str(path), None, cells_by_name)
 
@@ -98,6 +98,8 @@ def _read(path: str | Path, where: str, asked: Asked | None, text: Reader) -> An
     try:
         with _opened(path, where) as file:
             library, read = _kind(path, file, where, text)
+            if library and isinstance(file.raw, _Unpacked):  # libraries seek
+                return read(io.BytesIO(_whole(file, where)), asked, where)
             return read(file, asked, where)
     except (ParameterError, MissingExtraError):
         raise
@@ -106,7 +108,7 @@ def _read(path: str | Path, where: str, asked: Asked | None, text: Reader) -> An
     except Exception as error:
         first = str(error).partition("\n")[0]
         if library:
-            what = f"is not {library}, or it is damaged{': ' if first else ''}{short(first)}"
+            what = f"is not {library}, or it is damaged{': ' if first else ''}{brief(first)}"
             raise ParameterError("file", where, what) from None
         match error:
             case gzip.BadGzipFile() | lzma.LZMAError() | zlib.error() | EOFError():
@@ -177,17 +179,13 @@ def _suffix_of_content(beginning: bytes) -> str:
 
 def _kind(path: str | Path, file: io.BufferedReader, where: str, text: Reader) -> tuple[str, Reader]:
     """Return the format of a file that a library reads ("" for others), and a function that reads it."""
-    kinds: dict[str, tuple[str, Reader]] = {**dict.fromkeys(TEXT_SUFFIXES, ("", text)), **FILE_KINDS}
     suffix = "" if path == STDOUT else suffix_of(path)
-    if suffix and suffix not in kinds:
-        raise ParameterError("file", where, f"must end in {', '.join(kinds)}, and perhaps {', '.join(PACKED)}")
+    if suffix and suffix not in SUFFIXES:
+        raise ParameterError("file", where, f"must end in {', '.join(SUFFIXES)}, and perhaps {', '.join(PACKED)}")
     beginning = file.peek(32).lstrip()[:32]
     if beginning.startswith(b"# Created by Octave") and suffix in ("", ".mat", *TEXT_SUFFIXES):
         return "a file of Octave", read_octave
-    library, read = kinds.get(suffix or _suffix_of_content(beginning), ("", text))
-    if library and isinstance(file.raw, _Unpacked):
-        return library, lambda file, asked, where: read(io.BytesIO(_whole(file, where)), asked, where)
-    return library, read
+    return FILE_KINDS.get(suffix or _suffix_of_content(beginning), ("", text))
 
 
 def suffix_of(path: str | Path) -> str:
@@ -206,10 +204,6 @@ class TextColumns(dict[str, np.ndarray]):
     """The columns of a text file, under the names t, x, v and id."""
 
 
-#: A line that is not empty: its number in the file, its text, and whether it holds data.
-Line = tuple[int, str, bool]
-
-
 def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
     """Return the columns t, x, and v and id if present."""
 
@@ -223,16 +217,16 @@ def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
         return {name: numbers[column] for name, column in find_columns([*numbers], asked, where).items()}
 
     delimiter, columns, rows = _table(file, choose, where)
-    id_column, ids, known = columns.pop(ID_COLUMN, None), list[str](), dict[str, str]()
+    id_column, ids = columns.pop(ID_COLUMN, None), list[str]()
     values = {name: array("d") for name in columns}
     for row, (number, cells) in enumerate(rows):
         for name, i in columns.items():
             try:
                 values[name].append(_number(cells[i], delimiter))
             except ValueError:
-                raise ParameterError(f"{name}[{row}]", short(cells[i]), f"is not a number (line {number})") from None
+                raise ParameterError(f"{name}[{row}]", brief(cells[i]), f"is not a number (line {number})") from None
         if id_column is not None:
-            ids.append(known.setdefault(cells[id_column], cells[id_column]))  # one string for all rows of an id
+            ids.append(sys.intern(cells[id_column]))  # one string for all rows of an id
     found = TextColumns((name, np.array(column)) for name, column in values.items())
     return found if id_column is None else TextColumns({**found, ID_COLUMN: np.array(ids)})
 
@@ -260,27 +254,51 @@ def _table(
     head = list(islice(lines, 1000))  # lines that may hold the header
     data = [i for i, (_, _, has_data) in enumerate(head) if has_data]
     comments = head[: data[0]] if data else head  # one may be the header: numpy.savetxt writes such
-    if not data and not comments:
+    if not head:
         raise ParameterError("file", where, "is empty; its first line must name the columns, such as t,x,v")
     # The second line shows the delimiter better than a header.
     samples = [head[i][1] for i in data[1::-1]] or [comments[-1][1]]
     delimiter = next((sign for sign in map(_delimiter, samples) if sign), None)
-    names, columns, begin = _header([head[i][1] for i in data[:1]], comments, delimiter, choose, where)
+
+    def places(names: list[str]) -> dict[str, int]:
+        found = choose(names)
+        for name in found.values():
+            if names.count(name) > 1:
+                raise ParameterError("file", where, f"has {brief(name)!r} twice; there are: {names_text(names)}")
+        return {name: names.index(column) for name, column in found.items()}
+
+    first = _split_cells(head[data[0]][1], delimiter) if data else []
+    in_comments = [_split_cells(line.lstrip("".join(COMMENT_SIGNS) + " "), delimiter) for _, line, _ in comments[::-1]]
+    tried = [
+        names for names in in_comments if not _are_numbers(names, None) and len(names) == (len(first) or len(names))
+    ]
+    has_header = not _are_numbers(first, delimiter)  # or it is a row with words, below a header that is a comment
+    usual = first if has_header else [str(i) for i in range(1, len(first) + 1)]
+    wrong: list[ParameterError] = []
+    for names in [usual, *tried] if has_header else [*tried, usual]:
+        try:
+            columns, width = places(names), len(names)
+            break
+        except ParameterError as error:  # of a comment it only says that it is no header
+            wrong += [error] if names is usual else []
+    else:
+        raise wrong[0]
+    begin = len(comments) + (has_header and names is usual)
 
     def rows() -> Iterator[tuple[int, list[str]]]:
         for number, text, has_data in chain(head[begin:], lines):
             if has_data:
                 cells = _split_cells(text, delimiter)
-                if len(cells) != len(names):
-                    what = f"row {number} has {len(cells)} entries, the header {len(names)}"
+                if len(cells) != width:
+                    what = f"row {number} has {len(cells)} entries, the header {width}"
                     raise ParameterError("file", where, what)
                 yield number, cells
 
     return delimiter, columns, rows()
 
 
-def _lines(file: IO[bytes], where: str) -> Iterator[Line]:
-    """Yield the lines of a text file that hold something."""
+def _lines(file: IO[bytes], where: str) -> Iterator[tuple[int, str, bool]]:
+    """Yield the lines of a text file that are not empty: number in the file, text, and whether it holds data."""
     empty = 0
     with io.TextIOWrapper(file, "utf-8-sig", newline=None) as text:
         for number, line in enumerate(iter(partial(text.readline, LONGEST_LINE), ""), 1):
@@ -295,44 +313,13 @@ def _lines(file: IO[bytes], where: str) -> Iterator[Line]:
                 yield number, line.strip("\n"), has_data
 
 
-def _header(
-    data: list[str], comments: list[Line], delimiter: str | None, choose: Choose, where: str
-) -> tuple[list[str], dict[str, int], int]:
-    """Return the names of all columns, the places of the chosen ones, and the number of lines of the header."""
-
-    def places(names: list[str]) -> dict[str, int]:
-        found = choose(names)
-        for name in found.values():
-            if names.count(name) > 1:
-                raise ParameterError("file", where, f"has {short(name)!r} twice; there are: {names_text(names)}")
-        return {name: names.index(column) for name, column in found.items()}
-
-    first = _split_cells(data[0], delimiter) if data else []
-    wrong = None
-    if data and not all(_is_number(cell, delimiter) for cell in first):
-        try:
-            return first, places(first), len(comments) + 1
-        except ParameterError as error:  # it may be a row with words, below a header that is a comment
-            wrong = error
-    for _, line, _ in comments[::-1]:
-        names = _split_cells(line.lstrip("".join(COMMENT_SIGNS) + " "), delimiter)
-        if all(_is_number(name, None) for name in names) or (data and len(names) != len(first)):
-            continue
-        with suppress(ParameterError):  # it is only a comment
-            return names, places(names), len(comments)
-    if wrong is not None:
-        raise wrong
-    names = [str(i) for i in range(1, len(first) + 1)]
-    return names, places(names), len(comments)
-
-
 def _delimiter(line: str) -> str | None:
     """Return the delimiter of a line; None if its cells stand between blanks."""
     line = re.sub('"[^"]*"', "", line)
-    cells = line.split()
     if ";" in line or "\t" in line:
         return ";" if ";" in line else "\t"
-    return "," if "," in line and not (len(cells) > 1 and all(_is_number(cell, None) for cell in cells)) else None
+    cells = line.split()
+    return "," if "," in line and not (len(cells) > 1 and _are_numbers(cells, None)) else None
 
 
 def _split_cells(line: str, delimiter: str | None) -> list[str]:
@@ -344,10 +331,11 @@ def _split_cells(line: str, delimiter: str | None) -> list[str]:
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
 
 
-def _is_number(cell: str, delimiter: str | None) -> bool:
-    """Return whether a cell is a number."""
+def _are_numbers(cells: list[str], delimiter: str | None) -> bool:
+    """Return whether all cells are numbers."""
     with suppress(ValueError):
-        _number(cell, delimiter)
+        for cell in cells:
+            _number(cell, delimiter)
         return True
     return False
 
@@ -382,20 +370,19 @@ def _read_numpy(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     data = np.load(file)
     if isinstance(data, np.ndarray):
         return data
-
-    def array(name: str) -> Any:
-        try:
-            return data[name]
-        except ValueError:
-            what = f"{name} must be an array of numbers (events, id: of text), not of Python objects"
-            raise ParameterError("file", where, what) from None
-
+    found: Record = {}
     with data:
-        return {name: array(name) if is_wanted(name, asked) else None for name in data.files}
+        for name in data.files:
+            try:
+                found[name] = data[name] if is_wanted(name, asked) else None
+            except ValueError:
+                what = f"{name} must be an array of numbers (events, id: of text), not of Python objects"
+                raise ParameterError("file", where, what) from None
+    return found
 
 
 def _read_parquet(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Read a parquet file."""
+    """Read the wanted columns of a parquet file."""
     parquet = _library("pyarrow.parquet", "a parquet file").ParquetFile(file)
     names = parquet.schema_arrow.names
     table = parquet.read(columns=[name for name in names if is_wanted(name, asked)])

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.crosschecks.causes import Case, Diagnosis, best_between, fitted
-from symosc.crosschecks.methods import DELAY_GRID, DELAY_LEAVES, MOST_DELAYS
+from symosc.crosschecks.causes import Case, Diagnosis, best_between, fitted, larger
+from symosc.crosschecks.methods import CLASSICAL, DELAY_GRID, DELAY_LEAVES, MOST_DELAYS, runge_kutta
 from symosc.crosschecks.models import rounded
 from symosc.crosschecks.steps import follow_steps
 from symosc.engine.state import SLIP
@@ -37,6 +37,7 @@ CURVES = {
         lambda z: 1.0 / (np.sqrt(1.0 + z * z) + np.abs(z)),
     ),
 }
+RK4 = runge_kutta(CLASSICAL, 1 / 6, 1 / 3, 1 / 3, 1 / 6)
 # Widths that differ by less than this part are one, or friction is not smoothed by that curve. A curve that is wider
 # than so many times the distance of the belts is no smoothed sign.
 SAME_WIDTH, WIDEST = 0.2, 3.0
@@ -170,11 +171,8 @@ def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
             return _misses_with_smoothing(case, more, np.exp(value), curve)[0]
 
         fit = fitted(misses, np.log([width]), np.array([1e-4]))
-        if fit is None or not np.nanmedian(fit.sizes / case.sizes[more]) <= 0.01:
-            continue
-        width = float(np.exp(fit.value[0]))
-        if width <= WIDEST * distance:
-            part = np.nanmedian(fit.sizes / case.sizes[more])
+        part = np.inf if fit is None else np.nanmedian(fit.sizes / case.sizes[more])
+        if fit is not None and part <= 0.01 and (width := float(np.exp(fit.value[0]))) <= WIDEST * distance:
             evidence = f"the equation with it, integrated over {len(more)} steps, leaves {part:.1e} of their defects"
             yield _smoothed(name, width, width * float(fit.error[0]), evidence, case.share(fit.sizes, more))
             return
@@ -190,20 +188,14 @@ def _misses_with_smoothing(case: Case, steps: np.ndarray, widths: np.ndarray, cu
     h = length / count
     middle, width = 0.5 * (K.A1 + K.A3), widths[:, None]
 
-    def push(theta: Any, x: Any, v: Any) -> Any:
+    def force(t: Any, x: Any, v: Any) -> Any:
         friction = K.belt1.J * curve.of((v - K.belt1.v) / width) + K.belt2.J * curve.of((v - K.belt2.v) / width)
-        return acceleration(x, v, np.cos(theta), middle, K.cm, K.w0sq, K.f0) - 0.5 * friction
+        cosine = np.cos(s.theta[steps] + K.Om * t)
+        return acceleration(x, v, cosine, middle, K.cm, K.w0sq, K.f0) - 0.5 * friction
 
-    shape = (len(widths), len(steps))
-    x, v = np.broadcast_to(s.x[steps], shape), np.broadcast_to(s.v[steps], shape)
+    x, v = (np.broadcast_to(each[steps], (len(widths), len(steps))) for each in (s.x, s.v))
     for i in range(count):
-        theta = s.theta[steps] + K.Om * i * h
-        half, whole = theta + 0.5 * K.Om * h, theta + K.Om * h
-        a1 = push(theta, x, v)
-        a2 = push(half, x + 0.5 * h * v, v + 0.5 * h * a1)
-        a3 = push(half, x + 0.5 * h * v + 0.25 * h * h * a1, v + 0.5 * h * a2)
-        a4 = push(whole, x + h * v + 0.5 * h * h * a2, v + h * a3)
-        x, v = x + h * v + h * h * (a1 + a2 + a3) / 6.0, v + h * (a1 + 2.0 * a2 + 2.0 * a3 + a4) / 6.0
+        x, v = RK4(force, i * h, x, v, h)
     return case.misses(np.stack([x, v], axis=2), steps)
 
 
@@ -211,22 +203,20 @@ def smoothed_passages(case: Case) -> Iterator[Diagnosis]:
     """Yield smoothed friction found in flights and crossings by its first-order effect near the belts."""
     s = case.steps
     usable = case.wrong & (s.first < 4) & (s.last < 4) & (np.diff(s.t) > 0.0) & np.isfinite(case.sizes)
-    usable &= np.isin(np.arange(len(usable)), s.events.step[s.events.target > 3], invert=True)
+    usable[s.events.step[s.events.target > 3]] = False
     steps = np.flatnonzero(usable)
     steps = steps[np.argsort(-case.sizes[steps])[:40]]
     if len(steps) < 3:
         return
     time, velocity = _paths(case, steps)
-    best = None
+    tried = []
     for name, curve in CURVES.items():
         for width in (s.K.belt2.v - s.K.belt1.v) * np.geomspace(1e-6, 1.0, 121):
             made = _effect(case, time, velocity, width, curve)
-            left = np.max(np.abs((made + s.defects[steps]) / case.allowed[steps]), axis=1) / case.sizes[steps]
-            middle = float(np.median(left))
-            if best is None or middle < best[0]:
-                best = middle, name, float(width), left
-    if best is not None and best[0] <= SAME_WIDTH:
-        middle, name, width, left = best
+            left = larger((made + s.defects[steps]) / case.allowed[steps]) / case.sizes[steps]
+            tried.append((float(np.median(left)), name, float(width), left))
+    middle, name, width, left = min(tried, key=lambda each: each[0])
+    if middle <= SAME_WIDTH:
         evidence = f"to first order it leaves {middle:.0%} of the defects of {len(steps)} steps"
         # One width for all steps says more than a delay for each.
         share = float(np.mean(left < 2.0 * SAME_WIDTH)) + 0.01
@@ -236,20 +226,17 @@ def smoothed_passages(case: Case) -> Iterator[Diagnosis]:
 
 def _paths(case: Case, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return times within steps, counted from their start, and exact velocities there, shape (steps, pieces + 1)."""
-    s = case.steps
-    length = s.t[steps + 1] - s.t[steps]
-    order = np.argsort(steps)
-    time, velocity = np.outer(length, np.linspace(0.0, 1.0, PIECES + 1)), np.empty((len(steps), PIECES + 1))
-    velocity[:, 0] = s.v[steps]
+    s, order = case.steps, np.argsort(steps)
+    time = np.outer(s.t[steps + 1] - s.t[steps], np.linspace(0.0, 1.0, PIECES + 1))
+    velocity = np.repeat(s.v[steps][:, None], PIECES + 1, axis=1)
     for k, i in enumerate(steps.tolist()):  # the path has a kink at each event: it is the end of a piece
-        for event in s.events.t[s.events.rows(i, i)].tolist():
-            after = event - s.t[i]
+        for after in (s.events.t[s.events.rows(i, i)] - s.t[i]).tolist():
             time[k, 1 + int(np.argmin(np.abs(time[k, 1:-1] - after)))] = after
     i = steps[order]
     for j in range(1, PIECES + 1):
         times = np.maximum.accumulate(np.column_stack([s.t[i], s.t[i] + time[order, j]]).ravel())
         there = follow_steps(case.parameters, times, np.repeat(s.x[i], 2), np.repeat(s.v[i], 2), 0.0, case.scales)
-        velocity[order, j] = there.defects[::2, 1] + s.v[i]
+        velocity[order, j] += there.defects[::2, 1]
     return time, velocity
 
 
@@ -293,18 +280,16 @@ def _find_sticks(case: Case) -> StickSteps | None:
     s, rows = case.steps, []
     for i in case.some(np.flatnonzero(case.wrong & (case.domain[1:] > 0)), MOST_DELAYS).tolist():
         part = s.events.rows(i, i)
-        kinds, times, targets = s.events.kind[part], s.events.t[part], s.events.target[part]
-        slips, onsets = np.flatnonzero(kinds == SLIP), np.flatnonzero(targets > 3)
-        end = float(times[slips[0]]) if len(slips) else float(s.t[i + 1])
-        if s.first[i] > 3:
-            boundary, begin, x = int(s.first[i]) - 3, float(s.t[i]), float(s.x[i])
-        elif case.domain[i] == 0:  # the samples stick, the exact motion has gone by now
-            boundary, begin, x = int(_nearest_belt(case, np.array([i]))[0]), float(s.t[i]), float(s.x[i])
-            end = begin
-        elif len(onsets):
+        times, targets = s.events.t[part], s.events.target[part]
+        slips, onsets = np.flatnonzero(s.events.kind[part] == SLIP), np.flatnonzero(targets > 3)
+        boundary, begin, x = int(s.first[i]) - 3, s.t[i], s.x[i]
+        end = times[slips[0]] if len(slips) else s.t[i + 1]
+        if s.first[i] <= 3 and case.domain[i] == 0:  # the samples stick, the exact motion has gone by now
+            boundary, end = int(_nearest_belt(case, np.array([i]))[0]), begin
+        elif s.first[i] <= 3 and len(onsets):
             k = int(onsets[0])
-            boundary, begin, x = int(targets[k]) - 3, float(times[k]), float(s.events.x[part][k])
-        else:
+            boundary, begin, x = int(targets[k]) - 3, times[k], s.events.x[part][k]
+        elif s.first[i] <= 3:
             continue
         rows.append((i, boundary, begin, x, end))
     if not rows:
@@ -315,8 +300,7 @@ def _find_sticks(case: Case) -> StickSteps | None:
 
 def _nearest_belt(case: Case, samples: np.ndarray) -> np.ndarray:
     """Return the belt nearest to each sample."""
-    v, K = case.steps.v[samples], case.steps.K
-    return np.where(np.abs(v - K.belt1.v) <= np.abs(v - K.belt2.v), 1, 2)
+    return np.asarray(1 + np.argmin(np.abs(case.steps.v[samples, None] - case.steps.belts), axis=1))
 
 
 def _kept_on(case: Case, steps: np.ndarray) -> np.ndarray:
@@ -329,20 +313,20 @@ def _kept_on(case: Case, steps: np.ndarray) -> np.ndarray:
 
 def stick_ends(case: Case) -> Iterator[Diagnosis]:
     """Yield the diagnosis of sticks that end too early or too late, followed by a flight in one domain."""
-    sticks, total = _find_sticks(case), int(np.sum(case.wrong))
+    sticks, total, s = _find_sticks(case), int(np.sum(case.wrong)), case.steps
     if sticks is None:
         yield from _kept_too_long(case)
         return
-    s, there = case.steps, sticks.step
+    there = sticks.step
 
     def misses(time: np.ndarray) -> np.ndarray:
-        return np.fmin(*(np.max(np.abs(_left_at(case, sticks, time, side)), axis=1) for side in (0, 1)))
+        return np.fmin(*(larger(_left_at(case, sticks, time, side)) for side in (0, 1)))
 
     never = np.full(len(there), -1.0)
     early = best_between(misses, sticks.begin, sticks.end, 2 * DELAY_GRID, never)
     late = best_between(misses, sticks.end, s.t[there + 1], 2 * DELAY_GRID, never)
     is_late = late[1] < early[1]
-    time, leaves = np.where(is_late, late[0], early[0]), np.where(is_late, late[1], early[1])
+    time, leaves = np.where(is_late, late, early)
     fits = leaves <= case.limits(DELAY_LEAVES)[there]
     fits &= np.abs(time - sticks.end) > 1e-6 * (s.t[there + 1] - s.t[there])
     if not np.any(fits):
@@ -358,11 +342,8 @@ def stick_ends(case: Case) -> Iterator[Diagnosis]:
     words = f"sticks are left while the belt still holds, first at t = {float(time[fits][0]):.8g}"
     evidence = f"{count} sticks end up to {float(np.max(-lasting)):.3g} too early; flights without a cause follow"
     # Flights with the force of one domain, right or wrong, follow from that.
-    if len(rest):
-        left = np.min([case.miss_sizes(s.flight(d, rest, rest + 1), rest) for d in (1, 2, 3)], axis=0)
-        share = (count + int(np.sum(left <= case.limits()[rest]))) / total
-    else:
-        share = count / total
+    left = np.min([case.miss_sizes(s.flight(d, rest, rest + 1), rest) for d in (1, 2, 3)], axis=0)
+    share = (count + int(np.sum(left <= case.limits()[rest]))) / total
     yield Diagnosis("stick left early", "", words, evidence, share=share)
 
 
@@ -425,16 +406,13 @@ def drift_within_steps(case: Case) -> Iterator[Diagnosis]:
         base = _left_at(case, sticks, sticks.end, side)
         slope = (_left_at(case, sticks, sticks.end, side, 0.5 * unit * T * T, unit * T) - base) / unit[:, None]
         rate = -np.sum(slope * base, axis=1) / np.maximum(np.sum(slope * slope, axis=1), 1e-300)
-        left = np.max(np.abs(base + slope * rate[:, None]), axis=1)
+        left = larger(base + slope * rate[:, None])
         best, leaves = np.where(left < leaves, rate, best), np.minimum(left, leaves)
     fits = (leaves <= case.limits(0.1)[sticks.step]) & (np.abs(best) * T <= 0.02 * case.scales[1])  # more is no drift
-    if not np.any(fits):
-        return
-    middle, spread = _median_and_deviation(best[fits])
+    middle, spread = _median_and_deviation(best[fits]) if np.any(fits) else (0.0, np.inf)
     if spread <= SAME_RATE * abs(middle):
         # One number for all sticks says more than an end for each.
-        surely = 0.01 if spread <= ONE_NUMBER * abs(middle) else 0.0
-        share = surely + float(np.sum(fits)) / int(np.sum(case.wrong))
+        count, surely = int(np.sum(fits)), 0.01 if spread <= ONE_NUMBER * abs(middle) else 0.0
         words = f"in a stick v drifts off the belt, by {middle:.3g} per unit of time"
-        evidence = f"one rate explains what follows {int(np.sum(fits))} sticks"
-        yield Diagnosis("drift", "", words, evidence, middle, spread if np.sum(fits) > 1 else None, share)
+        evidence, error = f"one rate explains what follows {count} sticks", spread if count > 1 else None
+        yield Diagnosis("drift", "", words, evidence, middle, error, surely + count / int(np.sum(case.wrong)))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from symosc.crosschecks.causes import SURE, Case, Diagnosis, best_between
+from symosc.crosschecks.causes import SURE, Case, Diagnosis, best_between, larger
 from symosc.engine.state import SLIP
 from symosc.kernels._generated import acceleration
 
@@ -24,35 +24,29 @@ DELAY_LEAVES = 0.005
 # -- methods with a fixed step: each returns the state after a step h, for the acceleration a(t, x, v) -----------------
 
 
-def splitting(*parts: tuple[str, float, float]) -> Method:
-    """Return a splitting method: kicks change v by the force at a part of the step, drifts move x by v."""
+def nystrom(
+    stages: Sequence[tuple[float, float, Sequence[float], Sequence[float]]], x_weights: Any, v_weights: Any
+) -> Method:
+    """Return an explicit Nyström method: each stage has its time, its part of h v, and rows of weights for x and v."""
+
+    def total(weights: Any, found: list[Any]) -> Any:
+        return sum(weight * each for weight, each in zip(weights, found, strict=True))
 
     def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-        for name, part, time in parts:
-            if name == "kick":
-                v = v + part * h * a(t + time * h, x, v)
-            else:
-                x = x + part * h * v
-        return x, v
+        found: list[Any] = []
+        for time, way, x_row, v_row in stages:
+            there = x + way * h * v + h * h * total(x_row, found)
+            found.append(a(t + time * h, there, v + h * total(v_row, found)))
+        return x + h * v + h * h * total(x_weights, found), v + h * total(v_weights, found)
 
     return step
 
 
-def taylor(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-    """Make a Taylor step with constant acceleration."""
-    first = a(t, x, v)
-    return x + h * v + 0.5 * h * h * first, v + h * first
-
-
-def velocity_verlet(predicted: float) -> Method:
-    """Return velocity Verlet with the force at the old velocity (0) or at a predicted one (1)."""
-
-    def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-        first = a(t, x, v)
-        x = x + h * v + 0.5 * h * h * first
-        return x, v + 0.5 * h * (first + a(t + h, x, v + predicted * h * first))
-
-    return step
+def runge_kutta(rows: Sequence[Sequence[float]], *weights: float) -> Method:
+    """Return an explicit Runge-Kutta method from its tableau."""
+    A = np.array([[*row, *[0.0] * (len(rows) - len(row))] for row in rows])
+    stages = [(sum(row), sum(row), (A @ A)[i, :i].tolist(), row) for i, row in enumerate(rows)]
+    return nystrom(stages, (np.array(weights) @ A).tolist(), weights)
 
 
 def implicit(part: float) -> Method:
@@ -68,41 +62,21 @@ def implicit(part: float) -> Method:
     return step
 
 
-def runge_kutta(rows: Sequence[Sequence[float]], *weights: float) -> Method:
-    """Return an explicit Runge-Kutta method from its tableau."""
-
-    def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-        slopes = stages(rows, a, t, x, v, h)
-        dx, dv = (sum(w * slope[i] for w, slope in zip(weights, slopes, strict=True)) for i in (0, 1))
-        return x + h * dx, v + h * dv
-
-    return step
-
-
-def stages(rows: Sequence[Sequence[float]], a: Force, t: Any, x: Any, v: Any, h: Any) -> list[State]:
-    """Return the slopes of x and v at the stages of an explicit Runge-Kutta method."""
-    slopes: list[State] = []
-    for row in rows:
-        dx, dv = (sum(part * slope[i] for part, slope in zip(row, slopes, strict=True)) for i in (0, 1))
-        ahead = v + h * dv
-        slopes.append((ahead, a(t + sum(row) * h, x + h * dx, ahead)))
-    return slopes
-
-
+START: tuple[float, float, Sequence[float], Sequence[float]] = (0.0, 0.0, (), ())
 CLASSICAL = ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0))
 #: "exact" is the closed form, with the force of the domain at the beginning of the step.
 FIXED_STEP_METHODS: dict[str, Method | None] = {
     "exact": None,
-    "Euler": runge_kutta(((),), 1.0),
-    "semi-implicit Euler": splitting(("kick", 1.0, 0.0), ("drift", 1.0, 0.0)),
-    "semi-implicit Euler, x first": splitting(("drift", 1.0, 0.0), ("kick", 1.0, 0.0)),
-    "constant acceleration": taylor,
+    "Euler": nystrom([START], (0.0,), (1.0,)),
+    "semi-implicit Euler": nystrom([START], (1.0,), (1.0,)),
+    "semi-implicit Euler, x first": nystrom([(0.0, 1.0, (), ())], (0.0,), (1.0,)),
+    "constant acceleration": nystrom([START], (0.5,), (1.0,)),
     "midpoint": runge_kutta(((), (0.5,)), 0.0, 1.0),
     "Heun": runge_kutta(((), (1.0,)), 0.5, 0.5),
-    "leapfrog (velocity Verlet)": splitting(("kick", 0.5, 0.0), ("drift", 1.0, 0.0), ("kick", 0.5, 1.0)),
-    "velocity Verlet with the old v": velocity_verlet(0.0),
-    "velocity Verlet with a predicted v": velocity_verlet(1.0),
-    "leapfrog, x first": splitting(("drift", 0.5, 0.0), ("kick", 1.0, 0.5), ("drift", 0.5, 0.0)),
+    "leapfrog (velocity Verlet)": nystrom([START, (1.0, 1.0, (0.5,), (0.5,))], (0.5, 0.0), (0.5, 0.5)),
+    "velocity Verlet with the old v": nystrom([START, (1.0, 1.0, (0.5,), (0.0,))], (0.5, 0.0), (0.5, 0.5)),
+    "velocity Verlet with a predicted v": nystrom([START, (1.0, 1.0, (0.5,), (1.0,))], (0.5, 0.0), (0.5, 0.5)),
+    "leapfrog, x first": nystrom([(0.5, 0.5, (), ())], (0.5,), (1.0,)),
     "implicit Euler": implicit(1.0),
     "trapezoidal rule": implicit(0.5),
     "RK3": runge_kutta(((), (0.5,), (-1.0, 2.0)), 1 / 6, 4 / 6, 1 / 6),
@@ -154,16 +128,20 @@ def _other_weights(case: Case, flights: np.ndarray) -> Iterator[Diagnosis]:
     """Yield the classical Runge-Kutta method with fitted weights."""
     if len(flights) < 8:
         return
-    s, force = case.steps, _force(case, flights)
+    s, force, slopes = case.steps, _force(case, flights), list[State]()
     h = s.t[flights + 1] - s.t[flights]
-    slopes = np.array(stages(CLASSICAL, force, 0.0 * h, s.x[flights], s.v[flights], h)) * h  # stage, x or v, step
-    J = np.moveaxis(slopes, 0, -1).transpose(1, 0, 2) / case.allowed[flights][:, :, None]
+
+    def noted(t: Any, x: Any, v: Any) -> Any:
+        slopes.append((v, force(t, x, v)))
+        return slopes[-1][1]
+
+    runge_kutta(CLASSICAL, 0.0, 0.0, 0.0, 0.0)(noted, 0.0 * h, s.x[flights], s.v[flights], h)
+    J = np.transpose(np.array(slopes) * h, (2, 1, 0)) / case.allowed[flights][:, :, None]  # step, x or v, stage
     wanted = np.diff(s.states, axis=0)[flights] / case.allowed[flights]
     if not np.all(np.isfinite(J)):
         return
     weights = np.linalg.lstsq(J.reshape(-1, 4), wanted.ravel(), rcond=1e-9)[0]
-    left = np.max(np.abs(J @ weights - wanted), axis=1)
-    share = float(np.mean(left <= case.limits(1e-4)[flights]))
+    share = float(np.mean(larger(J @ weights - wanted) <= case.limits(1e-4)[flights]))
     if share >= 0.8:
         values, total = ", ".join(f"{weight:.4f}" for weight in weights), np.sum(weights)
         words = f"the steps are those of RK4 with wrong weights: {values}, which should be 1, 2, 2, 1 over 6"
@@ -183,11 +161,11 @@ def _not_located(case: Case, name: str, h: float, share: float, unseen: bool, he
         return Diagnosis("late events", name, words, evidence, h, 0.0, share)
     friction = "the friction at its beginning" if held else "the friction of each stage's v"
     evidence = f"{name} with steps of {h:.4g} and {friction} repeats {share:.0%} of the steps with events"
+    cause, words = "late events", f"events are not located: {name} with a step of {h:.4g} goes over them"
     if case.sticks and np.any(case.wrong & (case.steps.last > 3)):
+        cause = "chatter"
         words = f"v jumps to and fro about a belt's speed: {name} with a step of {h:.4g} goes over the events"
-        return Diagnosis("chatter", name, words, evidence, h, 0.0, share)
-    words = f"events are not located: {name} with a step of {h:.4g} goes over them"
-    return Diagnosis("late events", name, words, evidence, h, 0.0, share)
+    return Diagnosis(cause, name, words, evidence, h, 0.0, share)
 
 
 def _share_repeated(case: Case, chosen: np.ndarray, method: Method | None, count: int, held: bool = False) -> float:
@@ -200,27 +178,24 @@ def _share_repeated(case: Case, chosen: np.ndarray, method: Method | None, count
     t, x, v = np.zeros(len(chosen)), s.x[chosen], s.v[chosen]
     with np.errstate(all="ignore"):
         for _ in range(count):
+            domain = 1 + (v > K.belt1.v) + (v > K.belt2.v)
             if method is None:
-                x, v = s.fly(1 + (v > K.belt1.v) + (v > K.belt2.v), x, v, s.theta[chosen] + K.Om * t, h).T
+                x, v = s.fly(domain, x, v, s.theta[chosen] + K.Om * t, h).T
             else:
-                x, v = method(_force(case, chosen, held), t, x, v, h)
+                x, v = method(_force(case, chosen, domain if held else None), t, x, v, h)
             t = t + h
         sizes = np.nan_to_num(case.miss_sizes(np.column_stack([x, v]), chosen), nan=np.inf)
     return float(np.mean(sizes <= case.limits(0.005)[chosen]))  # of the defects is left
 
 
-def _force(case: Case, chosen: np.ndarray, held: bool = False) -> Force:
-    """Return the acceleration in some steps at times since their start; `held`: in the domain at their start."""
+def _force(case: Case, chosen: np.ndarray, domain: np.ndarray | None = None) -> Force:
+    """Return the acceleration in some steps at times since their start, in given domains or in those of each v."""
     s, K = case.steps, case.steps.K
-    forces = np.array([K.A1, K.A2, K.A3])
-    domain: list[np.ndarray] = []
 
     def force(t: Any, x: Any, v: Any) -> Any:
-        here = (v > K.belt1.v).astype(int) + (v > K.belt2.v)
-        if held and not domain:
-            domain.append(here)
-        theta = s.theta[chosen] + K.Om * t
-        return acceleration(x, v, np.cos(theta), forces[domain[0] if held else here], K.cm, K.w0sq, K.f0)
+        here = 1 + (v > K.belt1.v) + (v > K.belt2.v) if domain is None else domain
+        A = np.array([K.A1, K.A2, K.A3])[here - 1]
+        return acceleration(x, v, np.cos(s.theta[chosen] + K.Om * t), A, K.cm, K.w0sq, K.f0)
 
     return force
 
@@ -306,8 +281,7 @@ def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndar
 
 def _misses_from(case: Case, chosen: np.ndarray, time: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Return the misses at the ends of steps by the exact motion from states inside them."""
-    misses = case.between(np.column_stack([time, x, v]), chosen + 1, np.zeros(len(chosen))) / case.allowed[chosen]
-    return np.asarray(np.max(np.abs(misses), axis=1))
+    return larger(case.between(np.column_stack([time, x, v]), chosen + 1, 0.0) / case.allowed[chosen])
 
 
 def interpolated(case: Case) -> Iterator[Diagnosis]:

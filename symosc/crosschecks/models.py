@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from symosc.crosschecks.causes import FITS, LEFT_OVER, SURE, Candidate, Case, Change, Diagnosis, Fit, fitted
-from symosc.crosschecks.steps import follow_steps
+from symosc.aliases import Record
+from symosc.crosschecks.causes import FITS, LEFT_OVER, SURE, Candidate, Case, Change, Diagnosis, Fit, fitted, larger
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
 from symosc.errors import ParameterError
@@ -28,8 +28,6 @@ TICK = 1e-5
 FEWEST_FAR, FEW_FAR, MOST_FREQUENCIES = 8, 24, 4000
 # A phase so near to a quarter of a turn is one.
 QUARTER = 1e-4
-# Cause, subject, words, the change in words, and the values that change.
-System = tuple[str, str, str, str, dict[str, Any]]
 
 
 # -- systems that people write by mistake ------------------------------------------------------------------------------
@@ -49,17 +47,15 @@ def other_systems(case: Case) -> Iterator[Candidate]:
             few, chosen = case.flown(Arithmetic(other).K, chosen=flights), flights
         else:
             few, chosen = case.followed_some(other, tried), tried
-        if np.mean(np.max(np.abs(few), axis=1) <= case.limits()[chosen]) < 0.5:  # it is not followed over all steps
-            continue
-        value = float(next(iter(values.values()))) if len(values) == 1 else None
-        share = case.share(case.followed(other))
-        found = Diagnosis(cause, subject, words, "", value, None if value is None else 0.0, share)
-        yield Candidate(found, Change(f"with {change}", parameters=other))
+        if np.mean(larger(few) <= case.limits()[chosen]) >= 0.5:  # else it is not followed over all steps
+            value, error = (float(next(iter(values.values()))), 0.0) if len(values) == 1 else (None, None)
+            found = Diagnosis(cause, subject, words, "", value, error, case.share(larger(case.followed(other))))
+            yield Candidate(found, Change(f"with {change}", parameters=other))
     yield from _flights_of_no_system(case)
 
 
-def _systems(p: Parameters) -> Iterator[System]:
-    """Yield changed parameters as common mistakes make them, the most probable first."""
+def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
+    """Yield common mistakes, the most probable first: cause, subject, words, change in words, values that change."""
     m, Om = float(p.m), float(p.Omega)
     for name in ("A0", "B0", "v1", "v2"):
         yield "sign", name, f"{name} has the wrong sign", f"-{name}", {name: -getattr(p, name)}
@@ -141,14 +137,14 @@ def far_coefficients(case: Case) -> Iterator[Candidate]:
     for name in ("m", "c", "k", "Omega"):
         factors = np.geomspace(1e-3, 1e3, 61)
         values = _frequencies(case, flights) if name == "Omega" else (float(getattr(p, name)) or 1.0) * factors
-        tried = [(_median(np.max(np.abs(case.flown(K, chosen=few)), axis=1)), value)
-                 for value in values if (K := _constants(p, name, float(value))) is not None]  # fmt: skip
+        constants = [(K, float(value)) for value in values if (K := _constants(p, name, float(value))) is not None]
+        tried = [(_median(larger(case.flown(K, chosen=few))), value) for K, value in constants]
         if tried:
-            yield from _coefficient(case, name, _fit_flights(case, name, float(min(tried)[1])))
+            yield from _coefficient(case, name, _fit_flights(case, name, min(tried)[1]))
 
 
 def _median(sizes: np.ndarray) -> float:
-    """Return the median of the defect sizes."""
+    """Return the median of the defect sizes that are known."""
     known = sizes[~np.isnan(sizes)]
     return float(np.median(known)) if len(known) else 0.0 if not len(sizes) else inf
 
@@ -161,15 +157,10 @@ def _coefficient(case: Case, name: str, fit: Fit | None) -> Iterator[Candidate]:
     text = rounded(value, error)
     other = _replaced(case.parameters, **{name: float(text)})
     if other is not None and other != case.parameters:
-        words, evidence = f"the solution has {name} = {text}, which should be {right:.10g}", with_error(value, error)
-        share = case.share(case.followed(other), part=FITS)
+        words, evidence = f"the solution has {name} = {text}, which should be {right:.10g}", f"{text} ± {error:.1g}"
+        share = case.share(larger(case.followed(other)), part=FITS)
         found = Diagnosis("coefficient", name, words, f"fitted: {name} = {evidence}", value, error, share)
         yield Candidate(found, Change(f"with {name} = {text}", parameters=other))
-
-
-def with_error(value: float, error: float) -> str:
-    """Return a number and its error as text."""
-    return f"{rounded(value, error)} ± {error:.1g}"
 
 
 def rounded(value: float, error: float) -> str:
@@ -237,23 +228,21 @@ def _fit_belt(case: Case, name: str) -> Fit | None:
     still = (np.abs(np.diff(s.v)) <= 0.1 * case.allowed[:, 1]) & (step > 0.0)
     still &= np.abs(np.diff(s.x) - s.v[:-1] * step) <= case.allowed[:, 0]
     speeds = s.v[:-1][still & case.wrong]
-    if len(speeds) >= 2:
-        own, others = (float(p.v1), float(p.v2))[:: 1 if name == "v1" else -1]
-        near = speeds[np.abs(speeds - own) < np.abs(speeds - others)]
-        if len(near) >= 2:
-            error = np.array([float(case.allowed[0, 1])])
-            return Fit(np.array([float(np.median(near))]), error, np.max(np.abs(misses(start)), axis=1))
+    near = speeds[np.abs(speeds - start[0]) < np.abs(speeds - float(p.v2 if name == "v1" else p.v1))]
+    if len(near) >= 2:
+        error = np.array([float(case.allowed[0, 1])])
+        return Fit(np.array([float(np.median(near))]), error, larger(misses(start)))
     return fitted(misses, start, _tick(p, name)) if len(chosen) else None
 
 
 def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
     """Return the frequencies of the drive that best fit the mean accelerations of flights."""
-    s, K = case.steps, case.steps.K
-    begin, end = s.t[flights], s.t[flights + 1]
+    s, K, after = case.steps, case.steps.K, flights + 1
+    begin, end = s.t[flights], s.t[after]
     tau = end - begin
     # The mean of x over a step is that of the cubic through its ends.
-    x = 0.5 * (s.x[flights] + s.x[flights + 1]) + tau * (s.v[flights] - s.v[flights + 1]) / 12.0
-    rest = (s.v[flights + 1] - s.v[flights]) / tau + K.cm * (s.x[flights + 1] - s.x[flights]) / tau + K.w0sq * x
+    x = 0.5 * (s.x[flights] + s.x[after]) + tau * (s.v[flights] - s.v[after]) / 12.0
+    rest = (s.v[after] - s.v[flights]) / tau + K.cm * (s.x[after] - s.x[flights]) / tau + K.w0sq * x
     rest -= np.array([K.A1, K.A2, K.A3])[case.domain[flights] - 1]
     grid = np.arange(1, MOST_FREQUENCIES + 1) * min(0.5 / (end[-1] - begin[0]), 100.0 * K.Om / MOST_FREQUENCIES)
     made = (np.sin(np.outer(grid, end)) - np.sin(np.outer(grid, begin))) / np.outer(grid, tau)
@@ -266,14 +255,20 @@ def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
 
 def phases_of_drive(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis of a drive with another phase, or of a shifted clock; only the start distinguishes them."""
-    flights, K = case.some(case.inside, MOST_FLOWN), case.steps.K
+    flights, K, fit = case.some(case.inside, MOST_FLOWN), case.steps.K, None
     if not case.parameters.B0:
         return
-    turn = _turn_of_flights(case, flights) if len(flights) >= FEWEST_FAR else None
+    turn, tick = _turn_of_flights(case, flights) if len(flights) >= FEWEST_FAR else None, np.array([1e-5])
+    chosen = case.some(case.moving_wrong, MOST_FOLLOWED)
+
+    def misses(value: np.ndarray) -> np.ndarray:
+        return case.followed(case.parameters, float(value[0]) / K.Om)[chosen]
+
     if turn is not None:
-        fit = fitted(lambda q: case.flown(K, float(q[0]), flights), np.array([turn]), np.array([1e-5]))
-    else:
-        fit = _turn_of_steps(case) if len(case.wrong) <= MOST_FLOWN else None
+        fit = fitted(lambda q: case.flown(K, float(q[0]), flights), np.array([turn]), tick)
+    elif len(case.wrong) <= MOST_FLOWN and len(chosen):  # all steps, also those with events: the best of a grid
+        turns = np.linspace(-pi, pi, 48, endpoint=False).reshape(-1, 1)
+        fit = fitted(misses, min(turns, key=lambda turn: float(np.median(larger(misses(turn))))), tick)
     if fit is not None:
         yield _shift_or_phase(case, remainder(float(fit.value[0]), 2.0 * pi), float(fit.error[0]))
 
@@ -283,27 +278,13 @@ def _turn_of_flights(case: Case, flights: np.ndarray) -> float | None:
     K = case.steps.K
 
     def misses(value: np.ndarray) -> np.ndarray:
-        a, b = value
-        size, turn = float(np.hypot(a, b)), float(np.arctan2(b, a))
+        size, turn = float(np.hypot(*value)), float(np.arctan2(value[1], value[0]))
         return case.flown(K._replace(f0=K.f0 * size, fB=K.fB * size), turn, flights)
 
     fit = fitted(misses, np.array([1.0, 0.0]), np.array([1e-4, 1e-4]))
     if fit is None or abs(np.hypot(*fit.value) - 1.0) > max(1e-3, 10.0 * float(np.max(fit.error))):
         return None
     return float(np.arctan2(fit.value[1], fit.value[0]))
-
-
-def _turn_of_steps(case: Case) -> Fit | None:
-    """Return the phase shift in all steps, also those with events: the best of a grid is fitted."""
-    s, chosen = case.steps, case.some(case.moving_wrong, MOST_FOLLOWED)
-
-    def misses(value: np.ndarray) -> np.ndarray:
-        found = follow_steps(case.parameters, s.t + float(value[0]) / s.K.Om, s.x, s.v, case.near, case.scales)
-        return np.asarray((found.defects / case.allowed)[chosen])
-
-    turns = np.linspace(-pi, pi, 48, endpoint=False)
-    best = min(turns.tolist(), key=lambda turn: float(np.median(np.max(np.abs(misses(np.array([turn]))), axis=1))))
-    return fitted(misses, np.array([best]), np.array([1e-5])) if len(chosen) else None
 
 
 def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
@@ -313,12 +294,12 @@ def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
     names = {-1: " (sine in place of cosine)", 1: " (-sine in place of cosine)", 2: " (-cosine)", -2: " (-cosine)"}
     near = quarters and abs(turn - quarters * pi / 2) <= max(QUARTER, 3 * error)
     turn = quarters * pi / 2 if near else turn
-    share = case.share(case.followed(case.parameters, ahead=turn / Om), part=FITS)
+    shift, share = -turn / Om, case.share(larger(case.followed(case.parameters, turn / Om)), part=FITS)
+    evidence = f"fitted: {rounded(turn, error)} ± {error:.1g}"
     words = f"the drive is ahead by a phase of {rounded(turn, error)}{names[quarters] if near else ''}"
-    phase = Diagnosis("phase", "", words, f"fitted: {with_error(turn, error)}", turn, error, share)
-    shift = -turn / Om
+    phase = Diagnosis("phase", "", words, evidence, turn, error, share)
     words = f"the clock of the samples is {'fast' if shift > 0 else 'slow'} by {rounded(abs(shift), error / Om)}"
-    clock = Diagnosis("time shift", "", words, f"fitted: {with_error(turn, error)}", shift, error / Om, share)
+    clock = Diagnosis("time shift", "", words, evidence, shift, error / Om, share)
     change = Change(f"with {shift:.17g} taken from t", columns=lambda t, x, v: (t - shift, x, v))
     if start is None:
         return Candidate(replace(clock, alternatives=(phase,)), change)
@@ -339,19 +320,18 @@ def forces(case: Case) -> Iterator[Diagnosis]:
         return
     names = [f"A{d}" for d in visited]
     start = np.array([float(getattr(K, name)) for name in names])
-    tick = TICK * (np.max(np.abs(start)) + abs(K.f0))
 
     def misses(value: np.ndarray) -> np.ndarray:
         rows = case.flown(K._replace(**dict(zip(names, value.tolist(), strict=True))), chosen=flights)
         return np.where(np.isin(case.domain[flights], visited)[:, None], rows, 0.0)
 
-    fit = fitted(misses, start, np.full(len(start), tick))
+    fit = fitted(misses, start, np.full(len(start), TICK * (np.max(np.abs(start)) + abs(K.f0))))
     if fit is None:
         return
     m, share = float(case.parameters.m), case.share(fit.sizes, flights, FITS)
     parts = [
-        f"A{d} = {rounded(m * value, m * error)} (should be {m * right:.6g})"
-        for d, value, error, right in zip(visited, fit.value, fit.error, start, strict=True)
+        f"{name} = {rounded(m * value, m * error)} (should be {m * right:.6g})"
+        for name, value, error, right in zip(names, fit.value, fit.error, start, strict=True)
         if abs(value - right) > 5.0 * error
     ]
     if parts:

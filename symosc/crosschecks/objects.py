@@ -9,12 +9,13 @@ import re
 import sys
 import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import redirect_stdout
+from contextlib import redirect_stdout, suppress
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from inspect import iscoroutine
-from itertools import accumulate, islice, pairwise
+from itertools import chain, pairwise
 from math import ceil, inf, isfinite, nan, pi
 from pathlib import Path
 from traceback import extract_tb
@@ -23,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, checked, fastest_rate, short, shown
+from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, checked, fastest_rate
 from symosc.errors import ParameterError, brief
 from symosc.exact import unmasked
 from symosc.model import Parameters
@@ -43,23 +44,24 @@ USUAL_NAMES = {
     "v": {"v", "velocity", "velocities", "vel", "speed", "xdot", "dx", "dxdt", "xprime", "qdot", "vx", "vs"},
     ID_COLUMN: {"id", "ids", "trajectory", "trajectories", "traj", "run", "case", "motion", "trajectoryid", "runid"},
 }
-#: Entries of a file or a mapping that are no columns of samples; names of arrays that hold x and v together.
-NO_COLUMNS = {"events"}
+#: The entry of a file or a mapping that is no column of samples; names of arrays that hold x and v together.
+EVENTS = "events"
 STATE_NAMES = ("y", "ys", "u", "z", "state", "states", "sol", "solution", "data")
 NONE = "none"
+MISSING: Any = object()
 
 
 def read_column_names(columns: Mapping[str, str | None] | None) -> dict[str, str | None]:
     """Check the mapping from t, x, v and id to column names; "none" or None means that the column is missing."""
     if columns is not None and not isinstance(columns, Mapping):
-        raise ParameterError("columns", shown(columns), 'must be a mapping, such as {"x": "position"}')
+        raise ParameterError("columns", columns, 'must be a mapping, such as {"x": "position"}')
     asked: dict[str, str | None] = {}
-    for name, column in dict(columns or {}).items():
+    for name, column in (columns or {}).items():
         if name not in USUAL_NAMES:
-            raise ParameterError("columns", shown(name), "only t, x and v are read, and id")
+            raise ParameterError("columns", name, "only t, x and v are read, and id")
         if column is not None and not isinstance(column, str):
-            raise ParameterError("columns", shown(column), f"must be text: the name of the column that holds {name}")
-        asked[name] = None if column is not None and column.lower() == NONE else column
+            raise ParameterError("columns", column, f"must be text: the name of the column that holds {name}")
+        asked[name] = None if column is None or column.lower() == NONE else column
         if asked[name] is None and name in ("t", "x"):
             raise ParameterError("columns", f"{name}={NONE}", "a time and a position are needed")
     named = [column for column in asked.values() if column is not None]
@@ -80,7 +82,7 @@ def is_wanted(name: str, asked: Asked | None) -> bool:
     """Return whether a column is to be read; others may hold anything. All are read if `asked` is None."""
     if asked is None or plain(name) in set().union(*USUAL_NAMES.values()):
         return True
-    return name.lower() in {column.lower() for column in asked.values() if column} | NO_COLUMNS | set(STATE_NAMES)
+    return name.lower() in {column.lower() for column in asked.values() if column} | {EVENTS, *STATE_NAMES}
 
 
 def refuse_twice(where: str, names: Iterable[str], asked: Asked | None) -> None:
@@ -88,7 +90,7 @@ def refuse_twice(where: str, names: Iterable[str], asked: Asked | None) -> None:
     seen: set[str] = set()
     for name in names:
         if name in seen and is_wanted(name, asked):
-            raise ParameterError("file", where, f"has {short(name)!r} twice")
+            raise ParameterError("file", where, f"has {brief(name)!r} twice")
         seen.add(name)
 
 
@@ -114,20 +116,16 @@ def find_columns(there: Sequence[str], asked: Asked, where: str) -> dict[str, st
     for name in ("t", "x"):
         if name not in found:
             left = [each for each in free if each not in found.values()]
-            say = f"; say which, such as {name}={short(str(left[0]))}" if left else ""
+            say = f"; say which, such as {name}={brief(left[0])}" if left else ""
             raise ParameterError("column", name, missing + say)
-    if "v" not in found and "v" not in asked and set(there) - {*found.values(), *NO_COLUMNS}:
+    if "v" not in found and "v" not in asked and set(there) - {*found.values(), EVENTS}:
         raise ParameterError("column", "v", f"{missing}; without velocities, which are then computed: v=none")
     return found
 
 
 def names_text(names: Iterable[str]) -> str:
     """Return names as text for a message."""
-    keys = [short(str(key)) for key in names]
-    ends = accumulate(len(key) + 2 for key in keys)
-    fit = sum(end <= 150 for end in islice(ends, 12)) or 1
-    more = [f"and {len(keys) - fit} more"] if len(keys) > fit else []
-    return ", ".join(keys[:fit] + more) or "none"
+    return brief(", ".join(names)) or "none"
 
 
 # -- objects -----------------------------------------------------------------------------------------------------------
@@ -149,7 +147,7 @@ def solutions_in(source: Any, asked: Asked, problem: Problem = None, where: str 
         return [replace(checked(times, *source(times)), events=events, notes=("an exact trajectory",))]
     if isinstance(source, (list, tuple)):
         return _of_list(source, asked, problem, where)
-    if not asked and not _has_column(source, "x"):
+    if not asked and not _has_x(source):
         found = _of_result(source, problem)
         if found is not None:
             return found
@@ -162,28 +160,25 @@ def solutions_in(source: Any, asked: Asked, problem: Problem = None, where: str 
         return [checked(*source.T)]
     table = as_table(source)
     if table is None:
-        raise ParameterError("solution", shown(source), "is no solution: give a file, a table, an array or a function")
+        raise ParameterError("solution", source, "is no solution: give a file, a table, an array or a function")
     return _of_table(table, asked, where)
 
 
-def _has_column(source: Any, column: str) -> bool:
-    """Return whether a source has a column."""
+def _has_x(source: Any) -> bool:
+    """Return whether a source has a column x."""
     if isinstance(source, np.ndarray):
-        return column in (source.dtype.names or ())
-    try:
-        return hasattr(source, "__getitem__") and hasattr(source, "__contains__") and column in source
-    except (TypeError, ValueError):
-        return False
+        return "x" in (source.dtype.names or ())
+    with suppress(TypeError, ValueError):
+        return hasattr(source, "__getitem__") and hasattr(source, "__contains__") and "x" in source
+    return False
 
 
 def _of_result(source: Any, problem: Problem) -> list[Samples] | None:
     """Return the solutions in a solver result (t and y, or ts and ys), or None for another object."""
+    of = source.get if isinstance(source, Mapping) else partial(getattr, source)
     for times, states in (("t", "y"), ("ts", "ys")):
-        inside = isinstance(source, Mapping)
-        if not all(name in source if inside else hasattr(source, name) for name in (times, states)):
-            continue
-        t, y = (source[name] if inside else getattr(source, name) for name in (times, states))
-        if callable(t) or callable(y):
+        t, y = of(times, MISSING), of(states, MISSING)
+        if t is MISSING or y is MISSING or callable(t) or callable(y):
             continue
         if isinstance(y, Mapping):
             return solutions_in({"t": t, **y}, {}, None, type(source).__name__)
@@ -192,8 +187,7 @@ def _of_result(source: Any, problem: Problem) -> list[Samples] | None:
         events, more = _solver_events(source, problem)
         if len(found) == 1:
             dense = getattr(source, "sol", None)
-            dense = dense if callable(dense) else None
-            found = [replace(found[0], events=events, notes=(*notes, *more), dense=dense)]
+            found = [replace(found[0], events=events, notes=(*notes, *more), dense=dense if callable(dense) else None)]
         return found
     return None
 
@@ -207,31 +201,26 @@ def _of_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
     t = t.ravel() if t.size == max(t.shape, default=0) else t  # a column of MATLAB
     if t.ndim == 2 and y.ndim == 3 and len(t) == len(y):
         return [replace(_of_states(*pair, name)[0], name=str(i)) for i, pair in enumerate(zip(t, y, strict=True))]
-    if y.ndim == 2 and 2 in y.shape:
-        rows = y if y.shape == (2, t.size) else y.T
-        if rows.shape == (2, t.size):
-            # Solvers with arrays of one size fill them up with inf.
-            padded = t.ndim == 1 and t.dtype.kind == "f" and len(t) > 2 and np.isinf(t[-1])
-            kept = slice(int(np.argmax(np.isinf(t))) if padded else None)
-            return [checked(t[kept], rows[0][kept], rows[1][kept])]
-    raise ParameterError(name, y.shape, "must have two rows, x and v, so the shape (2, n); this is its shape")
+    rows = y if y.shape == (2, t.size) else y.T
+    if y.ndim != 2 or rows.shape != (2, t.size):
+        raise ParameterError(name, y.shape, "must have two rows, x and v, so the shape (2, n); this is its shape")
+    # Solvers with arrays of one size fill them up with inf.
+    padded = t.ndim == 1 and t.dtype.kind == "f" and len(t) > 2 and np.isinf(t[-1])
+    kept = slice(int(np.argmax(np.isinf(t))) if padded else None)
+    return [checked(t[kept], rows[0][kept], rows[1][kept])]
 
 
 def _of_list(source: Sequence[Any], asked: Asked, problem: Problem, where: str) -> list[Samples]:
     """Return the solutions in a list: rows of one, or several, or pieces that meet."""
     if not source:
-        raise ParameterError("solution", shown(source), "is empty")
+        raise ParameterError("solution", source, "is empty")
     if all(
-        isinstance(row, Mapping) and all(np.ndim(value) == 0 for name, value in row.items() if name not in NO_COLUMNS)
-        for row in source
+        isinstance(row, Mapping) and all(np.ndim(row[name]) == 0 for name in row if name != EVENTS) for row in source
     ):
         names = dict.fromkeys(name for row in source for name in row)
         return _of_table({name: [row.get(name) for row in source] for name in names}, asked, where)
-    numbers = (int, float, str, np.number)
-    if all(
-        isinstance(row, (list, tuple, np.ndarray)) and len(row) and all(isinstance(value, numbers) for value in row)
-        for row in source
-    ):
+    rows, numbers = (list, tuple, np.ndarray), (int, float, str, np.number)
+    if all(isinstance(row, rows) and len(row) and all(isinstance(value, numbers) for value in row) for row in source):
         lengths = {len(row) for row in source}
         if len(lengths) > 1:
             raise ParameterError(where, sorted(lengths), "has rows of several lengths; each must be t, x, v")
@@ -242,19 +231,17 @@ def _of_list(source: Sequence[Any], asked: Asked, problem: Problem, where: str) 
     found: list[Samples] = []
     for i, part in enumerate(source):
         if isinstance(part, (str, int, float)) or part is None:
-            raise ParameterError(f"{where}[{i}]", shown(part), "is no solution")
+            raise ParameterError(f"{where}[{i}]", part, "is no solution")
         found += solutions_in(part, asked, problem)
     # Two pieces meet if their times agree but for rounding.
-    gaps = [
-        float(after.t[0] - before.t[-1]) / float(np.spacing(abs(before.t[-1]))) for before, after in pairwise(found)
-    ]
-    if len(found) == 1 or max(map(abs, gaps)) > 4.0 or len({each.lacks_v for each in found}) > 1:
+    gaps = [abs(after.t[0] - before.t[-1]) / np.spacing(abs(before.t[-1])) for before, after in pairwise(found)]
+    if len(found) == 1 or max(gaps) > 4.0 or len({each.lacks_v for each in found}) > 1:
         return found
     joined: Record = {name: np.concatenate([getattr(each, name) for each in found]) for name in SAMPLE_COLUMNS}
     begin = np.cumsum([len(each.t) for each in found[:-1]])
     joined["t"][begin] = np.maximum(joined["t"][begin], joined["t"][begin - 1])
     lists = [each.events for each in found if each.events is not None]
-    events = tuple(pair for pairs in lists for pair in pairs) if lists else None
+    events = tuple(chain.from_iterable(lists)) if lists else None
     notes = dict.fromkeys(note for each in found for note in each.notes)
     return [Samples(**joined, events=events, notes=(*notes, f"joined from {len(found)} pieces"))]
 
@@ -284,8 +271,7 @@ def as_table(source: Any) -> Table | None:
 
 def _of_pandas(frame: Any) -> Table:
     """Return a DataFrame as a table; a named index gives columns too."""
-    inside = {str(name) for name in frame.columns}
-    if any(name is not None and str(name) not in inside for name in frame.index.names):
+    if any(name is not None and str(name) not in map(str, frame.columns) for name in frame.index.names):
         frame = frame.reset_index()
     if len({str(name) for name in frame.columns}) < len(frame.columns):
         raise ParameterError("DataFrame", list(frame.columns), "has two columns of one name")
@@ -297,10 +283,8 @@ def _of_xarray(data: Any) -> Table:
     if max((len(variable.dims) for variable in data.variables.values()), default=0) <= 1:
         return {str(name): variable for name, variable in data.variables.items()}
     frame = data.to_dataframe().reset_index()
-    times = [name for name, variable in data.variables.items() if plain(str(name)) in USUAL_NAMES["t"]]
-    along = data.variables[times[0]].dims if times else ()
-    inner = str(along[-1]) if along else ""
-    others = [str(name) for name in data.dims if str(name) != inner and frame[name].nunique() > 1]
+    along = next((each.dims for name, each in data.variables.items() if plain(str(name)) in USUAL_NAMES["t"]), ())
+    others = [str(name) for name in data.dims if name not in along[-1:] and frame[name].nunique() > 1]
     if len(others) == 1 and ID_COLUMN not in frame:
         frame = frame.rename(columns={others[0]: ID_COLUMN})
     return _of_pandas(frame.dropna())
@@ -316,8 +300,7 @@ def _of_table(table: Table, asked: Asked, where: str) -> list[Samples]:
                 table = {each: column for each, column in table.items() if each != name} | {"x": x, "v": v}
                 break
     values: Record = {name: table[own] for name, own in find_columns([*table], asked, where).items()}
-    ids = values.pop(ID_COLUMN, None)
-    events = next((table[name] for name in table if name in NO_COLUMNS), None)
+    ids, events = values.pop(ID_COLUMN, None), table.get(EVENTS)
     if np.ndim(_array(values["x"])) > 1:
         return _of_matrices(values, where)
     ids = None if ids is None else np.ravel(np.asarray(ids)).astype(str)
@@ -358,10 +341,9 @@ def _by_id(values: Record, ids: np.ndarray) -> list[Samples]:
     lengths = {name: len(column) for name, column in values.items()} | {ID_COLUMN: len(ids)}
     if len(set(lengths.values())) > 1:
         raise ParameterError("lengths", lengths, "the columns must have one length")
+    columns, found = {name: np.asarray(column) for name, column in values.items()}, []
     names, first, inverse = np.unique(ids, return_index=True, return_inverse=True)
     rows = np.split(np.argsort(inverse, kind="stable"), np.cumsum(np.bincount(inverse))[:-1])
-    columns = {name: np.asarray(column) for name, column in values.items()}
-    found = []
     for i in np.argsort(first).tolist():
         try:
             one = checked(**{name: column[rows[i]] for name, column in columns.items()})
@@ -398,20 +380,17 @@ def of_function(function: Callable[..., Any], problem: Problem, times: Any = Non
         nodes = getattr(function, "ts", None)
         times = times if nodes is None else np.unique([*times, *np.asarray(nodes, dtype=float)])
     times = checked(times, np.zeros(np.shape(times)), np.zeros(np.shape(times))).t
-    samples = checked(times, *_evaluated(function, times))
-    return replace(samples, notes=(f"the function was asked at {len(times)} times",))
+    return replace(
+        checked(times, *_evaluated(function, times)), notes=(f"the function was asked at {len(times)} times",)
+    )
 
 
 def _evaluated(function: Callable[..., Any], times: np.ndarray) -> np.ndarray:
     """Return x and v of a function that takes all times at once or one by one."""
-    try:
+    with suppress(Exception):  # masked, or whatever it raises if it takes single numbers alone
         states = np.asarray(unmasked("function", function(times)), dtype=float)
-    except Exception:  # masked, or whatever it raises if it takes single numbers alone
-        states = np.empty(0)
-    if states.shape == (2, len(times)):
-        return states
-    if states.shape == (len(times), 2):
-        return states.T
+        if (2, len(times)) in (states.shape, states.shape[::-1]):
+            return states if len(states) == 2 else states.T
     single = []
     for time in times.tolist():
         try:
@@ -466,15 +445,14 @@ def _solver_events(result: Any, problem: Problem) -> tuple[tuple[tuple[float, st
             near = np.min(np.abs(v - belts)) <= 1e-6 * max(float(np.max(np.abs(belts))), abs(v), 1e-300)
             found += [time] if near else []
             beside += not near
+    if not found:
+        return None, ()
     kept: list[float] = []
     for time in sorted(found):
         if not kept or time - kept[-1] > 1e-9 * 2.0 * pi / fastest_rate(p):
             kept.append(time)
-    if not kept:
-        return None, ()
     notes = ["the times of events are the solver's t_events; what they do not list is read off the samples"]
-    if beside:
-        notes.append(f"{beside} of the solver's t_events are not at a belt, and left out")
+    notes += [f"{beside} of the solver's t_events are not at a belt, and left out"] if beside else []
     return tuple((time, "") for time in kept), tuple(notes)
 
 

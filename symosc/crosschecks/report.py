@@ -7,9 +7,9 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass, fields, is_dataclass
+from contextlib import ExitStack
+from dataclasses import asdict, dataclass, fields
 from functools import cached_property, partial
-from math import isnan
 from typing import Any
 
 import numpy as np
@@ -154,7 +154,8 @@ class CrossCheck(Drawable, Reportable):
 
     def __eq__(self, other: object) -> bool:
         """Whether all findings and samples are equal; NaN equals NaN."""
-        return _same(self, other)
+        names = [item.name for item in fields(self) if item.name != "_task"]
+        return isinstance(other, CrossCheck) and all(_same(getattr(self, name), getattr(other, name)) for name in names)
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -182,9 +183,8 @@ class CrossCheck(Drawable, Reportable):
             lines.append(f"global error beyond its limit: {len(beyond)} of {len(self.t)} samples, {where}")
         if len(self.wrong_spans):
             (first, last), times = self.wrong_spans[0].tolist(), self.t[self.wrong_spans[0]]
-            where = f"first from t = {times[0]:.10g} to {times[1]:.10g}"
-            spans = len(self.wrong_spans)
-            lines.append(f"wrong over {last - first} steps, beyond the rounding: {spans} spans, {where}")
+            spans = f"{len(self.wrong_spans)} spans, first from t = {times[0]:.10g} to {times[1]:.10g}"
+            lines.append(f"wrong over {last - first} steps, beyond the rounding: {spans}")
         if self.matched:
             late = max(self.matched, key=lambda match: abs(match.error))
             lines.append(f"largest error of an event's time: {abs(late.error):.2e} at t = {float(late.event.t):.10g}")
@@ -196,10 +196,10 @@ class CrossCheck(Drawable, Reportable):
             lines.append(f"first wrong step: {_fault_text(self.first_wrong)}")
         if self.first_switching and self.first_switching != self.first_wrong:
             lines.append(f"first wrong step at a belt: {_fault_text(self.first_switching)}")
-        decisions = [
+        decisions = (
             f"step {f.step}, t = {f.t_next:.10g}: {f.found} where {f.expected} is right" for f in self.decisions
-        ]
-        lines += _first_lines("wrong decision", decisions)
+        )
+        lines += _first_lines("wrong decision", [*decisions])
         for one in self.diagnosis:
             if one.cause != "precision":  # a note says already that samples are rounded
                 lines.append(f"diagnosis: {one.words} ({one.evidence})")
@@ -263,18 +263,10 @@ def _fault_text(fault: Fault) -> str:
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Return whether values of any depth are equal; NaN equals NaN, arrays are compared as a whole."""
-    if type(one) is not type(other):
-        return False
+    """Return whether two values are equal, arrays as a whole; those with NaN are compared as they print."""
     if isinstance(one, np.ndarray):
         return np.array_equal(one, other, equal_nan=True)
-    if isinstance(one, (tuple, list)):
-        return len(one) == len(other) and all(map(_same, one, other))
-    if is_dataclass(one):
-        return all(_same(getattr(one, item.name), getattr(other, item.name)) for item in fields(one))
-    if isinstance(one, Trajectory):
-        return _same(one._content(), other._content())
-    return bool(one == other) or (isinstance(one, float) and isnan(one) and isnan(other))
+    return bool(one == other) or repr(one) == repr(other)
 
 
 class CrossChecks(list[CrossCheck]):
@@ -337,18 +329,18 @@ class CrossChecks(list[CrossCheck]):
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return the findings as columns, a row for each solution."""
-        reasons = [check.first_wrong.reason if check.first_wrong else "" for check in self]
+        first = [check.first_wrong for check in self]
         rows: Record = {"solution": self.names, "ok": [check.ok for check in self]}
         rows["samples"] = [len(check.t) for check in self]
-        rows |= {"t_first": [float(check.t[0]) for check in self], "t_last": [float(check.t[-1]) for check in self]}
+        rows |= {"t_first": [check.t[0] for check in self], "t_last": [check.t[-1] for check in self]}
         rows |= {name: [getattr(check, name) for check in self] for name in ("max_error_x", "max_error_v")}
         for i, name in enumerate(("max_defect_x", "max_defect_v")):
-            rows[name] = [float(np.max(np.abs(check.defects[:, i]))) for check in self]
-        for name in ("wrong_steps", *EVENT_LISTS):
-            rows[name] = [len(getattr(check, name)) for check in self]
+            rows[name] = [np.max(np.abs(check.defects[:, i])) for check in self]
+        rows |= {name: [len(getattr(check, name)) for check in self] for name in ("wrong_steps", *EVENT_LISTS)}
         rows["compared_until"] = [check.compared_until for check in self]
-        rows["first_wrong_t"] = [check.first_wrong.t if check.first_wrong else np.nan for check in self]
-        return {name: np.array(column) for name, column in {**rows, "reason": reasons}.items()}
+        rows["first_wrong_t"] = [fault.t if fault else np.nan for fault in first]
+        rows["reason"] = [fault.reason if fault else "" for fault in first]
+        return {name: np.array(column) for name, column in rows.items()}
 
     def to_pandas(self) -> Any:
         """Return a DataFrame, a row for each solution; MissingExtraError if pandas is not installed."""
@@ -376,17 +368,17 @@ def check_all(
     """Judge several solutions in `workers` processes (None: one per core)."""
     count, total = min(read_workers(workers), len(solutions)), len(solutions)
     names, found = [samples.name or str(i) for i, samples in enumerate(solutions)], list[CrossCheck]()
-    with reporting(progress or False, 0, total, "check", "solutions") as report, warnings.catch_warnings():
-        # A process that is forked needs no main module that can be imported.
-        forks = sys.platform == "linux" and "fork" in multiprocessing.get_all_start_methods()
-        warnings.simplefilter("ignore", DeprecationWarning)  # of forking beside threads, which are idle
-        context = multiprocessing.get_context("fork" if forks else "spawn")
-        pool = ProcessPoolExecutor(count, context) if count > 1 else None
-        try:
-            for check in (map if pool is None else pool.map)(partial(_judged, judge), names, solutions):
-                found.append(check)
-                report(len(found), total)
-        finally:
-            if pool is not None:
-                pool.shutdown(cancel_futures=True)
+    with reporting(progress or False, 0, total, "check", "solutions") as report, ExitStack() as stack:
+        each: Any = map
+        if count > 1:
+            # A process that is forked needs no main module that can be imported.
+            forks = sys.platform == "linux" and "fork" in multiprocessing.get_all_start_methods()
+            stack.enter_context(warnings.catch_warnings())
+            warnings.simplefilter("ignore", DeprecationWarning)  # of forking beside threads, which are idle
+            pool = ProcessPoolExecutor(count, multiprocessing.get_context("fork" if forks else "spawn"))
+            stack.callback(pool.shutdown, cancel_futures=True)
+            each = pool.map
+        for check in each(partial(_judged, judge), names, solutions):
+            found.append(check)
+            report(len(found), total)
     return CrossChecks(found, names)

@@ -10,15 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.engine.events import KIND_NAMES
-from symosc.errors import ParameterError
+from symosc.errors import ParameterError, brief
 from symosc.exact import unmasked
 from symosc.model import Parameters
 
 SAMPLE_COLUMNS = ("t", "x", "v")
 # Squares of a sample and its products with rates must not overflow.
 LARGEST_SAMPLE = 1e50
-# Text of a wrong value in a message is cut here.
-LONGEST_ITEM = 60
 
 
 @dataclass(frozen=True)
@@ -48,8 +46,7 @@ def fastest_rate(p: Parameters) -> float:
 def checked(t: object, x: object, v: object = None, events: object = None) -> Samples:
     """Return samples as float arrays; without `v`, positions only."""
     # ParameterError unless all are finite real numbers, one-dimensional, of one length >= 2, and t never decreases.
-    arrays = {name: _array(name, values) for name, values in (("t", t), ("x", x))}
-    arrays["v"] = np.zeros(len(arrays["t"])) if v is None else _array("v", v)
+    arrays = {name: _column(name, values) for name, values in (("t", t), ("x", x), ("v", t if v is None else v))}
     lengths = {name: len(array) for name, array in arrays.items()}
     if len(set(lengths.values())) > 1:
         raise ParameterError("lengths", lengths, "t, x and v must have one length")
@@ -64,17 +61,17 @@ def checked(t: object, x: object, v: object = None, events: object = None) -> Sa
     if times[0] == times[-1]:
         raise ParameterError("t", float(times[0]), "is repeated in all samples; the times must increase")
     if v is None:
-        arrays["v"][:] = np.nan
+        arrays["v"] = np.full(len(times), np.nan)
     listed = None if events is None else checked_events(events)
-    return Samples(arrays["t"], arrays["x"], arrays["v"], listed)
+    return Samples(times, arrays["x"], arrays["v"], listed)
 
 
-def check_joints(samples: Samples, part: float, slack_x: np.ndarray, slack_v: np.ndarray) -> None:
+def check_joints(samples: Samples, part: float, slack: np.ndarray) -> None:
     """Raise ParameterError where a time occurs twice with different states."""
-    # At a joint of two pieces the states differ by at most `part` of the largest |x| and |v|, and by the slack.
+    # At a joint of two pieces the states differ by at most `part` of the largest |x| and |v|, and by the slack (n, 2).
     twice = np.flatnonzero(np.diff(samples.t) == 0.0)
-    for name, values, slack in (("x", samples.x, slack_x), ("v", samples.v, slack_v)):
-        limit = part * np.max(np.abs(values)) + np.broadcast_to(slack, values.shape)[twice] * 2.0
+    for name, values, more in (("x", samples.x, slack[:, 0]), ("v", samples.v, slack[:, 1])):
+        limit = part * np.max(np.abs(values)) + more[twice] * 2.0
         jump = np.abs(np.diff(values)[twice])
         wrong = np.flatnonzero(jump > limit)
         if len(wrong):
@@ -83,7 +80,7 @@ def check_joints(samples: Samples, part: float, slack_x: np.ndarray, slack_v: np
             raise ParameterError(f"t[{i}]", float(samples.t[i]), f"{what}, but where two pieces are joined")
 
 
-def _array(name: str, values: Any) -> np.ndarray:
+def _column(name: str, values: Any) -> np.ndarray:
     """Return one column as an array of floats."""
     if values is None:
         raise ParameterError(name, None, "is missing: give t, x and v")
@@ -91,18 +88,14 @@ def _array(name: str, values: Any) -> np.ndarray:
     try:
         array = np.asarray(values)
         mixed = isinstance(values, (list, tuple)) and any(isinstance(value, bool) for value in values)
-        if array.dtype.kind in "USO" or mixed:  # text and objects may be numbers
+        if mixed or array.dtype.kind not in "iuf":  # text and objects may be numbers
             _refuse_wrong(name, values if mixed else array.ravel().tolist())
-        elif array.dtype.kind not in "iuf":
-            raise TypeError
         array = array.astype(float)
     except (TypeError, ValueError, OverflowError, RecursionError) as error:
         if isinstance(error, ParameterError):
             raise
-        items = values if isinstance(values, Iterable) and not isinstance(values, (str, bytes)) else [values]
-        # Python numbers read better in a message than those of numpy.
-        _refuse_wrong(name, np.ravel(values).tolist() if isinstance(values, np.ndarray) else items)
-        raise ParameterError(name, shown(values), "is not a column of real numbers") from None
+        _refuse_wrong(name, values if isinstance(values, Iterable) and not isinstance(values, str) else [values])
+        raise ParameterError(name, values, "is not a column of real numbers") from None
     if array.ndim != 1:
         raise ParameterError(name, array.shape, "must be one-dimensional; this is its shape")
     bad = np.flatnonzero(~(np.abs(array) <= LARGEST_SAMPLE))
@@ -119,11 +112,11 @@ def _refuse_wrong(name: str, values: Iterable[object]) -> None:
         try:
             number_of(value)
         except (TypeError, ValueError, OverflowError):
-            raise ParameterError(f"{name}[{i}]", shown(value), "is not a number") from None
+            raise ParameterError(f"{name}[{i}]", value, "is not a number") from None
 
 
 def number_of(value: Any) -> float:
-    """Return `value` as a float; raise ValueError for text such as 1_000, which float() would read."""
+    """Return `value` as a float; raise TypeError or ValueError for text such as 1_000, which float() would read."""
     if isinstance(value, (bool, np.bool_, complex)) or value is np.ma.masked:
         raise TypeError("no real number")
     if isinstance(value, bytes):
@@ -133,37 +126,20 @@ def number_of(value: Any) -> float:
     return float(value)
 
 
-def short(text: str) -> str:
-    """Return text for a message, truncated to one line."""
-    text = text.encode("utf-8", "backslashreplace").decode()  # half a surrogate pair cannot be printed
-    return text if len(text) <= LONGEST_ITEM else text[:LONGEST_ITEM] + "…"
-
-
-def shown(value: object) -> object:
-    """Return a wrong value for a message: itself if short, else the beginning of its text or its type."""
-    if isinstance(value, str):
-        return short(value)
-    try:
-        fits = len(repr(value)) <= LONGEST_ITEM
-    except (RecursionError, ValueError):  # deep brackets, an int of thousands of digits
-        fits = False
-    return value if fits else type(value).__name__
-
-
 def checked_events(events: object) -> tuple[tuple[float, str], ...]:
     """Return a list of events as pairs (t, kind)."""
     if isinstance(events, (str, bytes)) or not isinstance(events, Iterable) or getattr(events, "shape", None) == ():
-        raise ParameterError("events", shown(events), "must be pairs (t, kind)")
+        raise ParameterError("events", events, "must be pairs (t, kind)")
     pairs: list[tuple[float, str]] = []
     for i, pair in enumerate(events):
         try:
             time, kind = pair
             time, kind = number_of(time), str(kind)
         except (TypeError, ValueError, OverflowError):
-            raise ParameterError(f"events[{i}]", shown(pair), "must be a pair (t, kind)") from None
+            raise ParameterError(f"events[{i}]", pair, "must be a pair (t, kind)") from None
         if kind not in KIND_NAMES.values() or not abs(time) <= LARGEST_SAMPLE:
             what = f"t must be finite, kind one of {', '.join(KIND_NAMES.values())}"
-            raise ParameterError(f"events[{i}]", (time, short(kind)), what)
+            raise ParameterError(f"events[{i}]", (time, brief(kind)), what)
         pairs.append((time, kind))
     return tuple(pairs)
 
@@ -199,8 +175,7 @@ def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None
     listed = np.array([time for time, _ in samples.events or ()])
     # A list given with rounded samples is likely to be rounded too: one time shows it.
     events = find_digits(listed, samples.t[:1], LEAST_SHOWN if x is None and v is None else 1)
-    columns = {"t": t, "x": x, "v": v, "events": events}
-    return {name: digits for name, digits in columns.items() if digits is not None}
+    return {name: digits for name, digits in zip(("t", "x", "v", "events"), (t, x, v, events), strict=True) if digits}
 
 
 def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN) -> Digits | None:
@@ -220,9 +195,7 @@ def _as_neighbour(values: np.ndarray, beside: Digits | None) -> Digits | None:
     """Return the rounding of the adjacent column if it fits: few numbers, such as zeros, show none."""
     if beside is None or np.ptp(beside.units) > 0.0:
         return None
-    unit = beside.units[0]
-    fits = np.abs(np.rint(values / unit) * unit - values) <= DOUBLE_ROUNDING * np.abs(values)
-    return beside if fits.all() else None
+    return beside if _are_multiples(values, beside.units) else None
 
 
 def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
@@ -299,5 +272,9 @@ def _fits(values: np.ndarray, places: np.ndarray) -> bool:
     if len(values) > FEW_VALUES and not _fits(values[:FEW_VALUES], places[:FEW_VALUES]):
         return False
     with np.errstate(over="ignore", invalid="ignore"):
-        units = 10.0**-places
-        return bool(np.all(np.abs(np.rint(values / units) * units - values) <= DOUBLE_ROUNDING * np.abs(values)))
+        return _are_multiples(values, 10.0**-places)
+
+
+def _are_multiples(values: np.ndarray, units: np.ndarray) -> bool:
+    """Return whether all values are multiples of units but for their rounding."""
+    return bool(np.all(np.abs(np.rint(values / units) * units - values) <= DOUBLE_ROUNDING * np.abs(values)))

@@ -32,6 +32,7 @@ from symosc.engine.start import start_rows
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion, stick_acceleration
+from symosc.kernels.double_double import two_product
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
 from symosc.simulation.batch import InterpretBudget, chosen_loops, follow_batch, joined, loaded_loop
@@ -192,7 +193,7 @@ class SampleBlock:
         gaps = np.abs(v[:, None] - np.array([self.K.belt1.v, self.K.belt2.v]))
         closest, beside = np.argmin(gaps, axis=1) + 1, gaps.min(axis=1)
         moving = np.flatnonzero(np.diff(self.t) > 0.0)
-        defects = np.column_stack([self.x[:-1], v]) - np.column_stack([self.x[1:], self.v[1:]])
+        defects = np.column_stack([self.x[:-1] - self.x[1:], v - self.v[1:]])
         modes, size = np.zeros((2, len(v)), np.int8), np.zeros(len(v))
         on = np.where(beside == 0.0, closest, 0)  # the boundary of a sample that is exactly on a belt
         defects[moving], modes[:, moving], size[moving], events = self.of(moving, on[moving])
@@ -228,21 +229,10 @@ def phases(parameters: Parameters, t: Any) -> np.ndarray:
     Om = parameters.Omega
     exact = context.mpf(Om.numerator) / Om.denominator / (2 * context.pi)  # turns per time
     high = float(exact)
-    low = float(exact - high)
-    turns = t * high
-    # Dekker's product: the part of t * high that its rounding lost.
-    t_big, high_big = _upper_half(t), _upper_half(np.float64(high))
-    t_rest, high_rest = t - t_big, high - high_big
-    lost = ((t_big * high_big - turns) + t_big * high_rest + t_rest * high_big) + t_rest * high_rest
-    part = (turns - np.floor(turns)) + (lost + t * low)
+    turns, lost = two_product(t, high)
+    part = (turns - np.floor(turns)) + (lost + t * float(exact - high))
     theta = (part - np.floor(part)) * (2.0 * pi)
     return np.asarray(np.where(theta >= TWO_PI, 0.0, theta))
-
-
-def _upper_half(value: Any) -> Any:
-    """Return a double whose mantissa is the upper half of that of a value (Dekker)."""
-    shifted = value * 134217729.0  # 2^27 + 1
-    return shifted - (shifted - value)
 
 
 # -- steps in which surely nothing happens -----------------------------------------------------------------------------
@@ -263,22 +253,16 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
     off += CLEARANCE * (np.abs(below) + np.abs(above) + K.w0sq * np.abs(x) + K.cm * np.abs(v) + 2.0 * abs(K.f0))
     turned = (c * c_tau - s * s_tau) - c
     lower, upper = (stick_acceleration(force, v, tau, turned, K.w0sq, K.f0) for force in (below, above))
-    lasts = held & (np.minimum(below, lower) > off) & (np.maximum(above, upper) < -off)
-    quiet = lasts | (~held & _flight_is_clear(tau, mode, v, ends[:, 1], below, K))
-    return numbers[quiet], ends[quiet]
-
-
-def _flight_is_clear(
-    tau: np.ndarray, mode: np.ndarray, v: np.ndarray, v_end: np.ndarray, a: np.ndarray, K: Constants
-) -> np.ndarray:
-    """Return which flights certainly stay in their domain."""
-    most = np.hypot(a, K.w0 * v) + abs(K.fB) * tau
+    lasts = (np.minimum(below, lower) > off) & (np.maximum(above, upper) < -off)
+    # A flight stays in its domain if the chord, widened by what v may be off it, does.
+    most = np.hypot(below, K.w0 * v) + abs(K.fB) * tau
     off = 0.125 * tau * tau * ((K.cm + K.w0) * most + abs(K.fB))
-    off += CLEARANCE * (np.abs(v) + np.abs(v_end) + abs(K.belt1.v) + abs(K.belt2.v))
-    low, high = np.minimum(v, v_end) - off, np.maximum(v, v_end) + off
+    off += CLEARANCE * (np.abs(v) + np.abs(ends[:, 1]) + abs(K.belt1.v) + abs(K.belt2.v))
     walls = np.array([-np.inf, K.belt1.v, K.belt2.v, np.inf])
-    domain = np.minimum(mode.astype(int), 3)  # a row on a belt is no flight, and masked by the caller
-    return (low > walls[domain - 1]) & (high < walls[domain])
+    domain = np.minimum(mode.astype(int), 3)  # a row on a belt is no flight
+    stays = (np.minimum(v, ends[:, 1]) - off > walls[domain - 1]) & (np.maximum(v, ends[:, 1]) + off < walls[domain])
+    quiet = np.where(held, lasts, stays)
+    return numbers[quiet], ends[quiet]
 
 
 # -- steps that need the event search ----------------------------------------------------------------------------------
@@ -295,10 +279,11 @@ def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarra
     found = StepEvents(table[0].astype(int), t, x, theta, table[1], table[2], table[4])
     undecided = np.flatnonzero((batch.codes != END) & (batch.codes != REST))
     if len(undecided):
-        singles = [_follow_one(batch, rows, i, K) for i in undecided.tolist()]
-        columns = np.array([event for single in singles for event in single], dtype=float).reshape(-1, 7).T
-        step, kind, boundary, target = (columns[k].astype(int) for k in (0, 4, 5, 6))
-        found = _merged(found, StepEvents(step, columns[1], columns[2], columns[3], kind, boundary, target), undecided)
+        singles = [event for i in undecided.tolist() for event in _follow_one(batch, rows, i, K)]
+        columns = np.array(singles, dtype=float).reshape(-1, 7).T
+        step, kind, boundary, target = columns[[0, 4, 5, 6]].astype(int)
+        others = StepEvents(step, columns[1], columns[2], columns[3], kind, boundary, target)
+        found = _merged(found, others, undecided)
     modes = batch.states[:, 0].astype(int)
     ends = _ends(rows, modes, left, found, K)
     ends[batch.codes == FAILED] = np.nan
@@ -323,8 +308,7 @@ def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEve
 def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tuple[Any, ...]]:
     """Follow a row whose contact is undecided: both continuations are right, so take the first."""
     state, (t_end, t_end_low) = state_of(rows, i), rows[i, 13:15].tolist()
-    events: list[tuple[Any, ...]] = []
-    code = MOVED
+    events, code = list[tuple[Any, ...]](), MOVED
     while code not in (END, REST, FAILED) and len(events) < MOST_STEP_EVENTS:
         code, boundary, _, _, state = advance(state, t_end, t_end_low, K)
         if code <= GRAZE:

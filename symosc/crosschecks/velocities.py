@@ -92,11 +92,11 @@ def _of_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, of
         there, v = motion(np.maximum(t, float(motion.t_start)))
         return float(np.max(np.abs(there - x) / (half + off + np.abs(v) * clock)))
 
-    motion = _motion(scene, t[-1], {}) if _is_start(scene, samples, off + half[0], clock[0]) else None
+    motion = _motion(scene, t[-1]) if _is_start(scene, samples, off + half[0], clock[0]) else None
     best = misfit(motion)
     if best > GOOD_FIT:
-        guesses, own = _first_guesses(p, t, x), {"t0": float(t[0]), "x0": float(x[0])}
-        as_guessed = (_motion(p, t[-1], {**own, "v0": v0}) for v0 in guesses)
+        guesses = _first_guesses(p, t, x)
+        as_guessed = (_motion(p, t[-1], t[0], x[0], v0) for v0 in guesses)
         for each in chain(as_guessed, (_fitted(p, t, x, v0) for v0 in guesses)):
             if (found := misfit(each)) < best:
                 motion, best = each, found
@@ -109,10 +109,11 @@ def _of_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, of
     return replace(samples, v=v, v_off=half, notes=(*samples.notes, note))
 
 
-def _motion(scene: Scene | Parameters, t_end: float, start: Record) -> Trajectory | None:
-    """Return the exact motion of a scene from a start, or None if it is not allowed."""
+def _motion(scene: Scene | Parameters, t_end: float, *start: float) -> Trajectory | None:
+    """Return the exact motion of a scene, or from a start t0, x0, v0; None if it is not allowed."""
+    given: Record = dict(zip(("t0", "x0", "v0"), map(float, start), strict=False))
     try:
-        return simulate(scene, t_end=float(t_end), max_events=20_000, **start)
+        return simulate(scene, t_end=float(t_end), max_events=20_000, **given)
     except ParameterError:
         return None
 
@@ -123,11 +124,12 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
     tau = t[:count] - t[0]
     few = max(3, int(np.searchsorted(tau, 0.3 / fastest_rate(p))))
     slope = np.polyfit(tau[:few] / tau[-1], x[:few], min(2, len(tau) - 1))[-2] / tau[-1]
-    chords = np.diff(x[:count])[np.diff(tau) > 0.0] / np.diff(tau)[np.diff(tau) > 0.0]
+    moving = np.diff(tau) > 0.0
+    chords = np.diff(x[:count])[moving] / np.diff(tau)[moving]
     most = 2.0 * float(np.max(np.abs(chords))) + abs(float(p.v1)) + abs(float(p.v2))
 
     def misses(v0: float) -> float:
-        motion = _motion(p, t[0] + tau[-1], {"t0": float(t[0]), "x0": float(x[0]), "v0": v0})
+        motion = _motion(p, t[0] + tau[-1], t[0], x[0], v0)
         if motion is None or motion.t_end < t[0] + tau[-1]:
             return np.inf
         return float(np.max(np.abs(motion(t[:count])[0] - x[:count])))
@@ -143,10 +145,10 @@ def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajector
     while True:
         count = max(6, int(np.searchsorted(t, t[0] + span, "right")))
         chosen = np.unique(np.linspace(0, min(count, len(t)) - 1, 1_000).astype(int))
-        times = t[chosen]
 
-        def missed(state: np.ndarray, times: np.ndarray = times, chosen: np.ndarray = chosen) -> np.ndarray:
-            motion = _motion(p, times[-1], {"t0": float(t[0]), "x0": float(state[0]), "v0": float(state[1])})
+        def missed(state: np.ndarray, chosen: np.ndarray = chosen) -> np.ndarray:
+            times = t[chosen]
+            motion = _motion(p, times[-1], t[0], *state)
             if motion is None or motion.t_end < times[-1]:
                 return np.full(len(times), np.nan)
             return np.asarray(motion(times)[0] - x[chosen])
@@ -158,7 +160,7 @@ def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajector
                 return None
             start = start - np.linalg.lstsq(slopes, here, rcond=1e-6)[0]
         if count >= len(t):
-            return _motion(p, t[-1], {"t0": float(t[0]), "x0": float(start[0]), "v0": float(start[1])})
+            return _motion(p, t[-1], t[0], *start)
         span *= 2.0
 
 

@@ -12,21 +12,6 @@ from typing import NamedTuple
 
 from symosc import __version__
 
-SYMOSC = {
-    "author": "{the symosc developers}",
-    "title": "symosc: exact event-driven solutions of the double-belt friction oscillator",
-    "year": "2026",
-    "note": f"Version {__version__}",
-}
-PAPER = {
-    "author": "Chen, Ge and Fan, Jinjun",
-    "title": "Analysis of dynamical behaviors of a double belt friction-oscillator model",
-    "journal": "WSEAS Transactions on Mathematics",
-    "volume": "15",
-    "year": "2016",
-    "pages": "357--373",
-    "issn": "2224-2880",
-}
 #: A citation in a LaTeX text: what is written behind it, and its keys.
 CITATION = re.compile(r"\\cite(?:\[([^\]]*)\])?\{([^{}]*)\}")
 _ENTRY = re.compile(r"@(\w+)\{(\w+),\n(.*?)\n\}", re.DOTALL)
@@ -34,20 +19,20 @@ _FIELD = re.compile(r"^\s*(\w+)\s*=\s*\{(.*)\},?$", re.MULTILINE)
 _ACCENTS = {r"{\'o}": "ó", r"{\'a}": "á", r"{\'e}": "é", r"{\"o}": "ö"}
 
 
+def references_bib() -> str:
+    """Return the BibTeX of all references, symosc and the paper first."""
+    return files("symosc.derive").joinpath("references.bib").read_text(encoding="utf-8").replace("VERSION", __version__)
+
+
 def bibtex() -> str:
     """Return BibTeX entries of symosc and of the paper."""
-    found = []
-    for head, fields in (("@misc{symosc,", SYMOSC), ("@article{chen2016,", PAPER)):
-        found.append("\n".join([head, *(f"  {name:<7} = {{{value}}}," for name, value in fields.items()), "}"]))
-    return "\n\n".join(found)
+    return "\n\n".join(references_bib().split("\n\n")[:2])
 
 
 def paper_reference(title: str = "{}", space: str = " ", dash: str = "\N{EN DASH}") -> str:
     r"""Return the paper as a line of a list of references; `title` is around the title, such as ``r"\emph{{{}}}"``."""
-    people = [person.split(", ") for person in PAPER["author"].split(" and ")]
-    authors = " and ".join(f"{given[0]}.{space}{family}" for family, given in people)
-    journal = f"{PAPER['journal']} {PAPER['volume']} ({PAPER['year']})"
-    return f"{authors}, {title.format(PAPER['title'])}, {journal}, {PAPER['pages'].replace('--', dash)}"
+    line = reference_line("chen2016").removesuffix(".").replace("~", space).replace("--", dash)
+    return re.sub(r"\\emph\{(.*)\}", lambda found: title.format(found[1]), line)
 
 
 class Reference(NamedTuple):
@@ -56,11 +41,6 @@ class Reference(NamedTuple):
     kind: str
     key: str
     fields: dict[str, str]
-
-
-def references_bib() -> str:
-    """Return the BibTeX of all references, symosc and the paper included."""
-    return bibtex() + "\n\n" + files("symosc.derive").joinpath("references.bib").read_text(encoding="utf-8")
 
 
 @cache
@@ -124,3 +104,6 @@ def plain_text(text: str) -> str:
     for accent, letter in _ACCENTS.items():
         text = text.replace(accent, letter)
     return text
+
+
+SYMOSC, PAPER = entries()["symosc"].fields, entries()["chen2016"].fields

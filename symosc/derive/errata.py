@@ -96,15 +96,15 @@ def one_line(text: str) -> str:
 #: Commands with a letter or sign of their own.
 _LETTERS = {
     "alpha": "α", "gamma": "γ", "delta": "δ", "lambda": "λ", "mu": "μ", "pi": "π", "tau": "τ", "varphi": "φ",
-    "Theta": "Θ", "Sigma": "Σ", "Omega": "Ω", "partial": "∂", "varepsilon": "ε", "infty": "∞", "ldots": "…",
+    "Theta": "Θ", "Sigma": "Σ", "Omega": "Ω", "partial": "∂", "varepsilon": "ε", "infty": "∞", "ldots": "…"
 }  # fmt: skip
 _SIGNS = {"le": "≤", "ge": "≥", "ne": "≠", "to": "→", "times": "×", "pm": "±"}
 _FUNCTIONS = ("sin", "cos", "arcsin")
 _ACCENTS = {r"\dot{x}": "ẋ", r"\ddot{x}": "ẍ", "F_N": "FN", r"\mathbb{R}": "R", r"_\pm": "±"}
 _RAISED = str.maketrans("0123456789+-()niα", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁽⁾ⁿⁱᵅ")
 _LOWERED = str.maketrans("0123456789+-ijmns", "₀₁₂₃₄₅₆₇₈₉₊₋ᵢⱼₘₙₛ")
-_TOKEN = re.compile(r"\\([a-zA-Z]+)( (?=[a-zA-Z]))?|(\\[, ])|([_^])|(.)", re.DOTALL)
-_GROUP = re.compile(r"\{((?:[^{}]|\{[^{}]*\})*)\}|(\\[a-zA-Z]+|.)")
+_GROUP = r"(?:\{((?:[^{}]|\{[^{}]*\})*)\}|(\\[a-zA-Z]+|.))"
+_TOKEN = re.compile(rf"(\\sqrt|[_^]){_GROUP}|\\([a-zA-Z]+)( (?=[a-zA-Z]))?|\\[, ]|.", re.DOTALL)
 
 
 def latex_to_unicode(text: str) -> str:
@@ -118,31 +118,28 @@ def latex_to_unicode(text: str) -> str:
 
 def _unicode(text: str) -> str:
     """Write a LaTeX formula in Unicode."""
-    for latex, plain in _ACCENTS.items():
-        text = text.replace(latex, plain)
-    out, place = "", 0
-    while place < len(text):
-        found = _TOKEN.match(text, place)
-        assert found is not None
-        place, command = found.end(), found[1]
-        if command == "sqrt" or found[4]:
-            group = _GROUP.match(text, place)
-            if group is None:
-                raise ValueError(f"{text!r}: ends with {found[0]}")
-            place, inside = group.end(), group[1] or group[2]
-            root = _unicode(inside) if command else ""
-            out += (f"√{root}" if root.isalnum() else f"√({root})") if command else _script(found[4], inside)
-        elif command in _FUNCTIONS:
-            out += f"{command} "
-        elif command in _SIGNS:
-            out += _SIGNS[command] + (found[2] or "")
-        elif command and command not in _LETTERS:
+
+    def plain(found: re.Match[str]) -> str:
+        sign, group, single, command, space = found.groups()
+        if sign == r"\sqrt":
+            root = _unicode(group or single)
+            return f"√{root}" if root.isalnum() else f"√({root})"
+        if sign:
+            return _script(sign, group or single)
+        if command in _FUNCTIONS:
+            return f"{command} "
+        if command in _SIGNS:
+            return _SIGNS[command] + (space or "")
+        if command and command not in _LETTERS:
             raise ValueError(f"{text!r}: \\{command} is unknown")
-        elif command:  # a space behind a letter ends its command only
-            out += _LETTERS[command]
-        else:
-            out += {"-": "−", r"\,": " ", r"\ ": " ", "~": " "}.get(found[0], found[0])
-    return out
+        if found[0] in ("_", "^"):
+            raise ValueError(f"{text!r}: ends with {found[0]}")
+        # A space behind a letter ends its command only.
+        return _LETTERS[command] if command else {"-": "−", r"\,": " ", r"\ ": " ", "~": " "}.get(found[0], found[0])
+
+    for latex, letter in _ACCENTS.items():
+        text = text.replace(latex, letter)
+    return _TOKEN.sub(plain, text)
 
 
 def _script(place: str, script: str) -> str:

@@ -66,9 +66,8 @@ def windows(axes: Axes) -> None:
     axes.fill_between(theta, -0.5, sine, where=sine > -0.5, color=LIGHT, label="$P_2$, $P_5$ graze")
     hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": GREY, "hatch": "////"}
     axes.fill_between(theta, -0.5, sine, where=sine < -0.5, label="$P_3$, $P_6$ graze", **hatched)
-    places = [0, np.pi / 2, np.pi, np.pi - critical, 2 * np.pi + critical, 2 * np.pi]
     names = ["0", r"$\pi/2$", r"$\pi$", r"$\pi-\Theta^{\mathrm{cr}}$", r"$2\pi+\Theta^{\mathrm{cr}}$", r"$2\pi$"]
-    axes.set_xticks(places, names)
+    axes.set_xticks([0, np.pi / 2, np.pi, np.pi - critical, 2 * np.pi + critical, 2 * np.pi], names)
     axes.plot([np.pi - critical, 2 * np.pi + critical], [-0.5] * 2, **POINT)
     axes.set(xlabel=r"$\theta$", xlim=(0, 2 * np.pi), ylim=(-1.15, 1.15), yticks=[-1, 0, 1])
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 import sympy as sp
 
@@ -49,8 +50,6 @@ class Fragment(NamedTuple):
 
 def check_fragment(name: str, scope: FragmentScope) -> Checked:
     """Build a fragment and check its steps; StepError too if its numbers divide by 0."""
-    if name not in FRAGMENTS:
-        raise ParameterError("fragment", name, f"must be one of {', '.join(FRAGMENTS)}")
     numbers = [f"${symbol} = {value}$" for symbol, value in scope.table()]
     given = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."] if numbers else []
     fragment = check(name, FRAGMENTS[name].title, flat([given, FRAGMENTS[name].items(scope)]))
@@ -102,6 +101,13 @@ def _table(table: Table, scope: FragmentScope, tags: dict[str, str]) -> str:
 
 # --- the fragments ---
 
+FRAGMENTS: dict[str, Fragment] = {}
+
+
+def _fragment(name: str, title: str, tags: dict[str, str] | None = None) -> Callable[..., Any]:
+    """Return the decorator that registers the function of a fragment."""
+    return lambda items: FRAGMENTS.setdefault(name, Fragment(title, items, tags or {})).items
+
 
 def _taken(items: Items, label: str) -> list[Step]:
     """Return the steps of a section of a chapter, with other labels."""
@@ -122,8 +128,8 @@ def _acceleration() -> list[Step]:
     return [equation(general, right, Each(tuple(checks)), "F"), *map(_constant, (1, 2, 3))]
 
 
+@_fragment("friction", "The equation of motion", {"F": "9"})
 def _friction(scope: FragmentScope) -> Items:
-    """Return the fragment of the friction law."""
     return (
         r"A mass $m$ on a spring $k$ and a damper $c$ is driven by $A_0 + B_0\cos\Omega t$ and pressed with the force "
         r"$F_N$ between two belts with the speeds $v_1 < v_2$ and the friction coefficients $\mu_1$ and $\mu_2$. With "
@@ -136,8 +142,8 @@ def _friction(scope: FragmentScope) -> Items:
     )
 
 
+@_fragment("flow", "The motion in a domain")
 def _flow(scope: FragmentScope) -> Items:
-    """Return the fragment of the flow."""
     return (
         r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$, take the motion from $(x_i, \dot{x}_i)$ at "
         r"the time $t_i$ with the phase $\theta_i = \Omega t_i$, at $\tau = t - t_i$ later.",
@@ -145,9 +151,8 @@ def _flow(scope: FragmentScope) -> Items:
     )
 
 
+@_fragment("stick", "Sticks and their two ends", {"belt1-F2": "52", "belt2-F3": "53"})
 def _stick(scope: FragmentScope) -> Items:
-    """Return the fragment of sticks."""
-    rate = named(r"m\dot{F}^{(\alpha)}")
     moving = sticks.force_on_belt(theta_i + Omega * tau)
     true = solution.in_paper_letters(moving.diff(tau)).subs(theta_i + Omega * tau, theta)
     true = (m * true).subs(Omega * (solution.t_i + tau), theta).subs(Omega * solution.t_i + Omega * tau, theta)
@@ -166,31 +171,16 @@ def _stick(scope: FragmentScope) -> Items:
         "and on belt 2",
         [force(2, 2), force(2, 3)],
         r"with the phase $\theta = \Omega t$. All of them change at the rate",
-        equation(rate, -(k * v_lambda + B0 * Omega * sp.sin(theta)), true, "rate"),
+        equation(named(r"m\dot{F}^{(\alpha)}"), -(k * v_lambda + B0 * Omega * sp.sin(theta)), true, "rate"),
     )
 
 
+@_fragment("gfunctions", "The G-functions", {"G1": "47"})
 def _g_functions(scope: FragmentScope) -> Items:
-    """Return the fragment of the G-functions."""
     return (
         r"The G-functions of the domain $\Omega_\alpha$ at a boundary $\dot{x} = v_\lambda$ are the derivatives of the "
         r"acceleration $F^{(\alpha)}$ along its flow; $\theta = \Omega t$ is the phase:",
         _taken(switching.g_functions(), "G"),
-    )
-
-
-def _saltation(scope: FragmentScope) -> Items:
-    """Return the fragment of the saltation matrices."""
-    ratios = [each for each in flat(jacobians.saltation()) if isinstance(each, Step) and isinstance(each.check, Sign)]
-    return (
-        r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ before and $F^{+} \ne 0$ "
-        r"after, a small change $(\delta x, \delta\dot{x})$ of its state is multiplied by the saltation matrix "
-        r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, where",
-        _taken(ratios, "ratio"),
-        r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end the identity. Between events "
-        r"it is multiplied by $\Phi(\tau)$ with the entries",
-        _taken(jacobians.perturbations(), "phi")[:4],
-        BASIS_TEXT + ".",
     )
 
 
@@ -206,7 +196,7 @@ AT_BOUNDARY = {
 }
 
 
-def _theorem(name: str) -> Items:
+def _theorem(name: str, scope: FragmentScope) -> Items:
     """Return the fragment of Theorem 4, 5 or 6."""
     at = {Omega * t: theta, v: v_lambda}
     first = solution.in_paper_letters(solution.g_function(1)).subs(at)
@@ -222,6 +212,11 @@ def _theorem(name: str) -> Items:
     )
 
 
+for _name, _tags in (("theorem4", {}), ("theorem5", {}), ("theorem6", {"G1": "47"})):
+    _fragment(_name, f"Theorem {_name[-1]}", {"F": "9", **_tags})(partial(_theorem, _name))
+
+
+@_fragment("theorem7", "Theorem 7", {"column1": "(55), (57)", "column2": "(56), (58)"})
 def _theorem7(scope: FragmentScope) -> Items:
     letter, acceleration, rate = sp.Symbol("a", real=True), named(r"\ddot{x}"), named(r"\dot{x}")
     fixed = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
@@ -250,13 +245,27 @@ def _theorem7(scope: FragmentScope) -> Items:
     )
 
 
+@_fragment("saltation", "Saltation and perturbations")
+def _saltation(scope: FragmentScope) -> Items:
+    ratios = [each for each in flat(jacobians.saltation()) if isinstance(each, Step) and isinstance(each.check, Sign)]
+    return (
+        r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ before and $F^{+} \ne 0$ "
+        r"after, a small change $(\delta x, \delta\dot{x})$ of its state is multiplied by the saltation matrix "
+        r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, where",
+        _taken(ratios, "ratio"),
+        r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end the identity. Between events "
+        r"it is multiplied by $\Phi(\tau)$ with the entries",
+        _taken(jacobians.perturbations(), "phi")[:4],
+        BASIS_TEXT + ".",
+    )
+
+
 def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
     """Yield the window of each mapping for which the scope has all numbers."""
     given = {name for name, _ in scope.values}
     for mapping, place in PLACES.items():
         if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= given:
-            gamma = (k * BELTS[place.boundary] / m).xreplace(scope.letters)
-            amplitude = (B0 * Omega / m).xreplace(scope.letters)
+            gamma, amplitude = (e.xreplace(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m))
             phases = theorem7.window_phases(place, gamma, amplitude, False)
             window = grazing.Window(place.side, gamma, amplitude)
             yield step(grazing.THETA_M, "in", phases, window, note=rf"for $P_{mapping[1]}$", label=f"window-{mapping}")
@@ -267,7 +276,7 @@ def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
 
 def _motion(scope: FragmentScope) -> Items:
     """Return the motion from x_i, in the form that is wanted."""
-    regime, start = scope.regime, named(r"\ddot{x}_i")
+    regime, start = scope.regimes[0], named(r"\ddot{x}_i")
     name, condition = domains.REGIME_WORDS[regime.name]
     letters = {letter: domains.true_letters()[letter] for letter in regime.letters}
     labels = {letter: f"letter-{letter.name.replace('_', '')}" for letter in letters}
@@ -302,15 +311,7 @@ def _motion(scope: FragmentScope) -> Items:
     )
 
 
-def _map(label: str) -> Fragment:
-    """Return the fragment of a map."""
-    title, row = f"The mapping $P_{label[1]}$", MAPS[label]
-    if row.sticks:
-        return Fragment(title, lambda scope: _stick_map(label), {"f1": "52" if label == "P1" else "53"})
-    return Fragment(title, lambda scope: _flight_map(scope, label), {"f1": r"54\,a", "f2": r"54\,b"})
-
-
-def _flight_map(scope: FragmentScope, label: str) -> Items:
+def _flight_map(label: str, scope: FragmentScope) -> Items:
     row = MAPS[label]
     start, end = BELTS[row.start.boundary], BELTS[row.end.boundary]
     scope.instances.update({v_i: start, maps.v_j: end, A: named(f"A_{row.domain}")})
@@ -335,7 +336,7 @@ def _flight_map(scope: FragmentScope, label: str) -> Items:
     )
 
 
-def _stick_map(label: str) -> Items:
+def _stick_map(label: str, scope: FragmentScope) -> Items:
     belt = MAPS[label].start.boundary
     speed, plane, f1 = BELTS[belt], rf"\Sigma^{{0}}_{{({belt})}}", named("f_1")
     at, ride = {v: speed, x: maps.x_j, Omega * t: maps.theta_j}, maps.stick_residual()["f1"].xreplace({v_i: speed})
@@ -358,15 +359,8 @@ def _stick_map(label: str) -> Items:
     )
 
 
-FRAGMENTS: dict[str, Fragment] = {
-    "friction": Fragment("The equation of motion", _friction, {"F": "9"}),
-    "flow": Fragment("The motion in a domain", _flow, {}),
-    "stick": Fragment("Sticks and their two ends", _stick, {"belt1-F2": "52", "belt2-F3": "53"}),
-    "gfunctions": Fragment("The G-functions", _g_functions, {"G1": "47"}),
-    "theorem4": Fragment("Theorem 4", lambda scope: _theorem("theorem4"), {"F": "9"}),
-    "theorem5": Fragment("Theorem 5", lambda scope: _theorem("theorem5"), {"F": "9"}),
-    "theorem6": Fragment("Theorem 6", lambda scope: _theorem("theorem6"), {"F": "9", "G1": "47"}),
-    "theorem7": Fragment("Theorem 7", _theorem7, {"column1": "(55), (57)", "column2": "(56), (58)"}),
-    "saltation": Fragment("Saltation and perturbations", _saltation, {}),
-    **{label: _map(label) for label in MAPS},
-}
+for _name, _row in MAPS.items():
+    _items, _tags = _flight_map, {"f1": r"54\,a", "f2": r"54\,b"}
+    if _row.sticks:
+        _items, _tags = _stick_map, {"f1": "52" if _name == "P1" else "53"}
+    _fragment(_name, f"The mapping $P_{_name[1]}$", _tags)(partial(_items, _name))

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction
+from itertools import takewhile
 from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 
+from symosc.aliases import Expr
 from symosc.derive.steps import Relation
 from symosc.exact import show
 from symosc.symbolic import maps, solution
-
-Expr = Any  # sympy ships no types
-
 
 _dot, _x = r"\dot{x}", "x_{i+1}"
 LATEX_NAMES = {
@@ -35,7 +34,7 @@ LATEX_NAMES = {
 #: Terms of a sum stand in the order of the first of these letters that they have (the order of eq. (5)).
 ORDER = [
     "g", r"\dot{g}", r"\ddot{g}", "g^{(3)}", "C_4", "C_1", "C_2", "D_1", "D_2", "a_i", "A_m",
-    "A", "A_0", "f0", "B_0", "k", "w0sq", "c", "cm", "mu_1", "mu_2", r"\mu_\lambda",
+    "A", "A_0", "f0", "B_0", "k", "w0sq", "c", "cm", "mu_1", "mu_2", r"\mu_\lambda"
 ]  # fmt: skip
 #: A term with x_i or one of these, and none of `ORDER`, stands in front.
 SPEEDS = {"v_i", "v_1", "v_2", "v_lambda"}
@@ -53,8 +52,7 @@ def _rank(term: Expr) -> tuple[float, bool, Any]:
     """Return the sort key of a term of a sum."""
     outside = [factor for factor in sp.Mul.make_args(term) if not factor.is_Add and not isinstance(factor, sp.exp)]
     letters = {symbol.name for factor in outside or [term] for symbol in factor.free_symbols}
-    if not letters:
-        letters = {symbol.name for symbol in term.free_symbols}
+    letters = letters or {symbol.name for symbol in term.free_symbols}
     first: float = next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
     if first == len(ORDER):
         held = any(name.startswith("F_{s") for name in letters)
@@ -91,11 +89,9 @@ class PaperPrinter(LatexPrinter):
         return text if self.decimals and "/" not in text else super()._print_Rational(expr)
 
     def _print_Add(self, expr: Expr, order: Any = None) -> str:
-        text = ""
-        for term in terms(expr):
-            part = self._print(term)
-            text += part if not text else f" - {part[1:].lstrip()}" if part.startswith("-") else f" + {part}"
-        return text
+        first, *rest = map(self._print, terms(expr))
+        signed = (f" - {part[1:].lstrip()}" if part.startswith("-") else f" + {part}" for part in rest)
+        return str(first) + "".join(signed)
 
     def _print_Mul(self, expr: Expr) -> str:
         sign, expr = ("- ", -expr) if expr.could_extract_minus_sign() and expr.as_coeff_Mul()[0] < 0 else ("", expr)
@@ -113,18 +109,16 @@ class PaperPrinter(LatexPrinter):
             if factor.is_Rational:
                 if self.decimals and "/" not in show(Fraction(int(factor.p), int(factor.q))):
                     front_above.append(factor)
-                    continue
-                front_above += [sp.Integer(factor.p)] if factor.p != 1 else []
-                front_below += [sp.Integer(factor.q)] if factor.q != 1 else []
+                else:
+                    front_above += [sp.Integer(factor.p)] * (factor.p != 1)
+                    front_below += [sp.Integer(factor.q)] * (factor.q != 1)
                 continue
             base, power = factor.as_base_exp()
-            below = power.is_Rational and power < 0 and not factor.has(sp.exp)
             known = {symbol.name for symbol in base.free_symbols} <= PARAMETERS
-            kept = sp.Pow(base, -power) if below else factor
-            if below:
-                (front_below if known else rest_below).append(kept)
+            if power.is_Rational and power < 0 and not factor.has(sp.exp):
+                (front_below if known else rest_below).append(sp.Pow(base, -power))
             else:
-                (front_above if known and not base.is_Add and not base.is_Function else rest_above).append(kept)
+                (front_above if known and not base.is_Add and not base.is_Function else rest_above).append(factor)
         if rest_below or not rest_above:
             return sign + self._fraction([*front_above, *rest_above], [*front_below, *rest_below])
         tall = any(factor.is_Add or factor.base.is_Add for factor in front_below if factor.is_Add or factor.is_Pow)
@@ -136,8 +130,7 @@ class PaperPrinter(LatexPrinter):
         """Print a quotient of products, without fractions in fractions."""
         if not below:
             return self._product(above)
-        top = self._print(above[0]) if len(above) == 1 else self._product(above)
-        bottom = self._print(below[0]) if len(below) == 1 else self._product(below)
+        top, bottom = (self._print(part[0]) if len(part) == 1 else self._product(part) for part in (above, below))
         if len(above) == 1 and above[0].is_Add and r"\frac" in top:  # no fractions in fractions
             return rf"\frac{{1}}{{{bottom}}} {_parentheses(top)}"
         return rf"\frac{{{top}}}{{{bottom}}}"
@@ -146,12 +139,10 @@ class PaperPrinter(LatexPrinter):
         """Print the factors of a product in order."""
         if not factors:
             return "1"
-        single = alone and len(factors) == 1
-        ordered = sorted(factors, key=_factor_key)
         parts: list[str] = []
-        for factor in ordered:
+        for factor in sorted(factors, key=_factor_key):
             text = self._print(factor)
-            if factor.is_Add and not single:
+            if factor.is_Add and not (alone and len(factors) == 1):
                 text = _parentheses(text)
             elif parts and re.match(r"[\d.]", text):
                 text = rf"\cdot {text}"
@@ -207,9 +198,9 @@ class PaperPrinter(LatexPrinter):
     def _print_Derivative(self, expr: Expr) -> str:
         (variable, count), *_ = expr.variable_count
         power = "" if count == 1 else f"^{{{count}}}"
-        letter = self._print(variable)
         what = self._print(expr.expr)
-        return rf"\frac{{d{power}}}{{d {letter}{power}}} {what if not expr.expr.is_Add else _parentheses(what)}"
+        what = _parentheses(what) if expr.expr.is_Add else what
+        return rf"\frac{{d{power}}}{{d {self._print(variable)}{power}}} {what}"
 
     def _print_Function(self, expr: Expr, exp: Any = None) -> str:
         if isinstance(expr, AppliedUndef):
@@ -288,34 +279,24 @@ OPERATORS = {"=": "=", ">": ">", "<": "<", ">=": r"\ge", "<=": r"\le", "in": r"\
 
 def width(text: str) -> float:
     """Estimate the printed width of LaTeX mathematics in units of a digit."""
-    return _group_width(_TOKEN.findall(text), 0)[0]
+    tokens = iter(_TOKEN.findall(text))
 
+    def item(token: str) -> float:
+        if token == "{":
+            return group()
+        if token in (r"\frac", r"\tfrac"):
+            return (0.8 if token == r"\tfrac" else 1.0) * max(item(next(tokens, "")), item(next(tokens, ""))) + 0.5
+        if token in ("^", "_", r"\operatorname", r"\mathrm", r"\text", r"\dot", r"\ddot"):
+            return (0.75 if token in "^_" else 1.0) * item(next(tokens, ""))
+        return _WIDTHS.get(token, 1.7 if token.isupper() or token == "m" else 1.1) if token else 0.0
 
-def _group_width(tokens: list[str], place: int) -> tuple[float, int]:
-    """Return the width up to the end of a group, and where it ends."""
-    total = 0.0
-    while place < len(tokens) and tokens[place] != "}":
-        inner, place = _item_width(tokens, place)
-        total += inner
-    return total, place
+    def group() -> float:
+        total = 0.0
+        for token in takewhile("}".__ne__, tokens):
+            total += item(token)
+        return total
 
-
-def _item_width(tokens: list[str], place: int) -> tuple[float, int]:
-    """Return the width of the item that begins at a token, and where it ends."""
-    if place >= len(tokens):
-        return 0.0, place
-    token, place = tokens[place], place + 1
-    if token == "{":
-        inner, place = _group_width(tokens, place)
-        return inner, place + 1
-    if token in (r"\frac", r"\tfrac"):
-        above, place = _item_width(tokens, place)
-        below, place = _item_width(tokens, place)
-        return (0.8 if token == r"\tfrac" else 1.0) * max(above, below) + 0.5, place
-    if token in ("^", "_", r"\operatorname", r"\mathrm", r"\text", r"\dot", r"\ddot"):
-        inner, place = _item_width(tokens, place)
-        return (0.75 if token in "^_" else 1.0) * inner, place
-    return _WIDTHS.get(token, 1.7 if token.isupper() or token == "m" else 1.1), place
+    return group()
 
 
 def lines(statement: Relation, decimals: bool = False, left_width: float | None = None) -> list[str]:
@@ -333,7 +314,7 @@ def _broken(expr: Expr, decimals: bool, room: float) -> list[str]:
     if not isinstance(expr, sp.Expr) or width(whole) <= room:
         return [whole]
     rows: list[str] = []
-    for piece in _pieces(expr, decimals, room, True):
+    for piece in _pieces(expr, decimals, room):
         if rows and width(f"{rows[-1]} {piece}") <= room:
             rows[-1] = f"{rows[-1]} {piece}"
         else:
@@ -341,11 +322,11 @@ def _broken(expr: Expr, decimals: bool, room: float) -> list[str]:
     return rows
 
 
-def _pieces(expr: Expr, decimals: bool, room: float, first: bool) -> list[str]:
+def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
     """Return the terms of a sum, with their signs, each in pieces."""
     found: list[str] = []
     for term in terms(expr):
-        found += _term_pieces(term, decimals, room, first and not found)
+        found += _term_pieces(term, decimals, room, not found)
     return found
 
 
@@ -358,10 +339,9 @@ def _term_pieces(term: Expr, decimals: bool, room: float, first: bool) -> list[s
     longest = max(sums, key=lambda factor: width(latex(factor, decimals)))
     rest = latex(term / longest, decimals)
     rest = {"1": "", "- 1": "- "}.get(rest, rest)
-    inner = _pieces(longest, decimals, room, True)
+    inner = _pieces(longest, decimals, room)
     head = _signed(rest, first) if rest else ("" if first else "+ ")
-    tall = any(r"\frac" in part for part in inner)
-    opening, closing = (r"\biggl(", r"\biggr)") if tall else (r"\bigl(", r"\bigr)")
+    opening, closing = (r"\biggl(", r"\biggr)") if any(r"\frac" in part for part in inner) else (r"\bigl(", r"\bigr)")
     if width(f"{head} {inner[0]}") > room:  # the opening parenthesis ends its row
         return [f"{head} {opening}", *inner[:-1], f"{inner[-1]} {closing}"]
     return [f"{head} {opening} {inner[0]}", *inner[1:-1], f"{inner[-1]} {closing}"]

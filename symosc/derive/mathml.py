@@ -38,8 +38,7 @@ def font_style() -> str:
 def words(text: str) -> str:
     """Return a paragraph of LaTeX, with formulas between dollars, as HTML."""
     text = ITEMS.sub(_list_html, text)
-    parts = text.split("$")
-    html = "".join(formula(part) if odd % 2 else _plain_text(part) for odd, part in enumerate(parts))
+    html = "".join(formula(part) if odd % 2 else _plain_text(part) for odd, part in enumerate(text.split("$")))
     # No line begins with the comma after a formula.
     return re.sub(r"(<math(?:(?!<math).)*</math>[,.;:)]+)", r'<span class="tight">\1</span>', html)
 

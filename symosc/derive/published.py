@@ -51,15 +51,15 @@ class Flight:
         exact = {s.m: p.m, s.c: p.c, s.k: p.k, s.Omega: p.Omega, s.cm: p.c / p.m, s.w0sq: p.k / p.m}
         exact |= {coulomb.P: abs(p.B0), x_f: p.mu1 * p.FN / p.k}
         rationals = {letter: rational(value) for letter, value in exact.items()}
-        self.regime = next(r for r in solution.REGIMES.values() if r.condition.subs(rationals) == sp.true)
+        self.regime = next(r for r in s.REGIMES.values() if r.condition.subs(rationals) == sp.true)
         self.numbers = {letter: number(value) for letter, value in exact.items()}
         self.numbers |= {letter: self.value(meaning) for letter, meaning in self.regime.letters.items()}
 
     def value(self, expr: Any, more: dict[Any, Any] | None = None) -> Any:
         """Return an expression in the symbols as a number."""
         known = self.numbers | (more or {})
-        letters = sorted(sp.sympify(expr).free_symbols, key=str)
-        return _as_function(expr, tuple(letters))(*(known[letter] for letter in letters))
+        letters = tuple(sorted(sp.sympify(expr).free_symbols, key=str))
+        return _as_function(expr, letters)(*(known[letter] for letter in letters))
 
     def basis(self, time: Any) -> dict[Any, Any]:
         """Return E0, E1 and E2 at a time after the start."""
@@ -80,6 +80,8 @@ class Formulas(Flight):
         steady = [self.value(part, self.half) for part in coulomb.half_period()]
         self.numbers |= dict(zip((G, H), steady, strict=True))
         self.amplitude = self.numbers[x_0] = self.value(coulomb.amplitude())
+        known = self.numbers
+        self.steady = known[x_0] + known[G] * known[x_f], known[H] * known[x_f]  # p_0 and q_0
 
     def trace_and_determinant(self) -> tuple[Any, Any]:
         """Return trace and determinant of one period's matrix, the square of the half period's."""
@@ -95,11 +97,7 @@ class Formulas(Flight):
     def largest_slide_bound(self) -> tuple[Any, Any]:
         """Return the supremum of B over (0, pi) and its angle, 0 for the limit at the turning point."""
         # A maximum inside counts if it is above that limit by 1e-10, relative to it: far above rounding errors.
-
-        def slope(angle: Any) -> Any:
-            return MP.diff(self.slide_bound, angle)
-
-        limit = self.value(coulomb.slide_limit())
+        slope, limit = partial(MP.diff, self.slide_bound), self.value(coulomb.slide_limit())
         angles = np.linspace(0, pi, 4001)[1:-1]
         bound, letters = _slide_bounds(self.regime)
         values = bound(angles, *(float(self.numbers[letter]) for letter in letters))
@@ -119,8 +117,9 @@ class Formulas(Flight):
 @cache
 def _as_function(expr: Any, letters: tuple[Any, ...]) -> Callable[..., Any]:
     """Return an expression as a function of its symbols, in mpmath numbers of 60 digits."""
-    functions = {name: getattr(MP, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt")}
-    return sp.lambdify(letters, expr, modules=functions)
+    return sp.lambdify(
+        letters, expr, {name: getattr(MP, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt")}
+    )
 
 
 @cache
@@ -148,8 +147,7 @@ def _turning_points(parameters: Parameters, x0: Any, t_end: int, digits: int | N
 
 def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
     """Return the rise of the highest points per cycle at Omega = 1, c = 0."""
-    # The start is the one whose turning points are at theta = pi/2 + n pi: x = (P/2 - F)/k at t = 0, with any velocity
-    # that is large enough.
+    # Turning points are at theta = pi/2 + n pi from x = (P/2 - F)/k at t = 0, with any velocity that is large enough.
     highest = _turning_points(wall(F, 1, P=P), Fraction(P) / 2 - Fraction(F), 40, digits)[::2]
     return [after - before for before, after in pairwise(highest)]
 
@@ -174,21 +172,21 @@ def one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajec
 
 def one_sided_end(F: Any, n: int) -> float:
     """Bisect for the largest middle whose motion neither stops nor turns more than twice per cycle."""
-    return _largest(lambda middle: one_sided_path(F, n, middle, Fraction(9, 4)))
+    return _largest(lambda middle: (F, n, middle))
 
 
 def last_friction(n: int) -> float:
     """Bisect for the largest friction with which the symmetric motion at Omega = 1/(2 n), c = 0 has no stops."""
-    return _largest(lambda F: one_sided_path(F, n, Fraction(0), Fraction(9, 4)))
+    return _largest(lambda F: (F, n, Fraction(0)))
 
 
-def _largest(path: Callable[[Fraction], Trajectory]) -> float:
-    """Bisect for the largest number whose motion crosses four times and does nothing else."""
+def _largest(motion: Callable[[Fraction], tuple[Any, int, Fraction]]) -> float:
+    """Bisect for the largest number whose one-sided path crosses four times and does nothing else."""
     low, high = Fraction(0), Fraction(1)
     while high - low > 1e-9:
         middle = (low + high) / 2
-        only_turns = [event.kind for event in path(middle).events] == ["cross"] * 4
-        low, high = (middle, high) if only_turns else (low, middle)
+        events = one_sided_path(*motion(middle), Fraction(9, 4)).events
+        low, high = (middle, high) if [event.kind for event in events] == ["cross"] * 4 else (low, middle)
     return float(low + high) / 2
 
 
@@ -200,8 +198,7 @@ def meeting_point(c: Any, guess: tuple[float, float]) -> tuple[Any, Any]:
 
     def conditions(Omega: Any, F: Any) -> tuple[Any, Any]:
         formulas = Formulas(wall(MP.nstr(F, 55), MP.nstr(Omega, 55), c))
-        known = formulas.numbers
-        p, q = known[x_0] + known[G] * known[x_f], known[H] * known[x_f]
+        p, q = formulas.steady
         turned = formulas.value(coulomb.turning_acceleration(True), {coulomb.p_0: p, coulomb.q_0: q})
         return turned, (1 - Omega**2) * q - number(Fraction(c)) * Omega * p
 
@@ -212,13 +209,11 @@ def meeting_point_by_running(c: Any, guess: tuple[float, float]) -> tuple[float,
     """Return (Omega, F) of the meeting point by running the package: from the switching points of the orbit P32."""
 
     def conditions(where: Any) -> tuple[float, float]:
-        p = wall(where[1], where[0], c)
-        t, x = max(find_orbit(p, "P32").points, key=lambda point: point.x)
+        t, x = max(find_orbit(wall(where[1], where[0], c), "P32").points, key=lambda point: point.x)
         phase = where[0] * t
         return np.cos(phase) - x + where[1], np.sin(phase)
 
-    found = optimize.root(conditions, guess, tol=1e-14, options={"eps": 1e-8})
-    return tuple(found.x.tolist())
+    return tuple(optimize.root(conditions, guess, tol=1e-14, options={"eps": 1e-8}).x.tolist())
 
 
 def end_without_stops(c: Any, P: Any, near: float) -> tuple[Any, Any]:
@@ -227,7 +222,9 @@ def end_without_stops(c: Any, P: Any, near: float) -> tuple[Any, Any]:
     def formulas(Omega: Any) -> Formulas:
         return Formulas(wall(1, MP.nstr(Omega, 55), c, P=P))
 
-    gap = lambda Omega: formulas(Omega).largest_force_ratio() * number(Fraction(P)) - 1  # noqa: E731
+    def gap(Omega: Any) -> Any:
+        return formulas(Omega).largest_force_ratio() * number(Fraction(P)) - 1
+
     Omega = MP.findroot(gap, (near, near + 1e-4), solver="secant")
     return Omega, formulas(Omega).amplitude
 
@@ -243,16 +240,14 @@ def base_and_wall(F: Any, Omega: Any) -> Parameters:
 def transmissibility(F: Any, Omega: Any) -> Any:
     """Return the largest absolute |x| by Den Hartog's motion of x - y, c = 0: y is (1 - r^2)/r^2 of its steady part."""
     formulas = Formulas(base_and_wall(F, Omega))
-    known, r = formulas.numbers, formulas.numbers[solution.Omega]
-    p, q = known[x_0] + known[G] * known[x_f], known[H] * known[x_f]
+    known, r, (p, q) = formulas.numbers, formulas.numbers[solution.Omega], formulas.steady
 
     def absolute(angle: Any) -> Any:
         steady = (p * MP.cos(angle) + q * MP.sin(angle)) / r**2
         free, rate = known[x_0] - p - known[x_f], -q * r
         return known[x_f] + steady + free * MP.cos(angle / r) + rate * MP.sin(angle / r)
 
-    angles = np.linspace(0, pi, 201)
-    top = float(max(angles, key=lambda angle: abs(absolute(angle))))
+    top = float(max(np.linspace(0, pi, 201), key=lambda angle: abs(absolute(angle))))
     return abs(absolute(MP.findroot(lambda angle: MP.diff(absolute, angle), top)))
 
 
@@ -268,19 +263,13 @@ def transmissibility_by_running(F: Any, Omega: Any) -> float:
     times = np.linspace(path.t_start, path.t_end, 1001)[1:-1]
     top = times[int(np.argmin(absolute(times)))]
     step = times[1] - times[0]
-    found = optimize.minimize_scalar(
-        absolute, bounds=(top - step, top + step), method="bounded", options={"xatol": 1e-9}
-    )
-    return -float(found.fun)
+    around = (top - step, top + step)
+    return -float(optimize.minimize_scalar(absolute, bounds=around, method="bounded", options={"xatol": 1e-9}).fun)
 
 
 def inversion(F: Any, height: Callable[[Any, Any], Any]) -> float:
     """Return the r at which friction leaves the absolute amplitude as it is without friction, 1/(r^2 - 1)."""
-
-    def gain(r: float) -> float:
-        return float(height(F, Fraction(r))) * (r * r - 1) - 1
-
-    return float(optimize.brentq(gain, 1.38, 1.6, xtol=1e-13))
+    return float(optimize.brentq(lambda r: float(height(F, Fraction(r))) * (r * r - 1) - 1, 1.38, 1.6, xtol=1e-13))
 
 
 # --- the number of stops per cycle, by running ---
@@ -305,40 +294,37 @@ def from_rest(p: Parameters, cycles: int) -> Trajectory:
 
 
 class Border(NamedTuple):
-    """A border between two numbers of stops per cycle: F/P on both of its sides, and the numbers there."""
+    """A border between two numbers of stops per cycle: F/P on both of its sides and halfway, and the numbers."""
 
     low: float
     high: float
+    middle: float
     below: int
     above: int
-
-    @property
-    def middle(self) -> float:
-        """F/P halfway between the sides."""
-        return (self.low + self.high) / 2
 
 
 @cache
 def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
     """Bisect the forced amplitude between two values of F/P with different numbers of stops."""
 
-    def count(ratio: Fraction) -> int | None:
-        return stops(wall(1, Omega, c, P=1 / ratio))
+    def count(ratio: Fraction) -> int:
+        found = stops(wall(1, Omega, c, P=1 / ratio))
+        if found is None:
+            raise SymoscError(f"the motion at F/P = {float(ratio)!r} does not settle")
+        return found
 
     a, b = Fraction(low), Fraction(high)
     below, above = count(a), count(b)
-    if below == above or below is None or above is None:
+    if below == above:
         raise ParameterError("low, high", (str(low), str(high)), "must have different numbers of stops")
     while b - a > 1e-8 * a:
         middle = (a + b) / 2
         found = count(middle)
-        if found is None:
-            raise SymoscError(f"the motion at F/P = {float(middle)!r} does not settle")
         if found == below:
             a = middle
         else:
             b, above = middle, found
-    return Border(float(a), float(b), below, above)
+    return Border(float(a), float(b), (float(a) + float(b)) / 2, below, above)
 
 
 # --- the same borders by equations ---
@@ -373,16 +359,15 @@ def solve_stop_positions(p: Parameters) -> list[Any]:
     slides, _ = _slides_near_border(p, (stops(p) or 0) // 2)
     n, F = len(slides), number(p.mu1)
     guess = [*(phase for phase, _ in slides), *(time for _, time in slides)]
-    phases = list(MP.findroot(lambda *z: _half_cycle(p, F, z[:n], z[n:]), guess))[:n]
-    return [MP.cos(phase) + F for phase in phases]
+    return [MP.cos(phase) + F for phase in list(MP.findroot(lambda *z: _half_cycle(p, F, z[:n], z[n:]), guess))[:n]]
 
 
 def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
     """Return the residuals of half a cycle: they vanish if each slide ends at rest where the next one starts."""
     x, v, _ = _slide(p)
-    found = [v(phase, time) for phase, time in zip(phases, times, strict=True)]
-    rows = zip(phases, times, _slide_ends(F, phases), strict=True)
-    return found + [x(MP.cos(phase) + F, phase, time) - end for phase, time, end in rows]
+    rows = list(zip(phases, times, _slide_ends(F, phases), strict=True))
+    at_rest = [v(phase, time) for phase, time, _ in rows]
+    return at_rest + [x(MP.cos(phase) + F, phase, time) - end for phase, time, end in rows]
 
 
 def _slide_ends(F: Any, phases: Any) -> list[Any]:
@@ -411,9 +396,8 @@ def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, fl
     path = from_rest(p, 22)
     late = [event for event in path.events if event.t > 40 * pi / float(p.Omega)]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
-    first = next(
-        i for i in range(1, len(pairs)) if pairs[i - 1][0].target == "Omega2" and pairs[i][0].target == "Omega1"
-    )
+    targets = [start.target for start, _ in pairs]
+    first = next(i for i, ways in enumerate(pairwise(targets), 1) if ways == ("Omega2", "Omega1"))
     slides = pairs[first : first + count]
     candidates = []
     for j, (start, end) in enumerate(slides):
@@ -427,31 +411,31 @@ def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, fl
 
 def largest_exponent(count: int, seed: int = 0) -> float:
     """Return the largest Lyapunov exponent of random oscillators over 60 periods; m = k = 1, where it is never > 0."""
-    dice = random.Random(seed)
-    found = []
+    dice, largest = random.Random(seed), -np.inf
     for _ in range(count):
         F, Omega = f"{dice.uniform(0.01, 1):.3f}", f"{dice.uniform(0.05, 3):.3f}"
         p = wall(F, Omega, f"{dice.choice((0, dice.uniform(0, 1))):.3f}")
-        found.append(sensitivities(p, "x0", t0=0, x0=dice.uniform(-2, 2), v0=0, t_end="60T").lyapunov[0])
-    return float(max(found))
+        found = sensitivities(p, "x0", t0=0, x0=dice.uniform(-2, 2), v0=0, t_end="60T")
+        largest = max(largest, float(found.lyapunov[0]))
+    return largest
 
 
 # --- the tables ---
 
 #: (c, F, Omega): under-, critically and overdamped too.
 AMPLITUDES = (
-    ("0", "0.4", "1.5"), ("0.2", "0.4", "1.5"), ("0.1", "0.25", "0.6"), ("2", "0.1", "0.8"), ("3", "0.1", "0.7"),
+    ("0", "0.4", "1.5"), ("0.2", "0.4", "1.5"), ("0.1", "0.25", "0.6"), ("2", "0.1", "0.8"), ("3", "0.1", "0.7")
 )  # fmt: skip
 DAMPED = [(rf"$c = {c}$, $F = {F}$, $\Omega = {Omega}$", wall(F, Omega, c)) for c, F, Omega in AMPLITUDES]
 #: (c, Omega), and two values of F/P between which the motions without stops end.
 BORDERS = (
     ("0", "1.5", "0.646", "0.647"), ("0", "0.8", "0.817", "0.818"), ("0", "0.3", "0.086", "0.087"),
-    ("0.2", "1.5", "0.598", "0.599"),
+    ("0.2", "1.5", "0.598", "0.599")
 )  # fmt: skip
 #: Omega, and two values of F/P between which the number of stops per cycle changes.
 COUNTS = (
     ("0.1", "0.120", "0.121"), ("0.1", "0.373", "0.374"), ("0.1", "0.505", "0.506"), ("0.1", "0.804", "0.805"),
-    ("0.04", "0.263", "0.264"), ("0.04", "0.379", "0.380"), ("0.04", "0.439", "0.440"), ("0.04", "0.457", "0.458"),
+    ("0.04", "0.263", "0.264"), ("0.04", "0.379", "0.380"), ("0.04", "0.439", "0.440"), ("0.04", "0.457", "0.458")
 )  # fmt: skip
 #: n of Omega = 1/(2 n), F, and the middles of the turning points.
 CONTINUA = ((1, "0.1", ("-0.2", "0", "0.1")), (2, "0.02", ("0", "0.04")))
@@ -479,11 +463,22 @@ class Value(NamedTuple):
         return (formula - number(self.package)) / (abs(formula) or 1)
 
 
+#: What is compared, in the order of the page: title, the sources' keys, and what computes the rows.
+TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], Iterator[Value]]]] = {}
+
+
+def _compared(key: str, title: str, *sources: str) -> Callable[..., Any]:
+    """Return the decorator that registers the function of a table."""
+    return lambda rows: TABLES.setdefault(key, (title, sources, rows))
+
+
+@_compared("amplitude", "Amplitude of the motion without stops", "denhartog1930", "denhartog1931")
 def _amplitudes() -> Iterator[Value]:
     for case, p in DAMPED:
         yield Value("x_0", case, Formulas(p).amplitude, max(point.x for point in slide_orbit(p, 30).points))
 
 
+@_compared("stability", "Its multipliers", "shaw1986")
 def _multipliers() -> Iterator[Value]:
     """Yield sum and product of the multipliers of the motion without stops (P32), except products too small to show."""
     for case, p in DAMPED:
@@ -494,49 +489,87 @@ def _multipliers() -> Iterator[Value]:
             yield Value(r"\rho_1 \rho_2", case, product, (one * other).real)
 
 
+def _border(case: str, formula: Any, border: Border) -> Value:
+    """Return the value of F/P at a border, by formula and by bisection of simulations."""
+    return Value("F/P", case, formula, border.middle, 7, 1e-7, f"{border.below} stops below, {border.above} above")
+
+
+@_compared("border", "Where motions without stops end", "denhartog1930", "hongliu2000")
 def _borders() -> Iterator[Value]:
-    """Yield where the motions without stops end."""
     for c, Omega, low, high in BORDERS:
         border = find_border(Fraction(low), Fraction(high), Omega, c)
         yield _border(rf"$c = {c}$, $\Omega = {Omega}$", Formulas(wall(1, Omega, c)).largest_force_ratio(), border)
 
 
-def _counts() -> Iterator[Value]:
-    """Yield where other numbers of stops change."""
-    for Omega, low, high in COUNTS:
-        border = find_border(Fraction(low), Fraction(high), Omega)
-        yield _border(rf"$\Omega = {Omega}$", solve_border(Omega, border)[0], border)
-
-
-def _border(case: str, formula: Any, border: Border) -> Value:
-    """Return the value of F/P at a border, by formula and by bisection of simulations."""
-    note = f"{border.below} stops below, {border.above} above"
-    return Value("F/P", case, formula, border.middle, 7, 1e-7, note)
-
-
+@_compared("points", "Where borders meet", "guardia2010", "kowalczyk2008")
 def _points() -> Iterator[Value]:
     """Yield the points at which borders meet, without and with damping."""
     for n in (1, 2, 3):
         case, formula = rf"$A_{n}$: $\Omega = 1/{2 * n}$", Fraction(1, 4 * n * n - 1)
         yield Value("F/P", case, formula, last_friction(n), 7, 1e-7)
-    near = find_border(Fraction("0.031"), Fraction("0.033"), "0.32")
-    case = r"near $B_1$: $\Omega = 0.32$"
-    yield Value("F/P", case, Formulas(wall(1, "0.32")).largest_force_ratio(), near.middle, 7, 1e-7)
+    near = find_border(Fraction("0.031"), Fraction("0.033"), "0.32").middle
+    yield Value("F/P", r"near $B_1$: $\Omega = 0.32$", Formulas(wall(1, "0.32")).largest_force_ratio(), near, 7, 1e-7)
     for c, guess in MEETINGS:
         pairs = zip(meeting_point(c, guess), meeting_point_by_running(c, guess), strict=True)
         for name, (formula, run) in zip((r"\Omega", "F"), pairs, strict=True):
             yield Value(name, rf"$c = {c}$", formula, run, 10, 1e-10)
 
 
+@_compared("ends", "The ends of a branch", "iklodi2024")
 def _ends() -> Iterator[Value]:
     """Yield where the branch of motions without stops ends in the frequency, and its highest points there."""
-    branch = continue_orbit(wall(1, 1, "0.1", P="1.5"), "P32", "Omega", ("0.6", "1.5"))
-    for end in branch.ends:
+    for end in continue_orbit(wall(1, 1, "0.1", P="1.5"), "P32", "Omega", ("0.6", "1.5")).ends:
         Omega, amplitude = end_without_stops("0.1", "1.5", end.value)
         yield Value(r"\Omega", "", Omega, end.value, 12, 1e-12, end.kind)
         yield Value("x_0", "there", amplitude, max(point.x for point in end.points), 10, 1e-10)
 
 
+@_compared("resonance", "Growth per cycle at resonance", "denhartog1930", "butikov2015")
+def _growth() -> Iterator[Value]:
+    """Yield the rise per cycle that differs most from the formula."""
+    for F, P in (("0.5", "1"), ("0.3", "0.5")):
+        formula, rises = MP.pi * MP.mpf(P) - 4 * MP.mpf(F), resonance_growth(F, P)
+        _, worst = max((abs(MP.mpf(rise) - formula), rise) for rise in rises)
+        yield Value(r"\Delta x", rf"$P = {P}$, $F = {F}$", formula, worst, note=f"{len(rises)} cycles")
+
+
+@_compared("decay", "Turning points of a free motion", "denhartog1930", "butikov2015")
+def _decay() -> Iterator[Value]:
+    """Yield the turning points of a free motion that starts at rest, the last one where it stays."""
+    F, formula = Fraction(1, 10), Fraction(19, 20)
+    for i, x in enumerate(_turning_points(wall(F, 1, P=0), formula, 40), 1):
+        formula = -formula + (2 * F if formula > 0 else -2 * F)
+        yield Value(f"x_{i}", "$F = 0.1$", formula, x)
+
+
+@_compared("decrements", "Turning points of a free motion with a damper", "feeny1996")
+def _decrements() -> Iterator[Value]:
+    p, x = wall("0.1", 1, "0.2", P=0), number(Fraction(3, 2))
+    h, x_f = number(p.c) / 2, number(p.mu1)
+    left = MP.exp(-MP.pi * h / MP.sqrt(1 - h * h))
+    for i, event in enumerate(simulate(p, t0=0, x0=Fraction(3, 2), v0=0, t_end=40).events, 1):
+        x = -left * x + (1 + left) * MP.sign(x) * x_f
+        yield Value(f"x_{i}", "", x, event.x)
+
+
+@_compared("stops", "Where the number of stops per cycle changes", "hongliu2000")
+def _counts() -> Iterator[Value]:
+    for Omega, low, high in COUNTS:
+        border = find_border(Fraction(low), Fraction(high), Omega)
+        yield _border(rf"$\Omega = {Omega}$", solve_border(Omega, border)[0], border)
+
+
+@_compared("slow", "Slow drives", "papangelo2015")
+def _slow() -> Iterator[Value]:
+    """Yield the highest points of slowly driven motions."""
+    for c, Omega in (("0", "0.2"), ("0", "0.1"), ("0", "0.05"), ("2", "0.02")):
+        p = wall("0.5", Omega, c)
+        highest = max(event.x for event in from_rest(p, 60).events if event.t > 58 * (2 * pi / float(p.Omega)))
+        formula, note = max(map(abs, solve_stop_positions(p))), f"{stops(p)} stops per cycle"
+        yield Value(r"x_{\max}", rf"$c = {c}$, $\Omega = {Omega}$", formula, highest, note=note)
+
+
+@_compared("cycles", "Two limit cycles", "murari2026")
 def _cycles() -> Iterator[Value]:
     """Yield the positions at which the mass stops in two limit cycles."""
     for Omega in ("0.3", "0.15"):
@@ -547,53 +580,7 @@ def _cycles() -> Iterator[Value]:
             yield Value(rf"\pm x_{n}", rf"$\Omega = {Omega}$", formula, x, note=f"{stops(p)} stops per cycle")
 
 
-def _slow() -> Iterator[Value]:
-    """Yield the highest points of slowly driven motions."""
-    for c, Omega in (("0", "0.2"), ("0", "0.1"), ("0", "0.05"), ("2", "0.02")):
-        p = wall("0.5", Omega, c)
-        path, turn = from_rest(p, 60), 2 * pi / float(p.Omega)
-        highest = max(event.x for event in path.events if event.t > 58 * turn)
-        note = f"{stops(p)} stops per cycle"
-        yield Value(
-            r"x_{\max}", rf"$c = {c}$, $\Omega = {Omega}$", max(map(abs, solve_stop_positions(p))), highest, note=note
-        )
-
-
-def _decrements() -> Iterator[Value]:
-    """Yield the turning points of a free motion with a damper too."""
-    p, x = wall("0.1", 1, "0.2", P=0), number(Fraction(3, 2))
-    path = simulate(p, t0=0, x0=Fraction(3, 2), v0=0, t_end=40)
-    h = number(p.c) / 2
-    left, x_f = MP.exp(-MP.pi * h / MP.sqrt(1 - h * h)), number(p.mu1)
-    for i, event in enumerate(path.events, 1):
-        x = -left * x + (1 + left) * MP.sign(x) * x_f
-        yield Value(f"x_{i}", "", x, event.x)
-
-
-def _inversions() -> Iterator[Value]:
-    """Yield the frequency ratio beyond which friction amplifies the absolute motion, base and wall moving together."""
-    for F in ("0.1", "0.5", "1"):
-        yield Value(
-            "r", f"$F = {F}$", inversion(F, transmissibility), inversion(F, transmissibility_by_running), 10, 1e-10
-        )
-
-
-def _growth() -> Iterator[Value]:
-    """Yield the rise per cycle at resonance: that which differs most from the formula."""
-    for F, P in (("0.5", "1"), ("0.3", "0.5")):
-        formula, rises = MP.pi * MP.mpf(P) - 4 * MP.mpf(F), resonance_growth(F, P)
-        _, worst = max((abs(MP.mpf(rise) - formula), rise) for rise in rises)
-        yield Value(r"\Delta x", rf"$P = {P}$, $F = {F}$", formula, worst, note=f"{len(rises)} cycles")
-
-
-def _decay() -> Iterator[Value]:
-    """Yield the turning points of a free motion that starts at rest, the last one where it stays."""
-    F, formula = Fraction(1, 10), Fraction(19, 20)
-    for i, x in enumerate(_turning_points(wall(F, 1, P=0), formula, 40), 1):
-        formula = -formula + (2 * F if formula > 0 else -2 * F)
-        yield Value(f"x_{i}", "$F = 0.1$", formula, x)
-
-
+@_compared("continuum", r"Motions around a middle $\bar{x}$", "csernak2007", "butikov2015")
 def _continuum() -> Iterator[Value]:
     """Yield turning points and second multipliers of members of the continua."""
     for n, F, middles in CONTINUA:
@@ -611,6 +598,15 @@ def _continuum() -> Iterator[Value]:
         yield Value("d_*", case, end, one_sided_end(F, n), 7, 1e-7)
 
 
+@_compared("inversion", "Where friction begins to amplify", "marino2019", "marino2020")
+def _inversions() -> Iterator[Value]:
+    """Yield the frequency ratio beyond which friction amplifies the absolute motion, base and wall moving together."""
+    for F in ("0.1", "0.5", "1"):
+        formula, run = (inversion(F, height) for height in (transmissibility, transmissibility_by_running))
+        yield Value("r", f"$F = {F}$", formula, run, 10, 1e-10)
+
+
+@_compared("rests", "Rest positions on a belt at rest")
 def _rests() -> Iterator[Value]:
     """Yield the ends of the interval of rests, and where motions from inside of it are after 60 units of time."""
     p, ends = RESTING, rest_positions(RESTING, 1)
@@ -619,25 +615,6 @@ def _rests() -> Iterator[Value]:
     yield Value("x_+", "", (p.A(1) - abs(p.B0)) / p.k, ends[1])
     for x in map(Fraction, ("-3/5", "0", "1/2")):
         yield Value("x(60)", f"from ${show(x)}$", x, float(simulate(p, t0=0, x0=x, v0=0, t_end=60)(60)[0]))
-
-
-#: What is compared: title, the sources' keys, and what computes it.
-TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], Iterator[Value]]]] = {
-    "amplitude": ("Amplitude of the motion without stops", ("denhartog1930", "denhartog1931"), _amplitudes),
-    "stability": ("Its multipliers", ("shaw1986",), _multipliers),
-    "border": ("Where motions without stops end", ("denhartog1930", "hongliu2000"), _borders),
-    "points": ("Where borders meet", ("guardia2010", "kowalczyk2008"), _points),
-    "ends": ("The ends of a branch", ("iklodi2024",), _ends),
-    "resonance": ("Growth per cycle at resonance", ("denhartog1930", "butikov2015"), _growth),
-    "decay": ("Turning points of a free motion", ("denhartog1930", "butikov2015"), _decay),
-    "decrements": ("Turning points of a free motion with a damper", ("feeny1996",), _decrements),
-    "stops": ("Where the number of stops per cycle changes", ("hongliu2000",), _counts),
-    "slow": ("Slow drives", ("papangelo2015",), _slow),
-    "cycles": ("Two limit cycles", ("murari2026",), _cycles),
-    "continuum": (r"Motions around a middle $\bar{x}$", ("csernak2007", "butikov2015"), _continuum),
-    "inversion": ("Where friction begins to amplify", ("marino2019", "marino2020"), _inversions),
-    "rests": ("Rest positions on a belt at rest", (), _rests),
-}
 
 
 @cache

@@ -8,8 +8,8 @@ from typing import Any
 
 import sympy as sp
 
+from symosc.aliases import Expr
 from symosc.derive.latex import latex, named
-from symosc.errors import ParameterError
 from symosc.exact import read_exact, show
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.scenes import Scene
@@ -17,8 +17,6 @@ from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
 from symosc.symbolic.theorem7 import rational
 from symosc.words import MAPS, read_word
-
-Expr = Any  # sympy ships no types
 
 v1, v2, v_lambda = sp.symbols("v_1 v_2 v_lambda", real=True)
 BELTS = {1: v1, 2: v2}
@@ -34,7 +32,6 @@ PAPER_LETTERS = {
     solution.f0: solution.B0 / solution.m,
     solution.A_m: solution.A / solution.m,
 }
-FORMS = ("entire", "paper")
 
 
 def F(alpha: int | str) -> Expr:
@@ -74,7 +71,7 @@ class Scope:
 
     @cached_property
     def domains(self) -> tuple[int, ...]:
-        """The domains that occur: of the maps, and on both sides of their belts."""
+        """The domains that occur: on both sides of the belts."""
         return tuple(sorted({side for boundary in self.boundaries for side in NEIGHBOURS[boundary]}))
 
     @cached_property
@@ -84,11 +81,10 @@ class Scope:
 
     @cached_property
     def regimes(self) -> tuple[solution.Regime, ...]:
-        """The damping regimes: the scene's only one, or all."""
-        table = tuple(solution.REGIMES.values())
-        if self.parameters is None:
-            return table
-        return tuple(r for r in table if r.condition.subs(self.numbers, simultaneous=True) == sp.true)
+        """The damping regime that the numbers decide; if they leave several, these, in the order of the table."""
+        holds = {r: r.condition.subs(self.numbers, simultaneous=True) for r in solution.REGIMES.values()}
+        certain = tuple(regime for regime, condition in holds.items() if condition == sp.true)
+        return certain or tuple(regime for regime, condition in holds.items() if condition != sp.false)
 
     @cached_property
     def numbers(self) -> dict[Expr, Expr]:
@@ -103,8 +99,7 @@ class Scope:
         """The substitutions before printing: numbers, or the paper's symbols for the quantities divided by m."""
         if self.parameters is None:
             return PAPER_LETTERS
-        regime = self.regimes[0].letters if self.regimes else {}
-        return self.numbers | {letter: value.subs(self.numbers) for letter, value in regime.items()}
+        return self.numbers | {name: value.subs(self.numbers) for name, value in self.regimes[0].letters.items()}
 
     def shown(self, expr: Expr) -> Expr:
         """Return an expression as it is printed."""
@@ -126,17 +121,10 @@ class FragmentScope(Scope):
     # what letters are in this fragment, such as the velocity at the start
     instances: dict[Expr, Expr] = field(default_factory=dict, hash=False, compare=False)
 
-    @property
-    def letters(self) -> dict[Expr, Expr]:
+    @cached_property
+    def numbers(self) -> dict[Expr, Expr]:
         """The numbers by their symbols."""
         return {LETTERS[name]: rational(value) for name, value in self.values}
-
-    @property
-    def regime(self) -> solution.Regime:
-        """The damping regime that the numbers decide; if they leave several, the first of the table."""
-        decided = {r: r.condition.subs(self.letters, simultaneous=True) for r in solution.REGIMES.values()}
-        certain = [regime for regime, holds in decided.items() if holds == sp.true]
-        return (certain or [regime for regime, holds in decided.items() if holds != sp.false])[0]
 
     def table(self) -> list[tuple[str, str]]:
         """Return the numbers as (LaTeX name, value)."""
@@ -145,7 +133,7 @@ class FragmentScope(Scope):
     def shown(self, expr: Expr) -> Expr:
         """Return an expression as it is printed: instances and numbers put in, and rounded if wanted."""
         expr = sp.sympify(expr).xreplace(self.instances).xreplace(PAPER_LETTERS).xreplace(self.instances)
-        expr = expr.xreplace(self.letters)
+        expr = expr.xreplace(self.numbers)
         return expr if self.digits is None or not self.values else _rounded(expr, self.digits)
 
 
@@ -163,10 +151,6 @@ def fragment_scope(
     settings: dict[str, str], scene: Scene | None = None, form: str = "entire", digits: int | None = None
 ) -> FragmentScope:
     """Return the scope for numbers as text; a scene gives all numbers that are not set."""
-    if form not in FORMS:
-        raise ParameterError("form", form, f"must be one of {', '.join(FORMS)}")
-    if digits is not None and not 1 <= digits <= 50:
-        raise ParameterError("digits", digits, "must be a whole number from 1 to 50")
     # Any allowed parameters check the given ones; so does a speed of the other belt if only one is given.
     base = scene.parameters if scene else Parameters(**dict.fromkeys(PARAMETER_NAMES, 1) | {"v1": -1, "v2": 1})
     given = {name: read_exact(name, settings[name]) for name in ("v1", "v2") if name in settings and not scene}

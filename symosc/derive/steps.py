@@ -20,11 +20,11 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from symosc.aliases import Expr
 from symosc.errors import SymoscError
 from symosc.kernels.multiprecision import mp_context
 from symosc.symbolic import solution
 
-Expr = Any  # sympy ships no types
 Items = Iterable[Any]
 
 STEP_DIGITS = 50
@@ -91,8 +91,7 @@ class Step:
 def step(left: Expr, op: str, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
     """Return a step; the check may be the value of `left`, or a dictionary of the values of the symbols."""
     if not isinstance(check, Check):
-        meaning = {} if check is None else check if isinstance(check, dict) else {left: check}
-        check = Exact(meaning)
+        check = Exact({} if check is None else check if isinstance(check, dict) else {left: check})
     return Step(Relation(sp.sympify(left), op, sp.sympify(right)), check, label, **options)
 
 
@@ -158,26 +157,21 @@ def flat(parts: Items) -> list[Any]:
     found: list[Any] = []
     for part in parts:
         if isinstance(part, str):
-            found += _text_parts(part)
+            place = 0
+            for mark in _MARKUP.finditer(part):
+                found.append(Prose(part[place : mark.start()].strip()))
+                begin, kind, title, label, end, ended, subsection, heading = (group or "" for group in mark.groups())
+                found.append(Markup(begin or end or subsection, kind or ended or heading, title, label))
+                place = mark.end()
+            found.append(Prose(part[place:].strip()))
         elif isinstance(part, Prose):
-            last = max(i for i, item in enumerate(found) if isinstance(item, Prose))
+            last = max(i for i, item in enumerate(found) if isinstance(item, Prose) and item.text)
             found[last] = Prose(found[last].text, part.facts)
         elif type(part) in (tuple, list) or isinstance(part, Iterator):
             found += flat(part)
         else:
             found.append(part)
-    return found
-
-
-def _text_parts(text: str) -> Iterator[Any]:
-    """Yield headings, environments and paragraphs of a LaTeX text."""
-    place = 0
-    for found in _MARKUP.finditer(text):
-        yield from (Prose(part) for part in [text[place : found.start()].strip()] if part)
-        begin, kind, title, label, end, ended, subsection, heading = (group or "" for group in found.groups())
-        yield Markup(begin or end or subsection, kind or ended or heading, title, label)
-        place = found.end()
-    yield from (Prose(part) for part in [text[place:].strip()] if part)
+    return [item for item in found if not isinstance(item, Prose) or item.text]
 
 
 def steps_of(item: Any) -> tuple[Step, ...]:
@@ -260,9 +254,8 @@ def modes(expr: Expr) -> Expr:
     """Return 0 for an expression in modes (products of tau, exp, sin, ...) that vanishes, else their sum."""
     expr = sp.expand_trig(expr)
     found = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
-    letters = dict(zip(found, (sp.Dummy() for _ in found), strict=True))
     # What vanishes for all values of its modes needs no more than its numerator.
-    above, _ = sp.fraction(sp.together(expr.xreplace(letters)))
+    above, _ = sp.fraction(sp.together(expr.xreplace(dict(zip(found, (sp.Dummy() for _ in found), strict=True)))))
     return sp.S.Zero if sp.expand(above) == 0 else solution.collect_modes(expr)
 
 

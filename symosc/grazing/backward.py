@@ -31,7 +31,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -52,26 +52,18 @@ UNDECIDED = "undecided"
 # Length of a step, times the largest rate of the system. An undecided step is repeated with other lengths, so that the
 # decision does not depend on where steps end.
 STEP, REPEATED_STEPS = 1.0, (1.21, 1.37)
-# Rounding error of a Taylor polynomial in units of eps times the size of its terms; the same for the closed form.
-BACKWARD_ROUNDING, DIGITS_ROUNDING = 8, 2**10
-# What a flight must stay away from a boundary to have never met it, as a part of the velocity's size.
-LEAST_GAP = 1e-9
+BACKWARD_ROUNDING = 8  # rounding error of a Taylor polynomial in units of eps times the size of its terms
 # Larger velocities are not followed: nothing can be simulated from there.
 HUGE = 1e100
 # The work of a search: more than 100 periods at the fastest drive, and less than a second.
 MOST_BACKWARD_STEPS = 20_000
 # How far back a start is searched, in periods of the excitation.
 SEARCH_PERIODS = 100
-# Digits with which an undecided step is repeated first; then with twice as many.
-REPEAT_DIGITS, MOST_REPEAT_DIGITS = 60, 200
-# How many undecided steps of one flight are repeated: one that keeps to a boundary for longer stays undecided.
-MOST_REPEATS = 40
 
 
 # --- the first root of a polynomial that is known within a noise ---
 
-# Where an interval is divided: not a fraction at which roots are likely.
-CUT = 0.4831
+CUT = 0.4831  # where an interval is divided: not a fraction at which roots are likely
 
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
@@ -119,8 +111,7 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Numbe
 
 def bernstein(p: list[Number]) -> list[Number]:
     """Convert power coefficients of a polynomial to Bernstein coefficients on [0, 1]."""
-    n = len(p) - 1
-    row = [term / math.comb(n, j) for j, term in enumerate(p)]
+    row = [term / math.comb(len(p) - 1, j) for j, term in enumerate(p)]
     coefficients = []
     while row:  # a table of sums: b_i = sum_j comb(i, j) row_j
         coefficients.append(row[0])
@@ -146,8 +137,7 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
     """Return the root of p, positive at `low` and negative at `high`, by Newton's method within the bracket."""
     # Only steps of Newton's method can show that it has converged. A step that leaves the bracket is replaced by a
     # halving, whose length says nothing.
-    sigma = 0.5 * (low + high)
-    before, settled = high - low, eps**0.75
+    sigma, before, settled = 0.5 * (low + high), high - low, eps**0.75
     for _ in range(20_000):  # at worst it halves its bracket: enough for thousands of digits
         value, rise = _polynomial(p, sigma), _polynomial(slope, sigma)
         if value > 0:
@@ -159,10 +149,9 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
             return sigma
         if low < sigma + shift < high:
             sigma, before = sigma + shift, abs(shift)
+        elif (following := 0.5 * (low + high)) in (low, high):
+            return sigma
         else:
-            following = 0.5 * (low + high)
-            if following in (low, high):
-                return sigma
             sigma = following
     return sigma
 
@@ -179,7 +168,7 @@ class Boundary(NamedTuple):
 
 
 class BackwardState(NamedTuple):
-    """A flight `tau` before the tangency, displaced by dx from it, with error bounds."""
+    """A flight `tau` before the tangency, displaced by dx from it, with error bounds; at its end, why it ends."""
 
     tau: Number
     dx: Number
@@ -188,32 +177,12 @@ class BackwardState(NamedTuple):
     v_error: Number
     x_error: Number
     energy_error: Number
+    kind: str = ""
+    boundary: int = 0  # at the end of a search, the one that it reaches
 
 
-class Arrival(NamedTuple):
-    """The end of a backward flight: the boundary it reaches (0: none), and the state there."""
-
-    kind: str
-    boundary: int
-    tau: Number
-    dx: Number
-    v: Number
-    a: Number
-    v_error: Number
-    x_error: Number
-
-    @classmethod
-    def at(cls, kind: str, state: BackwardState, boundary: int = 0) -> Arrival:
-        """Return the arrival at a boundary in a state."""
-        return cls(kind, boundary, *state[:-1])
-
-
-class BackwardHit(NamedTuple):
-    """A contact in a step: its part `sigma` of the step, the boundary, and whether it is a graze."""
-
-    touch: bool
-    sigma: Number
-    boundary: Boundary
+#: A contact in a step: whether it is a graze, its part of the step, and the boundary.
+BackwardHit: TypeAlias = tuple[bool, Number, Boundary]
 
 
 class BackwardStep(NamedTuple):
@@ -281,7 +250,7 @@ class BackwardSteps:
         if K.w0 > 0:
             v_error = min(v_error, energy_error / K.w0 + rounding + eps * abs(v))
         energy_error = max(energy_error, K.w0 * rounding)
-        found = None
+        found: BackwardHit | None = None
         for boundary in self.boundaries:
             at_start = tau == 0 and boundary is self.touched
             noise = step.remainder + (rounding if at_start else v_error)
@@ -292,8 +261,8 @@ class BackwardSteps:
             else:
                 p = [boundary.inward * (v - boundary.v), *(boundary.inward * term for term in step.T[1:])]
             touch, sigma = first_root(p, noise, eps)
-            if sigma is not None and (found is None or sigma < found.sigma):
-                found = BackwardHit(touch, sigma, boundary)
+            if sigma is not None and (found is None or sigma < found[1]):
+                found = touch, sigma, boundary
         return found, step, state._replace(v_error=v_error, energy_error=energy_error)
 
     def wave(self, theta: Number, tau: Number) -> tuple[Number, Number]:
@@ -301,25 +270,22 @@ class BackwardSteps:
         angle = theta - self.K.Om * tau
         return self.functions.sin(angle), self.functions.cos(angle)
 
-    def moved(self, state: BackwardState, step: BackwardStep, sigma: Number) -> BackwardState:
-        """Return the state at the fraction `sigma` of a step, with the error bounds of the step's end."""
-        dv, slope, area = _changes_over(step.T, sigma)
-        return self._moved(state, sigma * self.H, dv, -slope / self.H, -self.H * area)
-
-    def ended(self, state: BackwardState, step: BackwardStep) -> BackwardState:
-        """Return the state at the end of a step, in double precision."""
-        return self._moved(state, self.H, *step.end)
-
-    def _moved(self, state: BackwardState, tau: Number, dv: Number, a: Number, dx: Number) -> BackwardState:
-        """Return the state that follows from another by changes of time, v and x, with the acceleration a."""
+    def moved(self, state: BackwardState, step: BackwardStep, sigma: Number = None) -> BackwardState:
+        """Return the state at the fraction `sigma` of a step (None, in doubles: its end), with errors of the end."""
+        if sigma is None:
+            tau, (dv, a, dx) = self.H, step.end
+        else:
+            dv, slope, area = _changes_over(step.T, sigma)
+            tau, a, dx = sigma * self.H, -slope / self.H, -self.H * area
         dx = state.dx + dx
         x_error = state.x_error + self.H * state.v_error + self.eps * abs(dx)
         return BackwardState(state.tau + tau, dx, state.v + dv, a, state.v_error, x_error, state.energy_error)
 
-    def arrival(self, state: BackwardState, step: BackwardStep, found: BackwardHit) -> Arrival:
-        """Return the arrival at the contact found in the step from a state."""
-        here = self.moved(state, step, found.sigma)._replace(v=found.boundary.v)
-        return Arrival.at(TOUCH if found.touch else CONTACT, here, found.boundary.number)
+    def contact(self, state: BackwardState, step: BackwardStep, found: BackwardHit) -> BackwardState:
+        """Return the state at the contact found in the step from a state."""
+        touch, sigma, boundary = found
+        kind = TOUCH if touch else CONTACT
+        return self.moved(state, step, sigma)._replace(v=boundary.v, kind=kind, boundary=boundary.number)
 
     def _taylor(self, v: Number, a: Number, s: Number, c: Number) -> list[Number]:
         """Return the Taylor coefficients of v in units of the backward step, and the next one after them."""
@@ -329,21 +295,20 @@ class BackwardSteps:
             T.append(next_derivative(T[k + 1], T[k], power * sines[k % 4], cm, w0sq))
         return T
 
-    def _remainder(self, behind: Number, last: Number) -> Number:
-        """Bound the remainder of the Taylor polynomial by its last coefficient and the next one."""
-        degree = len(self.recurrence)
-        return self.growth * (abs(behind) + self.K.w0 * self.H * abs(last) / (degree + 1) + self.drive_remainder)
-
     def _taylor_step(self, v: Number, a: Number, s: Number, c: Number) -> BackwardStep:
         """Return the backward Taylor step from v, a at sin, cos of the phase, with its remainder and range of v."""
+        n, end = len(self.recurrence) + 1, ()
         if self._matrix is None:
             *T, behind = self._taylor(v, a, s, c)
-            spread = sum(map(abs, T[1:]))
-            return BackwardStep(T, self._remainder(behind, T[-1]), v - spread, v + spread, ())
-        rows, n = (self._matrix @ np.array((v, a, s, c))).tolist(), len(self.recurrence) + 1
-        changes = rows[n + 1 : -3]
-        remainder = self._remainder(rows[n], rows[n - 1])
-        return BackwardStep(rows[:n], remainder, v + min(changes), v + max(changes), tuple(rows[-3:]))
+            high = sum(map(abs, T[1:]))
+            low = -high
+        else:
+            rows = (self._matrix @ np.array((v, a, s, c))).tolist()
+            T, behind, changes, end = rows[:n], rows[n], rows[n + 1 : -3], tuple(rows[-3:])
+            low, high = min(changes), max(changes)
+        # The remainder is bounded by the last coefficient and the next one.
+        remainder = self.growth * (abs(behind) + self.K.w0 * self.H * abs(T[-1]) / n + self.drive_remainder)
+        return BackwardStep(T, remainder, v + low, v + high, end)
 
 
 def _changes_over(T: list[Number], sigma: Number) -> tuple[Number, Number, Number]:
@@ -414,7 +379,7 @@ class Flights:
         drive = abs(R2) + abs(I2)
         v_size = abs(v0) * (1 + K.w0sq * abs(E2)) + abs(K.fB) * drive
         x_size = abs(v0) * (abs(E1) + K.cm * abs(E2)) + abs(K.f0) * (drive + abs(E2))
-        noise = DIGITS_ROUNDING * self.context.eps * (1 + abs(theta) + K.Om * tau)
+        noise = 2**10 * self.context.eps * (1 + abs(theta) + K.Om * tau)
         v_theta = (a - E1 * G1) / K.Om
         x_theta = (v + (E0 + K.cm * E1) * G1 / K.w0sq) / K.Om
         return Instant(dx, v, a, b, w, v_theta, x_theta, noise * v_size, noise * x_size)
@@ -424,7 +389,7 @@ class Flights:
         now = self.instant(theta, tau)
         return BackwardState(tau, now.dx, now.v, now.a, now.v_error, now.x_error, now.v_error * self.K.rate)
 
-    def refined(self, theta: Number, found: Arrival, tau_max: Number) -> Arrival | None:
+    def refined(self, theta: Number, found: BackwardState, tau_max: Number) -> BackwardState | None:
         """Refine an arrival found in doubles to all digits; None if Newton's method converges elsewhere."""
         if found.kind in (NEVER, LARGE, LONG):
             return found
@@ -459,7 +424,9 @@ class Flights:
             before = abs(shift)
         return None
 
-    def repeat_step(self, theta: Number, order: int, tau: float, step: float) -> tuple[Arrival | None, BackwardState]:
+    def repeat_step(
+        self, theta: Number, order: int, tau: float, step: float
+    ) -> tuple[BackwardState | None, BackwardState]:
         """Repeat a step with more digits, with a length about the one at tau; return its contact and the state."""
         if step not in self._steps:
             where, context = self.place, self.context
@@ -469,25 +436,23 @@ class Flights:
         found, taken, after = steps.over(theta, order, state)
         if found is None:
             return None, rounded(self.state(theta, state.tau + steps.H))
-        return steps.arrival(after, taken, found), rounded(state)
+        return steps.contact(after, taken, found), rounded(state)
 
-    def missing_digits(self, arrival: Arrival, wanted: int) -> int:
+    def missing_digits(self, arrival: BackwardState, wanted: int) -> int:
         """Return the number of digits after the decimal point that a refined arrival lacks."""
         if arrival.kind not in (CONTACT, REACHED):
             return 0
         t_error = arrival.v_error / abs(arrival.a) if arrival.kind == CONTACT else 0 * arrival.a
         x_error = arrival.x_error + abs(arrival.v) * t_error
-        v_error = arrival.v_error if arrival.kind == REACHED else 0 * arrival.a
-        worst = max(t_error, x_error, v_error)
+        worst = max(t_error, x_error, arrival.v_error if arrival.kind == REACHED else 0 * arrival.a)
         return int(self.context.ceil(self.context.log10(worst))) + wanted + 2 if worst > 0 else 0
 
 
 def rounded(state: BackwardState) -> BackwardState:
     """Round a state to doubles; add the rounding to its errors."""
+    tau, dx, v, a, v_error, x_error, energy_error = map(float, state[:7])
     eps = 2.0**-53
-    tau, dx, v, a, v_error, x_error, energy_error = map(float, state)
-    errors = v_error + eps * abs(v), x_error + eps * abs(dx), energy_error + eps * abs(a)
-    return BackwardState(tau, dx, v, a, *errors)
+    return BackwardState(tau, dx, v, a, v_error + eps * abs(v), x_error + eps * abs(dx), energy_error + eps * abs(a))
 
 
 class Origins:
@@ -516,62 +481,57 @@ class Origins:
         order: int = 1,
         far: float | None = None,
         careful: bool = True,
-        digits: int = REPEAT_DIGITS,
+        digits: int = 60,
         repeats: int = len(REPEATED_STEPS),
         most_steps: int = MOST_BACKWARD_STEPS,
-    ) -> Arrival:
+    ) -> BackwardState:
         """Follow the flow back from a tangency in doubles, to the first contact or over `far`."""
         # `order` is that of the first G-function that does not vanish there. An undecided step is repeated with
         # `digits` (keeping them if it has the contact), then with twice as many; without `careful` it is a touch.
         steps, theta = self.steps, float(angle)
         far = SEARCH_PERIODS * self.K.period if far is None else far
-        state, repeats_left = steps.begin(0.0), MOST_REPEATS
+        # So many undecided steps are repeated: a flight that keeps to a boundary for longer stays undecided.
+        state, repeats_left = steps.begin(0.0), 40
         for _ in range(most_steps):
             found, step, state = steps.over(theta, order, state)
-            if careful and found and found.touch and state.tau <= far:
+            if careful and found and found[0] and state.tau <= far:
                 if state.tau > 0:  # often only the bound of the error has grown
                     flights = self.flights(digits)
                     state = rounded(flights.state(flights.number(angle), state.tau))
                     found, step, after = steps.over(theta, order, state)
                     if found is None:
-                        state = steps.ended(after, step)
+                        state = steps.moved(after, step)
                         continue
-                if found.touch:
+                if found[0]:
                     repeats_left -= 1
-                    arrival, state = self._repeated(angle, order, state.tau, digits, repeats)
+                    tau = state.tau
+                    for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
+                        flights = self.flights(times * digits)
+                        arrival, state = flights.repeat_step(flights.number(angle), order, tau, length)
+                        if arrival is None or arrival.kind == CONTACT:
+                            break
                     if arrival is None:
                         if repeats_left:
                             continue
-                        arrival = Arrival.at(LONG, state)
+                        arrival = state._replace(kind=LONG)
                 else:
-                    arrival = steps.arrival(after, step, found)
+                    arrival = steps.contact(after, step, found)
                 return arrival if arrival.tau <= far else self._reached(theta, order, state, far)
-            if state.tau + (found.sigma if found else 1.0) * steps.H > far:
+            if state.tau + (found[1] if found else 1.0) * steps.H > far:
                 return self._reached(theta, order, state, far)
             if found:
-                return steps.arrival(state, step, found)
+                return steps.contact(state, step, found)
             if state.tau > 0 and self._never_came(theta, state):
-                return Arrival.at(NEVER, state)
-            state = steps.ended(state, step)
+                return state._replace(kind=NEVER)
+            state = steps.moved(state, step)
             if abs(state.v) > HUGE:
-                return Arrival.at(LARGE, state)
-        return Arrival.at(LONG, state)
+                return state._replace(kind=LARGE)
+        return state._replace(kind=LONG)
 
-    def _repeated(
-        self, angle: Angle | float, order: int, tau: float, digits: int, repeats: int
-    ) -> tuple[Arrival | None, BackwardState]:
-        """Repeat an undecided step with more digits; return the contact, if any, and the next state."""
-        for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
-            flights = self.flights(times * digits)
-            arrival, state = flights.repeat_step(flights.number(angle), order, tau, length)
-            if arrival is None or arrival.kind == CONTACT:
-                break
-        return arrival, state
-
-    def _reached(self, theta: float, order: int, state: BackwardState, far: float) -> Arrival:
-        """Return the arrival of a search that ends at the time `far`, within the step from a state."""
+    def _reached(self, theta: float, order: int, state: BackwardState, far: float) -> BackwardState:
+        """Return the end of a search at the time `far`, within the step from a state."""
         _, step, state = self.steps.over(theta, order, state)
-        return Arrival.at(REACHED, self.steps.moved(state, step, (far - state.tau) / self.steps.H))
+        return self.steps.moved(state, step, (far - state.tau) / self.steps.H)._replace(kind=REACHED)
 
     def _never_came(self, theta: float, state: BackwardState) -> bool:
         """Return whether the backward flow from a state meets no boundary; an underdamped one always does."""
@@ -584,16 +544,16 @@ class Origins:
         # u = alpha exp(p s) + beta exp(q s) with p >= q >= 0: once it falls with alpha <= 0 it falls for ever
         sign, boundary = self.steps.touched.inward, self.steps.touched.v
         away = sign * u_slope >= 0 and sign * (u_slope + K.l1 * u) >= 0
-        gap = K.V0 + state.v_error + LEAST_GAP * (abs(state.v) + K.V0)
+        gap = K.V0 + state.v_error + 1e-9 * (abs(state.v) + K.V0)
         return bool(away and sign * (u - boundary) > gap)
 
     def exact(
         self, angle: Angle | float, order: int, far: Callable[[Flights], Number], wanted: int
-    ) -> tuple[Arrival, Flights]:
+    ) -> tuple[BackwardState, Flights]:
         """Return the origin of a flow with `wanted` digits after the point, and its flights."""
         # `far` is the time to search, as a number of the given flights.
         flights = self.flights(wanted + 20)
-        found = self.arrival(angle, order, float(far(flights)), digits=min(wanted + 20, MOST_REPEAT_DIGITS))
+        found = self.arrival(angle, order, float(far(flights)), digits=min(wanted + 20, 200))
         while True:
             arrival = flights.refined(flights.number(angle), found, far(flights))
             if arrival is None:

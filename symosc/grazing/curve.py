@@ -19,7 +19,6 @@ only.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
 from math import cos, exp, inf, nan, pi, sin
 
 import numpy as np
@@ -29,32 +28,17 @@ from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.progress import late_bar
 from symosc.exact import read_exact, whole_number
-from symosc.grazing.backward import CONTACT, MOST_BACKWARD_STEPS, NEVER, STEP, TOUCH, Arrival, Origins
-from symosc.grazing.window import GrazingWindow, grazing_window
+from symosc.grazing.backward import CONTACT, MOST_BACKWARD_STEPS, NEVER, STEP, TOUCH, BackwardState, Origins
+from symosc.grazing.window import grazing_window
 from symosc.kernels.entire import basis
 from symosc.mappings.numbers import LatexAnswer, latex_number, latex_point, latex_table, latex_words
 from symosc.mappings.theorem7_cases import ARC, EMPTY, EVERYTHING
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike
 
-CURVE_POINTS = 400
-LEAST_CURVE_POINTS, MOST_CURVE_POINTS = 8, 20_000
-# The work of a curve, in steps of all its searches; when it is used up, each search has LEAST_STEPS left.
-MOST_CURVE_STEPS, LEAST_STEPS = 40_000, 50
-# Digits with which a contact that doubles leave undecided is searched again.
-CURVE_DIGITS = 30
-# At |k v_lambda| = |B0| Omega, G^(1) below this part of its terms is that of the tangency of fourth order.
-QUARTIC = 1e-13
+CURVE_POINTS, LEAST_CURVE_POINTS, MOST_CURVE_POINTS = 400, 8, 20_000
 PIECE_POINTS = 33
-# Halvings of an interval of theta_m at whose ends the flow comes from different places: down to rounding.
-CURVE_HALVINGS = 50
-# ... but not where the search ends in one of them: that is not an end of the curve.
-ROUGH_HALVINGS = 8
-# Omega t_i changes by more than this between neighbours: there may be a jump between them, which is searched ...
-CURVE_STRIDE = 0.2
-# ... unless the slopes explain it up to this part of it ...
-CURVE_AGREEMENT = 0.25
-# ... and it is one if so much is left of it at the end.
+# Omega t_i changes by more than the slopes explain, and so much is left of it after halving: it is a jump.
 CURVE_JUMP = 1e-3
 # Shorter pieces are not searched: there double precision begins to take near contacts for touches.
 FINEST_CURVE = 1e-6
@@ -171,12 +155,8 @@ class GrazingCurve(Drawable, LatexAnswer):
     def latex(self) -> str:
         """Return the ends of the pieces as a LaTeX table: (Omega t_i, x_i), Omega t_m and the reason."""
         ends = [end for piece in self.pieces for end in (piece.low, piece.high)]
-        cells = [
-            (latex_number(end.theta), latex_number(end.x), latex_number(end.theta_m), latex_words(end.reason))
-            for end in ends
-        ]
-        heads = r"\Omega t_i", "x_i", r"\Omega t_m", r"\text{end}"
-        return latex_table(heads, cells)
+        rows = [[*map(latex_number, (end.theta, end.x, end.theta_m)), latex_words(end.reason)] for end in ends]
+        return latex_table((r"\Omega t_i", "x_i", r"\Omega t_m", r"\text{end}"), rows)
 
     @public
     def sample(self, theta_m: NumberLike) -> Sample:
@@ -216,28 +196,39 @@ def grazing_curve(
     """
     window = grazing_window(p, mapping)
     n = whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
-    tracer, arc, samples = Tracer(p, mapping), _arc_of(window), []
+    tracer = Tracer(p, mapping)
+    if window.kind == EMPTY:
+        return GrazingCurve(p, mapping, (), (), (), tracer)
+    low, high = (0.0, 2 * pi) if window.kind == EVERYTHING else window.ends
+    low -= 2 * pi * (window.kind not in (EVERYTHING, ARC))  # an arc through 0 has a negative low end
+    arc, samples = (low, high, window.kind == EVERYTHING), []
     with late_bar(progress, f"grazing curve of {mapping}", "phases") as advance:
-        phases = np.array([]) if arc is None else _phases_of(*arc, n)
+        phases = _phases_of(*arc, n)
         for done, theta in enumerate(phases, start=1):
             samples.append(tracer.sample(float(theta)))
             if advance:
                 advance(done / len(phases), done)
-    runs = [] if arc is None else _cut(tracer, samples, arc)
-    pieces = tuple(_piece(_filled(tracer, run)) for run in runs if run.origin == OWN)
+    runs = _cut(tracer, samples, arc)
+    pieces = tuple(_piece(tracer, run) for run in runs if run.origin == OWN)
     gaps = tuple((*run.span, run.origin) for run in runs if run.origin != OWN)
-    return GrazingCurve(p, mapping, pieces, gaps, () if arc is None else (arc[:2],), tracer)
+    return GrazingCurve(p, mapping, pieces, gaps, ((low, high),), tracer)
 
 
-def _piece(run: PhaseRun) -> CurvePiece:
-    """Return a run of samples as a piece of the curve."""
+def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
+    """Return a run of samples as a piece of the curve, with PIECE_POINTS away from its ends, where samples gather."""
+    samples = run.samples
+    first, last = samples[0].theta_m, samples[-1].theta_m
+    margin = 0.1 * (last - first)
+    few = sum(first + margin < each.theta_m < last - margin for each in samples) < PIECE_POINTS
+    if few and last - first >= FINEST_CURVE:
+        between = [tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]]
+        inner = [each for each in between if each.origin == OWN]
+        samples = sorted([*samples, *inner], key=lambda each: each.theta_m)
     names = ("theta_m", "x_m", "theta", "x", "slope_theta", "slope_x")
-    columns = {name: np.array([getattr(sample, name) for sample in run.samples]) for name in names}
-    ends = [
-        CurveEnd(theta_m, sample.x, sample.theta, reason)
-        for theta_m, sample, reason in zip(run.span, (run.samples[0], run.samples[-1]), run.reasons, strict=True)
-    ]
-    return CurvePiece(**columns, low=ends[0], high=ends[1])
+    columns = {name: np.array([getattr(sample, name) for sample in samples]) for name in names}
+    low = CurveEnd(run.span[0], samples[0].x, samples[0].theta, run.reasons[0])
+    high = CurveEnd(run.span[1], samples[-1].x, samples[-1].theta, run.reasons[1])
+    return CurvePiece(**columns, low=low, high=high)
 
 
 # --- samples ---
@@ -265,51 +256,39 @@ class Tracer(Origins):
         self.v = float(p.belt(self.place.boundary))
         self.rest = float((p.A(self.place.domain) - p.c * p.belt(self.place.boundary)) / p.k)
         self.gain = float(p.B0 / p.k)
-        self.steps_left = MOST_CURVE_STEPS
-
-    @cached_property
-    def _autonomous(self) -> Arrival:
-        """The arrival of a system without drive, the same for all phases."""
-        return self.arrival(0.0)
+        self.steps_left = 40_000  # of all searches; when they are used up, each search has 50 left
+        self._free: BackwardState | None = None
 
     def sample(self, theta_m: float, careful: bool = True) -> Sample:
         """Return the sample at theta_m; without `careful` an undecided contact counts as a graze."""
         K = self.K
         if self.p.B0 == 0:  # every phase has the same flight
-            arrival = self._autonomous
+            arrival = self._free = self._free or self.arrival(0.0)
         else:
             level, top = K.w0sq * self.v, abs(self.p.B0 * self.p.Omega)
-            flat = abs(level + K.fB * sin(theta_m)) <= QUARTIC * abs(level)
+            # At |k v_lambda| = |B0| Omega so small a G^(1) is that of the tangency of fourth order.
+            flat = abs(level + K.fB * sin(theta_m)) <= 1e-13 * abs(level)
             order = 3 if flat and abs(self.p.k * self.p.belt(self.place.boundary)) == top else 1
-            steps = max(LEAST_STEPS, min(MOST_BACKWARD_STEPS, self.steps_left))
-            arrival = self.arrival(theta_m, order, None, careful, CURVE_DIGITS, repeats=1, most_steps=steps)
-        arrival = Arrival(arrival.kind, arrival.boundary, *map(float, arrival[2:]))
-        self.steps_left -= int(arrival.tau * K.rate / STEP)
+            steps = max(50, min(MOST_BACKWARD_STEPS, self.steps_left))
+            arrival = self.arrival(theta_m, order, None, careful, digits=30, repeats=1, most_steps=steps)
+        tau, dx, a = float(arrival.tau), float(arrival.dx), float(arrival.a)
+        self.steps_left -= int(tau * K.rate / STEP)
         x_m = self.rest + self.gain * cos(theta_m)
         if arrival.kind not in (CONTACT, TOUCH):
             return Sample(theta_m, x_m, NOWHERE if arrival.kind == NEVER else UNKNOWN, nan, nan, nan, nan)
         G1 = -(K.w0sq * self.v + K.fB * sin(theta_m))
-        E0, E1, *_ = basis(arrival.tau, K)
-        growth = exp(min(K.cm * arrival.tau, 700.0))
-        slope_theta = -growth * E1 * G1 / arrival.a if arrival.a != 0.0 else inf
+        E0, E1, *_ = basis(tau, K)
+        growth = exp(min(K.cm * tau, 700.0))
+        slope_theta = -growth * E1 * G1 / a if a != 0.0 else inf
         if arrival.kind == TOUCH:  # neighbours that touch as well do it after the same time
             slope_theta = 1.0
         slope_x = (self.v * slope_theta + growth * E0 * G1 / K.w0sq) / K.Om
         origin = OWN if arrival.boundary == self.place.boundary else OTHER
         undecided = not careful and arrival.kind == TOUCH
-        x, theta = x_m + arrival.dx, theta_m - K.Om * arrival.tau
-        return Sample(theta_m, x_m, origin, x, theta, slope_x, slope_theta, undecided)
+        return Sample(theta_m, x_m, origin, x_m + dx, theta_m - K.Om * tau, slope_x, slope_theta, undecided)
 
 
 # --- pieces ---
-
-
-def _arc_of(window: GrazingWindow) -> tuple[float, float, bool] | None:
-    """Return an arc of a window as (low, high, closed); one through 0 has a negative low end."""
-    if window.kind in (EMPTY, EVERYTHING):
-        return (0.0, 2 * pi, True) if window.kind == EVERYTHING else None
-    low, high = window.ends
-    return (low if window.kind == ARC else low - 2 * pi), high, False
 
 
 def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:
@@ -359,25 +338,21 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
         ahead[-1:] = behind
         run = [ahead.pop()]
     runs.append(PhaseRun(run, (begin, high), (reason, limit)))
-    return _joined(runs) if closed and len(runs) > 1 else runs
-
-
-def _joined(runs: list[PhaseRun]) -> list[PhaseRun]:
-    """Join the last run of a full circle to the first, one turn later, if they are continuous."""
     first, last = runs[0], runs[-1]
-    if first.origin != last.origin:
+    if not closed or first is last or first.origin != last.origin:
         return runs
+    # The last run of a full circle is joined to the first, one turn later.
     turn = 2 * pi
     later = [replace(each, theta_m=each.theta_m + turn, theta=each.theta + turn) for each in first.samples[1:]]
-    both = PhaseRun(last.samples + later, (last.span[0], first.span[1] + turn), (last.reasons[0], first.reasons[1]))
-    return [*runs[1:-1], both]
+    reasons = last.reasons[0], first.reasons[1]
+    return [*runs[1:-1], PhaseRun(last.samples + later, (last.span[0], first.span[1] + turn), reasons)]
 
 
 def _continuous(left: Sample, right: Sample) -> bool:
     """Return whether Omega t_i changes between neighbours of one origin as their slopes predict, or hardly."""
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
-    return not abs(change) > CURVE_STRIDE or abs(change - expected) <= CURVE_AGREEMENT * abs(change)
+    return not abs(change) > 0.2 or abs(change - expected) <= 0.25 * abs(change)
 
 
 def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
@@ -386,10 +361,9 @@ def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], li
     # there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
     if left.origin == right.origin and _continuous(left, right):
         return None
-    lefts: list[Sample] = []
-    rights = [right]
-    unknown = UNKNOWN in (left.origin, right.origin)
-    for _ in range(ROUGH_HALVINGS if unknown else CURVE_HALVINGS):
+    lefts, rights = list[Sample](), [right]
+    # Down to rounding, but not where the search ends in one of them: that is not an end of the curve.
+    for _ in range(8 if UNKNOWN in (left.origin, right.origin) else 50):
         theta = 0.5 * (left.theta_m + right.theta_m)
         if not left.theta_m < theta < right.theta_m:
             break
@@ -423,17 +397,3 @@ def _end_reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
     if here.origin != OWN:
         return f"beyond, the flow comes from belt {own}"
     return f"the flow touches belt {own} on the way"
-
-
-def _filled(tracer: Tracer, run: PhaseRun) -> PhaseRun:
-    """Add samples to a run until PIECE_POINTS of them are away from its ends, where those of the edges gather."""
-    first, last = run.samples[0].theta_m, run.samples[-1].theta_m
-    margin = 0.1 * (last - first)
-    if sum(first + margin < each.theta_m < last - margin for each in run.samples) >= PIECE_POINTS:
-        return run
-    if last - first < FINEST_CURVE:
-        return run
-    between = [tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]]
-    inner = [each for each in between if each.origin == OWN]
-    samples = sorted([*run.samples, *inner], key=lambda each: each.theta_m)
-    return replace(run, samples=samples)

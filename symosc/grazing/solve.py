@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
+from itertools import pairwise
 from math import pi
 from typing import Any, NamedTuple
 
@@ -22,46 +23,21 @@ from symosc.arguments import public
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_exact, whole_number
+from symosc.grazing import curve as curves
 from symosc.grazing.backward import SEARCH_PERIODS, TOUCH, Flights, Instant
-from symosc.grazing.curve import (
-    CURVE_POINTS,
-    LEAST_CURVE_POINTS,
-    MOST_CURVE_POINTS,
-    OWN,
-    UNKNOWN,
-    CurveEnd,
-    CurvePiece,
-    GrazingCurve,
-    grazing_curve,
-)
+from symosc.grazing.curve import CURVE_POINTS, OWN, CurveEnd, CurvePiece, GrazingCurve, Sample, grazing_curve
 from symosc.grazing.start import DEFAULT_DIGITS, MOST_START_DIGITS, GrazingStart, grazing_start, start_of
 from symosc.grazing.window import GrazingWindow, grazing_window
-from symosc.mappings.numbers import (
-    LatexAnswer,
-    latex_number,
-    latex_table,
-    latex_words,
-    number_of,
-    read_phase,
-    reduced,
-    times,
-)
+from symosc.mappings import numbers
+from symosc.mappings.numbers import LatexAnswer, latex_number, latex_table, latex_words, number_of, reduced, times
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike
 
 UNKNOWNS = ("x_i", "theta_i", "x_j", "theta_j", "theta_m")
-# Part of a value's size within which a solution must have it, in units of the last digit that was asked for.
-CLOSE = 100
 MOST_NOTES = 3
-# Digits beyond the ones wanted: slopes up to 1e15 can be distinguished from a jump in doubles.
-CURVE_SPARE_DIGITS = 40
-MOST_CURVE_NEWTON = 20
-NEWTON_HALVINGS = 60
-# The reason of an end where the search ended (`symosc.grazing.curve`).
-SEARCH_ENDS = "(within the search)"
-# Solutions nearer to each other than this are one.
-SAME_ROOT = 1e-15
+MOST_CURVE_NEWTON, NEWTON_HALVINGS = 20, 60
+SAME_ROOT = 1e-30  # solutions nearer to each other than this are one
 
 
 class GrazingSolutions(list[GrazingStart], LatexAnswer):
@@ -143,71 +119,62 @@ def solve_grazing(
     ('5.085819', '0.612081')
     """
     place(mapping)
-    name, value = _read_given(p, given)
-    whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
+    if len(given) != 1 or next(iter(given)) not in UNKNOWNS:
+        raise ParameterError("given", ", ".join(given) or None, f"give exactly one of {', '.join(UNKNOWNS)}")
+    ((name, value),) = given.items()
+    if p.k == 0:
+        raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
+    if p.B0 == 0 and name in ("x_i", "x_j"):
+        raise ParameterError(name, value, "B0 = 0: all starts have one x, which does not fix the phase")
+    whole_number("n", n, curves.LEAST_CURVE_POINTS, curves.MOST_CURVE_POINTS)
     read_digits(digits, MOST_START_DIGITS)
     window = grazing_window(p, mapping)
-    exact = read_exact(name, value) if name in ("x_i", "x_j") else read_phase(name, value)
+    exact = read_exact(name, value) if name in ("x_i", "x_j") else numbers.read_phase(name, value)
     if name in ("x_i", "theta_i"):
         solutions = _on_curve(window, name, exact, n, digits, progress)
     else:
-        phases = _phases_of_contact(p, mapping, exact) if name == "x_j" else [reduced(exact)]
-        solutions = _at_phases(window, phases, digits)
+        solutions = _at_phases(window, _phases_of_contact(window, exact) if name == "x_j" else [reduced(exact)], digits)
     if not solutions and not window.kind:
         solutions.message = "the grazing window is empty"
     return solutions
 
 
-def _read_given(p: Parameters, given: dict[str, NumberLike]) -> tuple[str, NumberLike]:
-    """Return the one given unknown; refuse it if it cannot fix a tangency."""
-    if len(given) != 1 or next(iter(given)) not in UNKNOWNS:
-        raise ParameterError("given", ", ".join(given) or None, f"give exactly one of {', '.join(UNKNOWNS)}")
-    name, value = next(iter(given.items()))
-    if p.k == 0:
-        raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
-    if p.B0 == 0 and name in ("x_i", "x_j"):
-        raise ParameterError(name, value, "B0 = 0: all starts have one x, which does not fix the phase")
-    return name, value
+def _phases_of_contact(window: GrazingWindow, value: Fraction) -> list[Angle]:
+    """Return the phases theta with x_m(theta) = value, exactly."""
+    import sympy
+
+    p = window.parameters
+    cosine = (p.k * value + p.c * window.speed - p.A(window.place.domain)) / p.B0
+    if abs(cosine) > 1:
+        return []
+    theta = sympy.acos(numbers.symbolic(cosine))
+    return [theta] if abs(cosine) == 1 else [theta, 2 * sympy.pi - theta]
 
 
 def _at_phases(window: GrazingWindow, phases: list[Angle], digits: int | None) -> GrazingSolutions:
     """Return the starts of tangencies at exact phases."""
     inside = [phase for phase in phases if window.contains(phase)]
+    if not inside:
+        return GrazingSolutions(message=f"no tangency in the grazing window has this value: {window!r}")
     starts = [grazing_start(window.parameters, window.mapping, phase, digits=digits) for phase in inside]
     found = sorted((start for start in starts if start.found), key=lambda start: float(start.theta_m))
     lost = [f"theta_m = {float(start.theta_m):.12g}: {start.reason}" for start in starts if not start.found]
-    message = "; ".join(lost)
-    if not inside:
-        message = f"no tangency in the grazing window has this value: {window!r}"
-    return GrazingSolutions(found, not any(start.undecided for start in starts), message)
-
-
-def _phases_of_contact(p: Parameters, mapping: str, value: Fraction) -> list[Angle]:
-    """Return the phases theta with x_m(theta) = value, exactly."""
-    import sympy
-
-    where = place(mapping)
-    cosine = (p.k * value + p.c * p.belt(where.boundary) - p.A(where.domain)) / p.B0
-    if abs(cosine) > 1:
-        return []
-    theta = sympy.acos(sympy.Rational(cosine.numerator, cosine.denominator))
-    return [theta] if cosine in (1, -1) else [theta, 2 * sympy.pi - theta]
+    return GrazingSolutions(found, not any(start.undecided for start in starts), "; ".join(lost))
 
 
 def _on_curve(
     window: GrazingWindow, name: str, value: Any, n: int, digits: int | None, progress: Any
 ) -> GrazingSolutions:
     """Return the starts on the grazing curve with a given value of x_i or theta_i."""
-    p, mapping = window.parameters, window.mapping
-    curve = grazing_curve(p, mapping, n, progress=progress)
+    p = window.parameters
+    curve = grazing_curve(p, window.mapping, n, progress=progress)
     candidates = Candidates(curve, name, value, digits or DEFAULT_DIGITS)
-    found: list[GrazingStart] = []
-    notes = list(candidates.notes)
+    found, notes = list[GrazingStart](), candidates.notes
     for phase in candidates.phases:
         if not window.contains(phase):
             continue
         start = start_of(curve._source, times(phase, 1 / p.Omega), phase, digits=digits)
-        if start.found and has_value(start, p, name, value, digits or DEFAULT_DIGITS):
+        if start.found and _has_value(start, p, name, value, digits or DEFAULT_DIGITS):
             found.append(start)
         else:
             notes.append(f"near theta_m = {float(phase):.12g} a solution could not be confirmed")
@@ -220,8 +187,8 @@ def _on_curve(
     return GrazingSolutions(found, complete, "; ".join(notes))
 
 
-def has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits: int) -> bool:
-    """Return whether a start has a value of x_i or theta_i (mod 2 pi), to the digits of its `start`."""
+def _has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits: int) -> bool:
+    """Return whether a start has a value of x_i or theta_i (mod 2 pi), to 100 units of the last digit asked for."""
     context = mp_context(digits + 30)
     if name == "x_i":
         gap, size = number_of(Fraction(start.start["x0"]) - value, context), abs(float(value))
@@ -229,7 +196,7 @@ def has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits:
         angle = number_of(Fraction(start.start["t0"]) * p.Omega, context)
         turns = (angle - number_of(value, context)) / (2 * context.pi)
         gap, size = (turns - context.nint(turns)) * 2 * context.pi, max(float(p.Omega), abs(float(value)))
-    return bool(abs(gap) <= CLOSE * context.mpf(10) ** -digits * max(1.0, size))
+    return bool(abs(gap) <= 100 * context.mpf(10) ** -digits * max(1.0, size))
 
 
 # --- the grazing curve at a value ---
@@ -249,7 +216,8 @@ class Candidates:
 
     def __init__(self, curve: GrazingCurve, name: str, value: Number, digits: int) -> None:
         self.curve, self.source, self.name, self.K = curve, curve._source, name, curve._source.K
-        self.flights: Flights = self.source.flights(digits + CURVE_SPARE_DIGITS)
+        # With so many digits more than wanted slopes up to 1e15 can be distinguished from a jump in doubles.
+        self.flights: Flights = self.source.flights(digits + 40)
         self.target = self.flights.number(value)
         self.notes: list[str] = []
         self._broken: set[Point] = set()
@@ -257,17 +225,15 @@ class Candidates:
         for piece in curve.pieces:
             self._on_piece(piece)
         for low, high, origin in curve.gaps:
-            if origin == UNKNOWN:
+            if origin == curves.UNKNOWN:
                 self.notes.append(f"for theta_m in ({low:.6g}, {high:.6g}) the flights are longer than the search")
         self.phases = [read_exact("theta_m", theta) for theta, _ in self._solutions]
 
     def why_none(self) -> str:
         """Return the reason why there is no solution."""
         if not self.curve.pieces:
-            return "no flow from the mapping's belt grazes: " + "; ".join(
-                f"for theta_m in ({low:.6g}, {high:.6g}) the flow comes from {origin}"
-                for low, high, origin in self.curve.gaps
-            )
+            gaps = (f"({low:.6g}, {high:.6g}) the flow comes from {origin}" for low, high, origin in self.curve.gaps)
+            return "no flow from the mapping's belt grazes: " + "; ".join(f"for theta_m in {gap}" for gap in gaps)
         spans = [piece.x if self.name == "x_i" else piece.theta for piece in self.curve.pieces]
         reach = ", ".join(f"{values.min():.6g} to {values.max():.6g}" for values in spans)
         unwrapped = " (not reduced mod 2 pi)" if self.name == "theta_i" else ""
@@ -279,34 +245,39 @@ class Candidates:
         """Find the solutions on a piece of the curve."""
         points = self._points(piece)
         values = np.array([point.value for point in points])
-        ends = (piece.low, points[0]), (piece.high, points[-1])
-        extrema: dict[int, Point | None] = {}
-        for target in self._targets(float(values.min()), float(values.max())):
+        ends = (piece.low, points[0], 0), (piece.high, points[-1], -1)
+        targets, extrema = [self.target], dict[Point, Point | None]()
+        if self.name == "theta_i":  # values that differ by whole turns
+            turn, reach = 2 * self.flights.context.pi, (values.min() - 1e-3, values.max() + 1e-3)
+            low, high = (int(np.floor((end - float(self.target)) / (2 * pi))) for end in reach)
+            targets = [self.target + j * turn for j in range(low, high + 2)]
+        for target in targets:
             wanted = float(target)
-            for end, point in ends:
-                self._at_end(end, point, target)
-            signs = values >= wanted
-            for i in range(len(points) - 1):
-                first, last = points[i], points[i + 1]
-                if signs[i] != signs[i + 1]:
-                    self._between(first, last, target)
-                elif self._may_turn(first, last, wanted):
-                    if i not in extrema:
-                        extrema[i] = self._extremum(first, last)
-                    turn = extrema[i]
-                    if turn is not None and (turn.value >= wanted) != signs[i]:
-                        self._between(first, turn, target)
-                        self._between(turn, last, target)
-                    elif turn is not None and abs(turn.value - wanted) <= 1e-12 * max(1.0, abs(turn.value)):
-                        self._store_if_between(self._newton(turn.theta_m, turn.tau, target), first, last)
-        for (end, point), index in zip(ends, (0, -1), strict=True):
-            self._note_endless(end, point, piece, index)
+            for end, point, _ in ends:  # between the last sample and the end of the curve
+                gap = abs(end.theta_m - point.theta_m)
+                near = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
+                if gap > 0 and abs(wanted - point.value) <= near:
+                    self._store_if_between(self._newton(point.theta_m, point.tau, target), point, point, gap)
+            for first, last in pairwise(points):
+                turning = None
+                if first.slope * last.slope < 0:  # an extremum between them may reach the value
+                    steepest = max(abs(first.slope), abs(last.slope)) * (last.theta_m - first.theta_m)
+                    if min(abs(first.value - wanted), abs(last.value - wanted)) <= steepest:
+                        if first not in extrema:
+                            extrema[first] = self._extremum(first, last)
+                        turning = extrema[first]
+                passed = [first, last] if turning is None else [first, turning, last]
+                crossed = [pair for pair in pairwise(passed) if (pair[0].value >= wanted) != (pair[1].value >= wanted)]
+                for pair in crossed:
+                    self._between(*pair, target)
+                if turning and not crossed and abs(turning.value - wanted) <= 1e-12 * max(1.0, abs(turning.value)):
+                    self._store_if_between(self._newton(turning.theta_m, turning.tau, target), first, last)
+        for each in ends:
+            self._note_endless(*each, piece)
 
     def _points(self, piece: CurvePiece) -> list[Point]:
         """Return the samples of a piece, with the end point if the curve ends in a tangency itself."""
-        values, slopes = (piece.x, piece.slope_x) if self.name == "x_i" else (piece.theta, piece.slope_theta)
-        columns = (piece.theta_m, values, slopes, (piece.theta_m - piece.theta) / self.K.Om)
-        points = [Point(*map(float, row)) for row in zip(*columns, strict=True)]
+        points = [Point(*map(float, row)) for row in zip(*self._columns(piece), strict=True)]
         for end, first in ((piece.high, len(points)), (piece.low, 0)):  # from the back: an insertion moves what follows
             near = points[min(first, len(points) - 1)]
             if end.reason == "end of the window" and near.tau * self.K.Om < 10 * abs(near.theta_m - end.theta_m):
@@ -315,21 +286,10 @@ class Candidates:
                 points.insert(first, Point(end.theta_m, float(value), near.slope, 0.0))
         return points
 
-    def _targets(self, low: float, high: float) -> list[Number]:
-        """Return the target values; for theta_i those that differ by whole turns."""
-        if self.name == "x_i":
-            return [self.target]
-        turn = 2 * self.flights.context.pi
-        first, last = (int(np.floor((end - float(self.target)) / (2 * pi))) for end in (low - 1e-3, high + 1e-3))
-        return [self.target + j * turn for j in range(first, last + 2)]
-
-    @staticmethod
-    def _may_turn(first: Point, last: Point, wanted: float) -> bool:
-        """Return whether an extremum between neighbours may reach the value."""
-        if not first.slope * last.slope < 0:
-            return False
-        reach = max(abs(first.slope), abs(last.slope)) * (last.theta_m - first.theta_m)
-        return min(abs(first.value - wanted), abs(last.value - wanted)) <= reach
+    def _columns(self, of: CurvePiece | Sample) -> tuple[Any, Any, Any, Any]:
+        """Return theta_m, the value, its slope, and the duration of the flight, of a piece or a sample."""
+        value, slope = (of.x, of.slope_x) if self.name == "x_i" else (of.theta, of.slope_theta)
+        return of.theta_m, value, slope, (of.theta_m - of.theta) / self.K.Om
 
     def _extremum(self, first: Point, last: Point) -> Point | None:
         """Return the extremum between neighbours with slopes of opposite sign; None at a break of the curve."""
@@ -345,10 +305,7 @@ class Candidates:
     def _sampled(self, theta_m: float) -> Point | None:
         """Return the point of the curve at theta_m."""
         sample = self.curve.sample(theta_m)
-        if sample.origin != OWN:
-            return None
-        value, slope = (sample.x, sample.slope_x) if self.name == "x_i" else (sample.theta, sample.slope_theta)
-        return Point(sample.theta_m, value, slope, (sample.theta_m - sample.theta) / self.K.Om)
+        return Point(*self._columns(sample)) if sample.origin == OWN else None
 
     # -- Newton's method ---------------------------------------------------------------------------------------------
 
@@ -361,9 +318,8 @@ class Candidates:
             gaps = first.value - wanted, last.value - wanted
             part = gaps[0] / (gaps[0] - gaps[1]) if gaps[0] != gaps[1] else 0.5
             theta_m = first.theta_m + part * (last.theta_m - first.theta_m)
-            if self._store_if_between(
-                self._newton(theta_m, first.tau + part * (last.tau - first.tau), target), first, last
-            ):
+            solution = self._newton(theta_m, first.tau + part * (last.tau - first.tau), target)
+            if self._store_if_between(solution, first, last):
                 return
             theta_m = 0.5 * (first.theta_m + last.theta_m)
             middle = self._sampled(theta_m) if first.theta_m < theta_m < last.theta_m else None
@@ -374,16 +330,8 @@ class Candidates:
         if is_touch and self._store_if_between(self._among_grazes(theta_m, target), first, last):
             return
         self._broken.add(first)
-        self.notes.append(
-            f"near theta_m = {first.theta_m:.12g} a solution could not be distinguished from a break of the curve"
-        )
-
-    def _at_end(self, end: CurveEnd, point: Point, target: Number) -> None:
-        """Find a solution between the last sample and the end of the curve."""
-        gap = abs(end.theta_m - point.theta_m)
-        reach = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
-        if gap > 0 and abs(float(target) - point.value) <= reach:
-            self._store_if_between(self._newton(point.theta_m, point.tau, target), point, point, gap)
+        broken = "a solution could not be distinguished from a break of the curve"
+        self.notes.append(f"near theta_m = {first.theta_m:.12g} {broken}")
 
     def _equation(self, theta: Number, tau: Number, now: Instant, target: Number) -> tuple[Number, Number, Number]:
         """Return the value minus the target, and its derivatives by theta_m and tau."""
@@ -441,31 +389,28 @@ class Candidates:
         slack = 1e-14 * max(1.0, abs(float(theta))) + more
         low, high = sorted((first.tau, last.tau))
         beside = 1e-9 * max(high, 1e-3 / self.K.rate) + 0.1 * (high - low) + (1e-3 / self.K.rate if more else 0.0)
-        if not (first.theta_m - slack <= float(theta) <= last.theta_m + slack):
+        inside = first.theta_m - slack <= float(theta) <= last.theta_m + slack
+        if not (inside and low - beside <= float(tau) <= high + beside):
             return False
-        if not low - beside <= float(tau) <= high + beside:
-            return False
-        context = self.flights.context
-        turn = 2 * context.pi
-        theta -= turn * context.floor(theta / turn)
+        turn = 2 * self.flights.context.pi
+        theta -= turn * self.flights.context.floor(theta / turn)
         for other, time in self._solutions:
             apart = abs(other - theta)
-            if min(apart, turn - apart) < SAME_ROOT * SAME_ROOT and abs(time - tau) < 1e-9 * max(tau, 1e-9):
+            if min(apart, turn - apart) < SAME_ROOT and abs(time - tau) < 1e-9 * max(tau, 1e-9):
                 return True
         self._solutions.append((theta, tau))
         return True
 
-    def _note_endless(self, end: CurveEnd, point: Point, piece: CurvePiece, index: int) -> None:
+    def _note_endless(self, end: CurveEnd, point: Point, index: int, piece: CurvePiece) -> None:
         """Add a note where a curve continues forever below the resolution of doubles."""
         if end.reason in ("end of the window", "closed"):
             return
-        if end.reason.endswith(SEARCH_ENDS):
+        if end.reason.endswith("(within the search)"):
             self.notes.append(f"beside theta_m = {end.theta_m:.6g} the flights are longer than the search")
             return
         # The end of a curve that doubles still resolve, over its slope there: more means that it has no limit.
         steep = not abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m) < 1e-4  # or nan
         if steep and (self.name != "x_i" or abs(float(self.target)) > abs(point.value)):
-            self.notes.append(
-                f"at theta_m = {end.theta_m:.12g} the curve goes on for ever; solutions beyond theta = "
-                f"{piece.theta[index]:.6g}, x = {piece.x[index]:.6g} are nearer to its end than doubles resolve"
-            )
+            last = f"theta = {piece.theta[index]:.6g}, x = {piece.x[index]:.6g}"
+            ends = f"at theta_m = {end.theta_m:.12g} the curve goes on for ever"
+            self.notes.append(f"{ends}; solutions beyond {last} are nearer to its end than doubles resolve")

@@ -25,33 +25,12 @@ from symosc.arguments import public
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_exact, show
-from symosc.grazing.backward import (
-    HUGE,
-    LARGE,
-    LONG,
-    NEVER,
-    REACHED,
-    SEARCH_PERIODS,
-    TOUCH,
-    UNDECIDED,
-    Arrival,
-    Flights,
-    Origins,
-)
+from symosc.grazing import backward
+from symosc.grazing.backward import SEARCH_PERIODS, Flights, Origins
 from symosc.grazing.window import grazing_window
 from symosc.kernels._generated import next_derivative
-from symosc.mappings.numbers import (
-    LatexAnswer,
-    latex_number,
-    latex_point,
-    latex_words,
-    number_of,
-    read_angle,
-    read_phase,
-    reduced,
-    symbolic,
-    times,
-)
+from symosc.mappings import numbers
+from symosc.mappings.numbers import LatexAnswer, latex_number, latex_point, latex_words, number_of, reduced
 from symosc.mappings.theorem7_cases import Place, place
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike
@@ -185,18 +164,70 @@ def start_of(
     periods: float = SEARCH_PERIODS,
 ) -> GrazingStart:
     """Return the result of `grazing_start` for an exact time and phase and checked arguments."""
-    order = order_at(origins.p, origins.mapping, angle)
-    wanted = digits or DEFAULT_DIGITS
+    p, decimals = origins.p, digits or DEFAULT_DIGITS
+    order = order_at(p, origins.mapping, angle)
 
     def far(flights: Flights) -> Number:
         if until is None:
             return flights.K.period * periods
         return flights.number(time) - flights.number(until)
 
-    if far(origins.flights(wanted + 20)) <= 0:
+    if far(origins.flights(decimals + 20)) <= 0:
         raise ParameterError("t0", float(until or 0), f"must be earlier than t_m = {float(time)!r}")
-    arrival, flights = origins.exact(angle, order, far, wanted)
-    return _result(arrival, flights, origins.mapping, time, angle, until is not None, digits, periods)
+    arrival, flights = origins.exact(angle, order, far, decimals)
+    kind, boundary, belt, context = arrival.kind, arrival.boundary, origins.place.boundary, flights.context
+    theta_m, t_m = flights.number(angle), flights.number(time)
+    x_m = flights.contact(theta_m)
+    t, x = t_m - arrival.tau, x_m + arrival.dx
+    theta, two_pi = theta_m - flights.K.Om * arrival.tau, 2 * context.pi
+    theta -= two_pi * context.floor(theta / two_pi)
+    point = f"belt {boundary} at t = {float(t):.12g}, x = {float(x):.12g}"
+    verb = "touches" if kind == backward.TOUCH else "comes from"
+    if until is None:
+        found, reason = boundary == belt, f"the flow {verb} {point}, not belt {belt}"
+    else:
+        found, reason = kind == backward.REACHED, f"between t0 and t_m the flow {verb} {point}"
+    nowhere = kind not in (backward.CONTACT, backward.TOUCH) and not (kind == backward.REACHED and until is not None)
+    found = found and not nowhere
+    since, ended = f"backward from t = {float(t):.6g}", f"the search ended at t = {float(t):.6g}"
+    reasons = {
+        backward.NEVER: f"the flow never met a belt before: {since} its velocity runs away from belt {belt}",
+        backward.REACHED: f"the flow met no belt in the {periods:g} periods before; ask for more with periods=",
+        backward.LARGE: f"{ended}: before that the velocity exceeds {backward.HUGE:g}, and no belt was met",
+        backward.LONG: f"{ended}, after as many steps as it may take; until there no belt was met",
+        backward.UNDECIDED: f"whether the flow meets belt {boundary} at t = {float(t):.12g} could not be decided",
+    }
+    shown = mp_context(decimals)
+
+    def out(value: Number) -> Number:
+        return shown.convert(value) * 1 if digits else float(value)
+
+    velocity = p.belt(boundary) if boundary else arrival.v
+    start: Record = {"t0": _text(t, decimals, shown), "x0": _text(x, decimals, shown)}
+    start["v0"] = show(velocity) if isinstance(velocity, Fraction) else _text(velocity, decimals, shown)
+    decimal_places = [len(text.partition(".")[2]) for text in start.values()]
+    units = [Fraction(1, 10**places) if places else Fraction(0) for places in decimal_places]  # of the last decimals
+    start["start_error"] = units[0], units[1], Fraction(0) if boundary else units[2]  # belts have exact speeds
+    values = {"t": t, "x": x, "v": flights.number(velocity), "theta": theta}
+    return GrazingStart(
+        mapping=origins.mapping,
+        found=found,
+        reason=None if found else reasons.get(kind, reason),
+        **{name: None if nowhere else out(value) for name, value in values.items()},
+        boundary=0 if nowhere else boundary,
+        touch=kind == backward.TOUCH,
+        t_m=out(t_m),
+        x_m=out(x_m),
+        theta_m=out(theta_m),
+        start={} if nowhere else start,
+        undecided=nowhere and kind != backward.NEVER,
+    )
+
+
+def _text(value: Number, digits: int, context: Context) -> str:
+    """Return a decimal with at least `digits` digits after the point, readable as an exact number."""
+    whole = len(str(int(abs(value))))
+    return str(context.nstr(value, digits + whole, strip_zeros=False, min_fixed=-inf, max_fixed=inf))
 
 
 def _tangency(
@@ -206,16 +237,16 @@ def _tangency(
     if (theta is None) == (t_m is None):
         raise ParameterError("theta", theta, "give either theta or t_m")
     if t_m is not None:
-        time = read_angle("t_m", t_m)
-        return time, reduced(times(time, p.Omega))
-    angle = reduced(read_phase("theta", theta))
+        time = numbers.read_angle("t_m", t_m)
+        return time, reduced(numbers.times(time, p.Omega))
+    angle = reduced(numbers.read_phase("theta", theta))
     if t0 is None:
-        return times(angle, 1 / p.Omega), angle
+        return numbers.times(angle, 1 / p.Omega), angle
     import sympy
 
-    gap = symbolic(read_exact("t0", t0) * p.Omega) - symbolic(angle)
+    gap = numbers.symbolic(read_exact("t0", t0) * p.Omega) - numbers.symbolic(angle)
     turns = sympy.floor(gap / (2 * sympy.pi)) + 1
-    return times(symbolic(angle) + 2 * sympy.pi * turns, 1 / p.Omega), angle
+    return numbers.times(numbers.symbolic(angle) + 2 * sympy.pi * turns, 1 / p.Omega), angle
 
 
 def order_at(p: Parameters, mapping: str, angle: Angle) -> int:
@@ -233,85 +264,8 @@ def order_at(p: Parameters, mapping: str, angle: Angle) -> int:
     return 3 if exact and abs(pull) == abs(drive) else 1
 
 
-def _result(
-    arrival: Arrival,
-    flights: Flights,
-    mapping: str,
-    time: Angle,
-    angle: Angle,
-    to_time: bool,
-    digits: int | None,
-    periods: float,
-) -> GrazingStart:
-    """Return the arrival of a backward flow as a GrazingStart."""
-    p, boundary, context = flights.p, flights.place.boundary, flights.context
-    theta_m, t_m = flights.number(angle), flights.number(time)
-    x_m = flights.contact(theta_m)
-    t, x = t_m - arrival.tau, x_m + arrival.dx
-    theta, two_pi = theta_m - flights.K.Om * arrival.tau, 2 * context.pi
-    theta -= two_pi * context.floor(theta / two_pi)
-    point = f"belt {arrival.boundary} at t = {float(t):.12g}, x = {float(x):.12g}"
-    verb = "touches" if arrival.kind == TOUCH else "comes from"
-    if to_time:
-        found, reason = arrival.kind == REACHED, f"between t0 and t_m the flow {verb} {point}"
-    else:
-        found, reason = arrival.boundary == boundary, f"the flow {verb} {point}, not belt {boundary}"
-    nowhere = arrival.kind in (NEVER, LONG, LARGE, UNDECIDED) or (arrival.kind == REACHED and not to_time)
-    found = found and not nowhere
-    decimals = digits or DEFAULT_DIGITS
-    shown = mp_context(decimals)
-
-    def out(value: Number) -> Number:
-        return shown.convert(value) * 1 if digits else float(value)
-
-    velocity = p.belt(arrival.boundary) if arrival.boundary else arrival.v
-    start = {"t0": _text(t, decimals, shown), "x0": _text(x, decimals, shown)}
-    start["v0"] = show(velocity) if isinstance(velocity, Fraction) else _text(velocity, decimals, shown)
-    errors = _unit(start["t0"]), _unit(start["x0"]), Fraction(0) if arrival.boundary else _unit(start["v0"])
-    point_values = {"t": t, "x": x, "v": flights.number(velocity), "theta": theta}
-    return GrazingStart(
-        mapping=mapping,
-        found=found,
-        reason=None if found else _no_end(arrival, float(t), boundary, periods) or reason,
-        **{name: None if nowhere else out(value) for name, value in point_values.items()},
-        boundary=0 if nowhere else arrival.boundary,
-        touch=arrival.kind == TOUCH,
-        t_m=out(t_m),
-        x_m=out(x_m),
-        theta_m=out(theta_m),
-        start={} if nowhere else start | {"start_error": errors},
-        undecided=nowhere and arrival.kind != NEVER,
-    )
-
-
-def _unit(text: str) -> Fraction:
-    """Return a unit of the last decimal of a number, 0 for one without decimals."""
-    decimals = len(text.partition(".")[2])
-    return Fraction(1, 10**decimals) if decimals else Fraction(0)
-
-
-def _no_end(arrival: Arrival, t: float, boundary: int, periods: float) -> str | None:
-    """Return the reason why a backward search met no belt."""
-    never = f"the flow never met a belt before: backward from t = {t:.6g} its velocity runs away from belt {boundary}"
-    return {
-        NEVER: never,
-        REACHED: f"the flow met no belt in the {periods:g} periods before; ask for more with periods=",
-        LARGE: f"the search ended at t = {t:.6g}: before that the velocity exceeds {HUGE:g}, and no belt was met",
-        LONG: f"the search ended at t = {t:.6g}, after as many steps as it may take; until there no belt was met",
-        UNDECIDED: f"whether the flow meets belt {arrival.boundary} at t = {t:.12g} could not be decided",
-    }.get(arrival.kind)
-
-
-def _text(value: Number, digits: int, context: Context) -> str:
-    """Return a decimal with at least `digits` digits after the point, readable as an exact number."""
-    whole = len(str(int(abs(value))))
-    return str(context.nstr(value, digits + whole, strip_zeros=False, min_fixed=-inf, max_fixed=inf))
-
-
 # --- Theorem 6 at a state ---
 
-# G-functions up to this part of the size of their terms count as 0.
-G_TOLERANCE = 1e-12
 MOST_G_ORDERS = 6
 
 
@@ -359,7 +313,7 @@ class GrazingVerdict(LatexAnswer):
 
 @public
 def is_grazing(
-    p: ParametersLike, mapping: str, x: NumberLike, theta: NumberLike, *, tolerance: NumberLike = G_TOLERANCE
+    p: ParametersLike, mapping: str, x: NumberLike, theta: NumberLike, *, tolerance: NumberLike = 1e-12
 ) -> GrazingVerdict:
     """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain graze the belt there?
 
@@ -396,18 +350,27 @@ def is_grazing(
         raise ParameterError("tolerance", tolerance, "must be >= 0 and < 1")
     tolerance = float(limit)
     context = mp_context(50)
-    angle = number_of(read_phase("theta", theta), context)
-    position = number_of(read_angle("x", x), context)
-    values, margins = [], []
+    angle = number_of(numbers.read_phase("theta", theta), context)
+    position = number_of(numbers.read_angle("x", x), context)
+    values, margins, grazing = list[float](), list[float](), False
+    reason, last = "F and all its derivatives vanish: the flow stays on the belt", MOST_G_ORDERS
     for order, (value, size) in enumerate(_g_functions(p, where, position, angle, context)):
         margin = abs(value) / size if size > 0 else abs(value)
         values.append(float(value))
         margins.append(float(margin))
         if margin > tolerance:
-            grazing = order % 2 == 1 and where.side * value < 0
-            return GrazingVerdict(grazing, order, tuple(values), tuple(margins), tolerance, _why(order, grazing))
-    reason = "F and all its derivatives vanish: the flow stays on the belt"
-    return GrazingVerdict(False, MOST_G_ORDERS, tuple(values), tuple(margins), tolerance, reason)
+            last, grazing = order, order % 2 == 1 and where.side * value < 0
+            if order == 0:
+                reason = "F does not vanish: the flow is transversal"
+            elif order % 2 == 0:
+                reason = f"the first G-function that does not vanish has even order {order}: the flow passes with an"
+                reason += " inflection"
+            elif grazing:
+                reason = f"F = 0 and G^({order}) leads back into the domain"
+            else:
+                reason = f"G^({order}) leads out of the domain: there is no flow of it near"
+            break
+    return GrazingVerdict(grazing, last, tuple(values), tuple(margins), tolerance, reason)
 
 
 def _g_functions(p: Parameters, where: Place, x: Mpf, theta: Mpf, context: Context) -> Iterator[tuple[Mpf, Mpf]]:
@@ -425,14 +388,3 @@ def _g_functions(p: Parameters, where: Place, x: Mpf, theta: Mpf, context: Conte
         value = next_derivative(now, before, forcing, cm, w0sq)
         size = abs(forcing) + abs(w0sq * before) + abs(f0) * Om ** (order + 1)
         before = now
-
-
-def _why(order: int, grazing: bool) -> str:
-    """Return the reason for a verdict, from the order of the first nonzero G-function."""
-    if order == 0:
-        return "F does not vanish: the flow is transversal"
-    if order % 2 == 0:
-        return f"the first G-function that does not vanish has even order {order}: the flow passes with an inflection"
-    if grazing:
-        return f"F = 0 and G^({order}) leads back into the domain"
-    return f"G^({order}) leads out of the domain: there is no flow of it near"

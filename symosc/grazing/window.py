@@ -25,34 +25,13 @@ from symosc.engine.arithmetic import compile_modules, mp_context
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.exact import read_exact, show
 from symosc.kernels import double_double
-from symosc.mappings import theorem7_cases
-from symosc.mappings.numbers import (
-    ExactPhase,
-    LatexAnswer,
-    is_symbolic,
-    number_of,
-    of_sympy,
-    read_phase_text,
-    real_array,
-    sine_sign,
-)
-from symosc.mappings.theorem7_cases import (
-    ALL_BUT_ONE,
-    ARC,
-    EMPTY,
-    EQUALITY_UNDECIDED,
-    EVERYTHING,
-    WRAPPED_ARC,
-    Place,
-    case_label,
-    place,
-    window_kind,
-)
+from symosc.mappings import numbers
+from symosc.mappings import theorem7_cases as cases
+from symosc.mappings.numbers import ExactPhase, LatexAnswer, number_of, read_phase_text, real_array
+from symosc.mappings.theorem7_cases import EMPTY, EVERYTHING, Place, place
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike
 
-# Sines in double precision decide where they are further than this from the border; sin is right to 1e-15.
-SINE_MARGIN = 1e-12
 WINDOW_DIGITS = 30
 
 
@@ -133,7 +112,7 @@ class GrazingWindow(Drawable, LatexAnswer):
     @cached_property
     def kind(self) -> int:
         """The kind of window: EMPTY, EVERYTHING, ALL_BUT_ONE (phase), ARC or WRAPPED_ARC of `theorem7_cases`."""
-        return window_kind(self.place.side, *self.signs, self.order == "full")
+        return cases.window_kind(self.place.side, *self.signs, self.order == "full")
 
     @property
     def case(self) -> str:
@@ -142,7 +121,7 @@ class GrazingWindow(Drawable, LatexAnswer):
         Letters are cases that the paper lacks: a, |gamma| = |B0| Omega/m with nothing; b and c, B0 = 0 with everything
         and nothing. B0 < 0 adds "shifted by pi".
         """
-        return case_label(self.place, *self.signs)
+        return cases.case_label(self.place, *self.signs)
 
     @cached_property
     def phases(self) -> Expr:
@@ -168,14 +147,14 @@ class GrazingWindow(Drawable, LatexAnswer):
         if self.kind in (EMPTY, EVERYTHING):
             return ((0.0, end, True, False),) if self.kind == EVERYTHING else ()
         low, high = self.ends
-        if self.kind == ARC:
+        if self.kind == cases.ARC:
             return ((low, high, False, False),)
         return (0.0, high, True, False), (low, end, False, False)
 
     @cached_property
     def ends(self) -> tuple[float, float]:
         """The ends of the arc in increasing order, through 0 if wrapped."""
-        if self.kind == ALL_BUT_ONE:
+        if self.kind == cases.ALL_BUT_ONE:
             point = double_double.HALF_PI[0] if self.signs[0] * self.signs[1] < 0 else double_double.THREE_HALVES_PI
             return point, point
         context, theta_cr = mp_context(WINDOW_DIGITS), self.critical_phase()
@@ -215,9 +194,19 @@ class GrazingWindow(Drawable, LatexAnswer):
         ParameterError
             If theta is not a real number.
         """
-        if isinstance(theta, np.ndarray) and theta.ndim:
-            return self._contains_array(theta)
-        return self._sign_at(theta) > 0
+        if not (isinstance(theta, np.ndarray) and theta.ndim):
+            return self._sign_at(theta) > 0
+        if theta.dtype.kind not in "fiu":
+            return np.array([self.contains(each) for each in theta.flat], dtype=bool).reshape(theta.shape)
+        if not np.all(np.isfinite(theta)):
+            raise ParameterError("theta", theta[~np.isfinite(theta)][0], "must be finite")
+        if self.kind in (EMPTY, EVERYTHING):
+            return np.full(theta.shape, self.kind == EVERYTHING)
+        distance = np.sin(theta.astype(float)) + float(self.gamma / self.amplitude)
+        inside = distance * (self.place.side * self.signs[1]) > 0
+        for index in zip(*np.nonzero(np.abs(distance) <= 1e-12), strict=True):  # sin is right to 1e-15
+            inside[index] = self._sign_at(theta[index]) > 0
+        return inside
 
     @public
     def contact(self, theta: NumberLike | np.ndarray) -> Any:
@@ -282,26 +271,10 @@ class GrazingWindow(Drawable, LatexAnswer):
         if self.kind in (EMPTY, EVERYTHING):
             return 1 if self.kind == EVERYTHING else -1
         if isinstance(exact, ExactPhase):
-            return self.place.side * sine_sign(self.gamma, self.amplitude, exact)
+            return self.place.side * numbers.sine_sign(self.gamma, self.amplitude, exact)
         from symosc.symbolic.theorem7 import rational, sign_of, sp
 
         return self.place.side * sign_of(rational(self.gamma) + rational(self.amplitude) * sp.sin(exact))
-
-    def _contains_array(self, theta: np.ndarray) -> np.ndarray:
-        """Return `contains` for an array of phases, in double precision."""
-        if theta.dtype.kind not in "fiu":
-            return np.array([self.contains(each) for each in theta.flat], dtype=bool).reshape(theta.shape)
-        if not np.all(np.isfinite(theta)):
-            raise ParameterError("theta", theta[~np.isfinite(theta)][0], "must be finite")
-        if self.kind in (EMPTY, EVERYTHING):
-            return np.full(theta.shape, self.kind == EVERYTHING)
-        distance = np.sin(theta.astype(float)) + float(self.gamma / self.amplitude)
-        inside = distance * (self.place.side * self.signs[1]) > 0
-        for index in zip(*np.nonzero(np.abs(distance) <= SINE_MARGIN), strict=True):
-            inside[index] = self._sign_at(theta[index]) > 0
-        return inside
-
-    # --- text ---
 
     def latex(self) -> str:
         """Return the window with its case as LaTeX (no dollar signs)."""
@@ -320,10 +293,7 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     def _shown(self) -> str:
         """Return the intervals as short text."""
-        parts = [
-            f"{'[' if low_closed else '('}{low:.6g}, {high:.6g}{']' if high_closed else ')'}"
-            for low, high, low_closed, high_closed in self.intervals
-        ]
+        parts = [f"{'[' if closed else '('}{low:.6g}, {high:.6g})" for low, high, closed, _ in self.intervals]
         return " or ".join(parts) or "empty"
 
 
@@ -337,13 +307,13 @@ def _read_phase(theta: Any) -> ExactPhase | Expr:
         if not math.isfinite(theta):
             raise ParameterError("theta", theta, "must be finite")
         return ExactPhase(Fraction(float(theta)))
-    if is_symbolic(theta):
+    if numbers.is_symbolic(theta):
         if theta.free_symbols:
             raise ParameterError("theta", theta, "must be a number")
         from symosc.symbolic.theorem7 import real
 
         number = real("theta", theta)
-        return of_sympy(number) or number
+        return numbers.of_sympy(number) or number
     return ExactPhase(read_exact("theta", theta))
 
 
@@ -354,61 +324,40 @@ NIVEN = {Fraction(0): Fraction(0), Fraction(1, 2): Fraction(1, 6), Fraction(1): 
 NIVEN |= {-sine: -part for sine, part in NIVEN.items()}
 
 
-class ArcsineAngle(NamedTuple):
-    """The angle ``sign asin(sine) + turns pi``, where sine > 0; sign 0: ``turns pi``."""
-
-    sign: int
-    sine: Fraction
-    turns: Fraction
-
-    def text(self) -> str:
-        """Return the angle as sympy prints it."""
-        if not self.sign:
-            return _pi_text(self.turns)
-        arcsine = f"asin({self.sine})"
-        if self.sign < 0 and self.turns == 1:
-            return f"pi - {arcsine}"
-        return ("-" if self.sign < 0 else "") + arcsine + (f" + {_pi_text(self.turns)}" if self.turns else "")
-
-
-def _pi_text(turns: Fraction) -> str:
-    """Return a multiple of pi as sympy prints it."""
-    if turns == 0:
-        return "0"
-    top = {1: "pi", -1: "-pi"}.get(turns.numerator, f"{turns.numerator}*pi")
-    return top if turns.denominator == 1 else f"{top}/{turns.denominator}"
-
-
-def _critical_angle(window: GrazingWindow) -> ArcsineAngle | None:
-    """Return Theta_cr, or None where it does not exist."""
-    if window.amplitude == 0 or window.signs[2] > 0:
-        return None
-    sine = -window.gamma / window.amplitude
+def angle_text(sign: int, sine: Fraction, turns: Fraction | int) -> str:
+    """Return the angle ``sign asin(sine) + turns pi`` as sympy prints it."""
     if sine in NIVEN:
-        return ArcsineAngle(0, Fraction(0), NIVEN[sine])
-    return ArcsineAngle(1 if sine > 0 else -1, abs(sine), Fraction(0))
+        sign, turns = 0, turns + sign * NIVEN[sine]
+    top = {0: "0", 1: "pi", -1: "-pi"}.get(turns.numerator, f"{turns.numerator}*pi")
+    multiple = top if turns.denominator == 1 else f"{top}/{turns.denominator}"
+    if not sign:
+        return multiple
+    sign *= 1 if sine > 0 else -1
+    arcsine = f"asin({abs(sine)})"
+    if sign < 0 and turns == 1:
+        return f"pi - {arcsine}"
+    return ("-" if sign < 0 else "") + arcsine + (f" + {multiple}" if turns else "")
 
 
 def critical_text(window: GrazingWindow) -> str:
     """Return Theta_cr as text, "none" where it does not exist."""
-    angle = _critical_angle(window)
-    return "none" if angle is None else angle.text()
+    if window.amplitude == 0 or window.signs[2] > 0:
+        return "none"
+    return angle_text(1, -window.gamma / window.amplitude, 0)
 
 
 def phases_text(window: GrazingWindow) -> str:
     """Return the window in the paper's notation, "empty" if it is."""
     if window.kind in (EMPTY, EVERYTHING):
         return "[0, 2*pi)" if window.kind == EVERYTHING else "empty"
-    above = window.place.side * window.signs[1] > 0
-    angle = _critical_angle(window)
-    if window.kind == ALL_BUT_ONE or angle is None:
-        low = high = _pi_text(Fraction(3 if above else 1, 2))
+    above, sine = window.place.side * window.signs[1] > 0, -window.gamma / window.amplitude
+    if window.kind == cases.ALL_BUT_ONE:
+        low = high = "3*pi/2" if above else "pi/2"
     else:
-        turned = ArcsineAngle(-angle.sign, angle.sine, 1 - angle.turns).text()
-        later = (window.kind == WRAPPED_ARC) == above  # a turn after Theta_cr
-        other = angle._replace(turns=angle.turns + 2 * later).text()
-        low, high = (other, turned) if above else (turned, other)
-    return f"({low}, {high})" if window.kind == ARC else f"[0, {high}) U ({low}, 2*pi)"
+        later = (window.kind == cases.WRAPPED_ARC) == above  # a turn after Theta_cr
+        low, high = angle_text(1, sine, 2 * later), angle_text(-1, sine, 1)
+        low, high = (low, high) if above else (high, low)
+    return f"({low}, {high})" if window.kind == cases.ARC else f"[0, {high}) U ({low}, 2*pi)"
 
 
 # --- many windows ---
@@ -481,7 +430,13 @@ def grazing_windows(p: ParametersLike, mapping: str, order: Order = "full", **sw
     for name in swept:
         if name not in names:
             raise ParameterError(name, "swept", f"the window of {mapping} depends on {', '.join(names)} only")
-    arrays = _broadcast({name: real_array(name, values, "must be numbers") for name, values in swept.items()})
+    arrays = {name: real_array(name, values, "must be numbers") for name, values in swept.items()}
+    try:
+        arrays = dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
+    except (ValueError, RuntimeError):  # RuntimeError: more dimensions than numpy broadcasts
+        shapes = ", ".join(f"{name}: {array.shape}" for name, array in arrays.items())
+        allowed = "the shapes must be equal, or broadcast to one as numpy does it"
+        raise ParameterError("swept", shapes, allowed) from None
     for name, array in arrays.items():  # Parameters judges the extreme values
         for value in (array.min(), array.max()) if array.size else ():
             p.replace(**{name: float(value)})
@@ -494,7 +449,7 @@ def grazing_windows(p: ParametersLike, mapping: str, order: Order = "full", **sw
         pairs.append(np.full(size, float(constant - Fraction(high))))
     columns = WindowColumns(np.empty(size, np.int8), *(np.empty(size) for _ in range(3)))
     _window_loop()(tuple(pairs), where.side, full, tuple(columns))
-    for i in np.flatnonzero(columns.kind == EQUALITY_UNDECIDED):
+    for i in np.flatnonzero(columns.kind == cases.EQUALITY_UNDECIDED):
         values = {name: Fraction(float(each.flat[i])) for name, each in arrays.items()}
         exact = grazing_window(p.replace(**values), mapping, order)
         columns.kind[i], columns.theta_cr[i] = exact.kind, float(exact.critical_phase())
@@ -502,20 +457,10 @@ def grazing_windows(p: ParametersLike, mapping: str, order: Order = "full", **sw
     return WindowColumns(*(column.reshape(shape) for column in columns))
 
 
-def _broadcast(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Broadcast numbers and arrays to one shape."""
-    try:
-        return dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
-    except (ValueError, RuntimeError):  # RuntimeError: more dimensions than numpy broadcasts
-        shapes = ", ".join(f"{name}: {array.shape}" for name, array in arrays.items())
-        allowed = "the shapes must be equal, or broadcast to one as numpy does it"
-        raise ParameterError("swept", shapes, allowed) from None
-
-
 @lru_cache(maxsize=1)
 def _window_loop() -> Callable[..., None]:
-    """Return `theorem7_cases.windows`, compiled if numba is installed."""
+    """Return `cases.windows`, compiled if numba is installed."""
     try:
-        return compile_modules((double_double, theorem7_cases), {"windows"})["windows"]
+        return compile_modules((double_double, cases), {"windows"})["windows"]
     except MissingExtraError:
-        return theorem7_cases.windows
+        return cases.windows

@@ -41,10 +41,6 @@ def compiled_residual(
         For sticks: the domain that they slip into, "below" or "above"; None: for each point the one with the
         smaller |f2|.
 
-    Returns
-    -------
-    CompiledResidual
-
     Raises
     ------
     MissingExtraError

@@ -31,11 +31,11 @@ from symosc.engine import tangent
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, bind, many_digits
 from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, constant_force, constants, friction_signs
-from symosc.engine.start import BeltStart, belt_start, belt_state, force_terms, sine_and_cosine
+from symosc.engine.start import belt_start, belt_state, force_terms, sine_and_cosine
 from symosc.engine.state import END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP, Covariance, NextEvent
 from symosc.errors import ParameterError, SymoscError
 from symosc.kernels import entire_array, mapping
-from symosc.mappings.numbers import POINT_NAMES, is_array, is_mp, number_of, point_columns, scalar
+from symosc.mappings.numbers import POINT_NAMES, is_array, number_of, point_columns, scalar
 from symosc.model import MODE_NAMES, NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.scenes import ParametersLike
 from symosc.words import MAPS, Map
@@ -43,8 +43,6 @@ from symosc.words import MAPS, Map
 EXITS = ("below", "above")
 #: A switching point (x, theta), of numbers or of arrays that broadcast.
 Pair: TypeAlias = "Sequence[Numbers | ArrayLike] | np.ndarray"
-# Arrays are evaluated in blocks of this many points: the temporaries then stay in the cache.
-ARRAY_BLOCK = 16384
 
 
 # --- residual and derivatives ---
@@ -84,8 +82,8 @@ def residual(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | 
     row, numbers, points, shape = read_points(p, label, start, end, exit)
     if shape is None:
         return _residual(row, numbers, points, exit)
-    found = _in_blocks(lambda block: np.stack(_residual(row, numbers, block, exit)), points, (2,))
-    return found[0].reshape(shape), found[1].reshape(shape)
+    f1, f2 = _in_blocks(lambda block: np.stack(_residual(row, numbers, block, exit)), points, (2,), shape)
+    return f1, f2
 
 
 @public
@@ -110,7 +108,7 @@ def jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | 
     row, numbers, points, shape = read_points(p, label, start, end, exit)
     if shape is None:
         return _matrix(_jacobian(row, numbers, points))
-    return _in_blocks(lambda block: _matrix(_jacobian(row, numbers, block)), points, (2, 4)).reshape((2, 4, *shape))
+    return _in_blocks(lambda block: _matrix(_jacobian(row, numbers, block)), points, (2, 4), shape)
 
 
 @public
@@ -130,7 +128,7 @@ def parameter_jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, ex
     row, numbers, points, shape = read_points(p, label, start, end, exit)
     if shape is None:
         return _matrix(_parameter_jacobian(p, row, numbers, points, exit))
-    numbers = _floats(p)
+    numbers = map_arithmetic(p)
     found = [_matrix(_parameter_jacobian(p, row, numbers, point, exit)) for point in zip(*points, strict=True)]
     return np.stack(found, axis=-1).reshape((2, 11, *shape))
 
@@ -143,20 +141,16 @@ class MapArithmetic(NamedTuple):
     number: Callable[[Fraction], Number]
 
 
-def belt_speed(K: Constants, boundary: int) -> Number:
-    """Return the speed of belt 1 or 2."""
-    return (K.belt1 if boundary == 1 else K.belt2).v
-
-
 def flight_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
     """Return the belt speeds at both ends of a flight, and A_alpha/m."""
-    return belt_speed(K, row.start.boundary), belt_speed(K, row.end.boundary), constant_force(row.domain, K)
+    v_i, v_j = ((K.belt1 if plane.boundary == 1 else K.belt2).v for plane in (row.start, row.end))
+    return v_i, v_j, constant_force(row.domain, K)
 
 
 def stick_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
     """Return the belt speed of a stick, and A_alpha/m below and above the belt."""
     below, above = (constant_force(domain, K) for domain in NEIGHBOURS[row.start.boundary])
-    return belt_speed(K, row.start.boundary), below, above
+    return (K.belt1 if row.start.boundary == 1 else K.belt2).v, below, above
 
 
 def _residual(row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit: str | None) -> Any:
@@ -190,7 +184,7 @@ def _parameter_jacobian(
     m, zero, domain = numbers.number(p.m), 0 * x_i, row.domain
     begin, end = f"v{row.start.boundary}", f"v{row.end.boundary}"
     if row.sticks:
-        v_i = belt_speed(K, row.start.boundary)
+        v_i, _, _ = stick_arguments(row, K)
         below, above = (_residual(row, numbers, points, way)[1] for way in EXITS)
         domain = _chosen(exit, below, above, *NEIGHBOURS[row.start.boundary])
         F = _chosen(exit, below, above, below, above)
@@ -227,18 +221,14 @@ def _chosen(exit: str | None, force_below: Numbers, force_above: Numbers, below:
 
 def map_arithmetic(p: Parameters, context: Context | None = None) -> MapArithmetic:
     """Return the arithmetic of doubles, or of an mpmath context, for scalars."""
-    return _floats(p) if context is None else _mp_numbers(p, context, context.prec)
+    return _doubles(p) if context is None else _mp_numbers(p, context, context.prec)
 
 
-@lru_cache(maxsize=64)
-def _floats(p: Parameters) -> MapArithmetic:
-    """Return the arithmetic of doubles for scalars."""
-    return MapArithmetic(constants(p), vars(mapping) | vars(tangent), float)
-
-
-@lru_cache(maxsize=64)
-def _arrays(p: Parameters) -> MapArithmetic:
-    """Return the arithmetic of doubles for numpy arrays."""
+@lru_cache(maxsize=128)
+def _doubles(p: Parameters, arrays: bool = False) -> MapArithmetic:
+    """Return the arithmetic of doubles, for scalars or for numpy arrays."""
+    if not arrays:
+        return MapArithmetic(constants(p), vars(mapping) | vars(tangent), float)
     names = {"sin": np.sin, "cos": np.cos, "basis": entire_array.basis}
     return MapArithmetic(constants(p), bind((mapping,), names), float)
 
@@ -270,34 +260,28 @@ def read_points(
     if exit is not None and not (row.sticks and exit in EXITS):
         allowed = 'must be "below", "above" or None' if row.sticks else f"must be None: {label} is a flight"
         raise ParameterError("exit", exit, allowed)
-    given = [*start, *end]
-    context = next((value.context for value in given if is_mp(value)), None)
-    shape = None
+    given, shape, points = [*start, *end], None, list[Any]()
+    context = next((value.context for value in given if hasattr(value, "_mpf_") and hasattr(value, "context")), None)
     if context is None and any(is_array(value) for value in given):
-        numbers: MapArithmetic = _arrays(p)
+        numbers: MapArithmetic = _doubles(p, arrays=True)
         columns = point_columns(given)
-        shape = columns[0].shape
-        points: list[Any] = [column.ravel() for column in columns]
+        shape, points = columns[0].shape, [column.ravel() for column in columns]
     else:
-        numbers = _floats(p) if context is None else _mp_numbers(p, context, context.prec)
-        convert = float if context is None else context.convert
+        numbers, convert = map_arithmetic(p, context), float if context is None else context.convert
         points = [scalar(name, value, convert) for name, value in zip(POINT_NAMES, given, strict=True)]
-    backward = points[3] < points[1]
-    if not row.sticks and (backward if shape is None else backward.any()):
+    if not row.sticks and np.any(points[3] < points[1]):
         raise ParameterError("theta_j", end[1], UNWRAPPED)
     return row, numbers, points, shape
 
 
-def _in_blocks(
-    evaluate: Callable[[list[np.ndarray]], np.ndarray], points: list[np.ndarray], head: tuple[int, ...]
-) -> np.ndarray:
-    """Evaluate arrays of points in blocks."""
+def _in_blocks(evaluate: Any, points: list[np.ndarray], head: tuple[int, ...], shape: tuple[int, ...]) -> np.ndarray:
+    """Evaluate arrays of points in blocks, whose temporaries stay in the cache; return an array head + shape."""
     size = len(points[0])
     found = np.empty((*head, size))
-    for begin in range(0, size, ARRAY_BLOCK):
-        block = slice(begin, begin + ARRAY_BLOCK)
+    for begin in range(0, size, 16384):
+        block = slice(begin, begin + 16384)
         found[..., block] = evaluate([column[block] for column in points])
-    return found
+    return found.reshape((*head, *shape))
 
 
 def _matrix(rows: Any) -> np.ndarray:
@@ -307,8 +291,7 @@ def _matrix(rows: Any) -> np.ndarray:
 
 # --- the next switching point ---
 
-# A flight is followed for this many forcing periods.
-MOST_MAP_PERIODS = 1000
+MOST_MAP_PERIODS = 1000  # for which a flight is followed
 
 
 class MapError(SymoscError, ValueError):
@@ -384,10 +367,6 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
     x_i, theta_i : number
         The start: position and phase Omega t (any multiple of 2 pi may be added). Floats or mpmath numbers.
 
-    Returns
-    -------
-    MapPoint
-
     Raises
     ------
     MapError
@@ -410,15 +389,15 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
     convert = context.convert if context else float
     inner = arithmetic.context.convert if isinstance(arithmetic, MpArithmetic) else float
     event, gain = _next_event(row, arithmetic, inner(x), inner(theta))
-    code, boundary, end = event.code, event.boundary, event.state
+    boundary, end, grazing = event.boundary, event.state, event.code == GRAZE
     same_start = (other for other in MAPS.values() if (other.start, other.mode) == (row.start, row.mode))
     actual = next(other.label for other in same_start if other.end.boundary == boundary)
     if actual != label:
         raise MapError(label, x, theta, f"the motion ends on belt {boundary}: that is {actual}", actual)
-    exit = EXITS[end.mode - boundary] if code == SLIP else None
+    exit = EXITS[end.mode - boundary] if event.code == SLIP else None
     x_j, theta_j = convert(end.x), theta + convert(gain)
-    derivative = None if code == GRAZE else _map_derivative(jacobian(p, label, (x, theta), (x_j, theta_j)))
-    return MapPoint(label, x_j, theta_j, exit, code == GRAZE, derivative)
+    derivative = None if grazing else _map_derivative(jacobian(p, label, (x, theta), (x_j, theta_j)))
+    return MapPoint(label, x_j, theta_j, exit, grazing, derivative)
 
 
 @lru_cache(maxsize=64)
@@ -428,21 +407,27 @@ def _engine(p: Parameters, digits: int | None) -> Arithmetic:
 
 
 def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> tuple[NextEvent, Number]:
-    """Return the next event, and its phase since the start."""
-    K, names, advance = arithmetic.K, arithmetic.namespace, arithmetic.advance
-    two_pi, rest, eps = names["TWO_PI"], names["TWO_PI_REST"], names["EPS"]
+    """Return the next event, and its phase since the start; raise MapError unless the motion starts as the map does."""
+    K, names, belt = arithmetic.K, arithmetic.namespace, row.start.boundary
+    two_pi, eps = names["TWO_PI"], names["EPS"]
     turns = int(theta / two_pi) - (theta < 0)
-    phase = (theta - turns * two_pi) - turns * rest
-    start = _checked_start(row, arithmetic, x, theta, phase)
-    error = Covariance((eps * x) ** 2, 0 * x, 0 * x)
+    phase = (theta - turns * two_pi) - turns * names["TWO_PI_REST"]
+    # After a stick one force is 0, up to the rounding of the stick's end.
+    allowed = ROUNDING * eps * (force_terms(belt, x, K) + abs(K.f0 * theta))
+    start = belt_start(belt, x, (names["sin"](phase), names["cos"](phase)), arithmetic, allowed)
+    if start.mode != row.mode:
+        goes = "stays on" if start.mode > ON_BELT else "goes into"
+        low, high = NEIGHBOURS[belt]
+        forces = f"F^({low}) = {float(start.below):.6g}, F^({high}) = {float(start.above):.6g}"
+        raise MapError(row.label, x, theta, f"the motion {goes} {MODE_NAMES[start.mode]} there, since {forces}")
+    error, horizon = Covariance((eps * x) ** 2, 0 * x, 0 * x), MOST_MAP_PERIODS * K.period
     state = arithmetic.inward(belt_state(start, (0, phase), sine_and_cosine(phase, arithmetic), x, error, K))
-    horizon = MOST_MAP_PERIODS * K.period
     inner_K, until = arithmetic.inner_K, arithmetic.inward((horizon, 0 * horizon))
     before = arithmetic.enter()
     try:
-        event = advance(state, *until, inner_K)
+        event = arithmetic.advance(state, *until, inner_K)
         while event.code == MOVED:
-            event = advance(event.state, *until, inner_K)
+            event = arithmetic.advance(event.state, *until, inner_K)
         event = arithmetic.outward(event)
     finally:
         arithmetic.leave(before)
@@ -454,29 +439,11 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> t
     return event, event.state.n * two_pi + (event.state.theta - phase)
 
 
-def _checked_start(row: Map, arithmetic: Arithmetic, x: Number, theta: Number, phase: Number) -> BeltStart:
-    """Return the initial state of the motion; raise MapError unless it starts as the map does."""
-    K, names, boundary = arithmetic.K, arithmetic.namespace, row.start.boundary
-    # After a stick one force is 0, up to the rounding of the stick's end.
-    allowed = ROUNDING * names["EPS"] * (force_terms(boundary, x, K) + abs(K.f0 * theta))
-    start = belt_start(boundary, x, (names["sin"](phase), names["cos"](phase)), arithmetic, allowed)
-    if start.mode != row.mode:
-        goes = "stays on" if start.mode > ON_BELT else "goes into"
-        low, high = NEIGHBOURS[boundary]
-        forces = f"F^({low}) = {float(start.below):.6g}, F^({high}) = {float(start.above):.6g}"
-        raise MapError(row.label, x, theta, f"the motion {goes} {MODE_NAMES[start.mode]} there, since {forces}")
-    return start
-
-
 def _map_derivative(J: np.ndarray) -> np.ndarray | None:
     """Return d(x_j, theta_j)/d(x_i, theta_i) = -(df/d end)^-1 df/d start, or None if undefined."""
-    (x_x0, x_th0, x_x1, x_th1), (v_x0, v_th0, v_x1, v_th1) = J
+    start, ((x_x1, x_th1), (v_x1, v_th1)) = J[:, :2], J[:, 2:]
     determinant = x_x1 * v_th1 - x_th1 * v_x1
     if determinant == 0:
         return None
-    return np.array(
-        [
-            [(x_th1 * v_x0 - v_th1 * x_x0) / determinant, (x_th1 * v_th0 - v_th1 * x_th0) / determinant],
-            [(v_x1 * x_x0 - x_x1 * v_x0) / determinant, (v_x1 * x_th0 - x_x1 * v_th0) / determinant],
-        ]
-    )
+    rows = x_th1 * start[1] - v_th1 * start[0], v_x1 * start[0] - x_x1 * start[1]
+    return np.array(rows) / determinant

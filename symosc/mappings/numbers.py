@@ -28,11 +28,6 @@ POINT_NAMES = ("x_i", "theta_i", "x_j", "theta_j")
 REAL_NUMBER = "must be a finite real number: a float, an int or an mpmath number"
 
 
-def is_mp(value: object) -> bool:
-    """Return whether a value is an mpmath number."""
-    return hasattr(value, "_mpf_") and hasattr(value, "context")
-
-
 def is_array(value: Any) -> bool:
     """Return whether a value is an array or a sequence of numbers."""
     try:
@@ -74,8 +69,9 @@ def real_array(name: str, value: object, allowed: str) -> np.ndarray:
     try:
         array = np.asarray(value)
         plain = array is value and array.dtype.kind != "O"
-        if array.dtype.kind not in "iufO" or (not plain and text_or_booleans(value)):
-            raise TypeError
+        entries = [] if plain else np.asarray(value, dtype=object).ravel().tolist()
+        if array.dtype.kind not in "iufO" or any(isinstance(each, bool | np.bool_ | str | bytes) for each in entries):
+            raise TypeError  # numpy and float() would read text and booleans as numbers
         array = array.astype(float)
     except (TypeError, ValueError, OverflowError):
         raise ParameterError(name, value, allowed) from None
@@ -84,16 +80,8 @@ def real_array(name: str, value: object, allowed: str) -> np.ndarray:
     return array
 
 
-def text_or_booleans(value: object) -> bool:
-    """Return whether an entry is a text or a boolean, which numpy and float() would read as numbers."""
-    entries = np.asarray(value, dtype=object).ravel().tolist()
-    return any(isinstance(entry, bool | np.bool_ | str | bytes) for entry in entries)
-
-
 # --- phases a + b pi ---
 
-# Longer texts are no angles that somebody means.
-LONGEST_TEXT = 200
 PHASE_FORMS = (
     "give a number, or a rational multiple of pi such as 'pi', '3*pi/2' or '-pi/4' (a rational number may be added)"
 )
@@ -138,8 +126,8 @@ def read_phase_text(name: str, text: str) -> ExactPhase:
         except ParameterError as error:
             allowed = f"{NUMBER_FORMS}, or a multiple of pi such as '3*pi/2'"
             raise ParameterError(name, text, allowed if error.allowed == NUMBER_FORMS else error.allowed) from None
-    if len(text) > LONGEST_TEXT:
-        raise ParameterError(name, f"{text[:20]}...", f"must have at most {LONGEST_TEXT} characters")
+    if len(text) > 200:  # no angle that somebody means
+        raise ParameterError(name, f"{text[:20]}...", "must have at most 200 characters")
     plain = re.sub(r"(?<=[\d)])\s*pi", "*pi", text.strip().replace("π", "pi"))
     if not PHASE_TEXT.fullmatch(plain) or "**" in plain or "//" in plain:
         raise ParameterError(name, text, PHASE_FORMS)
@@ -280,8 +268,7 @@ def latex_point(letter: str, theta: Any, x: Any) -> str:
 
 def latex_words(text: str | None) -> str:
     """Return text for a LaTeX formula, with special characters escaped."""
-    escaped = re.sub(r"([_^%&#$])", r"\\\1", text or "")
-    return rf"\text{{{escaped}}}"
+    return r"\text{" + re.sub(r"([_^%&#$])", r"\\\1", text or "") + "}"
 
 
 def latex_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -53,14 +53,12 @@ class Place(NamedTuple):
 
 
 PLACES = {"P2": Place(1, 1, 1, 55), "P3": Place(2, 1, -1, 56), "P5": Place(2, 2, 1, 57), "P6": Place(3, 2, -1, 58)}
-
 _NO_GRAZING = {
     "P1": "sticks on belt 1",
     "P4": "sticks on belt 2",
     "P7": "leads from v2 to v1",
     "P8": "leads from v1 to v2",
 }
-
 ORDERS: tuple[Order, ...] = ("full", "paper")
 
 # What a window is; a wrapped arc goes through 0. EQUALITY_UNDECIDED: rational numbers must decide.

@@ -33,17 +33,8 @@ from symosc.model import MODE_NAMES, NEIGHBOURS
 from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, Solution, polish
 from symosc.simulation.simulate import simulate
 
-# A margin below this part of the terms that it is a difference of is decided in more digits ...
-MARGINAL = 1e-9
-SUSPECT = 1e-6  # ... may be what fails where the root is too ill-conditioned to decide, if it is below this part
+MARGINAL = 1e-9  # a margin below this part of the terms that it is a difference of is decided in more digits
 FINE_DIGITS = 50
-# ... and is 0 if it is below this part of them even there.
-NOTHING_LEFT = 1e-25
-# How far the engine's events may be from the orbit's, as a part of a period and of the size of the positions. A start
-# that is rounded to doubles moves an arrival with a margin of MARGINAL by 1e-7.
-SAME_POINT = 1e-6
-VANISHING_PART = 1e-2  # a duration that Newton's method in more digits reduces to this part of itself goes to 0
-SAME_EXACTLY = 1e-12
 SAMPLE = 0.25  # step of the samples that bracket extrema of the velocity, in units of 1/rate
 
 
@@ -222,10 +213,8 @@ def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations
 
 def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: ClosingEquations) -> Extremum:
     """Return the zero of the acceleration in a bracket, by Newton steps within it."""
-    states, K = equations.arithmetic.namespace["state_at"], equations.K
-    number = equations.exact or float
-    # An extremum is known to this many rounding errors of its time
-    allowed = 64.0 * equations.arithmetic.namespace["EPS"]
+    states, K, number = equations.arithmetic.namespace["state_at"], equations.K, equations.exact or float
+    allowed = 64.0 * equations.arithmetic.namespace["EPS"]  # to which an extremum is known, as a part of its time
     low, high = number(low), number(high)
     tau = (low + high) / 2
     for _ in range(100):
@@ -234,12 +223,12 @@ def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: C
         if a == 0:
             break
         low, high = (tau, high) if (a > 0) == falls else (low, tau)
-        following = tau - a / b if b != 0 else low
-        if not low < following < high:
-            following = (low + high) / 2
-        if abs(following - tau) <= allowed * high or following in (low, high):
+        before, tau = tau, tau - a / b if b != 0 else low
+        if not low < tau < high:
+            tau = (low + high) / 2
+        if abs(tau - before) <= allowed * high or tau in (low, high):
+            tau = before
             break
-        tau = following
     return Extremum(tau, flight.v + now.dv, b)
 
 
@@ -248,17 +237,19 @@ def grazing_distance(equations: ClosingEquations, points: Points) -> float:
     # At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go
     # past the belt if the motion of its domain went on. Both are 0 where the orbit grazes, seen from below and from
     # above.
-    K, nearest = equations.K, inf
-    points = [(float(x), float(theta)) for x, theta in points]
-    nearest = min([c.value for c in conditions(equations, points) if "stays in" in c.text], default=inf)
+    K, points = equations.K, [(float(x), float(theta)) for x, theta in points]
+    found = [c.value for c in conditions(equations, points) if "stays in" in c.text]
     for piece, start, end in zip(equations.pieces, points, equations.ends(points), strict=True):
-        if piece.sticks:
-            continue
-        tau = (end[1] - start[1]) / K.Om
-        past = extrema(tau, tau + K.period, equations.start_of_flight(piece, start), False, equations)
-        if past:
-            nearest = min(nearest, abs(past[0].v - equations.belt(piece.end).v))
-    return float(nearest)
+        if not piece.sticks:
+            tau = (end[1] - start[1]) / K.Om
+            past = extrema(tau, tau + K.period, equations.start_of_flight(piece, start), False, equations)
+            found += [abs(each.v - equations.belt(piece.end).v) for each in past[:1]]
+    return float(min(found, default=inf))
+
+
+def of_function(condition: Condition) -> bool:
+    """Return whether a condition concerns a whole piece, not only its end or duration."""
+    return " stays in " in condition.text or " during " in condition.text
 
 
 def failing(all_of_them: list[Condition]) -> list[Condition]:
@@ -287,7 +278,8 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
         wrong = engine_contradiction(equations, points)
         return [] if wrong is None else _undecided(found) or [wrong]
     decided = conditions(fine, root.points)
-    failed = failing([c._replace(value=0.0) if abs(c.value) < NOTHING_LEFT * c.scale else c for c in decided])
+    # So small a margin is 0 even there.
+    failed = failing([c._replace(value=0.0) if abs(c.value) < 1e-25 * c.scale else c for c in decided])
     if failed:
         return failed
     found = []
@@ -322,19 +314,16 @@ def _vanishing(
         [end[1] - start[1] for start, end in zip(each, of.ends(each), strict=True)]
         for of, each in ((equations, points), (fine, root.points))
     )
-    gone = {i for i in range(len(was)) if abs(now[i]) < VANISHING_PART * abs(was[i])}
+    gone = {i for i in range(len(was)) if abs(now[i]) < 1e-2 * abs(was[i])}
     lasts = [c for c in found if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
     return [c._replace(value=0.0) for c in lasts]
 
 
 def _undecided(found: list[Condition]) -> list[Condition]:
     """Return the conditions that fail, or that may, of a root that could not be found with more digits."""
-    failed = failing(found)
-    if failed:
-        return failed
-    nearest = [c for c in found if abs(c.value) < SUSPECT * c.scale]
+    nearest = sorted((c for c in found if abs(c.value) < 1e-6 * c.scale), key=lambda c: c.rank)
     text = " (it cannot be decided: the equations are singular there)"
-    return [c._replace(text=c.text + text, value=0.0) for c in sorted(nearest, key=lambda c: c.rank)]
+    return failing(found) or [c._replace(text=c.text + text, value=0.0) for c in nearest]
 
 
 def engine_contradiction(equations: ClosingEquations, points: Points, digits: int | None = None) -> Condition | None:
@@ -347,7 +336,9 @@ def engine_contradiction(equations: ClosingEquations, points: Points, digits: in
         return min(abs(float(equations.force(domain, x, v, theta))) for domain in NEIGHBOURS[pieces[i].start])
 
     first = max((i for i in range(len(pieces)) if not pieces[i - 1].sticks), key=least_force, default=0)
-    allowed, (x, theta) = (SAME_POINT if digits is None else SAME_EXACTLY), points[first]
+    # How far the engine's events may be from the orbit's, as a part of a period and of the size of the positions. A
+    # start that is rounded to doubles moves an arrival with a margin of MARGINAL by 1e-7.
+    allowed, (x, theta) = (1e-6 if digits is None else 1e-12), points[first]
     t0 = number(theta) / K.Om
     t_end, v0 = t0 + equations.turn / K.Om * (1 + allowed), p.belt(pieces[first].start)
     most = len(pieces) + 1

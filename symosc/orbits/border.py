@@ -8,7 +8,7 @@ point are found on a small circle around it: the words of the settled motion are
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations, pairwise
 from math import cos, inf, pi, sin
@@ -23,28 +23,12 @@ from symosc.errors import ParameterError, SymoscError, meant
 from symosc.exact import read_exact, whole_number
 from symosc.kernels.entire import EPS
 from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.orbits import border_system
 from symosc.orbits.admissibility import Condition, conditions, failures, scales
-from symosc.orbits.border_system import (
-    AT_ARRIVAL,
-    AT_FAR,
-    AT_HOLD,
-    AT_TOUCH,
-    NOTHING,
-    BorderSystem,
-    ClosedForm,
-    Node,
-    Orbit,
-    Zero,
-    is_symmetric,
-    names_of,
-    symmetrised,
-    zero_values,
-    zeros_of,
-)
+from symosc.orbits.border_system import BorderSystem, ClosedForm, Node, Orbit, Plane, Zero, names_of, zeros_of
 from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, solve
-from symosc.orbits.curve import orbit_of
-from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow
+from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow, orbit_of
 from symosc.orbits.floquet import rest_positions
 from symosc.quantities import least
 from symosc.words import Word, cycle
@@ -66,40 +50,21 @@ class BorderError(SymoscError, ArithmeticError):
     """
 
 
-CODIMENSION_TWO, CLOSED, FOLD = "codimension two", "closed", "fold"
-
-SHORTEST = 1e-9  # of a step, as a part of the ranges
-SHARPEST_TURN = 0.98  # cosine of the angle between neighbouring tangents
-FARTHEST = 0.1  # of a correction, as a part of the step
+CLOSED, FOLD = "closed", "fold"
 CHECKED = 8  # points per check of the inequalities
-# To what length a change on the way is bisected, and how often at most.
-LOCATED, MOST_HALVINGS = 1e-12, 50
-MOST_SECANTS, FIRST_SECANT = 8, 1e-9  # for a fold; the first change of a parameter
-NEAR = 1e-3  # so far from where it is looked for a point is accepted
-FARTHEST_BESIDE = 0.01
-BESIDE = (1e-6, 1e-5, 1e-4, 1e-7)  # distances from a border at which its words are looked at, as parts of the ranges
-RADIUS, ANGLES = 1e-3, 24  # of the circle around a point, as a part of the ranges, and points on it
-# A change of words on a segment is bisected to this part of it, or of the ranges, before the equations are solved.
-SHORT_SEGMENT, NEAREST = 1e-3, 1e-6
-SHORTEST_SEGMENT = 1e-9
-AWAY = (1e-7, 1e-6, 1e-5)  # distances from a branch's end at which its border is looked for, as parts of the range
-SECOND = 1e-4  # distance of the second point that tells which inequalities are 0 all along
-MOST_CANDIDATES = 6
-FLAT = 0.1  # a derivative below this part of its terms may be 0 at a point that is known as well as a curve shows it
+LOCATED, MOST_HALVINGS = 1e-12, 50  # to what length a change on the way is bisected, and how often at most
+FARTHEST = 0.1  # of a correction, as a part of the step
+NEAR = 1e-3  # so far from where it is looked for a point is accepted, and a margin is taken to vanish there
+# Distances as parts of the ranges: from a border to where its words are looked at, from a branch's end to where its
+# border is looked for, from a border to where a narrow region behind it is looked for.
+BESIDE, AWAY, SHIFTS = (1e-6, 1e-5, 1e-4, 1e-7), (1e-7, 1e-6, 1e-5), (1e-9, 1e-8, 1e-7, 1e-6)
+STEP, MOST_POINTS = 0.002, 5000
 REGULAR = {
-    AT_FAR: ", and G^(1) of that domain is 0 there",
-    AT_ARRIVAL: ", and G^(1) of that domain is 0 there: a cubic tangency",
-    AT_TOUCH: " in an extremum at which v'' is 0 too",
-    AT_HOLD: " in an extremum at which F'' is 0 too",
+    border_system.AT_FAR: ", and G^(1) of that domain is 0 there",
+    border_system.AT_ARRIVAL: ", and G^(1) of that domain is 0 there: a cubic tangency",
+    border_system.AT_TOUCH: " in an extremum at which v'' is 0 too",
+    border_system.AT_HOLD: " in an extremum at which F'' is 0 too",
 }
-SHIFTS = (1e-9, 1e-8, 1e-7, 1e-6)  # distances from a border at which a narrow region behind it is looked for
-LEVEL = 1e-6  # change of a slope that is more than rounding
-SHORT_PIECE = 1e-3  # a phase: a piece this short at a point of codimension two may have no length there
-STEP, LONGEST_STEP, MOST_POINTS = 0.002, 0.1, 5000
-SAME_POINT, SAME_BORDER = 1e-6, 1e-4  # as parts of the ranges
-NEAR_REST = 1e-6  # so near to the equality of a closed form, as a part of its terms, a branch has ended at it
-SLACK = 1e-14  # of the ranges: a border along a bound is not outside
-NO_VALUE = 1e-12  # a value of a parameter at a branch's end is 0 below this part of those along the branch
 #: What stands for a word where the mass may rest on a belt for ever.
 REST = "rest"
 
@@ -159,28 +124,6 @@ class SpecialPoint(NamedTuple):
     error: float
 
 
-class Plane(NamedTuple):
-    """The plane of two parameters: the others, the names of the two, and their ranges."""
-
-    fixed: Parameters
-    names: tuple[str, str]
-    low: np.ndarray
-    high: np.ndarray
-
-    def parameters(self, values: Sequence[Any]) -> Parameters:
-        """Return the parameters at a point of the plane."""
-        return self.fixed.replace(**dict(zip(self.names, values, strict=True)))
-
-    def near(self, a: Sequence[float], b: Sequence[float]) -> bool:
-        """Return whether two points are the same within errors."""
-        return bool((np.abs(np.subtract(a, b)) < SAME_POINT * self.widths).all())
-
-    @property
-    def widths(self) -> np.ndarray:
-        """The widths of the ranges."""
-        return self.high - self.low
-
-
 class Border(Drawable):
     """A border: the curve in a plane of two parameters on which the word of the settled motion changes.
 
@@ -219,9 +162,9 @@ class Border(Drawable):
     True
     """
 
-    def __init__(self, plane: Plane, system: BorderSystem, nodes: list[Node], ends: Any, special: Any) -> None:
-        self._plane, self._system, self._nodes = plane, system, nodes
-        self.parameters, self.fixed, self.ends, self.special = plane.names, plane.fixed, ends, tuple(special)
+    def __init__(self, system: BorderSystem, nodes: list[Node], ends: Any, special: Any) -> None:
+        self._plane, self._system, self._nodes = system.plane, system, nodes
+        self.parameters, self.fixed, self.ends, self.special = system.names, system.plane.fixed, ends, tuple(special)
         self.points = np.array([node.z[-2:] * system.scale[-2:] for node in nodes])
         self.errors = np.array([node.error for node in nodes])
         self.kind, self.sliding = names_of(system)
@@ -246,21 +189,15 @@ class Border(Drawable):
         Each is the word of an orbit that the engine has followed there; None if none was found. With c > 0 it is that
         of the settled motion. "rest" is decided exactly.
         """
-        first, second = (
-            REST
-            if any(rest_positions(p, belt) is not None for belt in (1, 2))
-            else found.cycle
-            if (found := motion_at(p, self.orbit(i))) is not None
-            else None
-            for p in self.beside(i, distance)
-        )
-        return first, second
 
-    def _seen_from(self, word: str, kind: str = "") -> Border:
-        """Return the border with this word first, and with the kind of the end of its branch."""
-        if self.words[1] == word:
-            self.words, self._side, self.kind = self.words[::-1], -self._side, kind or self.kind
-        return self
+        def word(p: Parameters) -> str | None:
+            if any(rest_positions(p, belt) is not None for belt in (1, 2)):
+                return REST
+            found = motion_at(p, self.orbit(i))
+            return None if found is None else found.cycle
+
+        first, second = self.beside(i, distance)
+        return word(first), word(second)
 
     @public
     def orbit(self, i: int) -> Orbit:
@@ -268,7 +205,7 @@ class Border(Drawable):
         return self._system.orbit(self._nodes[self._index(i)].z)
 
     def _index(self, i: int) -> int:
-        """Return a nonnegative index for i."""
+        """Return an index that is in range, as for a list."""
         return whole_number("i", i, -len(self), len(self) - 1)
 
     @public
@@ -278,8 +215,8 @@ class Border(Drawable):
         `distance` is a part of the ranges; the way there is at a right angle to the border, in units of the ranges.
         """
         node, far = self._nodes[self._index(i)], float(read_exact("distance", distance))
-        if not 0 < far <= FARTHEST_BESIDE:
-            raise ParameterError("distance", distance, f"must be > 0 and at most {FARTHEST_BESIDE:g}")
+        if not 0 < far <= 0.01:
+            raise ParameterError("distance", distance, "must be > 0 and at most 0.01")
         along = node.tangent[-2:] / np.linalg.norm(node.tangent[-2:])
         away = self._side * far * np.array([-along[1], along[0]])
         here = node.z[-2:] * self._system.scale[-2:]
@@ -292,8 +229,25 @@ class Border(Drawable):
 
         The borders that leave such a point are found on a small circle around it, by the words of the motions there:
         what takes less of the circle than doubles can tell is missed. `step` and `max_points` as for `continue_border`.
+        It is complete where no end is left that is not a point of codimension two from which all borders are followed,
+        an end of the range, or "no convergence".
         """
-        return network(self, step=step, max_points=max_points)
+        how: dict[str, Any] = {"step": step, "max_points": max_points}
+        _read_steps(**how)
+        found, done, waiting = [self], list[tuple[float, float]](), [self]
+        while waiting:
+            here = waiting.pop()
+            for end in here.ends:
+                points = (each for each in here.special if each.kind != FOLD)
+                point = next((each for each in points if here._plane.near(each.values, end.values)), None)
+                if point is None or any(here._plane.near(point.values, other) for other in done):
+                    continue
+                done.append(point.values)
+                for other in borders_leaving(here, point, **how):
+                    if not any(passes(each, other.points[len(other) // 2], other.words) for each in found):
+                        found.append(other)
+                        waiting.append(other)
+        return found
 
     @public
     def at(self, **value: NumberLike) -> tuple[float, ...]:
@@ -309,12 +263,11 @@ class Border(Drawable):
             If a value cannot be found with many digits.
         """
         if len(value) != 1 or next(iter(value)) not in self.parameters:
-            raise ParameterError(
-                "at", ", ".join(value), f"must be one of {' and '.join(self.parameters)}, as NAME=value"
-            )
-        (name, given), j = next(iter(value.items())), self.parameters.index(next(iter(value)))
-        exact = read_exact(name, given)
-        target, index = float(exact) / self._system.scale[-2 + j], len(self._system.scale) - 2 + j
+            allowed = f"must be one of {' and '.join(self.parameters)}, as NAME=value"
+            raise ParameterError("at", ", ".join(value), allowed)
+        ((name, given),), system = value.items(), self._system
+        j, exact = self.parameters.index(name), read_exact(name, given)
+        target = float(exact) / system.scale[-2 + j]
         places = np.array([node.z[-2 + j] for node in self._nodes]) - target
         found = []
         for i in np.flatnonzero(places[:-1] * places[1:] <= 0).tolist():
@@ -325,15 +278,14 @@ class Border(Drawable):
                 low, high = (part, high) if between(a, b, part)[-2 + j] < target else (low, part)
             guess = between(a, b, low)
             guess[-2 + j] = target
-            polished = self._system.polish(guess, (index, exact))
+            polished = system.polish(guess, (len(guess) - 2 + j, exact))
             if polished is not None:
                 found.append(float(polished[-1 - j]))
                 continue
-            fold = [point.values for point in self.special if point.kind == FOLD]
-            at_fold = [values[1 - j] for values in fold if abs(values[j] - float(exact)) <= 4 * EPS * abs(values[j])]
+            folds = (point.values for point in self.special if point.kind == FOLD)
+            at_fold = [values[1 - j] for values in folds if abs(values[j] - float(exact)) <= 4 * EPS * abs(values[j])]
             if not at_fold:
-                word = str(self._system.word)
-                raise ConvergenceError(word, (), self._system.periods, inf, "the border is singular there")
+                raise ConvergenceError(str(system.word), (), system.periods, inf, "the border is singular there")
             found += at_fold
         return tuple(sorted(set(found)))
 
@@ -346,10 +298,9 @@ class Border(Drawable):
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        (a, b), (first, last) = self.words, self.ends
-        name = self.sliding or self.kind
-        ends = " to ".join(f"({', '.join(f'{x:.6g}' for x in end.values)}) ({end.kind})" for end in (first, last))
-        axes = ", ".join(self.parameters)
+        a, b = self.words
+        ends = " to ".join(f"({', '.join(f'{x:.6g}' for x in end.values)}) ({end.kind})" for end in self.ends)
+        name, axes = self.sliding or self.kind, ", ".join(self.parameters)
         return f"<Border {a} | {b or 'no word'} ({name}) over ({axes}), {len(self.points)} points, {ends}>"
 
     def as_dict(self) -> Record:
@@ -399,19 +350,18 @@ def motion_at(parameters: Parameters, orbit: Orbit) -> Orbit | None:
 class Tracer:
     """Follows one border from a point on it, both ways."""
 
-    def __init__(self, plane: Plane, system: BorderSystem, first: Node, step: float, most: int) -> None:
-        self.plane, self.system, self.first, self.longest, self.most = plane, system, first, step, most
-        self.low, self.high = (bound / plane.widths for bound in (plane.low, plane.high))
+    def __init__(self, system: BorderSystem, first: Node, step: float, most: int) -> None:
+        self.plane, self.system, self.first, self.longest, self.most = system.plane, system, first, step, most
+        self.low, self.high = (bound / self.plane.widths for bound in (self.plane.low, self.plane.high))
 
     def border(self) -> Border:
         """Return the border."""
         forward, last, special = self._follow(self.first)
         if last.kind == CLOSED:
-            return Border(self.plane, self.system, forward, (last, last), special)
-        back = self.first._replace(tangent=-self.first.tangent)
-        backward, begin, others = self._follow(back)
+            return Border(self.system, forward, (last, last), special)
+        backward, begin, others = self._follow(self.first._replace(tangent=-self.first.tangent))
         turned = [node._replace(tangent=-node.tangent) for node in reversed(backward[1:])]
-        return Border(self.plane, self.system, turned + forward, (begin, last), [*reversed(others), *special])
+        return Border(self.system, turned + forward, (begin, last), [*reversed(others), *special])
 
     def _follow(self, first: Node) -> tuple[list[Node], BorderEnd, list[SpecialPoint]]:
         """Follow the border along the first node's tangent; return its nodes, its end and its special points."""
@@ -426,9 +376,9 @@ class Tracer:
             guess = here.z + step * here.tangent + 0.5 * step * step * bend
             node = self.system.node(guess, here.tangent)
             near = node is not None and np.linalg.norm(node.z - guess) < FARTHEST * step
-            if node is None or not near or node.tangent @ here.tangent < SHARPEST_TURN:
+            if node is None or not near or node.tangent @ here.tangent < 0.98:
                 step /= 2
-                if step < SHORTEST:
+                if step < 1e-9:
                     return end(NO_CONVERGENCE, "the steps became too short: the equations are singular there")
                 continue
             bend = (node.tangent - here.tangent) / np.linalg.norm(node.z - here.z)
@@ -437,7 +387,7 @@ class Tracer:
                 node = self._at_bound(here, node, *outside)
             for j in (0, 1):
                 slopes = np.array([here.tangent[-2 + j], node.tangent[-2 + j]])
-                if slopes.prod() < 0 and np.ptp(slopes) > LEVEL:  # rounding alone on a line along an axis
+                if slopes.prod() < 0 and np.ptp(slopes) > 1e-6:  # rounding alone on a line along an axis
                     fold = self._fold(here, node, j)
                     if fold is not None:
                         path.append(fold[0])
@@ -447,15 +397,14 @@ class Tracer:
             path.append(node)
             closed = len(path) > CHECKED and outside is None and self._closes(here, node)
             if outside is not None or closed or len(path) > self.most or len(path) - checked > CHECKED:
-                failed = self._first_failure(path, checked)
-                if failed is not None:
-                    at, condition = failed
-                    cut, point = self._codimension_two(path[at - 1], path[at], condition)
+                at = self._first_failure(path, checked)
+                if at is not None:
+                    cut, point = self._codimension_two(path[at - 1], path[at])
                     del path[at:]
-                    special[:] = [each for each in special if self._before(each, path)]
+                    kept = {self._values(node.z) for node in path}
+                    special[:] = [*(each for each in special if each.values in kept), point]
                     path.append(cut)
-                    special.append(point)
-                    return end(CODIMENSION_TWO, f"{point.kind}: {point.message}")
+                    return end("codimension two", f"{point.kind}: {point.message}")
                 checked = len(path) - 1
             if closed:
                 path[-1] = first
@@ -474,64 +423,49 @@ class Tracer:
 
     def _outside(self, node: Node) -> tuple[int, float] | None:
         """Return which parameter (0 or 1) is outside its range, and its bound in widths; None if both are inside."""
-        values = node.z[-2:]
-        for j, (value, low, high) in enumerate(zip(values, self.low, self.high, strict=True)):
-            if not low - SLACK <= value <= high + SLACK:
+        for j, (value, low, high) in enumerate(zip(node.z[-2:], self.low, self.high, strict=True)):
+            if not low - 1e-14 <= value <= high + 1e-14:  # a border along a bound is not outside
                 return j, float(low if value < low else high)
         return None
 
     def _at_bound(self, here: Node, node: Node, j: int, bound: float) -> Node:
         """Return the node between two where a parameter is at the bound of its range."""
-        row, part = np.zeros(len(here.z)), (bound - here.z[-2 + j]) / (node.z[-2 + j] - here.z[-2 + j])
-        row[-2 + j] = 1.0
+        part = (bound - here.z[-2 + j]) / (node.z[-2 + j] - here.z[-2 + j])
         guess = between(here, node, float(part))
         guess[-2 + j] = bound
-        return self.system.node(guess, here.tangent, row) or here
+        return self.system.node(guess, here.tangent, np.eye(len(guess))[-2 + j]) or here
 
     def _closes(self, here: Node, node: Node) -> bool:
         """Return whether the curve passes its first point between two nodes."""
-        away = self.first.z - here.z
-        along, length = node.z - here.z, float(np.linalg.norm(node.z - here.z))
+        away, along = self.first.z - here.z, node.z - here.z
+        length = float(np.linalg.norm(along))
         part = away @ along / length**2
         return bool(0 <= part <= 1 and np.linalg.norm(away - part * along) < FARTHEST * length)
 
-    def _before(self, point: SpecialPoint, path: list[Node]) -> bool:
-        """Return whether a fold is still on the path."""
-        return any(self._values(node.z) == point.values for node in path)
+    def _failing(self, node: Node) -> Condition | None:
+        """Return the inequality that fails most at a node, if any."""
+        return min((c for c in self.system.margins(node.z) if not c.value > 0), key=_part, default=None)
 
-    def _first_failure(self, path: list[Node], checked: int) -> tuple[int, Condition] | None:
-        """Find the first node after `checked` at which an inequality fails; return its number and the inequality."""
-
-        def failing(i: int) -> Condition | None:
-            return min((c for c in self.system.margins(path[i].z) if not c.value > 0), key=_part, default=None)
-
+    def _first_failure(self, path: list[Node], checked: int) -> int | None:
+        """Return the number of the first node after `checked` at which an inequality fails."""
         low, high = checked, len(path) - 1
-        at_end = self.system.margins(path[high].z)
-        failed = min((c for c in at_end if not c.value > 0), key=_part, default=None)
-        before, self.margins = self.margins, at_end
-        if failed is None:
+        before, self.margins = self.margins, self.system.margins(path[high].z)
+        if all(c.value > 0 for c in self.margins):
             # A margin may dip between two checks. How it has changed tells how far.
-            pairs = zip(before or (), at_end, strict=False)
             steady = (
-                a.value == b.value or min(a.value, b.value) > min(abs(a.value - b.value), b.value / 2) for a, b in pairs
+                a.value == b.value or min(a.value, b.value) > min(abs(a.value - b.value), b.value / 2)
+                for a, b in zip(before or (), self.margins, strict=False)
             )
-            if before is None or all(steady):
-                return None
-            for i in range(low + 1, high):
-                failed = failing(i)
-                if failed is not None:
-                    return i, failed
-            return None
+            looked = () if before is None or all(steady) else range(low + 1, high)
+            return next((i for i in looked if self._failing(path[i]) is not None), None)
         while high - low > 1:
             middle = (low + high) // 2
-            found = failing(middle)
-            low, high, failed = (middle, high, failed) if found is None else (low, middle, found)
-        return high, failed
+            low, high = (middle, high) if self._failing(path[middle]) is None else (low, middle)
+        return high
 
     def _fold(self, here: Node, node: Node, j: int) -> tuple[Node, SpecialPoint] | None:
         """Return the fold between two nodes in which parameter j turns back, by secants for its slope."""
         system, other, index = self.system, 1 - j, len(here.z) - 1 - j
-        z = here.z
         for _ in range(3):  # in doubles first
             part = here.tangent[-2 + j] / (here.tangent[-2 + j] - node.tangent[-2 + j])
             middle = system.node(between(here, node, float(part)), here.tangent)
@@ -541,7 +475,7 @@ class Tracer:
             here, node = (middle, node) if middle.tangent[-2 + j] * here.tangent[-2 + j] > 0 else (here, middle)
         tried: list[tuple[float, float]] = []
         q = float(z[-2 + other] * system.scale[-2 + other])
-        for _ in range(MOST_SECANTS):
+        for _ in range(8):
             u = system.polish(z, (index, Fraction(q)))
             if u is None:
                 return None
@@ -549,7 +483,7 @@ class Tracer:
             tried.append((q, float(tangent[-2 + j] / tangent[-2 + other])))
             z = np.array([float(value) for value in u]) / system.scale
             if len(tried) == 1:
-                change = FIRST_SECANT * float(system.scale[-2 + other])
+                change = 1e-9 * float(system.scale[-2 + other])
             elif tried[-1][1] == tried[-2][1]:
                 break
             else:
@@ -558,29 +492,27 @@ class Tracer:
             if abs(change) <= 4 * EPS * abs(q):
                 break
             q += change
-        values = self._values(z)
+        values, tangent = self._values(z), tangent * float(np.sign(tangent @ here.tangent))
         error = max(abs(change), *(2 * EPS * abs(value) for value in values))
-        name, tangent = self.plane.names[j], tangent * float(np.sign(tangent @ here.tangent))
-        bend = "largest" if here.tangent[-2 + j] > 0 else "smallest"
-        message = f"{name} is {bend} along the border"
+        message = f"{self.plane.names[j]} is {'largest' if here.tangent[-2 + j] > 0 else 'smallest'} along the border"
         return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
 
-    def _codimension_two(self, good: Node, bad: Node, condition: Condition) -> tuple[Node, SpecialPoint]:
+    def _codimension_two(self, good: Node, bad: Node) -> tuple[Node, SpecialPoint]:
         """Locate the point between two nodes at which an inequality vanishes, as a last node and a special point."""
-        system = self.system
+        system, condition = self.system, self._failing(bad)
         for _ in range(MOST_HALVINGS):
             if np.linalg.norm(bad.z - good.z) < LOCATED:
                 break
-            middle = self.system.node(between(good, bad, 0.5), good.tangent)
+            middle = system.node(between(good, bad, 0.5), good.tangent)
             if middle is None:
                 break
-            failed = min((c for c in system.margins(middle.z) if not c.value > 0), key=_part, default=None)
+            failed = self._failing(middle)
             good, bad, condition = (middle, bad, condition) if failed is None else (good, middle, failed)
-        values = self._values(good.z)
-        closed = isinstance(system, ClosedForm)
+        values, closed = self._values(good.z), isinstance(system, ClosedForm)
         found = None if closed else meeting(self.plane, system.orbit(good.z), values)
         if found is None:
-            message = f"{condition.text} no longer holds{'' if closed else '; the point could not be refined'}"
+            text = "" if condition is None else condition.text
+            message = f"{text} no longer holds{'' if closed else '; the point could not be refined'}"
             length = float(np.abs((bad.z - good.z)[-2:] * system.scale[-2:]).max())
             found = SpecialPoint(names_of(system)[1] or names_of(system)[0], values, message, length)
         z = good.z.copy()
@@ -603,7 +535,7 @@ def meeting(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialP
     has no length at the point.
     """
     durations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods).durations(orbit.points)
-    found = None if durations.min() < SHORT_PIECE else _two_zeros(plane, orbit, values)
+    found = None if durations.min() < 1e-3 else _two_zeros(plane, orbit, values)
     if found is None:
         around = [each for _, each in _circle(plane, values, orbit)]
         found = _two_zeros(plane, min(around, key=lambda each: len(each.points)), values) if around else None
@@ -613,9 +545,9 @@ def meeting(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialP
 def _circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[tuple[np.ndarray, Orbit]]:
     """Return points on a small circle around a point of the plane that are in the ranges, with the orbits there."""
     found = []
-    for i in range(ANGLES):
-        angle = 2 * pi * (i + 0.5) / ANGLES
-        place = np.array(values) + RADIUS * plane.widths * np.array([cos(angle), sin(angle)])
+    for i in range(24):
+        angle = 2 * pi * (i + 0.5) / 24
+        place = np.array(values) + 1e-3 * plane.widths * np.array([cos(angle), sin(angle)])
         inside = (plane.low <= place).all() and (place <= plane.high).all()
         there = motion_at(plane.parameters(place.tolist()), orbit) if inside else None
         if there is not None:
@@ -628,28 +560,29 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
     equations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods)
     solution = solve(equations, orbit.points)
     points = solution.points if solution.converged else orbit.points
-    half = len(points) // 2 if is_symmetric(points, NEAR) else 0
-    points = symmetrised(points) if half else points
+    half = len(points) // 2 if border_system.is_symmetric(points, NEAR) else 0
+    points = border_system.symmetrised(points) if half else points
     size = scales(equations, points)
     single, pairs = list[tuple[Zero, list[float], Condition]](), list[Any]()
     for c in conditions(equations, points):
         if abs(_part(c)) < NEAR:
             single += [(zero, phases, c) for zero, phases in zeros_of(equations, points, c)]
     for zero, phases, c in single:
-        (flat,) = zero_values(equations, points, zero.bend, phases[0] if phases else 0.0)
-        if abs(flat) * size.t < FLAT * size.a:
+        (flat,) = border_system.zero_values(equations, points, zero.bend, phases[0] if phases else 0.0)
+        if abs(flat) * size.t < 0.1 * size.a:  # it may be 0 at a point that is known as well as a curve shows it
             pairs.append((-1.0 if phases else -2.0, (zero, zero.bend), phases, (c.text,)))
     for one, two in combinations(single, 2):
         if one[0].kind != two[0].kind or two[0].piece - one[0].piece != half:  # two that are one by symmetry
             found = (max(abs(_part(one[2])), abs(_part(two[2]))), (one[0], two[0]), one[1] + two[1])
             pairs.append((*found, (one[2].text, two[2].text)))
     for _, zeros, phases, texts in sorted(pairs, key=lambda pair: pair[0]):
-        mirrored = [other for other in single for zero in zeros if half and other[0].mirrors(zero, half)]
+        images = [(zero.kind, zero.piece + way * half) for zero in zeros for way in (1, -1) if half]
+        mirrored = [other for other in single if (other[0].kind, other[0].piece) in images]
         added = [each for other in mirrored for each in ((other[0], other[0].bend) if len(texts) == 1 else other[:1])]
         more = [phase for other in mirrored for phase in other[1]]
         # The equations of one half of a symmetric orbit may leave the other half undetermined: both are tried first.
         for all_zeros, all_phases in (([*zeros, *added], [*phases, *more]), (zeros, phases))[not added :]:
-            system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit._replace(points=points), all_zeros)
+            system = BorderSystem(plane, orbit._replace(points=points), all_zeros)
             polished = system.polish(np.array([*points.ravel(), *all_phases, *values]) / system.scale)
             at = [float(value) for value in (polished or [])[-2:]]
             if polished is None or (np.abs(np.subtract(at, values)) > NEAR * plane.widths).any():
@@ -658,7 +591,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
             kind = " and ".join(sorted(sliding or what for what, sliding in names))
             message = " and ".join(f"{text} just fails" for text in texts)
             if len(texts) == 1:
-                kind = f"degenerate {kind}" if zeros[0].kind != AT_ARRIVAL else kind
+                kind = f"degenerate {kind}" if zeros[0].kind != border_system.AT_ARRIVAL else kind
                 message += REGULAR[zeros[0].kind]
             return SpecialPoint(kind, (at[0], at[1]), f"{message} ({orbit.cycle})", 2 * EPS * max(map(abs, at)))
     return None
@@ -667,9 +600,9 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
 def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedForm, Node] | None:
     """Return the border at a place of the plane beyond which the motion has no word; None if there is none."""
     p = plane.parameters(place.tolist())
-    system = ClosedForm(p, plane.names, plane.widths, orbit)
+    system = ClosedForm(plane, p, orbit)
     holds, drives = system.terms(place)
-    if not (holds > drives > 0 if system.line else abs(holds - drives) < NEAR_REST * drives):
+    if not (holds > drives > 0 if system.line else abs(holds - drives) < 1e-6 * drives):
         return None
     if p.v1 == -p.v2 and {"v1", "v2"} & {*plane.names}:
         raise BorderError(f"{orbit.cycle} ends where both belts are met at once: two borders meet there")
@@ -683,20 +616,21 @@ def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedFo
 def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray) -> Iterator[tuple[BorderSystem, Node]]:
     """Yield the borders of an orbit's word next to its place in the plane, in this direction, the nearest first."""
     equations, points = ClosingEquations(plane.parameters(place.tolist()), orbit.word, orbit.periods), orbit.points
-    nearest = sorted(conditions(equations, points), key=lambda c: abs(_part(c)))[:MOST_CANDIDATES]
+    nearest = sorted(conditions(equations, points), key=lambda c: abs(_part(c)))[:6]
     for zero, phases in (found for c in nearest for found in zeros_of(equations, points, c)):
-        if zero.kind == AT_ARRIVAL:  # it belongs to the word with more pieces
+        if zero.kind == border_system.AT_ARRIVAL:  # it belongs to the word with more pieces
             continue
-        system = BorderSystem(plane.fixed, plane.names, plane.widths, orbit, [zero])
+        system = BorderSystem(plane, orbit, [zero])
         z, row = np.array([*np.ravel(points), *phases, *place]) / system.scale, np.zeros(len(system.scale))
         across = direction / plane.widths
         row[-2:] = np.array([-across[1], across[0]]) / np.linalg.norm(across)
         first = system.node(z, row)
-        second = None if first is None else system.node(first.z + SECOND * first.tangent, first.tangent)
+        # A second point tells which inequalities are 0 all along.
+        second = None if first is None else system.node(first.z + 1e-4 * first.tangent, first.tangent)
         if first is None or second is None:
             continue
         system.hide([first.z, second.z])
-        if all(_part(c) > -NOTHING for c in system.margins(first.z)):
+        if all(_part(c) > -border_system.NOTHING for c in system.margins(first.z)):
             yield system, first
 
 
@@ -709,14 +643,14 @@ def crossings(
     while word != stop[1].cycle:
         way = high[0] - low[0]
         length = float(np.abs(way / plane.widths).max())
-        if length <= max(SHORT_SEGMENT * whole, NEAREST):
+        if length <= max(1e-3 * whole, 1e-6):  # short enough for the equations
             for place, orbit in sorted((low, high), key=lambda end: len(end[1].points)):
                 for system, node in starts(plane, place, orbit, way):
                     part = (node.z[-2:] * system.scale[-2:] - low[0]) @ way / (way @ way)
                     if -0.5 <= part <= 1.5:
                         yield system, node
                         return
-        if length < SHORTEST_SEGMENT:
+        if length < 1e-9:
             return
         places = (low[0] + part * way for part in (0.5, 0.4))  # the first may be on the border
         found = ((place, orbit_beside(plane, place, low[1], high[1])) for place in places)
@@ -772,7 +706,7 @@ def borders_between(
         begun, first, second = [found[1]], inside, found[0]
     if first[1] is not None and second[1] is not None:
         begun += all_crossings(plane, (first[0], first[1]), (second[0], second[1]))
-    return _distinct(plane, iter(begun), *_read_steps(**how))
+    return _distinct(begun, *_read_steps(**how))
 
 
 def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
@@ -787,7 +721,7 @@ def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
 
 def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> Any:
     """Return the border in closed form between an orbit and a place without one, and an orbit beside it; or None."""
-    system = ClosedForm(plane.parameters(place.tolist()), plane.names, plane.widths, inside[1])
+    system = ClosedForm(plane, plane.parameters(place.tolist()), inside[1])
 
     def word(part: float) -> bool:
         holds, drives = system.terms(place + part * (inside[0] - place))
@@ -814,36 +748,14 @@ def borders_leaving(border: Border, special: SpecialPoint, **how: Any) -> list[B
     plane, nearest = border._plane, np.abs(border.points - special.values).sum(axis=1).argmin()
     around = _circle(plane, special.values, border.orbit(int(nearest)))
     chords = pairwise([*around, *around[:1]])  # the plane's range is convex: the last chord is in it too
-    return _distinct(plane, (found for chord in chords for found in all_crossings(plane, *chord)), *_read_steps(**how))
+    return _distinct((found for chord in chords for found in all_crossings(plane, *chord)), *_read_steps(**how))
 
 
-def network(border: Border, **how: Any) -> list[Border]:
-    """Return a border and all that are connected with it by points of codimension two, followed in turn.
-
-    It is complete where no end is left that is not a point of codimension two from which all borders are followed, an
-    end of the range, or "no convergence". `how` is `step` and `max_points` of `continue_border`.
-    """
-    _read_steps(**how)
-    found, done, waiting = [border], list[tuple[float, float]](), [border]
-    while waiting:
-        for end in (here := waiting.pop()).ends:
-            points = (each for each in here.special if each.kind != FOLD and here._plane.near(each.values, end.values))
-            point = next(points, None)
-            if point is None or any(here._plane.near(point.values, other) for other in done):
-                continue
-            done.append(point.values)
-            for other in borders_leaving(here, point, **how):
-                if not any(passes(each, other.points[len(other) // 2], other.words) for each in found):
-                    found.append(other)
-                    waiting.append(other)
-    return found
-
-
-def _distinct(plane: Plane, begun: Iterator[tuple[BorderSystem, Node]], step: float, most: int) -> list[Border]:
+def _distinct(begun: Iterable[tuple[BorderSystem, Node]], step: float, most: int) -> list[Border]:
     """Follow the border through each of the given nodes; return each border once."""
     found = list[Border]()
     for system, node in begun:
-        border = Tracer(plane, system, node, step, most).border()
+        border = Tracer(system, node, step, most).border()
         if len(border) > 1 and not any(passes(each, node.z[-2:] * system.scale[-2:], border.words) for each in found):
             found.append(border)
     return found
@@ -857,7 +769,7 @@ def passes(border: Border, values: np.ndarray, words: Any) -> bool:
     way = np.diff(places, axis=0)
     squares = np.maximum((way * way).sum(axis=1), 1e-300)
     part = np.clip(-(places[:-1] * way).sum(axis=1) / squares, 0, 1)
-    return bool((np.abs(places[:-1] + part[:, None] * way).max(axis=1) < SAME_BORDER).any())
+    return bool((np.abs(places[:-1] + part[:, None] * way).max(axis=1) < 1e-4).any())
 
 
 def orbit_beside(plane: Plane, place: np.ndarray, *near: Orbit) -> Orbit | None:
@@ -893,10 +805,6 @@ def continue_border(
     max_points : int
         Of each of the two directions.
 
-    Returns
-    -------
-    Border
-
     Raises
     ------
     ParameterError
@@ -916,18 +824,16 @@ def continue_border(
     if reason.kind in (RANGE, NO_CONVERGENCE, MOST):
         known = f"must be an end at a border; the branch ends there with {reason.kind!r}: {reason.message}"
         raise ParameterError("end", end, known)
-    index = -which
-    value = reason.value if abs(reason.value) > NO_VALUE * np.abs(branch.values).max() else 0.0
-    parameters = branch.parameters(index).replace(**{branch.parameter: value})
+    value = reason.value if abs(reason.value) > 1e-12 * np.abs(branch.values).max() else 0.0
+    parameters = branch.parameters(-which).replace(**{branch.parameter: value})
     plane = _read_plane(parameters, branch.parameter, parameter, range)
     longest, most = _read_steps(step, max_points)
     values = np.array([value, float(getattr(parameters, parameter))])
     inward = np.sign(branch.values[len(branch.values) // 2] - reason.value) or (1.0, -1.0)[which]
-    orbit = branch.orbit(index)
-    near = Orbit(Word(branch.labels), branch.periods, orbit.phases())
+    near = Orbit(Word(branch.labels), branch.periods, branch.orbit(-which).phases())
     closed = closed_form(plane, values, near) if reason.beyond is None else None
     if closed is not None:
-        border = Tracer(plane, *closed, longest, most).border()
+        border = Tracer(*closed, longest, most).border()
         border.kind = reason.kind
         return border
     for distance in AWAY:
@@ -936,7 +842,10 @@ def continue_border(
         if inside is None or outside is None:
             continue
         for system, node in crossings(plane, (values + shift, inside), (values - shift, outside)):
-            return Tracer(plane, system, node, longest, most).border()._seen_from(cycle(branch.word), reason.kind)
+            border = Tracer(system, node, longest, most).border()
+            if border.words[1] == cycle(branch.word):
+                border.words, border._side, border.kind = border.words[::-1], -border._side, reason.kind
+            return border
     raise BorderError(
         f"the border of {branch.word} at {branch.parameter} = {reason.value:.8g} was not found: {reason.message}"
     )
@@ -945,8 +854,8 @@ def continue_border(
 def _read_steps(step: NumberLike = STEP, max_points: int = MOST_POINTS) -> tuple[float, int]:
     """Return the longest step and the largest number of points."""
     longest, most = float(read_exact("step", step)), whole_number("max_points", max_points, 2)
-    if not 0 < longest <= LONGEST_STEP:
-        raise ParameterError("step", step, f"must be > 0 and at most {LONGEST_STEP:g}")
+    if not 0 < longest <= 0.1:
+        raise ParameterError("step", step, "must be > 0 and at most 0.1")
     return longest, most
 
 
@@ -959,11 +868,7 @@ def _read_plane(parameters: Parameters, first: str, second: Any, limits: Any) ->
     value = getattr(parameters, first)
     at_zero = (-1 if least(first) is None else 0, 1)
     given.setdefault(first, sorted((value / 10, value * 10)) if value else at_zero)
-    ranges = []
-    for name in (first, second):
-        low, high = read_range(parameters, name, given.pop(name, None))
-        ranges.append((low, high))
+    low, high = np.array([read_range(parameters, name, given.pop(name, None)) for name in (first, second)]).T
     if given:
         raise ParameterError("range", ", ".join(map(str, given)), f"must be ranges of {first} and {second}")
-    low, high = np.array(ranges).T
     return Plane(parameters, (first, second), low, high)

@@ -38,35 +38,16 @@ from symosc.engine.flow import constants, derivatives
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
-from symosc.orbits.admissibility import (
-    BIRTH,
-    FLIGHT_VANISHING,
-    GRAZING,
-    HOLD,
-    PASSING,
-    SLIP_BIRTH,
-    STAYS_INSIDE,
-    Condition,
-    conditions,
-    gaps,
-    holds,
-    scales,
-)
+from symosc.orbits import admissibility
+from symosc.orbits.admissibility import Condition, conditions, gaps, holds, scales
 from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, pieces_of
 from symosc.words import Word, cycle
 
 AT_FAR, AT_ARRIVAL, AT_FLAT, AT_HOLD, AT_TOUCH, AT_BEND = "far", "arrival", "flat", "hold", "touch", "bend"
 TIMED = (AT_HOLD, AT_TOUCH)  # zeros at a phase that is an unknown
 DIFFERENCE = 1e-7  # for derivatives in doubles: Newton's method needs no more
-FINE_DIGITS, FINE_DIFFERENCE = 50, 20  # and in digits: decimal exponent of the step
-SAME_PHASE = 1e-5  # an extremum this near to the one that is an unknown is that one
+FINE_DIGITS = 50
 NOTHING = 1e-7  # a margin below this part of its terms is 0 on a border
-MOST_CORRECTIONS = 12
-SLOWER = 10.0  # by which the next correction may shrink less than the last one did
-CONVERGED, NOT_CONVERGED = 1e-12, 1e-6  # a correction, in scaled unknowns, after which the next one is rounding
-MOST_POLISHING, FINE = 30, 1e-30
-SINGULAR = 1e6  # entries of the inverse, in scaled unknowns, beyond which a point is not isolated
-LEAST_SIZE = 0.1
 POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters in lengths
 
 
@@ -77,14 +58,32 @@ class Zero(NamedTuple):
     piece: int
     place: int
 
-    def mirrors(self, other: Zero, half: int) -> bool:
-        """Return whether this zero is the mirror image of another, half a period later or earlier."""
-        return self.kind == other.kind and abs(self.piece - other.piece) == half
-
     @property
     def bend(self) -> Zero:
         """The zero of the derivative that vanishes too where this zero is not a simple one."""
         return self._replace(kind=AT_BEND if self.kind in TIMED else AT_FLAT)
+
+
+class Plane(NamedTuple):
+    """The plane of two parameters: the others, the names of the two, and their ranges."""
+
+    fixed: Parameters
+    names: tuple[str, str]
+    low: np.ndarray
+    high: np.ndarray
+
+    def parameters(self, values: Sequence[Any]) -> Parameters:
+        """Return the parameters at a point of the plane."""
+        return self.fixed.replace(**dict(zip(self.names, values, strict=True)))
+
+    def near(self, a: Sequence[float], b: Sequence[float]) -> bool:
+        """Return whether two points are the same within errors."""
+        return bool((np.abs(np.subtract(a, b)) < 1e-6 * self.widths).all())
+
+    @property
+    def widths(self) -> np.ndarray:
+        """The widths of the ranges."""
+        return self.high - self.low
 
 
 class Node(NamedTuple):
@@ -130,22 +129,20 @@ class BorderSystem:
     With one zero they have a curve of roots, with two a point. Scaled unknowns z = u/scale are used for lengths.
     """
 
-    def __init__(
-        self, fixed: Parameters, names: tuple[str, str], widths: Any, orbit: Orbit, zeros: Sequence[Zero]
-    ) -> None:
+    def __init__(self, plane: Plane, orbit: Orbit, zeros: Sequence[Zero]) -> None:
         self.word, self.periods, points = orbit
-        self.fixed, self.names, self.zeros = fixed, names, tuple(zeros)
+        self.plane, self.fixed, self.names, self.zeros = plane, plane.fixed, plane.names, tuple(zeros)
         self.timed = [zero for zero in self.zeros if zero.kind in TIMED]
-        self.given = {name: float(getattr(fixed, name)) for name in PARAMETER_NAMES}
+        self.given = {name: float(getattr(plane.fixed, name)) for name in PARAMETER_NAMES}
         self.pieces = pieces_of(self.word)
         self.n = len(self.pieces)
         self.sizes = np.zeros(0)
         self.hidden: tuple[int, ...] = ()  # conditions that are 0 all along, as the border's own or by symmetry
         self.pieces = self._at_rest_after(zero.piece for zero in self.zeros if zero.kind == AT_FAR)
         self.symmetric_pieces = self.pieces
-        size = max(np.ptp(points[:, 0]), LEAST_SIZE * np.abs(points[:, 0]).max())
+        size = max(np.ptp(points[:, 0]), 0.1 * np.abs(points[:, 0]).max())
         weight = POINTS_WEIGHT * np.sqrt(2 * self.n)
-        self.scale = np.array([*[size * weight, weight] * self.n, *[weight] * len(self.timed), *widths])
+        self.scale = np.array([*[size * weight, weight] * self.n, *[weight] * len(self.timed), *plane.widths])
 
     def _at_rest_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
         """Return the pieces; flights after these crossings start with an acceleration of exactly 0."""
@@ -164,8 +161,12 @@ class BorderSystem:
         arithmetic = None if digits else QuickArithmetic(values)
         equations = ClosingEquations(values, self.word, self.periods, digits, arithmetic)
         equations.pieces = self.pieces
+        return equations, *self._split(u)
+
+    def _split(self, u: Any) -> tuple[Any, Any]:
+        """Return the points and the phases among the unknowns."""
         n = 2 * self.n
-        return equations, list(zip(u[:n:2], u[1:n:2], strict=True)), u[n:-2]
+        return list(zip(u[:n:2], u[1:n:2], strict=True)), u[n:-2]
 
     def orbit(self, z: np.ndarray) -> Orbit:
         """Return the orbit on the border."""
@@ -179,8 +180,9 @@ class BorderSystem:
     def _zeros(self, equations: ClosingEquations, points: Any, phases: Any) -> list[Number]:
         """Return the values that must vanish on the border besides the closing equations."""
         values, left = [], list(phases)
-        for zero in self.zeros:
-            theta = left.pop(0) if zero.kind in TIMED else phase_of_bend(zero, self.timed, phases)
+        for zero in self.zeros:  # a bend is that of the extremum of another zero
+            bent = (phases[i] for i, other in enumerate(self.timed) if other.piece == zero.piece)
+            theta = left.pop(0) if zero.kind in TIMED else next(bent, None)
             values += zero_values(equations, points, zero, theta)
         return values
 
@@ -195,28 +197,28 @@ class BorderSystem:
         for j in (*touched, *range(n, size - 2)):
             beside = list(u)
             beside[j] += (step := DIFFERENCE * self.scale[j] / POINTS_WEIGHT)
-            now = self._zeros(equations, list(zip(beside[:n:2], beside[1:n:2], strict=True)), beside[n:-2])
-            found[n:, j] = (np.array(now) - values[n:]) / step
-        self._by_parameters(u, values, found)
+            found[n:, j] = (np.array(self._zeros(equations, *self._split(beside))) - values[n:]) / step
+        found[:, -2:] = self._by_parameters(u, values)
         return values, found
 
-    def _by_parameters(self, u: list[float], values: np.ndarray, found: np.ndarray) -> None:
-        """Fill in the derivatives of the residuals by both parameters, as differences."""
+    def _by_parameters(self, u: list[float], values: np.ndarray) -> np.ndarray:
+        """Return the derivatives of the residuals by both parameters, as differences."""
+        columns = []
         for j in (-2, -1):
             beside = list(u)
             beside[j] += (step := DIFFERENCE * self.scale[j])
-            found[:, j] = (np.array(self.residuals(beside)) - values) / step
+            columns.append((np.array(self.residuals(beside)) - values) / step)
+        return np.transpose(columns)
 
     def fine_tangent(self, u: Sequence[Any]) -> np.ndarray:
         """Return the unit tangent in scaled unknowns, right to nearly all digits of a double."""
-        step, n = u[0].context.mpf(10) ** -FINE_DIFFERENCE, 2 * self.n
-        equations, _, _ = self.at(u, FINE_DIGITS)
+        step, (equations, _, _) = u[0].context.mpf(10) ** -20, self.at(u, FINE_DIGITS)
         values, columns = self.residuals(u, FINE_DIGITS), []
         for j in range(len(u)):
             beside = [value + step * (i == j) for i, value in enumerate(u)]
             if j < len(u) - 2:
-                points = list(zip(beside[:n:2], beside[1:n:2], strict=True))
-                now = equations.residuals(points) + self._zeros(equations, points, beside[n:-2])
+                points, phases = self._split(beside)
+                now = equations.residuals(points) + self._zeros(equations, points, phases)
             else:
                 now = self.residuals(beside, FINE_DIGITS)
             columns.append([float((a - b) / step) for a, b in zip(now, values, strict=True)])
@@ -232,7 +234,7 @@ class BorderSystem:
         """
         start, inverse, before = z, None, inf
         try:
-            for _ in range(MOST_CORRECTIONS):
+            for _ in range(12):
                 u = (z * self.scale).tolist()
                 if inverse is None:
                     values, matrix = self._linearised(u)
@@ -242,14 +244,13 @@ class BorderSystem:
                     inverse = np.linalg.inv(matrix) if square else np.linalg.pinv(matrix)
                 else:
                     values = np.array(self.residuals(u))
-                right = values if row is None else np.append(values, row @ (z - start))
-                step = inverse @ right
+                step = inverse @ (values if row is None else np.append(values, row @ (z - start)))
                 size = float(np.abs(step).max())
                 if not size < 1:  # nan too
                     return None
                 z = z - step
-                if size < CONVERGED or (size < NOT_CONVERGED and size > before / 4):
-                    return z, inverse, size * (SLOWER * size / before + DIFFERENCE)
+                if size < 1e-12 or (size < 1e-6 and size > before / 4):  # the next correction is rounding
+                    return z, inverse, size * (10.0 * size / before + DIFFERENCE)
                 if size > before / 16:
                     inverse = None
                 before = size
@@ -263,29 +264,24 @@ class BorderSystem:
         `fixed`: the index of an unknown and its exact value, for systems with a curve of roots. The inverse in doubles
         is good enough for corrections in digits.
         """
-        row = None
-        if fixed is not None:
-            row = np.zeros(len(z))
-            row[fixed[0]] = 1.0
-        got = self.correct(z, row)
-        if got is None or (fixed is None and np.abs(got[1]).max() > SINGULAR):
+        got = self.correct(z, None if fixed is None else np.eye(len(z))[fixed[0]])
+        # Entries of the inverse as large as this show a point that is not isolated.
+        if got is None or not np.isfinite(got[1]).all() or (fixed is None and np.abs(got[1]).max() > 1e6):
             return None
         number = ClosingEquations(self.fixed, self.word, self.periods, FINE_DIGITS).arithmetic.number
-        convert: Any = lambda value: number(Fraction(float(value)))  # noqa: E731
-        u, before = [convert(value) for value in got[0] * self.scale], inf
-        if fixed is not None:
-            u[fixed[0]] = number(fixed[1])
+        u, before = [number(Fraction(value)) for value in (got[0] * self.scale).tolist()], inf
         try:
-            for _ in range(MOST_POLISHING):
+            for _ in range(30):
+                if fixed is not None:
+                    u[fixed[0]] = number(fixed[1])
                 values = [float(value) for value in self.residuals(u, FINE_DIGITS)]
-                if not np.isfinite(values).all() or not np.isfinite(got[1]).all():
+                if not np.isfinite(values).all():
                     return None
                 step = got[1] @ np.array(values if fixed is None else [*values, 0.0])
-                size = float(np.abs(step).max())
-                changes = (step * self.scale).tolist()
-                u = [value - (0 if fixed and j == fixed[0] else convert(changes[j])) for j, value in enumerate(u)]
-                if size < FINE or size > before / 2:
-                    return u if size < FINE else None
+                size, changes = float(np.abs(step).max()), (step * self.scale).tolist()
+                u = [value - number(Fraction(change)) for value, change in zip(u, changes, strict=True)]
+                if size < 1e-30 or size > before / 2:
+                    return u if size < 1e-30 else None
                 before = size
         except (ZeroDivisionError, ValueError):
             pass
@@ -333,25 +329,23 @@ class BorderSystem:
         own = [(zero.kind, (zero.piece + add) % self.n) for zero in self.zeros for add in (0, shift)]
         self.hidden = tuple({*small, *(i for i, c in enumerate(found) if (kind_of(c), c.piece) in own)})
         # Only for the inequalities: the equations would not fix an orbit that is at rest twice.
-        crossings = [c.piece for i, c in enumerate(found) if i in small and c.rank == PASSING]
+        crossings = [c.piece for i, c in enumerate(found) if i in small and c.rank == admissibility.PASSING]
         self.symmetric_pieces = self._at_rest_after(crossings)
-
-    def _is_own(self, condition: Condition) -> bool:
-        """Return whether a condition is one whose vanishing defines this border."""
-        return any((zero.kind, zero.piece) == (kind_of(condition), condition.piece) for zero in self.zeros)
 
     def margins(self, z: np.ndarray) -> list[Condition]:
         """Return the inequalities that must hold on the border, and those that make its own zero a simple one."""
         equations, points, phases = self.at((z * self.scale).tolist())
         equations.pieces = self.symmetric_pieces
-        found = conditions(equations, points)
-        own = [c for i, c in enumerate(found) if i in self.hidden and self._is_own(c)]
+        found, size = conditions(equations, points), scales(equations, points)
+        mine = {(zero.kind, zero.piece) for zero in self.zeros}
+        own = [c for i, c in enumerate(found) if i in self.hidden and (kind_of(c), c.piece) in mine]
         found = [c._replace(value=inf) if i in self.hidden else c for i, c in enumerate(found)]
-        size = scales(equations, points)
         for zero, theta in zip(self.zeros, [*phases, *[0.0] * len(self.zeros)], strict=False):
             found += self._regular(equations, points, zero, theta, size.a / size.t)
-        for c in own:
-            found.append(c._replace(value=self._others(equations, points, c, phases), text=f"elsewhere, {c.text}"))
+        for c in own:  # at other extrema than the border's
+            turns = turns_of(equations, points, c.piece, kind_of(c)) if kind_of(c) in TIMED else []
+            away = [value for value, theta, _ in turns if all(abs(theta - phase) > 1e-5 for phase in phases)]
+            found.append(c._replace(value=float(min(away, default=inf)), text=f"elsewhere, {c.text}"))
         return found
 
     def _regular(
@@ -372,31 +366,21 @@ class BorderSystem:
                 yield Condition(zero.piece, f"{piece.label} {what} its extremum", time, theta, "", -1, size)
         yield Condition(zero.piece, text, float(sign * value), theta / equations.K.Om, "", -1, size)
 
-    def _others(self, equations: ClosingEquations, points: Any, own: Condition, phases: Any) -> float:
-        """Return the least margin of the own condition at other extrema than the border's."""
-        piece, start, end = self.pieces[own.piece], points[own.piece], equations.ends(points)[own.piece]
-        tau = (end[1] - start[1]) / equations.K.Om
-        if kind_of(own) not in TIMED:
-            return inf
-        found = (gaps if kind_of(own) == AT_TOUCH else holds)(equations, piece, start, tau)
-        away = [value for value, theta, _ in found if all(abs(theta - phase) > SAME_PHASE for phase in phases)]
-        return float(min(away, default=inf))
-
 
 class ClosedForm(BorderSystem):
     """A border beyond which the motion has no word: one equation in both parameters, about the slower belt.
 
     If its speed is 0 the mass may rest on it where mu FN >= |B0|; in a plane of this speed that is a line between two
     words. Else no belt is met if it is as fast as the steady motion at its fastest: |v| sqrt((k - m Omega^2)^2 +
-    (c Omega)^2) >= |B0| Omega. The `orbit` is one beside the border.
+    (c Omega)^2) >= |B0| Omega. The parameters `fixed` are on the border, the `orbit` is one beside it.
     """
 
-    def __init__(self, fixed: Parameters, names: tuple[str, str], widths: Any, orbit: Orbit) -> None:
+    def __init__(self, plane: Plane, fixed: Parameters, orbit: Orbit) -> None:
         belt = 1 if abs(fixed.v1) <= abs(fixed.v2) else 2
-        super().__init__(fixed, names, widths, orbit, [Zero(AT_TOUCH, 0, belt)])
-        self.belt, self.n, self.near, self.scale = belt, 0, orbit.points, np.array(widths)
+        super().__init__(plane._replace(fixed=fixed), orbit, [Zero(AT_TOUCH, 0, belt)])
+        self.plane, self.belt, self.n, self.near, self.scale = plane, belt, 0, orbit.points, plane.widths
         self.rests = fixed.belt(belt) == 0
-        self.line = self.rests and f"v{belt}" in names
+        self.line = self.rests and f"v{belt}" in plane.names
         self.up, self.push = 1 if fixed.belt(belt) > 0 else -1, 1 if fixed.B0 > 0 else -1
 
     def _numbers(self, u: Any, digits: int | None = None) -> Any:
@@ -422,9 +406,8 @@ class ClosedForm(BorderSystem):
 
     def _linearised(self, u: list[float]) -> tuple[np.ndarray, np.ndarray]:
         """Return the residual at u and its derivatives, in doubles."""
-        values, found = np.array(self.residuals(u)), np.zeros((1, 2))
-        self._by_parameters(u, values, found)
-        return values, found
+        values = np.array(self.residuals(u))
+        return values, self._by_parameters(u, values)
 
     def _sizes(self, u: Sequence[float]) -> np.ndarray:
         """Return the size of the terms of the residual."""
@@ -450,10 +433,8 @@ class ClosedForm(BorderSystem):
 
     def orbit(self, z: np.ndarray) -> Orbit:
         """Return what an orbit tends to: flights that last no time, or the steady motion where it grazes the belts."""
-        p, points = (
-            self.fixed.replace(**dict(zip(self.names, (z * self.scale).tolist(), strict=True))),
-            self.near.copy(),
-        )
+        p = self.fixed.replace(**dict(zip(self.names, (z * self.scale).tolist(), strict=True)))
+        points = self.near.copy()
         if self.rests:
             points[:, 0] = float(sum(p.A(domain) for domain in NEIGHBOURS[self.belt]) / (2 * p.k))
             points[:, 1] = pi * np.round(points[:, 1] / pi)
@@ -466,9 +447,11 @@ class ClosedForm(BorderSystem):
         return Orbit(self.word, self.periods, points)
 
 
-def phase_of_bend(zero: Zero, timed: Sequence[Zero], phases: Any) -> Any:
-    """Return the phase of the extremum that a zero of its bend belongs to."""
-    return next((phases[i] for i, other in enumerate(timed) if other.piece == zero.piece), None)
+def turns_of(equations: ClosingEquations, points: Any, i: int, kind: str) -> list[tuple[Number, Number, int]]:
+    """Return the margin, phase and place of each extremum in piece i that may make a zero of this kind."""
+    start, end = points[i], equations.ends(points)[i]
+    tau = (end[1] - start[1]) / equations.K.Om
+    return list((gaps if kind == AT_TOUCH else holds)(equations, equations.pieces[i], start, tau))
 
 
 def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Number) -> list[Number]:
@@ -517,19 +500,19 @@ def symmetrised(points: np.ndarray) -> np.ndarray:
 
 def kind_of(condition: Condition) -> str:
     """Return the kind of zero of an inequality that vanishes; "" if a piece loses its length with it."""
-    if condition.rank == PASSING or " at the onset of " in condition.text:
+    if condition.rank == admissibility.PASSING or " at the onset of " in condition.text:
         return AT_FAR
-    if condition.rank == HOLD:
+    if condition.rank == admissibility.HOLD:
         return AT_HOLD
     if " meets v" in condition.text:
         return AT_ARRIVAL
-    return AT_TOUCH if condition.rank == STAYS_INSIDE and "stays in" in condition.text else ""
+    return AT_TOUCH if condition.rank == admissibility.STAYS_INSIDE and "stays in" in condition.text else ""
 
 
 def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> list[tuple[Zero, list[float]]]:
     """Return the zeros that a nearly vanishing condition may stand for, each with the phase of its extremum, if any."""
     kind, i = kind_of(condition), condition.piece
-    piece, start, end = equations.pieces[i], points[i], equations.ends(points)[i]
+    piece, end = equations.pieces[i], equations.ends(points)[i]
     if kind == AT_FAR:
         found: list[tuple[Zero, list[float]]] = [(Zero(AT_FAR, i, piece.mode + piece.side), [])]
         j, v, K = (i + 1) % len(points), equations.belt(piece.end).v, equations.K
@@ -541,8 +524,7 @@ def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> 
         return found
     if kind in ("", AT_ARRIVAL):
         return [(Zero(kind, i, piece.mode), [])] if kind else []
-    tau = (end[1] - start[1]) / equations.K.Om
-    rows = sorted((gaps if kind == AT_TOUCH else holds)(equations, piece, start, tau))[:1]
+    rows = sorted(turns_of(equations, points, i, kind))[:1]
     return [(Zero(kind, i, place), [float(theta)]) for _, theta, place in rows]
 
 
@@ -550,14 +532,15 @@ def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
     """Name what happens at a border: the kind of end that a branch has there, and the name used in the literature."""
     zero = zero or system.zeros[0]
     if isinstance(system, ClosedForm) and system.rests:
-        return FLIGHT_VANISHING, ""
+        return admissibility.FLIGHT_VANISHING, ""
     if zero.kind == AT_ARRIVAL:  # a cubic tangency: a graze, and a stick that is left at once, begin there
-        return GRAZING, "adding-sliding and grazing-sliding"
+        return admissibility.GRAZING, "adding-sliding and grazing-sliding"
     if zero.kind == AT_HOLD:
-        return SLIP_BIRTH, "adding-sliding"
+        return admissibility.SLIP_BIRTH, "adding-sliding"
     if zero.kind == AT_TOUCH:
         p = system.fixed
         friction = (p.mu1 if zero.place == 1 else p.mu2) * p.FN
-        return GRAZING, "grazing-sliding" if friction else ""  # a belt without friction is only passed through
+        # A belt without friction is only passed through.
+        return admissibility.GRAZING, "grazing-sliding" if friction else ""
     sticks = system.pieces[(zero.piece + 1) % system.n].sticks
-    return (SLIP_BIRTH, "switching-sliding") if sticks else (BIRTH, "crossing-sliding")
+    return (admissibility.SLIP_BIRTH, "switching-sliding") if sticks else (admissibility.BIRTH, "crossing-sliding")

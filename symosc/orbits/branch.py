@@ -6,53 +6,70 @@ systems do not know. The smooth part is Newton's method on a small block system,
 
 The equations stay smooth where an orbit ceases to be one (the root goes on as an inadmissible one). So every reason to
 end is a change of sign of a smooth function along the branch. A step is accepted if the point halfway is where the
-cubic of its two ends says, and if no margin can reach 0 between them (`symosc.orbits.curve`). Otherwise it is halved.
-So a gap in a branch is found however narrow it is compared with the steps, and its end is located by the same halving.
-Multipliers need no test: no multiplier of an orbit is larger than 1 (`symosc.orbits.floquet`), so there are no folds,
-period doublings or Neimark-Sacker bifurcations.
+cubic of its two ends says, and if no margin can reach 0 between them. Otherwise it is halved. So a gap in a branch is
+found however narrow it is compared with the steps, and its end is located by the same halving. Multipliers need no
+test: no multiplier of an orbit is larger than 1 (`symosc.orbits.floquet`), so there are no folds, period doublings or
+Neimark-Sacker bifurcations.
+
+That nothing fails between two points of a branch: every margin is bounded there, not only compared at its ends.
+
+A flight of duration tau stays in its domain exactly if tau > 0 and, for each boundary of the domain,
+
+    q(u) = +-(v - v_lambda)/(time^j (1 - u)^e) > 0 on the whole of [0, 1].
+
+Here time counts from its start, and u = time/tau. The known roots at its start are j (0 off the boundary, 1 on it, 2
+after a stick), those at its end e. A stick has F/((1 - u) tau) for the force that ends it, and for the other force its
+distance from 0. These functions are smooth in u and along the branch, ends included: q(0) and q(1) are accelerations.
+All other conditions are smooth numbers.
+
+Three points of the branch and two on its cubic between them cut a piece of it into four. Take a cell with the margins
+f0, f1 > 0 at its ends, and C = h^2 max|f''|/2. At the part r of the cell the margin is at least (1 - r) f0 + r f1 - C r
+(1 - r). That is positive for all r in [0, 1] if and only if
+
+    sqrt(f0) + sqrt(f1) > sqrt(C).
+
+h^2 f'' is taken from the second differences of the five values, times MARGIN_SAFETY. The bound holds as long as a
+margin's second derivative is nowhere larger than MARGIN_SAFETY times its largest value at the inner points (for the
+functions of u, also at the neighbouring u). Where it does not suffice the piece is halved. It is a bound in this sense,
+not in the sense of interval arithmetic.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from math import pi
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import DataFrame, NumberLike, Progress, Record
+from symosc.aliases import DataFrame, NumberLike, Point, Points, Progress, Record
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
 from symosc.display.progress import Advance, late_bar
+from symosc.engine.flow import derivatives
 from symosc.errors import ParameterError, SymoscError, meant
 from symosc.exact import read_exact, show, whole_number
+from symosc.kernels._generated import motion
+from symosc.kernels.entire import EPS
+from symosc.kernels.entire_array import basis
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.orbits.admissibility import FLIGHT_VANISHING, MARGINAL, Condition, conditions, failures
-from symosc.orbits.closing_equations import solve
-from symosc.orbits.curve import BranchPoint, Curve, no_margin_vanishes, word_beyond
-from symosc.orbits.find import find_orbit
-from symosc.orbits.floquet import NEAR_ONE
+from symosc.orbits import admissibility
+from symosc.orbits.admissibility import MARGINAL, SAMPLE, Condition, conditions, failing, failures, of_function
+from symosc.orbits.closing_equations import CONVERGING, ClosingEquations, OrbitPiece, solve
+from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow, largest_displacement, orbit_of, resting_text
+from symosc.orbits.floquet import NEAR_ONE, monodromy
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike
 from symosc.words import WordLike, read_word
 
 RANGE, NO_CONVERGENCE, MOST = "end of the range", "no convergence", "max_points"
-
-# Steps in the arclength of (x/size, phase, parameter/range).
-FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.04, 1e-10
-BENT = 1e-2  # how far a step may be from its cubic, as a part of its length
-# What a margin must have fallen to at an end, as a part of what it was a step before, to count as 0.
-VANISHED_PART = 1e-5
-REST_PART = 1e-6  # so near to the border of rest, as a part of its terms, flights are too short for steps
-UNDECIDED_PART = 1e-3  # the same where doubles cannot decide on which side of 0 a margin is
+LONGEST_STEP = 0.04  # in the arclength of (x/size, phase, parameter/range)
 RESOLUTION = 1e-12  # of the arclength, to which ends are located; closer by, rounding would decide what has happened
-# So near to a change, a gap before it that is shorter cannot be seen, and nothing is proven on the way.
-NO_GAP, NEAR_CHANGE = 1e-7, 1e-4
-MARGINAL_START, AWAY = 1e-6, (1e-6, 1e-5, 1e-4)  # below which a start is at an end, and how far from it to begin
-FAR_BEHIND = 1e-3  # arclength before an end at which margins are what they are compared with there
-MOST_BACK = 12  # an end is moved back by at most RESOLUTION 4^MOST_BACK
+NO_GAP = 1e-7  # nearer to a change a gap before it cannot be seen, and nothing is proven on the way
+MARGIN_SAFETY, MOST_PARTS = 4.0, 800
 
 
 class BranchError(SymoscError, ValueError):
@@ -171,16 +188,16 @@ class Branch(Drawable):
         return find_orbit(self.parameters(i), self.word, self.points[self._index(i)], digits, periods=self.periods)
 
     def _index(self, i: int) -> int:
-        """Return a nonnegative index for i."""
+        """Return an index that is in range, as for a list."""
         return whole_number("i", i, -len(self.values), len(self.values) - 1)
 
     def as_dict(self) -> Record:
         """Return everything as plain values."""
-
-        def plain(end: BranchEnd) -> Record:
-            points = [list(map(float, point)) for point in end.points]
-            return end._asdict() | {"points": points, "conditions": [c._asdict() for c in end.conditions]}
-
+        ends = [
+            end._asdict()
+            | {"points": [list(point) for point in end.points], "conditions": [c._asdict() for c in end.conditions]}
+            for end in self.ends
+        ]
         return {
             "word": self.word,
             "parameters": self._orbit.parameters.as_dict(),
@@ -190,7 +207,7 @@ class Branch(Drawable):
             "points": self.points.tolist(),
             "multipliers": [[[value.real, value.imag] for value in pair] for pair in self.multipliers.tolist()],
             "stable": self.stable.tolist(),
-            "ends": [plain(end) for end in self.ends],
+            "ends": ends,
         }
 
     def to_pandas(self) -> Any:
@@ -256,10 +273,6 @@ def continue_orbit(
         True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
         numbers: the part of the range that is done, and 1.
 
-    Returns
-    -------
-    Branch
-
     Raises
     ------
     WordError, ConvergenceError
@@ -284,179 +297,9 @@ def continue_orbit(
     curve = Curve(orbit, parameter, low, high)
     most = whole_number("max_points", max_points, 2)
     with late_bar(progress, f"{orbit.word} over {parameter}", "orbits") as advance:
-        down, first = _follow(curve, -1.0, most, advance)
-        up, last = _follow(curve, 1.0, most, advance, len(down))
+        down, first = curve.follow(-1.0, most, advance)
+        up, last = curve.follow(1.0, most, advance, len(down))
     return Branch(orbit, parameter, [*reversed(down[1:]), *up], (first, last))
-
-
-def _follow(
-    curve: Curve, direction: float, most: int, advance: Advance, before: int = 0
-) -> tuple[list[BranchPoint], BranchEnd]:
-    """Follow the curve in one direction; return its points and why they end. `before`: points of the other one."""
-    path, length = _first_points(curve, direction), FIRST_STEP
-    current, reached = path[-1], 0.0
-    done = curve.value - curve.low if before else 0.0  # the other way is done, wherever it ended
-
-    def end(kind: str, message: str, conditions: tuple[Condition, ...] = ()) -> BranchEnd:
-        return BranchEnd(kind, path[-1].value, message, _switchings(curve, path[-1]), conditions)
-
-    while True:
-        if current.value == (curve.high if direction > 0 else curve.low):
-            return path, end(RANGE, "the orbit goes on")
-        following = curve.step(current, length)
-        scanned = None if following is None else _scan(curve, current, following)
-        if scanned is None:
-            length /= 2
-            if length < SHORTEST_STEP:
-                nearest = min(current.conditions, key=lambda condition: condition.value)
-                if (belt := _begins_to_rest(curve.equations(current.value).parameters)) is not None:
-                    message = (
-                        f"the flights vanish at mu{belt} FN = |B0|; beyond it the mass may rest on belt {belt} for ever"
-                    )
-                    return path, end(FLIGHT_VANISHING, message, (nearest,))
-                message = f"the steps became too short; nearest to failing: {nearest.text} (by {nearest.value:.3g})"
-                return path, end(NO_CONVERGENCE, message, (nearest,))
-            continue
-        points, failed = scanned
-        path += points
-        reached = max(reached, abs(path[-1].value - curve.value))
-        if advance:
-            advance(min(1.0, (done + reached) / (curve.high - curve.low)), before + len(path))
-        if len(path) > most:
-            del path[most:]
-            return path, end(MOST, f"stopped after {most} points")
-        if failed is not None:
-            return _with_end(curve, path, failed, direction)
-        current, length = path[-1], min(1.5 * length, LONGEST_STEP)
-
-
-def _begins_to_rest(p: Parameters) -> int | None:
-    """Return the belt on which the mass nearly may rest for ever, or nearly may not; None if there is none."""
-    slow = [belt for belt in (1, 2) if p.belt(belt) == 0]
-    sizes = ((belt, (p.mu1, p.mu2)[belt - 1] * p.FN, abs(p.B0)) for belt in slow)
-    return next((belt for belt, holds, drives in sizes if abs(holds - drives) < REST_PART * drives), None)
-
-
-def _first_points(curve: Curve, direction: float) -> list[BranchPoint]:
-    """Return the first point, and one just after it if the first is at an end, where margins are rounding noise."""
-    # On the way between the two nothing is proven (as before an end, see NO_GAP).
-    first = curve.first(direction)
-    if all(condition.value > MARGINAL_START * condition.scale for condition in first.conditions):
-        return [first]
-    for length in AWAY:
-        point = curve.step(first, length)
-        if point is not None and not point.failures and not _verified(curve, point).failures:
-            return [first, point]
-    return [first]
-
-
-def _scan(
-    curve: Curve, a: BranchPoint, b: BranchPoint, around: float = np.inf
-) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-    """Divide a piece of a branch after its point a; return its orbits, and the first point that is none, or None."""
-    # None if the points do not lie on one smooth curve. `around` is the length of the shortest piece around it that is
-    # known to end in a change.
-    length, changed = curve.distance(a, b), bool(b.failures)
-    around = min(around, length) if changed else around
-    if changed and length < NO_GAP:
-        return _located(curve, a, b)
-    m = curve.middle(a, b)
-    if m is None or not _smooth(curve, a, m, b):
-        return None
-    if not changed and not m.failures:
-        if _proven(curve, a, m, b):
-            b = _verified(curve, b)  # and so is m: between two orbits nothing has changed
-            if not b.failures:
-                return [m, b], None
-        # Length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
-        elif length < 1e-9:  # all is rounding noise here; next to a change it says nothing
-            if around <= NEAR_CHANGE:
-                return [m], None
-            # A margin is so small that doubles cannot tell whether it passes 0.
-            return [], replace(m, failures=(min(m.conditions, key=lambda c: c.value / c.scale),))
-    first = _scan(curve, a, m, around)
-    if first is None or first[1] is not None:
-        return first
-    second = _scan(curve, first[0][-1], b, around)
-    return None if second is None else (first[0] + second[0], second[1])
-
-
-def _smooth(curve: Curve, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
-    """Return whether the middle point lies on the cubic through the other two."""
-    away = curve.level(curve.of(m) - curve.halfway(a, b))
-    along = curve.level(m.tangent)
-    away = away - (away @ along) * along
-    return bool(np.linalg.norm(away) <= BENT * curve.distance(a, b) + RESOLUTION)
-
-
-def _proven(curve: Curve, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
-    """Return whether no margin can reach 0 between a and b."""
-    nodes, margins = [], []
-    for point in (a, curve.halfway(a, m), m, curve.halfway(m, b), b):
-        if isinstance(point, BranchPoint):
-            nodes.append((curve.equations(point.value), point.points))
-            margins.append(point.conditions)
-        else:
-            points, value = curve.split(point)
-            nodes.append((curve.equations(value), points))
-            margins.append(tuple(conditions(*nodes[-1])))
-    return no_margin_vanishes(nodes, margins)
-
-
-def _verified(curve: Curve, point: BranchPoint) -> BranchPoint:
-    """Decide the failures of a branch point anew, with more digits and by following it with the engine."""
-    return replace(point, failures=tuple(failures(curve.equations(point.value), point.points)))
-
-
-def _located(curve: Curve, good: BranchPoint, bad: BranchPoint) -> tuple[list[BranchPoint], BranchPoint]:
-    """Bisect for a change between two points; return the last point before it (none if given) and the first after."""
-    begin = good
-    while curve.distance(good, bad) > RESOLUTION:
-        m = curve.middle(good, bad)
-        if m is None:
-            break
-        good, bad = (good, m) if m.failures else (m, bad)
-    return ([] if good is begin else [good]), bad
-
-
-def _with_end(
-    curve: Curve, path: list[BranchPoint], failed: BranchPoint, direction: float
-) -> tuple[list[BranchPoint], BranchEnd]:
-    """Describe the end of a branch by the conditions that vanish or fail there; return its path and BranchEnd."""
-    far = [point for point in path if curve.distance(point, failed) > FAR_BEHIND]
-    before = far[-1] if far else path[0]
-    pairs = zip(before.conditions, failed.conditions, strict=True)
-    touches = any(condition.value > 0 for condition in failed.failures)
-    part = UNDECIDED_PART if touches else VANISHED_PART
-    zero = [c for was, c in pairs if c.value < part * min(was.value, 1e300) or c.value < MARGINAL * c.scale]
-    zero = sorted(zero, key=lambda condition: condition.rank) or list(failed.failures)
-    kind = zero[0].event
-    reasons = tuple(condition for condition in zero if condition.event == kind)
-    message = "; ".join(f"{c.text} no longer holds at t = {c.t:.10g}" for c in reasons)
-    path[-1] = last = _inside(curve, path[-1])
-    outward = float(np.sign(failed.value - before.value)) or direction
-    word, instead = word_beyond(curve, last, outward)
-    message += f"; beyond it {instead}" if instead else ""
-    return path, BranchEnd(kind, last.value, message, _switchings(curve, last), reasons, word)
-
-
-def _inside(curve: Curve, last: BranchPoint) -> BranchPoint:
-    """Return the last point of a branch that more digits confirm as an orbit: `last`, or one just before it."""
-    for back in (0.0, *(RESOLUTION * 4.0**j for j in range(MOST_BACK))):
-        z = curve.of(last) - back * last.tangent
-        point = last if back == 0.0 else curve.accepted(curve.correct(z, last.tangent), last)
-        if point is not None:
-            equations = curve.equations(point.value)
-            again = solve(equations, point.points)
-            if again.converged and not failures(equations, again.points):
-                return point
-    return last
-
-
-def _switchings(curve: Curve, point: BranchPoint) -> tuple[SwitchingPoint, ...]:
-    """Return the switching points of a branch point as (t, x)."""
-    Omega = point.value if curve.parameter == "Omega" else float(curve.orbit.parameters.Omega)
-    return tuple(SwitchingPoint(float(theta / Omega), float(x)) for x, theta in point.points)
 
 
 def read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[float, float]:
@@ -478,3 +321,425 @@ def read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[flo
     for limit in (low, high):
         parameters.replace(**{parameter: limit})
     return float(low), float(high)
+
+
+# -- along the curve ---------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class BranchPoint:
+    """A point of a branch: parameter value, switching points (x, theta), multipliers, margins; z: scaled unknowns."""
+
+    value: float
+    points: np.ndarray
+    z: np.ndarray
+    tangent: np.ndarray
+    multipliers: tuple[complex, complex]
+    conditions: tuple[Condition, ...]
+    failures: tuple[Condition, ...]
+
+
+class Curve:
+    """The curve of roots of the closing equations as one parameter varies, in z = (x/size, phase, parameter/range)."""
+
+    # Arclength measures positions from their mean: a shift of the whole orbit, such as by A0/k, changes nothing else
+    # and needs no steps. So lengths and angles are those of `level(z)`.
+
+    def __init__(self, orbit: PeriodicOrbit, parameter: str, low: float, high: float) -> None:
+        self.orbit, self.parameter, self.low, self.high = orbit, parameter, low, high
+        self.word = orbit.equations().word
+        self.start, self.value = orbit.phases(), float(getattr(orbit.parameters, parameter))
+        n = len(self.start)
+        # Switching points may lie close together on an orbit that moves far.
+        size = max(np.ptp(self.start[:, 0]), 0.1 * largest_displacement(orbit.equations())[1])
+        # The points together weigh as much as the parameter.
+        self.scale = np.append(np.tile([size, 1.0], n) * np.sqrt(n), high - low)
+        self._equations: dict[float, ClosingEquations] = {}
+
+    # -- one point -----------------------------------------------------------------------------------------------------
+
+    def equations(self, value: float) -> ClosingEquations:
+        """Return the closing equations for a value of the parameter."""
+        if value not in self._equations:
+            while len(self._equations) >= 32:
+                del self._equations[next(iter(self._equations))]
+            parameters = self.orbit.parameters.replace(**{self.parameter: value})
+            self._equations[value] = ClosingEquations(parameters, self.word, self.orbit.periods)
+        return self._equations[value]
+
+    def split(self, z: np.ndarray) -> tuple[np.ndarray, float]:
+        """Return points (n, 2) and parameter from the scaled unknowns."""
+        unscaled = z * self.scale
+        # An end of the range stays what it is: the product may miss it by an ulp.
+        value = float(unscaled[-1])
+        for bound in (self.low, self.high):
+            if abs(value - bound) <= 4 * EPS * abs(bound):
+                value = bound
+        return unscaled[:-1].reshape(-1, 2), value
+
+    def joined(self, points: np.ndarray, value: float) -> np.ndarray:
+        """Return the scaled unknowns from points (n, 2) and parameter."""
+        return np.append(np.ravel(points), value) / self.scale
+
+    @staticmethod
+    def level(z: np.ndarray) -> np.ndarray:
+        """Return z with the positions measured from their mean."""
+        found = z.copy()
+        found[:-1:2] -= found[:-1:2].mean()
+        return found
+
+    def distance(self, a: BranchPoint, b: BranchPoint) -> float:
+        """Return the length of the chord between two points."""
+        return float(np.linalg.norm(self.level(b.z - a.z)))
+
+    def slope(self, z: np.ndarray) -> np.ndarray:
+        """Return the derivative of the residuals with respect to the parameter, by differences."""
+        points, value = self.split(z)
+        change = 1e-6 * (self.high - self.low)  # Newton's method needs no more
+        # One-sided at the ends of the range: there may be no such system beyond.
+        above = change if value + change <= self.high else 0.0
+        below = change if value - change >= self.low else 0.0
+        beside = [np.array(self.equations(value + shift).residuals(points)) for shift in (above, -below)]
+        return (beside[0] - beside[1]) / (above + below)
+
+    def matrix(self, z: np.ndarray, slope: np.ndarray) -> np.ndarray:
+        """Return the Jacobian (2n, 2n + 1) of the residuals by scaled unknowns; `slope`: its last column, unscaled."""
+        points, value = self.split(z)
+        return np.column_stack([self.equations(value).matrix(points), slope]) * self.scale
+
+    def correct(self, guess: np.ndarray, normal: np.ndarray) -> np.ndarray | None:
+        """Return the point of the curve in the plane through `guess` with that normal, or None."""
+        z, before, row, slope = guess, np.inf, self.level(normal), None
+        for _ in range(12):
+            try:
+                slope = self.slope(z) if slope is None else slope  # good enough for all steps from a near guess
+                points, value = self.split(z)
+                right = np.append(-np.array(self.equations(value).residuals(points)), -row @ (z - guess))
+                step = np.linalg.solve(np.vstack([self.matrix(z, slope), row]), right)
+            except (np.linalg.LinAlgError, ParameterError, ZeroDivisionError):
+                return None
+            size, whole = np.abs(self.level(step)).max(), max(1.0, np.abs(z).max())
+            if not np.isfinite(size) or size > 1.0:  # in arclength; farther off another root is found
+                return None
+            z = z + step
+            if size <= 4 * EPS * whole or (size < CONVERGING and size > before / 4):
+                return z
+            before = size
+        return z if size < CONVERGING else None
+
+    def point(self, z: np.ndarray, along: np.ndarray) -> BranchPoint:
+        """Return the branch point at z; its tangent is oriented like `along`."""
+        points, value = self.split(z)
+        equations, z = self.equations(value), self.joined(points, value)
+        matrix = np.vstack([self.matrix(z, self.slope(z)), self.level(along)])
+        tangent = np.linalg.solve(matrix, np.append(np.zeros(len(z) - 1), 1.0))
+        first, second = monodromy(equations, points).multipliers
+        margins = conditions(equations, points)
+        tangent /= np.linalg.norm(self.level(tangent))
+        both = (complex(first), complex(second))
+        return BranchPoint(value, points, z, tangent, both, tuple(margins), tuple(failing(margins)))
+
+    def accepted(self, z: np.ndarray | None, before: BranchPoint) -> BranchPoint | None:
+        """Return the point at z, or None if there is none or the curve turns too sharply towards it."""
+        if z is None:
+            return None
+        try:
+            point = self.point(z, before.tangent)
+        except (np.linalg.LinAlgError, ParameterError, ZeroDivisionError):
+            return None
+        return point if point.tangent @ self.level(before.tangent) > 0.9 else None
+
+    def step(self, current: BranchPoint, length: float) -> BranchPoint | None:
+        """Return the point of the curve a length further on, at most at the end of the range; None if not found."""
+        ahead = current.z + length * current.tangent
+        value = self.split(ahead)[1]
+        if self.low < value < self.high:
+            point = self.accepted(self.correct(ahead, current.tangent), current)
+            if point is None or self.low <= point.value <= self.high:
+                return point
+            ahead, value = point.z, point.value  # the curve bends over the end of the range
+        value = self.high if value >= self.high else self.low
+        part = (value - current.value) / (ahead[-1] * self.scale[-1] - current.value)
+        guess, _ = self.split(current.z + part * (ahead - current.z))
+        solution = solve(self.equations(value), guess)
+        return self.accepted(self.joined(solution.points, value), current) if solution.converged else None
+
+    def halfway(self, a: BranchPoint, b: BranchPoint) -> np.ndarray:
+        """Return the midpoint of the cubic through a and b with their tangents, which is near the curve."""
+        return 0.5 * (a.z + b.z) + 0.125 * self.distance(a, b) * (a.tangent - b.tangent)
+
+    def middle(self, a: BranchPoint, b: BranchPoint) -> BranchPoint | None:
+        """Return the point of the curve midway between two points."""
+        return self.accepted(self.correct(self.halfway(a, b), b.z - a.z), a)
+
+    # -- all points ----------------------------------------------------------------------------------------------------
+
+    def follow(
+        self, direction: float, most: int, advance: Advance, before: int = 0
+    ) -> tuple[list[BranchPoint], BranchEnd]:
+        """Follow the curve in one direction; return its points and why they end. `before`: points of the other one."""
+        path, length, reached = self._first_points(direction), 0.02, 0.0
+        done = self.value - self.low if before else 0.0  # the other way is done, wherever it ended
+
+        def end(kind: str, message: str, *conditions: Condition) -> tuple[list[BranchPoint], BranchEnd]:
+            return path, BranchEnd(kind, path[-1].value, message, self._switchings(path[-1]), conditions)
+
+        while True:
+            current = path[-1]
+            if current.value == (self.high if direction > 0 else self.low):
+                return end(RANGE, "the orbit goes on")
+            following = self.step(current, length)
+            scanned = None if following is None else self._scan(current, following)
+            if scanned is None:
+                length /= 2
+                if length >= 1e-10:
+                    continue
+                nearest = min(current.conditions, key=lambda condition: condition.value)
+                if (belt := _begins_to_rest(self.equations(current.value).parameters)) is not None:
+                    message = f"the flights vanish at mu{belt} FN = |B0|; beyond it the mass may rest on belt {belt}"
+                    return end(admissibility.FLIGHT_VANISHING, f"{message} for ever", nearest)
+                message = f"the steps became too short; nearest to failing: {nearest.text} (by {nearest.value:.3g})"
+                return end(NO_CONVERGENCE, message, nearest)
+            points, failed = scanned
+            path += points
+            reached = max(reached, abs(path[-1].value - self.value))
+            if advance:
+                advance(min(1.0, (done + reached) / (self.high - self.low)), before + len(path))
+            if len(path) > most:
+                del path[most:]
+                return end(MOST, f"stopped after {most} points")
+            if failed is not None:
+                return path, self._end_at(path, failed, direction)
+            length = min(1.5 * length, LONGEST_STEP)
+
+    def _first_points(self, direction: float) -> list[BranchPoint]:
+        """Return the first point, and one just after it if the first is at an end, where margins are rounding noise."""
+        # On the way between the two nothing is proven (as before an end, see NO_GAP).
+        z = self.joined(self.start, self.value)
+        first = self.point(z, np.append(np.zeros(len(z) - 1), direction))
+        at_end = not all(condition.value > 1e-6 * condition.scale for condition in first.conditions)
+        for length in (1e-6, 1e-5, 1e-4) if at_end else ():
+            point = self.step(first, length)
+            if point is not None and not point.failures and not self._verified(point).failures:
+                return [first, point]
+        return [first]
+
+    def _scan(
+        self, a: BranchPoint, b: BranchPoint, around: float = np.inf
+    ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
+        """Divide a piece of a branch after its point a; return its orbits, and the first point that is none or None."""
+        # None if the points do not lie on one smooth curve. `around` is the length of the shortest piece around it that
+        # is known to end in a change.
+        length, changed = self.distance(a, b), bool(b.failures)
+        around = min(around, length) if changed else around
+        if changed and length < NO_GAP:
+            return self._located(a, b)
+        m = self.middle(a, b)
+        if m is None:
+            return None
+        away, along = self.level(m.z - self.halfway(a, b)), self.level(m.tangent)
+        if np.linalg.norm(away - (away @ along) * along) > 1e-2 * length + RESOLUTION:  # too far from the cubic
+            return None
+        if not changed and not m.failures:
+            if self._proven(a, m, b):
+                b = self._verified(b)  # and so is m: between two orbits nothing has changed
+                if not b.failures:
+                    return [m, b], None
+            # Length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
+            elif length < 1e-9:
+                if around <= 1e-4:  # all is rounding noise here; next to a change it says nothing
+                    return [m], None
+                # A margin is so small that doubles cannot tell whether it passes 0.
+                return [], replace(m, failures=(min(m.conditions, key=lambda c: c.value / c.scale),))
+        first = self._scan(a, m, around)
+        if first is None or first[1] is not None:
+            return first
+        second = self._scan(first[0][-1], b, around)
+        return None if second is None else (first[0] + second[0], second[1])
+
+    def _proven(self, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
+        """Return whether no margin can reach 0 between a and b."""
+        nodes, margins = [], []
+        for point in (a, self.halfway(a, m), m, self.halfway(m, b), b):
+            if isinstance(point, BranchPoint):
+                nodes.append((self.equations(point.value), point.points))
+                margins.append(point.conditions)
+                continue
+            points, value = self.split(point)
+            nodes.append((self.equations(value), points))
+            margins.append(tuple(conditions(*nodes[-1])))
+        return no_margin_vanishes(nodes, margins)
+
+    def _verified(self, point: BranchPoint) -> BranchPoint:
+        """Decide the failures of a branch point anew, with more digits and by following it with the engine."""
+        return replace(point, failures=tuple(failures(self.equations(point.value), point.points)))
+
+    def _located(self, good: BranchPoint, bad: BranchPoint) -> tuple[list[BranchPoint], BranchPoint]:
+        """Bisect for a change between two points; return the last one before it (none if given) and the first after."""
+        begin = good
+        while self.distance(good, bad) > RESOLUTION:
+            m = self.middle(good, bad)
+            if m is None:
+                break
+            good, bad = (good, m) if m.failures else (m, bad)
+        return ([] if good is begin else [good]), bad
+
+    # -- the end -------------------------------------------------------------------------------------------------------
+
+    def _end_at(self, path: list[BranchPoint], failed: BranchPoint, direction: float) -> BranchEnd:
+        """Describe the end of a branch by the conditions that vanish or fail there; move its last point inside."""
+        # Margins are compared with those at a point that is far enough before the end.
+        before = next((point for point in reversed(path) if self.distance(point, failed) > 1e-3), path[0])
+        # What a margin must have fallen to to count as 0, or where doubles cannot decide on which side of 0 it is
+        part = 1e-3 if any(condition.value > 0 for condition in failed.failures) else 1e-5
+        pairs = zip(before.conditions, failed.conditions, strict=True)
+        zero = [c for was, c in pairs if c.value < max(part * min(was.value, 1e300), MARGINAL * c.scale)]
+        zero = sorted(zero, key=lambda condition: condition.rank) or list(failed.failures)
+        reasons = tuple(condition for condition in zero if condition.event == zero[0].event)
+        message = "; ".join(f"{c.text} no longer holds at t = {c.t:.10g}" for c in reasons)
+        path[-1] = last = self._inside(path[-1])
+        word, instead = self._word_beyond(last, float(np.sign(failed.value - before.value)) or direction)
+        message += f"; beyond it {instead}" if instead else ""
+        return BranchEnd(zero[0].event, last.value, message, self._switchings(last), reasons, word)
+
+    def _inside(self, last: BranchPoint) -> BranchPoint:
+        """Return the last point of a branch that more digits confirm as an orbit: `last`, or one just before it."""
+        for back in (0.0, *(RESOLUTION * 4.0**j for j in range(12))):
+            z = last.z - back * last.tangent
+            point = last if back == 0.0 else self.accepted(self.correct(z, last.tangent), last)
+            if point is not None:
+                equations = self.equations(point.value)
+                again = solve(equations, point.points)
+                if again.converged and not failures(equations, again.points):
+                    return point
+        return last
+
+    def _word_beyond(self, point: BranchPoint, direction: float) -> tuple[str | None, str]:
+        """Return the orbit's word just beyond an end; or None and the motion there as text ("" if unknown)."""
+        # The motion is simulated there from the orbit at the end, and the words that it goes through are solved for.
+        # One with an admissible orbit is the answer: with c > 0 there is no second one (`symosc.orbits.floquet`).
+        instead = ""
+        for distance in (1e-9, 1e-8, 1e-7, 1e-6, 1e-5):  # parts of the range: the nearest that is found counts
+            value = point.value + direction * distance * (self.high - self.low)
+            if value == point.value:
+                continue
+            try:
+                equations = self.equations(value)
+            except ParameterError:  # there is no such system
+                break
+            x, theta = (float(value) for value in point.points[0])
+            passages, rests = follow(equations, x, theta % (2 * pi), equations.pieces[0].start, SETTLING_EVENTS)
+            found = orbit_of(equations, passages, float(np.abs(point.points[:, 0]).max()))
+            if found is not None:
+                return str(found[0].word), ""
+            instead = instead or (resting_text(equations, passages[-1].mode) if rests else "")
+        return None, instead
+
+    def _switchings(self, point: BranchPoint) -> tuple[SwitchingPoint, ...]:
+        """Return the switching points of a branch point as (t, x)."""
+        Omega = point.value if self.parameter == "Omega" else float(self.orbit.parameters.Omega)
+        return tuple(SwitchingPoint(float(theta / Omega), float(x)) for x, theta in point.points)
+
+
+def _begins_to_rest(p: Parameters) -> int | None:
+    """Return the belt on which the mass nearly may rest for ever, or nearly may not; None if there is none."""
+    for belt, friction in ((1, p.mu1 * p.FN), (2, p.mu2 * p.FN)):
+        if p.belt(belt) == 0 and abs(friction - abs(p.B0)) < 1e-6 * abs(p.B0):  # flights are too short for steps
+            return belt
+    return None
+
+
+# -- between two points ------------------------------------------------------------------------------------------------
+
+
+Node = tuple[ClosingEquations, np.ndarray]
+
+
+def no_margin_vanishes(nodes: list[Node], margins: list[tuple[Condition, ...]]) -> bool:
+    """Return whether no margin reaches 0 between the first and the last of five points of a branch."""
+    if not _cells(np.array([[c.value for c in row if not of_function(c)] for row in margins])).all():
+        return False
+    equations, points = nodes[2]
+    for i, duration in enumerate(equations.durations(points)):
+        parts = duration / equations.K.Om * equations.K.rate / SAMPLE
+        u = np.linspace(0.0, 1.0, 1 + int(min(MOST_PARTS, max(12, parts))))
+        if not _stay_positive(nodes, i, u, 30):
+            return False
+    return True
+
+
+def _cells(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
+    """Return for each column of (5, n) values whether it is proven positive between the rows."""
+    bend = np.abs(np.diff(values, 2, axis=0)).max(axis=0)
+    if bend.size > 2:
+        bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
+    least = values - deficit
+    roots = np.sqrt(np.maximum(least, 0.0))
+    return (least > 0).all(axis=0) & (roots[:-1] + roots[1:] > np.sqrt(0.5 * MARGIN_SAFETY * bend)).all(axis=0)
+
+
+def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
+    """Return whether the margins of piece i stay positive at and between the parts u of its duration."""
+    for rows in zip(*(functions(equations, points, i, u) for equations, points in nodes), strict=True):
+        values = np.array(rows)
+        bend = np.abs(np.diff(values, 2, axis=1)).max(axis=0)
+        bend = np.concatenate([bend[:1], bend, bend[-1:]])
+        bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
+        good = _cells(values, MARGIN_SAFETY / 8 * bend)
+        if good.all():
+            continue
+        if depth == 0 or not _cells(values)[~good].all():
+            return False
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], ~good, [False]]).astype(int)))
+        for first, last in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True):  # runs that are open
+            low, high = u[max(first - 1, 0)], u[min(last + 1, len(u) - 1)]
+            finer = np.linspace(low, high, 1 + 8 * (last - first + 2))
+            if finer[1] <= finer[0] or len(finer) > MOST_PARTS or not _stay_positive(nodes, i, finer, depth - 1):
+                return False
+    return True
+
+
+def functions(equations: ClosingEquations, points: Points, i: int, u: np.ndarray) -> list[np.ndarray]:
+    """Return the margins of piece i (distances to belts or forces that hold) at parts u of its duration."""
+    piece, start, end = equations.pieces[i], points[i], equations.ends(points)[i]
+    tau = (end[1] - start[1]) / equations.K.Om
+    return (_of_stick if piece.sticks else _of_flight)(equations, piece, start, end, tau, u)
+
+
+def _of_flight(
+    equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
+) -> list[np.ndarray]:
+    """Return the margins of a flight, its distances to belts, at parts u of its duration."""
+    K, times = equations.K, tau * u
+    v, a, s, c = equations.start_of_flight(piece, start)
+    _, dv, acceleration = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis(times, K)[:5])
+    b = derivatives(v, a, s, c, K)[0]
+    found = []
+    for boundary, sign in ((piece.mode - 1, 1.0), (piece.mode, -1.0)):
+        if boundary not in (1, 2):
+            continue
+        roots = 0 if boundary != piece.start else 2 if piece.after_stick else 1
+        gap = sign * ((v - equations.belt(boundary).v) + dv)
+        inner = u > 0 if roots else np.ones(len(u), dtype=bool)
+        q = np.empty(len(u))
+        q[inner] = gap[inner] / times[inner] ** roots
+        q[~inner] = sign * (0.5 * b if roots == 2 else a)
+        if boundary == piece.end:
+            ends = u == 1
+            q[~ends] /= 1 - u[~ends]
+            q[ends] = -sign * acceleration[ends] * tau ** (1 - roots)
+        found.append(q)
+    return found
+
+
+def _of_stick(
+    equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
+) -> list[np.ndarray]:
+    """Return the margins of a stick, the forces that hold it, at parts u of its duration."""
+    K, belt = equations.K, equations.belt(piece.start)
+    before = -(1 - u) * tau  # time, counted from the end of the stick, where the force that ends it is 0
+    half = 0.5 * K.Om * before
+    force = -piece.side * (belt.drift * before - 2 * K.f0 * np.sin(end[1] + half) * np.sin(half))
+    slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
+    ratio = np.where(u == 1, slope, force / np.where(u == 1, 1.0, -before))
+    return [ratio, belt.J - force]

@@ -28,30 +28,16 @@ from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.flow import BeltConstants
 from symosc.engine.state import Launch
 from symosc.errors import SymoscError
-from symosc.kernels._generated import (
-    acceleration,
-    flight_jacobian,
-    flight_residual,
-    motion,
-    stick_jacobian,
-    stick_residual,
-)
+from symosc.kernels import _generated as kernels
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
 from symosc.words import Word
 
-MOST_NEWTON_STEPS = 60
-MOST_POLISHING = 80
-# So many corrections in a row that shrink by a constant factor only are a sign of a multiple root.
-MOST_LINEAR = 16
-# Corrections in more digits that stop shrinking have converged if they are below this power of the arithmetic's unit.
-POLISHED = 0.8
+MOST_NEWTON_STEPS, MOST_POLISHING = 60, 80
 # A step may take at most this part of a piece's duration away: a flight must not shrink to its trivial root tau = 0.
 SHORTEN = 0.8
 # Below this size of a (relative) correction Newton's method is taken to converge; it then goes on to the last digit.
 CONVERGING = 1e-8
-# A residual below this may be rounding errors: Newton's method then goes on with more digits.
-ROUNDED, MORE_DIGITS = 1e-9, 40
 SINGULAR = "the Jacobian became singular"
 
 
@@ -113,11 +99,9 @@ def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
     """Return the pieces of a word, taken as periodic."""
     pieces = []
     for i, (row, exit) in enumerate(zip(word.maps, word.exits(), strict=True)):
-        upward = exit == "above" if row.sticks else row.end.superscript == 1  # from below
-        after_stick = word.maps[i - 1].sticks
-        pieces.append(
-            OrbitPiece(row.label, row.start.boundary, row.end.boundary, row.mode, 1 if upward else -1, after_stick)
-        )
+        side = 1 if (exit == "above" if row.sticks else row.end.superscript == 1) else -1  # 1: from below
+        ends = row.start.boundary, row.end.boundary
+        pieces.append(OrbitPiece(row.label, *ends, row.mode, side, word.maps[i - 1].sticks))
     return tuple(pieces)
 
 
@@ -181,7 +165,7 @@ class ClosingEquations:
     def force(self, domain: int, x: Number, v: Number, theta: Number) -> Number:
         """Return the acceleration F^(domain) (eq. (9))."""
         K = self.K
-        return acceleration(x, v, self.cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
+        return kernels.acceleration(x, v, self.cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
 
     def belt(self, boundary: int) -> BeltConstants:
         """Return the constants of a belt."""
@@ -197,23 +181,23 @@ class ClosingEquations:
         """Return f1, f2 of a piece, with the known roots divided out."""
         K, tau, v_end = self.K, (end[1] - start[1]) / self.K.Om, self.belt(piece.end).v
         if piece.sticks:
-            domain = piece.start + (piece.side > 0)
-            A = (K.A1, K.A2, K.A3)[domain - 1]
-            return stick_residual(start[0], v_end, tau, end[0], self.cos(end[1]), A, K.cm, K.w0sq, K.f0)
+            A = (K.A1, K.A2, K.A3)[piece.start - (piece.side < 0)]  # of the domain that it leaves to
+            return kernels.stick_residual(start[0], v_end, tau, end[0], self.cos(end[1]), A, K.cm, K.w0sq, K.f0)
         v, a, s, c = self.start_of_flight(piece, start)
         basis = self.basis(tau, K)[:5]
-        return flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
+        return kernels.flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
 
     def _jacobian(self, piece: OrbitPiece, start: Point, end: Point) -> Any:
         """Return the 2x4 Jacobian of a piece."""
         K, tau = self.K, (end[1] - start[1]) / self.K.Om
         if piece.sticks:
-            x_th0, x_th1, v_x1, v_th1 = stick_jacobian(self.belt(piece.start).v, self.sin(end[1]), K.w0sq, K.f0, K.Om)
+            v, s = self.belt(piece.start).v, self.sin(end[1])
+            x_th0, x_th1, v_x1, v_th1 = kernels.stick_jacobian(v, s, K.w0sq, K.f0, K.Om)
             return (1, x_th0, -1, x_th1), (0, 0, v_x1, v_th1)
         v, a, s, c = self.start_of_flight(piece, start)
         E0, E1, E2, R2, I2 = self.basis(tau, K)[:5]
-        _, dv, a_end = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-        x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = flight_jacobian(v, a, v + dv, a_end, K.w0sq, K.Om, E0, E1, E2)
+        _, dv, a_end = kernels.motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+        x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = kernels.flight_jacobian(v, a, v + dv, a_end, K.w0sq, K.Om, E0, E1, E2)
         if piece.after_stick:  # the acceleration at the start is 0 whatever x and theta are
             x_x0, x_th0 = x_x0 + K.w0sq * E2, x_th0 + K.f0 * s * E2
             v_x0, v_th0 = v_x0 + K.w0sq * E1, v_th0 + K.f0 * s * E1
@@ -227,9 +211,9 @@ class ClosingEquations:
         n = len(self.pieces)
         matrix = np.zeros((2 * n, 2 * n))
         for i, block in enumerate(self.blocks(points)):
-            j = (i + 1) % n
-            matrix[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] += np.asarray(block, dtype=float)[:, :2]
-            matrix[2 * i : 2 * i + 2, 2 * j : 2 * j + 2] += np.asarray(block, dtype=float)[:, 2:]
+            j, values = (i + 1) % n, np.asarray(block, dtype=float)
+            matrix[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] += values[:, :2]
+            matrix[2 * i : 2 * i + 2, 2 * j : 2 * j + 2] += values[:, 2:]
         return matrix
 
     def durations(self, points: np.ndarray) -> np.ndarray:
@@ -301,10 +285,10 @@ def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     # Near the birth of a short piece its duration has few digits in doubles, and steps that small are all noise.
     with np.errstate(all="ignore"):
         solution = newton(equations, guess)
-    if solution.converged or not np.isfinite(solution.residual) or solution.residual > ROUNDED:
+    if solution.converged or not np.isfinite(solution.residual) or solution.residual > 1e-9:
         return solution
     try:
-        finer = polish(equations.with_digits(MORE_DIGITS), solution.points)
+        finer = polish(equations.with_digits(40), solution.points)
     except (ZeroDivisionError, ValueError):
         return solution
     if not finer.converged:
@@ -318,11 +302,8 @@ def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) 
     # A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
     durations = equations.durations(points)
     changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]
-    flights = np.array([not piece.sticks for piece in equations.pieces])
-    shrinking = flights & (changes < 0)
-    if not shrinking.any():
-        return 1.0
-    return float(min(1.0, (SHORTEN * durations[shrinking] / -changes[shrinking]).min()))
+    shrinking = np.array([not piece.sticks for piece in equations.pieces]) & (changes < 0)
+    return float((SHORTEN * durations[shrinking] / -changes[shrinking]).min(initial=1.0))
 
 
 def polish(equations: ClosingEquations, points: Points) -> Solution:
@@ -350,10 +331,10 @@ def polish(equations: ClosingEquations, points: Points) -> Solution:
         if not context.isfinite(size) or size > settled:
             return Solution(points, largest, steps, False, "the corrections grow in more digits")
         points = [(x + step[2 * i], theta + step[2 * i + 1]) for i, (x, theta) in enumerate(points)]
-        if size <= 16 * context.eps * settled or (size >= last / 4 and size < context.eps**POLISHED * settled):
+        if size <= 16 * context.eps * settled or (size >= last / 4 and size < context.eps**0.8 * settled):
             return Solution(points, equations.largest_residual(points), steps, True, "")
         linear = linear + 1 if size > last / 16 else 0
-        if linear > MOST_LINEAR:
+        if linear > 16:
             return Solution(points, largest, steps, False, "a multiple root")
         last = size
     return Solution(points, largest, MOST_POLISHING, False, "not converged in more digits")

@@ -18,9 +18,9 @@ from symosc.engine.start import belt_start, belt_state
 from symosc.engine.state import CROSS, END, FAILED, REST, SLIP, STICK, Covariance
 from symosc.errors import ParameterError
 from symosc.exact import read_digits, unmasked, whole_number
-from symosc.mappings.numbers import text_or_booleans
+from symosc.mappings.numbers import real_array
 from symosc.model import MODE_NAMES, Parameters
-from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, Condition, failures, grazing_distance
+from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, failures, grazing_distance
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Solution, polish, solve
 from symosc.orbits.floquet import inside, monodromy, rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
@@ -30,16 +30,11 @@ from symosc.simulation.problems import named
 from symosc.simulation.trajectory import MAP_LABELS
 from symosc.words import Word, WordError, WordLike, read_word
 
-# The search tries evenly spaced points over all periods; beyond these it takes minutes.
-MOST_ORBIT_PERIODS = 200
 # All switchings are solved for at once: much longer words would take minutes.
 MOST_MAPPINGS = 40
 # Roots of a repeated word whose points repeat within this (relative) are one orbit, run through several times.
 SAME_ORBIT = 1e-7
-
-
-LEAST_RUN_EVENTS = 60
-SETTLING_EVENTS, SETTLED = 400, 1e-6
+LEAST_RUN_EVENTS, SETTLING_EVENTS, SETTLED = 60, 400, 1e-6
 #: Forcing periods by which the motion from rest may have settled.
 SETTLING_PERIODS = (50, 1_000, 20_000)
 
@@ -102,7 +97,8 @@ def find_orbit(
     >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
     (True, '1.570796', ['0.181670', '0.992371'])
     """
-    periods = None if periods is None else whole_number("periods", periods, 1, MOST_ORBIT_PERIODS)
+    # The search tries evenly spaced points over all periods; beyond these it takes minutes.
+    periods = None if periods is None else whole_number("periods", periods, 1, 200)
     if word is None:
         for name, value in (("guess", guess), ("periods", periods)):
             if value is not None:
@@ -118,12 +114,10 @@ def find_orbit(
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
     digits = read_digits(digits)
     equations = ClosingEquations(parameters, found, periods or 1)
-    if guess is None:
-        simulated = (batch[:4] for batch in from_simulations(equations, periods))
-        batches: Iterator[list[Guess]] = chain(simulated, [evenly_spaced(equations, periods or 1)])
-    else:
-        batches = iter([[_read_guess(guess, equations, periods)]])
-    return orbit_at(*_best_root(equations, batches), digits)
+    guesses: Iterator[Guess] = chain(from_simulations(equations, periods), evenly_spaced(equations, periods or 1))
+    if guess is not None:
+        guesses = iter([_read_guess(guess, equations, periods)])
+    return orbit_at(*_best_root(equations, guesses), digits)
 
 
 def settled_orbit(parameters: Parameters, digits: int | None = None, most: int = SETTLING_PERIODS[-1]) -> PeriodicOrbit:
@@ -140,9 +134,8 @@ def settled_orbit(parameters: Parameters, digits: int | None = None, most: int =
             reason = "the motion from rest settles without meeting a belt"
             break
         if len(word) > MOST_MAPPINGS + 1:
-            reason = (
-                f"the motion from rest has {len(word) - 1} mappings a cycle, more than the {MOST_MAPPINGS} of a search"
-            )
+            cycle = f"{len(word) - 1} mappings a cycle"
+            reason = f"the motion from rest has {cycle}, more than the {MOST_MAPPINGS} of a search"
             break
         if word not in tried:
             tried.append(word)
@@ -157,26 +150,24 @@ def settled_orbit(parameters: Parameters, digits: int | None = None, most: int =
     raise ConvergenceError(tried[-1], (), 1, inf, reason)
 
 
-def _best_root(equations: ClosingEquations, batches: Iterator[list[Guess]]) -> tuple[ClosingEquations, Solution]:
+def _best_root(equations: ClosingEquations, guesses: Iterator[Guess]) -> tuple[ClosingEquations, Solution]:
     """Return the first admissible root, else the one that fails least; repetitions of shorter words last."""
     roots: list[tuple[tuple[bool, bool, float], ClosingEquations, Solution]] = []
     best: Solution | None = None
     tried = equations
-    for batch in batches:
-        for guess in batch:
-            tried = ClosingEquations(equations.parameters, equations.word, guess.periods)
-            solution = solve(tried, guess.points)
-            if not solution.converged:
-                best = solution if best is None or solution.residual < best.residual else best
-                continue
-            if any(_same(tried, solution, others, other) for _, others, other in roots):
-                continue
-            failed = failures(tried, solution.points)
-            repeats = repetitions(tried, solution.points) > 1
-            if not failed and (not repeats or tried.parameters.c > 0):  # with damping there is no other
-                return tried, solution
-            rank = (bool(failed), repeats, max((-c.value for c in failed), default=0.0))
-            roots.append((rank, tried, solution))
+    for guess in guesses:
+        tried = ClosingEquations(equations.parameters, equations.word, guess.periods)
+        solution = solve(tried, guess.points)
+        if not solution.converged:
+            best = solution if best is None or solution.residual < best.residual else best
+            continue
+        if any(_same(tried, solution, others, other) for _, others, other in roots):
+            continue
+        failed = failures(tried, solution.points)
+        repeats = repetitions(tried, solution.points) > 1
+        if not failed and (not repeats or tried.parameters.c > 0):  # with damping there is no other
+            return tried, solution
+        roots.append(((bool(failed), repeats, max((-c.value for c in failed), default=0.0)), tried, solution))
     if roots:
         return min(roots, key=lambda root: root[0])[1:]
     word = str(equations.word)
@@ -233,6 +224,24 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
     values = (complex(first), complex(second)) if digits is None else (rounded(first), rounded(second))
     gap = inside(equations, double, values)
     stable = True if not failed and equations.parameters.c > 0 else None if gap is None else gap > 0
+    if failed:
+        texts, resting = [], False
+        for c in failed:
+            lasts = c.value == 0 and c.rank in (STICK_LASTS, FLIGHT_LASTS)
+            how = "it has no length" if lasts else "just fails" if c.value == 0 else f"fails by {-c.value:.3g}"
+            texts.append(f"{c.text}: {how} at t = {c.t:.6g}")
+            resting = resting or lasts
+        message = f"a root that is not an orbit ({'; '.join(texts)}){_instead(equations, resting)}"
+    else:
+        kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
+        message = f"{kind} orbit of {equations.periods} forcing period{'s' if equations.periods > 1 else ''}"
+        # The largest multiplier is 1 - gap, written so that it differs from 1.
+        near_one = gap is not None and abs(gap) <= 1e-5
+        size = "1" if gap is None else f"1 {'-' if gap > 0 else '+'} {abs(gap):.3g}" if near_one else f"{1 - gap:.6g}"
+        message += f", largest |multiplier| {size}"
+        message += " (no neighbour need come nearer)" if stable is None else ""
+        message += f", {near:.3g} in velocity away from grazing" if near < inf else ""
+        message += f"; it runs {repeated} times through a shorter orbit" if repeated > 1 else ""
     return PeriodicOrbit(
         parameters=equations.parameters,
         word=word,
@@ -246,41 +255,10 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
         admissible=not failed,
         failures=failed,
         grazing_distance=near,
-        message=_message(equations, stable, gap, failed, near, repeated),
+        message=message,
         steps=steps,
         digits=digits,
     )
-
-
-def _message(
-    equations: ClosingEquations,
-    stable: bool | None,
-    gap: float | None,
-    failed: tuple[Condition, ...],
-    near: float,
-    repeated: int,
-) -> str:
-    """Return the message about a root that is, or is not, an orbit."""
-    if failed:
-        parts, resting = [], False
-        for c in failed:
-            lasts = c.value == 0 and c.rank in (STICK_LASTS, FLIGHT_LASTS)
-            how = "it has no length" if lasts else "just fails" if c.value == 0 else f"fails by {-c.value:.3g}"
-            parts.append(f"{c.text}: {how} at t = {c.t:.6g}")
-            resting = resting or lasts
-        return f"a root that is not an orbit ({'; '.join(parts)}){_instead(equations, resting)}"
-    kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
-    text = f"{kind} orbit of {equations.periods} forcing period{'s' if equations.periods > 1 else ''}"
-    # The largest multiplier is 1 - gap, written so that it differs from 1.
-    if gap is None:
-        text += ", largest |multiplier| 1"
-    else:
-        size = f"{1 - gap:.6g}" if abs(gap) > 1e-5 else f"1 {'-' if gap > 0 else '+'} {abs(gap):.3g}"
-        text += f", largest |multiplier| {size}"
-    text += " (no neighbour need come nearer)" if stable is None else ""
-    if near < inf:
-        text += f", {near:.3g} in velocity away from grazing"
-    return text + (f"; it runs {repeated} times through a shorter orbit" if repeated > 1 else "")
 
 
 def _instead(equations: ClosingEquations, resting: bool = False) -> str:
@@ -309,20 +287,14 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
     if isinstance(guess, PeriodicOrbit):
         periods, guess = periods or guess.periods, guess.points
     guess = unmasked("guess", named("guess", guess, ("t", "x")))
-    try:
-        if isinstance(guess, Mapping):
-            guess = np.column_stack([np.atleast_1d(unmasked("guess", column)) for column in guess.values()])
-        if text_or_booleans(guess):
-            raise TypeError
-        rows = np.atleast_2d(np.array(guess, dtype=object))
-        if rows.ndim > 2:
-            raise TypeError
-        values = np.array([[float(value) for value in unmasked("guess", list(row))] for row in rows])
-    except (TypeError, ValueError, OverflowError):
-        values = np.zeros((0, 0))
-    if values.shape not in ((n, 2), (1, 2)) or not np.isfinite(values).all():
-        shape = f"an array of shape {values.shape}" if values.size else guess
-        raise ParameterError("guess", shape, f"must be {n} pairs (t, x), one for each switching, or one to start from")
+    if isinstance(guess, Mapping):
+        guess = np.array([np.ravel(unmasked("guess", column)) for column in guess.values()], dtype=object).T
+    for row in guess if isinstance(guess, list | tuple) else ():
+        unmasked("guess", row)
+    allowed = f"must be {n} pairs (t, x), one for each switching, or one to start from"
+    values = np.atleast_2d(real_array("guess", guess, allowed))
+    if values.shape not in ((n, 2), (1, 2)):
+        raise ParameterError("guess", f"an array of shape {values.shape}" if values.size else guess, allowed)
     theta = Omega * values[:, 0]
     if len(values) == 1:
         passages, _ = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
@@ -395,6 +367,42 @@ def settled_word(equations: ClosingEquations, passages: list[Passage]) -> Word |
     return None
 
 
+def orbit_of(
+    equations: ClosingEquations, passages: list[Passage], size: float
+) -> tuple[ClosingEquations, np.ndarray] | None:
+    """Return the equations and points of an admissible orbit that a simulation approaches."""
+    settled = settled_word(equations, passages)
+    for word in dict.fromkeys(([settled] if settled else []) + _words_of_a_period(equations, passages)):
+        trial = ClosingEquations(equations.parameters, word, equations.periods)
+        found = windows(passages, word.labels, equations.periods, max(size, 1e-300))
+        for guess in sorted(found, key=lambda each: each.defect)[:4]:
+            solution = solve(trial, guess.points)
+            if solution.converged and not failures(trial, solution.points):
+                return trial, solution.points
+    return None
+
+
+def _words_of_a_period(equations: ClosingEquations, passages: list[Passage]) -> list[Word]:
+    """Return the words of one period that occur in the simulation, the last ones first."""
+    labels, found = mappings_between(passages), list[Word]()
+    phases = np.array([passage.theta for passage in passages])
+    turn = 2 * pi * equations.periods
+    for last in range(len(labels), 0, -1):
+        first = int(np.argmin(np.abs(phases - (phases[last] - turn))))
+        part = labels[first:last]
+        if not 0 < len(part) <= 24 or None in part or phases[last] - turn < phases[0] - 1:
+            continue
+        try:
+            word = read_word(rotated(tuple(label for label in part if label), equations))
+        except WordError:
+            continue
+        if word not in found:
+            found.append(word)
+        if len(found) >= 6:
+            break
+    return found
+
+
 def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
     """Return a word of `labels`, begun with the first mapping of the equations' word if present."""
     first = equations.word.labels[0]
@@ -443,8 +451,8 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
     return 0.5 * (K.A1 + K.A3) / K.w0sq, float(max(reach, K.V0 / K.Om))
 
 
-def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[list[Guess]]:
-    """Yield guesses from simulations started on the word's belts in batches, smallest closing error first."""
+def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[Guess]:
+    """Yield guesses from simulations started on the word's belts, of every eight the four that close best."""
     # They start at 7 positions, in units of the largest displacement expected, at 8 phases.
     centre, size = largest_displacement(equations)
     boundaries = sorted({piece.start for piece in equations.pieces})
@@ -455,15 +463,12 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
         for offset, j, boundary in batch:
             passages, _ = follow(equations, centre + offset * size, 2 * pi * j / 8, boundary, most)
             found += windows(passages, equations.word.labels, periods, size)
-        yield sorted(found, key=lambda guess: guess.defect)
+        yield from sorted(found, key=lambda guess: guess.defect)[:4]
 
 
-def evenly_spaced(equations: ClosingEquations, periods: int) -> list[Guess]:
-    """Return guesses for a word that no simulation follows: equidistant phases, steady-motion positions."""
-    centre, size = largest_displacement(equations)
-    n = len(equations.pieces)
-    found = []
+def evenly_spaced(equations: ClosingEquations, periods: int) -> Iterator[Guess]:
+    """Yield guesses for a word that no simulation follows: equidistant phases, steady-motion positions."""
+    (centre, size), n = largest_displacement(equations), len(equations.pieces)
     for j, amplitude in product(range(16), (0.2, 0.6)):
         theta = 2 * pi * (j / 16 + periods * np.arange(n) / n)
-        found.append(Guess(np.column_stack([centre + amplitude * size * np.sin(theta), theta]), periods, inf))
-    return found
+        yield Guess(np.column_stack([centre + amplitude * size * np.sin(theta), theta]), periods, inf)

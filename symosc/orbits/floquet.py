@@ -44,10 +44,7 @@ from symosc.kernels._generated import motion
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.closing_equations import ClosingEquations, polish
 
-# A multiplier this near to the unit circle is computed again with this many digits ...
-NEAR_ONE, MULTIPLIER_DIGITS = 1e-9, 50
-# ... and lies on it if it is this near even then.
-ON_CIRCLE = 1e-25
+NEAR_ONE = 1e-9  # a multiplier this near to the unit circle is computed again with 50 digits
 
 
 class Monodromy(NamedTuple):
@@ -96,12 +93,12 @@ def inside(equations: ClosingEquations, points: Points, values: tuple[Number, Nu
     gap = float(1 - max(abs(value) for value in values))
     if abs(gap) > NEAR_ONE:
         return gap
-    fine = equations.with_digits(MULTIPLIER_DIGITS)
+    fine = equations.with_digits(50)
     root = polish(fine, points)
     if not root.converged:  # orbits that are not isolated have a multiplier of 1
         return None
     gap = float(1 - max(abs(value) for value in monodromy(fine, root.points).multipliers))
-    return None if abs(gap) < ON_CIRCLE else gap
+    return None if abs(gap) < 1e-25 else gap
 
 
 def rest_positions(parameters: Parameters, boundary: int) -> tuple[Fraction, Fraction] | None:

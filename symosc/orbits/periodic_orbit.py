@@ -17,7 +17,7 @@ from symosc.display.drawable import Drawable
 from symosc.engine.flow import state_at
 from symosc.errors import ParameterError, meant
 from symosc.exact import read_exact, unmasked
-from symosc.mappings.numbers import real_array
+from symosc.mappings.numbers import latex_number, real_array
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.admissibility import Condition, conditions
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, polish
@@ -25,10 +25,6 @@ from symosc.orbits.floquet import monodromy
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.words import Word
-
-NEAR_ORBIT = 1e-6
-# Derivatives of orbits: the step, as a part of a parameter, and the digits; multipliers nearer than that are one.
-TANGENT_STEP, TANGENT_DIGITS, ONE_MULTIPLIER = Fraction(1, 10**15), 50, 1e-7
 
 
 class SwitchingPoint(NamedTuple):
@@ -238,13 +234,12 @@ class PeriodicOrbit(Drawable):
         columns = []
         for name in names:
             value: Fraction = getattr(self.parameters, name)
-            step = max(abs(value), Fraction(1, 1000)) * TANGENT_STEP
+            step = max(abs(value), Fraction(1, 1000)) / 10**15
             up, down = (_beside(self, name, value + way * step) for way in (1, -1))
-            width = 2 * float(step)
-            columns.append([complex(a - b) / width for a, b in zip(up, down, strict=True)])
+            columns.append([complex(a - b) / (2 * float(step)) for a, b in zip(up, down, strict=True)])
         found, n = np.array(columns).T, len(self.points)
         slopes = found[2 * n :]
-        if abs(complex(self.multipliers[0]) - complex(self.multipliers[1])) <= ONE_MULTIPLIER:
+        if abs(complex(self.multipliers[0]) - complex(self.multipliers[1])) <= 1e-7:  # they are one
             slopes = np.full_like(slopes, np.nan)
         return OrbitSensitivities(names, found[:n].real, found[n : 2 * n].real, slopes)
 
@@ -256,7 +251,7 @@ class PeriodicOrbit(Drawable):
             return np.asarray(np.log(sizes) / float(self.period))
 
     @public
-    def approach(self, scene: Scene | SceneName, within: NumberLike = NEAR_ORBIT) -> Approach:
+    def approach(self, scene: Scene | SceneName, within: NumberLike = 1e-6) -> Approach:
         """Return the distance of a scene's start from the orbit, and when its motion is within `within` of it.
 
         Raises
@@ -270,13 +265,11 @@ class PeriodicOrbit(Drawable):
             raise ParameterError("within", within, "must be > 0")
         if scene.parameters != self.parameters:
             raise ParameterError("scene", scene.name, "must have the orbit's parameters")
-        start = np.array([float(scene.x0), float(scene.v0)])
-        offset = start - self._at(scene, np.zeros(1))[:, 0]
+        offset = np.array([float(scene.x0), float(scene.v0)]) - self._at(scene, np.zeros(1))[:, 0]
         dt, dx = self._nearest_switching(scene)
         length, periods = float(self.period), None
         for span in (20, 400):  # most motions are near after a few periods
-            end = float(scene.t0) + (span + 0.5) * length
-            path = simulate(scene.reduced(), t_end=end)
+            path = simulate(scene.reduced(), t_end=float(scene.t0) + (span + 0.5) * length)
             elapsed = length * np.arange(1 + int((float(path.t_end) - float(scene.t0)) / length))
             away = np.abs(path(float(scene.t0) + elapsed) - self._at(scene, elapsed)).max(axis=0)
             far = np.flatnonzero(away > near)
@@ -340,22 +333,15 @@ def _state(equations: ClosingEquations, points: np.ndarray, t: float) -> tuple[f
 
 
 def _latex_complex(value: complex) -> str:
-    """Return a complex number as LaTeX."""
-
-    def real(number: float) -> str:
-        mantissa, _, exponent = f"{number:.6g}".partition("e")
-        return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
-
-    if value.imag == 0:
-        return real(value.real)
-    sign = "-" if value.imag < 0 else "+"
-    return rf"{real(value.real)} {sign} {real(abs(value.imag))}\,\mathrm{{i}}"
+    """Return a complex number as LaTeX, with 6 digits."""
+    real, imag = (latex_number(float(f"{part:.6g}")) for part in (value.real, abs(value.imag)))
+    return real if value.imag == 0 else rf"{real} {'-' if value.imag < 0 else '+'} {imag}\,\mathrm{{i}}"
 
 
 def _beside(orbit: PeriodicOrbit, name: str, value: Fraction) -> list[Any]:
     """Return times, positions and multipliers, in this order, of the same orbit for another value of a parameter."""
     parameters = orbit.parameters.replace(**{name: value})
-    equations = ClosingEquations(parameters, Word(orbit.labels), orbit.periods).with_digits(TANGENT_DIGITS)
+    equations = ClosingEquations(parameters, Word(orbit.labels), orbit.periods).with_digits(50)
     guess = np.array([(float(point.x), float(point.t) * float(parameters.Omega)) for point in orbit.points])
     solution = polish(equations, guess)
     if not solution.converged:

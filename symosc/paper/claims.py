@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
@@ -25,7 +25,6 @@ VERDICTS = (CONFIRMED, DEFINITION, CORRECTED, NOT_AS_PRINTED, UNDECIDED)
 FAULTY = (CORRECTED, NOT_AS_PRINTED)
 
 CLAIMS_FILE = Path(__file__).with_name("claims.toml")
-CHECKS = "symosc.paper.checks"
 #: The parts of the report, in order; a claim `[figures.fig5-stick-appears]` is in the part "figures".
 PARTS = {
     "model": "The model and the friction law",
@@ -33,8 +32,7 @@ PARTS = {
     "mappings": "The mappings and their equations",
     "figures": "What is said about the figures",
 }
-REQUIRED = ("source", "says", "check")
-KEYS = (*REQUIRED, "see", "verdict", "correction", "remark")
+REQUIRED, OPTIONAL = ("source", "says", "check"), ("see", "verdict", "correction", "remark")
 
 
 @dataclass(frozen=True)
@@ -56,6 +54,19 @@ class Evidence:
 def verdict(as_printed: object, corrected: object = False) -> str:
     """Return the verdict on a statement that holds as printed, or only when corrected."""
     return CONFIRMED if as_printed else CORRECTED if corrected else NOT_AS_PRINTED
+
+
+def evidence(right: object, finding: str, numbers: dict[str, Any], verdict: str = CONFIRMED) -> Evidence:
+    """Return the evidence for a verdict and its finding, or against the statement unless its numbers are right."""
+    return Evidence(verdict, finding, numbers) if right else Evidence(NOT_AS_PRINTED, "Its numbers refute it.", numbers)
+
+
+class Refuted(Exception):
+    """The evidence of a check that does not find what its statement is about."""
+
+    def __init__(self, finding: str, numbers: dict[str, Any]) -> None:
+        self.evidence = Evidence(NOT_AS_PRINTED, finding, numbers)
+        super().__init__(finding)
 
 
 class Claim(NamedTuple):
@@ -83,19 +94,17 @@ class Unjudged(NamedTuple):
 
 
 def read_claims(
-    pictures: Collection[str], path: Path = CLAIMS_FILE, checks: str = CHECKS
+    pictures: Collection[str], path: Path = CLAIMS_FILE, checks: str = "symosc.paper.checks"
 ) -> tuple[tuple[Claim, ...], tuple[Unjudged, ...]]:
     """Read all claims, in the order of PARTS, and the parts of the paper without a verdict."""
     # `pictures` are the keys that claims may refer to, `checks` is the package with the check functions. RecordsError
     # says what is wrong with a file.
-    data = read_toml(path)
+    data, claims = read_toml(path), dict[str, Claim]()
     unjudged = data.pop("unjudged", [])
     for row in unjudged:
-        if sorted(row) != ["says", "source", "why"]:
-            raise RecordsError(path.name, f"[[unjudged]] has {', '.join(row)}; must have source, says, why")
-    targets = dict.fromkeys(pictures, "figures") | dict.fromkeys(CHAPTERS, "derivation")
-    targets |= {erratum.id: "errata" for erratum in read_errata()}
-    claims: dict[str, Claim] = {}
+        _check_texts(f"{path.name}, [[unjudged]]", row, Unjudged._fields)
+    kinds = dict.fromkeys(pictures, "figures") | dict.fromkeys(CHAPTERS, "derivation")
+    kinds |= {erratum.id: "errata" for erratum in read_errata()}
     for part in data:
         one_of(path.name, "part", part, PARTS)
     for part in PARTS:
@@ -104,42 +113,35 @@ def read_claims(
             kebab(where, name)
             if name in claims:
                 raise RecordsError(where, f"is in {claims[name].part} already")
-            claims[name] = _claim(name, part, table, where, targets, checks)
+            _check_texts(where, table, REQUIRED, OPTIONAL)
+            seen: dict[str, list[str]] = {"figures": [], "derivation": [], "errata": []}
+            for target in table.pop("see", ()):
+                one_of(where, "see", target, kinds)
+                seen[kinds[target]].append(target)
+            if len(seen["derivation"]) > 1:
+                raise RecordsError(where, f"see: one chapter at most, not {' and '.join(seen['derivation'])}")
+            check = _check(where, checks, table.pop("check"))
+            said = {"verdict": CORRECTED if "correction" in table else CONFIRMED}
+            said |= {key: one_line(value) for key, value in table.items()}
+            one_of(where, "verdict", said["verdict"], VERDICTS)
+            if not ("correction" in table) == bool(seen["errata"]) == (said["verdict"] in FAULTY):
+                faulty = " or ".join(map(repr, FAULTY))
+                raise RecordsError(where, f"must have a correction and see an erratum if its verdict is {faulty} only")
+            figures, errata = tuple(seen["figures"]), tuple(seen["errata"])
+            derivation = next(iter(seen["derivation"]), None)
+            claims[name] = Claim(name, part, check=check, figures=figures, derivation=derivation, errata=errata, **said)
     return tuple(claims.values()), tuple(Unjudged(**row) for row in unjudged)
 
 
-def _claim(name: str, part: str, table: dict[str, Any], where: str, targets: dict[str, str], checks: str) -> Claim:
-    """Read and check a claim."""
-    for key in REQUIRED:
-        if key not in table:
-            raise RecordsError(where, f"{key} is missing")
+def _check_texts(where: str, table: dict[str, Any], required: Iterable[str], optional: Iterable[str] = ()) -> None:
+    """Refuse a table without the required texts, or with others than these and the optional ones."""
+    if not set(required) <= set(table) <= {*required, *optional}:
+        may = f", and may have {', '.join(optional)}" if optional else ""
+        raise RecordsError(where, f"has {', '.join(table)}; must have {', '.join(required)}{may}")
     for key, value in table.items():
-        if key not in KEYS:
-            raise RecordsError(where, f"{key} is unknown; known are {', '.join(KEYS)}")
         texts = value if key == "see" else [value]
         if not isinstance(texts, list) or not all(isinstance(text, str) and text.strip() for text in texts):
             raise RecordsError(where, f"{key} = {value!r}: must be {'a list of texts' if key == 'see' else 'text'}")
-    seen: dict[str, list[str]] = {"figures": [], "derivation": [], "errata": []}
-    for target in table.get("see", ()):
-        one_of(where, "see", target, targets)
-        seen[targets[target]].append(target)
-    if len(seen["derivation"]) > 1:
-        raise RecordsError(where, f"see: one chapter at most, not {' and '.join(seen['derivation'])}")
-    said = {key: one_line(value) for key, value in table.items() if key not in ("see", "check")}
-    said.setdefault("verdict", CORRECTED if "correction" in table else CONFIRMED)
-    one_of(where, "verdict", said["verdict"], VERDICTS)
-    for what, there in (("a correction", "correction" in table), ("an erratum", bool(seen["errata"]))):
-        if there != (said["verdict"] in FAULTY):
-            raise RecordsError(where, f"{'has' if there else 'needs'} {what}: its verdict is {said['verdict']!r}")
-    return Claim(
-        name,
-        part,
-        check=_check(where, checks, table["check"]),
-        figures=tuple(seen["figures"]),
-        derivation=next(iter(seen["derivation"]), None),
-        errata=tuple(seen["errata"]),
-        **said,
-    )
 
 
 def _check(where: str, package: str, text: str) -> Callable[[], Evidence]:
@@ -148,20 +150,24 @@ def _check(where: str, package: str, text: str) -> Callable[[], Evidence]:
     module, _, function = name.rpartition(".")
     try:
         names = vars(import_module(f"{package}.{module}"))
-        given = ast.parse(f"f({arguments}" if arguments else "f()", mode="eval").body
-        values = [
-            names[each.id] if isinstance(each, ast.Name) else ast.literal_eval(each)
-            for each in given.args  # type: ignore[attr-defined]
-        ]
-        check: Callable[[], Evidence] = names[function]
+        call: Any = ast.parse(f"f({arguments or ')'}", mode="eval").body
+        values = [names[arg.id] if isinstance(arg, ast.Name) else ast.literal_eval(arg) for arg in call.args]
+        return partial(names[function], *values)
     except (ModuleNotFoundError, KeyError, SyntaxError, ValueError) as error:
-        if isinstance(error, ModuleNotFoundError) and error.name not in (f"{package}.{module}", f"{package}."):
-            raise
-        raise RecordsError(where, f"check = {text!r}: there is no such function, or value, in {package}") from None
-    return partial(check, *values)
+        raise RecordsError(where, f"check = {text!r}: there is no such function, or value, in {package}") from error
 
 
 # --- which numbered equations, lemmas, theorems, figures and sections of the paper the claims are on ---
+
+
+#: The kinds of numbered parts of the paper: pattern of the name in texts, name, plural, first and last number.
+KINDS = {
+    "section": ("Sections?", "Section", "sections (with the abstract)", 0, 7),
+    "equation": ("eqs?[.]", "eq.", "numbered equations", 1, 66),
+    "lemma": ("Lemmas?", "Lemma", "lemmas", 1, 3),
+    "theorem": ("Theorems?", "Theorem", "theorems", 4, 7),
+    "figure": ("Figs?[.]", "Fig.", "figures", 1, 10),
+}
 
 
 class Item(NamedTuple):
@@ -175,44 +181,28 @@ class Item(NamedTuple):
         """Its name in the text, such as (26) or Lemma 1."""
         if self.kind == "equation":
             return f"({self.number})"
-        return "Abstract" if self == ("section", 0) else f"{NAMES[self.kind]} {self.number}"
+        return "Abstract" if self == ("section", 0) else f"{KINDS[self.kind][1]} {self.number}"
 
 
-NAMES = {"section": "Section", "equation": "eq.", "lemma": "Lemma", "theorem": "Theorem", "figure": "Fig."}
-#: The first and the last number of each kind, and all items of the paper.
-EXTENT = {"section": (0, 7), "equation": (1, 66), "lemma": (1, 3), "theorem": (4, 7), "figure": (1, 10)}
-PAPER = tuple(Item(kind, number) for kind, (first, last) in EXTENT.items() for number in range(first, last + 1))
-_WORDS = {
-    "Sections?": "section",
-    "eqs?[.]": "equation",
-    "Lemmas?": "lemma",
-    "Theorems?": "theorem",
-    "Figs?[.]": "figure",
-}
+#: All items of the paper, in its order.
+PAPER = tuple(Item(kind, n) for kind, (*_, first, last) in KINDS.items() for n in range(first, last + 1))
 # "after eq. (19)" is a place, and no statement on (19).
-_PLACE = re.compile(rf"(?:before|after) (?:{'|'.join(_WORDS)}) [(]?\d+[)]?")
+_PLACE = re.compile(rf"(?:before|after) (?:{'|'.join(pattern for pattern, *_ in KINDS.values())}) [(]?\d+[)]?")
 # One number of a list, with what joins it to the one before: "(26)", ", (32)", " and 5", " to (48)", ", (55.2)".
-_NUMBER = re.compile(r"(?P<joint>,? and |, | to | )[(]?(?P<number>\d+)(?:[.]\d+)?[)]?")
+_NUMBER = r"(,? and |, | to | )[(]?(\d+)(?:[.]\d+)?[)]?"
 
 
 def items_of(source: str) -> list[Item]:
     """Return the sections, equations, lemmas, theorems and figures that a source names: "eqs. (26), (32) to (34)"."""
     found = [Item("section", 0)] if "Abstract" in source else []
     source = _PLACE.sub("", source)
-    for word, kind in _WORDS.items():
-        for start in re.finditer(rf"\b{word}", source):
-            found += [Item(kind, number) for number in _numbers(source, start.end())]
+    for name, (pattern, *_) in KINDS.items():
+        for numbers in re.finditer(rf"\b{pattern}((?:{_NUMBER})+)", source):
+            last = 0
+            for joint, digits in re.findall(_NUMBER, numbers[1]):
+                first, last = last + 1 if joint == " to " else int(digits), int(digits)
+                found += [Item(name, number) for number in range(first, last + 1)]
     return list(dict.fromkeys(found))
-
-
-def _numbers(source: str, at: int) -> Iterator[int]:
-    """Yield the numbers of a list such as "(26), (32) to (34)"."""
-    last = 0
-    while match := _NUMBER.match(source, at):
-        number, at = int(match["number"]), match.end()
-        yield from range(last + 1, number) if match["joint"] == " to " else ()
-        yield number
-        last = number
 
 
 def coverage(entries: Iterable[Claim | Unjudged]) -> dict[Item, list[Any]]:

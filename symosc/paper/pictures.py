@@ -1,28 +1,60 @@
-"""The pictures of the report: the paper's figures, as printed and corrected, and its Theorem 7, with their texts.
+"""The pictures of the report, with their texts: the paper's figures, as printed and corrected, and its Theorem 7.
 
-Every number in a caption comes from the scenes and their trajectories.
+Figs. 5 to 10 have the paper's panels, order and colours, with dots where its text puts them: belts are black and the
+mass is red; blue circles and green squares are onset and end of a stick (in Fig. 7 of the first period), red triangles
+switching points, red stars contacts. Every number in a caption comes from the scenes and their trajectories.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
-from functools import partial
+from functools import lru_cache, partial
 from math import pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.optimize import minimize_scalar
 
 from symosc.exact import show
 from symosc.grazing.window import grazing_window
+from symosc.kernels.entire import EPS
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
-from symosc.paper import figures
-from symosc.paper.figures import WINDOW_SCENES, period, printed_scene, start_time, stick_view
-from symosc.plot.panels import Contact, View, view_of
+from symosc.paper.figures import MAPPING_PARAMETERS, fig1, fig2, fig3, fig4
+from symosc.plot.drawing import STYLE
+from symosc.plot.figures import assemble, default_end
+from symosc.plot.panels import (
+    BELT_COLOR,
+    END_COLOR,
+    MASS_COLOR,
+    ONSET_COLOR,
+    PANELS,
+    SWITCH_COLOR,
+    Contact,
+    Mark,
+    Panel,
+    View,
+    mark_style,
+    view_of,
+)
+from symosc.plot.windows import sweep_figure
 from symosc.scenes import load_scene
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Event
+
+# Periods in panel (c) of Fig. 7.
+SEVERAL_PERIODS = 4.0
+# How far the black curves of Figs. 7 and 8 reach beyond the points that the text names, as fractions of both axes.
+LONG_REACH = 0.25, 0.35
+# The picture of an orbit shows this part of a period on either side of it.
+ORBIT_MARGIN = 0.06
+START_STYLE: dict[str, Any] = {"mfc": "white", "mec": "black", "mew": 0.8, "ms": 4.2, "zorder": 7, "clip_on": False}
 
 STAR = "Star: the contact, magnified in the inset."
 MARKS = "Blue circles: onset of a stick; green squares: its end."
@@ -63,22 +95,29 @@ def listed_parameters(p: Parameters) -> str:
 
 def parameters_and_start(name: str) -> str:
     """Return parameters and start of a scene in one sentence; a start of many digits is cut."""
-    scene, start = load_scene(name), []
-    for key, value in (("t0", scene.t0), ("x0", scene.x0), ("ẋ0", scene.v0)):
-        text = show(value)
-        start.append(f"{key} = {text if len(text) <= 14 else f'{text[:13]}…'}")
-    return f"{listed_parameters(scene.parameters)}; start {', '.join(start)}.".replace("-", "−")
+    scene = load_scene(name)
+    start = {"t0": show(scene.t0), "x0": show(scene.x0), "ẋ0": show(scene.v0)}
+    shown = [f"{key} = {text if len(text) <= 14 else f'{text[:13]}…'}" for key, text in start.items()]
+    return f"{listed_parameters(scene.parameters)}; start {', '.join(shown)}.".replace("-", "−")
+
+
+def with_parameters(caption: str, scene: str | None = None) -> str:
+    """Return a caption of Figs. 2 to 4 with the parameters of a scene, or of Fig. 4."""
+    p = MAPPING_PARAMETERS if scene is None else load_scene(scene).parameters
+    return f"{caption} {listed_parameters(p)}."
 
 
 def _force(domain: int) -> str:
     return f"F⁽{str(domain).translate(POWERS)}⁾"
 
 
+def _forces(view: View) -> str:
+    low, high = view.domains
+    return f"forces per mass {_force(low)} (blue) and {_force(high)} (green, dashed)"
+
+
 def _span(contact: Contact) -> str:
     return f"{number(contact.since)} to {number(contact.until)}"
-
-
-# --- captions ---
 
 
 MODEL = (
@@ -105,25 +144,110 @@ PRODUCTS = (
 )
 
 
-def with_parameters(caption: str, scene: str | None = None) -> str:
-    """Return a caption of Figs. 2 to 4 with the parameters of a scene, or of Fig. 4."""
-    p = figures.MAPPING_PARAMETERS if scene is None else load_scene(scene).parameters
-    return f"{caption} {listed_parameters(p)}."
+# --- views of motions: how long one is followed, and where the text puts dots and black curves ---
+
+
+def period(name: str) -> float:
+    """Return the period of the excitation of a scene."""
+    return 2 * pi / float(load_scene(name).parameters.Omega)
+
+
+def start_time(name: str) -> float:
+    """Return t0 of a scene."""
+    return float(load_scene(name).t0)
+
+
+def printed_scene(name: str) -> str:
+    """Return the name of the scene as the paper prints it, of which scene `name` is a correction."""
+    return name.partition("-")[0]
+
+
+@lru_cache
+def printed_view(name: str) -> View:
+    """Return the view of Figs. 5, 6, 9 and 10 from the printed start."""
+    scene = load_scene(name)
+    t_end = start_time(name) + 2.2 * period(name) if scene.structure else default_end(scene)
+    return view_of(simulate(name, t_end=t_end), None)
+
+
+@lru_cache
+def several_periods_view(name: str) -> View:
+    """Return the view of Fig. 7(c), (d): several periods, start and end of the first one, any contact."""
+    t0, T = start_time(name), period(name)
+    view = view_of(simulate(name, t_end=t0 + SEVERAL_PERIODS * T), 1)
+    marks = [Mark("start of period", ONSET_COLOR, t0), Mark("end of period", END_COLOR, t0 + T)]
+    marks += map(_contact_mark, _in_order(view)[:1])
+    contacts = tuple(Contact(mark.t, mark.t, view.boundary) for mark in marks)
+    return replace(view, marks=tuple(marks), contacts=contacts, magnified=(), belt_reach=LONG_REACH)
+
+
+@lru_cache
+def grazing_view(name: str) -> View:
+    """Return the view of Fig. 8: a red contact with belt 1, later a stick on it, which are its contacts."""
+    view = view_of(simulate(name, t_end=default_end(load_scene(printed_scene(name)))), 1)
+    contact, *_, stick = _in_order(view)
+    onset, end = Mark("onset of stick", ONSET_COLOR, stick.since), Mark("end of stick", END_COLOR, stick.until)
+    marks = view.marks[0], _contact_mark(contact), onset, end
+    return replace(view, marks=marks, contacts=(contact, stick), magnified=(contact,), belt_reach=LONG_REACH)
+
+
+@lru_cache
+def orbit_view(name: str) -> View:
+    """Return one period of the periodic orbit (scene `name`) and a little more, around the printed start's time."""
+    t0, T = start_time(name), period(name)
+    since = start_time(printed_scene(name)) - ORBIT_MARGIN * T
+    # The orbit's own scene starts at a switching; with the period it is known at any time.
+    x, v = simulate(name, t_end=t0 + 2 * T)(since + T)
+    end = since + (1 + 2 * ORBIT_MARGIN) * T
+    view = view_of(simulate(load_scene(name).parameters, t0=since, x0=x, v0=v, t_end=end), None)
+    return replace(view, marks=view.marks[1:])
+
+
+def crop(view: View, since: float, until: float) -> View:
+    """Return the part of a view between two times, sampled anew."""
+    t = np.union1d(view.t[(since < view.t) & (view.t < until)], np.linspace(since, until, 200))
+    x, v = view.trajectory(t)
+    return replace(view, t=t, x=x, v=v, marks=tuple(mark for mark in view.marks if since <= mark.t <= until))
+
+
+def _in_order(view: View) -> tuple[Contact, ...]:
+    return tuple(sorted(view.contacts, key=lambda contact: contact.since))
+
+
+def _contact_mark(contact: Contact) -> Mark:
+    return Mark("grazing point" if contact.until == contact.since else "contact", SWITCH_COLOR, contact.since)
+
+
+def _paper_form(panels: list[tuple[Panel, View]], columns: int, tall: int | None = None) -> Figure:
+    # Two columns for a page, one for a phone, where a point of it is 1.5 pixels.
+    return assemble(panels, columns, {2: 5.2, 1: 3.4}[columns], tall=tall)
+
+
+# --- Figs. 5, 6, 9 and 10, from the printed starts ---
+
+
+def printed_figure(name: str, columns: int = 2) -> Figure:
+    """Draw (a) displacement, (b) velocity, (c) phase plane, (d) forces, of Figs. 9 and 10 also against x and v."""
+    letters = "abcdef" if load_scene(name).structure else "abcd"
+    return _paper_form([(PANELS[letter], printed_view(name)) for letter in letters], columns)
+
+
+def product_figure(columns: int = 2) -> Figure:
+    """Draw the products of forces that section 6 speaks of: Figs. 5, 6, 9 and 10."""
+    return _paper_form([(PANELS["g"], printed_view(name)) for name in ("fig5", "fig6", "fig9", "fig10")], columns)
 
 
 def stick_caption(name: str) -> str:
     """Return the caption of Fig. 5 or 6."""
-    view = stick_view(name)
-    low, high = view.domains
+    view = printed_view(name)
     sticks = [stick for stick in view.contacts if stick.belt == view.boundary and stick.until < view.t[-1]]
     # The force whose zero ends a stick is that of the domain into which the mass slips.
     into = {float(event.t): int(event.target[-1]) for event in view.trajectory.events if event.kind == "slip"}
     spans = [f"t = {_span(stick)} (ended by {_force(into[stick.until])} = 0)" for stick in sticks]
     return (
-        f"As printed. (a) Displacement, (b) velocity, (c) phase plane, (d) forces per mass {_force(low)} (blue) and "
-        f"{_force(high)} (green, dashed), shaded where the mass sticks to belt {view.boundary}. Red: the mass; black: "
-        f"the belts. {MARKS} The mass sticks from {', '.join(spans)}. {stick_signs(view, sticks)} "
-        f"{parameters_and_start(name)}"
+        f"As printed. (a) Displacement, (b) velocity, (c) phase plane, (d) {_forces(view)}, shaded where the mass "
+        f"sticks to belt {view.boundary}. Red: the mass; black: the belts. {MARKS} The mass sticks from "
+        f"{', '.join(spans)}. {stick_signs(view, sticks)} {parameters_and_start(name)}"
     )
 
 
@@ -133,88 +257,22 @@ def stick_signs(view: View, sticks: list[Contact]) -> str:
     inside = np.concatenate([view.t[(stick.since < view.t) & (view.t < stick.until)] for stick in sticks])
     force = view.trajectory.force
     everywhere = bool((force(low, inside) > 0).all() and (force(high, inside) < 0).all())
-    holds = "" if everywhere else " does not hold everywhere"
-    return f"While it sticks, {_force(low)} > 0 > {_force(high)}{holds}."
-
-
-def grazing_P2_caption(name: str) -> str:
-    """Return the caption of Fig. 7 with the printed or another A0."""
-    view = figures.several_periods_view(name)
-    p, printed, t0 = view.trajectory.parameters, load_scene(printed_scene(name)).parameters, start_time(name)
-    contact = figures.first_contact(view_of(view.trajectory, view.boundary))
-    if contact is None:
-        t, v = figures.largest_velocity(view)
-        what = (
-            f"As printed, with A0 = {show(p.A0)}: in {figures.SEVERAL_PERIODS:g} periods the mass does not reach belt "
-            f"1 and nothing grazes; its largest velocity is {number(v)} at t = {number(t)}, below v1 = {show(p.v1)}."
-        )
-    else:
-        shift = number(float((printed.A0 - p.A0) / p.k))
-        what = (
-            f"With A0 = {show(p.A0)} instead of {show(printed.A0)}. {_contact(view, contact)} (The same motion, moved "
-            f"by {shift} in x, has A0 = {show(printed.A0)}.) {STAR}"
-        )
-    x, v = view.trajectory(t0 + period(name)) - view.trajectory(t0)
-    return (
-        f"{what} (a) Displacement of the mass (red) and of the points of belt 1 that it meets at the marks (black), "
-        f"(b) velocity, (c) velocity for several periods (dotted lines: one period apart), (d) phase plane. Circle and "
-        f"square: start and end of the first period, in which (x, ẋ) changes by ({number(x)}, {number(v)}). "
-        f"{parameters_and_start(name)}"
-    )
-
-
-def grazing_P3_caption(name: str) -> str:
-    """Return the caption of Fig. 8 from the printed or the exact start."""
-    view = figures.grazing_view(name)
-    contact, stick = figures.first_contact(view), figures.later_stick(view)
-    assert contact is not None
-    return (
-        f"{_contact(view, contact)} {STAR} (a) Displacement of the mass (red) and of the points of belt 1 "
-        f"that it meets (black), (b) velocity, (c) velocity near the later stick, (d) phase plane. {MARKS} The later "
-        f"stick lasts from t = {_span(stick)}. {stick_signs(view, [stick])} {parameters_and_start(name)}"
-    )
-
-
-def _contact(view: View, contact: Contact) -> str:
-    """Return a sentence about a contact with belt 1."""
-    x = number(float(view.trajectory(contact.since)[0]), 7)
-    if contact.since == contact.until:
-        return f"From the exact start the mass grazes belt 1 at t = {number(contact.since, 9)}, x = {x}."
-    length = number(1e3 * (contact.until - contact.since), 3)
-    return (
-        f"From the printed start the mass does not graze belt 1 but sticks to it at t = {number(contact.since, 7)}, "
-        f"x = {x} for {length}·10⁻³."
-    )
+    return f"While it sticks, {_force(low)} > 0 > {_force(high)}{'' if everywhere else ' does not hold everywhere'}."
 
 
 def motion_caption(name: str) -> str:
     """Return the caption of Fig. 9 or 10 from the printed start."""
     return (
-        f"As printed. {_panels_text(figures.motion_view(name))} The printed start is not on the periodic orbit: "
+        f"As printed. {_panels_text(printed_view(name))} The printed start is not on the periodic orbit: "
         f"{_distance_text(f'{name}-orbit')} {parameters_and_start(name)}"
     )
 
 
-def orbit_caption(orbit: str) -> str:
-    """Return the caption of the true periodic orbit with the printed start."""
-    view, T = figures.orbit_view(orbit), period(orbit)
-    events = view.trajectory.events
-    once = [event for event in events if event.t < events[0].t + 0.999 * T]
-    points = ", ".join(f"({number(float(event.t), 7)}, {number(float(event.x), 7)})" for event in once)
-    return (
-        f"The periodic orbit {load_scene(orbit).structure} with its period T = {number(T, 7)}. {_panels_text(view)} It "
-        f"switches at (t, x) = {points}. Diamond: the start printed in the paper; {_distance_text(orbit)} "
-        f"{parameters_and_start(orbit)}"
-    )
-
-
 def _panels_text(view: View) -> str:
-    low, high = view.domains
     sticks = any(event.kind == "stick" for event in view.trajectory.events)
-    marks = MARKS if sticks else "Triangles: the mass passes a belt."
     return (
-        f"(a) Displacement, (b) velocity, (c) phase plane, (d) to (f) forces per mass {_force(low)} (blue) and "
-        f"{_force(high)} (green, dashed) against time, displacement and velocity. {marks}"
+        f"(a) Displacement, (b) velocity, (c) phase plane, (d) to (f) {_forces(view)} against time, displacement and "
+        f"velocity. {MARKS if sticks else 'Triangles: the mass passes a belt.'}"
     )
 
 
@@ -227,49 +285,235 @@ def _distance_text(orbit: str) -> str:
     )
 
 
+# --- Figs. 7 and 8 ---
+
+
+def grazing_figure_P2(name: str, columns: int = 2) -> Figure:
+    """Draw Fig. 7: (a) displacement and (b) velocity in the first period, (c) velocity later on, (d) phase plane."""
+    several, t0, T = several_periods_view(name), start_time(name), period(name)
+    magnified = _in_order(view_of(several.trajectory, 1))[:1]
+    first = replace(crop(several, t0, t0 + 1.25 * T), magnified=magnified)
+    panels: list[tuple[Panel, View]] = [(PANELS["a"], first), (_velocity_and_gap, first)]
+    panels += [(partial(_velocity_of_periods, start=t0, period=T), several), (PANELS["c"], several)]
+    return _paper_form(panels, columns, tall=1 if magnified else None)
+
+
+def _velocity_and_gap(ax: Axes, view: View) -> None:
+    """Draw panel (b), with a bar over the remaining gap if the mass never reaches a belt."""
+    PANELS["b"](ax, view)
+    if view.trajectory.events:
+        return
+    (t, v), speed = largest_velocity(view), float(view.trajectory.parameters.belt(view.boundary))
+    bar = {"arrowstyle": "|-|, widthA=0.2, widthB=0.2", "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", (t, speed), (t, v), arrowprops=bar)
+    ax.annotate(f"gap {speed - v:.2f}", (t, speed), (0, 3), textcoords="offset points", ha="center", fontsize=8)
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, max(high, speed + 0.15 * (speed - low)))
+
+
+def _velocity_of_periods(ax: Axes, view: View, start: float, period: float) -> None:
+    """Draw panel (c) of Fig. 7: the velocity over several periods, each beginning with a dotted line."""
+    _velocity_and_gap(ax, view)
+    for time in np.arange(start, view.t[-1] + period / 2, period):
+        ax.axvline(time, color="0.6", lw=0.6, ls=(0, (1, 2)), zorder=0)
+
+
+def largest_velocity(view: View) -> tuple[float, float]:
+    """Return when the velocity between the ends of a view is largest, and how large."""
+    guess, step = view.t[np.argmax(view.v)], 2 * pi / float(view.trajectory.parameters.Omega) / 60
+    bounds = max(guess - step, view.t[0]), min(guess + step, view.t[-1])
+    found = minimize_scalar(lambda t: -view.trajectory(t)[1], bounds=bounds, method="bounded")
+    return float(found.x), -float(found.fun)
+
+
+def grazing_P2_caption(name: str) -> str:
+    """Return the caption of Fig. 7 with the printed or another A0."""
+    view, t0 = several_periods_view(name), start_time(name)
+    p, printed = view.trajectory.parameters, load_scene(printed_scene(name)).parameters
+    contacts = _in_order(view_of(view.trajectory, view.boundary))
+    if contacts:
+        shift = number(float((printed.A0 - p.A0) / p.k))
+        what = (
+            f"With A0 = {show(p.A0)} instead of {show(printed.A0)}. {_contact_text(view, contacts[0])} (The same "
+            f"motion, moved by {shift} in x, has A0 = {show(printed.A0)}.) {STAR}"
+        )
+    else:
+        t, v = largest_velocity(view)
+        what = (
+            f"As printed, with A0 = {show(p.A0)}: in {SEVERAL_PERIODS:g} periods the mass does not reach belt 1 and "
+            f"nothing grazes; its largest velocity is {number(v)} at t = {number(t)}, below v1 = {show(p.v1)}."
+        )
+    x, v = view.trajectory(t0 + period(name)) - view.trajectory(t0)
+    return (
+        f"{what} (a) Displacement of the mass (red) and of the points of belt 1 that it meets at the marks (black), "
+        f"(b) velocity, (c) velocity for several periods (dotted lines: one period apart), (d) phase plane. Circle and "
+        f"square: start and end of the first period, in which (x, ẋ) changes by ({number(x)}, {number(v)}). "
+        f"{parameters_and_start(name)}"
+    )
+
+
+def grazing_figure_P3(name: str, columns: int = 2) -> Figure:
+    """Draw Fig. 8: (a) displacement, (b) velocity, (c) velocity near the stick, (d) phase plane."""
+    view = grazing_view(name)
+    _, stick = view.contacts
+    reach = 1.2 * (stick.until - stick.since)
+    close_up = crop(replace(view, magnified=()), stick.since - reach, stick.until + reach)
+    panels = [(PANELS["a"], view), (PANELS["b"], view), (PANELS["b"], close_up), (PANELS["c"], view)]
+    return _paper_form(panels, columns, tall=1)
+
+
+def grazing_P3_caption(name: str) -> str:
+    """Return the caption of Fig. 8 from the printed or the exact start."""
+    view = grazing_view(name)
+    contact, stick = view.contacts
+    return (
+        f"{_contact_text(view, contact)} {STAR} (a) Displacement of the mass (red) and of the points of belt 1 "
+        f"that it meets (black), (b) velocity, (c) velocity near the later stick, (d) phase plane. {MARKS} The later "
+        f"stick lasts from t = {_span(stick)}. {stick_signs(view, [stick])} {parameters_and_start(name)}"
+    )
+
+
+def _contact_text(view: View, contact: Contact) -> str:
+    """Return a sentence about a contact with belt 1."""
+    x = number(float(view.trajectory(contact.since)[0]), 7)
+    if contact.since == contact.until:
+        return f"From the exact start the mass grazes belt 1 at t = {number(contact.since, 9)}, x = {x}."
+    length = number(1e3 * (contact.until - contact.since), 3)
+    return (
+        f"From the printed start the mass does not graze belt 1 but sticks to it at t = {number(contact.since, 7)}, "
+        f"x = {x} for {length}·10⁻³."
+    )
+
+
+def orbit_figure(name: str, columns: int = 2) -> Figure:
+    """Draw one period of the periodic orbit in the form of Figs. 9 and 10, with the printed start."""
+    scene, panels = load_scene(printed_scene(name)), dict(PANELS)
+    t, x, v = (float(value) for value in (scene.t0, scene.x0, scene.v0))
+    for letter, start in (("a", (t, x)), ("b", (t, v)), ("c", (x, v))):
+        panels[letter] = partial(_with_start, panel=PANELS[letter], start=start)
+    return _paper_form([(panels[letter], orbit_view(name)) for letter in "abcdef"], columns)
+
+
+def _with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, float]) -> None:
+    """Draw a panel with the printed start as a diamond; in (c) an inset shows it apart from a crossing next to it."""
+    panel(ax, view)
+    low, high = ax.get_ylim()
+    margin = 0.06 * (high - low)
+    ax.set_ylim(min(low, start[1] - margin), max(high, start[1] + margin))
+    ax.plot(*start, "D", label="printed start", **START_STYLE)
+    crossing = min(view.trajectory.events, key=lambda event: abs(float(event.x) - start[0]))
+    distance = abs(float(crossing.x) - start[0])
+    if panel is not PANELS["c"] or distance > 0.02 * np.ptp(view.x):
+        return
+    inset = ax.inset_axes((0.33, 0.39, 0.42, 0.2))
+    inset.plot(view.x, view.v, color=MASS_COLOR, lw=1.3)
+    inset.axhline(float(crossing.v), color=BELT_COLOR, lw=0.6)
+    inset.plot(float(crossing.x), float(crossing.v), linestyle="none", **mark_style("end of stick", END_COLOR))
+    inset.plot(*start, "D", **START_STYLE)
+    inset.set_xlim(start[0] - 3 * distance, start[0] + 2 * distance)
+    inset.set_ylim(start[1] - 40 * distance, start[1] + 20 * distance)
+    inset.tick_params(labelsize=7, labelfontfamily="STIXGeneral", pad=2)
+    inset.set_yticks([start[1]])
+    ax.indicate_inset_zoom(inset, edgecolor="0.6", lw=0.5)
+
+
+def orbit_caption(orbit: str) -> str:
+    """Return the caption of the true periodic orbit with the printed start."""
+    view, T = orbit_view(orbit), period(orbit)
+    events = view.trajectory.events
+    once = [event for event in events if event.t < events[0].t + 0.999 * T]
+    points = ", ".join(f"({number(float(event.t), 7)}, {number(float(event.x), 7)})" for event in once)
+    return (
+        f"The periodic orbit {load_scene(orbit).structure} with its period T = {number(T, 7)}. {_panels_text(view)} It "
+        f"switches at (t, x) = {points}. Diamond: the start printed in the paper; {_distance_text(orbit)} "
+        f"{parameters_and_start(orbit)}"
+    )
+
+
+# --- Theorem 7, eqs. (55) to (58) ---
+
+#: The scenes whose parameters are used: those that graze; for the mappings of belt 2, of which the paper shows no
+#: graze, the scene about that belt.
+WINDOW_SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "fig10"}
+
+
+def window_parameters(mapping: str) -> tuple[Parameters, Fraction, Parameters]:
+    """Return a scene's parameters, the speed > 0 at which |gamma| = B0 Omega/m, and those with the other belt far."""
+    p = load_scene(WINDOW_SCENES[mapping]).parameters
+    equality = abs(p.B0) * p.Omega / p.k
+    far = 2 * equality + 1  # the window is independent of the other belt's speed
+    return p, equality, p.replace(v2=far) if place(mapping).boundary == 1 else p.replace(v1=-far)
+
+
+def window_graze(mapping: str) -> Event | None:
+    """Return the scene's graze, if it is one of the mapping."""
+    where, events = place(mapping), simulate(WINDOW_SCENES[mapping]).events
+    sought = ("graze", where.boundary, f"Omega{where.domain}")
+    return next((event for event in events if (event.kind, event.boundary, event.source) == sought), None)
+
+
+def window_sweep(mapping: str) -> Figure:
+    """Draw when a mapping grazes against its belt's speed, the graze of its scene, and what Theorem 7 leaves out."""
+    where, (p, equality, free) = place(mapping), window_parameters(mapping)
+    drawing = sweep_figure(free, mapping, f"v{where.boundary}", -2 * equality, 2 * equality, order="full")
+    drawing.set_size_inches(3.6, 3.1)
+    (axes,) = drawing.axes
+    axes.title.set_text(f"phases at which $P_{mapping[1]}$ grazes, eq. ({where.equation})")
+    for area in axes.collections:
+        area.set_linewidth(1.0)  # no seam where two areas meet
+    names = {
+        "given value": f"$v_{where.boundary}$ in Fig. {printed_scene(WINDOW_SCENES[mapping]).removeprefix('fig')}",
+        "belongs to it": f"grazes, not in ({where.equation})",
+        "does not belong to it": "does not graze",
+    }
+    for line in axes.lines:
+        line.set_label(names.get(str(line.get_label()), line.get_label()))
+    graze = window_graze(mapping)
+    if graze is not None:
+        # A phase that is 0 but for the error of its time is 0.
+        theta, error = float(graze.theta), 10 * float(p.Omega) * max(graze.t_error, EPS * abs(float(graze.t)))
+        style: dict[str, Any] = mark_style("grazing point", SWITCH_COLOR) | {"clip_on": False, "ls": ""}
+        axes.plot(float(graze.v), 0.0 if 2 * pi - theta <= error else theta, label="grazing point", **style)
+    drawing.legends[0].remove()
+    with rc_context(STYLE):
+        handles, labels = axes.get_legend_handles_labels()
+        drawing.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False, borderpad=0.1)
+    return drawing
+
+
 def window_caption(mapping: str) -> str:
     """Return the caption of a figure of Theorem 7."""
-    where, p, graze = place(mapping), figures.window_parameters(mapping), figures.window_graze(mapping)
+    where, graze = place(mapping), window_graze(mapping)
+    p, equality, free = window_parameters(mapping)
     case = grazing_window(p, mapping).case.strip("()").partition(".")[2]
     red = "" if graze is None else f"; star: its graze at t = {number(float(graze.t), 7)}"
     speed, critical = f"v{where.boundary}", "Θ^{cr}"
     figure = printed_scene(WINDOW_SCENES[mapping]).removeprefix("fig")
-    return (
+    caption = (
         f"Theorem 7, eq. ({where.equation}): the phases mod(Ωtₘ, 2π) at which {mapping}, a motion in domain "
         f"{where.domain}, grazes belt {where.boundary} (shaded), against the belt's speed {speed}, which makes "
         f"γ = k {speed}/m and so the case of the theorem. Dashed: {critical} = arcsin(−γ m/(B0 Ω)) and π − {critical}, "
         f"which do not belong to it; dots: |γ| = B0 Ω/m, where a full one grazes and an open one does not. "
-        f"Dotted: {speed} in Fig. {figure}, case {case} of ({where.equation}){red}. {_missing_phase(mapping)}"
-        f"{listed_parameters(p)}."
+        f"Dotted: {speed} in Fig. {figure}, case {case} of ({where.equation}){red}. "
     )
+    at_equality = free.replace(**{speed: where.side * equality})
+    printed, full = grazing_window(at_equality, mapping, "paper"), grazing_window(at_equality, mapping, "full")
+    if printed.intervals != full.intervals:
+        quarters = Fraction(printed.ends[0] / pi).limit_denominator(4)
+        phase = f"{quarters.numerator if quarters.numerator > 1 else ''}π/{quarters.denominator}"
+        caption += (
+            f"At the full dot, {speed} = {number(float(where.side * equality))}, {phase}, the force and its first two "
+            f"derivatives vanish and the third decides: it grazes, though ({where.equation}) as printed leaves it out. "
+        )
+    return f"{caption}{listed_parameters(p)}."
 
-
-def _missing_phase(mapping: str) -> str:
-    """Say which phase the theorem as printed lacks where |gamma| = B0 Omega/m."""
-    where = place(mapping)
-    name, speed = f"v{where.boundary}", where.side * figures.speed_of_equality(mapping)
-    p = figures.without_other_belt(mapping).replace(**{name: speed})
-    printed, full = grazing_window(p, mapping, "paper"), grazing_window(p, mapping, "full")
-    if printed.intervals == full.intervals:
-        return ""
-    quarters = Fraction(printed.ends[0] / pi).limit_denominator(4)
-    phase = f"{quarters.numerator if quarters.numerator > 1 else ''}π/{quarters.denominator}"
-    return (
-        f"At the full dot, {name} = {number(float(speed))}, {phase}, the force and its first two derivatives vanish "
-        f"and the third decides: it grazes, though ({where.equation}) as printed leaves it out. "
-    )
-
-
-# --- all pictures ---
 
 # What draws and what describes each form of figure: as a whole, or for a scene.
-FIG1, FIG2 = (figures.fig1, partial(str, MODEL)), (figures.fig2, partial(with_parameters, FRICTION, "fig5"))
-FIG3 = figures.fig3, partial(with_parameters, DOMAINS, "fig5")
-FIG4 = figures.fig4, partial(with_parameters, MAPPINGS)
-STICK = figures.stick_figure, stick_caption
-GRAZING_P2 = figures.grazing_figure_P2, grazing_P2_caption
-GRAZING_P3 = figures.grazing_figure_P3, grazing_P3_caption
-MOTION, ORBIT = (figures.motion_figure, motion_caption), (figures.orbit_figure, orbit_caption)
+FIG1, FIG2 = (fig1, partial(str, MODEL)), (fig2, partial(with_parameters, FRICTION, "fig5"))
+FIG3, FIG4 = (fig3, partial(with_parameters, DOMAINS, "fig5")), (fig4, partial(with_parameters, MAPPINGS))
+STICK, MOTION = (printed_figure, stick_caption), (printed_figure, motion_caption)
+GRAZING_P2, GRAZING_P3 = (grazing_figure_P2, grazing_P2_caption), (grazing_figure_P3, grazing_P3_caption)
+ORBIT = orbit_figure, orbit_caption
 # What scenes of a figure are called: as printed, with a number corrected, with a start of many digits, on the orbit.
 FORMS = {"": "", "corrected": ", corrected", "exact": ", exact start", "orbit": ", corrected"}
 
@@ -313,17 +557,16 @@ FIGURES: list[tuple[str, str, Form, str]] = [
 def _paper_picture(key: str, title: str, form: Form, alt: str) -> Picture:
     build, describe = form
     figure, _, variant = key.removeprefix("fig").partition("-")
-    heading, paper_figure = f"Fig. {figure}{FORMS[variant]}: {title}", None if variant else int(figure)
+    about = key, f"Fig. {figure}{FORMS[variant]}: {title}", alt, None if variant else int(figure)
     if form in (FIG1, FIG2, FIG3, FIG4):
-        return Picture(key, heading, alt, paper_figure, build, describe)
-    narrow = partial(build, key, columns=1)
-    return Picture(key, heading, alt, paper_figure, partial(build, key), partial(describe, key), narrow)
+        return Picture(*about, build, describe)
+    return Picture(*about, partial(build, key), partial(describe, key), partial(build, key, columns=1))
 
 
 def _window_picture(mapping: str) -> Picture:
     title = f"Theorem 7, eq. ({place(mapping).equation}): when {mapping} grazes"
     alt = f"The phases at which {mapping} grazes, against the belt's speed, lie between the two branches of an arcsine."
-    build, describe = partial(figures.window_sweep, mapping), partial(window_caption, mapping)
+    build, describe = partial(window_sweep, mapping), partial(window_caption, mapping)
     return Picture(f"theorem7-{mapping.lower()}", title, alt, None, build, describe)
 
 
@@ -332,9 +575,9 @@ _PRODUCTS = Picture(
     "Section 6: product of the forces",
     "Four curves of products, positive where the mass passes a belt and negative while it sticks to one.",
     None,
-    figures.product_figure,
+    product_figure,
     partial(str, PRODUCTS),
-    partial(figures.product_figure, columns=1),
+    partial(product_figure, columns=1),
 )
 #: Every picture by its key: the paper's figures in its order, then Theorem 7.
 PICTURES: dict[str, Picture] = {

@@ -8,18 +8,15 @@ import re
 from base64 import b64encode
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
-from datetime import date
 from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from textwrap import fill
 from typing import Any
 from unicodedata import normalize
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from symosc import __version__
 from symosc.bench import machine
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.citation import paper_reference
@@ -31,7 +28,7 @@ from symosc.paper.claims import (
     CONFIRMED,
     CORRECTED,
     DEFINITION,
-    NAMES,
+    KINDS,
     NOT_AS_PRINTED,
     PARTS,
     UNDECIDED,
@@ -66,23 +63,19 @@ NUMBER_MEANINGS = {
     "residual": "What is left of an equation, 0 in theory, where computed numbers are put in.",
     "DOP853": "A Runge-Kutta method of order 8 in SciPy, as a second opinion.",
 }
-REPORTS = ("report.html", "report.md", "report.json")
 FIGURES = "figures"
 
 
 def data(results: Results) -> dict[str, Any]:
     """Return all results of a run as plain data, the content of report.json."""
-    judged, covered = results.judged, {}
-    if results.unjudged is not None:  # else only a part of the claims was judged
-        covered = coverage([*(each.claim for each in judged), *results.unjudged])
+    plan, covered = results.plan, {}
+    if plan.unjudged is not None:  # else only a part of the claims was judged
+        covered = coverage([*plan.claims, *plan.unjudged])
     return {
         "paper": paper_reference(),
         "ok": results.ok,
         "counts": results.counts,
-        "errata": [
-            asdict(erratum) | {"claims": [each.claim.id for each in results.shown_by(erratum)]}
-            for erratum in results.errata
-        ],
+        "errata": [asdict(e) | {"claims": results.shown_by(e)} for e in plan.errata],
         "coverage": [
             {
                 "item": item.label,
@@ -92,96 +85,70 @@ def data(results: Results) -> dict[str, Any]:
             }
             for item, entries in covered.items()
         ],
-        "unjudged": [part._asdict() for part in results.unjudged or ()],
+        "unjudged": [part._asdict() for part in plan.unjudged or ()],
         "changed": [each.claim.id for each in results.changed],
         "failures": results.failures,
         "made": {"seconds": round(results.seconds, 1), **machine()},
         "claims": [
-            {
-                **{name: getattr(each.claim, name) for name in ("id", "part", "source", "says")},
-                "verdict": each.verdict,
-                "committed": each.claim.verdict,
-                "finding": each.finding,
-                "numbers": each.numbers,
-                "correction": each.claim.correction,
-                "errata": list(each.claim.errata),
-                "remark": each.claim.remark,
-                "figures": list(each.claim.figures),
-                "derivation": each.claim.derivation,
-                "seconds": round(each.seconds, 3),
-            }
-            for each in judged
+            {name: value for name, value in each.claim._asdict().items() if name != "check"}
+            | {name: getattr(each, name) for name in ("verdict", "finding", "numbers")}
+            | {"committed": each.claim.verdict, "seconds": round(each.seconds, 3)}
+            for each in results.judged
         ],
         "figures": [
-            {
-                "key": key,
-                "title": picture.title,
+            {name: getattr(picture, name) for name in ("key", "title", "alt", "paper_figure")}
+            | {
                 "caption": done.value.caption if done.value else "",
-                "alt": picture.alt,
-                "paper_figure": picture.paper_figure,
-                "file": f"{FIGURES}/{key}.svg" if done.value else None,
-                "claims": [each.claim.id for each in judged if key in each.claim.figures],
+                "file": f"{FIGURES}/{picture.key}.svg" if done.value else None,
+                "claims": [claim.id for claim in plan.claims if picture.key in claim.figures],
                 "seconds": round(done.seconds, 3),
             }
-            for (key, picture), done in zip(results.pictures.items(), results.drawn.values(), strict=True)
+            for picture, done in zip(plan.pictures.values(), results.drawn.values(), strict=True)
         ],
         "derivations": [
             {
                 "subject": subject,
-                "number": list(CHAPTERS).index(subject) + 1,
+                "number": number,
                 "title": CHAPTERS[subject],
-                "steps": done.value.steps if done.value else 0,
-                "file": f"report.html#derivation-{list(CHAPTERS).index(subject) + 1}" if done.value else None,
-                "claims": [each.claim.id for each in judged if each.claim.derivation == subject],
+                "steps": done.value[0] if done.value else 0,
+                "file": f"report.html#derivation-{number}" if done.value else None,
+                "claims": [claim.id for claim in plan.claims if claim.derivation == subject],
                 "seconds": round(done.seconds, 3),
             }
-            for subject, done in results.chapters.items()
+            for number, subject in enumerate(CHAPTERS, 1)
+            if (done := results.chapters.get(subject))
         ],
     }
 
 
 def files(results: Results) -> dict[str, str]:
     """Return the text of every file of the report by its path in the folder."""
-    content = data(results)
+    content, plan = data(results), results.plan
     drawn = {key: done.value for key, done in results.drawn.items() if done.value}
-    chapters = {subject: done.value for subject, done in results.chapters.items() if done.value}
-    found = {f"{FIGURES}/{key}.svg": each.svg for key, each in drawn.items()}
     # Pictures that belong to one figure of the paper stand together: fig7, fig7-corrected and fig7-exact.
     groups: dict[str, list[dict[str, Any]]] = {}
     for figure in content["figures"]:
         groups.setdefault(figure["key"].partition("-")[0].removeprefix("fig"), []).append(figure)
+    shown = [erratum for erratum in plan.errata if results.shown_by(erratum)]
     context = content | {
-        "parts": {part: PARTS[part] for part in PARTS if any(each.claim.part == part for each in results.judged)},
+        "parts": {part: PARTS[part] for part in PARTS if any(claim.part == part for claim in plan.claims)},
         "badges": BADGES,
         "groups": groups,
         "words": NUMBER_MEANINGS,
         "severities": SEVERITIES,
-        "kinds": NAMES,
-        "erratum_numbers": {erratum.id: erratum.number for erratum in results.errata},
-        "images": {key: each.svg for key, each in drawn.items()},
-        "narrow": {key: each.narrow for key, each in drawn.items() if each.narrow},
-        "proofs": {subject: Markup(each.html) for subject, each in chapters.items()},
-    }
-    found |= {name: render(f"{name}.j2", context) for name in ("report.md", "report.html")}
-    if results.unjudged is not None:
-        found |= letter(results)
-    found["report.json"] = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
-    return found
-
-
-def letter(results: Results) -> dict[str, str]:
-    """Return a letter to the authors, HTML and plain text by file name: the errata that this run has shown."""
-    shown = [erratum for erratum in results.errata if results.shown_by(erratum)]
-    context = {
-        "paper": paper_reference(),
-        "errata": shown,
+        "kinds": KINDS,
+        "erratum_numbers": {erratum.id: erratum.number for erratum in plan.errata},
+        "drawn": drawn,
+        "chapters": results.chapters,
+        # for the letter
+        "shown": shown,
         "numbers": {severity: sum(each.severity == severity for each in shown) for severity in SEVERITIES},
-        "held": sum(not each.claim.errata for each in results.judged),
-        "judged": len(results.judged),
-        "version": __version__,
-        "date": date.today().isoformat(),
+        "held": sum(not claim.errata for claim in plan.claims),
     }
-    return {f"letter.{kind}": render(f"letter.{kind}.j2", context) for kind in ("html", "txt")}
+    letters = () if plan.unjudged is None else ("letter.html", "letter.txt")
+    found = {f"{FIGURES}/{key}.svg": each.svg for key, each in drawn.items()}
+    found |= {name: render(f"{name}.j2", context) for name in ("report.md", "report.html", *letters)}
+    return found | {"report.json": json.dumps(content, indent=1, ensure_ascii=False) + "\n"}
 
 
 def write(folder: Path, texts: Mapping[str, str]) -> None:
@@ -209,14 +176,13 @@ def render(template: str, context: Mapping[str, Any]) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters["typeset"] = lambda text: Markup(typeset(text))
     # For Markdown, in a table as well: formulas are set, other characters mean themselves.
     special = re.compile(r"([\\`*_|\[\]~])")
-    environment.filters["md"] = lambda text: special.sub(r"\\\1", typeset(" ".join(text.split())))
-    environment.filters["wrapped"] = lambda text, indent=4: fill(  # for a mail
-        text, 78, initial_indent=" " * indent, subsequent_indent=" " * indent
-    )
-    environment.filters["data_uri"] = lambda svg: f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}"
+    environment.filters |= {
+        "typeset": lambda text: Markup(typeset(text)),
+        "md": lambda text: special.sub(r"\\\1", typeset(" ".join(text.split()))),
+        "data_uri": lambda svg: f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}",
+    }
     environment.globals["font_style"] = lambda: Markup(font_style())
     return environment.get_template(template).render(context)
 
@@ -247,7 +213,9 @@ _MARKED: list[tuple[str, _Replacement]] = [
     (r"\b(\d(?:\.\d+)?)e([+-]?)0*(\d+)\b", lambda found: (
         f"{'' if found[1] == '1' else f'{found[1]}·'}10<sup>{'−' if found[2] == '-' else ''}{found[3]}</sup>"
     )),
-    (_LETTER + r"\^(?:\{([^{}]+)\}|\(([^()]+)\)|(\w))", lambda found: _superscript(*found.groups())),
+    (_LETTER + r"\^(?:\{([^{}]+)\}|\(([^()]+)\)|(\w))", lambda found: (
+        f"{found[1]}<sup>{found[2] or found[4] or (f'({found[3]})' if found[1] in 'FG' else found[3])}</sup>"
+    )),
     (_LETTER + r"((?:<sup>.*?</sup>)?)_(?:\{([^{}]+)\}|(\([^()]+\)|\w+))", lambda found: (
         f"{found[1]}{found[2]}<sub>{found[3] or found[4]}</sub>"
     )),
@@ -270,8 +238,3 @@ def typeset(text: str) -> str:
     for pattern, marked in _MARKED:
         text = re.sub(pattern, marked, text)
     return text
-
-
-def _superscript(base: str, braced: str | None, bracketed: str | None, single: str | None) -> str:
-    power = braced or single or (f"({bracketed})" if base in "FG" else bracketed)
-    return f"{base}<sup>{power}</sup>"

@@ -6,13 +6,11 @@ threads that do not survive a fork.
 
 from __future__ import annotations
 
-import os
 import traceback
 from collections.abc import Callable, Generator, Mapping
-from concurrent.futures import Future, as_completed
-from concurrent.futures import TimeoutError as Overdue
+from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
@@ -29,6 +27,7 @@ from symosc.errors import ParameterError
 from symosc.paper.checks.motions import judge
 from symosc.paper.claims import FAULTY, VERDICTS, Claim, Unjudged
 from symosc.paper.pictures import Picture
+from symosc.simulation.batch import read_workers
 
 Tasks = dict[tuple[str, str], Callable[[], Any]]
 #: Verdict of a check that raised, hung or died.
@@ -53,13 +52,6 @@ class Drawn(NamedTuple):
     svg: str
     caption: str
     narrow: str = ""
-
-
-class Chapter(NamedTuple):
-    """The derivations of a chapter, each step of which was checked, as HTML."""
-
-    steps: int
-    html: str
 
 
 @dataclass(frozen=True)
@@ -104,19 +96,17 @@ class Judged(NamedTuple):
 
 @dataclass(frozen=True)
 class Results:
-    """What a run found: `drawn` has Done with a Drawn by pictures' keys, `chapters` Done with a Chapter by subjects."""
+    """What a run of a plan found: Done with a Drawn for each picture, with steps and HTML for each chapter."""
 
+    plan: Plan
     judged: tuple[Judged, ...]
-    pictures: Mapping[str, Picture]
     drawn: Mapping[str, Done]
     chapters: Mapping[str, Done]
     seconds: float = 0.0
-    errata: tuple[Erratum, ...] = ()
-    unjudged: tuple[Unjudged, ...] | None = None
 
-    def shown_by(self, erratum: Erratum) -> tuple[Judged, ...]:
-        """Return the claims that show an erratum in this run."""
-        return tuple(each for each in self.judged if erratum.id in each.claim.errata and each.verdict in FAULTY)
+    def shown_by(self, erratum: Erratum) -> list[str]:
+        """Return the ids of the claims that show an erratum in this run."""
+        return [each.claim.id for each in self.judged if erratum.id in each.claim.errata and each.verdict in FAULTY]
 
     @property
     def counts(self) -> dict[str, int]:
@@ -126,9 +116,9 @@ class Results:
         return {name: verdicts.count(name) for name in names}
 
     @property
-    def changed(self) -> tuple[Judged, ...]:
+    def changed(self) -> list[Judged]:
         """Claims with a verdict that differs from the committed one."""
-        return tuple(each for each in self.judged if each.changed)
+        return [each for each in self.judged if each.changed]
 
     @property
     def failures(self) -> dict[str, str]:
@@ -150,50 +140,36 @@ def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | N
     tasks: Tasks = {("chapter", subject): partial(derive, subject) for subject in plan.chapters}
     tasks |= {("claim", claim.id): partial(judge, claim.check) for claim in reversed(plan.claims)}
     tasks |= {("picture", key): partial(draw, picture) for key, picture in plan.pictures.items()}
-    if workers is None:
-        affinity = getattr(os, "sched_getaffinity", None)  # not on every system
-        workers = len(affinity(0)) if affinity else os.cpu_count() or 1
     done: dict[tuple[str, str], Done] = {}
     here = ((key, timed(task)) for key, task in tasks.items())
-    with closing(_in_processes(tasks, workers) if workers else here) as outcomes:
+    with closing(here if workers == 0 else _in_processes(tasks, workers)) as outcomes:
         for key, outcome in outcomes:
             done[key] = outcome
             if progress:
                 progress()
     judged = []
     for claim in plan.claims:
-        found = done["claim", claim.id]
-        if found.error:
-            judged.append(Judged(claim, ERROR, found.error, {}, found.seconds))
-        else:
-            evidence = found.value
-            judged.append(Judged(claim, evidence.verdict, evidence.finding, dict(evidence.numbers), found.seconds))
-    return Results(
-        judged=tuple(judged),
-        pictures=plan.pictures,
-        drawn={key: done["picture", key] for key in plan.pictures},
-        chapters={subject: done["chapter", subject] for subject in plan.chapters},
-        seconds=perf_counter() - begin,
-        errata=plan.errata,
-        unjudged=plan.unjudged,
-    )
+        found, error, seconds = done["claim", claim.id]
+        verdict, finding, numbers = (ERROR, error, {}) if error else (found.verdict, found.finding, found.numbers)
+        judged.append(Judged(claim, verdict, finding, numbers, seconds))
+    drawn = {key: done["picture", key] for key in plan.pictures}
+    chapters = {subject: done["chapter", subject] for subject in plan.chapters}
+    return Results(plan, tuple(judged), drawn, chapters, perf_counter() - begin)
 
 
-def _in_processes(tasks: Tasks, workers: int) -> Generator[tuple[tuple[str, str], Done], None, None]:
+def _in_processes(tasks: Tasks, workers: int | None) -> Generator[tuple[tuple[str, str], Done], None, None]:
     """Yield the result of each task; those lost by a broken pool are given to the next one."""
     for _ in range(POOLS):
-        pool = ProcessPool(max_workers=max(1, min(workers, len(tasks))), context=get_context("spawn"))
-        futures: dict[Future[Done], tuple[str, str]] = {}
+        pool = ProcessPool(max_workers=min(read_workers(workers), len(tasks)), context=get_context("spawn"))
+        futures: dict[Any, tuple[str, str]] = {}
         try:
-            try:
+            with suppress(RuntimeError):  # the pool has already broken down
                 for key, task in tasks.items():
                     futures[pool.schedule(timed, args=(task,), timeout=TASK_LIMIT)] = key
-            except RuntimeError:  # the pool has already broken down
-                pass
             for future in as_completed(futures):
                 try:
                     outcome = future.result()
-                except Overdue:
+                except TimeoutError:
                     outcome = Done(error=f"no result within {TASK_LIMIT:g} s")
                 except ProcessExpired as death:
                     outcome = Done(error=f"the process ended with exit code {death.exitcode}")
@@ -231,12 +207,11 @@ def draw(picture: Picture) -> Drawn:
     return Drawn(svg(picture.build), picture.describe(), svg(picture.narrow) if picture.narrow else "")
 
 
-def derive(subject: str) -> Chapter:
-    """Return a chapter of derivations, checked."""
+def derive(subject: str) -> tuple[int, str]:
+    """Return the number of steps of a chapter of derivations, each checked, and its HTML."""
     from symosc.derive import document
     from symosc.derive.scope import Scope
 
     scope = Scope()
     chapter = document.check_chapter(subject, scope)
-    html = document.as_html(chapter, scope, level=4)
-    return Chapter(len(chapter.steps()), html)
+    return len(chapter.steps()), document.as_html(chapter, scope, level=4)

@@ -8,8 +8,10 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.patches import Patch
 
+from symosc.aliases import Record
 from symosc.arguments import public
-from symosc.plot.drawing import PARAMETER_LABELS, add_legend, one_axes, style_for, typeset
+from symosc.plot.drawing import PARAMETER_LABELS, add_legend, axes_for, typeset
+from symosc.plot.figures import BORDER_STYLES
 from symosc.plot.sweeps import WORD_COLORS
 
 if TYPE_CHECKING:
@@ -20,8 +22,6 @@ if TYPE_CHECKING:
 
 #: Colours that differ in grey too, light enough for black lines on them; the last one is for all further words.
 SHADES = (*WORD_COLORS[:6], "#e0e0e0")
-#: How borders are drawn, by what the field calls them.
-LINES = {"crossing-sliding": "-", "grazing-sliding": "--", "switching-sliding": "-.", "adding-sliding": ":"}
 
 
 @public
@@ -47,37 +47,31 @@ def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
     """
     words = [region.word for region in atlas.regions if region.word]
     colours = {word: SHADES[min(i, len(SHADES) - 1)] for i, word in enumerate(words)}
-    limits = [[float(end) for end in side] for side in atlas.range]
     entries: dict[str, Any] = {}
-    with style_for(ax):
-        drawing, axes = one_axes(ax, (5.2, 3.8))
-        for word in words:
+    with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
+        for word, colour in colours.items():
             boxes = [corners(box.range) for box in atlas.boxes if box.word == word]
-            colour = colours[word]
             axes.add_collection(PolyCollection(boxes, facecolors=colour, edgecolors=colour, linewidths=0.2))
             name = "other words" if colour == SHADES[-1] else typeset(word)
             entries[name] = Patch(facecolor=colour, edgecolor="0.4", linewidth=0.4)
-        left = [corners(box) for box in atlas.open]
-        if left:
-            axes.add_collection(
-                PolyCollection(left, facecolors="white", edgecolors="0.6", linewidths=0, hatch="//////")
-            )
-            entries["not proven"] = Patch(facecolor="white", edgecolor="0.6", hatch="//////", linewidth=0.4)
-        seen = [(x, y, word) for x, y, word in atlas.grid if word in colours] if not atlas.boxes else []
-        for word in words:
-            places = np.array([each[:2] for each in seen if each[2] == word])
+        if atlas.open:
+            hatched: Record = {"facecolor": "white", "edgecolor": "0.6", "hatch": "//////"}
+            axes.add_collection(PolyCollection([corners(box) for box in atlas.open], linewidths=0, **hatched))
+            entries["not proven"] = Patch(linewidth=0.4, **hatched)
+        for word, colour in () if atlas.boxes else colours.items():
+            places = np.array([(x, y) for x, y, seen in atlas.grid if seen == word])
             if len(places):
-                axes.plot(*places.T, "s", color=colours[word], markeredgecolor="0.4", markeredgewidth=0.3, markersize=5)
+                axes.plot(*places.T, "s", color=colour, markeredgecolor="0.4", markeredgewidth=0.3, markersize=5)
         for border in atlas.borders:
-            line = LINES.get(border.sliding, (0, (1, 3)))
+            line = BORDER_STYLES.get(border.sliding, {"linestyle": (0, (1, 3))})["linestyle"]
             (drawn,) = axes.plot(*border.points.T, linestyle=line, color="black", linewidth=0.9)
             entries.setdefault(border.sliding or border.kind, drawn)
-        for i, point in enumerate(atlas.special):
+        for i, point in enumerate(atlas.special, 1):
             axes.plot(*point.values, "o", color="black", markersize=3)
-            name = "fold" if point.kind == "fold" else f"C{i + 1}"
+            name = "fold" if point.kind == "fold" else f"C{i}"
             axes.annotate(name, point.values, xytext=(3, 3), textcoords="offset points", fontsize=7)
-        axes.set(xlabel=PARAMETER_LABELS[atlas.over[0]], ylabel=PARAMETER_LABELS[atlas.over[1]])
-        axes.set(xlim=limits[0], ylim=limits[1])
+        xlim, ylim = ([float(end) for end in side] for side in atlas.range)
+        axes.set(xlabel=PARAMETER_LABELS[atlas.over[0]], ylabel=PARAMETER_LABELS[atlas.over[1]], xlim=xlim, ylim=ylim)
         add_legend(drawing, ax, entries, 3)
     return drawing
 

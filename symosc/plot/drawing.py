@@ -5,10 +5,11 @@ A figure is built without pyplot, so that nothing global changes and nothing sta
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
+from string import ascii_lowercase
 from typing import Any
 
 from matplotlib import rc_context, rcParams, rcParamsDefault
@@ -24,8 +25,6 @@ from symosc.arguments import public
 from symosc.errors import OutputError, ParameterError, meant
 from symosc.files import STDOUT, read_path, write_whole
 from symosc.quantities import QUANTITIES
-
-FIGURE_SUFFIXES = (".pdf", ".svg", ".png")
 
 STYLE: dict[Any, Any] = {
     "font.family": "STIXGeneral",
@@ -73,31 +72,37 @@ class Drawing(Figure):
         return picture.getvalue()
 
 
-def own_style() -> AbstractContextManager[None]:
-    """Return the style of new figures: STYLE, except for what the user has set in rcParams."""
-    return rc_context({name: value for name, value in STYLE.items() if rcParams[name] == rcParamsDefault[name]})
+@contextmanager
+def own_style() -> Iterator[None]:
+    """Set the style of new figures: STYLE, except for what the user has set in rcParams."""
+    with rc_context({name: value for name, value in STYLE.items() if rcParams[name] == rcParamsDefault[name]}):
+        yield
 
 
-def style_for(ax: Axes | None) -> AbstractContextManager[None]:
-    """Return the style of new figures; axes given by the user keep their style."""
-    return own_style() if ax is None else nullcontext()
-
-
-def panel_axes(
-    ax: Any, panels: str, size: tuple[float, float], *, stacked: bool = False, letter_at: float | None = None
-) -> tuple[Figure, Any]:
-    """Return a figure and the axes of its panels: those given by the user, or new ones in a row or `stacked`."""
-    # `size` is that of a new figure in inches; `letter_at` is the place of the panels' letters, None for none.
+@contextmanager
+def axes_for(
+    ax: Any, size: tuple[float, float], panels: str = "a", *, columns: int | None = None, letter_at: float | None = None
+) -> Iterator[tuple[Figure, Any]]:
+    """Yield a figure and the axes of its panels: the user's own in their style, or new ones in that of symosc."""
+    # New ones stand in one row, or in `columns` over one horizontal axis; `size` of the figure is in inches. Panels of
+    # several have their letters at `letter_at`, None for none.
     if ax is not None:
-        return figure_of(ax), [ax]
-    drawing = Drawing(figsize=size, layout="constrained")
-    rows, columns = (len(panels), 1) if stacked else (1, len(panels))
-    axes = drawing.subplots(rows, columns, sharex=stacked, squeeze=False).ravel()
-    for each, letter in zip(axes if letter_at is not None else [], "abc", strict=False):
-        if len(panels) > 1:
-            each.set_title(f"({letter})", loc="left", x=letter_at, pad=4)
-        each.tick_params(labelfontfamily=rcParams["font.family"][0])
-    return drawing, axes
+        yield figure_of(ax), [ax]
+        return
+    rows, across = (1, len(panels)) if columns is None else (-(-len(panels) // columns), columns)
+    with own_style():
+        drawing = Drawing(figsize=size, layout="constrained")
+        every = drawing.subplots(rows, across, sharex=columns is not None, squeeze=False).ravel()
+        axes = every[: len(panels)]
+        for empty in every[len(panels) :]:
+            empty.remove()
+        for each, letter in zip(axes, ascii_lowercase, strict=False):
+            if letter_at is not None and len(panels) > 1:
+                each.set_title(f"({letter})", loc="left", x=letter_at, pad=4)
+            each.tick_params(labelfontfamily=rcParams["font.family"][0])
+        for each in axes[-across:]:
+            each.tick_params(labelbottom=True)
+        yield drawing, axes
 
 
 def typeset(word: str) -> str:
@@ -105,12 +110,6 @@ def typeset(word: str) -> str:
     if not word:
         return "no event"
     return f"$P_{{{word[1:]}}}$" if word[0] == "P" and word[1:].isdigit() else word
-
-
-def one_axes(ax: Any, size: tuple[float, float]) -> tuple[Figure, Axes]:
-    """Return the axes given by the user with their figure, or new axes in a new figure."""
-    drawing, (axes,) = panel_axes(ax, "a", size)
-    return drawing, axes
 
 
 def read_style(style: Any) -> Record:
@@ -152,8 +151,8 @@ def add_legend(drawing: Figure, ax: Axes | None, entries: dict[str, Any], column
     if ax is not None and entries:
         ax.legend(list(entries.values()), list(entries))
     elif entries:
-        options |= {"loc": "outside lower center", "frameon": False}
-        drawing.legend(list(entries.values()), list(entries), ncols=min(columns, len(entries)), **options)
+        options |= {"loc": "outside lower center", "frameon": False, "ncols": min(columns, len(entries))}
+        drawing.legend(list(entries.values()), list(entries), **options)
 
 
 def read_panels(panels: Any, known: Iterable[str], ax: Any = None, alone: str = "a") -> str:
@@ -164,18 +163,18 @@ def read_panels(panels: Any, known: Iterable[str], ax: Any = None, alone: str = 
     letters = "".join(known)
     if panels is None:
         panels = letters if ax is None else alone
-    if not (panels and not set(panels) - set(letters) and len(set(panels)) == len(panels)):
+    if not panels or set(panels) - set(letters) or len(set(panels)) < len(panels):
         raise ParameterError("panels", panels, f"must be different letters out of {letters}")
     if ax is not None:
         figure_of(ax)
-        if len(panels) > 1:
-            raise ParameterError("panels", panels, f"axes hold one panel: give ax= with one letter out of {letters}")
+    if ax is not None and len(panels) > 1:
+        raise ParameterError("panels", panels, f"axes hold one panel: give ax= with one letter out of {letters}")
     return panels
 
 
 @public
-def check_suffix(path: str | Path) -> None:
-    """Raise OutputError unless figures can be written to a file of that name.
+def check_suffix(path: str | Path) -> str:
+    """Return the suffix of a figure's file; standard output gets SVG. OutputError if figures have no such files.
 
     Examples
     --------
@@ -185,14 +184,9 @@ def check_suffix(path: str | Path) -> None:
         ...
     symosc.errors.OutputError: cannot write motion.gif: a figure's name must end in .pdf, .svg or .png
     """
-    _suffix(path)
-
-
-def _suffix(path: str | Path) -> str:
-    """Return the suffix of a figure's file; standard output gets SVG."""
     name = read_path(path)
     suffix = ".svg" if name == STDOUT else Path(name).suffix.lower()
-    if suffix not in FIGURE_SUFFIXES:
+    if suffix not in (".pdf", ".svg", ".png"):
         raise OutputError(name, "a figure's name must end in .pdf, .svg or .png")
     return suffix
 
@@ -209,13 +203,12 @@ def save(drawing: Figure, path: str | Path) -> Path:
     ...     plot.save(plot.figure("fig5", panels="a"), f"{folder}/motion.svg").name
     'motion.svg'
     """
-    suffix = _suffix(path)
-    kind = suffix.removeprefix(".")
+    suffix = check_suffix(path)
     # No date in the file: drawing it again gives the same bytes.
-    metadata = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": None}[kind]
+    metadata = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}, ".png": None}[suffix]
 
     def write(draft: Path) -> None:
         with own_style():
-            drawing.savefig(draft, format=kind, metadata=metadata)
+            drawing.savefig(draft, format=suffix[1:], metadata=metadata)
 
     return write_whole(path, write, suffix)

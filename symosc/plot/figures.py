@@ -18,20 +18,8 @@ from symosc.aliases import NumberLike, Record, SceneName
 from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
-from symosc.plot.drawing import (
-    PARAMETER_LABELS,
-    Drawing,
-    add_legend,
-    figure_of,
-    legend_entries,
-    one_axes,
-    own_style,
-    panel_axes,
-    read_panels,
-    read_style,
-    style_for,
-    typeset,
-)
+from symosc.plot import drawing as common
+from symosc.plot.drawing import PARAMETER_LABELS, axes_for, read_panels, typeset
 from symosc.plot.panels import INSET_ROOM, INSET_TOP, PANELS, SHAPES, Panel, View, draw_insets, mark_style, view_of
 from symosc.quantities import read_number
 from symosc.scenes import Scene, end_time, load_scene
@@ -39,7 +27,7 @@ from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from symosc.orbits.border import Border, SpecialPoint
+    from symosc.orbits.border import Border
     from symosc.orbits.branch import Branch
     from symosc.orbits.periodic_orbit import PeriodicOrbit
 
@@ -51,6 +39,7 @@ PERIODS_SHOWN = 2.5
 MOST_DRAWN_EVENTS = 1000
 
 LEGEND_ORDER = ("mass", "belt", "onset of stick", "end of stick", "crossing", "grazing point", "start")
+LEGEND_STYLE: Record = {"handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
 
 
 @public
@@ -111,25 +100,20 @@ def figure(
         motion, usual = subject, "abcd"
     panels = read_panels(usual if panels is None and ax is None else panels, PANELS, ax)
     boundary = None if boundary is None else whole_number("boundary", boundary, 1, 2)
-    since = -inf if skip is None else _time_after(skip, motion)
-    view = view_of(motion, boundary, since=since, style=read_style(style))
-    columns = whole_number("columns", columns, 1, 2)
+    columns, since = whole_number("columns", columns, 1, 2), -inf
+    if skip is not None:
+        begin, end = float(motion.t_start), float(motion.t_end)
+        after = end_time(skip, motion.parameters, begin)  # of periods such as "10T"; else what is given
+        since = begin + float(read_number("skip", skip)[0]) if after is skip else float(after)
+        if not begin <= since < end:
+            raise ParameterError("skip", skip, f"must be >= 0 and end before t = {end:g}")
+    view = view_of(motion, boundary, since=since, style=common.read_style(style))
     if ax is not None:
         PANELS[panels](ax, view)
-        return figure_of(ax)
+        return common.figure_of(ax)
     tall = panels.index("b") if "b" in panels and view.magnified else None
     width = 7.0 if columns == 2 and panels != "c" else 3.4
     return assemble([(PANELS[letter], view) for letter in panels], min(columns, len(panels)), width, tall=tall)
-
-
-def _time_after(skip: Any, motion: Trajectory) -> float:
-    """Return the time at which a figure begins that leaves the time `skip` out."""
-    begin, end = float(motion.t_start), float(motion.t_end)
-    since = end_time(skip, motion.parameters, begin)
-    since = since if since is not skip else begin + float(read_number("skip", skip)[0])
-    if not begin <= since < end:
-        raise ParameterError("skip", skip, f"must be >= 0 and end before t = {end:g}")
-    return float(since)
 
 
 @public
@@ -214,46 +198,42 @@ def default_panels(scene: Scene) -> str:
     return "abcdef" if scene.structure else "abcd"
 
 
+@common.own_style()
 def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *, tall: int | None = None) -> Figure:
     """Draw panels into the rows of one figure (`width` in inches), with a letter for each and one legend below them."""
     # What a view magnifies is drawn above the panel with the index `tall`, whose row is higher.
-    with own_style():
-        square = len(panels) == 1 and panels[0][0] is PANELS["c"]
-        heights = [3.0 if square else 2.0] * -(-len(panels) // columns)
-        if tall is not None:
-            heights[tall // columns] *= 1.45
-        layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
-        drawing = Drawing(figsize=(width, sum(heights) + 0.35), layout=layout)
-        grid = drawing.add_gridspec(len(heights), columns, height_ratios=heights)
-        entries: dict[str, Any] = {}
-        for number, (panel, view) in enumerate(panels):
-            cell = grid[number // columns, number % columns]
-            if number == tall:
-                cell = cell.subgridspec(2, 1, height_ratios=(INSET_ROOM, 1.0))[1]
-            ax = drawing.add_subplot(cell)
-            panel(ax, view)
-            if number == tall:
-                draw_insets(ax, view)
-            place: dict[str, Any] = {"x": -0.12} | ({"y": INSET_TOP} if number == tall else {})
-            if len(panels) > 1:
-                title = ax.set_title(f"({'abcdefg'[number]})", loc="left", pad=4, **place)
-                title.set_in_layout(number != tall)  # the grid keeps that room free
-            elif square:
-                ax.set_box_aspect(1)
-            ax.tick_params(labelfontfamily=rcParams["font.family"][0])
-            for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-                if label in SHAPES:  # in full size, however small the marks are
-                    color = handle.get_markerfacecolor()  # type: ignore[attr-defined]
-                    handle = Line2D([], [], linestyle="none", **mark_style(label, color))
-                entries.setdefault(label, handle)
-        order = [label for label in LEGEND_ORDER if label in entries]
-        order += [label for label in entries if label not in order]  # the forces
-        rows = -(-len(order) // round(width))
-        if rows == 2:  # filled by columns: what belongs together stands in one
-            order.sort(key=lambda label: label not in LEGEND_ORDER[:4] and not label.startswith("$F"))
-        entries = {label: entries[label] for label in order}
-        style: Record = {"handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
-        add_legend(drawing, None, entries, -(-len(order) // rows), **style)
+    square = len(panels) == 1 and panels[0][0] is PANELS["c"]
+    heights = [3.0 if square else 2.0] * -(-len(panels) // columns)
+    if tall is not None:
+        heights[tall // columns] *= 1.45
+    layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
+    drawing = common.Drawing(figsize=(width, sum(heights) + 0.35), layout=layout)
+    grid = drawing.add_gridspec(len(heights), columns, height_ratios=heights)
+    for number, (panel, view) in enumerate(panels):
+        cell = grid[number // columns, number % columns]
+        if number == tall:
+            cell = cell.subgridspec(2, 1, height_ratios=(INSET_ROOM, 1.0))[1]
+        ax = drawing.add_subplot(cell)
+        panel(ax, view)
+        if number == tall:
+            draw_insets(ax, view)
+        if len(panels) > 1:
+            place: Record = {"x": -0.12} | ({"y": INSET_TOP} if number == tall else {})
+            title = ax.set_title(f"({'abcdefg'[number]})", loc="left", pad=4, **place)
+            title.set_in_layout(number != tall)  # the grid keeps that room free
+        elif square:
+            ax.set_box_aspect(1)
+        ax.tick_params(labelfontfamily=rcParams["font.family"][0])
+    entries = common.legend_entries(ax for ax in drawing.axes)
+    for label in entries.keys() & SHAPES.keys():  # in full size, however small the marks are
+        style = mark_style(label, entries[label].get_markerfacecolor())
+        entries[label] = Line2D([], [], linestyle="none", **style)
+    order = [label for label in LEGEND_ORDER if label in entries]
+    order += [label for label in entries if label not in order]  # the forces
+    rows = -(-len(order) // round(width))
+    if rows == 2:  # filled by columns: what belongs together stands in one
+        order.sort(key=lambda label: label not in LEGEND_ORDER[:4] and not label.startswith("$F"))
+    common.add_legend(drawing, None, {label: entries[label] for label in order}, -(-len(order) // rows), **LEGEND_STYLE)
     return drawing
 
 
@@ -272,7 +252,6 @@ END_MARKERS = {
 ORDINALS = ("", "2nd ", "3rd ")
 # Stability -> line style; the styles differ without colours.
 STABILITY_STYLES: Record = {"stable": "-", "marginal": "-.", "not stable": (0, (4, 2))}
-UNIT = (0, (1, 2))
 
 
 @public
@@ -297,17 +276,21 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     ['position $x$ at the switching', 'moduli of the multipliers']
     """
     panels = read_panels(panels, BRANCH_PANELS, ax, alone="b")
-    with style_for(ax):
-        drawing, row = panel_axes(ax, panels, (3.5 * len(panels), 3.1), letter_at=-0.12)
+    with axes_for(ax, (3.5 * len(panels), 3.1), panels, letter_at=-0.12) as (drawing, row):
         for axes, letter in zip(row, panels, strict=True):
             BRANCH_PANELS[letter](axes, branch)
             axes.set_xlabel(PARAMETER_LABELS.get(branch.parameter, f"${branch.parameter}$"))
             for end in branch.ends:
                 if end.kind in END_MARKERS:
                     axes.axvline(end.value, color="0.6", lw=0.6, zorder=0)
-        _next_words(row[-1], branch)
-        style: Record = {"handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
-        add_legend(drawing, ax, _branch_legend(row, branch), 3 * len(panels), **style)
+        _name_words(row[-1], branch)
+        entries = common.legend_entries(row)
+        unit = {label: entries.pop(label) for label in ("unit circle",) if label in entries}
+        for kind in dict.fromkeys(end.kind for end in branch.ends if end.kind in END_MARKERS):
+            entries[kind] = Line2D([], [], linestyle="none", marker=END_MARKERS[kind], ms=5.0, color="black")
+        for name in [name for name in STABILITY_STYLES if name in stability(branch)]:
+            entries[name] = Line2D([], [], color="black", ls=STABILITY_STYLES[name], lw=1.2)
+        common.add_legend(drawing, ax, entries | unit, 3 * len(panels), **LEGEND_STYLE)
     return drawing
 
 
@@ -316,9 +299,8 @@ def _positions(ax: Axes, branch: Branch) -> None:
     for i, label in enumerate(branch.labels):
         color, before = CURVE_COLORS[i % len(CURVE_COLORS)], branch.labels[:i].count(label)
         name = f"start of {ORDINALS[before]}{label}" if before < len(ORDINALS) else None
-        for part, state in _runs(stability(branch)):
-            style: Record = {"color": color, "ls": STABILITY_STYLES[state], "lw": 1.2, "label": name}
-            ax.plot(branch.values[part], branch.points[part, i, 1], **style)
+        for part, look in _runs(branch):
+            ax.plot(branch.values[part], branch.points[part, i, 1], color=color, ls=look, lw=1.2, label=name)
         _mark_ends(ax, branch, [[end.points[i].x] for end in branch.ends], color)
     last, below = int(np.argmax(branch.values)), -inf
     for i in np.argsort(branch.points[last, :, 1]):  # from below, none over another
@@ -331,13 +313,13 @@ def _positions(ax: Axes, branch: Branch) -> None:
 
 def _multipliers(ax: Axes, branch: Branch) -> None:
     """Draw the moduli of the multipliers over the parameter."""
-    for part, state in _runs(stability(branch)):
+    for part, look in _runs(branch):
         values, sizes = multiplier_curves(branch.values[part], branch.multipliers[part])
         for column in (0, 1):
-            ax.plot(values, sizes[:, column], color="black", ls=STABILITY_STYLES[state], lw=1.2)
+            ax.plot(values, sizes[:, column], color="black", ls=look, lw=1.2)
     sizes = np.abs(branch.multipliers)
     _mark_ends(ax, branch, [sizes[0], sizes[-1]], "black")
-    ax.axhline(1, color="0.4", lw=0.8, ls=UNIT, zorder=0, label="unit circle")
+    ax.axhline(1, color="0.4", lw=0.8, ls=(0, (1, 2)), zorder=0, label="unit circle")
     top = max(float(sizes.max()), 1.0)
     ax.set_ylim(-0.04 * top, 1.12 * top)
     ax.set_ylabel("moduli of the multipliers")
@@ -374,17 +356,16 @@ def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> 
             ax.plot(end.value, height, linestyle="none", marker=END_MARKERS[end.kind], **style)
 
 
-def _next_words(ax: Axes, branch: Branch) -> None:
+def _name_words(ax: Axes, branch: Branch) -> None:
     """Write the words of the branch and beyond its ends above the axes."""
     from symosc.orbits.branch import MOST, NO_CONVERGENCE
 
-    low, high = branch.values.min(), branch.values.max()
+    words: list[Any] = [(0.5 * (branch.values.min() + branch.values.max()), branch.word)]
+    words += [(end.value, end.kind if end.kind in (NO_CONVERGENCE, MOST) else end.beyond) for end in branch.ends]
     style: Record = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8}
-    ax.annotate(typeset(branch.word), (0.5 * (low + high), 1), (0, 4), ha="center", **style)
-    for end in branch.ends:
-        words = end.kind if end.kind in (NO_CONVERGENCE, MOST) else end.beyond
-        if words:
-            ax.annotate(typeset(words), (end.value, 1), (0, 4), ha="center", **style)
+    for place, word in words:
+        if word:
+            ax.annotate(typeset(word), (place, 1), (0, 4), ha="center", **style)
 
 
 def stability(branch: Branch) -> np.ndarray:
@@ -396,33 +377,21 @@ def stability(branch: Branch) -> np.ndarray:
     return np.where(branch.stable, "stable", np.where(sizes <= 1 + NEAR_ONE, "marginal", "not stable"))
 
 
-def _runs(states: np.ndarray) -> list[tuple[slice, str]]:
-    """Return the intervals of equal stability, each including the first point of the next."""
-    cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), len(states)]
-    return [(slice(a, min(b + 1, len(states))), str(states[a])) for a, b in pairwise(cuts)]
-
-
-def _branch_legend(row: Sequence[Axes], branch: Branch) -> Record:
-    """Return handles by labels: switching points, the marks of the ends, stability, and the unit circle."""
-    entries = legend_entries(row)
-    unit = {label: entries.pop(label) for label in ("unit circle",) if label in entries}
-    for kind in dict.fromkeys(end.kind for end in branch.ends if end.kind in END_MARKERS):
-        entries[kind] = Line2D([], [], linestyle="none", marker=END_MARKERS[kind], ms=5.0, color="black")
+def _runs(branch: Branch) -> list[tuple[slice, Any]]:
+    """Return the intervals of equal stability, each including the first point of the next, and their line styles."""
     states = stability(branch)
-    for name, style in STABILITY_STYLES.items():
-        if name in states:
-            entries[name] = Line2D([], [], color="black", ls=style, lw=1.2)
-    return entries | unit
+    cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), len(states)]
+    return [(slice(a, min(b + 1, len(states))), STABILITY_STYLES[str(states[a])]) for a, b in pairwise(cuts)]
 
 
 # -- borders -----------------------------------------------------------------------------------------------------------
 
 #: Line styles of borders by their names: they differ without colours.
 BORDER_STYLES: Record = {
-    "crossing-sliding": {"color": "#000000", "ls": "-"},
-    "grazing-sliding": {"color": "#0072b2", "ls": "--"},
-    "switching-sliding": {"color": "#d55e00", "ls": "-."},
-    "adding-sliding": {"color": "#009e73", "ls": ":"},
+    "crossing-sliding": {"color": "#000000", "linestyle": "-"},
+    "grazing-sliding": {"color": "#0072b2", "linestyle": "--"},
+    "switching-sliding": {"color": "#d55e00", "linestyle": "-."},
+    "adding-sliding": {"color": "#009e73", "linestyle": ":"},
 }
 WORD_OFFSET = 11.0  # of the words beside a border, in points
 
@@ -452,26 +421,27 @@ def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, 
     planes = {frozenset(getattr(each, "parameters", ())) for each in borders}
     if len(planes) != 1 or frozenset() in planes:
         raise ParameterError("border", border, "must be one border or several of the same two parameters")
-    first, second = names = borders[0].parameters
-    given = read_style(style)
-    with style_for(ax):
-        drawing, axes = one_axes(ax, (4.6, 3.4))
+    names, given = borders[0].parameters, common.read_style(style)
+    with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
         for each in borders:
             columns = [each.parameters.index(name) for name in names]
             name = each.sliding or each.kind
             words = " | ".join(sorted(typeset(word or "no word") for word in each.words))
             label = name if len(borders) == 1 else f"{words}, {name}"
-            look = {"lw": 1.3, "color": "0.4", "label": label} | BORDER_STYLES.get(name, {}) | given
+            look = {"linewidth": 1.3, "color": "0.4", "label": label} | BORDER_STYLES.get(name, {}) | given
             axes.plot(*each.points[:, columns].T, **look)
-        axes.set_xlabel(PARAMETER_LABELS[first])
-        axes.set_ylabel(PARAMETER_LABELS[second])
+        axes.set(xlabel=PARAMETER_LABELS[names[0]], ylabel=PARAMETER_LABELS[names[1]])
         axes.margins(0.06)
         if len(borders) == 1:
             drawing.draw_without_rendering()  # the limits of the axes decide which way is across
             _words_beside(axes, borders[0])
-        for point in {each.values: (each, b) for b in borders for each in b.special}.values():
-            _mark_special(axes, *point, names)
-        add_legend(drawing, ax, legend_entries([axes]), 3 if len(borders) == 1 else 2)
+        for point, of in {point.values: (point, each) for each in borders for point in each.special}.values():
+            place = [point.values[of.parameters.index(name)] for name in names]
+            look = (
+                {"mfc": "white", "label": "fold"} if point.kind == "fold" else {"mfc": "k", "label": "codimension two"}
+            )
+            axes.plot(*place, marker="o", ms=4.5, mec="black", mew=0.8, zorder=5, linestyle="none", **look)
+        common.add_legend(drawing, ax, common.legend_entries([axes]), 3 if len(borders) == 1 else 2)
     return drawing
 
 
@@ -487,15 +457,6 @@ def _words_beside(ax: Axes, border: Border) -> None:
         there = [float(getattr(beside, name)) for name in border.parameters]
         way = ax.transData.transform(there) - ax.transData.transform(border.points[i])
         x, y = WORD_OFFSET * way / np.linalg.norm(way)
-        style: Record = {"textcoords": "offset points", "fontsize": 8, "va": "center"}
-        side = "center" if abs(x) < WORD_OFFSET / 2 else "left" if x > 0 else "right"
-        ax.annotate(typeset(word or "no word"), border.points[i], (x, y), ha=side, **style)
-
-
-def _mark_special(ax: Axes, point: SpecialPoint, border: Border, names: tuple[str, str]) -> None:
-    """Draw a special point: an open circle for a fold, else a filled one."""
-    x, y = (point.values[border.parameters.index(name)] for name in names)
-    fold = point.kind == "fold"
-    style: Record = {"marker": "o", "ms": 4.5, "mec": "black", "mew": 0.8, "zorder": 5, "linestyle": "none"}
-    label = "fold" if fold else "codimension two"
-    ax.plot(x, y, mfc="white" if fold else "black", label=label, **style)
+        side: Any = "center" if abs(x) < WORD_OFFSET / 2 else "left" if x > 0 else "right"
+        style: Record = {"textcoords": "offset points", "fontsize": 8, "ha": side, "va": "center"}
+        ax.annotate(typeset(word or "no word"), border.points[i], (x, y), **style)

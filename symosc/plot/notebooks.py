@@ -32,6 +32,7 @@ from symosc.simulation.tables import EventTable, Summary, counted, select_rows, 
 from symosc.simulation.trajectory import Trajectory
 from symosc.words import collapsed
 
+END_NAMES = ("first end", "last end")
 HEADS = ("t", "x", "v", "kind", "belt", "from", "to", "t error")
 #: Characters of a word that a page shows.
 LONGEST_SHOWN = 60
@@ -39,59 +40,53 @@ LONGEST_SHOWN = 60
 MOST_DOTS = 60
 
 
+def listed(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]]) -> str:
+    """Return a table of `count` rows by number, the middle of a long one left out; "" if there is none."""
+    return table(heads, [row(i) for i in ends(count)], count) if count else ""
+
+
 def trajectory_page(path: Trajectory) -> str:
     """Return the page of a motion: its events, its status, and x against t."""
-    begin, end = float(path.t_start), float(path.t_end)
-    line = f"t = {begin:g} … {end:g}, {counted(len(path.events), 'event')}: {path.status}"
-    rows = []
-    for event in (path.events[i] for i in ends(len(path.events))):
+    begin, end, events = float(path.t_start), float(path.t_end), path.events
+
+    def row(i: int) -> list[Any]:
+        event = events[i]
         numbers: tuple[Any, ...] = (event.t, event.x, event.v)
         texts = [shown(float(n)) if path.digits is None else n.context.nstr(n, 24) for n in numbers]
-        rows.append([*texts, event.kind, event.boundary, event.source, event.target, f"{event.t_error:.0e}"])
+        return [*texts, event.kind, event.boundary, event.source, event.target, f"{event.t_error:.0e}"]
+
     times = np.clip(np.linspace(begin, end, MOST_POINTS), begin, end)
-    dots = [(float(event.t), float(event.x)) for event in path.events] if len(path.events) <= MOST_DOTS else []
+    dots = [(float(event.t), float(event.x)) for event in events] if len(events) <= MOST_DOTS else []
     drawn = curve(f"x against t, from {begin:g} to {end:g}", times, path(times)[0], dots)
     about = facts({"word": collapsed(path.word) or "none", "ended": path.message, "digits": path.digits})
-    return page("Trajectory", line, _table(HEADS, rows, len(path.events)), drawn, about)
-
-
-def _table(heads: Sequence[str], rows: list[list[Any]], count: int | None = None) -> str:
-    """Return a table, or "" without rows."""
-    return table(heads, rows, count) if rows else ""
+    line = f"t = {begin:g} … {end:g}, {counted(len(events), 'event')}: {path.status}"
+    return page("Trajectory", line, listed(HEADS, len(events), row), drawn, about)
 
 
 def events_page(events: EventTable) -> str:
     """Return the page of the events of many motions."""
-    heads = ("motion", *HEADS)
     names = ("trajectory", "t", "x", "v", "kind", "boundary", "source", "target", "t_error")
-    some = np.array(ends(len(events)), dtype=int)
-    few = select_rows(events, some, [])
-    columns = [getattr(few, name) for name in names]
-    rows = [[*row[:-1], f"{row[-1]:.0e}"] for row in zip(*columns, strict=True)]
+    few = select_rows(events, np.array(ends(len(events)), dtype=int), [])
+    rows = [[*row[:-1], f"{row[-1]:.0e}"] for row in zip(*(getattr(few, name) for name in names), strict=True)]
     line = f"{counted(len(events), 'event')} of {counted(len(events.status), 'motion')}"
-    return page("EventTable", line, _table(heads, rows, len(events)), facts({"ended": statuses(events.status)}))
+    found = table(("motion", *HEADS), rows, len(events)) if rows else ""
+    return page("EventTable", line, found, facts({"ended": statuses(events.status)}))
 
 
 def summary_page(summary: Summary) -> str:
     """Return the page of a summary: a row for each motion, and the words, most frequent first."""
     columns = {name: column for name, column in summary.columns().items() if name != "section"}
-    some = ends(len(summary))
-    rows = [[i, *(cut(str(shown(column[i]))) for column in columns.values())] for i in some]
+    rows = [[i, *(cut(str(shown(column[i]))) for column in columns.values())] for i in ends(len(summary))]
+    words = None
+    if len(summary.word):
+        names, counts = np.unique(summary.word, return_counts=True)
+        order = np.argsort(-counts, kind="stable")[:5]
+        words = ", ".join(f"{cut(str(names[i])) or 'no event'} ({counts[i]:,})" for i in order)
+        words += f", and {len(names) - 5} more" if len(names) > 5 else ""
     ended = statuses(summary.status) if len(summary.status) else None
     kept = counted(summary.section.shape[1], "point") if isinstance(summary.section, np.ndarray) else None
-    about = facts({"ended": ended, "words": _frequent(summary.word), "section": kept})
+    about = facts({"ended": ended, "words": words, "section": kept})
     return page("Summary", counted(len(summary), "motion"), table(["motion", *columns], rows, len(summary)), about)
-
-
-def _frequent(words: Any) -> str | None:
-    """Return the most frequent words with their counts."""
-    if not len(words):
-        return None
-    names, counts = np.unique(words, return_counts=True)
-    order = np.argsort(-counts, kind="stable")[:5]
-    more = f", and {len(names) - 5} more" if len(names) > 5 else ""
-    said = (f"{cut(str(names[i])) or 'no event'} ({counts[i]:,})" for i in order)
-    return ", ".join(said) + more
 
 
 def cut(text: str) -> str:
@@ -106,7 +101,6 @@ def orbit_page(orbit: PeriodicOrbit) -> str:
     x, v = orbit(np.linspace(begin, begin + float(orbit.period), MOST_POINTS))
     speeds = [float(orbit.parameters.belt(piece.start)) for piece in orbit.equations().pieces]
     dots = [(float(point.x), speed) for point, speed in zip(orbit.points, speeds, strict=True)]
-    loop = curve("phase plane: v against x over one period", x, v, dots)
     values = {
         "period": shown(float(orbit.period)),
         "multipliers": ", ".join(complex_text(complex(value)) for value in orbit.multipliers),
@@ -115,86 +109,88 @@ def orbit_page(orbit: PeriodicOrbit) -> str:
         "grazing distance": f"{orbit.grazing_distance:.4g}",
         "digits": orbit.digits,
     }
-    heads = ("mapping from", "t", "x")
-    return page("PeriodicOrbit", f"{orbit.word}: {orbit.message}", table(heads, rows), loop, facts(values))
+    loop = curve("phase plane: v against x over one period", x, v, dots)
+    points = table(("mapping from", "t", "x"), rows)
+    return page("PeriodicOrbit", f"{orbit.word}: {orbit.message}", points, loop, facts(values))
 
 
 def complex_text(value: complex) -> str:
     """Return a complex number with six digits, a real one without imaginary part."""
-    if value.imag == 0:
-        return f"{value.real:.6g}"
-    return f"{value.real:.6g} {'-' if value.imag < 0 else '+'} {abs(value.imag):.6g} i"
+    imaginary = f" {'-' if value.imag < 0 else '+'} {abs(value.imag):.6g} i" if value.imag else ""
+    return f"{value.real:.6g}{imaginary}"
 
 
 def branch_page(branch: Branch) -> str:
     """Return the page of a branch: some of its points, why it ends, and the position of its first switching."""
-    sizes = np.abs(branch.multipliers).max(axis=1)
-    rows = [
-        [branch.values[i], *branch.points[i, 0], f"{sizes[i]:.6g}", "yes" if branch.stable[i] else "no"]
-        for i in ends(len(branch.values))
-    ]
-    x = branch.points[:, 0, 1]
+    sizes, x, name = np.abs(branch.multipliers).max(axis=1), branch.points[:, 0, 1], branch.parameter
+
+    def row(i: int) -> list[Any]:
+        return [branch.values[i], *branch.points[i, 0], f"{sizes[i]:.6g}", "yes" if branch.stable[i] else "no"]
+
     marks = [(float(branch.values[i]), float(x[i])) for i in (0, -1)]
-    drawn = curve(f"x of the first switching against {branch.parameter}", branch.values, x, marks)
-    reasons = {
-        f"{side} end": f"{end.kind} at {branch.parameter} = {end.value:.10g}: {end.message}"
-        for side, end in zip(("first", "last"), branch.ends, strict=True)
-    }
-    line = f"{branch.word} in {branch.parameter}, {len(branch.values)} points"
-    heads = (branch.parameter, "t", "x", "largest |multiplier|", "stable")
-    return page("Branch", line, table(heads, rows, len(branch.values)), drawn, facts(reasons))
+    drawn = curve(f"x of the first switching against {name}", branch.values, x, marks)
+    ends = [f"{end.kind} at {name} = {end.value:.10g}: {end.message}" for end in branch.ends]
+    points = listed((name, "t", "x", "largest |multiplier|", "stable"), len(branch.values), row)
+    line = f"{branch.word} in {name}, {len(branch.values)} points"
+    return page("Branch", line, points, drawn, facts(dict(zip(END_NAMES, ends, strict=True))))
 
 
 def border_page(border: Border) -> str:
     """Return the page of a border: some of its points, its special points, why it ends, and its curve."""
     first, second = border.parameters
-    rows = [[*border.points[i], f"{border.errors[i].max():.0e}"] for i in ends(len(border))]
+
+    def where(point: Any) -> str:
+        at = f"{first} = {point.values[0]:.10g}, {second} = {point.values[1]:.10g}"
+        return f"{point.kind} at {at}: {point.message}"
+
+    points = listed(
+        (first, second, "error"), len(border), lambda i: [*border.points[i], f"{border.errors[i].max():.0e}"]
+    )
     marks = [(float(point.values[0]), float(point.values[1])) for point in border.special]
     drawn = curve(f"{second} against {first}", border.points[:, 0], border.points[:, 1], marks)
-    about = {
-        f"{side} end": f"{end.kind} at {first} = {end.values[0]:.10g}, {second} = {end.values[1]:.10g}: {end.message}"
-        for side, end in zip(("first", "last"), border.ends, strict=True)
-    }
-    for i, point in enumerate(border.special):
-        where = f"{first} = {point.values[0]:.10g}, {second} = {point.values[1]:.10g}"
-        about[f"special point {i + 1}"] = f"{point.kind} at {where}: {point.message}"
+    about = dict(zip(END_NAMES, map(where, border.ends), strict=True))
+    about |= {f"special point {i}": where(point) for i, point in enumerate(border.special, 1)}
     line = f"{border.words[0]} | {border.words[1] or 'no word'}: {border.sliding or border.kind}, {len(border)} points"
-    return page("Border", line, table((first, second, "error"), rows, len(border)), drawn, facts(about))
+    return page("Border", line, points, drawn, facts(about))
 
 
 def response_page(found: FrequencyResponse) -> str:
     """Return the page of a frequency response: some of its rows, and the amplitude."""
     names = ("status", "word", "amplitude", "transmissibility", "phase", "dissipated", "stuck", "balance_error")
-    rows = [[found.values[i], *(shown(getattr(found, name)[i]) for name in names)] for i in ends(len(found))]
+    heads = [found.name, *(name.replace("_", " ") for name in names)]
+    rows = listed(heads, len(found), lambda i: [found.values[i], *(shown(getattr(found, name)[i]) for name in names)])
     drawn = curve(f"amplitude against {found.name}", found.values, found.amplitude)
-    line, heads = f"over {found.name}, {counted(len(found), 'value')}", [name.replace("_", " ") for name in names]
-    return page("FrequencyResponse", line, table([found.name, *heads], rows, len(found)), drawn)
+    return page("FrequencyResponse", f"over {found.name}, {counted(len(found), 'value')}", rows, drawn)
 
 
 def atlas_page(atlas: Atlas) -> str:
     """Return the page of an atlas: its words and their shares, and its borders."""
-    rows = [[region.word or "none found", f"{region.share:.4%}", f"{region.proven:.4%}"] for region in atlas.regions]
-    borders = [
-        [" | ".join(word or "?" for word in each.words), each.sliding or each.kind, len(each)] for each in atlas.borders
-    ]
+
+    def region(i: int) -> list[Any]:
+        each = atlas.regions[i]
+        return [each.word or "none found", f"{each.share:.4%}", f"{each.proven:.4%}"]
+
+    def border(i: int) -> list[Any]:
+        each = atlas.borders[i]
+        return [" | ".join(word or "?" for word in each.words), each.sliding or each.kind, len(each)]
+
     sides = (f"{name} = {show(low)} … {show(high)}" for name, (low, high) in zip(atlas.over, atlas.range, strict=True))
-    line = f"{', '.join(sides)}: {atlas.proven:.4%} of the area proven"
-    first = _table(("word", "share", "proven"), rows, len(rows))
-    return page("Atlas", line, first, _table(("border", "kind", "points"), borders, len(borders)))
+    regions = listed(("word", "share", "proven"), len(atlas.regions), region)
+    borders = listed(("border", "kind", "points"), len(atlas.borders), border)
+    return page("Atlas", f"{', '.join(sides)}: {atlas.proven:.4%} of the area proven", regions, borders)
 
 
 def window_page(window: GrazingWindow) -> str:
     """Return the page of a grazing window: its intervals and its case."""
-    place = window.place
-    rows = [
-        ["[" if low_closed else "(", low, high, "]" if high_closed else ")"]
-        for low, high, low_closed, high_closed in window.intervals
-    ]
+
+    def row(i: int) -> list[Any]:
+        low, high, low_closed, high_closed = window.intervals[i]
+        return ["[" if low_closed else "(", low, high, "]" if high_closed else ")"]
+
     values = {"case": window.case, "γ": str(window.gamma), "B₀Ω/m": str(window.amplitude), "order": window.order}
-    line = f"{window.mapping}: domain {place.domain} at belt {place.boundary}, Ω t mod 2π"
-    line += "" if rows else ": empty, no phase grazes"
-    intervals = _table(("", "from", "to", ""), rows)
-    return page("GrazingWindow", line, intervals, facts(values))
+    line = f"{window.mapping}: domain {window.place.domain} at belt {window.place.boundary}, Ω t mod 2π"
+    line += "" if window.intervals else ": empty, no phase grazes"
+    return page("GrazingWindow", line, listed(("", "from", "to", ""), len(window.intervals), row), facts(values))
 
 
 def crosscheck_page(check: CrossCheck) -> str:
@@ -202,41 +198,38 @@ def crosscheck_page(check: CrossCheck) -> str:
     strange = [("missed", event) for event in check.missed] + [("invented", event) for event in check.invented]
     rows = [[what, event.kind, event.boundary or "", float(event.t)] for what, event in strange]
     lines = Markup('<pre style="margin:0;white-space:pre-wrap">{}</pre>').format(check.summary())
-    wrong = check.wrong_steps[:20].tolist()
-    marks = [(float(check.t[step]), float(check.x[step])) for step in wrong]
+    marks = [(float(check.t[step]), float(check.x[step])) for step in check.wrong_steps[:20].tolist()]
     drawn = curve("the samples' x against t; dots are wrong steps", check.t, check.x, marks)
-    found = _table(("", "kind", "belt", "t"), rows)
     line = f"{'ok' if check.ok else 'FAILED'}, {len(check.t):,} samples"
-    return page("CrossCheck", line, found, drawn, lines)
+    return page("CrossCheck", line, table(("", "kind", "belt", "t"), rows) if rows else "", drawn, lines)
 
 
 def certificate_page(certificate: Certificate) -> str:
     """Return the page of a certificate: the proven statement, and the enclosures."""
-    said = "proven" if certificate.proven else "not proven"
-    line = f"{certificate.kind}, {said}: {certificate.message}"
-    rows = []
-    for kind, source, target, *enclosures in (certificate.events[i] for i in ends(len(certificate.events))):
-        widths = (f"{float(Decimal(high) - Decimal(low)):.0e}" for low, high in enclosures)  # none for a branch
-        rows.append([kind, source, target, *(common_digits(*each) for each in enclosures), *widths])
-    heads = ("kind", "from", "to", "t", "x", "width of t", "width of x")[: len(rows[0]) if rows else 0]
+
+    def row(i: int) -> list[Any]:
+        kind, source, target, *enclosures = certificate.events[i]  # of a branch without enclosures
+        widths = (f"{float(Decimal(high) - Decimal(low)):.0e}" for low, high in enclosures)
+        return [kind, source, target, *(common_digits(*each) for each in enclosures), *widths]
+
+    count = len(certificate.events)
+    heads = ("kind", "from", "to", "t", "x", "width of t", "width of x")[: len(row(0)) if count else 0]
     about: Record = {f"multiplier {i}": common_complex(*each) for i, each in enumerate(certificate.multipliers, 1)}
-    about |= {"stable": None if certificate.stable is None else "yes" if certificate.stable else "no"}
+    about["stable"] = {True: "yes", False: "no", None: None}[certificate.stable]
     about |= {name: certificate.statement.get(key) for name, key in (("made by", "made_by"), ("map", "map"))}
-    return page("Certificate", line, _table(heads, rows, len(certificate.events)), facts(about))
+    line = f"{certificate.kind}, {'proven' if certificate.proven else 'not proven'}: {certificate.message}"
+    return page("Certificate", line, listed(heads, count, row), facts(about))
 
 
 def scene_page(scene: Scene) -> str:
     """Return the page of a scene: its numbers with their meaning and unit."""
-    start = {name: show(getattr(scene, name)) for name in START_NAMES}
-    rows = [
-        [name, value, QUANTITIES[name].meaning, unit_of(name)]
-        for name, value in (scene.parameters.as_dict() | start).items()
-    ]
+    numbers = scene.parameters.as_dict() | {name: show(getattr(scene, name)) for name in START_NAMES}
+    rows = [[name, value, QUANTITIES[name].meaning, unit_of(name)] for name, value in numbers.items()]
     error = scene.start_error and ", ".join(f"{float(each):.1g}" for each in scene.start_error)
     model = repr(scene.original.model) if scene.original else None
     about = {"source": scene.source, "structure": scene.structure, "t0, x0, v0 known to": error, "of the model": model}
-    heads = ("", "value", "meaning", "unit in SI")
     about = {name: cut(each) if each else None for name, each in about.items()}
+    heads = ("", "value", "meaning", "unit in SI")
     return page("Scene", scene.name, table(heads, rows[:8]), table(heads, rows[8:]), facts(about))
 
 
@@ -246,14 +239,11 @@ def listing_page(listing: Listing[Any]) -> str | None:
         return None
     heads = [each.name for each in fields(listing[0])]
 
-    def cell(entry: Any, name: str) -> str:
-        value = getattr(entry, name)
-        if name.endswith("_error"):
-            return f"{value:.0e}"
-        return "" if value is None else str(shown(value))
+    def row(i: int) -> list[str]:
+        values = ((name, getattr(listing[i], name)) for name in heads)
+        return [f"{value:.0e}" if name.endswith("_error") else str(shown(value)) for name, value in values]
 
-    rows = [[cell(listing[i], name) for name in heads] for i in ends(len(listing))]
-    return page(f"{type(listing[0]).__name__}s", f"{len(listing):,}", table(heads, rows, len(listing)))
+    return page(f"{type(listing[0]).__name__}s", f"{len(listing):,}", listed(heads, len(listing), row))
 
 
 PAGES: dict[type, Callable[..., str | None]] = {

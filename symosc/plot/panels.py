@@ -48,8 +48,7 @@ SHORT_STICK = 0.01
 MOST_INSETS = 2
 
 
-@dataclass(frozen=True)
-class Mark:
+class Mark(NamedTuple):
     """A mark: its kind, its time, and the belt of its event (None: none)."""
 
     label: str
@@ -58,8 +57,7 @@ class Mark:
     belt: int | None = None
 
 
-@dataclass(frozen=True)
-class Contact:
+class Contact(NamedTuple):
     """A stick on a belt from `since` to `until`, or a point of contact (both are equal)."""
 
     since: float
@@ -127,18 +125,21 @@ def view_of(
     style: Record | None = None,
 ) -> View:
     """Sample a trajectory from a time on and choose the boundary of the forces, by default that of the first event."""
+    p, events, start = trajectory.parameters, trajectory.events, float(trajectory.t_start)
     t = _sample_times(trajectory, sampling, since)
     x, v = trajectory(t)
+    mode = trajectory.segments[0].mode
     if boundary is None:
-        p, events = trajectory.parameters, trajectory.events
-        on_belt = trajectory.segments[0].mode.removeprefix("belt")
         nearest = min((1, 2), key=lambda belt: np.abs(v - float(p.belt(belt))).min())
-        boundary = int(on_belt) if on_belt in "12" else events[0].boundary if events else nearest
-    grazes = [event for event in trajectory.events if event.kind == "graze"]
-    contacts = _sticks(trajectory) + [Contact(float(each.t), float(each.t), each.boundary) for each in grazes]
+        boundary = int(mode[-1]) if mode.startswith("belt") else events[0].boundary if events else nearest
+    contacts = _sticks(trajectory)
+    contacts += [Contact(float(each.t), float(each.t), each.boundary) for each in events if each.kind == "graze"]
     contacts = [Contact(max(each.since, t[0]), each.until, each.belt) for each in contacts if each.until >= t[0]]
-    marks = tuple(mark for mark in _marks(trajectory) if mark.t >= since)
-    return View(trajectory, boundary, t, x, v, marks, tuple(contacts), _outstanding(contacts, t), style=style or {})
+    first = Mark("onset of stick", ONSET_COLOR, start, int(mode[-1]))
+    marks = [first if mode.startswith("belt") else Mark("start", "white", start)]
+    marks += [Mark(*EVENT_MARKS[event.kind], float(event.t), event.boundary) for event in events]
+    seen = tuple(mark for mark in marks if mark.t >= since)
+    return View(trajectory, boundary, t, x, v, seen, tuple(contacts), _outstanding(contacts, t), style=style or {})
 
 
 def _sample_times(trajectory: Trajectory, sampling: Sampling, since: float) -> np.ndarray:
@@ -157,16 +158,6 @@ def _sample_times(trajectory: Trajectory, sampling: Sampling, since: float) -> n
     return np.clip(np.unique(np.concatenate([*times, edges])), edges[0], edges[-1])
 
 
-def _marks(trajectory: Trajectory) -> tuple[Mark, ...]:
-    """Return the marks of a trajectory's events."""
-    start = float(trajectory.t_start)
-    on_belt = trajectory.segments[0].mode.startswith("belt")
-    belt = int(trajectory.segments[0].mode[-1])
-    marks = [Mark("onset of stick", ONSET_COLOR, start, belt) if on_belt else Mark("start", "white", start)]
-    marks += [Mark(*EVENT_MARKS[event.kind], float(event.t), event.boundary) for event in trajectory.events]
-    return tuple(marks)
-
-
 # --- the panels ---
 
 AXIS_LABELS = {"t": "time $t$", "x": "displacement $x$", "v": r"velocity $\dot{x}$"}
@@ -175,7 +166,7 @@ AXIS_LABELS = {"t": "time $t$", "x": "displacement $x$", "v": r"velocity $\dot{x
 def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
     """Draw the motion, with the belt points to which the mass sticks or which it grazes, or with the belts' speeds."""
     style: Record = {"color": MASS_COLOR, "linewidth": 1.3 * max(view.scale, 0.5), "label": "mass"} | view.style
-    ax.plot(_samples(view, across), _samples(view, up), **style)
+    ax.plot(getattr(view, across), getattr(view, up), **style)
     ax.set_ylabel(AXIS_LABELS[up])
     if up == "x":
         _belt_points(ax, view)
@@ -187,15 +178,14 @@ def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
 
 def _force_panel(ax: Axes, view: View, across: str) -> None:
     """Draw both forces of the boundary, with shaded sticks against time and the belts against the velocity."""
-    force, marks = view.trajectory.force, _marks_of_forces(view)
-    below, above = view.domains
+    force, marks, (below, above) = view.trajectory.force, _marks_of_forces(view), view.domains
     if across == "t":
         _shade_sticks(ax, view)
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
+    given = {name: value for name, value in view.style.items() if name not in ("color", "linestyle", "label")}
     for domain, color, style in ((below, FORCE_BELOW, "-"), (above, FORCE_ABOVE, (0, (4, 1.6)))):
-        given = {name: value for name, value in view.style.items() if name not in ("color", "linestyle", "label")}
         line: Record = {"color": color, "linestyle": style, "linewidth": max(view.scale, 0.5)} | given
-        ax.plot(_samples(view, across), force(domain, view.t), label=f"$F^{{({domain})}}$", **line)
+        ax.plot(getattr(view, across), force(domain, view.t), label=f"$F^{{({domain})}}$", **line)
     for domain in (below, above):
         _dots(ax, view, marks, across, partial(force, domain))
     ax.set_ylabel(f"forces per mass $F^{{({below})}}$, $F^{{({above})}}$")
@@ -211,18 +201,17 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
 
 def _product_panel(ax: Axes, view: View) -> None:
     """Draw the product of the forces, > 0 where the mass crosses the belt, < 0 where it sticks."""
-    below, above = view.domains
-    name = f"$F^{{({below})}}\\, F^{{({above})}}$"
+    force, (below, above) = view.trajectory.force, view.domains
 
     def product(t: Any) -> Any:
-        return np.asarray(view.trajectory.force(below, t)) * view.trajectory.force(above, t)
+        return np.asarray(force(below, t)) * force(above, t)
 
     _shade_sticks(ax, view)
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
     style: Record = {"color": "black", "linewidth": max(view.scale, 0.5)} | view.style
     ax.plot(view.t, product(view.t), **style)
     _dots(ax, view, _marks_of_forces(view), "t", product)
-    ax.set_ylabel(f"product {name}")
+    ax.set_ylabel(f"product $F^{{({below})}}\\, F^{{({above})}}$")
     _horizontal_axis(ax, view, "t")
 
 
@@ -240,11 +229,6 @@ PANELS: dict[str, Panel] = {
 
 
 # --- what they are made of ---
-
-
-def _samples(view: View, name: str) -> np.ndarray:
-    """Return the samples of t, x or v."""
-    return {"t": view.t, "x": view.x, "v": view.v}[name]
 
 
 def _horizontal_axis(ax: Axes, view: View, across: str) -> None:
@@ -337,7 +321,7 @@ INSET_ROOM = 0.66
 INSET_TOP = 1.97
 # Left end and width, for one inset and for two.
 INSET_BOXES = {1: ((0.2, 0.6),), 2: ((0.1, 0.36), (0.63, 0.36))}
-INSET_TEXT: Record = {"fontsize": 7.5, "ha": "center", "va": "center"}
+INSET_FONT = 7.5
 
 
 def draw_insets(ax: Axes, view: View) -> None:
@@ -348,12 +332,12 @@ def draw_insets(ax: Axes, view: View) -> None:
 
 def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, float, float]) -> None:
     """Draw one inset of a contact."""
-    since, until, belt = contact.since, contact.until, contact.belt
-    speed = float(belt_path(view.trajectory, belt, np.array([since]))[1, 0])
+    since, until, belt = contact
+    path = partial(belt_path, view.trajectory, belt)
     length = until - since or SHORT_STICK * (view.t[-1] - view.t[0])
     times = np.linspace(max(since - length, view.t[0]), min(until + length, view.t[-1]), 400)
     times = np.union1d(times, [since, until])
-    away = view.trajectory(times)[1] - belt_path(view.trajectory, belt, times)[1]
+    away = view.trajectory(times)[1] - path(times)[1]
     shift, scale = floor(log10(length)), floor(log10(np.abs(away).max() or 1))
     inset = ax.inset_axes(box)
     inset.plot((times - since) / 10.0**shift, away / 10.0**scale, color=MASS_COLOR, lw=1.3)
@@ -362,24 +346,20 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
     for time, label, color in stick if until > since else ((since, "grazing point", SWITCH_COLOR),):
         inset.plot((time - since) / 10.0**shift, 0, linestyle="none", **mark_style(label, color))
     if until > since:
-        # Clear of the belt, between the branches of the curve.
-        height = 0.7 if away.mean() > 0 else 0.3
+        height = 0.7 if away.mean() > 0 else 0.3  # clear of the belt, between the branches of the curve
         mantissa, _, exponent = f"{length:.1e}".partition("e")
         text = f"length ${mantissa}\\cdot 10^{{{int(exponent)}}}$"
-        inset.text(0.53, height, text, transform=inset.transAxes, **INSET_TEXT)
+        inset.text(0.53, height, text, transform=inset.transAxes, fontsize=INSET_FONT, ha="center", va="center")
     inset.margins(x=0, y=0.2)
     # Ticks and label on top leave the way free for the leaders to the spot that is magnified.
     inset.xaxis.tick_top()
     inset.xaxis.set_label_position("top")
-    inset.set_xlabel(f"{_power(-shift)}(t - {since:.6f})$", fontsize=INSET_TEXT["fontsize"], labelpad=2)
-    inset.set_ylabel(f"{_power(-scale)}(\\dot{{x}} - v_{belt})$", fontsize=INSET_TEXT["fontsize"], labelpad=2)
+    powers = [f"$10^{{{-exponent}}}\\," if exponent else "$" for exponent in (shift, scale)]
+    inset.set_xlabel(f"{powers[0]}(t - {since:.6f})$", fontsize=INSET_FONT, labelpad=2)
+    inset.set_ylabel(f"{powers[1]}(\\dot{{x}} - v_{belt})$", fontsize=INSET_FONT, labelpad=2)
     inset.tick_params(labelsize=7, labelfontfamily="STIXGeneral", pad=2)
     inset.set_in_layout(False)  # the grid keeps its room free
+    leader: Record = {"arrowstyle": "-", "color": "0.6", "lw": 0.5, "shrinkA": 0, "shrinkB": 3}
+    at = since, float(path(np.array([since]))[1, 0])
     for corner in (box[0], box[0] + box[2]):
-        style = {"arrowstyle": "-", "color": "0.6", "lw": 0.5, "shrinkA": 0, "shrinkB": 3}
-        ax.annotate("", (since, speed), (corner, box[1]), "data", "axes fraction", style, zorder=0)
-
-
-def _power(exponent: int) -> str:
-    """Return the beginning of a label with a power of ten, in math text."""
-    return "$" if exponent == 0 else f"$10^{{{exponent}}}\\,"
+        ax.annotate("", at, (corner, box[1]), "data", "axes fraction", leader, zorder=0)

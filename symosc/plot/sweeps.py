@@ -24,7 +24,7 @@ from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.engine.events import KIND_NAMES
 from symosc.errors import ParameterError
-from symosc.plot.drawing import PARAMETER_LABELS, one_axes, style_for, typeset
+from symosc.plot.drawing import PARAMETER_LABELS, axes_for, typeset
 from symosc.plot.panels import EVENT_MARKS, SHAPES
 from symosc.simulation.tables import EventTable, Summary
 
@@ -134,12 +134,11 @@ def bifurcation_figure(
     one = section.isel(start=0) if "start" in section.dims else section
     (name,) = read_axes(one, 1, "a bifurcation diagram")
     points = section.transpose(name, ...).values.reshape(section.sizes[name], -1)
-    values = np.repeat(section[name].values, points.shape[1])
-    with style_for(ax):
-        drawing, axes = one_axes(ax, (5.0, 3.4))
-        _scatter(axes, values, points.ravel())
+    values = section[name].values
+    with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
+        _scatter(axes, np.repeat(values, points.shape[1]), points.ravel())
         axes.set(xlabel=label(name), ylabel=COMPONENT_LABELS[component])
-        _span(axes, section[name].values)
+        _span(axes, values)
         if "word" in dataset:
             words = dataset["word"].isel(start=0) if "start" in dataset["word"].dims else dataset["word"]
             _mark_changes(axes, words.squeeze([each for each in words.dims if each != name]).sortby(name), name)
@@ -151,15 +150,13 @@ def _mark_changes(axes: Axes, words: Any, name: str) -> None:
     values, texts = words[name].values, words.values.astype(str)
     cuts = [0, *(np.flatnonzero(texts[1:] != texts[:-1]) + 1), len(texts)]
     low, high = axes.get_xlim()
-    for begin, end in pairwise(cuts):
-        left = low if begin == 0 else (values[begin - 1] + values[begin]) / 2
-        right = high if end == len(values) else (values[end - 1] + values[end]) / 2
-        if end < len(values):
-            axes.axvline(right, color="0.6", lw=0.6, ls=(0, (4, 2)), zorder=0)
-        text = typeset(texts[begin])
-        if right - left > (high - low) * (0.02 + 0.015 * len(texts[begin])):
-            place: Record = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
-            axes.annotate(text, ((left + right) / 2, 1), (0, 3), ha="center", fontsize=8, **place)
+    places = [low, *((values[i - 1] + values[i]) / 2 for i in cuts[1:-1]), high]
+    for right in places[1:-1]:
+        axes.axvline(right, color="0.6", lw=0.6, ls=(0, (4, 2)), zorder=0)
+    for i, (left, right) in zip(cuts, pairwise(places), strict=False):
+        if right - left > (high - low) * (0.02 + 0.015 * len(texts[i])):
+            style: Record = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8}
+            axes.annotate(typeset(texts[i]), ((left + right) / 2, 1), (0, 3), ha="center", **style)
 
 
 @public
@@ -177,8 +174,7 @@ def curve_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
     (axis,) = read_axes(column, 1, "a curve")
     column = column.sortby(axis)
     values, shown = column[axis].values, column.values
-    with style_for(ax):
-        drawing, axes = one_axes(ax, (5.0, 3.4))
+    with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
         if shown.dtype.kind in "UO":
             words, levels = np.unique(shown.astype(str), return_inverse=True)
             axes.plot(values, levels, linestyle="none", marker="o", ms=2.5, color="black")
@@ -206,12 +202,10 @@ def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
 
 
 class Classes(NamedTuple):
-    """Cells by class: a number for each cell, and the label and style of each number."""
+    """Cells by class: a number for each cell, and the name, colour and hatch of each number."""
 
     codes: np.ndarray
-    names: list[str]
-    colors: list[Any]
-    hatches: list[str]
+    looks: list[tuple[str, Any, str]]
 
 
 @public
@@ -228,22 +222,24 @@ def map_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | N
     >>> [axes.get_ylabel() for axes in plot.map_figure(found).axes]
     ['$F_N$']
     """
-    column = read_column(dataset, name)
-    first, second = read_axes(column, 2, "a map")
-    column = column.sortby([first, second]).transpose(first, second)
+    with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
+        _draw_map(axes, dataset, read_column(dataset, name), new=ax is None)
+    return drawing
+
+
+def _draw_map(axes: Axes, dataset: xarray.Dataset, column: Any, new: bool) -> None:
+    """Draw a map over two axes; the legend stands beside the axes of a new figure."""
+    first, second = over = read_axes(column, 2, "a map")
+    column = column.sortby(over).transpose(*over)
     status = dataset["status"].squeeze([each for each in dataset["status"].dims if dataset.sizes[each] == 1])
-    unknown = status.sortby([first, second]).transpose(first, second).values == "undecidable"
+    unknown = status.sortby(over).transpose(*over).values == "undecidable"
     values = column.values
     edges = _edges(column[first].values), _edges(column[second].values)
-    with style_for(ax):
-        drawing, axes = one_axes(ax, (5.2, 3.8))
-        if values.dtype.kind in "UO" or (values.dtype.kind in "iu" and len(np.unique(values)) <= 24):
-            _draw_classes(axes, edges, classes_of(values, unknown), new=ax is None)
-        else:
-            _draw_shades(drawing, axes, edges, np.where(unknown, np.nan, values.astype(float)), label(str(column.name)))
-        axes.set(xlabel=label(first), ylabel=label(second))
-        axes.set(xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
-    return drawing
+    if values.dtype.kind in "UO" or (values.dtype.kind in "iu" and len(np.unique(values)) <= 24):
+        _draw_classes(axes, edges, classes_of(values, unknown), new)
+    else:
+        _draw_shades(axes, edges, np.where(unknown, np.nan, values.astype(float)), label(str(column.name)))
+    axes.set(xlabel=label(first), ylabel=label(second), xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
 
 
 @public
@@ -260,13 +256,12 @@ def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
     column = read_column(dataset, name)
     if set(read_axes(column, 2, "a basin")) != {"x0", "v0"}:
         raise ParameterError("dataset", "axes " + ", ".join(map(str, column.dims)), "a basin has the axes x0 and v0")
-    drawing = map_figure(dataset.transpose("x0", "v0", ...), str(column.name), ax=ax)
-    axes = drawing.axes[0] if ax is None else ax
-    low, high = axes.get_ylim()
-    with style_for(ax):
-        scene = loads(dataset.attrs.get("scene", "{}"))
-        for belt, text in ((belt, scene[f"v{belt}"]) for belt in (1, 2) if f"v{belt}" in scene):
-            if low < (speed := float(Fraction(text))) < high:
+    scene = loads(dataset.attrs.get("scene", "{}"))
+    with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
+        _draw_map(axes, dataset, column.transpose("x0", "v0"), new=ax is None)
+        low, high = axes.get_ylim()
+        for belt in (1, 2):
+            if f"v{belt}" in scene and low < (speed := float(Fraction(scene[f"v{belt}"]))) < high:
                 axes.axhline(speed, color="black", lw=0.8, ls=(0, (4, 2)))
                 place: Record = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
                 axes.annotate(f"$v_{belt}$", (1, speed), (3, 0), va="center", **place)
@@ -275,47 +270,45 @@ def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
 
 def classes_of(values: np.ndarray, undecidable: np.ndarray) -> Classes:
     """Return the classes of cells: numbers in their order, words from the most frequent to the rarest."""
-    texts = np.where(values == "", "no event", values).astype(str) if values.dtype.kind in "UO" else values
+    words = values.dtype.kind in "UO"
+    texts = np.where(values == "", "no event", values).astype(str) if words else values
     kinds, codes, counts = np.unique(texts, return_inverse=True, return_counts=True)
     codes = codes.reshape(values.shape)
-    if values.dtype.kind in "UO":
+    if words:
         order = np.argsort(-counts, kind="stable")
         codes, kinds = np.argsort(order, kind="stable")[codes], kinds[order]
     shown = MOST_CLASSES - 1 if len(kinds) > MOST_CLASSES else len(kinds)
-    shades = colormaps[SHADES](np.linspace(0.02, 0.92, max(shown, 2)))[:shown]
-    if values.dtype.kind in "UO":
+    shades: Any = colormaps[SHADES](np.linspace(0.02, 0.92, max(shown, 2)))
+    if words:
         spread = np.linspace(0, len(WORD_COLORS) - 1, max(shown, 2)).round().astype(int)
-        shades = to_rgba_array([WORD_COLORS[i] for i in spread])[:shown]
-    looks = [(str(kind), shade, "") for kind, shade in zip(kinds[:shown], shades, strict=True)]
+        shades = to_rgba_array([WORD_COLORS[i] for i in spread])
+    looks = [(str(kind), shade, "") for kind, shade in zip(kinds[:shown], shades, strict=False)]
     if shown < len(kinds):
         codes = np.minimum(codes, shown)
         looks.append((f"{len(kinds) - shown} others", "white", "......"))
     if undecidable.any():
         codes = np.where(undecidable, len(looks), codes)
         looks.append(("undecidable", UNDECIDED_COLOR, "xxxxxx"))
-    return Classes(codes, *(list(column) for column in zip(*looks, strict=True)))
+    return Classes(codes, looks)
 
 
 def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], classes: Classes, new: bool) -> None:
     """Draw a map of classes."""
-    options: Record = {"vmin": -0.5, "vmax": len(classes.names) - 0.5, "rasterized": True}
-    axes.pcolormesh(*edges, classes.codes.T, cmap=ListedColormap(classes.colors), **options)
-    x, y = edges
-    axes.add_collection(LineCollection(borders(x, y, classes.codes), colors="black", linewidths=0.5))
-    for number, (name, color, hatch) in enumerate(zip(classes.names, classes.colors, classes.hatches, strict=True)):
-        inside = classes.codes == number
+    (x, y), (codes, looks) = edges, classes
+    colors = ListedColormap([color for _, color, _ in looks])
+    axes.pcolormesh(x, y, codes.T, cmap=colors, vmin=-0.5, vmax=len(looks) - 0.5, rasterized=True)
+    axes.add_collection(LineCollection(borders(x, y, codes), colors="black", linewidths=0.5))
+    for number, (name, color, hatch) in enumerate(looks):
+        inside = codes == number
         if hatch:
-            cells = [
-                [(x[i], y[j]), (x[i + 1], y[j]), (x[i + 1], y[j + 1]), (x[i], y[j + 1])] for i, j in np.argwhere(inside)
-            ]
+            sides = ((0, 0), (1, 0), (1, 1), (0, 1))
+            cells = [[(x[i + right], y[j + up]) for right, up in sides] for i, j in np.argwhere(inside)]
             style: Record = {"facecolors": "none", "edgecolors": "black", "hatch": hatch, "linewidths": 0}
             axes.add_collection(PolyCollection(cells, **style))
         else:
             _label_class(axes, edges, inside, name, color)
-    handles = [
-        Patch(facecolor=color, edgecolor="black", linewidth=0.5, hatch=hatch, label=typeset(name))
-        for name, color, hatch in zip(classes.names, classes.colors, classes.hatches, strict=True)
-    ]
+    frame: Record = {"edgecolor": "black", "linewidth": 0.5}
+    handles = [Patch(facecolor=color, hatch=hatch, label=typeset(name), **frame) for name, color, hatch in looks]
     place: Record = {"loc": "outside right upper"} if new else {"loc": "upper left", "bbox_to_anchor": (1, 1)}
     draw = axes.figure.legend if new else axes.legend
     draw(handles=handles, frameon=False, handlelength=1.4, handleheight=1.0, **place)
@@ -326,17 +319,12 @@ def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: A
     from scipy.ndimage import distance_transform_edt  # takes longer to load than most figures to draw
 
     depth = distance_transform_edt(np.pad(inside, 1), sampling=[1 / length for length in inside.shape])[1:-1, 1:-1]
-    i, j = np.unravel_index(np.argmax(depth), depth.shape)
-    if depth[i, j] > 0.045:  # so much of the map is free around the place
-        place = [(edge[k] + edge[k + 1]) / 2 for edge, k in zip(edges, (i, j), strict=True)]
-        ink = "white" if luminance(color) < 0.45 else "black"
-        axes.text(place[0], place[1], typeset(name), ha="center", va="center", color=ink, fontsize=8)
-
-
-def luminance(color: Any) -> float:
-    """Return the lightness of a colour in greyscale, from 0 to 1."""
-    red, green, blue = color[:3]
-    return float(0.299 * red + 0.587 * green + 0.114 * blue)
+    cell = np.unravel_index(np.argmax(depth), depth.shape)
+    if depth[cell] > 0.045:  # so much of the map is free around the place
+        x, y = ((edge[k] + edge[k + 1]) / 2 for edge, k in zip(edges, cell, strict=True))
+        red, green, blue = color[:3]
+        ink = "white" if 0.299 * red + 0.587 * green + 0.114 * blue < 0.45 else "black"  # by the lightness in grey
+        axes.text(x, y, typeset(name), ha="center", va="center", color=ink, fontsize=8)
 
 
 def borders(x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[list[tuple[float, float]]]:
@@ -346,16 +334,15 @@ def borders(x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[list[tuple[
     return upright + level
 
 
-def _draw_shades(
-    drawing: Figure, axes: Axes, edges: tuple[np.ndarray, np.ndarray], values: np.ndarray, name: str
-) -> None:
+def _draw_shades(axes: Axes, edges: tuple[np.ndarray, np.ndarray], values: np.ndarray, name: str) -> None:
     """Draw a map of numbers."""
-    mesh = axes.pcolormesh(*edges, np.ma.masked_invalid(values).T, cmap=SHADES, rasterized=True)
+    shown = np.ma.masked_invalid(values).T
     axes.set_facecolor(UNDECIDED_COLOR)
-    drawing.colorbar(mesh, ax=axes, label=name)
+    mesh = axes.pcolormesh(*edges, shown, cmap=SHADES, rasterized=True)
+    axes.figure.colorbar(mesh, ax=axes, label=name)
     if min(values.shape) > 1 and np.nanmin(values) < np.nanmax(values):
         centres = [(edge[1:] + edge[:-1]) / 2 for edge in edges]
-        lines = axes.contour(*centres, np.ma.masked_invalid(values).T, levels=5, colors="black", linewidths=0.5)
+        lines = axes.contour(*centres, shown, levels=5, colors="black", linewidths=0.5)
         axes.clabel(lines, fontsize=7, inline_spacing=2)
 
 
@@ -381,8 +368,7 @@ def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
     >>> [axes.get_ylabel() for axes in plot.events_figure(events).axes]
     ['motion']
     """
-    with style_for(ax):
-        drawing, axes = one_axes(ax, (5.0, 3.4))
+    with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
         scale = max(0.6 / 5, min(1.0, (200 / max(len(events), 1)) ** 0.5))
         for code, kind in KIND_NAMES.items():
             name, color = EVENT_MARKS[kind]
@@ -391,9 +377,8 @@ def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
             if here.any():
                 style: Record = {"ls": "", "ms": max(size * scale, 0.6), "color": color, "label": name}
                 axes.plot(events.t[here], events.trajectory[here], shape, **style)
-        axes.set(xlabel="time $t$", ylabel="motion")
+        axes.set(xlabel="time $t$", ylabel="motion", ylim=(-0.5, max(len(events.status), 1) - 0.5))
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-        axes.set_ylim(-0.5, max(len(events.status), 1) - 0.5)
         if len(events) == 0:
             axes.text(0.5, 0.5, "no event", transform=axes.transAxes, ha="center")
         elif ax is None:
@@ -428,8 +413,7 @@ def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None
     if name not in columns:
         raise ParameterError("name", name, f"is not recorded here; there is {', '.join(columns) or 'nothing'}")
     values = columns[name]
-    with style_for(ax):
-        drawing, axes = one_axes(ax, (4.6, 3.4))
+    with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
         if name == "section":
             _scatter(axes, *values.reshape(-1, 2).T)
             axes.set(xlabel=COMPONENT_LABELS["x"], ylabel=COMPONENT_LABELS["v"])

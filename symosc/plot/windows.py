@@ -25,17 +25,8 @@ from symosc.grazing.window import GrazingWindow, WindowColumns, grazing_window, 
 from symosc.kernels.double_double import HALF_PI, THREE_HALVES_PI
 from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC, place
 from symosc.model import Parameters
-from symosc.plot.drawing import (
-    PARAMETER_LABELS,
-    Drawing,
-    add_legend,
-    figure_of,
-    legend_entries,
-    one_axes,
-    panel_axes,
-    read_panels,
-    style_for,
-)
+from symosc.plot import drawing as common
+from symosc.plot.drawing import PARAMETER_LABELS, add_legend, axes_for, legend_entries, read_panels
 from symosc.scenes import ParametersLike
 
 if TYPE_CHECKING:
@@ -92,10 +83,10 @@ def window_figure(
         if len(chosen) > 1:
             raise ParameterError("windows", f"{len(chosen)} windows", "axes hold one window: give ax= with one")
         draw[panels](ax, chosen[0])
-        return figure_of(ax)
+        return common.figure_of(ax)
     columns = [draw[letter] for letter in panels] + ([] if plane is None else [plane])
-    with style_for(None):
-        drawing = Drawing(figsize=(1.2 + 2.9 * len(columns), 2.5 * len(chosen) + 0.2), layout="constrained")
+    with common.own_style():
+        drawing = common.Drawing(figsize=(1.2 + 2.9 * len(columns), 2.5 * len(chosen) + 0.2), layout="constrained")
         widths = [1.0 if column is _circle else 1.5 for column in columns]
         grid = drawing.subplots(len(chosen), len(columns), squeeze=False, width_ratios=widths)
         for row, window in zip(grid, chosen, strict=True):
@@ -111,11 +102,14 @@ def tex(mapping: str) -> str:
 
 def _circle(axes: Axes, window: GrazingWindow) -> None:
     """Draw a window on the circle of phases."""
-    around = np.linspace(0, TURN, CIRCLE_POINTS)
-    axes.plot(np.cos(around), np.sin(around), color=OUTSIDE_COLOR, linewidth=1.0, zorder=1)
+
+    def arc(low: float, high: float, **style: Any) -> None:
+        theta = np.linspace(low, high, max(2, int(CIRCLE_POINTS * (high - low) / TURN)))
+        axes.plot(np.cos(theta), np.sin(theta), **style)
+
+    arc(0, TURN, color=OUTSIDE_COLOR, linewidth=1.0, zorder=1)
     for low, high, *_ in window.intervals:
-        arc = np.linspace(low, high, max(2, int(CIRCLE_POINTS * (high - low) / TURN)))
-        axes.plot(np.cos(arc), np.sin(arc), color=INSIDE_COLOR, linewidth=3.0, solid_capstyle="butt", zorder=2)
+        arc(low, high, color=INSIDE_COLOR, linewidth=3.0, solid_capstyle="butt", zorder=2)
     critical = critical_phases(window)
     for theta, belongs in critical:
         axes.plot([0, cos(theta)], [0, sin(theta)], color=CRITICAL_COLOR, linewidth=0.7, zorder=1)
@@ -123,18 +117,16 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
     if critical:
         level = sin(critical[0][0])
         axes.plot([-1.15, 1.15], [level, level], color=CRITICAL_COLOR, linewidth=0.7, linestyle=(0, (4, 3)), zorder=1)
-    names = (r"$\Theta^{cr}$", r"$\pi-\Theta^{cr}$")
-    for (theta, _), name in zip(critical, names, strict=False):
+    for (theta, _), name in zip(critical, (r"$\Theta^{cr}$", r"$\pi-\Theta^{cr}$"), strict=False):
         beyond = 1.28 if abs(cos(theta)) < 0.5 else 1.22
         side = "left" if cos(theta) > 0.1 else "right" if cos(theta) < -0.1 else "center"
         style: Record = {"color": CRITICAL_COLOR, "ha": side, "va": "center", "fontsize": 8}
         axes.text(beyond * cos(theta), beyond * sin(theta), name, **style)
-    for quarter in range(4):
-        theta = quarter * pi / 2
-        axes.plot([0.94 * cos(theta), cos(theta)], [0.94 * sin(theta), sin(theta)], color="black", linewidth=0.6)
-        if all(cos(theta - other) < 0.95 for other, _ in critical):
-            side = ("left", "center", "right", "center")[quarter]
-            axes.text(1.12 * cos(theta), 1.2 * sin(theta), PHASE_TICKS[quarter], ha=side, va="center", fontsize=7)
+    for quarter, side in enumerate(("left", "center", "right", "center")):
+        x, y = cos(quarter * pi / 2), sin(quarter * pi / 2)
+        axes.plot([0.94 * x, x], [0.94 * y, y], color="black", linewidth=0.6)
+        if all(cos(quarter * pi / 2 - other) < 0.95 for other, _ in critical):
+            axes.text(1.12 * x, 1.2 * y, PHASE_TICKS[quarter], ha=side, va="center", fontsize=7)
     axes.set(xlim=(-1.9, 1.9), ylim=(-1.5, 1.5), aspect="equal")
     axes.set_axis_off()
     axes.set_title(f"${tex(window.mapping)}$: case {window.case}, {window.order} order", fontsize=8)
@@ -158,11 +150,11 @@ def draw_dot(axes: Axes, x: float, y: float, belongs: bool, label: str | None = 
 
 
 def _contacts(axes: Axes, window: GrazingWindow) -> None:
-    """Draw the contact positions against the phase."""
+    """Draw the contact positions (A_alpha + B0 cos theta - c v_lambda)/k against the phase."""
+    p, where = window.parameters, window.place
     axes.set(xlim=(0, TURN), xlabel=PHASE_LABEL, ylabel="$x_m$")
     axes.set_xticks(np.arange(5) * pi / 2, PHASE_TICKS)
-    p = window.parameters
-    axes.set_title(f"domain {window.place.domain} at $v_{window.place.boundary} = {show(window.speed)}$", fontsize=8)
+    axes.set_title(f"domain {where.domain} at $v_{where.boundary} = {show(window.speed)}$", fontsize=8)
     if p.k == 0:
         axes.set_yticks([])
         phase = "$F = 0$ fixes the phase" if window.contact_phases else "no phase of the window has $F = 0$"
@@ -172,21 +164,15 @@ def _contacts(axes: Axes, window: GrazingWindow) -> None:
         for theta in window.contact_phases:
             axes.axvline(float(theta), color=INSIDE_COLOR, linewidth=1.6)
         return
-    around = np.linspace(0, TURN, CIRCLE_POINTS)
-    axes.plot(around, _places(window, around), color=OUTSIDE_COLOR, linewidth=0.8)
-    for low, high, *_ in window.intervals:
-        part = np.linspace(low, high, max(2, int(CIRCLE_POINTS * (high - low) / TURN)))
-        axes.plot(part, _places(window, part), color=INSIDE_COLOR, linewidth=2.0)
+    middle, amplitude = float((p.A(where.domain) - p.c * window.speed) / p.k), float(p.B0 / p.k)
+    parts = [(0, TURN, OUTSIDE_COLOR, 0.8), *((low, high, INSIDE_COLOR, 2.0) for low, high, *_ in window.intervals)]
+    for low, high, color, width in parts:
+        phases = np.linspace(low, high, max(2, int(CIRCLE_POINTS * (high - low) / TURN)))
+        axes.plot(phases, middle + amplitude * np.cos(phases), color=color, linewidth=width)
     for theta, belongs in critical_phases(window):
         axes.axvline(theta, color=CRITICAL_COLOR, linewidth=0.7, linestyle=(0, (4, 3)), zorder=0)
         for shown in (theta, TURN) if theta == 0 else (theta,):
-            draw_dot(axes, shown, float(_places(window, np.array([theta]))[0]), belongs)
-
-
-def _places(window: GrazingWindow, theta: np.ndarray) -> np.ndarray:
-    """Return (A_alpha + B0 cos theta - c v_lambda)/k at any phase."""
-    p = window.parameters
-    return float((p.A(window.place.domain) - p.c * window.speed) / p.k) + float(p.B0 / p.k) * np.cos(theta)
+            draw_dot(axes, shown, middle + amplitude * float(np.cos(theta)), belongs)
 
 
 # -- windows against one parameter -------------------------------------------------------------------------------------
@@ -231,8 +217,7 @@ def sweep_figure(
     edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in near]
     values = np.union1d(np.linspace(low, high, 801), [edge for edge in edges if low <= edge <= high])
     found = grazing_windows(p, mapping, order, **{name: values})
-    with style_for(ax):
-        drawing, axes = one_axes(ax, (4.6, 3.4))
+    with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
         _window_areas(axes, values, found, place(mapping).side * (values if name == "B0" else float(p.B0)))
         label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
         for curve in (found.theta_cr % TURN, pi - found.theta_cr):
@@ -257,8 +242,7 @@ def sweep_figure(
 
 def _sweep_range(p: Parameters, mapping: str, name: str, low: Any, high: Any) -> tuple[float, float]:
     """Return the range of a parameter to draw."""
-    where = place(mapping)
-    names = ("Omega", "B0", "k", f"v{where.boundary}")
+    names = ("Omega", "B0", "k", f"v{place(mapping).boundary}")
     if name not in names:
         raise ParameterError("name", name, f"the window of {mapping} depends on {', '.join(names)} only")
     reach = 2 * max([abs(float(getattr(p, name))), *(abs(float(q)) for q in _equalities(p, mapping, name))]) or 1.0
@@ -269,30 +253,24 @@ def _sweep_range(p: Parameters, mapping: str, name: str, low: Any, high: Any) ->
         "v1": (min(-reach, float(p.v2) - reach), min(reach, float(p.v2))),
         "v2": (max(-reach, float(p.v1)), max(reach, float(p.v1) + reach)),
     }[name]
-    ends = zip((low, high), (least, most), strict=True)
-    found = [end if given is None else float(read_exact(name, given)) for given, end in ends]
-    # The belts may not have one speed.
-    shift = 1e-9 * (found[1] - found[0])
-    if name == "v1" and found[1] == float(p.v2):
-        found[1] -= shift
-    if name == "v2" and found[0] == float(p.v1):
-        found[0] += shift
-    if not found[0] < found[1]:
-        raise ParameterError(name, found, "the range must go from a lower to a higher value")
-    for end in found:
+    first = least if low is None else float(read_exact(name, low))
+    last = most if high is None else float(read_exact(name, high))
+    shift = 1e-9 * (last - first)  # the belts may not have one speed
+    last -= shift * (name == "v1" and last == float(p.v2))
+    first += shift * (name == "v2" and first == float(p.v1))
+    if not first < last:
+        raise ParameterError(name, [first, last], "the range must go from a lower to a higher value")
+    for end in (first, last):
         p.replace(**{name: end})
-    return found[0], found[1]
+    return first, last
 
 
 def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
     """Return the values of a parameter at which |k v_lambda| = |B0| Omega."""
     speed = p.belt(place(mapping).boundary)
     level, size = abs(p.k * speed), abs(p.B0 * p.Omega)
-    product, factor = {
-        "Omega": (level, abs(p.B0)),
-        "B0": (level, p.Omega),
-        "k": (size, abs(speed)),
-    }.get(name, (size, p.k))
+    ratios = {"Omega": (level, abs(p.B0)), "B0": (level, p.Omega), "k": (size, abs(speed))}
+    product, factor = ratios.get(name, (size, p.k))
     signs = (1,) if name in ("Omega", "k") else (1, -1)
     return [sign * product / factor for sign in signs] if product and factor else []
 
@@ -349,8 +327,7 @@ def region_figure(
     x, y = np.meshgrid(*(np.linspace(*span, 401) for span in spans))
     allowed = _margin(region.allowed, region.letters, x, y)
     inside = _margin(region.condition, region.letters, x, y)
-    with style_for(ax):
-        drawing, axes = one_axes(ax, (4.6, 3.9))
+    with axes_for(ax, (4.6, 3.9)) as (drawing, (axes,)):
         shown = [*_region_areas(axes, x, y, inside, allowed), *_region_borders(axes, x, y, inside, allowed)]
         shown += _given(axes, region, spans)
         axes.set(xlabel=PARAMETER_LABELS[names[0]], ylabel=PARAMETER_LABELS[names[1]], xlim=spans[0], ylim=spans[1])
@@ -421,15 +398,14 @@ def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, a
     shown: list[Any] = []
     if not inside.values.min() <= 0 <= inside.values.max() < np.inf:
         return shown
-    borders = ((SOLID, ~inside.closed, "border, inside"), (DASHES, inside.closed, "border, not inside"))
-    for style, hidden, label in borders:
+    kinds = (SOLID, ~inside.closed, "border, inside"), (DASHES, inside.closed, "border, not inside")
+    for style, hidden, label in kinds:
         part = np.ma.masked_where(hidden | (allowed.values < 0), inside.values)
         if part.count() == 0 or not part.min() <= 0 <= part.max():
             continue
-        options: Record = {"colors": [INSIDE_COLOR], "linewidths": 1.2, "linestyles": [style], "zorder": 2}
-        pieces = axes.contour(x, y, part, [0], **options).allsegs[0]
+        lines = axes.contour(x, y, part, [0], colors=[INSIDE_COLOR], linewidths=1.2, linestyles=[style], zorder=2)
         least = 0.01 * np.array([np.ptp(x), np.ptp(y)])  # a shorter piece is only where two kinds of border meet
-        if any((np.ptp(piece, axis=0) > least).any() for piece in pieces if len(piece)):
+        if any((np.ptp(piece, axis=0) > least).any() for piece in lines.allsegs[0] if len(piece)):
             shown.append(Line2D([], [], color=INSIDE_COLOR, linewidth=1.2, linestyle=style, label=label))
     return shown
 
@@ -475,8 +451,7 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: 
     'flight to the grazing point'
     """
     panels = read_panels(panels, CURVE_PANELS, ax)
-    with style_for(ax):
-        drawing, row = panel_axes(ax, panels, (3.5 * len(panels), 3.2))
+    with axes_for(ax, (3.5 * len(panels), 3.2), panels) as (drawing, row):
         for axes, letter in zip(row, panels, strict=True):
             CURVE_PANELS[letter](axes, curve)
     return drawing
@@ -486,11 +461,10 @@ def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
     """Draw the flights of a grazing curve against the phase."""
     for piece in curve.pieces:
         axes.plot(piece.theta_m, piece.theta_m - piece.theta, color=START_COLOR, linewidth=1.2)
-        _ends(axes, piece, [end.theta_m - end.theta for end in (piece.low, piece.high)], "theta_m")
+        _ends(axes, piece, lambda end: (end.theta_m, end.theta_m - end.theta))
     for low, high, origin in curve.gaps:
         axes.axvspan(low, high, color="0.85", linewidth=0, label=f"from: {origin}")
-    axes.set(xlabel=r"$\theta_m$", ylabel=r"$\theta_m - \Omega t_i$")
-    axes.set_title("flight to the grazing point")
+    axes.set(xlabel=r"$\theta_m$", ylabel=r"$\theta_m - \Omega t_i$", title="flight to the grazing point")
     spans = [(piece.low.theta_m, piece.high.theta_m) for piece in curve.pieces]
     spans += [(low, high) for low, high, _ in curve.gaps]
     # Over a full circle, from the cut of the curve.
@@ -500,12 +474,12 @@ def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
 def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
     """Draw the left half of `figure_grazing_curve` into given axes."""
     for piece in curve.pieces:
-        _line(axes, piece.theta, piece.x, START_COLOR, label="start")
-        _line(axes, piece.theta_m, piece.x_m, "#1f3fd6", label="grazing point", style=(0, (4, 1.6)))
-        _ends(axes, piece, [end.x for end in (piece.low, piece.high)], "theta")
+        _line(axes, piece.theta, piece.x, color=START_COLOR, label="start")
+        _line(axes, piece.theta_m, piece.x_m, color="#1f3fd6", label="grazing point", linestyle=(0, (4, 1.6)))
+        _ends(axes, piece, lambda end: (end.theta % TURN, end.x))
     belt = place(curve.mapping).boundary
-    axes.set(xlabel=r"$\mathrm{mod}(\Omega t, 2\pi)$", ylabel="$x$")
-    axes.set_title(rf"${tex(curve.mapping)}$ on the plane $\dot x = v_{belt}$")
+    title = rf"${tex(curve.mapping)}$ on the plane $\dot x = v_{belt}$"
+    axes.set(xlabel=r"$\mathrm{mod}(\Omega t, 2\pi)$", ylabel="$x$", title=title)
     _finish(axes, curve, (0, TURN))
 
 
@@ -520,29 +494,27 @@ def _finish(axes: Axes, curve: GrazingCurve, span: tuple[float, float]) -> None:
         axes.set_yticks([])
     axes.set_xlim(*span)
     low, high = axes.get_xlim()
-    shown = {k: ANGLE_TICKS.get(k, rf"${k // 2 if k % 2 == 0 else f'{k}/2 '}\pi$") for k in range(-4, 13)}
-    inside = [k for k in shown if low - 1e-9 <= k * pi / 2 <= high + 1e-9]
-    axes.set_xticks([k * pi / 2 for k in inside], [shown[k] for k in inside])
+    inside = [k for k in range(-4, 13) if low - 1e-9 <= k * pi / 2 <= high + 1e-9]
+    names = [ANGLE_TICKS.get(k, rf"${k // 2 if k % 2 == 0 else f'{k}/2 '}\pi$") for k in inside]
+    axes.set_xticks([k * pi / 2 for k in inside], names)
     entries = legend_entries([axes])
     if entries:
         axes.legend(list(entries.values()), list(entries), frameon=False, fontsize=7)
 
 
-def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, color: str, label: str, style: Any = "-") -> None:
+def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, **style: Any) -> None:
     """Draw a curve against its phase mod 2 pi, interrupted at jumps."""
     turns = np.floor(theta / TURN)
     for part in np.split(np.arange(len(theta)), np.nonzero(np.diff(turns))[0] + 1):
-        axes.plot(theta[part] - TURN * turns[part], x[part], color=color, linestyle=style, linewidth=1.2, label=label)
+        axes.plot(theta[part] - TURN * turns[part], x[part], linewidth=1.2, **style)
 
 
-def _ends(axes: Axes, piece: CurvePiece, heights: list[float], across: str) -> None:
-    """Draw the ends of a piece of the curve."""
-    for end, height in zip((piece.low, piece.high), heights, strict=True):
-        if end.reason == "closed":
-            continue
-        shape = next((shape for start, shape in END_SHAPES.items() if end.reason.startswith(start)), "D")
-        style: Record = {"marker": shape, "markersize": 3.5, "linestyle": "none", "color": START_COLOR, "zorder": 3}
-        if end.reason == "end of the window":
-            style["markerfacecolor"] = "white"
-        along = end.theta % TURN if across == "theta" else end.theta_m
-        axes.plot([along], [height], **style, clip_on=False, label=end.reason)
+def _ends(axes: Axes, piece: CurvePiece, at: Callable[[Any], tuple[float, float]]) -> None:
+    """Draw the ends of a piece of the curve, open ones at an end of the window."""
+    for end in (piece.low, piece.high):
+        if end.reason != "closed":
+            shape = next((shape for start, shape in END_SHAPES.items() if end.reason.startswith(start)), "D")
+            face = "white" if end.reason == "end of the window" else START_COLOR
+            style: Record = {"marker": shape, "markersize": 3.5, "color": START_COLOR, "markerfacecolor": face}
+            x, y = at(end)
+            axes.plot([x], [y], linestyle="none", zorder=3, clip_on=False, label=end.reason, **style)

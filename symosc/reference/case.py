@@ -120,6 +120,8 @@ class ReferenceCase:
         Why its events are not proven; "" if they are.
     periods : int
         0; or the forcing periods of a run so long that the events of the last one only are given.
+    quick : bool
+        Whether it is one of the hard cases of `symosc bench --quick`.
 
     Examples
     --------
@@ -139,6 +141,7 @@ class ReferenceCase:
     closed_form: tuple[str, ...] = ()
     open: str = ""
     periods: int = 0
+    quick: bool = False
 
     @property
     def parameters(self) -> Parameters:

@@ -12,12 +12,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import get_close_matches
 from fractions import Fraction
 from functools import lru_cache
 from math import pi
-from typing import Any
 
 from symosc.aliases import Number, NumberLike
 from symosc.display.drawable import Listing
@@ -28,11 +27,8 @@ from symosc.grazing.start import grazing_start
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
-from symosc.reference.case import ReferenceCase, last_period
-from symosc.reference.compare import REFERENCE_DIGITS
+from symosc.reference.case import ReferenceCase
 from symosc.scenes import Scene, figure_of, load_scene, scene_names
-from symosc.simulation.simulate import simulate
-from symosc.simulation.trajectory import Event
 
 #: One more whenever a case is added or changed, so that scores name the set that they belong to.
 SET_VERSION = 1
@@ -79,7 +75,8 @@ def reference_cases() -> Sequence[ReferenceCase]:
     >>> cases[0].name, cases[-1].group
     ('paper-fig5', 'long run')
     """
-    return Listing([*_paper_cases(), *_hard_cases(), *grazes(), *rests(), *coulomb(), *continuum(), *_long_run_cases()])
+    of_groups = (_paper_cases, hard_cases, grazes, *RESTING, *OSCILLATING, continuum, _long_run_cases)
+    return Listing([case for cases in of_groups for case in cases()])
 
 
 def reference_case(name: str) -> ReferenceCase:
@@ -123,39 +120,21 @@ PEAKS = (
     ("fig10", "P5", "1", "0.8", "8", (8, 13), (13,)),
     ("fig10", "P6", "3", "2.8", "9", (8, 13), (13,)),
 )
-
-
-@dataclass(frozen=True)
-class HardCase:
-    """A hard case by its name within its group; `quick`: --quick runs it too; `periods`: as in `ReferenceCase`."""
-
-    name: str
-    group: str
-    scene: Scene
-    quick: bool = False
-    periods: int = 0
-
-    def reference(self, scene: Scene | None = None, digits: int = REFERENCE_DIGITS) -> Sequence[Event]:
-        """Return the events that a solver must find in the scene, or in a neighbour of it, with `digits` digits."""
-        scene = scene or self.scene
-        return last_period(scene, digits) if self.periods else simulate(scene, digits=digits).events
+Start = tuple[NumberLike, NumberLike, NumberLike]
 
 
 @lru_cache(maxsize=1)
-def hard_cases() -> tuple[HardCase, ...]:
-    """Return all hard cases, in the order of GROUPS."""
-    easy = (HardCase(name, "easy", replace(load_scene(name), t_end=Fraction(10)), True) for name in ("fig9", "fig10"))
-    cases = [*easy, *_peak_cases(), *_short_contact_cases(), *_shrinking_stick_cases()]
-    cases += [*_regime_cases(), *_belt_cases(), *_endless_run_cases()]
+def hard_cases() -> tuple[ReferenceCase, ...]:
+    """Return all hard cases, in the order of GROUPS; those that are `quick` are in `symosc bench --quick`."""
+    cases = [_hard("easy", name, replace(load_scene(name), t_end=Fraction(10)), True) for name in ("fig9", "fig10")]
+    cases += [*_peak_cases(), *_short_contact_cases(), *_changed_scenes()]
     return tuple(sorted(cases, key=lambda case: list(GROUPS).index(case.group)))
 
 
-def _hard_cases() -> Iterator[ReferenceCase]:
-    for case in hard_cases():
-        name = _slug(f"{case.group} {case.name}")
-        scene = replace(case.scene, name=name)
-        hard = f"{GROUPS[case.group]}; {case.name}"
-        yield ReferenceCase(name, case.group, scene, hard, HARD_SOURCE, periods=case.periods)
+def _hard(group: str, name: str, scene: Scene, quick: bool = False, periods: int = 0) -> ReferenceCase:
+    """Return a hard case by its name within its group."""
+    own, hard = _slug(f"{group} {name}"), f"{GROUPS[group]}; {name}"
+    return ReferenceCase(own, group, replace(scene, name=own), hard, HARD_SOURCE, periods=periods, quick=quick)
 
 
 def _slug(text: str) -> str:
@@ -173,41 +152,30 @@ def short(value: Number | Fraction) -> str:
     return str(context.nstr(context.convert(value), DIGITS_OF_A_NUMBER, min_fixed=-context.inf, max_fixed=context.inf))
 
 
-def _scene_like(
-    name: str, base: str, start: tuple[NumberLike, NumberLike, NumberLike], t_end: NumberLike, **changes: NumberLike
-) -> Scene:
-    """Return a scene with the parameters of a shipped one but for `changes`."""
-    return _scene(name, load_scene(base).parameters.replace(**changes), start, t_end)
-
-
-def _scene(name: str, p: Parameters, start: tuple[NumberLike, NumberLike, NumberLike], t_end: NumberLike) -> Scene:
+def _scene(p: Parameters | str, start: Start, t_end: NumberLike, **changes: NumberLike) -> Scene:
+    """Return a scene with parameters, or those of a shipped scene but for `changes`; its case gives it a name."""
+    p = load_scene(p).parameters.replace(**changes) if isinstance(p, str) else p
     t0, x0, v0, end = (read_exact("start", value) for value in (*start, t_end))
-    return Scene(name, p, t0, x0, v0, end)
+    return Scene("case", p, t0, x0, v0, end)
 
 
 def start_before_a_peak(p: Parameters, mapping: str, height: Fraction, t_m: str, t0: str) -> tuple[str, str, str]:
     """Return t0, x0, v0 from which v peaks at t_m, `height` beyond the belt that `mapping` grazes."""
     # That is the start of the orbit that grazes a belt which is faster by `height`, or short of it (height < 0).
     where = place(mapping)
-    beyond = 1 if where.domain == where.boundary else -1
-    speed = p.belt(where.boundary) + beyond * height
-    moved = p.replace(v1=speed) if where.boundary == 1 else p.replace(v2=speed)
-    start = grazing_start(moved, mapping, t_m=t_m, t0=t0)
-    if not start.found:
-        raise ValueError(f"no flight from t = {t0} peaks at t = {t_m}: {start.reason}")
-    return t0, short(Fraction(start.start["x0"])), short(Fraction(start.start["v0"]))
+    speed = p.belt(where.boundary) + (height if where.domain == where.boundary else -height)
+    start = grazing_start(p.replace(**{f"v{where.boundary}": speed}), mapping, t_m=t_m, t0=t0).start
+    return t0, short(Fraction(start["x0"])), short(Fraction(start["v0"]))
 
 
-def _peak_cases() -> list[HardCase]:
-    cases = []
+def _peak_cases() -> Iterator[ReferenceCase]:
     for base, mapping, t_m, t0, t_end, exponents, quick in PEAKS:
         p = load_scene(base).parameters
         for group, sign in (("peak beyond a belt", 1), ("peak short of a belt", -1)):
             for exponent in exponents:
                 start = start_before_a_peak(p, mapping, Fraction(sign, 10**exponent), t_m, t0)
                 name = f"by 1e-{exponent} ({mapping}, {base})"
-                cases.append(HardCase(name, group, _scene(name, p, start, t_end), exponent in quick))
-    return cases
+                yield _hard(group, name, _scene(p, start, t_end), exponent in quick)
 
 
 def start_with_force(p: Parameters, domain: int, boundary: int, t0: str, force: str) -> tuple[str, str, str]:
@@ -231,88 +199,67 @@ def start_before_a_dip(p: Parameters, height: str, t0: str) -> tuple[str, str, s
     return t0, short(Fraction(x_m) - p.v1 * (t_m - Fraction(t0))), speed
 
 
-def _short_contact_cases() -> list[HardCase]:
-    p, group, cases = load_scene("fig5").parameters, "short stick or flight", []
-    for height, where in (("-1e-6", "below"), ("-1e-12", "below"), ("1e-12", "above")):
-        start = start_before_a_dip(p, height, "2.5")
-        cases.append(
-            HardCase(f"stick: force {height.lstrip('-')} {where} 0", group, _scene("dip", p, start, "12"), True)
-        )
-    for force in ("1e-7", "1e-9"):
-        start = start_with_force(p, 1, 1, "5", f"-{force}")
-        cases.append(HardCase(f"flight from F = {force}", group, _scene("flight", p, start, "12"), force == "1e-7"))
-        start = start_with_force(p, 1, 1, "1", force)
-        cases.append(HardCase(f"stick from F = {force}", group, _scene("stick", p, start, "12"), force == "1e-7"))
+def _short_contact_cases() -> Iterator[ReferenceCase]:
+    p = load_scene("fig5").parameters
     weak = p.replace(mu1="1e-9")  # F^(1) - F^(2) is 2e-8 on belt 1: a stick ends below or above it at once
+    # Name, parameters, start, and whether it is quick.
+    rows: list[tuple[str, Parameters, Start, bool]] = []
+    for height, where in (("-1e-6", "below"), ("-1e-12", "below"), ("1e-12", "above")):
+        name = f"stick: force {height.lstrip('-')} {where} 0"
+        rows.append((name, p, start_before_a_dip(p, height, "2.5"), True))
+    for force in ("1e-7", "1e-9"):
+        quick = force == "1e-7"
+        rows.append((f"flight from F = {force}", p, start_with_force(p, 1, 1, "5", f"-{force}"), quick))
+        rows.append((f"stick from F = {force}", p, start_with_force(p, 1, 1, "1", force), quick))
     for t0, where in (("1", "below"), ("4", "above")):
         start = start_with_force(weak, 1, 1, t0, "1e-8")
-        cases.append(
-            HardCase(f"forces 2e-8 apart, ends {where}", group, _scene("weak", weak, start, "12"), where == "above")
-        )
-    cases.append(HardCase("fig7-corrected as printed", group, load_scene("fig7-corrected"), True))
-    return cases
+        rows.append((f"forces 2e-8 apart, ends {where}", weak, start, where == "above"))
+    for name, own, begin, quick in rows:
+        yield _hard("short stick or flight", name, _scene(own, begin, "12"), quick)
+    yield _hard("short stick or flight", "fig7-corrected as printed", load_scene("fig7-corrected"), True)
 
 
-def _shrinking_stick_cases() -> list[HardCase]:
-    scene, group = load_scene("fig8"), "fig8's sticks"
-    return [
-        HardCase(f"{periods} periods of the drive", group, replace(scene, t_end=Fraction(t_end)), periods == 5)
-        for periods, t_end in ((2, 9), (5, 18), (10, 34))
-    ]
-
-
-def _regime_cases() -> list[HardCase]:
-    cases: list[HardCase] = []
-
-    def add(group: str, name: str, scene: Scene, quick: bool = False) -> None:
-        cases.append(HardCase(name, group, scene, quick))
-
-    for small in ("1e-4", "1e-8", "1e-14", "0"):
-        for sign, letter in ((1, "+"), (-1, "-"))[: 1 if small == "0" else 2]:
-            quarter = Fraction(1, 4) * (1 + sign * Fraction(small))
-            name = "k = c^2/4m" if small == "0" else f"k = c^2/4m (1 {letter} {small})"
-            scene = _scene_like(name, "fig5", FIG5, "25", k=quarter)
-            add("near-critical damping", name, scene, name in ("k = c^2/4m", "k = c^2/4m (1 + 1e-14)"))
+def _changed_scenes() -> Iterator[ReferenceCase]:
+    for periods, end in ((2, 9), (5, 18), (10, 34)):
+        scene = replace(load_scene("fig8"), t_end=Fraction(end))
+        yield _hard("fig8's sticks", f"{periods} periods of the drive", scene, periods == 5)
+    quarter = Fraction(1, 4)
+    for small in ("1e-4", "1e-8", "1e-14"):
+        for sign in ("+", "-"):
+            scene = _scene("fig5", FIG5, "25", k=quarter * (1 + Fraction(f"{sign}{small}")))
+            yield _hard("near-critical damping", f"k = c^2/4m (1 {sign} {small})", scene, sign + small == "+1e-14")
+    yield _hard("near-critical damping", "k = c^2/4m", _scene("fig5", FIG5, "25", k=quarter), True)
     for c in ("1e-2", "1e-7", "1e-12", "0"):
-        scene = _scene_like(f"c = {c}", "fig9", FIG9, "7.5", c=c, k="1.6", FN=20)
-        add("resonance", f"c = {c}", scene, c in ("1e-12", "0"))
+        scene = _scene("fig9", FIG9, "7.5", c=c, k="1.6", FN=20)
+        yield _hard("resonance", f"c = {c}", scene, c in ("1e-12", "0"))
     for k in ("1e-3", "1e-9", "1e-15", "0"):
-        add("weak spring", f"k = {k}", _scene_like(f"k = {k}", "fig10", FIG10, "12.2", k=k), k in ("1e-15", "0"))
+        yield _hard("weak spring", f"k = {k}", _scene("fig10", FIG10, "12.2", k=k), k in ("1e-15", "0"))
     for m in ("1e-2", "1e-5", "1e-8"):
-        add("light mass", f"m = {m}", _scene_like(f"m = {m}", "fig10", FIG10, "9.5", m=m), m == "1e-5")
-    free = _scene_like("m = 1e-5, c = 0", "fig10", FIG10, "1.47", m="1e-5", c=0)
-    add("light mass", free.name, free)
-    group = "fast and slow drive"
-    add(group, "Omega = 1e3", _scene_like("Omega = 1e3", "fig9", ("0", "0", "0"), "0.04", Omega=1000, B0=3000), True)
-    add(group, "Omega = 1e-3", _scene_like("Omega = 1e-3", "fig6", FIG6, "6000", Omega="1e-3"), True)
+        yield _hard("light mass", f"m = {m}", _scene("fig10", FIG10, "9.5", m=m), m == "1e-5")
+    yield _hard("light mass", "m = 1e-5, c = 0", _scene("fig10", FIG10, "1.47", m="1e-5", c=0))
+    scene = _scene("fig9", ("0", "0", "0"), "0.04", Omega=1000, B0=3000)
+    yield _hard("fast and slow drive", "Omega = 1e3", scene, True)
+    yield _hard("fast and slow drive", "Omega = 1e-3", _scene("fig6", FIG6, "6000", Omega="1e-3"), True)
     for t0, text in ((10**8, "1e8"), (10**10, "1e10")):
         for base, (_, x0, v0), span in (("fig9", FIG9, 10), ("fig10", FIG10, 15)):
-            add("late start", f"t0 = {text} ({base})", _scene_like("late", base, (t0, x0, v0), t0 + span), t0 == 10**10)
-    return cases
-
-
-def _belt_cases() -> list[HardCase]:
-    scenes = (
-        _scene_like("mu1 = 0", "fig5", FIG5, "25", mu1=0),
-        _scene_like("mu1 = mu2 = 0", "fig5", FIG5, "25", mu1=0, mu2=0),
-        _scene_like("FN = 1e-9", "fig5", FIG5, "25", FN="1e-9"),
-        _scene_like("v2 - v1 = 1e-6", "fig5", FIG5, "25", v2="1.000001"),
-        _scene_like("v2 - v1 = 999", "fig5", FIG5, "25", v2=1000),
-        _scene_like("B0 = 0, c = 0", "fig9", ("0", "30", "0"), "8", B0=0, c=0),
-        _scene_like("x0 = 1e8", "fig9", ("0", "1e8", "0"), "5"),
-    )
-    return [HardCase(scene.name, "belts", scene, scene.name in ("mu1 = 0", "v2 - v1 = 1e-6")) for scene in scenes]
-
-
-def _endless_run_cases() -> list[HardCase]:
-    cases = []
+            yield _hard("late start", f"t0 = {text} ({base})", _scene(base, (t0, x0, v0), t0 + span), text == "1e10")
+    belts = {
+        "mu1 = 0": _scene("fig5", FIG5, "25", mu1=0),
+        "mu1 = mu2 = 0": _scene("fig5", FIG5, "25", mu1=0, mu2=0),
+        "FN = 1e-9": _scene("fig5", FIG5, "25", FN="1e-9"),
+        "v2 - v1 = 1e-6": _scene("fig5", FIG5, "25", v2="1.000001"),
+        "v2 - v1 = 999": _scene("fig5", FIG5, "25", v2=1000),
+        "B0 = 0, c = 0": _scene("fig9", ("0", "30", "0"), "8", B0=0, c=0),
+        "x0 = 1e8": _scene("fig9", ("0", "1e8", "0"), "5"),
+    }
+    for name, scene in belts.items():
+        yield _hard("belts", name, scene, name in ("mu1 = 0", "v2 - v1 = 1e-6"))
     for name in ("fig9-orbit", "fig10-orbit"):
         scene = load_scene(name)
         # a twentieth of a period after the last event, where nothing happens
         turns = Fraction(2 * LATE_PERIODS + Fraction(1, 10)) * Fraction(str(mp_context(30).pi))
-        t_end = scene.t0 + turns / scene.parameters.Omega
-        cases.append(HardCase(name, "1e5 periods", replace(scene, t_end=t_end), name == "fig10-orbit", LATE_PERIODS))
-    return cases
+        scene = replace(scene, t_end=scene.t0 + turns / scene.parameters.Omega)
+        yield _hard("1e5 periods", name, scene, name == "fig10-orbit", LATE_PERIODS)
 
 
 # -- exact grazes ------------------------------------------------------------------------------------------------------
@@ -343,20 +290,14 @@ def grazes() -> Iterator[ReferenceCase]:
     for regime, changes in DAMPED.items():
         p = GRAZING.replace(**changes)
         for mapping, t_m in GRAZE_TIMES.items():
-            boundary, domain = place(mapping).boundary, place(mapping).domain
-            t0 = Fraction(t_m) - BEFORE
+            where, t0 = place(mapping), Fraction(t_m) - BEFORE
             # Half of the digits remain at the graze, where the gap is a square.
             start = grazing_start(p, mapping, t_m=t_m, t0=t0, digits=95).start
             error = 5 * start["start_error"][2]  # the exact v0 is within so many units of the last digit
             name = f"graze-{regime.replace(' ', '-')}-{mapping}"
-            yield ReferenceCase(
-                name,
-                GRAZES,
-                Scene(name, p, t_end=t0 + FOLLOWED, **start | {"start_error": (0, 0, error)}),
-                f"{GRAZE_HARD}; {regime}, belt {boundary} touched from domain {domain}",
-                GRAZE_SOURCE,
-                (f"t[0] = {t_m}",),
-            )
+            scene = Scene(name, p, t_end=t0 + FOLLOWED, **start | {"start_error": (0, 0, error)})
+            hard = f"{GRAZE_HARD}; {regime}, belt {where.boundary} touched from domain {where.domain}"
+            yield ReferenceCase(name, GRAZES, scene, hard, GRAZE_SOURCE, (f"t[0] = {t_m}",))
 
 
 # -- creeping and rest -------------------------------------------------------------------------------------------------
@@ -370,71 +311,69 @@ CREEPER = Parameters(m=1, c=4, k=3, A0=0, B0=0, Omega=1, v1=0, v2=50, mu1="0.2",
 GAP = Fraction(1)
 
 
-def rests() -> Iterator[ReferenceCase]:
-    """Yield motions that come to rest, or creep towards it."""
-    yield from _creeping()
-    yield from _towards_a_limit()
-    yield from _belt_start_cases()
-
-
-def _rest_case(
+def _case(
     name: str,
+    group: str,
     p: Parameters,
-    start: tuple[NumberLike, NumberLike],
+    start: Start,
     t_end: NumberLike,
     hard: str,
-    source: str = ELEMENTARY,
-    closed: tuple[str, ...] = (),
+    source: str,
+    closed: Sequence[str] = (),
     reason: str = "",
 ) -> ReferenceCase:
-    scene = Scene(name, p, Fraction(0), start[0], start[1], t_end)  # type: ignore[arg-type]
-    return ReferenceCase(name, RESTS, scene, hard, source, closed, reason)
+    """Return a case with a scene of its name; `reason` says why it is not proven."""
+    return ReferenceCase(
+        name, group, replace(_scene(p, start, t_end), name=name), hard, source, tuple(closed), open=reason
+    )
 
 
 def _creeping() -> Iterator[ReferenceCase]:
     """Yield flights that creep towards v = 0 with the gap g = -v; they meet the belt only if u = g' + r2 g < 0."""
     # Then it is at t = log(1 + (r2 - r1) g/|u|)/(r2 - r1), and at t = g/|u| if the two roots are one.
     for number, push in enumerate(("-1e-1", "-1e-9", "0", "1e-9"), 1):  # late, very late, just not, not
-        for roots, (r1, r2) in (("two roots", (1, 3)), ("one root", (2, 2))):
+        for roots, (r1, r2) in (("two-roots", (1, 3)), ("one-root", (2, 2))):
             u = Fraction(push)
             if r1 == r2 and -u < Fraction(1, 1000) and u < 0:
                 continue  # a contact after 1e9 time constants, where nothing is left of the velocity
             p = CREEPER.replace(c=r1 + r2, k=r1 * r2)
             a0 = -(u - r2 * GAP)
-            x0 = (p.A(1) + p.c * GAP - p.m * a0) / p.k
+            start = (0, (p.A(1) + p.c * GAP - p.m * a0) / p.k, -GAP)
             expression = "log(1 + 2/(%s))/2" if r1 != r2 else "1/(%s)"
             closed = (f"t[0] = {expression % show(-u)}",) if u < 0 else ()
-            hard = f"the velocity creeps to the belt's, and {'meets it late' if u < 0 else 'never meets it'}: {roots}"
+            hard = f"the velocity creeps to the belt's, and {'meets it late' if u < 0 else 'never meets it'}: "
+            hard += roots.replace("-", " ")
             t_end = 150 if r1 == r2 and u < 0 else 30
-            yield _rest_case(f"creeping-{number}-{roots.replace(' ', '-')}", p, (x0, -GAP), t_end, hard, closed=closed)
+            yield _case(f"creeping-{number}-{roots}", RESTS, p, start, t_end, hard, ELEMENTARY, closed)
 
 
 def _towards_a_limit() -> Iterator[ReferenceCase]:
     """Yield flights without spring and drive: v tends to A/c, which is `beyond` past the belt's speed 1."""
     for number, beyond in enumerate(("1e-3", "1e-12", "0", "-1e-12"), 1):
-        p = CREEPER.replace(c=2, k=0, v1=1, A0=2 + 2 * Fraction(beyond) - Fraction("0.3"))
         b = Fraction(beyond)
+        p = CREEPER.replace(c=2, k=0, v1=1, A0=2 + 2 * b - Fraction("0.3"))
         closed = (f"t[0] = log((1 + {beyond})/({beyond}))/2",) if b > 0 else ()
-        hard = "the velocity tends to a limit " + (
-            f"{beyond} beyond the belt's speed" if b > 0 else "that is the belt's speed" if not b else "short of it"
-        )
-        yield _rest_case(f"limit-speed-{number}", p, (0, 0), 40, hard, closed=closed)
+        where = f"{beyond} beyond the belt's speed" if b > 0 else "that is the belt's speed" if not b else "short of it"
+        hard = f"the velocity tends to a limit {where}"
+        yield _case(f"limit-speed-{number}", RESTS, p, (0, 0, 0), 40, hard, ELEMENTARY, closed)
 
 
 def _belt_start_cases() -> Iterator[ReferenceCase]:
     p = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1, mu2="1/10", FN=1)
     for number, x0 in enumerate((0, "1/2", "-3/5", "-4/5", 1), 1):
-        edge = x0 in ("-4/5", 1)
-        hard = "rest on a belt: nothing may happen, for ever" + (
-            "; on the edge, where the force just falls to 0" * edge
-        )
-        yield _rest_case(f"rest-{number}", p, (x0, 0), 200, hard, UNIQUENESS, reason=AT_THE_EDGE if edge else "")
+        hard, reason = "rest on a belt: nothing may happen, for ever", ""
+        if x0 in ("-4/5", 1):
+            hard, reason = f"{hard}; on the edge, where the force just falls to 0", AT_THE_EDGE
+        yield _case(f"rest-{number}", RESTS, p, (0, x0, 0), 200, hard, UNIQUENESS, reason=reason)
     hard = "the force reaches the edge of friction by 1e-9 or misses it by that, on a belt at rest"
     for name, x0 in (("slips", "1.000000001"), ("stays", "0.999999999")):  # A1 - |B0| = 1
-        yield _rest_case(f"rest-edge-{name}", p, (x0, 0), 60, hard, UNIQUENESS)
+        yield _case(f"rest-edge-{name}", RESTS, p, (0, x0, 0), 60, hard, UNIQUENESS)
     fast = p.replace(v1=1, B0=0)
     hard = "one stick, one flight, then a slow approach to rest between the belts' speeds, with nothing more to find"
-    yield _rest_case("stick-then-settling", fast, (0, 1), 60, hard)
+    yield _case("stick-then-settling", RESTS, fast, (0, 0, 1), 60, hard, ELEMENTARY)
+
+
+RESTING = (_creeping, _towards_a_limit, _belt_start_cases)
 
 
 # -- the Coulomb oscillator and its continuum of orbits ----------------------------------------------------------------
@@ -455,22 +394,6 @@ def wall(F: NumberLike, Omega: NumberLike, c: NumberLike = 0, P: NumberLike = 1)
     return Parameters(m=1, c=c, k=1, A0=0, B0=P, Omega=Omega, v1=0, v2=10**6, mu1=F, mu2=0, FN=1)
 
 
-def coulomb() -> Iterator[ReferenceCase]:
-    """Yield Coulomb oscillators, whose events have closed forms."""
-    yield from _slides()
-    yield from _borders()
-    yield from _resonance()
-    yield from _decay()
-
-
-def _oscillator_case(
-    name: str, p: Parameters, start: tuple[Any, Any, Any], t_end: Any, *said: Any, group: str = COULOMB
-) -> Any:
-    hard, source, closed = said
-    reason = AT_A_TURN if group == CONTINUUM else ""
-    return ReferenceCase(name, group, Scene(name, p, *start, t_end), hard, source, tuple(closed), reason)
-
-
 def _slides() -> Iterator[ReferenceCase]:
     """Yield motions without stops from their highest point: the amplitude is Den Hartog's."""
     for number, (c, F, Omega) in enumerate((("0", "0.4", "1.5"), ("0.2", "0.4", "1.5"), ("0.1", "0.25", "0.6")), 1):
@@ -482,7 +405,7 @@ def _slides() -> Iterator[ReferenceCase]:
         closed = [f"x[{i}] = {'-' if i % 2 == 0 else ''}({amplitude(c, F, Omega)})" for i in range(2 * cycles)]
         t_end = Fraction(f"{float(t0) + (cycles + 0.25) * period:.6g}")
         hard = "a start and events at velocity 0, on the belt at rest; the motion passes it and does not stop"
-        yield _oscillator_case(f"den-hartog-{number}", p, (t0, x0, 0), t_end, hard, DEN_HARTOG, closed)
+        yield _case(f"den-hartog-{number}", COULOMB, p, (t0, x0, 0), t_end, hard, DEN_HARTOG, closed)
 
 
 def amplitude(c: str, F: str, Omega: str) -> str:
@@ -506,9 +429,8 @@ def _borders() -> Iterator[ReferenceCase]:
             hard = (
                 f"friction just {side} the border of motions without stops, r = {Omega}: stops are short or not there"
             )
-            yield _oscillator_case(
-                f"border-{Omega}-{side}".replace(".", "-"), wall(F, Omega), (0, 1, 0), 150, hard, BORDER_SOURCE, ()
-            )
+            name = f"border-{Omega}-{side}".replace(".", "-")
+            yield _case(name, COULOMB, wall(F, Omega), (0, 1, 0), 150, hard, BORDER_SOURCE)
 
 
 def _resonance() -> Iterator[ReferenceCase]:
@@ -519,7 +441,7 @@ def _resonance() -> Iterator[ReferenceCase]:
         closed += [f"x[{i}] = {'-' if i % 2 else ''}(5 + pi/4 - {F} + {i}*(pi/2 - 2*{F}))" for i in range(12)]
         start = (0, Fraction(1, 2) - Fraction(F), 5)
         hard = "undamped resonance: the amplitude grows for ever"
-        yield _oscillator_case(f"resonance-growth-{number}", p, start, 40, hard, BALANCE, closed)
+        yield _case(f"resonance-growth-{number}", COULOMB, p, start, 40, hard, BALANCE, closed)
 
 
 def _decay() -> Iterator[ReferenceCase]:
@@ -530,7 +452,10 @@ def _decay() -> Iterator[ReferenceCase]:
         closed += [f"x[{i}] = {'-' if i % 2 == 0 else ''}({x0} - {2 * (i + 1)}*{F})" for i in range(last)]
         hard = "free decay: all turning points are on the belt at rest, and the last one is a stop for ever"
         p, t_end = wall(F, 1, P=0), int(pi * last) + 20
-        yield _oscillator_case(f"free-decay-{number}", p, (0, x0, 0), t_end, hard, BALANCE, closed)
+        yield _case(f"free-decay-{number}", COULOMB, p, (0, x0, 0), t_end, hard, BALANCE, closed)
+
+
+OSCILLATING = (_slides, _borders, _resonance, _decay)
 
 
 def continuum() -> Iterator[ReferenceCase]:
@@ -545,12 +470,11 @@ def continuum() -> Iterator[ReferenceCase]:
             count = 8 if stays else 0
             closed = [f"t[{i}] = {2 * n * (i + 1)}*pi" for i in range(count)]
             closed += [f"x[{i}] = {d} {'+' if i % 2 else '-'} {show(x_0)}" for i in range(count)]
-            hard = "a continuum of orbits: nothing draws the motion back, so that errors stay" + (
-                "" if stays else "; beyond its end, where the motion stops"
-            )
-            name, t_end = f"continuum-{n}-{number}", Fraction(f"{(8 + 1 / 4) * 2 * n * pi:.6g}")
-            start = (0, Fraction(d) + x_0, 0)
-            yield _oscillator_case(name, wall(F, Omega), start, t_end, hard, CSERNAK, closed, group=CONTINUUM)
+            hard = "a continuum of orbits: nothing draws the motion back, so that errors stay"
+            hard += "" if stays else "; beyond its end, where the motion stops"
+            t_end, start = Fraction(f"{(8 + 1 / 4) * 2 * n * pi:.6g}"), (0, Fraction(d) + x_0, 0)
+            p, name = wall(F, Omega), f"continuum-{n}-{number}"
+            yield _case(name, CONTINUUM, p, start, t_end, hard, CSERNAK, closed, AT_A_TURN)
 
 
 # -- long runs ---------------------------------------------------------------------------------------------------------
@@ -566,12 +490,9 @@ def _long_run_cases() -> Iterator[ReferenceCase]:
         end = scene.t0 + Fraction(f"{(periods + 0.05) * 2 * pi / float(scene.parameters.Omega):.8g}")
         name = f"long-{base}"
         yield ReferenceCase(name, LONG_RUNS, replace(scene, name=name, t_end=end), hard, scene.source)
-    name, start = "long-resonance", Fraction(1, 2) - Fraction("0.4")
-    scene = Scene(name, wall("0.4", 1), Fraction(0), start, Fraction(5), Fraction(630))
-    hard = "200 turning points at undamped resonance, each farther out"
-    yield ReferenceCase(name, LONG_RUNS, scene, hard, BALANCE, ("t[199] = 199*pi + pi/2",))
-    name = "long-continuum"
-    scene = Scene(name, wall("0.1", "1/2"), Fraction(0), Fraction(1, 5) + Fraction(4, 3), Fraction(0), Fraction(1260))
+    hard, closed = "200 turning points at undamped resonance, each farther out", ["t[199] = 199*pi + pi/2"]
+    start = (0, Fraction(1, 2) - Fraction("0.4"), 5)
+    yield _case("long-resonance", LONG_RUNS, wall("0.4", 1), start, 630, hard, BALANCE, closed)
     hard = "200 turning points on a continuum of orbits: errors add up and nothing draws them back"
-    closed = ("x[199] = 1/5 + 4/3", "t[199] = 400*pi")
-    yield ReferenceCase(name, LONG_RUNS, scene, hard, CSERNAK, closed, AT_A_TURN)
+    start, closed = (0, Fraction(1, 5) + Fraction(4, 3), 0), ["x[199] = 1/5 + 4/3", "t[199] = 400*pi"]
+    yield _case("long-continuum", LONG_RUNS, wall("0.1", "1/2"), start, 1260, hard, CSERNAK, closed, AT_A_TURN)

@@ -11,7 +11,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import isfinite, pi, ulp
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from symosc.aliases import Number
 from symosc.crosschecks.events import WINDOW, in_order
@@ -37,18 +37,6 @@ class FoundEvents(NamedTuple):
     x: float
     kind: str
     boundary: int
-
-
-class OfAKind(Protocol):
-    """Protocol of an event with a kind and a boundary, for `align`."""
-
-    @property
-    def kind(self) -> str:
-        """The kind of the event."""
-
-    @property
-    def boundary(self) -> int:
-        """The belt of the event."""
 
 
 @dataclass(frozen=True)
@@ -85,16 +73,15 @@ def compare(found: Iterable[FoundEvents], reference: Sequence[Event], window: fl
     ordered = sorted((event for event in given if isfinite(event.t) and isfinite(event.x)), key=lambda event: event.t)
     times = [float(event.t) for event in reference]
     pairs = align(ordered, reference, times, window)
-    matched_found, matched_reference = {j for _, j in pairs}, {i for i, _ in pairs}
-    unmatched = [i for i in range(len(reference)) if i not in matched_reference]
+    unmatched = set(range(len(reference))) - {i for i, _ in pairs}
     missed = [times[i] for i in unmatched if reference[i].kind != "graze"]
-    invented = [ordered[j].t for j in range(len(ordered)) if j not in matched_found]
+    invented = [ordered[j].t for j in set(range(len(ordered))) - {j for _, j in pairs}]
     return Comparison(
         error_t=max((relative_error(ordered[j].t, reference[i].t, t0) for i, j in pairs), default=None),
         error_x=max((relative_error(ordered[j].x, reference[i].x) for i, j in pairs), default=None),
         matched=len(pairs),
         missed=len(missed),
-        invented=len(invented) + len(given) - len(ordered),
+        invented=len(given) - len(pairs),
         missed_grazes=len(unmatched) - len(missed),
         first_wrong=min(missed + invented, default=None),
     )
@@ -109,11 +96,12 @@ def relative_error(value: Number, exact: Number, start: Number = 0) -> float:
 
 
 def align(
-    found: Sequence[FoundEvents], reference: Sequence[OfAKind], times: Sequence[float], window: float
+    found: Sequence[Any], reference: Sequence[Any], times: Sequence[float], window: float
 ) -> list[tuple[int, int]]:
     """Return the pairs (reference, found) of the best alignment: as many as possible, and of these the nearest."""
-    # `found` is in order of time; `times` are those of the reference, and no pair is farther apart than the window.
-    found_times, pairs = [event.t for event in found], []
+    # Events have a kind and a boundary. Those found have a t, and are in order of it; `times` are those of the
+    # reference, and no pair is farther apart than the window.
+    found_times, pairs = [float(event.t) for event in found], []
     for i, (event, time) in enumerate(zip(reference, times, strict=True)):
         for j in range(bisect_left(found_times, time - window), bisect_right(found_times, time + window)):
             if (found[j].kind, found[j].boundary) == (event.kind, event.boundary):

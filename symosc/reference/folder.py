@@ -7,7 +7,9 @@ import hashlib
 import io
 import json
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from decimal import Context, Decimal, Inexact
 from fractions import Fraction
@@ -18,7 +20,6 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from pebble import ProcessPool
 from tabulate import tabulate
 
 import symosc
@@ -44,7 +45,8 @@ MOST_DIGITS = 400
 CASES_IN_LINE = 8
 START_AND_END = ("t0", "x0", "v0", "t_end")
 TABLE_COLUMNS = ("name", "group", *PARAMETER_NAMES, *START_AND_END, "events", "periods", "condition", "proven")
-EVENT_WORD_COLUMNS = KnownEvent._fields[2:]
+EVENT_COLUMNS = ("t_low", "t_high", "x_low", "x_high", *KnownEvent._fields[2:], "condition")
+CHANGE_COLUMNS = ("event", "wrt", "dt_low", "dt_high", "dx_low", "dx_high", "proven")
 
 
 # -- writing -----------------------------------------------------------------------------------------------------------
@@ -62,121 +64,99 @@ def write_cases(
     wanted = reference_cases() if cases is None else cases
     check_folder(path, _of_an_earlier_run)  # before the work
     texts, rows = {}, []
-    for each in _compute_files(wanted, workers):
-        texts.update(each["texts"])
-        rows.append(each["row"])
-        if progress:
-            progress(1)
-    texts[CASES_TABLE] = _csv_text(TABLE_COLUMNS, rows)
+    in_processes = len(wanted) > CASES_IN_LINE and workers > 1
+    with ProcessPoolExecutor(workers, get_context("spawn")) if in_processes else nullcontext() as pool:
+        for found, row in pool.map(_case_files, wanted) if pool else map(_case_files, wanted):
+            texts.update(found)
+            rows.append(row)
+            if progress:
+                progress(1)
+    texts[CASES_TABLE] = _csv_text(TABLE_COLUMNS, ([row[name] for name in TABLE_COLUMNS] for row in rows))
     texts["README.md"] = _readme_text(rows, max(map(len, texts[CASES_TABLE].splitlines())))
     texts[MANIFEST] = _manifest_text(rows, texts)
     return write_folder(path, texts, _of_an_earlier_run)
 
 
-def _compute_files(cases: Sequence[ReferenceCase], workers: int) -> Iterator[Record]:
-    """Yield the files of each case, computed in `workers` processes."""
-    if len(cases) <= CASES_IN_LINE or workers < 2:
-        yield from map(_case_files, cases)
-        return
-    with ProcessPool(max_workers=workers, context=get_context("spawn")) as pool:
-        yield from pool.map(_case_files, cases).result()
-
-
-def _case_files(case: ReferenceCase) -> Record:
-    """Return the files of a case: "texts" by name, and its "row" in the table of cases."""
-    events = [
-        {"t_low": event.t[0], "t_high": event.t[1], "x_low": event.x[0], "x_high": event.x[1]}
-        | {name: getattr(event, name) for name in EVENT_WORD_COLUMNS}
-        | {"condition": f"{condition:.3g}"}
+def _case_files(case: ReferenceCase) -> tuple[dict[str, str], Record]:
+    """Return the texts of a case's files by their names, and its row in the table of cases."""
+    events = (
+        (*event.t, *event.x, *event[2:], f"{condition:.3g}")
         for event, condition in zip(case.events, case.conditions, strict=True)
-    ]
-    columns = ("t_low", "t_high", "x_low", "x_high", *EVENT_WORD_COLUMNS, "condition")
-    changes = [
-        {
-            "event": i,
-            "wrt": name,
-            "dt_low": each.dt[0],
-            "dt_high": each.dt[1],
-            "dx_low": each.dx[0],
-            "dx_high": each.dx[1],
-        }
-        | {"proven": "yes" if each.proven else "no"}
+    )
+    changes = (
+        (i, name, *each.dt, *each.dx, _yes(each.proven))
         for i, row in enumerate(case.derivatives)
         for name, each in row.items()
-    ]
+    )
     found = {
         CASE_FILE: _toml(case),
-        EVENTS_FILE: _csv_text(columns, events),
-        CHANGES_FILE: _csv_text(("event", "wrt", "dt_low", "dt_high", "dx_low", "dx_high", "proven"), changes),
+        EVENTS_FILE: _csv_text(EVENT_COLUMNS, events),
+        CHANGES_FILE: _csv_text(CHANGE_COLUMNS, changes),
         "trajectory.csv": _csv_text(("t", "x", "v", "mode"), _samples(case)),
         "certificate.json": json.dumps(case.certificate.as_dict(), indent=1) + "\n",
     }
     about = {"name": case.name, "group": case.group, "events": case.count, "periods": case.periods}
-    about |= {"condition": f"{case.condition:.3g}", "proven": "yes" if case.proven else "no"}
+    about |= {"condition": f"{case.condition:.3g}", "proven": _yes(case.proven)}
     about |= case.parameters.as_dict() | {name: exact_text(getattr(case, name)) for name in START_AND_END}
-    return {"texts": {f"{case.name}/{name}": text for name, text in found.items()}, "row": about}
+    return {f"{case.name}/{name}": text for name, text in found.items()}, about
+
+
+def _yes(value: bool) -> str:
+    return "yes" if value else "no"
 
 
 def exact_text(value: Fraction) -> str:
     """Return a number as exact text: all digits of a decimal that ends ("0.125"), else a quotient ("1/3")."""
-    exact = Context(prec=MOST_DIGITS, traps=[Inexact])
-    try:
-        found = exact.divide(Decimal(value.numerator), Decimal(value.denominator))
-    except Inexact:
-        return show(value)
-    return show(value) if "/" not in show(value) else f"{found:f}"
+    if "/" in show(value):
+        exact = Context(prec=MOST_DIGITS, traps=[Inexact])
+        try:
+            return f"{exact.divide(Decimal(value.numerator), Decimal(value.denominator)):f}"
+        except Inexact:
+            pass
+    return show(value)
 
 
-def _csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
+def _csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     text = io.StringIO()
-    writer = csv.DictWriter(text, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
+    csv.writer(text, lineterminator="\n").writerows([columns, *rows])
     return text.getvalue()
 
 
 def _toml(case: ReferenceCase) -> str:
     """Return the file of a case; JSON writes text, whole numbers and lists as TOML does."""
-    scene = case.scene
-    start: Record = {name: exact_text(getattr(scene, name)) for name in START_AND_END[:3]}
-    if scene.start_error is not None:
-        start["start_error"] = [show(error) for error in scene.start_error]
+    start: Record = {name: exact_text(getattr(case, name)) for name in START_AND_END[:3]}
+    if case.scene.start_error is not None:
+        start["start_error"] = [show(error) for error in case.scene.start_error]
     about: Record = {"set_version": SET_VERSION, "group": case.group, "hard": case.hard, "source": case.source}
     about |= {"status": case.status, "reason": case.open, "events": case.count, "periods": case.periods}
     about |= {"condition": float(f"{case.condition:.3g}"), "closed_form": list(case.closed_form)}
-    top: Record = {"name": case.name, "t_end": exact_text(scene.t_end)}
+    top: Record = {"name": case.name, "t_end": exact_text(case.t_end)}
     tables = {"": top, "[parameters]\n": case.parameters.as_dict(), "[start]\n": start, "[reference]\n": about}
     rows = {head: (f"{key} = {json.dumps(value)}\n" for key, value in table.items()) for head, table in tables.items()}
     return "\n".join(head + "".join(lines) for head, lines in rows.items())
 
 
-def _samples(case: ReferenceCase) -> list[Record]:
+def _samples(case: ReferenceCase) -> list[tuple[str, str, str, str]]:
     """Return the rows of a trajectory: equal steps, and two rows at each event."""
     scene = case.scene
     if case.periods:
         shown = Fraction(SHOWN_PERIODS * 2 * pi) / case.parameters.Omega
         scene = replace(scene, t_end=min(scene.t_end, scene.t0 + shown))
-    motion = simulate(scene, digits=GIVEN_DIGITS)
-    span = scene.t_end - scene.t0
+    motion, span = simulate(scene, digits=GIVEN_DIGITS), scene.t_end - scene.t0
     times = [float(scene.t0 + span * i / SAMPLE_STEPS) for i in range(SAMPLE_STEPS + 1)]
     times = [min(max(t, float(motion.t_start)), float(motion.t_end)) for t in times]
-    x, v = motion(times)
-    rows = [
-        (t, 0, *state) for t, *state in zip(times, x.tolist(), v.tolist(), motion.mode(times).tolist(), strict=True)
-    ]
+    states = zip(times, *motion(times).tolist(), motion.mode(times).tolist(), strict=True)
+    rows = [(t, 0, *state) for t, *state in states]
     for i, event in enumerate(motion.events, 1):
-        state = float(event.t), 2 * i, float(event.x), float(event.v)
-        rows += [(*state, event.source), (state[0], 2 * i + 1, *state[2:], event.target)]
+        t, *state = float(event.t), float(event.x), float(event.v)
+        rows += [(t, 2 * i, *state, event.source), (t, 2 * i + 1, *state, event.target)]
     rows.sort(key=lambda row: row[:2])
-    return [{"t": repr(t), "x": f"{x:.15g}", "v": f"{v:.15g}", "mode": mode} for t, _, x, v, mode in rows]
+    return [(repr(t), f"{x:.15g}", f"{v:.15g}", mode) for t, _, x, v, mode in rows]
 
 
 def _readme_text(rows: Sequence[Record], longest: int) -> str:
-    counts = [
-        (group, sum(row["group"] == group for row in rows), hard)
-        for group, hard in CASE_GROUPS.items()
-        if any(row["group"] == group for row in rows)
-    ]
+    groups = [row["group"] for row in rows]
+    counts = [(group, groups.count(group), hard) for group, hard in CASE_GROUPS.items() if group in groups]
     numbers = {
         "VERSION": SET_VERSION,
         "COUNT": len(rows),
@@ -197,10 +177,12 @@ def _readme_text(rows: Sequence[Record], longest: int) -> str:
 
 
 def _manifest_text(rows: Sequence[Record], texts: Mapping[str, str]) -> str:
-    names = ("name", "group", "events", "condition", "proven")
     content: Record = {"format": SET_FORMAT, "set_version": SET_VERSION, "made_by": f"symosc {symosc.__version__}"}
-    numbers = [row | {"condition": float(row["condition"]), "proven": row["proven"] == "yes"} for row in rows]
-    content["cases"] = [{name: row[name] for name in names} for row in numbers]
+    content["cases"] = [
+        {name: row[name] for name in ("name", "group", "events")}
+        | {"condition": float(row["condition"]), "proven": row["proven"] == "yes"}
+        for row in rows
+    ]
     content["files"] = {name: checksum(text.encode()) for name, text in sorted(texts.items())}
     return json.dumps(content, indent=1) + "\n"
 
@@ -213,9 +195,8 @@ def checksum(content: bytes) -> str:
 def _of_an_earlier_run(folder: Path) -> set[str]:
     """Return the files named by a folder's manifest, itself included; none without a manifest."""
     try:
-        content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
-        return {MANIFEST, *content["files"]} if content["format"] == SET_FORMAT else set()
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return {MANIFEST, *_read_manifest(folder)["files"]}
+    except (ResultError, KeyError, TypeError):
         return set()
 
 
@@ -249,8 +230,8 @@ def read_set(path: str | Path) -> tuple[int, Sequence[StoredCase]]:
     folder = Path(read_path(path))
     manifest = _read_manifest(folder)
     try:
-        names = [(entry["name"], manifest["files"]) for entry in manifest["cases"]]
-        return int(manifest["set_version"]), [_read_case(folder, name, sums) for name, sums in names]
+        cases = [_read_case(folder, entry["name"], manifest["files"]) for entry in manifest["cases"]]
+        return int(manifest["set_version"]), cases
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ResultError(str(folder), f"is not a set of reference cases: {type(error).__name__}, {error}") from None
 
@@ -267,41 +248,42 @@ def _read_manifest(folder: Path) -> Record:
     return content
 
 
-def _read_checked(folder: Path, name: str, sums: Record) -> str:
-    try:
-        content = (folder / name).read_bytes()
-    except OSError as error:
-        raise ResultError(str(folder / name), f"cannot be read: {error.strerror or error}") from None
-    if checksum(content) != sums[name]:
-        raise ResultError(str(folder / name), "is not the file that was written: its checksum differs")
-    return content.decode()
-
-
 def _read_case(folder: Path, name: str, sums: Record) -> StoredCase:
-    about = tomllib.loads(_read_checked(folder, f"{name}/{CASE_FILE}", sums))
-    rows = list(csv.DictReader(io.StringIO(_read_checked(folder, f"{name}/{EVENTS_FILE}", sums))))
+    def read(file: str) -> str:
+        path = folder / name / file
+        try:
+            content = path.read_bytes()
+        except OSError as error:
+            raise ResultError(str(path), f"cannot be read: {error.strerror or error}") from None
+        if checksum(content) != sums[f"{name}/{file}"]:
+            raise ResultError(str(path), "is not the file that was written: its checksum differs")
+        return content.decode()
+
+    about, rows = tomllib.loads(read(CASE_FILE)), list(csv.DictReader(io.StringIO(read(EVENTS_FILE))))
     events = tuple(
         KnownEvent(
-            (row["t_low"], row["t_high"]),
-            (row["x_low"], row["x_high"]),
-            row["kind"],
-            int(row["boundary"]),
-            *(row[word] for word in ("source", "target", "word")),
+            (row["t_low"], row["t_high"]), (row["x_low"], row["x_high"]), row["kind"], int(row["boundary"]),
+            row["source"], row["target"], row["word"],
         )
         for row in rows
-    )
-    start, given = about["start"], about["parameters"]
-    v1, v2, Omega = (read_exact(each, given[each]) for each in ("v1", "v2", "Omega"))
-    t0, v0 = (read_exact(each, start[each]) for each in ("t0", "v0"))
-    t_end = read_exact("t_end", about["t_end"])
-    conditions = tuple(float(row["condition"]) for row in rows)
-    reference = about["reference"]
+    )  # fmt: skip
+    numbers = {key: read_exact(key, about["parameters"][key]) for key in ("v1", "v2", "Omega")}
+    numbers |= {key: read_exact(key, about["start"][key]) for key in ("t0", "v0")}
     changes: tuple[dict[str, tuple[float, float]], ...] = tuple({} for _ in rows)
     if f"{name}/{CHANGES_FILE}" in sums:  # older sets have none
-        for row in csv.DictReader(io.StringIO(_read_checked(folder, f"{name}/{CHANGES_FILE}", sums))):
+        for row in csv.DictReader(io.StringIO(read(CHANGES_FILE))):
             changes[int(row["event"])][row["wrt"]] = float(row["dt_low"]), float(row["dx_low"])
     return StoredCase(
-        name, reference["group"], Omega, t0, t_end, v0 in (v1, v2), events, conditions, reference["events"], changes
+        name,
+        about["reference"]["group"],
+        numbers["Omega"],
+        numbers["t0"],
+        read_exact("t_end", about["t_end"]),
+        numbers["v0"] in (numbers["v1"], numbers["v2"]),
+        events,
+        tuple(float(row["condition"]) for row in rows),
+        about["reference"]["events"],
+        changes,
     )
 
 

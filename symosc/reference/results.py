@@ -71,7 +71,11 @@ def read_results(path: str | Path, names: Container[str]) -> Results:
     source = Path(read_path(path))
     if not source.exists():
         raise ResultError(str(source), "does not exist")
-    found = _of_folder(source, names) if source.is_dir() else _of_file(source, None)
+    found: Results = {}
+    for file, name in _files(source, names) if source.is_dir() else [(source, None)]:
+        if name in found:
+            raise ResultError(str(file), f"is the second file with results for {name}")
+        found |= _of_file(file, name)
     for name in found:
         if name not in names:
             raise ResultError(str(source), f"has results for {brief(name)!r}, which is no case of this set")
@@ -82,20 +86,15 @@ def read_results(path: str | Path, names: Container[str]) -> Results:
     return found
 
 
-def _of_folder(folder: Path, names: Container[str]) -> Results:
-    """Return the results in a folder, by case."""
-    found: Results = {}
+def _files(folder: Path, names: Container[str]) -> Iterator[tuple[Path, str]]:
+    """Yield the files in a folder with results of a case, and its name."""
     for path in sorted(folder.iterdir()):
         for file in sorted(path.glob("events.*")) if path.is_dir() else [path]:
             name, suffix = path.name if path.is_dir() else path.name.partition(".")[0], suffix_of(file)
-            if suffix not in SUFFIXES or (name not in names and (name in NO_RESULTS or suffix not in CERTAIN)):
-                continue
-            if name not in names:
+            if suffix in SUFFIXES and name in names:
+                yield file, name
+            elif suffix in CERTAIN and name not in NO_RESULTS:
                 raise ResultError(str(file), f"is named {brief(name)!r}, which is no case of this set")
-            if name in found:
-                raise ResultError(str(file), f"is the second file with results for {name}")
-            found[name] = _of_file(file, name).get(name, CaseResult())
-    return found
 
 
 def _of_file(path: Path, name: str | None) -> Results:
@@ -131,7 +130,8 @@ def _named(names: Iterable[str]) -> dict[str, str]:
 def _columns(names: list[str], needs_case: bool) -> dict[str, str]:
     """Return the columns of a table of events; ParameterError if one is missing."""
     found = _named(names)
-    for what in [*(["case"] if needs_case else []), *([] if {"t_low", "t_high"} <= set(found) else ["t"]), "kind"]:
+    needed = ["case"] * needs_case + ["t"] * (not {"t_low", "t_high"} <= set(found)) + ["kind"]
+    for what in needed:
         if what not in found:
             raise _wrong(f"has no column {what}; its columns are {brief(', '.join(names))}")
     return found
@@ -162,25 +162,24 @@ def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]
             if name is None and "case" not in entry:
                 raise _wrong(f"{place}: has no case")
             yield name or str(entry["case"]), place, entry
-    elif name is None and isinstance(content, dict):
+    elif name is None:
+        if not isinstance(content, dict):
+            raise _wrong("must be an object: names of cases, and their events")
         for case, part in content.items():
             yield from _entries(part, case)
-    elif name is not None and isinstance(content, dict) and isinstance(content.get("events"), (list, dict)):
+    else:
+        if not isinstance(content, dict) or not isinstance(content.get("events"), list | dict):
+            raise _wrong(f"{where}: must be a list of events, or an object with a list 'events'")
         yield name, where, {"kind": FOLLOWED_TO} | {key: content[key] for key in ("seconds",) if content.get(key)}
         yield from _entries(content["events"], name)
-    elif name is None:
-        raise _wrong("must be an object: names of cases, and their events")
-    else:
-        raise _wrong(f"{where}: must be a list of events, or an object with a list 'events'")
 
 
 def _cell(value: Any) -> Any:
     """Return an entry of a library's column as a Python value; None for an empty one."""
     value = value.item() if isinstance(value, np.generic | np.ndarray) and np.size(value) == 1 else value
     value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-    if isinstance(value, str):
-        return value.strip() or None
-    return None if value is None or value != value else value
+    value = value.strip() if isinstance(value, str) else value
+    return None if value is None or value == "" or value != value else value
 
 
 def _add(where: str, result: CaseResult, entry: Record) -> None:
@@ -192,8 +191,8 @@ def _add(where: str, result: CaseResult, entry: Record) -> None:
         result.seconds = max(result.seconds or 0.0, float(seconds))
     kind = str(entry.get("kind", "")).lower()
     if kind not in (*EVENT_WORDS, FOLLOWED_TO):
-        words = ", ".join(EVENT_WORDS)
-        raise _wrong(f"{where}: kind is {brief(kind)!r}, and must be one of {words}, {FOLLOWED_TO}")
+        words = ", ".join((*EVENT_WORDS, FOLLOWED_TO))
+        raise _wrong(f"{where}: kind is {brief(kind)!r}, and must be one of {words}")
     t, x = (_number(where, entry, each) for each in "tx")
     if kind == FOLLOWED_TO:
         result.end = t if result.end is None or t is None else max(t, result.end)

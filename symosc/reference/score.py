@@ -1,26 +1,15 @@
 """Score a solver's events: each case judged event by event, with an error unit set by the problem.
 
-An event of the reference is found if the results have one of the same kind at the same belt within a window (a part of
-the forcing period); `symosc.reference.compare` pairs them in order, as many as possible. One that is left over beside
-an event of another kind or at another belt is a wrong kind. What is left then is missed, or invented.
-
-An error is that of the time, relative to max(1, t - t0), or that of the position, relative to max(1, |x|). Its unit is
-max(1, condition) * 1e-16: what rounding the numbers of the problem to doubles does to that event; for a time it is
-1e-16 |t| if that is more. A case is right if it was followed to its end, nothing is missed, invented or of a wrong
-kind, each event has a position, and each error is at most max(tolerance, 100 units).
-
-The error of a derivative is relative to max(1, |dt|), that of dx to max(1, |x|, |dt|, |dx|), as v dt is a part of it.
-It may be the tolerance, or 100 times condition^2 * 1e-16 if that is more: a derivative has about the square of the
-condition of its event. Those that are not given, and those that do not exist, are not judged.
-
-A graze is a double root: rounding turns it into two contacts or none. So one that is not listed, or stands as a stick
-and a slip or as two crossings within a time sqrt(tolerance)/Omega, is counted apart, and is no fault.
+`formats.txt`, the README of a set of cases, has the rules. `symosc.reference.compare` pairs the events in order, as
+many as possible. What is left over on both sides at one time is an event of a wrong kind, or at another belt; the rest
+is missed, or invented. A derivative has about the square of the condition of its event.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from html import escape
 from math import inf, isfinite, pi, sqrt
 from typing import Any, NamedTuple
@@ -32,15 +21,7 @@ from symosc.crosschecks.events import RETURNS, WINDOW
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.reference.case import KnownEvent
-from symosc.reference.compare import (
-    KIND_WINDOW,
-    ROUNDING_UNIT,
-    SCORE_TOLERANCE,
-    UNITS_ALLOWED,
-    FoundEvents,
-    align,
-    relative_error,
-)
+from symosc.reference.compare import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED, align, relative_error
 from symosc.reference.folder import StoredCase
 from symosc.reference.results import CaseResult, GivenEvent, Results
 
@@ -149,18 +130,17 @@ def judge_case(case: StoredCase, result: CaseResult | None, tolerance: float) ->
         judged.note = "" if result is None else result.note
         return judged
     judged.seconds = result.seconds
-    judge = _Judge(case, judged, tolerance)
-    judge.judge(result.events)
+    _Judge(case, judged, tolerance).judge(result.events)
     end, t_end = result.end, case.t_end
     if end is not None and end < t_end and relative_error(end, t_end, case.t0) > tolerance:
         judged.stopped = float(end)
-        judge._fault("ends early", float(end), f"{float(t_end):.10g}", f"{float(end):.10g}")
+        judged.wrong.append(Wrong("ends early", float(end), f"{float(t_end):.10g}", f"{float(end):.10g}"))
     judged.wrong.sort(key=lambda wrong: wrong.t)
     return judged
 
 
 class _Judge:
-    """The events of a case, with the verdict on each."""
+    """The verdict on the events of a case."""
 
     def __init__(self, case: StoredCase, judged: CaseScore, tolerance: float) -> None:
         self.case, self.judged, self.tolerance = case, judged, tolerance
@@ -168,57 +148,67 @@ class _Judge:
 
     def judge(self, events: Sequence[GivenEvent]) -> None:
         """Judge all events as right or wrong."""
-        found = self._of_last_period(events)
-        placed = [FoundEvents(float(event.t), 0.0, event.kind, self._boundary(event)) for event in found]
-        pairs = align(placed, self.case.events, self.case.times, WINDOW * self.period)
+        case, found = self.case, self._of_last_period(events)
+        placed = [event._replace(boundary=self._boundary(event)) for event in found]
+        pairs = align(placed, case.events, case.times, WINDOW * self.period)
         for i, j in pairs:
             self._found(i, found[j])
-        lost = sorted(set(range(len(self.case.events))) - {i for i, _ in pairs})
+        lost = sorted(set(range(len(case.events))) - {i for i, _ in pairs})
         extra = sorted(set(range(len(found))) - {j for _, j in pairs})
         # Solvers list a start on a belt, which is no event.
-        near = self.tolerance * self.period + ROUNDING_UNIT * UNITS_ALLOWED * abs(float(self.case.t0))
-        if self.case.on_belt and extra and abs(float(found[extra[0]].t - self.case.t0)) <= near:
+        near = self.tolerance * self.period + ROUNDING_UNIT * UNITS_ALLOWED * abs(float(case.t0))
+        if case.on_belt and extra and abs(float(found[extra[0]].t - case.t0)) <= near:
             extra = extra[1:]
-        lost, extra = self._grazes(lost, extra, found)
-        lost, extra = self._kinds(lost, extra, found)
-        for i in lost:
-            self._fault("missed", self.case.times[i], _event_text(self.case.events[i]), "")
-        for j in extra:
+        # A graze may be left out, or stand as two contacts.
+        reach = sqrt(self.tolerance) / float(case.Omega)
+        for i in [i for i in lost if case.events[i].kind == "graze"]:
+            lost.remove(i)
+            close = [j for j in extra if abs(float(found[j].t) - case.times[i]) <= reach]
+            belts = {found[j].boundary for j in close} <= {0, case.events[i].boundary}
+            if belts and tuple(found[j].kind for j in close) in RETURNS:
+                extra = [j for j in extra if j not in close]
+        # The others that are together are of a wrong kind.
+        times, other = [case.times[i] for i in lost], [found[j]._replace(kind="", boundary=0) for j in extra]
+        unknown = [GivenEvent(Fraction(0), None, "", 0)] * len(lost)
+        wrong = [(lost[i], extra[j]) for i, j in align(other, unknown, times, KIND_WINDOW * self.period)]
+        for i, j in wrong:
+            self._fault("wrong kind", case.times[i], _event_text(case.events[i]), _event_text(found[j]))
+        for i in sorted(set(lost) - {i for i, _ in wrong}):
+            self._fault("missed", case.times[i], _event_text(case.events[i]), "")
+        for j in sorted(set(extra) - {j for _, j in wrong}):
             self._fault("invented", float(found[j].t), "", _event_text(found[j]))
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
         """Return the events that are compared one by one; those before them only count."""
-        if self.case.count == len(self.case.events):
+        uncompared = self.case.count - len(self.case.events)
+        if not uncompared:
             return events
         begin = self.case.times[0] - WINDOW * self.period
         last = [event for event in events if event.t > begin]
-        before, wanted = len(events) - len(last), self.case.count - len(self.case.events)
-        for name, number in (("missed", wanted - before), ("invented", before - wanted)):
-            if before and number > 0:
-                setattr(self.judged, name, number)
-                what = f"{number} events" if number > 1 else "an event"
-                wrong = Wrong(name, begin, *((what, "") if name == "missed" else ("", what)))
-                self.judged.wrong.append(wrong)
+        before = len(events) - len(last)
+        if before and before != uncompared:
+            missed, number = before < uncompared, abs(before - uncompared)
+            what = f"{number} events" if number > 1 else "an event"
+            self._fault("missed" if missed else "invented", begin, *((what, "") if missed else ("", what)), number)
         return last
 
     def _boundary(self, event: GivenEvent) -> int:
         """Return the belt of an event; where it is not given, that of the nearest event of its kind."""
-        if event.boundary:
-            return event.boundary
         same = [i for i, known in enumerate(self.case.events) if known.kind == event.kind]
-        nearest = min(same, key=lambda i: abs(self.case.times[i] - float(event.t)), default=None)
-        return 0 if nearest is None else self.case.events[nearest].boundary
+        if event.boundary or not same:
+            return event.boundary
+        return self.case.events[min(same, key=lambda i: abs(self.case.times[i] - float(event.t)))].boundary
 
     def _found(self, i: int, event: GivenEvent) -> None:
         """Measure the error of a matched event."""
-        known, condition, judged = self.case.events[i], self.case.conditions[i], self.judged
+        known, judged = self.case.events[i], self.judged
         t, x = known.middle
         errors = [relative_error(event.t, t, self.case.t0)]
         if known.kind == "graze":
             judged.grazes_found += 1
             allowed = [sqrt(self.tolerance)]
         else:
-            unit = max(1.0, condition) * ROUNDING_UNIT
+            unit = max(1.0, self.case.conditions[i]) * ROUNDING_UNIT
             of_clock = ROUNDING_UNIT * float(abs(t)) / max(1.0, float(t - self.case.t0))
             units = [max(unit, of_clock), unit]
             judged.error_t = max(judged.error_t or 0.0, errors[0])
@@ -232,8 +222,7 @@ class _Judge:
         self._derivatives(i, event)
         late = [pair for pair in zip(errors, allowed, strict=False) if pair[0] > pair[1]]
         if late:
-            error, limit = max(late)
-            what = f"{_event_text(known)}, error {error:.1e}, allowed {limit:.1e}"
+            what = "{}, error {:.1e}, allowed {:.1e}".format(_event_text(known), *max(late))
             self._fault("error", float(t), what, _event_text(event))
 
     def _derivatives(self, i: int, event: GivenEvent) -> None:
@@ -257,39 +246,9 @@ class _Judge:
             what = f"{worst[1]} of {_event_text(known)}, error {worst[0]:.1e}, allowed {allowed:.1e}"
             judged.wrong.append(Wrong("derivative", self.case.times[i], what, ""))
 
-    def _grazes(self, lost: list[int], extra: list[int], found: Sequence[GivenEvent]) -> tuple[list[int], list[int]]:
-        """Remove unlisted grazes, and the contacts that replace one."""
-        reach = sqrt(self.tolerance) / float(self.case.Omega)
-        for i, event in enumerate(self.case.events):
-            if event.kind == "graze" and i in lost:
-                lost = [each for each in lost if each != i]
-                near = [j for j in extra if abs(float(found[j].t) - self.case.times[i]) <= reach]
-                belts = {found[j].boundary for j in near} <= {0, event.boundary}
-                if belts and tuple(found[j].kind for j in near) in RETURNS:
-                    extra = [j for j in extra if j not in near]
-        return lost, extra
-
-    def _kinds(
-        self, lost: Sequence[int], extra: Sequence[int], found: Sequence[GivenEvent]
-    ) -> tuple[list[int], list[int]]:
-        """Pair the remaining events regardless of kind, as events of a wrong kind."""
-        times = [self.case.times[i] for i in lost]
-        known = [FoundEvents(t, 0.0, "", 0) for t in times]
-        pairs = align(
-            [FoundEvents(float(found[j].t), 0.0, "", 0) for j in extra], known, times, KIND_WINDOW * self.period
-        )
-        for i, j in pairs:
-            wanted, event = self.case.events[lost[i]], found[extra[j]]
-            self._fault("wrong kind", times[i], _event_text(wanted), _event_text(event))
-        left, right = {i for i, _ in pairs}, {j for _, j in pairs}
-        return [each for i, each in enumerate(lost) if i not in left], [
-            each for j, each in enumerate(extra) if j not in right
-        ]
-
-    def _fault(self, fault: str, t: float, wanted: str, found: str) -> None:
+    def _fault(self, fault: str, t: float, wanted: str, found: str, count: int = 1) -> None:
         name = {"wrong kind": "kinds", "error": "late"}.get(fault, fault)
-        if name in ("missed", "invented", "kinds", "late"):
-            setattr(self.judged, name, getattr(self.judged, name) + 1)
+        setattr(self.judged, name, getattr(self.judged, name) + count)
         self.judged.wrong.append(Wrong(fault, t, wanted, found))
 
 

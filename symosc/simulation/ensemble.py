@@ -42,7 +42,6 @@ from symosc.engine.state import (
     END,
     FULL,
     MOVED,
-    NEEDS_DIGITS,
     ON_BELT,
     REST,
     RUNNING,
@@ -220,7 +219,7 @@ class Chunk:
 
     def _remove_undecided(self) -> list[int]:
         """Return the motions that ended undecided, and remove their tally."""
-        members: list[int] = np.flatnonzero(np.isin(self.batch.codes, NEEDS_DIGITS)).tolist()
+        members: list[int] = np.flatnonzero(self.batch.codes <= UNDECIDED).tolist()
         if self._keep and members:
             store_tallies(self.tally, members, self._keep(self._first + np.array(members), self._starts[members]))
         return members
@@ -272,7 +271,7 @@ class Chunk:
             further, counted = Batch(*(column[active] for column in batch)), select_tallies(tally, active)
             if len(active):
                 found = joined(self._in_doubles(further, counted))
-                doubtful = np.isin(further.codes, NEEDS_DIGITS)
+                doubtful = further.codes <= UNDECIDED
                 decided = ~doubtful[found.ints[0]]
                 found.ints[0] = active[found.ints[0]]
                 yield EventRows(found.floats[:, decided], found.ints[:, decided])

@@ -16,7 +16,7 @@ import numpy as np
 
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import STATE_WIDTH, Batch, batch_of, row_of
-from symosc.engine.constant_table import constant_table, table_of
+from symosc.engine.constant_table import ConstantRows, constant_table, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, start_rows
 from symosc.errors import ParameterError
 from symosc.exact import LARGEST, show, unmasked
@@ -286,7 +286,8 @@ class Problems:
         )
         unclear |= (t_end.hi - t0.hi) * Omega.hi > 6.0 * MOST_PERIODS  # near the end of what is followed at all
         times = np.broadcast_arrays(t0.hi, t0.lo, t_end.hi, t_end.lo, t0.hi)
-        states, small_force = start_rows(at, theta.hi, x0.hi, v0.hi, times, table.view(np.recarray))
+        K = ConstantRows(table)[0] if len(table) == 1 else table.view(np.recarray)
+        states, small_force = start_rows(at, theta.hi, x0.hi, v0.hi, times, K)
         return states, unclear | small_force | bool(self.start_error)
 
     def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:

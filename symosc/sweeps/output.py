@@ -22,7 +22,6 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 import symosc
-from symosc.aliases import Record
 from symosc.display.drawable import Drawable
 from symosc.errors import MissingExtraError, OutputError, SweepError
 from symosc.exact import show
@@ -30,7 +29,7 @@ from symosc.files import STDOUT, read_path
 from symosc.quantities import QUANTITIES
 from symosc.scenes import Scene
 from symosc.simulation.tables import SUMMARY_COLUMNS
-from symosc.sweeps.plan import SET_AXIS, SWEPT_STARTS, Coordinate, SweepPlan
+from symosc.sweeps.plan import SET_AXIS, START_AXIS, SWEPT_STARTS, Coordinate, SweepPlan
 from symosc.sweeps.store import DRAFT, Columns, remove
 
 if TYPE_CHECKING:
@@ -38,14 +37,13 @@ if TYPE_CHECKING:
 
 #: The attribute by which a Dataset has what is ours.
 ACCESSOR = "symosc"
-PLAN_ATTRIBUTE, CALL_ATTRIBUTE = "plan", "call"
 NETCDF_ENGINE: Literal["h5netcdf"] = "h5netcdf"
 #: The first line of a CSV file: the attributes and the types of the columns, as JSON.
 COMMENT = "# "
-CHECKSUM_ATTRIBUTE, NO_CHECKSUM = "sha256", "0" * 64
-CHECKSUM_FORM, PLAN_FORM = (
-    re.compile(name.encode() + rb'"?: "?([0-9a-f]{64})') for name in (CHECKSUM_ATTRIBUTE, PLAN_ATTRIBUTE)
-)
+NO_CHECKSUM = "0" * 64
+PLAN_FORM, CHECKSUM_FORM = (re.compile(name + rb'"?: "?([0-9a-f]{64})') for name in (b"plan", b"sha256"))
+#: What follows the HDF5 part of a netCDF file.
+NETCDF_END = "\nplan: {}\nsha256: {}\n"
 SECTION_NAMES = ("period", "component")
 #: Files of a zarr group that is a sweep's.
 ZARR_NAMES = "|".join((*SUMMARY_COLUMNS, *QUANTITIES, *SECTION_NAMES))
@@ -80,65 +78,61 @@ class SweptDataset(Drawable):
     @property
     def call(self) -> str:
         """The call of `sweep` that gives this result again, as Python source."""
-        return str(self.dataset.attrs.get(CALL_ATTRIBUTE, ""))
+        return str(self.dataset.attrs.get("call", ""))
 
 
-def dataset_of(plan: SweepPlan, columns: dict[str, np.ndarray], given: Record) -> xarray.Dataset:
-    """Return the result from columns over all cells, in C order, and the arguments `over` and `starts` as given."""
-    grid = plan.grid
+def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
+    """Return the result from columns over all cells, in C order."""
+
+    def about(name: str, dimension: str) -> dict[str, str]:
+        units = {"units": "1"} if dimension == "1" else {"dimension": dimension} if dimension else {}
+        return {"long_name": name} | units
+
     variables = {}
     for name in plan.column_names:
-        values = columns[name].reshape(*grid.shape, *columns[name].shape[1:])
-        dimensions = (*grid.sizes, "period", "component") if name == "section" else tuple(grid.sizes)
-        variables[name] = (dimensions, values, _about_column(*SUMMARY_COLUMNS[name]))
+        values = columns[name].reshape(*plan.sizes.values(), *columns[name].shape[1:])
+        dimensions = (*plan.sizes, *SECTION_NAMES) if name == "section" else tuple(plan.sizes)
+        variables[name] = (dimensions, values, about(*SUMMARY_COLUMNS[name]))
     coordinates: dict[str, Any] = {
-        name: (each.dimension, each.values, _about_column(*QUANTITIES[name][:2]))
-        for name, each in grid.coordinates.items()
+        name: (each.dimension, each.values, about(*QUANTITIES[name][:2])) for name, each in plan.coordinates.items()
     }
     if plan.sections:
         coordinates |= {"period": np.arange(-plan.sections, 0), "component": ["x", "v"]}
     attributes = {
-        "title": f"Sweep of {plan.scene.name} over {', '.join(grid.coordinates)}",
+        "title": f"Sweep of {plan.scene.name} over {', '.join(plan.coordinates)}",
         "source": f"symosc {symosc.__version__}, kernels {plan.content['kernels']}",
         "scene": json.dumps(plan.content["parameters"] | plan.content["start"]),
-        CALL_ATTRIBUTE: call_text(plan, given),
-        PLAN_ATTRIBUTE: plan.key,
+        "call": _call_text(plan),
+        "plan": plan.key,
     }
     return need_xarray().Dataset(variables, coordinates, attributes)
 
 
-def _about_column(name: str, dimension: str) -> dict[str, str]:
-    units = {"units": "1"} if dimension == "1" else {"dimension": dimension} if dimension else {}
-    return {"long_name": name} | units
-
-
-def call_text(plan: SweepPlan, given: Record) -> str:
+def _call_text(plan: SweepPlan) -> str:
     """Return the call of `sweep` that gives this result again, as Python source; large inputs stand by their names."""
-    over: Any = given["over"]
-    coordinates = plan.grid.coordinates
-    if plan.grid.is_table():
-        names = [name for name, each in coordinates.items() if each.dimension == SET_AXIS]
-        written = f"[{{name: float(dataset[name][i]) for name in {names}}} for i in range(dataset.sizes['set'])]"
+    over = {name: each for name, each in plan.coordinates.items() if each.dimension != START_AXIS}
+    if SET_AXIS in plan.sizes:
+        written = f"[{{name: float(dataset[name][i]) for name in {[*over]}}} for i in range(dataset.sizes['set'])]"
     else:
-        axes = {name: _axis_text(name, over[name], coordinates[name]) for name in over}
-        written = "{" + ", ".join(f"{name!r}: {text}" for name, text in axes.items()) + "}"
-    options = [f"record={plan.record_names!r}", f"t_end={str(plan.t_end)!r}", f"skip={str(plan.skip)!r}"]
-    if given["starts"] is not None:
-        rows = np.stack([coordinates[name].values for name in SWEPT_STARTS], axis=-1).tolist()
+        written = "{" + ", ".join(f"{name!r}: {_axis_text(name, axis)}" for name, axis in over.items()) + "}"
+    record = tuple(f"{name}:{plan.sections}" if name == "section" else name for name in plan.record)
+    options = [f"record={record!r}", f"t_end={str(plan.t_end)!r}", f"skip={str(plan.skip)!r}"]
+    if START_AXIS in plan.sizes:
+        rows = np.stack([plan.coordinates[name].values for name in SWEPT_STARTS], axis=-1).tolist()
         options.append(f"starts={rows!r}")
     return f"sweep({_scene_text(plan.scene)}, {written}, {', '.join(options)})"
 
 
-def _axis_text(name: str, given: Any, coordinate: Coordinate) -> str:
-    if isinstance(given, str):
-        return repr(given)
+def _axis_text(name: str, axis: Coordinate) -> str:
+    """Return the values of an axis as Python source."""
+    if axis.text:
+        return repr(axis.text)
     # Axes with more values are not written out in the call; the coordinates have them.
-    if len(coordinate.values) > 2000:
-        return f"dataset[{name!r}].values"
-    return repr(coordinate.values.tolist())
+    return f"dataset[{name!r}].values" if len(axis.values) > 2000 else repr(axis.values.tolist())
 
 
 def _scene_text(scene: Scene) -> str:
+    """Return a scene as Python source."""
     parameters = ", ".join(f"{name}={text!r}" for name, text in scene.parameters.as_dict().items())
     start = ", ".join(f"{name}={show(getattr(scene, name))!r}" for name in (*SWEPT_STARTS, "t_end"))
     if scene.start_error is not None:
@@ -164,31 +158,24 @@ def output_path(path: Any) -> Path:
 
 def plan_of(path: Path, to_replace: bool = False) -> str | None:
     """Return the name of the plan that a finished output belongs to; None if there is no output."""
-    # SweepError if there is something else.
+    # SweepError if there is something else. The libraries, which do not fail well, are not asked.
     if not os.path.lexists(path):
         return None
-    try:
-        found = PLAN_FORM.findall(_about(path)) if path.is_file() or path.is_dir() else []
-    except OSError:
-        found = []
+    found, place, ending = list[bytes](), _text_file(path), path.suffix.lower()
+    if place.is_file():
+        with suppress(OSError), place.open("rb") as file:
+            if ending == ".nc":
+                size = len(NETCDF_END.format(NO_CHECKSUM, NO_CHECKSUM))
+                file.seek(-min(size, file.seek(0, os.SEEK_END)), os.SEEK_END)
+            found = PLAN_FORM.findall(file.readline(1 << 24) if ending == ".csv" else file.read())
     if not found or (to_replace and not all(map(ZARR_FORM.fullmatch, _files_in(path)))):
         raise SweepError(f"{path} exists and is no output of a sweep: name another file")
-    return str(found[-1].decode())
+    return found[-1].decode()
 
 
-def _about(path: Path) -> bytes:
-    """Return the part of an output that has the plan; without the libraries, which do not fail well."""
-    suffix = path.suffix.lower()
-    with (path / "zarr.json" if suffix == ".zarr" else path).open("rb") as file:
-        if suffix == ".nc":
-            size = len(_end_of_netcdf(NO_CHECKSUM, NO_CHECKSUM))
-            file.seek(-min(size, file.seek(0, os.SEEK_END)), os.SEEK_END)
-        return file.readline(1 << 24) if suffix == ".csv" else file.read()
-
-
-def _end_of_netcdf(plan: str, checksum: str) -> bytes:
-    """Return what follows the HDF5 part of a netCDF file."""
-    return f"\n{PLAN_ATTRIBUTE}: {plan}\n{CHECKSUM_ATTRIBUTE}: {checksum}\n".encode()
+def _text_file(path: Path) -> Path:
+    """Return the file that holds the plan and the checksum."""
+    return path / "zarr.json" if path.is_dir() else path
 
 
 def _files_in(path: Path) -> dict[str, Path]:
@@ -212,9 +199,9 @@ def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
     draft = folder / f"{DRAFT}{suffix}"
     try:
         remove(draft)
-        WRITERS[suffix](dataset.assign_attrs({CHECKSUM_ATTRIBUTE: NO_CHECKSUM}), draft)
+        WRITERS[suffix](dataset.assign_attrs({"sha256": NO_CHECKSUM}), draft)
         checksum, _, begin = _checksum(draft)
-        with _checksum_place(draft).open("r+b") as file:
+        with _text_file(draft).open("r+b") as file:
             file.seek(begin)
             file.write(checksum.encode())
         for each in (*_files_in(draft).values(), *filter(Path.is_dir, draft.rglob("*")), draft):
@@ -240,14 +227,9 @@ def _to_disk(path: Path) -> None:
             os.close(handle)
 
 
-def _checksum_place(path: Path) -> Path:
-    """Return the file that holds the checksum."""
-    return path / "zarr.json" if path.is_dir() else path
-
-
 def _checksum(path: Path) -> tuple[str, str, int]:
     """Return the checksum of a file or a folder, the one that it has ("" if none), and where in its file that is."""
-    place, stated, begin, found = _checksum_place(path), "", 0, sha256()
+    place, stated, begin, found = _text_file(path), "", 0, sha256()
     for name, file in (_files_in(path) or {"": path}).items():
         content = memoryview(file.read_bytes())
         found.update(f"{name} {len(content)}\n".encode())
@@ -261,30 +243,34 @@ def _checksum(path: Path) -> tuple[str, str, int]:
     return found.hexdigest(), stated, begin
 
 
+# -- formats -----------------------------------------------------------------------------------------------------------
+
+
 def _write_netcdf(dataset: xarray.Dataset, draft: Path) -> None:
     """Write a netCDF file, made in memory: on a full disk HDF5 ends the program with a segmentation fault."""
     import h5netcdf
 
     content = BytesIO()
-    checksum = dataset.attrs.pop(CHECKSUM_ATTRIBUTE)
+    checksum = dataset.attrs.pop("sha256")
     checked = {name: {"fletcher32": True} for name, each in dataset.items() if each.dtype.kind != "U"}
     with h5netcdf.File(content, "w") as file:
         store = need_xarray().backends.H5NetCDFStore(file)
         dataset.dump_to_store(store, encoding=checked)
         store.sync()
     content.seek(0, os.SEEK_END)
-    content.write(_end_of_netcdf(dataset.attrs[PLAN_ATTRIBUTE], checksum))
+    content.write(NETCDF_END.format(dataset.attrs["plan"], checksum).encode())
     draft.write_bytes(content.getbuffer())
 
 
 def _write_zarr(dataset: xarray.Dataset, draft: Path) -> None:
+    """Write a zarr group."""
     from zarr.codecs import Crc32cCodec, ZstdCodec
 
     plain = dataset.copy()
-    checked = {name: {"compressors": (ZstdCodec(), Crc32cCodec())} for name in dataset.variables}
     for name, variable in dataset.variables.items():
         if variable.dtype.kind == "U":  # texts of fixed width have no place in zarr's specification yet
             plain[name] = variable.astype(object)
+    checked = {name: {"compressors": (ZstdCodec(), Crc32cCodec())} for name in dataset.variables}
     with warnings.catch_warnings():
         # Readers expect the metadata in one piece, which is not in zarr's specification yet either.
         warnings.filterwarnings("ignore", message="Consolidated metadata|.*not part in the Zarr format 3")
@@ -292,46 +278,39 @@ def _write_zarr(dataset: xarray.Dataset, draft: Path) -> None:
 
 
 def _write_csv(dataset: xarray.Dataset, draft: Path) -> None:
-    frame = _flat(dataset).to_dataframe().reset_index()
-    kept = [name for name in frame.columns if name in dataset.coords or name not in dataset.dims]
+    """Write a row for each cell; each point of a section is two columns."""
     kinds = {str(name): "U" if each.dtype.kind == "U" else str(each.dtype) for name, each in dataset.items()}
-    head = json.dumps(dataset.attrs | {"types": kinds})
+    flat = dataset.drop_vars(["section", *SECTION_NAMES], errors="ignore")
+    for i in range(dataset.sizes.get("period", 0)):
+        for j, component in enumerate("xv"):
+            flat[f"section_{component}_{i}"] = dataset["section"].isel(period=i, component=j, drop=True)
+    frame = flat.to_dataframe().reset_index()
+    kept = [name for name in frame.columns if name in dataset.coords or name not in dataset.dims]
     with draft.open("w", encoding="utf-8", newline="") as file:
-        file.write(f"{COMMENT}{head}\n")
+        file.write(f"{COMMENT}{json.dumps(dataset.attrs | {'types': kinds})}\n")
         frame[kept].to_csv(file, index=False, lineterminator="\n", na_rep="nan")
 
 
-def _flat(dataset: xarray.Dataset) -> xarray.Dataset:
-    """Return a dataset without sections in it: each of their points is two columns."""
-    if "section" not in dataset:
-        return dataset
-    flat = dataset.drop_vars(["section", *SECTION_NAMES])
-    for i in range(dataset.sizes["period"]):
-        for j, component in enumerate("xv"):
-            flat[f"section_{component}_{i}"] = dataset["section"].isel(period=i, component=j, drop=True)
-    return flat
-
-
-def _read_dataset(path: Path, **options: Any) -> Columns:
-    with need_xarray().open_dataset(path, **options) as dataset:
-        dimensions = dataset["status"].dims
-        cells = int(np.prod([dataset.sizes[name] for name in dimensions]))
-        columns = {}
+def _read_dataset(path: Path, engine: Any) -> Columns:
+    """Return the columns of a netCDF file or a zarr group."""
+    columns: Columns = {}
+    with need_xarray().open_dataset(path, engine=engine) as dataset:
+        count, cells = dataset["status"].ndim, dataset["status"].size
         for name, variable in dataset.data_vars.items():
-            values = variable.values.reshape(cells, *variable.shape[len(dimensions) :])
+            values = variable.values.reshape(cells, *variable.shape[count:])
             columns[str(name)] = np.array(values.tolist()) if values.dtype.kind in "OT" else values
-        return columns
+    return columns
 
 
 def _read_csv(path: Path) -> Columns:
+    """Return the columns of a CSV file."""
     with path.open(encoding="utf-8") as file:
         head = json.loads(file.readline().removeprefix(COMMENT))
     from pandas import read_csv
 
     frame = read_csv(path, skiprows=1, dtype=str, na_filter=False)  # as text: numpy reads every digit
     text = {str(name): np.array(frame[name].tolist()) for name in frame.columns}
-    points = sum(name.startswith("section_x_") for name in text)
-    if points:
+    if points := sum(name.startswith("section_x_") for name in text):
         pairs = [[text[f"section_{component}_{i}"] for component in "xv"] for i in range(points)]
         text["section"] = np.moveaxis(np.array(pairs), -1, 0)
     return {name: text[name].astype(kind) for name, kind in head["types"].items()}

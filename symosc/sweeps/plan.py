@@ -22,10 +22,10 @@ import numpy as np
 import symosc
 from symosc.aliases import Record
 from symosc.errors import ParameterError, SweepError, meant
-from symosc.exact import read_exact, show, unmasked, whole_number
-from symosc.model import PARAMETER_NAMES
+from symosc.exact import LARGEST, read_exact, show, unmasked, whole_number
+from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.quantities import read_number
-from symosc.scenes import START_NAMES, Scene, forcing_periods
+from symosc.scenes import START_NAMES, Scene, forcing_periods, from_rest, load_scene, not_reduced_error
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.tables import SUMMARY_COLUMNS
@@ -46,61 +46,190 @@ DECISIVE = ("kernels", "engine", "simulation", "exact.py", "model.py")
 
 
 class Coordinate(NamedTuple):
-    """Values of one parameter or start value along one dimension."""
+    """Values of one parameter or start value along one dimension, and the text "LO:HI:N" if they were given so."""
 
     dimension: str
     values: np.ndarray
+    text: str = ""
 
 
-class Grid:
-    """The cells of a sweep, in C order of its dimensions, which have the lengths `sizes`."""
+Coordinates = dict[str, Coordinate]
 
-    # Values are doubles, each read as the decimal that it prints as: a coordinate of the result says exactly what was
-    # computed. What is not swept stays exact.
 
-    def __init__(self, coordinates: dict[str, Coordinate]) -> None:
-        self.coordinates = coordinates
-        self.sizes = {each.dimension: len(each.values) for each in coordinates.values()}
-        self.shape = tuple(self.sizes.values())
+@dataclass(frozen=True)
+class Duration:
+    """A time: a number, or whole or fractional periods of the forcing, which are another time for each Omega."""
+
+    value: Fraction
+    periods: bool = False
+
+    def __str__(self) -> str:
+        return f"{show(self.value)}{'T' * self.periods}"
+
+    def times(self, period: Any) -> Any:
+        """Return the duration as a time for each period."""
+        return float(self.value) * period if self.periods else self.value
+
+
+@dataclass(frozen=True, eq=False)
+class SweepPlan:
+    """A sweep with all settings that decide its numbers; its cells are in C order of the dimensions."""
+
+    # Swept values are doubles, each read as the decimal that it prints as: a coordinate of the result says exactly what
+    # was computed. What is not swept stays exact. Periods of `t_end` count from the start of each motion; `skip` is
+    # left out of it from its start on.
+
+    scene: Scene  # what is not swept
+    coordinates: Coordinates
+    record: tuple[str, ...]  # columns of summaries
+    sections: int  # points of a section, 0 if none is recorded
+    t_end: Duration
+    skip: Duration
+
+    @cached_property
+    def sizes(self) -> dict[str, int]:
+        """The dimensions and their lengths."""
+        return {each.dimension: len(each.values) for each in self.coordinates.values()}
 
     def __len__(self) -> int:
-        return math.prod(self.shape)
+        return math.prod(self.sizes.values())
 
-    def columns(self, begin: int, end: int) -> dict[str, np.ndarray]:
+    def cells(self, begin: int, end: int) -> dict[str, np.ndarray]:
         """Return the swept values of the cells from `begin` up to `end`."""
-        places = np.unravel_index(np.arange(begin, end), self.shape)
+        places = np.unravel_index(np.arange(begin, end), tuple(self.sizes.values()))
         where = dict(zip(self.sizes, places, strict=True))
-        return {name: values[where[dimension]] for name, (dimension, values) in self.coordinates.items()}
+        return {name: each.values[where[each.dimension]] for name, each in self.coordinates.items()}
 
-    def is_table(self) -> bool:
-        """Return whether the rows of a table are swept."""
-        return SET_AXIS in self.sizes
+    @property
+    def column_names(self) -> tuple[str, ...]:
+        """The columns of a chunk: those that are recorded, and always the status."""
+        return tuple(dict.fromkeys((*self.record, "status")))
+
+    @cached_property
+    def content(self) -> Record:
+        """Everything that the numbers depend on, as plain data; of the swept values a hash."""
+        swept = [  # in order, which is that of the dimensions
+            [name, each.dimension, len(each.values), hashlib.sha256(each.values.tobytes()).hexdigest()]
+            for name, each in self.coordinates.items()
+        ]
+        errors = self.scene.start_error
+        return {
+            "symosc": symosc.__version__,
+            "kernels": kernels_hash(),
+            "parameters": self.scene.parameters.as_dict(),
+            "start": {name: show(getattr(self.scene, name)) for name in SWEPT_STARTS},
+            "start_error": None if errors is None else [show(each) for each in errors],
+            "swept": swept,
+            "record": list(self.record),
+            "sections": self.sections,
+            "t_end": str(self.t_end),
+            "skip": str(self.skip),
+        }
+
+    @cached_property
+    def key(self) -> str:
+        """The plan's name: a hash of its content."""
+        return hashlib.sha256(json.dumps(self.content, sort_keys=True).encode()).hexdigest()
+
+    def call(self, begin: int, end: int) -> Record:
+        """Return the arguments of `simulate_many` that compute the cells from `begin` up to `end`."""
+        swept = self.cells(begin, end)
+        p: Record = {name: swept.get(name, getattr(self.scene.parameters, name)) for name in PARAMETER_NAMES}
+        starts = {name: swept.get(name, getattr(self.scene, name)) for name in SWEPT_STARTS}
+        period = 2 * math.pi / np.asarray(p["Omega"], dtype=float)
+        t_end = self.t_end.times(period)
+        return {
+            "parameters": p,
+            "starts": starts,
+            "t_end": np.asarray(starts["t0"], dtype=float) + t_end if self.t_end.periods else t_end,
+            "record": self.column_names,
+            "skip": self.skip.times(period),
+            "sections": self.sections,
+            "start_error": self.scene.start_error,
+        }
 
 
-def read_grid(scene: Scene, over: Any, starts: Any = None) -> Grid:
-    """Return the cells of a sweep: of its axes by name, or the rows of a table, each from every row of `starts`."""
+def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
+    """Make the call of a chunk, in any process; return its columns and the processor seconds."""
+    # SweepError unless the sources here have the hash `kernels`: a worker with another version of symosc.
+    if kernels != kernels_hash():
+        raise SweepError("a worker has another version of symosc than this program")
+    wall, processor = perf_counter(), process_time()
+    columns: dict[str, np.ndarray] = simulate_many(**call, workers=workers).columns()
+    if "word" in columns:
+        columns["word"] = cycles(columns["word"])
+    threads = workers or os.cpu_count() or 1
+    # Other programs make the first too long, other threads of this one the second.
+    return columns, min((perf_counter() - wall) * threads, process_time() - processor)
+
+
+def cycles(words: np.ndarray) -> np.ndarray:
+    """Return words with all rotations of a cycle, such as P32 and P23, made equal: the largest in text order."""
+    # Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
+    # shows borders only where the cycle itself changes.
+    texts, places = np.unique(words, return_inverse=True)
+    return np.array([cycle(str(text)) for text in texts])[places]
+
+
+@cache
+def kernels_hash() -> str:
+    """Return a hash of the sources that decide the numbers of a motion."""
+    root, digest = Path(symosc.__file__).parent, hashlib.sha256()
+    for path in map(root.joinpath, DECISIVE):
+        for source in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+            digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+# -- reading the arguments of a sweep ----------------------------------------------------------------------------------
+
+
+def read_plan(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: Any = None) -> SweepPlan:
+    """Return the plan of a call of `sweep`."""
+    if isinstance(scene, Parameters):
+        if t_end is None:
+            raise ParameterError("t_end", None, "is needed with parameters")
+        problem = from_rest(scene, LARGEST)  # `t_end` may be in forcing periods, and later than other starts
+    else:
+        problem = scene if isinstance(scene, Scene) else load_scene(scene)
+        if problem.original is not None:
+            raise not_reduced_error(problem)
+    starts = _start_rows(starts)
+    if starts is not None and np.ndim(np.asarray(starts, dtype=object)) == 1 and len(starts) == 3:
+        problem, starts = problem.started(dict(zip(SWEPT_STARTS, starts, strict=True))), None
+    coordinates = read_coordinates(problem, over, starts)
+    columns, sections = _read_record(record)
+    end = Duration(problem.t_end) if t_end is None else read_duration("t_end", t_end)
+    plan = SweepPlan(problem, coordinates, columns, sections, end, read_duration("skip", skip))
+    _check_times(plan)
+    return plan
+
+
+def read_coordinates(scene: Scene, over: Any, starts: Any = None) -> Coordinates:
+    """Return what is swept: axes by name, or the columns of a table, each from every row of `starts`."""
     table = _table_columns(over)
-    axes = table if table is not None else _axes(over)
-    found = {name: Coordinate(name if table is None else SET_AXIS, values) for name, values in axes.items()}
+    found = _axes(over) if table is None else {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
     if starts is not None:
-        twice = [name for name in SWEPT_STARTS if name in found]
-        if twice:
+        if twice := [name for name in SWEPT_STARTS if name in found]:
             raise ParameterError("starts", twice[0], "is swept too; give it in one place")
-        found |= {name: Coordinate(START_AXIS, values) for name, values in _starts(starts).items()}
-    grid = Grid(found)
-    if len(grid) > MOST_SWEPT:
-        raise ParameterError("over", f"{len(grid)} motions", f"must be at most {MOST_SWEPT}")
-    _check_values(scene, grid)
-    return grid
+        found |= _start_columns(starts)
+    count = math.prod({each.dimension: len(each.values) for each in found.values()}.values())
+    if count > MOST_SWEPT:
+        raise ParameterError("over", f"{count} motions", f"must be at most {MOST_SWEPT}")
+    _check_values(scene, found)
+    return found
 
 
-def _axes(over: Any) -> dict[str, np.ndarray]:
+def _axes(over: Any) -> Coordinates:
     """Read the swept axes by name."""
     if not isinstance(over, Mapping):
         raise ParameterError("over", over, OVER_FORM)
     if not 1 <= len(over) <= MOST_AXES:
         raise ParameterError("over", list(over), f"must have one to {MOST_AXES} axes")
-    return {_known_name(name): read_axis(name, values) for name, values in over.items()}
+    return {
+        _known_name(name): Coordinate(name, read_axis(name, values), values if isinstance(values, str) else "")
+        for name, values in over.items()
+    }
 
 
 def _known_name(name: Any) -> str:
@@ -130,6 +259,7 @@ def _whole(name: str, text: str, least: int) -> int:
 
 
 def _evenly_spaced(name: str, text: str) -> np.ndarray:
+    """Return the N evenly spaced numbers of "LO:HI:N"."""
     parts = text.split(":")
     if len(parts) != 3:
         raise ParameterError(name, text, AXIS_FORM)
@@ -174,7 +304,7 @@ def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
     return columns
 
 
-def start_rows(starts: Any) -> Any:
+def _start_rows(starts: Any) -> Any:
     """Return starts as rows of t0, x0 and v0, one alone as a row; columns with names are put in this order."""
     columns = named("starts", starts, SWEPT_STARTS)
     if not isinstance(columns, Mapping):
@@ -188,7 +318,7 @@ def start_rows(starts: Any) -> Any:
     return rows.ravel() if rows.size == 3 else rows
 
 
-def _starts(starts: Any) -> dict[str, np.ndarray]:
+def _start_columns(starts: Any) -> Coordinates:
     """Return the columns of swept starts by name."""
     unmasked("starts", starts)
     try:
@@ -197,37 +327,22 @@ def _starts(starts: Any) -> dict[str, np.ndarray]:
         rows = np.zeros(0)
     if rows.ndim != 2 or rows.shape[1] != 3 or not len(rows):
         raise ParameterError("starts", starts, "must have shape (n, 3), rows of t0, x0, v0")
-    return {name: _numbers(name, rows[:, i]) for i, name in enumerate(SWEPT_STARTS)}
+    return {name: Coordinate(START_AXIS, _numbers(name, rows[:, i])) for i, name in enumerate(SWEPT_STARTS)}
 
 
-def _check_values(scene: Scene, grid: Grid) -> None:
+def _check_values(scene: Scene, coordinates: Coordinates) -> None:
     """Check the extreme values by Parameters: its ranges are intervals, and belt 1 must be the slower one."""
-    swept = {name: each.values for name, each in grid.coordinates.items() if name in PARAMETER_NAMES}
+    swept = {name: each.values for name, each in coordinates.items() if name in PARAMETER_NAMES}
     belts = {name: swept.pop(name) for name in ("v1", "v2") if name in swept}
     for name, values in swept.items():
         for value in (values.min(), values.max()):
             scene.parameters.replace(**{name: float(value)})
-    if grid.is_table() and len(belts) == 2:
+    if len(belts) == 2 and coordinates["v1"].dimension == SET_AXIS:
         worst = int(np.argmin(belts["v2"] - belts["v1"]))
         scene.parameters.replace(v1=float(belts["v1"][worst]), v2=float(belts["v2"][worst]))
     elif belts:
         nearest = {name: float(values.max() if name == "v1" else values.min()) for name, values in belts.items()}
         scene.parameters.replace(**nearest)
-
-
-@dataclass(frozen=True)
-class Duration:
-    """A time: a number, or whole or fractional periods of the forcing, which are another time for each Omega."""
-
-    value: Fraction
-    periods: bool = False
-
-    def __str__(self) -> str:
-        return f"{show(self.value)}{'T' * self.periods}"
-
-    def times(self, period: Any) -> Any:
-        """Return the duration as a time for each period."""
-        return float(self.value) * period if self.periods else self.value
 
 
 def read_duration(name: str, given: Any) -> Duration:
@@ -240,122 +355,10 @@ def read_duration(name: str, given: Any) -> Duration:
     return Duration(periods, periods=True)
 
 
-@dataclass(frozen=True, eq=False)
-class SweepPlan:
-    """A sweep with all settings that decide its numbers."""
-
-    # Periods of `t_end` count from the start of each motion; `skip` is left out of it from its start on.
-
-    scene: Scene  # what is not swept
-    grid: Grid
-    record: tuple[str, ...]  # columns of summaries
-    sections: int  # points of a section, 0 if none is recorded
-    t_end: Duration
-    skip: Duration
-
-    @property
-    def column_names(self) -> tuple[str, ...]:
-        """The columns of a chunk: those that are recorded, and always the status."""
-        return tuple(dict.fromkeys((*self.record, "status")))
-
-    @property
-    def record_names(self) -> tuple[str, ...]:
-        """The columns as a user names them, the points of a section with it."""
-        return tuple(f"{name}:{self.sections}" if name == "section" else name for name in self.record)
-
-    @cached_property
-    def content(self) -> Record:
-        """Everything that the numbers depend on, as plain data; of the swept values a hash."""
-        swept = [  # in order, which is that of the dimensions
-            [name, each.dimension, len(each.values), hashlib.sha256(each.values.tobytes()).hexdigest()]
-            for name, each in self.grid.coordinates.items()
-        ]
-        errors = self.scene.start_error
-        return {
-            "symosc": symosc.__version__,
-            "kernels": kernels_hash(),
-            "parameters": self.scene.parameters.as_dict(),
-            "start": {name: show(getattr(self.scene, name)) for name in SWEPT_STARTS},
-            "start_error": None if errors is None else [show(each) for each in errors],
-            "swept": swept,
-            "record": list(self.record),
-            "sections": self.sections,
-            "t_end": str(self.t_end),
-            "skip": str(self.skip),
-        }
-
-    @cached_property
-    def key(self) -> str:
-        """The plan's name: a hash of its content."""
-        return hashlib.sha256(json.dumps(self.content, sort_keys=True).encode()).hexdigest()
-
-    def call(self, begin: int, end: int) -> Record:
-        """Return the arguments of `simulate_many` that compute the cells from `begin` up to `end`."""
-        swept = self.grid.columns(begin, end)
-        p: Record = {name: swept.get(name, getattr(self.scene.parameters, name)) for name in PARAMETER_NAMES}
-        starts = {name: swept.get(name, getattr(self.scene, name)) for name in SWEPT_STARTS}
-        period = 2 * math.pi / np.asarray(p["Omega"], dtype=float)
-        t_end = self.t_end.times(period)
-        return {
-            "parameters": p,
-            "starts": starts,
-            "t_end": np.asarray(starts["t0"], dtype=float) + t_end if self.t_end.periods else t_end,
-            "record": self.column_names,
-            "skip": self.skip.times(period),
-            "sections": self.sections,
-            "start_error": self.scene.start_error,
-        }
-
-
-def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
-    """Make the call of a chunk, in any process; return its columns and the processor seconds."""
-    # SweepError unless the sources here have the hash `kernels`: a worker with another version of symosc.
-    if kernels != kernels_hash():
-        raise SweepError("a worker has another version of symosc than this program")
-    wall, processor = perf_counter(), process_time()
-    columns: dict[str, np.ndarray] = simulate_many(**call, workers=workers).columns()
-    if "word" in columns:
-        columns["word"] = cycles(columns["word"])
-    threads = workers or os.cpu_count() or 1
-    # Other programs make the first too long, other threads of this one the second.
-    return columns, min((perf_counter() - wall) * threads, process_time() - processor)
-
-
-def cycles(words: np.ndarray) -> np.ndarray:
-    """Return words with all rotations of a cycle, such as P32 and P23, made equal: the largest in text order."""
-    # Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
-    # shows borders only where the cycle itself changes.
-    texts, places = np.unique(words, return_inverse=True)
-    return np.array([cycle(str(text)) for text in texts])[places]
-
-
-@cache
-def kernels_hash() -> str:
-    """Return a hash of the sources that decide the numbers of a motion."""
-    root, digest = Path(symosc.__file__).parent, hashlib.sha256()
-    for name in DECISIVE:
-        path = root / name
-        for source in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
-            digest.update(source.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def read_plan(scene: Scene, grid: Grid, record: Any, t_end: Any, skip: Any) -> SweepPlan:
-    """Return the plan of a sweep."""
-    columns, sections = read_record(record)
-    end = Duration(scene.t_end) if t_end is None else read_duration("t_end", t_end)
-    plan = SweepPlan(scene, grid, columns, sections, end, read_duration("skip", skip))
-    _check_times(plan)
-    return plan
-
-
-def read_record(record: Any) -> tuple[tuple[str, ...], int]:
+def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
     """Return the names of columns and the number of points of a section, from names such as "word" and "section:64"."""
-    names = [record] if isinstance(record, str) else list(record)
-    if not names:
-        raise ParameterError("record", record, f"give names out of {', '.join(SUMMARY_COLUMNS)}")
-    columns, sections = [], 0
-    for name in names:
+    columns, sections = list[str](), 0
+    for name in [record] if isinstance(record, str) else record:
         column, colon, count = name.partition(":")
         if column not in SUMMARY_COLUMNS or (colon and column != "section"):
             known = f"is not recorded; what is is {', '.join(SUMMARY_COLUMNS)}"
@@ -365,20 +368,22 @@ def read_record(record: Any) -> tuple[tuple[str, ...], int]:
         if column == "section":
             sections = _whole("section", count, 1) if colon else SECTION_POINTS
         columns.append(column)
+    if not columns:
+        raise ParameterError("record", record, f"give names out of {', '.join(SUMMARY_COLUMNS)}")
     return tuple(columns), sections
 
 
 def _check_times(plan: SweepPlan) -> None:
     """Raise ParameterError unless every motion ends after its start and after the skipped time."""
-    grid = plan.grid.coordinates
-    t0 = read_exact("t0", float(grid["t0"].values.max())) if "t0" in grid else plan.scene.t0
+    swept = {name: each.values for name, each in plan.coordinates.items()}
+    t0 = read_exact("t0", float(swept["t0"].max())) if "t0" in swept else plan.scene.t0
     if plan.skip.value < 0:
         raise ParameterError("skip", str(plan.skip), "must be >= 0")
     if plan.t_end.periods and plan.t_end.value <= 0:
         raise ParameterError("t_end", str(plan.t_end), "must be more than 0 periods")
     if not plan.t_end.periods and plan.t_end.value <= t0:
         raise ParameterError("t_end", str(plan.t_end), f"must be later than t0 = {show(t0)}")
-    omegas = grid["Omega"].values if "Omega" in grid else np.array([float(plan.scene.parameters.Omega)])
+    omegas = swept.get("Omega", np.array([float(plan.scene.parameters.Omega)]))
     for period in (2 * math.pi / float(omega) for omega in (omegas.min(), omegas.max())):
         until = plan.t_end.times(period) - (0 if plan.t_end.periods else t0)
         if float(plan.skip.times(period)) >= float(until):

@@ -10,7 +10,7 @@ import os
 import re
 import shutil
 from collections.abc import Collection, Iterator
-from contextlib import suppress
+from contextlib import closing, suppress
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
@@ -24,11 +24,11 @@ from symosc.files import DRAFT_PREFIX, write_text, write_whole
 
 #: The folder of the chunks is beside the output, and has its name with this behind it.
 FOLDER_SUFFIX = ".parts"
-PLAN_FILE, LOCK_FILE, CHUNK_NAME = "plan.json", "lock", "{begin:012d}-{end:012d}.npz"
-CHUNK_FORM = re.compile(r"(\d{12})-(\d{12})\.npz")
-PLAN_KEY_FORM = re.compile(r"[0-9a-f]{64}")
+PLAN_FILE, LOCK_FILE, CHUNK_NAME = "plan.json", "lock", "{:012d}-{:012d}.npz"
 #: What a finished output is called, with its suffix, before it goes to its place.
 DRAFT = "whole"
+CHUNK_FORM, DRAFT_FORM = re.compile(r"(\d{12})-(\d{12})\.npz"), re.compile(rf"({re.escape(DRAFT_PREFIX)}|{DRAFT}\.).*")
+PLAN_KEY_FORM = re.compile(r"[0-9a-f]{64}")
 
 Columns = dict[str, np.ndarray]
 
@@ -57,16 +57,22 @@ class Store:
         # SweepError if it belongs to another plan, is no folder of a sweep, or another program works in it.
         try:
             self.folder.mkdir(exist_ok=True)
-            self._check_owner()
+            ours = all(
+                name in (PLAN_FILE, LOCK_FILE) or DRAFT_FORM.fullmatch(name) or CHUNK_FORM.fullmatch(name)
+                for name in os.listdir(self.folder)
+            )
+            if self.key() == "" or (self.key() is None and not ours):
+                wanted = "remove it, or name another output"
+                raise SweepError(f"{self.folder} is no folder of a sweep, or is damaged: {wanted}")
             self._take_lock()
         except OSError as error:
             raise OutputError(str(self.folder), error.strerror or str(error)) from None
         if not resume:
-            self._clear(PLAN_FILE)
+            self._clear(whole=True)
         there = self.key()
         if there not in (None, key):
             raise self.strange()
-        self._clear_drafts()
+        self._clear(whole=False)
         if there is None:
             write_text(self.folder / PLAN_FILE, json.dumps({"key": key} | content, indent=1) + "\n")
         self._key = key
@@ -75,23 +81,12 @@ class Store:
         """Return the error for a folder whose chunks belong to another plan."""
         return SweepError(f"{self.folder} has the chunks of another sweep: name another output, or start anew")
 
-    def _check_owner(self) -> None:
-        """Raise SweepError unless the folder is a sweep's: it has a readable plan, or nothing but a sweep's files."""
-        key = self.key()
-        files = os.listdir(self.folder)
-        if key == "" or (key is None and not all(_is_ours(name) for name in files)):
-            raise SweepError(f"{self.folder} is no folder of a sweep, or is damaged: remove it, or name another output")
-
-    def _clear(self, *names: str) -> None:
-        """Remove the chunks, and files with their names."""
+    def _clear(self, whole: bool) -> None:
+        """Remove the unfinished files of a killed program, and if `whole` the chunks and their plan."""
         for path in self.folder.iterdir():
-            if path.name in names or CHUNK_FORM.fullmatch(path.name):
-                path.unlink()
-
-    def _clear_drafts(self) -> None:
-        """Remove the unfinished files of a killed program."""
-        for path in self.folder.iterdir():
-            if _is_draft(path.name):
+            if DRAFT_FORM.fullmatch(path.name) or (
+                whole and (path.name == PLAN_FILE or CHUNK_FORM.fullmatch(path.name))
+            ):
                 remove(path)
 
     def _take_lock(self) -> None:
@@ -118,12 +113,6 @@ class Store:
             self._lock.close()
             self._lock = None
 
-    def __enter__(self) -> Store:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     def write(self, begin: int, end: int, columns: Columns) -> None:
         """Save a chunk."""
 
@@ -132,21 +121,21 @@ class Store:
             np.savez(content, allow_pickle=False, **columns)
             draft.write_bytes(content.getvalue() + self._checksum(begin, end, content.getvalue()))
 
-        write_whole(self.folder / CHUNK_NAME.format(begin=begin, end=end), fill)
+        write_whole(self.folder / CHUNK_NAME.format(begin, end), fill)
 
     def _checksum(self, begin: int, end: int, content: bytes) -> bytes:
+        """Return the checksum of a chunk of this plan."""
         return sha256(f"{self._key} {begin} {end}\n".encode() + content).digest()
 
     def ranges(self) -> list[tuple[int, int]]:
         """Return the ranges of cells that are saved."""
         names = os.listdir(self.folder) if self.folder.is_dir() else []
-        found = (CHUNK_FORM.fullmatch(name) for name in names)
-        return sorted((int(match[1]), int(match[2])) for match in found if match)
+        return sorted((int(match[1]), int(match[2])) for name in names if (match := CHUNK_FORM.fullmatch(name)))
 
     def chunks(self, names: Collection[str]) -> Iterator[tuple[int, int, Columns]]:
         """Yield the chunks with these columns; remove damaged or changed ones."""
         for begin, end in self.ranges():
-            path = self.folder / CHUNK_NAME.format(begin=begin, end=end)
+            path = self.folder / CHUNK_NAME.format(begin, end)
             columns = self._read(path, begin, end)
             if columns.keys() == set(names) and all(len(column) == end - begin for column in columns.values()):
                 yield begin, end, columns
@@ -161,21 +150,19 @@ class Store:
         except OSError:
             return {}
         size = sha256().digest_size
-        content, checksum = whole[:-size], whole[-size:]
-        if checksum != self._checksum(begin, end, content):
+        if whole[-size:] != self._checksum(begin, end, whole[:-size]):
             return {}
-        with np.load(BytesIO(content), allow_pickle=False) as archive:
+        with np.load(BytesIO(whole[:-size]), allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
 
     def remove(self, key: str) -> None:
-        """Remove the chunks of a plan, unless another program works on them; foreign files stay."""
-        with self, suppress(OSError, SweepError):
+        """Remove the chunks of a plan, unless another program works on them; foreign files stay. Release the lock."""
+        with closing(self), suppress(OSError, SweepError):
             if self.key() != key:
                 return
             if self._lock is None:
                 self._take_lock()
-            self._clear_drafts()
-            self._clear(PLAN_FILE)
+            self._clear(whole=True)
             lock = self.folder / LOCK_FILE
             try:
                 lock.unlink()  # while it is ours
@@ -183,14 +170,6 @@ class Store:
                 self.close()
                 lock.unlink()
             self.folder.rmdir()  # unless it has something else
-
-
-def _is_draft(name: str) -> bool:
-    return name.startswith((DRAFT_PREFIX, f"{DRAFT}."))
-
-
-def _is_ours(name: str) -> bool:
-    return name in (PLAN_FILE, LOCK_FILE) or _is_draft(name) or CHUNK_FORM.fullmatch(name) is not None
 
 
 def remove(path: Path) -> None:
@@ -204,10 +183,8 @@ def remove(path: Path) -> None:
 def missing(ranges: list[tuple[int, int]], count: int) -> list[tuple[int, int]]:
     """Return the ranges of the cells from 0 to `count` not covered by `ranges`, which may overlap."""
     gaps, here = [], 0
-    for begin, end in sorted(ranges):
+    for begin, end in sorted([*ranges, (count, count)]):
         if begin > here:
             gaps.append((here, min(begin, count)))
         here = max(here, end)
-    if here < count:
-        gaps.append((here, count))
     return gaps

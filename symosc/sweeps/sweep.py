@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from contextlib import contextmanager, nullcontext
+from contextlib import closing, contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -17,12 +17,12 @@ from symosc.aliases import DataFrame, NumberLike, Progress, SceneName
 from symosc.arguments import public
 from symosc.display.progress import reporting
 from symosc.errors import MissingExtraError, ParameterError, SweepError, SymoscError
-from symosc.exact import LARGEST, whole_number
+from symosc.exact import whole_number
 from symosc.model import Parameters
-from symosc.scenes import Scene, from_rest, load_scene, not_reduced_error
+from symosc.scenes import Scene
 from symosc.sweeps import output
-from symosc.sweeps.output import dataset_of, need_xarray
-from symosc.sweeps.plan import SWEPT_STARTS, SweepPlan, compute, kernels_hash, read_grid, read_plan, start_rows
+from symosc.sweeps.output import need_xarray
+from symosc.sweeps.plan import SweepPlan, compute, kernels_hash, read_plan
 from symosc.sweeps.store import Columns, Store, missing
 
 if TYPE_CHECKING:
@@ -30,16 +30,13 @@ if TYPE_CHECKING:
 
 #: Processor seconds that a chunk should take; less would be overhead, more would be lost when a program is killed.
 CHUNK_SECONDS = 4.0
-#: Motions of the first chunk, and how much larger or smaller than the one before a chunk may be.
-FIRST_CHUNK, MOST_GROWTH = 128, 16.0
-MOST_CHUNK = 1 << 18
+#: Motions of the first chunk and at most, and how much larger or smaller than the one before a chunk may be.
+FIRST_CHUNK, MOST_CHUNK, MOST_GROWTH = 128, 1 << 18, 16.0
 CONNECT_SECONDS = 10
 # Chunks in flight for each processor of an executor whose size is not known.
 AHEAD = 2
 
 Range = tuple[int, int]
-Chunk = tuple[Columns, float]
-Done = tuple[int, int, Columns]
 
 
 @public
@@ -93,36 +90,35 @@ def sweep(
     [['P32', 'P32'], ['P32', 'P32'], ['P82746', 'P32']]
     """
     need_xarray()
-    plan, given = planned(scene, over, record, t_end, skip, starts)
+    plan = read_plan(scene, over, record, t_end, skip, starts)
     target = None if path is None else output.output_path(path)
-    going_on, (who, under_way) = resume, read_executor(executor, workers)
-    if target is not None and _is_finished(plan, target, going_on):
+    who, under_way = read_executor(executor, workers)
+    if target is not None and _is_finished(plan, target, resume):
         Store(target).remove(plan.key)  # stopped before it could do that itself
-        return dataset_of(plan, output.read_columns(target), given)
-    with Store(target) if target is not None else nullcontext() as store:
+        return output.dataset_of(plan, output.read_columns(target))
+    with closing(Store(target)) if target is not None else nullcontext() as store:
+        columns, there, total = dict[str, np.ndarray](), list[Range](), len(plan)
         if store is not None:
-            store.open(plan.key, plan.content, going_on)
-        columns: Columns = {}
-        there = []
-        for begin, end, chunk in store.chunks(plan.column_names) if store is not None else ():
-            _fill(columns, len(plan.grid), begin, end, chunk)
-            there.append((begin, end))
-        gaps = missing(there, len(plan.grid))
-        done = len(plan.grid) - sum(end - begin for begin, end in gaps)
-        with reporting(progress, done, len(plan.grid)) as report:
+            store.open(plan.key, plan.content, resume)
+            for begin, end, chunk in store.chunks(plan.column_names):
+                _fill(columns, total, begin, end, chunk)
+                there.append((begin, end))
+        gaps = missing(there, total)
+        done = total - sum(end - begin for begin, end in gaps)
+        with reporting(progress, done, total) as report:
             try:
-                for begin, end, chunk in carried_out(plan, gaps, who, under_way):
+                for begin, end, chunk in _carried_out(plan, gaps, who, under_way):
                     if store is not None:
                         store.write(begin, end, chunk)  # it is on disk before it counts
-                    _fill(columns, len(plan.grid), begin, end, chunk)
+                    _fill(columns, total, begin, end, chunk)
                     done += end - begin
-                    report(done, len(plan.grid))
+                    report(done, total)
             except SweepError as error:
                 if store is None:
                     raise
-                kept = f"{done} of {len(plan.grid)} motions are kept in {store.folder}, and the same call goes on"
+                kept = f"{done} of {total} motions are kept in {store.folder}, and the same call goes on"
                 raise SweepError(f"{error}; {kept}") from error.__cause__
-        dataset = dataset_of(plan, columns, given)
+        dataset = output.dataset_of(plan, columns)
         if store is not None:
             output.write_output(dataset, store.output, store.folder)
             store.remove(plan.key)
@@ -139,29 +135,12 @@ def _fill(columns: Columns, count: int, begin: int, end: int, chunk: Columns) ->
         columns[name][begin:end] = values
 
 
-def planned(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: Any) -> tuple[SweepPlan, dict[str, Any]]:
-    """Return the plan of a call of `sweep`, and its other arguments, which do not decide numbers."""
-    if isinstance(scene, Parameters):
-        if t_end is None:
-            raise ParameterError("t_end", None, "is needed with parameters")
-        problem = from_rest(scene, LARGEST)  # `t_end` may be in forcing periods, and later than other starts
-    else:
-        problem = scene if isinstance(scene, Scene) else load_scene(scene)
-        if problem.original is not None:
-            raise not_reduced_error(problem)
-    starts = start_rows(starts)
-    if starts is not None and np.ndim(np.asarray(starts, dtype=object)) == 1 and len(starts) == 3:
-        problem, starts = problem.started(dict(zip(SWEPT_STARTS, starts, strict=True))), None
-    grid = read_grid(problem, over, starts)
-    return read_plan(problem, grid, record, t_end, skip), {"over": over, "starts": starts}
-
-
-def _is_finished(plan: SweepPlan, target: Path, going_on: bool) -> bool:
+def _is_finished(plan: SweepPlan, target: Path, resume: bool) -> bool:
     """Return whether the output exists and can be used."""
-    there = output.plan_of(target, to_replace=not going_on)
-    if going_on and there not in (None, plan.key):
+    there = output.plan_of(target, to_replace=not resume)
+    if resume and there not in (None, plan.key):
         raise SweepError(f"{target} is the output of another sweep: name another file, or start anew")
-    return going_on and there is not None
+    return resume and there is not None
 
 
 class Here(Executor):
@@ -187,13 +166,11 @@ def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
     if executor is None:
         return Here(count), 1
     if hasattr(executor, "get_executor") and hasattr(executor, "ncores"):
-        cores = sum(executor.ncores().values())
-        return executor.get_executor(pure=False), count or AHEAD * max(cores, 1)
+        return executor.get_executor(pure=False), count or AHEAD * max(sum(executor.ncores().values()), 1)
     if not isinstance(executor, Executor):
         allowed = "give an executor of concurrent.futures, or a Client of dask.distributed"
         raise ParameterError("executor", type(executor).__name__, allowed)
-    known = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
-    return executor, count or AHEAD * known
+    return executor, count or AHEAD * (getattr(executor, "_max_workers", None) or os.cpu_count() or 1)
 
 
 def dask_client(address: str) -> Any:
@@ -213,10 +190,12 @@ def dask_client(address: str) -> Any:
         raise ParameterError("executor", address, allowed) from None
 
 
-def carried_out(plan: SweepPlan, gaps: list[Range], executor: Executor, under_way: int) -> Iterator[Done]:
+def _carried_out(
+    plan: SweepPlan, gaps: list[Range], executor: Executor, under_way: int
+) -> Iterator[tuple[int, int, Columns]]:
     """Compute the cells in `gaps` and yield chunks in order of completion."""
     # SweepError if a worker fails; the chunks that were yielded stand.
-    todo, size, pending = list(reversed(gaps)), FIRST_CHUNK, dict[Future[Chunk], Range]()
+    todo, size, pending = gaps[::-1], FIRST_CHUNK, dict[Future[tuple[Columns, float]], Range]()
     try:
         while todo or pending:
             while todo and len(pending) < under_way:
@@ -243,7 +222,7 @@ def _cut(todo: list[Range], size: int, under_way: int) -> Range:
     begin, end = todo.pop()
     middle = min(end, begin + max(min(size, -(-left // under_way)), 1))
     if end - middle < (middle - begin) // 4:  # no crumbs
-        middle = end
+        return begin, end
     if middle < end:
         todo.append((middle, end))
     return begin, middle
@@ -261,6 +240,7 @@ def _worker_errors() -> Iterator[None]:
 
 
 def _error_text(error: BaseException) -> str:
+    """Return an error on one line."""
     return " ".join(f"{type(error).__name__}: {error}".split())
 
 
@@ -312,10 +292,8 @@ def sweep_status(
     >>> sweep_status("fig9", {"Omega": "1:6:500"}, path="map.nc").done
     0
     """
-    plan, _ = planned(scene, over, record, t_end, skip, starts)
-    target = output.output_path(path)
-    total, written = len(plan.grid), _is_finished(plan, target, True)
-    store = Store(target)
+    plan, target = read_plan(scene, over, record, t_end, skip, starts), output.output_path(path)
+    store, total, written = Store(target), len(plan), _is_finished(plan, target, True)
     if not written and store.key() not in (None, plan.key):
         raise store.strange()
     left = 0 if written else sum(end - begin for begin, end in missing(store.ranges(), total))

@@ -53,93 +53,57 @@ MEANING |= {str(symbol): symbol for symbol in maps.REPEATED}
 
 def kernels() -> list[Kernel]:
     """Return all kernels, in the order in which they are printed."""
-    flow, v = solution.flow(), {"v": solution.v_i}
-    y1, y0, forcing, dc = sp.symbols("y1 y0 forcing dc")
-    return [
-        _kernel(
-            "motion",
-            "x - x0, v - v0 and a at tau after x0, v0, a0 and a phase with sine s0, cosine c0: "
-            "the solution of eq. (5).",
-            "v0 a0 s0 c0 cm w0sq f0 Om E0 E1 E2 R2 I2",
-            {"dx": flow.x - solution.x_i, "dv": flow.v - solution.v_i, "a": flow.a},
-        ),
-        _basis_apart(),
-        _repeated_apart(),
-        _kernel(
-            "acceleration",
-            "F^(alpha) in the domain with A = A_alpha/m at x, v and c = cos(Omega t): eq. (9).",
-            "x v c A cm w0sq f0",
-            {"F": solution.acceleration()},
-            {"x": solution.x, "v": solution.v, "c": sp.cos(solution.theta)},
-        ),
-        _kernel(
-            "next_derivative",
-            "y2 of y2 + cm y1 + w0sq y0 = -forcing: "
-            "G^(n) from G^(n-1), G^(n-2) and -(d/dt)^n f0 cos(Omega t); G^(-1) = v.",
-            "y1 y0 forcing cm w0sq",
-            {"y2": solution.next_derivative(y1, y0, forcing)},
-            {"y1": y1, "y0": y0, "forcing": forcing},
-        ),
-        _kernel(
-            "stick_acceleration",
-            "F^(alpha) at tau after it was a0 on a belt of speed v: "
-            "eq. (9) on x_i + v tau; dc = change of cos(Omega t).",
-            "a0 v tau dc w0sq f0",
-            {"F": solution.stick_acceleration(solution.a_i, dc)},
-            {"v": solution.v, "dc": dc},
-        ),
-        _kernel(
-            "flight_residual",
-            "f1, f2 of a flight from x0, v0 to x1, v1: eq. (54) of P2, P3 and P5 to P8.",
-            "x0 v0 a0 s0 c0 x1 v1 cm w0sq f0 Om E0 E1 E2 R2 I2",
-            maps.flight_residual(),
-        ),
-        _kernel(
-            "flight_jacobian",
-            "Derivatives of f1 (x_) and f2 (v_) by x0, theta0 and theta1; ve, ae are v and a at the end.",
-            "v0 a0 ve ae w0sq Om E0 E1 E2",
-            maps.flight_jacobian(),
-        ),
-        _kernel(
-            "flight_parameters",
-            "Derivatives of x (x_) and v - v0 (v_) at the end by m, c, k, A_alpha, B0, Omega and v0.",
-            "x0 v0 a0 s0 c0 m cm w0sq f0 Om E1 E2 R2 I2 U0 U1 U2 V W P Q",
-            maps.flight_parameters(),
-        ),
-        _kernel(
-            "flight_phase",
-            "Derivatives of x (x_) and v (v_) at the end by the phase of the drive.",
-            "s0 c0 f0 Om E1 R2 I2",
-            maps.flight_phase(),
-        ),
-        _kernel(
-            "stick_residual",
-            "f1, f2 of a stick at speed v from x0 to x1 that slips where A = A_alpha/m; "
-            "c1 = cos(theta1): eqs. (52), (53).",
-            "x0 v tau x1 c1 A cm w0sq f0",
-            maps.stick_residual(),
-            v,
-        ),
-        _kernel(
-            "stick_jacobian",
-            "Derivatives of f1 (x_) and f2 (v_) of a stick by theta0, theta1 and x1; s1 = sin(theta1).",
-            "v s1 w0sq f0 Om",
-            maps.stick_jacobian(),
-            v,
-        ),
-        _kernel(
-            "stick_parameters",
-            "Derivatives of f2 (v_) of a stick by c, k, A_alpha, B0, v and m, of f1 (x_) by Omega and v; F = f2.",
-            "v tau x1 c1 F m cm Om",
-            maps.stick_parameters(),
-            v,
-        ),
-    ]
+    flow, forces = solution.flow(), sp.symbols("y1 y0 forcing")
+    # Name and arguments, what it computes, the results; `own` arguments mean something else than in MEANING.
+    own = dict(zip(("y1", "y0", "forcing"), forces, strict=True)) | {"v": solution.v, "dc": sp.Symbol("dc")}
+    belt = {"v": solution.v_i}
+    here = {"x": solution.x, "v": solution.v, "c": sp.cos(solution.theta)}
+    first = _kernel(
+        "motion v0 a0 s0 c0 cm w0sq f0 Om E0 E1 E2 R2 I2",
+        "x - x0, v - v0 and a at tau after x0, v0, a0 and a phase with sine s0, cosine c0: the solution of eq. (5).",
+        {"dx": flow.x - solution.x_i, "dv": flow.v - solution.v_i, "a": flow.a},
+    )
+    rows: list[tuple[str, str, dict[str, Expr], dict[str, Expr]]] = [
+        ("acceleration x v c A cm w0sq f0",
+         "F^(alpha) in the domain with A = A_alpha/m at x, v and c = cos(Omega t): eq. (9).",
+         {"F": solution.acceleration()}, here),
+        ("next_derivative y1 y0 forcing cm w0sq",
+         "y2 of y2 + cm y1 + w0sq y0 = -forcing: "
+         "G^(n) from G^(n-1), G^(n-2) and -(d/dt)^n f0 cos(Omega t); G^(-1) = v.",
+         {"y2": solution.next_derivative(*forces)}, own),
+        ("stick_acceleration a0 v tau dc w0sq f0",
+         "F^(alpha) at tau after it was a0 on a belt of speed v: eq. (9) on x_i + v tau; dc = change of cos(Omega t).",
+         {"F": solution.stick_acceleration(solution.a_i, own["dc"])}, own),
+        ("flight_residual x0 v0 a0 s0 c0 x1 v1 cm w0sq f0 Om E0 E1 E2 R2 I2",
+         "f1, f2 of a flight from x0, v0 to x1, v1: eq. (54) of P2, P3 and P5 to P8.",
+         maps.flight_residual(), {}),
+        ("flight_jacobian v0 a0 ve ae w0sq Om E0 E1 E2",
+         "Derivatives of f1 (x_) and f2 (v_) by x0, theta0 and theta1; ve, ae are v and a at the end.",
+         maps.flight_jacobian(), {}),
+        ("flight_parameters x0 v0 a0 s0 c0 m cm w0sq f0 Om E1 E2 R2 I2 U0 U1 U2 V W P Q",
+         "Derivatives of x (x_) and v - v0 (v_) at the end by m, c, k, A_alpha, B0, Omega and v0.",
+         maps.flight_parameters(), {}),
+        ("flight_phase s0 c0 f0 Om E1 R2 I2",
+         "Derivatives of x (x_) and v (v_) at the end by the phase of the drive.",
+         maps.flight_phase(), {}),
+        ("stick_residual x0 v tau x1 c1 A cm w0sq f0",
+         "f1, f2 of a stick at speed v from x0 to x1 that slips where A = A_alpha/m; "
+         "c1 = cos(theta1): eqs. (52), (53).",
+         maps.stick_residual(), belt),
+        ("stick_jacobian v s1 w0sq f0 Om",
+         "Derivatives of f1 (x_) and f2 (v_) of a stick by theta0, theta1 and x1; s1 = sin(theta1).",
+         maps.stick_jacobian(), belt),
+        ("stick_parameters v tau x1 c1 F m cm Om",
+         "Derivatives of f2 (v_) of a stick by c, k, A_alpha, B0, v and m, of f1 (x_) by Omega and v; F = f2.",
+         maps.stick_parameters(), belt),
+    ]  # fmt: skip
+    return [first, _basis_apart(), _repeated_apart(), *(_kernel(*row) for row in rows)]
 
 
-def _kernel(name: str, doc: str, arguments: str, steps: dict[str, Expr], own: dict[str, Expr] | None = None) -> Kernel:
-    """Make a kernel that returns all its steps; `own` arguments mean something else than in MEANING."""
-    return Kernel(name, doc, {each: (MEANING | (own or {}))[each] for each in arguments.split()}, steps, tuple(steps))
+def _kernel(head: str, doc: str, steps: dict[str, Expr], own: dict[str, Expr] | None = None) -> Kernel:
+    """Make a kernel that returns all its steps from its name and arguments."""
+    name, *arguments = head.split()
+    return Kernel(name, doc, {each: (MEANING | (own or {}))[each] for each in arguments}, steps, tuple(steps))
 
 
 def _basis_apart() -> Kernel:
@@ -171,15 +135,12 @@ def _basis_apart() -> Kernel:
 def _repeated_apart() -> Kernel:
     """Return the functions that parameter derivatives need, underdamped and far from resonance."""
     names = {omega_d: sp.Symbol("w"), sp.sin(Omega * tau): sp.Symbol("sO"), sp.cos(Omega * tau): sp.Symbol("cO")}
-    arguments = "tau h w cm w0sq Om p q E0 E1 E2 R2 I2 sO cO"
-    own = {"h": h, "p": maps.p, "q": maps.q} | {str(symbol): symbol for symbol in names.values()}
-    return Kernel(
-        "repeated_apart",
+    return _kernel(
+        "repeated_apart tau h w cm w0sq Om p q E0 E1 E2 R2 I2 sO cO",
         "U0, U1, U2, V, W, P, Q from the basis functions and sO, cO = sin, cos(Om tau), h^2 + w^2 = w0sq.",
-        {each: (MEANING | own)[each] for each in arguments.split()},
         {name: expr.xreplace(names) for name, expr in maps.repeated_apart().items()},
-        tuple(map(str, maps.REPEATED)),
-    )
+        {"h": h, "p": maps.p, "q": maps.q} | {str(symbol): symbol for symbol in names.values()},
+    )._replace(returns=tuple(map(str, maps.REPEATED)))
 
 
 # --- printing ---
@@ -205,10 +166,7 @@ def write() -> Path:
 def function_source(kernel: Kernel) -> str:
     """Return the source of one kernel, with a final line break."""
     lines = list(_assignments(kernel))
-    if len(lines) == 1:
-        lines = [("return ", lines[0][1])]
-    else:
-        lines.append(("return ", ", ".join(kernel.returns)))
+    lines = [("return ", lines[0][1])] if len(lines) == 1 else [*lines, ("return ", ", ".join(kernel.returns))]
     head = _wrapped(f"def {kernel.name}", ", ".join(kernel.arguments), indent="", always=True) + ":"
     body = [_wrapped(f"    {start}", text, indent="    ") for start, text in lines]
     return "\n".join([head, f'    """{kernel.doc}"""', *body, ""])
@@ -307,8 +265,9 @@ class ArithmeticPrinter:
         # After a short flight the start value is by far the largest term: so the sum is rounded once at its size.
         if all(_is_negative(term) for term in terms):
             return f"-({self._sum([-term for term in terms])})"
-        plain = self._sorted([term for term in terms if self._is_plain(term)])
-        products = self._sorted([term for term in terms if not self._is_plain(term)])
+        terms = sorted(terms, key=self._key)
+        plain = [term for term in terms if self._is_plain(term)]
+        products = [term for term in terms if not self._is_plain(term)]
         if not plain or len(products) < 2:
             return self._join(plain + products)
         if all(_is_negative(term) for term in products):
@@ -326,10 +285,6 @@ class ArithmeticPrinter:
         """Return whether a term is an integer or a named symbol, up to its sign."""
         symbol = -term if _is_negative(term) else term
         return symbol.is_Integer or (symbol in self.names and symbol not in self.scratch)
-
-    def _sorted(self, terms: list[Expr]) -> list[Expr]:
-        """Return terms in a fixed order."""
-        return sorted(terms, key=self._key)
 
     def _key(self, expr: Expr) -> tuple[list[int], str]:
         """Return the sort key of an expression."""

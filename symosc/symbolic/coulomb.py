@@ -17,14 +17,12 @@ they are in E0, E1, E2 at tau = pi/Omega, and `closed` puts in a regime's closed
 from __future__ import annotations
 
 from functools import cache
-from typing import Any, NamedTuple
 
 import sympy as sp
 
+from symosc.aliases import Expr
 from symosc.symbolic import solution
 from symosc.symbolic.solution import E0, E1, E2, Omega, a_i, c, cm, f0, h, k, m, omega_d, tau, v_i, w0sq, x_i
-
-Expr = Any  # sympy ships no types
 
 #: The amplitude of the drive, the friction force, and F/k.
 P, F, x_f = sp.symbols("P F x_f", positive=True)
@@ -38,13 +36,8 @@ d = sp.Symbol("d", real=True)
 #: Den Hartog's letters for c = 0.
 V, U, S = sp.symbols("V U S", real=True)
 HALF = sp.pi / Omega
-
-
-class HalfPeriod(NamedTuple):
-    """The steady part by symmetry: p_0 = x_0 + G x_f and q_0 = H x_f."""
-
-    G: Expr
-    H: Expr
+#: The free motion (x, v) at the highest point: (x_0, 0) without x_f and without the steady part.
+FREE_START = sp.ImmutableMatrix([x_0 - p_0 - x_f, -Omega * q_0])
 
 
 # --- the symmetric motion without stops ---
@@ -65,21 +58,16 @@ def frictionless_amplitude_squared() -> Expr:
     return P**2 / ((k - m * Omega**2) ** 2 + (c * Omega) ** 2)
 
 
-def free_start() -> Expr:
-    """Return the free motion (x, v) at the highest point: (x_0, 0) without x_f and without the steady part."""
-    return sp.Matrix([x_0 - p_0 - x_f, -Omega * q_0])
-
-
 def symmetry() -> Expr:
     """Return the expressions that vanish on the symmetric motion: (x, v) half a period later, plus (x_0, 0)."""
-    return transition() * free_start() + sp.Matrix([x_f - p_0 + x_0, -Omega * q_0])
+    return transition() * FREE_START + sp.Matrix([x_f - p_0 + x_0, -Omega * q_0])
 
 
 @cache
-def half_period() -> HalfPeriod:
-    """Solve the conditions of symmetry for the steady part."""
+def half_period() -> tuple[Expr, Expr]:
+    """Solve the conditions of symmetry for G and H of the steady part: p_0 = x_0 + G x_f and q_0 = H x_f."""
     found = sp.solve(list(symmetry()), [p_0, q_0], dict=True)[0]
-    return HalfPeriod(*(sp.simplify(part / x_f) for part in (found[p_0] - x_0, found[q_0])))
+    return sp.simplify((found[p_0] - x_0) / x_f), sp.simplify(found[q_0] / x_f)
 
 
 @cache
@@ -94,8 +82,7 @@ def amplitude() -> Expr:
 
 def turning_acceleration(after: bool) -> Expr:
     """Return x'' just after or just before the highest point; friction changes its sign there."""
-    friction = x_f if after else -x_f
-    return -(Omega**2) * p_0 + cm * Omega * q_0 - w0sq * (x_0 - p_0 - friction)
+    return -(Omega**2) * p_0 + cm * Omega * q_0 - w0sq * (x_0 - p_0 - (x_f if after else -x_f))
 
 
 @cache
@@ -112,28 +99,25 @@ def half_period_matrix(rho: Expr) -> Expr:
 
 def velocity() -> Expr:
     """Return x'/Omega at the angle phi after the highest point; E0 and E1 are those at tau = phi/Omega."""
-    free = (transition() * free_start())[1] / Omega
-    return _steady(free - p_0 * sp.sin(phi) + q_0 * sp.cos(phi))
+    return _steady((transition() * FREE_START)[1] / Omega - p_0 * sp.sin(phi) + q_0 * sp.cos(phi))
 
 
 @cache
 def slide_function() -> Expr:
     """Return B(phi): the mass moves down at this angle if and only if p_0 > B x_f. E0 and E1 as in `velocity`."""
-    least = sp.solve(velocity().subs(x_0, p_0 - G * x_f), p_0)[0]
-    return sp.simplify(least / x_f)
+    return sp.simplify(sp.solve(velocity().subs(x_0, p_0 - G * x_f), p_0)[0] / x_f)
 
 
 @cache
 def slide_limit() -> Expr:
     """Return the limit of B at the turning point: there the acceleration just after it must not be upward."""
-    numerator = _after(sp.numer(sp.together(slide_function())))
-    return numerator / _after(sp.denom(sp.together(slide_function())))
 
+    def after(expr: Expr) -> Expr:  # differentiated by phi at phi = 0: E0 and E1 are functions of tau = phi/Omega
+        rate = expr.diff(phi) + sum(expr.diff(name) * rate for name, rate in solution.rates().items()) / Omega
+        return sp.simplify(rate.subs(solution.start_values()).subs(phi, 0))
 
-def _after(expr: Expr) -> Expr:
-    """Differentiate by phi at phi = 0: E0 and E1 are functions of tau = phi/Omega."""
-    rate = expr.diff(phi) + sum(expr.diff(name) * rate for name, rate in solution.rates().items()) / Omega
-    return sp.simplify(rate.subs(solution.start_values()).subs(phi, 0))
+    above, below = sp.fraction(sp.together(slide_function()))
+    return after(above) / after(below)
 
 
 def largest_force_ratio(largest: Expr) -> Expr:
@@ -163,8 +147,7 @@ def resonance_growth() -> Expr:
 @cache
 def free_decay() -> Expr:
     """Return the decay of the turning points' distance from 0 per half free cycle (P = 0, c = 0)."""
-    half = solution.flow(solution.REGIMES["undamped"])
-    lowest = half.x.subs({v_i: 0, f0: 0, a_i: w0sq * (x_f - x_0), x_i: x_0})
+    lowest = solution.flow(solution.REGIMES["undamped"]).x.subs({v_i: 0, f0: 0, a_i: w0sq * (x_f - x_0), x_i: x_0})
     lowest = lowest.subs({w0sq: solution.omega_0**2, tau: sp.pi / solution.omega_0})
     return sp.simplify(x_0 + lowest)
 
@@ -184,19 +167,17 @@ def closed(expr: Expr, regime: solution.Regime, time: Expr = HALF) -> Expr:
     return expr.subs(basis).subs(regime.parameters())
 
 
-def den_hartog_damped() -> HalfPeriod:
+def den_hartog_damped() -> tuple[Expr, Expr]:
     """Return Den Hartog's G and H for 0 < c^2 < 4 k m, in h = c/(2 m) and omega_d."""
     decay, turn = h * HALF, omega_d * HALF
-    below = sp.cosh(decay) + sp.cos(turn)
-    slow = sp.sinh(decay) - h / omega_d * sp.sin(turn)
-    return HalfPeriod(slow / below, (h**2 + omega_d**2) / (Omega * omega_d) * sp.sin(turn) / below)
+    slow, below = sp.sinh(decay) - h / omega_d * sp.sin(turn), sp.cosh(decay) + sp.cos(turn)
+    return slow / below, (h**2 + omega_d**2) / (Omega * omega_d) * sp.sin(turn) / below
 
 
 def den_hartog_undamped() -> dict[Expr, Expr]:
     """Return Den Hartog's V, U (which is H), and S (which is r^2 B, in U) for c = 0."""
-    waves = sp.cos(phi) - sp.cos(phi / r)
     return {
         V: 1 / (1 - r**2),
         U: sp.sin(sp.pi / r) / (r * (1 + sp.cos(sp.pi / r))),  # tan(pi/(2 r))/r
-        S: r * sp.sin(phi / r) / sp.sin(phi) + r**2 * U * waves / sp.sin(phi),
+        S: r * sp.sin(phi / r) / sp.sin(phi) + r**2 * U * (sp.cos(phi) - sp.cos(phi / r)) / sp.sin(phi),
     }

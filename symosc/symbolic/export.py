@@ -18,15 +18,15 @@ import keyword
 import re
 import sys
 import textwrap
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
+from copy import deepcopy
 from os.path import isdir, isfile
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from symosc.aliases import Record
 from symosc.errors import OutputError, ParameterError
-from symosc.files import read_path, write_text
+from symosc.files import make_folder, read_path, write_text
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.scenes import load_scene
 from symosc.words import Map, Word, WordLike, read_word
@@ -37,27 +37,27 @@ EXPORT_WIDTH = 112
 MATH = ("cos", "exp", "expm1", "sin", "sqrt")
 #: What the Jacobian of a mapping's function adds to its name. It returns two rows.
 MATRIX = "_jacobian"
+#: A scene whose parameters the callers take where none are fixed.
+EXAMPLE = "fig9"
 
-_PYTHON = frozenset(keyword.kwlist) | frozenset(keyword.softkwlist) | sys.stdlib_module_names | {"numpy"}
 _C_WORDS = """
 auto break case char const continue default do double else enum extern float for goto if inline int long register
-restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
+restrict return short signed sizeof static struct switch typedef union unsigned void volatile while assert complex ctype
+errno fenv inttypes iso646 limits locale math setjmp signal stdarg stdbool stddef stdint stdio stdlib string tgmath time
+wchar wctype
 """
-_C_HEADERS = """
-assert complex ctype errno fenv inttypes iso646 limits locale math setjmp signal stdarg stdbool stddef stdint stdio
-stdlib string tgmath time wchar wctype
-"""
-_JULIA = """
+_JULIA_WORDS = """
 abstract baremodule begin break catch const continue do else elseif end export false finally for function global if
 import in isa let local macro module mutable outer primitive public quote return struct true try type using where while
 Base Core Main
 """
+_PYTHON = {*keyword.kwlist, *keyword.softkwlist, *sys.stdlib_module_names, "numpy"}
 #: Names that a file cannot have: words of the language, and what the source or the compiler would find in its place.
 RESERVED = {
     "python": _PYTHON,
     "numpy": _PYTHON,
-    "c": frozenset((_C_WORDS + _C_HEADERS).split()),
-    "julia": frozenset(_JULIA.split()),
+    "c": frozenset(_C_WORDS.split()),
+    "julia": frozenset(_JULIA_WORDS.split()),
 }
 
 
@@ -80,28 +80,25 @@ def export(
         raise ParameterError("name", name, "must be letters (a to z), digits and underscores, a letter first")
     if name in RESERVED[language]:
         raise ParameterError("name", name, f"is a word or a library of the language {language}; choose another")
-    made = program(read, language == "numpy", fix)
+    program = _program(read, language == "numpy", fix)
     if language == "c":
-        return _c(made, name)
+        return _c(program, name)
     if language == "julia":
-        return {f"{name}.jl": _julia(made, name)}
-    return {f"{name}.py": _python(made, language == "numpy")}
+        return {f"{name}.jl": _julia(program, name)}
+    return {f"{name}.py": _python(program, language == "numpy")}
 
 
 def write_export(folder: str | Path, *arguments: Any, force: bool = False, **options: Any) -> list[Path]:
     """Write the files of `export` to a folder, which is made if needed, and return their paths."""
     # OutputError if a file cannot be written, or, without `force`, is there with another content.
-    folder = read_path(folder)
-    texts = {Path(folder) / name: text for name, text in export(*arguments, **options).items()}
+    folder = Path(read_path(folder))
+    texts = {folder / name: text for name, text in export(*arguments, **options).items()}
     for path, text in texts.items():  # before the first of them is written
         if isdir(path):
             raise OutputError(str(path), "is a folder")
         if not force and isfile(path) and not _holds(path, text):
             raise OutputError(str(path), "is there with another content; give another name, or force it")
-    try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(str(folder), error.strerror or str(error)) from None
+    make_folder(folder)
     return [write_text(path, text) for path, text in texts.items()]
 
 
@@ -152,73 +149,66 @@ def flat(*given):
 '''
 
 
-@dataclass(frozen=True)
-class _Program:
+class _Program(NamedTuple):
     """The functions and constants to be printed."""
 
     word: Word
     functions: dict[str, ast.FunctionDef]  # each after those that it calls
-    maps: list[
-        str
-    ]  # functions of the word's mappings in order of time: "P2", "P4_above"; their Jacobians end in MATRIX
+    maps: list[str]  # functions of the word's mappings in order of time: "P2", "P4_above"
+    setup: list[ast.Assign]  # what computes the fields from the parameters
     fields: list[str]  # names of the constants that are used
-    values: Record | None  # their values, if the parameters are fixed
-    settings: dict[str, float]  # thresholds that the kernels use
+    numbers: dict[str, float]  # the named numbers at the beginning of the source
     parameters: Parameters | None  # the fixed ones
-
-    def returns(self) -> dict[str, int]:
-        """Return the number of results of each function."""
-        found: dict[str, int] = {}
-        for name, node in self.functions.items():
-            value = next(leaf.value for leaf in ast.walk(node) if isinstance(leaf, ast.Return))
-            if isinstance(value, ast.Tuple):
-                found[name] = len(value.elts)
-            elif isinstance(value, ast.Call) and isinstance(value.func, ast.Name):
-                found[name] = found.get(value.func.id, 1)
-            else:
-                found[name] = 1
-        return found
 
     @property
     def passed(self) -> list[str]:
         """The argument with the constants, unless they are fixed."""
-        return ["K"] if self.values is None else []
-
-    def numbers(self) -> dict[str, float]:
-        """Return the named numbers at the beginning of the source."""
-        return self.settings | {f"K_{name}": value for name, value in (self.values or {}).items()}
+        return [] if self.parameters else ["K"]
 
     def calls(self, first: int) -> list[tuple[str, str, str]]:
         """Return for each mapping of the word its function, and its arguments in z, also for the Jacobian."""
         found = []
         for n, label in enumerate(self.maps):
             z = {name: f"z[{2 * n + i + first}]" for i, name in enumerate(("x_i", "theta_i", "x_j", "theta_j"))}
-            needs = [argument.arg for argument in self.functions[label + MATRIX].args.args]
-            few = [z[need] for need in needs if need != "K"]
+            few = [z[each.arg] for each in self.functions[label + MATRIX].args.args if each.arg != "K"]
             found.append((label, ", ".join([*z.values(), *self.passed]), ", ".join([*few, *self.passed])))
         return found
 
-    def setup(self) -> list[ast.Assign]:
-        """Return the assignments that compute the fields from the parameters."""
-        needed, kept = set(self.fields), []
-        for name, node in reversed(_setup_steps().items()):
-            if name in needed:
-                kept.append(node)
-                needed |= _names(node.value)
-        return kept[::-1]
+    def about(self, mark: str, run: str) -> str:
+        """Return the comment at the top of the source; `run` says how to run its caller."""
+        maps = self.word.maps
+        flight = (
+            "  flight: f1 = x(tau) - x_j, > 0 if the mass comes out beyond x_j; f2 = v(tau) - v_j of the belt reached."
+        )
+        stick = """\
+  stick:  f1 = x_i + v tau - x_j on the belt of speed v; f2 = force per mass at (x_j, theta_j) in the domain
+          into which the mass slips: < 0 is down from the belt, > 0 up."""
+        signs = "\n".join([flight] * any(not row.sticks for row in maps) + [stick] * any(row.sticks for row in maps))
+        text = f"""\
+The mapping structure {self.word}: {", then ".join(self.word.labels)}. Generated by symosc; do not edit.
+
+z holds {len(self.maps) + 1} switching points in order of time: x_0, theta_0, x_1, theta_1, ...
+x is the displacement, where the mass has the speed of a belt; that speed is no argument.
+The phase theta = Omega t is not reduced modulo 2 pi: a map takes the time (theta_j - theta_i)/Omega >= 0.
+residual gives f1, f2 of each map, both 0 where it leads from (x_i, theta_i) to (x_j, theta_j):
+{signs}
+jacobian gives the 2 x 4 derivatives of f1, f2 of each map by its x_i, theta_i, x_j, theta_j.
+{run}"""
+        if self.parameters is not None:
+            given = ", ".join(f"{name} = {value}" for name, value in self.parameters.as_dict().items())
+            text += f"\n\nParameters:\n{given}"
+        return "\n".join(f"{mark}{line}".rstrip() for line in text.split("\n"))
+
+    def example(self) -> tuple[list[float], dict[str, float]]:
+        """Return switching points, no root, and parameters with which the source's own caller calls it."""
+        p = self.parameters or load_scene(EXAMPLE).parameters
+        z = [each for n in range(len(self.maps) + 1) for each in (round(0.5 - 0.3 * n, 1), round(0.4 + 0.7 * n, 1))]
+        return z, {name: float(value) for name, value in p.as_dict().items()}
 
 
-def _setup_steps() -> dict[str, ast.Assign]:
-    """Return the assignments of SETUP by the name that each defines."""
-    from symosc.engine.flow import APART
-
-    source = SETUP.replace("APART", repr(float(APART**2)))
-    return {ast.unparse(node.targets[0]): node for node in ast.parse(source).body if isinstance(node, ast.Assign)}
-
-
-def program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
+def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
     """Collect the functions that a word needs; for numpy arrays or for numbers, with or without fixed parameters."""
-    from symosc.engine.flow import constants  # late: `symosc codegen --help` needs none of these
+    from symosc.engine.flow import APART, constants  # late: `symosc codegen --help` needs none of these
     from symosc.kernels import _generated, entire, entire_array, mapping
 
     K = constants(fix) if fix else None
@@ -228,58 +218,51 @@ def program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
         known["slow.any()"] = False
     if K is not None and K.apart and K.w0 == K.rate:
         known["K.w0 * tau >= APART_ABOVE"], known["rest.any()"] = True, False
-    modules = [_generated, entire_array if arrays else entire, mapping]
-    fold = _Fold(known, fixed=K is not None)
-    trees = [_functions(inspect.getsource(module)) for module in modules]
-    library = {name: fold.function(node) for tree in trees for name, node in tree.items()}
+    fold = _Fold(known, K is not None)
+    sources = [inspect.getsource(module) for module in (_generated, entire_array if arrays else entire, mapping)]
     maps: list[str] = []
-    wanted: dict[str, str] = {}
+    wanted: list[str] = []
     for row, exit in zip(word.maps, word.exits(), strict=True):
         for each in [exit] if exit or not row.sticks else ["below", "above"]:
             label, source = _map_source(row, each, arrays)
-            wanted[label] = wanted[label + MATRIX] = source
+            wanted += [label, label + MATRIX]
+            sources.append(source)
             maps.append(label)
     if word.maps[-1].sticks and word.exits()[-1] is None:
         maps.pop()  # the word's own functions take the exit below; the other one is there to be called
-    for source in wanted.values():
-        library |= {name: fold.function(node) for name, node in _functions(source).items()}
+    nodes = [node for source in sources for node in ast.parse(source).body]
+    library = {node.name: fold.function(node) for node in nodes if isinstance(node, ast.FunctionDef)}
     if arrays:
-        library |= _functions(FLAT)
+        library["flat"] = next(node for node in ast.parse(FLAT).body if isinstance(node, ast.FunctionDef))
     functions: dict[str, ast.FunctionDef] = {}
+
+    def add(name: str) -> None:
+        if name in library and name not in functions:
+            for leaf in ast.walk(library[name]):
+                if isinstance(leaf, ast.Call) and isinstance(leaf.func, ast.Name):
+                    add(leaf.func.id)
+            functions[name] = library[name]
+
     for label in wanted:
-        _add(label, library, functions)
+        add(label)
+    names = set().union(*map(_names, functions.values()))
     leaves = [leaf for node in functions.values() for leaf in ast.walk(node)]
-    used = {leaf.attr for leaf in leaves if isinstance(leaf, ast.Attribute) and _is_K(leaf.value)}
-    used |= {leaf.id[2:] for leaf in leaves if isinstance(leaf, ast.Name) and leaf.id.startswith("K_")}
-    named = {leaf.id for leaf in leaves if isinstance(leaf, ast.Name)}
+    used = {leaf.attr for leaf in leaves if isinstance(leaf, ast.Attribute) and ast.unparse(leaf.value) == "K"}
+    used |= {name.removeprefix("K_") for name in names if name.startswith("K_")}
     thresholds = vars(entire) | vars(entire_array)
-    settings = {name: thresholds[name] for name in SETTINGS if name in named}
-    fields = [name for name in (*_setup_steps(), "v1", "v2") if name in used]
-    values = None
+    numbers = {name: thresholds[name] for name in SETTINGS if name in names}
+    steps = ast.parse(SETUP.replace("APART", repr(float(APART**2)))).body
+    setup = {ast.unparse(node.targets[0]): node for node in steps if isinstance(node, ast.Assign)}
+    fields = [name for name in (*setup, "v1", "v2") if name in used]
     if K is not None:
-        of_belts = {"v1": K.belt1.v, "v2": K.belt2.v}
-        values = {name: of_belts[name] if name in of_belts else getattr(K, name) for name in fields}
-    return _Program(word, functions, maps, fields, values, settings, fix)
-
-
-def _is_K(node: ast.expr) -> bool:
-    """Return whether a node is the name K."""
-    return isinstance(node, ast.Name) and node.id == "K"
-
-
-def _functions(source: str) -> dict[str, ast.FunctionDef]:
-    """Return the functions of a source text by name."""
-    return {node.name: node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)}
-
-
-def _add(name: str, library: dict[str, ast.FunctionDef], functions: dict[str, ast.FunctionDef]) -> None:
-    """Add a function after the functions that it calls."""
-    if name in functions or name not in library:
-        return
-    for leaf in ast.walk(library[name]):
-        if isinstance(leaf, ast.Call) and isinstance(leaf.func, ast.Name):
-            _add(leaf.func.id, library, functions)
-    functions[name] = library[name]
+        values: Record = K._asdict() | {"v1": K.belt1.v, "v2": K.belt2.v}
+        numbers |= {f"K_{name}": values[name] for name in fields}
+    needed, kept = set(fields), list[ast.Assign]()
+    for name, step in reversed(setup.items()):
+        if name in needed:
+            kept.insert(0, step)
+            needed |= _names(step.value)
+    return _Program(word, functions, maps, kept, fields, numbers, fix)
 
 
 def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
@@ -291,15 +274,13 @@ def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
         label, what = f"{row.label}_{exit}", f"stick on belt {row.start.boundary}, slips into domain {domain}"
         residual = f"stick(x_i, theta_i, x_j, theta_j, {begin}, K.A{domain}, K)"
         lines = f"x_th0, x_th1, v_x1, v_th1 = stick_slopes(theta_j, {begin}, K)"
-        entries = "1.0, x_th0, -1.0, x_th1, 0.0, 0.0, v_x1, v_th1"
-        arguments = "theta_j"
+        entries, arguments = "1.0, x_th0, -1.0, x_th1, 0.0, 0.0, v_x1, v_th1", "theta_j"
     else:
         label, what = row.label, f"domain {row.domain}, from v{row.start.boundary} to v{row.end.boundary}"
         residual = f"flight(x_i, theta_i, x_j, theta_j, {begin}, {end}, K.A{row.domain}, K)"
         slopes = f"flight_slopes(x_i, theta_i, theta_j, {begin}, K.A{row.domain}, K)"
         lines = f"x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = {slopes}"
-        entries = "x_x0, x_th0, -1.0, x_th1, v_x0, v_th0, 0.0, v_th1"
-        arguments = "x_i, theta_i, theta_j"
+        entries, arguments = "x_x0, x_th0, -1.0, x_th1, v_x0, v_th0, 0.0, v_th1", "x_i, theta_i, theta_j"
     flattened = ""
     if arrays:
         residual = f"[part.reshape(shape) for part in np.broadcast_arrays(*{residual})]"
@@ -318,6 +299,11 @@ def {label}{MATRIX}({arguments}, K):
     return label, source
 
 
+def _names(node: ast.AST) -> set[str]:
+    """Return the names in a syntax tree."""
+    return {leaf.id for leaf in ast.walk(node) if isinstance(leaf, ast.Name)}
+
+
 class _Fold(ast.NodeTransformer):
     """A transformer that replaces known conditions by their truth and, if `fixed`, constants by names (K_cm)."""
 
@@ -325,121 +311,79 @@ class _Fold(ast.NodeTransformer):
         self.known, self.fixed = known, fixed
 
     def function(self, node: ast.FunctionDef) -> ast.FunctionDef:
-        """Return a folded copy of a function without annotations; its docstring is cut to the first paragraph."""
-        node = self.visit(ast.parse(ast.unparse(node)).body[0])
+        """Fold a function, without annotations; its docstring is cut to the first paragraph."""
+        node = self.visit(node)
         for argument in node.args.args:
             argument.annotation = None
         node.returns = None
         if self.fixed:
             node.args.args = [argument for argument in node.args.args if argument.arg != "K"]
-        doc = ast.get_docstring(node)
-        if doc:
-            first = " ".join(doc.split("\n\n")[0].split())
+        first = _first_paragraph(node)
+        if first:
             node.body[0] = ast.Expr(ast.Constant(re.sub(r"[;,] see `[^`]*`| \(`[^`]*`\)|`", "", first)))
         return ast.fix_missing_locations(node)
 
-    def generic_visit(self, node: ast.AST) -> ast.AST:
-        """Replace a condition with known truth."""
+    def visit(self, node: ast.AST) -> Any:
+        """Return what is left of a node: a known condition is its truth, and leaves the branch that is taken."""
         if isinstance(node, ast.expr) and ast.unparse(node) in self.known:
             return ast.Constant(self.known[ast.unparse(node)])
-        return super().generic_visit(node)
-
-    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
-        """Replace K.name by K_name, unless the constants remain a tuple."""
-        if not _is_K(node.value) or ast.unparse(node) in self.known:
-            return self.generic_visit(node)
-        return ast.Name(f"K_{node.attr}") if self.fixed else node
-
-    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
-        """Replace INVERSES[n] by 1.0/n."""
-        if isinstance(node.value, ast.Name) and node.value.id == "INVERSES":
-            return ast.BinOp(ast.Constant(1.0), ast.Div(), node.slice)
-        return self.generic_visit(node)
-
-    def visit_Call(self, node: ast.Call) -> ast.AST:
-        """Omit the argument K if the constants are separate names."""
-        node_ = self.generic_visit(node)
-        if self.fixed and isinstance(node_, ast.Call):
-            node_.args = [argument for argument in node_.args if not _is_K(argument)]
-        return node_
-
-    def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
-        """Omit known operands of an `and` or `or`, or all of it if one decides."""
-        values = [self.visit(value) for value in node.values]
-        decides = isinstance(node.op, ast.Or)
-        if any(isinstance(value, ast.Constant) and value.value is decides for value in values):
-            return ast.Constant(decides)
-        values = [value for value in values if not isinstance(value, ast.Constant)]
-        if not values:
-            return ast.Constant(not decides)
-        return values[0] if len(values) == 1 else ast.BoolOp(node.op, values)
-
-    def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
-        """Keep only the branch that is taken, if known."""
-        test = self.visit(node.test)
-        if isinstance(test, ast.Constant):
-            return self.visit(node.body if test.value else node.orelse)
-        return ast.IfExp(test, self.visit(node.body), self.visit(node.orelse))
-
-    def visit_If(self, node: ast.If) -> Any:
-        """Keep only the block that is executed, if known."""
-        test = self.visit(node.test)
-        if isinstance(test, ast.Constant):
-            return self._block(node.body if test.value else node.orelse)
-        return ast.If(test, self._block(node.body), self._block(node.orelse))
-
-    def _block(self, body: list[ast.stmt]) -> list[ast.stmt]:
-        """Return the folded statements of a block."""
-        folded = map(self.visit, body)
-        return [node for part in folded for node in (part if isinstance(part, list) else [part])]
+        node = self.generic_visit(node)
+        match node:
+            case ast.Attribute(ast.Name("K"), name) if self.fixed:
+                return ast.Name(f"K_{name}")
+            case ast.Subscript(ast.Name("INVERSES"), index):
+                return ast.BinOp(ast.Constant(1.0), ast.Div(), index)
+            case ast.Call() if self.fixed:
+                node.args = [argument for argument in node.args if ast.unparse(argument) != "K"]
+            case ast.BoolOp(op, values):
+                decides = isinstance(op, ast.Or)
+                if any(isinstance(value, ast.Constant) and value.value is decides for value in values):
+                    return ast.Constant(decides)
+                node.values = [value for value in values if not isinstance(value, ast.Constant)]
+                if len(node.values) < 2:
+                    return node.values[0] if node.values else ast.Constant(not decides)
+            case ast.If(ast.Constant(truth), then, other) | ast.IfExp(ast.Constant(truth), then, other):
+                return then if truth else other
+        return node
 
 
-# --- the languages ---
+# --- the languages: expressions as in Python, with the differing parts substituted ---
 
 
-class _Language(ast.NodeTransformer):
-    """A printer of functions: expressions as in Python, with the differing parts substituted."""
-
-    # `returns` says how many numbers each function returns. C and Julia differ in the texts and methods below.
+class _Julia(ast.NodeTransformer):
+    """The printer of functions for Julia 1.x; `returns` says how many numbers each function returns."""
 
     member, end, condition, otherwise, close = ".", "", "if {}", "else", "end"
-    renamed: dict[str, str] = {}  # noqa: RUF012 (a table, never changed)
-    loop: Callable[[str, int, int], str]
-    unpack: Callable[[list[ast.expr], ast.expr], Iterator[str]]
-    give_back: Callable[[ast.expr], Iterator[str]]
+    loop = "for {0} in {1}:{3}"
 
-    def __init__(self, returns: dict[str, int]) -> None:
-        self.returns = returns
+    def __init__(self, functions: dict[str, ast.FunctionDef]) -> None:
+        self.returns: dict[str, int] = {}
+        for name, node in functions.items():
+            value = next(leaf.value for leaf in ast.walk(node) if isinstance(leaf, ast.Return))
+            called = ast.unparse(value.func) if isinstance(value, ast.Call) else ""
+            self.returns[name] = len(value.elts) if isinstance(value, ast.Tuple) else self.returns.get(called, 1)
 
     def expression(self, node: ast.expr) -> str:
         """Return the source of an expression."""
-        choice = isinstance(node, ast.IfExp)
-        text = ast.unparse(self.visit(ast.parse(ast.unparse(node), mode="eval").body))
-        return text[1:-1] if choice else text
+        text = ast.unparse(self.visit(deepcopy(node)))
+        return text[1:-1] if isinstance(node, ast.IfExp) else text
 
-    def visit_BoolOp(self, node: ast.BoolOp) -> ast.expr:
-        texts = [
-            f"({self.expression(each)})" if isinstance(each, ast.BoolOp) else self.expression(each)
-            for each in node.values
-        ]
-        return ast.Name((" && " if isinstance(node.op, ast.And) else " || ").join(texts))
-
-    def visit_IfExp(self, node: ast.IfExp) -> ast.expr:
-        return ast.Name(
-            f"({self.expression(node.test)} ? {self.expression(node.body)} : {self.expression(node.orelse)})"
-        )
-
-    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        return ast.Name(f"{ast.unparse(node.value)}{self.member}{node.attr}")
-
-    def visit_Name(self, node: ast.Name) -> ast.expr:
-        return ast.Name(self.renamed.get(node.id, node.id))
-
-    def visit_Constant(self, node: ast.Constant) -> ast.expr:
-        return ast.Name(str(node.value).lower()) if isinstance(node.value, bool) else node
+    def visit(self, node: ast.AST) -> Any:
+        """Return a node in which the source of what differs from Python stands as a name."""
+        match node:
+            case ast.BoolOp(op, values):
+                texts = [f"({self.expression(v)})" if isinstance(v, ast.BoolOp) else self.expression(v) for v in values]
+                return ast.Name((" && " if isinstance(op, ast.And) else " || ").join(texts))
+            case ast.IfExp(test, then, other):
+                return ast.Name("({} ? {} : {})".format(*map(self.expression, (test, then, other))))
+            case ast.Attribute(value, name):
+                return ast.Name(f"{ast.unparse(value)}{self.member}{name}")
+            case ast.Constant(bool() as flag):
+                return ast.Name(str(flag).lower())
+        return self.generic_visit(node)
 
     def block(self, body: list[ast.stmt]) -> Iterator[str]:
-        """Return the lines of a block."""
+        """Yield the lines of a block."""
         for node in body:
             match node:
                 case ast.Expr(ast.Constant()):
@@ -452,14 +396,14 @@ class _Language(ast.NodeTransformer):
                     yield f"{name} += {self.expression(value)}{self.end}"
                 case ast.If(test, then, other):
                     yield self.condition.format(self.expression(test))
-                    yield from indented(self.block(then))
+                    yield from _indented(self.block(then))
                     if other:
                         yield self.otherwise
-                        yield from indented(self.block(other))
+                        yield from _indented(self.block(other))
                     yield self.close
                 case ast.For(ast.Name(name), ast.Call(_, [ast.Constant(int(first)), ast.Constant(int(stop))]), loop):
-                    yield self.loop(name, first, stop)
-                    yield from indented(self.block(loop))
+                    yield self.loop.format(name, first, stop, stop - 1)
+                    yield from _indented(self.block(loop))
                     yield self.close
                 case ast.Break():
                     yield f"break{self.end}"
@@ -468,79 +412,70 @@ class _Language(ast.NodeTransformer):
                 case _:
                     raise ValueError(f"cannot be printed: {ast.unparse(node)}")
 
-
-class _Julia(_Language):
-    """The printer of functions for Julia 1.x."""
-
     def function(self, node: ast.FunctionDef) -> str:
-        """Return the lines of a function."""
-        arguments = ", ".join(argument.arg for argument in node.args.args)
-        head = [*comment(ast.get_docstring(node), "# "), f"function {node.name}({arguments})"]
-        return "\n".join([*head, *indented(self.block(node.body)), "end"])
-
-    def loop(self, name: str, first: int, stop: int) -> str:
-        """Return the first line of a loop."""
-        return f"for {name} in {first}:{stop - 1}"
+        """Return the source of a function."""
+        note = textwrap.wrap(_first_paragraph(node), EXPORT_WIDTH, initial_indent="# ", subsequent_indent="# ")
+        head = f"function {node.name}({', '.join(argument.arg for argument in node.args.args)})"
+        return "\n".join([*note, head, *_indented(self.block(node.body)), "end"])
 
     def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
-        """Return the assignment of several results."""
-        yield f"{', '.join(map(self.expression, targets))} = {self.listed(value)}"
+        """Yield the assignment of several results."""
+        yield f"{', '.join(map(self.expression, targets))} = {self._listed(value)}"
 
     def give_back(self, value: ast.expr) -> Iterator[str]:
-        """Return the return statement."""
-        yield f"return {self.listed(value)}"
+        """Yield the return statement."""
+        yield f"return {self._listed(value)}"
 
-    def listed(self, value: ast.expr) -> str:
+    def _listed(self, value: ast.expr) -> str:
         """Return an expression, or the elements of a tuple without parentheses."""
         return ", ".join(map(self.expression, value.elts if isinstance(value, ast.Tuple) else [value]))
 
 
-class _C(_Language):
+class _C(_Julia):
     """The printer of functions for C99; one with several results writes them to the array `out`."""
 
     member, end, condition, otherwise, close = "->", ";", "if ({}) {{", "} else {", "}"
-    renamed = {"abs": "fabs"}  # noqa: RUF012
+    loop = "for (int {0} = {1}; {0} < {2}; {0}++) {{"
 
-    def __init__(self, returns: dict[str, int], struct: str) -> None:
-        super().__init__(returns)
-        self.struct, self.name, self.count = struct, "", 0
+    def __init__(self, functions: dict[str, ast.FunctionDef], name: str) -> None:
+        super().__init__(functions)
+        self.base, self.current, self.count = name, "", 0
 
-    def visit_Constant(self, node: ast.Constant) -> ast.expr:
-        """Return a flag as 0 or 1, and every other number as a double."""
-        return ast.Name(str(int(node.value)) if isinstance(node.value, bool) else repr(float(node.value)))  # type: ignore[arg-type]
+    def visit(self, node: ast.AST) -> Any:
+        """Return a node with flags as 0 or 1, and every other number as a double."""
+        match node:
+            case ast.Name("abs"):
+                return ast.Name("fabs")
+            case ast.Constant(int() | float() as value):
+                return ast.Name(str(int(value)) if isinstance(value, bool) else repr(float(value)))
+        return super().visit(node)
 
-    def head(self, node: ast.FunctionDef, prefix: str = "") -> str:
-        """Return the declaration of a function without the semicolon."""
-        count = self.returns[node.name]
-        names = [argument.arg for argument in node.args.args]
-        arguments = [f"const {self.struct} *K" if name == "K" else f"double {name}" for name in names]
+    def head(self, node: ast.FunctionDef) -> str:
+        """Return the declaration of a function without the semicolon; those of mappings are public."""
+        count, names = self.returns[node.name], [argument.arg for argument in node.args.args]
+        arguments = [f"const {self.base}_constants *K" if name == "K" else f"double {name}" for name in names]
         if count > 1:
-            arguments.append(f"double out{''.join(f'[{size}]' for size in self.shape(node.name))}")
+            two_rows = re.fullmatch(rf"P\d\w*{MATRIX}", node.name)
+            arguments.append(f"double out[2][{count // 2}]" if two_rows else f"double out[{count}]")
+        prefix = f"{self.base}_" if _is_map(node.name) else ""
         return f"{'void' if count > 1 else 'double'} {prefix}{node.name}({', '.join(arguments)})"
 
-    def function(self, node: ast.FunctionDef, static: bool = True, prefix: str = "") -> str:
-        """Return the lines of a function."""
-        self.name, self.count = node.name, 0
+    def function(self, node: ast.FunctionDef) -> str:
+        """Return the source of a function."""
+        self.current, self.count = node.name, 0
         body = list(self.block(node.body))
         if body[-1] == "return;":
             body.pop()
         kinds = _kinds(node)
-        lines = comment(ast.get_docstring(node), " * ", "/*", " */")
-        lines += [f"{'static ' * static}{self.head(node, prefix)}", "{"]
+        first = _first_paragraph(node)
+        lines = [f" * {line}" for line in textwrap.wrap(first, EXPORT_WIDTH - 3)]
+        lines = [f"/* {first} */"] if len(lines) == 1 else ["/*", *lines, " */"] if lines else []
+        lines += [f"{'' if _is_map(node.name) else 'static '}{self.head(node)}", "{"]
         for kind in ("double", "int"):
             declared = ", ".join(name for name, of in kinds.items() if of == kind)
             lines += [f"    {kind} {declared};"] * bool(declared)
         lines += [f"    (void){argument.arg};" for argument in node.args.args if argument.arg not in _names(node)]
-        return "\n".join([*lines, *indented(body), "}"])
-
-    def shape(self, name: str) -> list[int]:
-        """Return the shape of the array that a function fills: two rows for a mapping's Jacobian."""
-        count = self.returns[name]
-        return [2, count // 2] if re.fullmatch(rf"P\d\w*{MATRIX}", name) else [count]
-
-    def loop(self, name: str, first: int, stop: int) -> str:
-        """Return the first line of a loop."""
-        return f"for (int {name} = {first}; {name} < {stop}; {name}++) {{"
+        return "\n".join([*lines, *_indented(body), "}"])
 
     def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
         """Assign results one by one, through copies if a value uses an earlier target."""
@@ -549,41 +484,40 @@ class _C(_Language):
             self.count += 1
             results = f"results{self.count}"
             yield f"double {results}[{len(targets)}];"
-            yield f"{self.call_into(value, results)};"
+            yield self._call_into(value, results)
             yield from (f"{name} = {results}[{n}];" for n, name in enumerate(names) if name != "_")
             return
         assert isinstance(value, ast.Tuple)
-        values = value.elts
-        if any(name in _names(later) for n, name in enumerate(names) for later in values[n + 1 :]):
+        if any(name in _names(later) for n, name in enumerate(names) for later in value.elts[n + 1 :]):
             yield "{"
-            yield from (f"    const double next{n} = {self.expression(each)};" for n, each in enumerate(values))
+            yield from (f"    const double next{n} = {self.expression(each)};" for n, each in enumerate(value.elts))
             yield from (f"    {name} = next{n};" for n, name in enumerate(names))
             yield "}"
         else:
-            yield from (f"{name} = {self.expression(each)};" for name, each in zip(names, values, strict=True))
+            yield from (f"{name} = {self.expression(each)};" for name, each in zip(names, value.elts, strict=True))
 
     def give_back(self, value: ast.expr) -> Iterator[str]:
-        """Return one value, or write several to the array `out`."""
+        """Return the result, or write the results to `out`."""
         if isinstance(value, ast.Tuple):
-            columns = self.shape(self.name)[-1]
+            columns = len(value.elts) // 2 if self.current.endswith(MATRIX) and _is_map(self.current) else 0
             for n, each in enumerate(value.elts):
-                place = f"[{n // columns}][{n % columns}]" if columns < len(value.elts) else f"[{n}]"
+                place = f"[{n // columns}][{n % columns}]" if columns else f"[{n}]"
                 yield f"out{place} = {self.expression(each)};"
             yield "return;"
         elif isinstance(value, ast.Call) and self.returns.get(ast.unparse(value.func), 1) > 1:
-            yield f"{self.call_into(value, 'out')};"
+            yield self._call_into(value, "out")
             yield "return;"
         else:
             yield f"return {self.expression(value)};"
 
-    def call_into(self, call: ast.Call, target: str) -> str:
+    def _call_into(self, call: ast.Call, target: str) -> str:
         """Return a call that writes its results to an array."""
-        return f"{self.expression(call)[:-1]}{', ' if call.args else ''}{target})"
+        return f"{self.expression(call)[:-1]}{', ' if call.args else ''}{target});"
 
 
-def _names(node: ast.AST) -> set[str]:
-    """Return the names in a syntax tree."""
-    return {leaf.id for leaf in ast.walk(node) if isinstance(leaf, ast.Name)}
+def _is_map(name: str) -> bool:
+    """Return whether a function is that of a mapping or of its Jacobian."""
+    return re.match(r"P[1-8]", name) is not None
 
 
 def _kinds(node: ast.FunctionDef) -> dict[str, str]:
@@ -600,7 +534,157 @@ def _kinds(node: ast.FunctionDef) -> dict[str, str]:
     return kinds
 
 
-def wrapped(text: str) -> str:
+def _first_paragraph(node: ast.FunctionDef) -> str:
+    """Return the first paragraph of a docstring in one line."""
+    return " ".join((ast.get_docstring(node) or "").split("\n\n")[0].split())
+
+
+def _indented(lines: Iterator[str] | list[str]) -> list[str]:
+    """Return lines indented by one level."""
+    return [f"    {line}" for line in lines if line]
+
+
+# --- layout ---
+
+
+def _python(program: _Program, arrays: bool) -> str:
+    """Return the Python source of a program."""
+    functions = [ast.unparse(node) for node in program.functions.values()]
+    used = set().union(*map(_names, program.functions.values())) | ({"sqrt"} if program.passed else set())
+    imports = "from collections import namedtuple\n\n" * bool(program.passed) + "import numpy as np\n" * arrays
+    imports += f"from {'numpy' if arrays else 'math'} import {', '.join(name for name in MATH if name in used)}"
+    head = [f'"""{program.about("", "Run this file for an example.")}\n"""', imports]
+    if program.numbers:
+        head.append("\n".join(f"{name} = {value!r}" for name, value in program.numbers.items()))
+    z, p = program.example()
+    arguments = ", ".join(["points", *program.passed])
+    points = "np.array(z)[:, None] + [0.0, 0.1]  # two columns of points" if arrays else "z"
+    setup, K = [], ""
+    if program.passed:
+        lines = "\n".join(
+            _indented([*map(ast.unparse, program.setup), f"return Constants({', '.join(program.fields)})"])
+        )
+        setup = [
+            f"""\
+Constants = namedtuple('Constants', {program.fields!r})
+
+
+def constants(*, {", ".join(PARAMETER_NAMES)}):
+    \"""Return what the functions below need.\"""
+{lines}"""
+        ]
+        K = f"    K = constants({', '.join(f'{name}={value!r}' for name, value in p.items())})\n"
+    main = f"""\
+if __name__ == "__main__":
+    z = {z}
+{K}    points = {points}
+    print(residual({arguments}))
+    print(jacobian({arguments}))
+"""
+    return "\n\n".join(head) + "\n\n\n" + "\n\n\n".join([*setup, *functions, *_python_whole(program, arrays), main])
+
+
+def _python_whole(program: _Program, arrays: bool) -> list[str]:
+    """Return the functions of the whole word, for numbers or for broadcasting arrays."""
+    calls, arguments = program.calls(0), ", ".join(["z", *program.passed])
+    rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
+    blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
+    if arrays:
+        shapes = str(2 * len(calls)), f"{len(calls)}, 2, 4"
+        whats = [
+            f"{what}, in order of time: shape ({shape}) and that of the numbers in z"
+            for what, shape in zip(("f1, f2 of each map", "the derivatives of f1, f2 of each map"), shapes, strict=True)
+        ]
+        frame = "    z, shape = flat(*z)\n    rows = [\n{}\n    ]\n    return np.array(rows).reshape(({}, *shape))"
+        bodies = [frame.format(each, shape) for each, shape in zip((rows, blocks), shapes, strict=True)]
+    else:
+        whats = [
+            "f1, f2 of each map, in order of time",
+            "the 2 x 4 derivatives of f1, f2 of each map, in order of time",
+        ]
+        last = "    return [[list(block[:4]), list(block[4:])] for block in blocks]"
+        bodies = [f"    return [\n{rows}\n    ]", f"    blocks = [\n{blocks}\n    ]\n{last}"]
+    return [
+        f'def {name}({arguments}):\n    """Return {what}."""\n{body}'
+        for name, what, body in zip(("residual", "jacobian"), whats, bodies, strict=True)
+    ]
+
+
+def _c(program: _Program, name: str) -> dict[str, str]:
+    """Return the C source and header of a program."""
+    c, count, passed = _C(program.functions, name), len(program.maps), bool(program.passed)
+    constants, K = (f"const {name}_constants *K, ", "&K, ") if passed else ("", "")
+    residual = f"void {name}_residual(const double z[{2 * count + 2}], {constants}double f[{2 * count}])"
+    jacobian = f"void {name}_jacobian(const double z[{2 * count + 2}], {constants}double J[{count}][2][4])"
+    setup = f"void {name}_setup({name}_constants *K, {', '.join(f'double {each}' for each in PARAMETER_NAMES)})"
+    guard, example = f"{name.upper()}_H", f"{name.upper()}_EXAMPLE"
+    public = "\n".join(f"{c.head(node)};" for label, node in program.functions.items() if _is_map(label))
+    z, p = program.example()
+    struct = filled = prepared = ""
+    if passed:
+        steps = {ast.unparse(node.targets[0]): node.value for node in program.setup}
+        kind = {**dict.fromkeys((*steps, *program.fields), "double"), **dict.fromkeys(FLAGS, "int")}
+        fields = "\n".join(f"    {kind[field]} {field};" for field in program.fields)
+        struct = f"typedef struct {{\n{fields}\n}} {name}_constants;\n\n{setup};\n"
+        lines = [f"const {kind[each]} {each} = {c.expression(value)};" for each, value in steps.items()]
+        lines += [f"K->{field} = {field};" for field in program.fields]
+        used = set(program.fields).union(*map(_names, steps.values()))
+        lines += [f"(void){each};" for each in PARAMETER_NAMES if each not in used]
+        filled = "\n".join([setup, "{", *_indented(lines), "}"])
+        prepared = f"    {name}_constants K;\n    {name}_setup(&K, {', '.join(map(repr, p.values()))});\n"
+    header = f"""\
+/*
+{program.about(" * ", f"Try it: cc -D{example} {name}.c -lm && ./a.out")}
+ */
+#ifndef {guard}
+#define {guard}
+
+#ifdef __cplusplus
+extern "C" {{
+#endif
+
+{struct}{residual};
+{jacobian};
+{public}
+
+#ifdef __cplusplus
+}}
+#endif
+
+#endif /* {guard} */"""
+    main = f"""\
+#ifdef {example}
+#include <stdio.h>
+
+int main(void)
+{{
+    const double z[{len(z)}] = {{{", ".join(map(repr, z))}}};
+    double f[{2 * count}], J[{count}][2][4];
+{prepared}    {name}_residual(z, {K}f);
+    {name}_jacobian(z, {K}J);
+    for (int n = 0; n < {2 * count}; n++)
+        printf("f[%d] = %.17g\\n", n, f[n]);
+    for (int n = 0; n < {8 * count}; n++)
+        printf("J[%d][%d][%d] = %.17g\\n", n / 8, n / 4 % 2, n % 4, J[n / 8][n / 4 % 2][n % 4]);
+    return 0;
+}}
+#endif"""
+    calls = list(enumerate(program.calls(0)))
+    rows = [f"    {name}_{label}({each}, f + {2 * n});" for n, (label, each, _) in calls]
+    blocks = [f"    {name}_{label}{MATRIX}({each}, J[{n}]);" for n, (label, _, each) in calls]
+    parts = [
+        f'#include "{name}.h"\n\n#include <math.h>',
+        "\n".join(f"static const double {key} = {float(value)!r};" for key, value in program.numbers.items()),
+        *map(c.function, program.functions.values()),
+        filled,
+        "\n".join([residual, "{", *rows, "}"]),
+        "\n".join([jacobian, "{", *blocks, "}"]),
+        main,
+    ]
+    return {f"{name}.h": _wrapped(header), f"{name}.c": _wrapped("\n\n".join(filter(None, parts)))}
+
+
+def _wrapped(text: str) -> str:
     """Return C source with long lines wrapped at blanks."""
     lines = []
     for line in text.splitlines():
@@ -611,213 +695,25 @@ def wrapped(text: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def indented(lines: Iterable[str]) -> Iterator[str]:
-    """Yield lines indented by one level."""
-    return (f"    {line}" for line in lines if line)
-
-
-def comment(text: str | None, mark: str, opening: str = "", closing: str = "") -> list[str]:
-    """Return the first sentence of a docstring as comment lines."""
-    if not text:
-        return []
-    first = " ".join(text.split("\n\n")[0].split())
-    lines = [mark + line for line in textwrap.wrap(first, EXPORT_WIDTH - len(mark))]
-    if not opening:
-        return lines
-    if len(lines) == 1:
-        return [f"{opening} {first} */"]
-    return [opening, *lines, closing]
-
-
-# --- layout ---
-
-
-#: What f1 and f2 of a flight and of a stick are, and their signs.
-SIGNS = {
-    False: [
-        "  flight: f1 = x(tau) - x_j, > 0 if the mass comes out beyond x_j; f2 = v(tau) - v_j of the belt reached."
-    ],
-    True: [
-        "  stick:  f1 = x_i + v tau - x_j on the belt of speed v; f2 = force per mass at (x_j, theta_j) in the domain",
-        "          into which the mass slips: < 0 is down from the belt, > 0 up.",
-    ],
-}
-#: A scene whose parameters the callers take where none are fixed.
-EXAMPLE = "fig9"
-
-
-def _example(program: _Program) -> tuple[list[float], dict[str, float]]:
-    """Return switching points, no root, and parameters with which the source's own caller calls it."""
-    p = program.parameters or load_scene(EXAMPLE).parameters
-    z = [value for n in range(len(program.maps) + 1) for value in (round(0.5 - 0.3 * n, 1), round(0.4 + 0.7 * n, 1))]
-    return z, {name: float(value) for name, value in p.as_dict().items()}
-
-
-def _about(program: _Program, mark: str, run: str) -> list[str]:
-    """Return the comment at the top of the source; `run` says how to run its caller."""
-    labels, maps = ", then ".join(program.word.labels), program.word.maps
-    lines = [
-        f"The mapping structure {program.word}: {labels}. Generated by symosc; do not edit.",
-        "",
-        f"z holds {len(program.maps) + 1} switching points in order of time: x_0, theta_0, x_1, theta_1, ...",
-        "x is the displacement, where the mass has the speed of a belt; that speed is no argument.",
-        "The phase theta = Omega t is not reduced modulo 2 pi: a map takes the time (theta_j - theta_i)/Omega >= 0.",
-        "residual gives f1, f2 of each map, both 0 where it leads from (x_i, theta_i) to (x_j, theta_j):",
-        *(line for sticks, lines in SIGNS.items() for line in lines if sticks in {row.sticks for row in maps}),
-        "jacobian gives the 2 x 4 derivatives of f1, f2 of each map by its x_i, theta_i, x_j, theta_j.",
-        run,
-    ]
-    if program.parameters is not None:
-        lines += ["", "Parameters:"]
-        text = ", ".join(f"{name} = {value}" for name, value in program.parameters.as_dict().items())
-        lines.append(text)
-    return [f"{mark}{line}".rstrip() for line in lines]
-
-
-def _python(program: _Program, arrays: bool) -> str:
-    """Return the Python source of a program."""
-    functions = [ast.unparse(node) for node in program.functions.values()]
-    used = set().union(*map(_names, program.functions.values())) | ({"sqrt"} if program.passed else set())
-    imports = ["from collections import namedtuple", ""] * bool(program.passed) + ["import numpy as np"] * arrays
-    imports.append(f"from {'numpy' if arrays else 'math'} import {', '.join(name for name in MATH if name in used)}")
-    run = "Run this file for an example."
-    head = ['"""' + "\n".join(_about(program, "", run)) + '\n"""', "\n".join(imports)]
-    if program.numbers():
-        head.append("\n".join(f"{name} = {value!r}" for name, value in program.numbers().items()))
-    setup = [_python_setup(program)] if program.passed else []
-    z, p = _example(program)
-    points = "np.array(z)[:, None] + [0.0, 0.1]  # two columns of points" if arrays else "z"
-    main = ['if __name__ == "__main__":', f"    z = {z}"]
-    if program.passed:
-        main.append(f"    K = constants({', '.join(f'{name}={value!r}' for name, value in p.items())})")
-    arguments = ", ".join(["points", *program.passed])
-    main += [f"    points = {points}", f"    print(residual({arguments}))", f"    print(jacobian({arguments}))"]
-    parts = [*setup, *functions, *_python_whole(program, arrays), "\n".join(main)]
-    return "\n\n".join(head) + "\n\n\n" + "\n\n\n".join(parts) + "\n"
-
-
-def _python_whole(program: _Program, arrays: bool) -> list[str]:
-    """Return the functions of the whole word, for numbers or for broadcasting arrays."""
-    calls, arguments = program.calls(0), ", ".join(["z", *program.passed])
-    rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
-    blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
-    if arrays:
-        shapes = str(2 * len(calls)), f"{len(calls)}, 2, 4"
-        ends = [f": shape ({shape}) and that of the numbers in z" for shape in shapes]
-        what = "f1, f2", "the derivatives of f1, f2"
-        frame = "    z, shape = flat(*z)\n    rows = [\n{}\n    ]\n    return np.array(rows).reshape(({}, *shape))"
-        bodies = [frame.format(each, shape) for each, shape in zip((rows, blocks), shapes, strict=True)]
-    else:
-        ends, what = ["", ""], ("f1, f2", "the 2 x 4 derivatives of f1, f2")
-        last = "    return [[list(block[:4]), list(block[4:])] for block in blocks]"
-        bodies = [f"    return [\n{rows}\n    ]", f"    blocks = [\n{blocks}\n    ]\n{last}"]
-    return [
-        f'def {name}({arguments}):\n    """Return {of} of each map, in order of time{end}."""\n{body}'
-        for name, of, end, body in zip(("residual", "jacobian"), what, ends, bodies, strict=True)
-    ]
-
-
-def _python_setup(program: _Program) -> str:
-    """Return the Python function that computes the constants."""
-    lines = [*map(ast.unparse, program.setup()), f"return Constants({', '.join(program.fields)})"]
-    head = [f"Constants = namedtuple('Constants', {program.fields!r})", "", ""]
-    head += [f"def constants(*, {', '.join(PARAMETER_NAMES)}):", '    """Return what the functions below need."""']
-    return "\n".join([*head, *(f"    {line}" for line in lines)])
-
-
-def _c(program: _Program, name: str) -> dict[str, str]:
-    """Return the C source and header of a program."""
-    c, count, fixed = _C(program.returns(), f"{name}_constants"), len(program.maps), program.values is not None
-    constants = "" if fixed else f"const {name}_constants *K, "
-    public = [label for label in program.functions if re.match(r"P[1-8]", label)]
-    residual = f"void {name}_residual(const double z[{2 * count + 2}], {constants}double f[{2 * count}])"
-    jacobian = f"void {name}_jacobian(const double z[{2 * count + 2}], {constants}double J[{count}][2][4])"
-    arguments = ", ".join(f"double {parameter}" for parameter in PARAMETER_NAMES)
-    setup = f"void {name}_setup({name}_constants *K, {arguments})"
-    guard = f"{name.upper()}_H"
-    example = f"{name.upper()}_EXAMPLE"
-    run = f"Try it: cc -D{example} {name}.c -lm && ./a.out"
-    header = ["/*", *_about(program, " * ", run), " */", f"#ifndef {guard}", f"#define {guard}", ""]
-    header += ["#ifdef __cplusplus", 'extern "C" {', "#endif", ""]
-    if not fixed:
-        fields = [f"    {'int' if field in FLAGS else 'double'} {field};" for field in program.fields]
-        header += ["typedef struct {", *fields, f"}} {name}_constants;", "", f"{setup};"]
-    header += [f"{residual};", f"{jacobian};"]
-    header += [f"{c.head(program.functions[label], f'{name}_')};" for label in public]
-    header += ["", "#ifdef __cplusplus", "}", "#endif", "", f"#endif /* {guard} */"]
-    source = [f'#include "{name}.h"\n\n#include <math.h>']
-    numbers = program.numbers().items()
-    source.append("\n".join(f"static const double {key} = {float(value)!r};" for key, value in numbers))
-    for label, node in program.functions.items():
-        source.append(c.function(node, label not in public, f"{name}_" if label in public else ""))
-    if not fixed:
-        source.append(_c_setup(program, c, setup))
-    calls = list(enumerate(program.calls(0)))
-    lines = [f"    {name}_{label}({z}, f + {2 * n});" for n, (label, z, _) in calls]
-    source.append("\n".join([residual, "{", *lines, "}"]))
-    lines = [f"    {name}_{label}{MATRIX}({z}, J[{n}]);" for n, (label, _, z) in calls]
-    source.append("\n".join([jacobian, "{", *lines, "}"]))
-    source.append(_c_example(program, name, example))
-    parts = (part for part in source if part)
-    return {f"{name}.h": wrapped("\n".join(header)), f"{name}.c": wrapped("\n\n".join(parts))}
-
-
-def _c_example(program: _Program, name: str, macro: str) -> str:
-    """Return a program that calls the functions of the C source, compiled if a macro is defined."""
-    z, p = _example(program)
-    count, K = len(program.maps), "&K, " if program.passed else ""
-    numbers = ", ".join(map(repr, p.values()))
-    setup = [f"{name}_constants K;", f"{name}_setup(&K, {numbers});"] if program.passed else []
-    lines = [
-        f"const double z[{len(z)}] = {{{', '.join(map(repr, z))}}};",
-        f"double f[{2 * count}], J[{count}][2][4];",
-        *setup,
-        f"{name}_residual(z, {K}f);",
-        f"{name}_jacobian(z, {K}J);",
-        f"for (int n = 0; n < {2 * count}; n++)",
-        '    printf("f[%d] = %.17g\\n", n, f[n]);',
-        f"for (int n = 0; n < {8 * count}; n++)",
-        '    printf("J[%d][%d][%d] = %.17g\\n", n / 8, n / 4 % 2, n % 4, J[n / 8][n / 4 % 2][n % 4]);',
-        "return 0;",
-    ]
-    body = "\n".join(f"    {line}" for line in lines)
-    return f"#ifdef {macro}\n#include <stdio.h>\n\nint main(void)\n{{\n{body}\n}}\n#endif"
-
-
-def _c_setup(program: _Program, c: _C, signature: str) -> str:
-    """Return the function that fills the struct; unused parameters are silenced."""
-    lines, used = [], set(program.fields)
-    for node in program.setup():
-        name = ast.unparse(node.targets[0])
-        lines.append(f"    const {'int' if name in FLAGS else 'double'} {name} = {c.expression(node.value)};")
-        used |= _names(node.value)
-    lines += [f"    K->{field} = {field};" for field in program.fields]
-    lines += [f"    (void){name};" for name in PARAMETER_NAMES if name not in used]
-    return "\n".join([signature, "{", *lines, "}"])
-
-
 def _julia(program: _Program, name: str) -> str:
     """Return the Julia source of a program."""
-    julia, passed = _Julia(program.returns()), program.passed
-    exports = ["residual", "jacobian", *["constants"] * bool(passed)]
-    numbers = program.numbers()
-    head = [f"module {_module(name, {*exports, *program.functions, *numbers, 'Constants'})}"]
-    head.append(f"export {', '.join(exports)}")
-    run = f"Try it: julia {name}.jl"
-    parts = ["\n".join(_about(program, "# ", run)), *head]
-    parts.append("\n".join(f"const {key} = {float(value)!r}" for key, value in numbers.items()))
+    julia, passed = _Julia(program.functions), bool(program.passed)
+    exports = ["residual", "jacobian", *["constants"] * passed]
+    module, inside = name[0].upper() + name[1:], {*exports, *program.functions, *program.numbers, "Constants"}
+    while module in inside or module in RESERVED["julia"]:
+        module += "Map"
+    struct = setup = K = ""
+    z, p = program.example()
     if passed:
-        fields = [f"    {field}::{'Bool' if field in FLAGS else 'Float64'}" for field in program.fields]
-        parts.append("\n".join(["struct Constants", *fields, "end"]))
-        lines = list(julia.block(list(program.setup())))
-        lines.append(f"return Constants({', '.join(program.fields)})")
-        arguments = ", ".join(PARAMETER_NAMES)
-        parts.append("\n".join([f"function constants(; {arguments})", *(f"    {line}" for line in lines), "end"]))
-    parts += [julia.function(node) for node in program.functions.values()]
-    calls, arguments = program.calls(1), ", ".join(["z", *passed])
-    rows = "\n".join(f"        {label}({z})...," for label, z, _ in calls)
-    blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
-    parts.append(f"""\
+        fields = [f"{field}::{'Bool' if field in FLAGS else 'Float64'}" for field in program.fields]
+        struct = "\n".join(["struct Constants", *_indented(fields), "end"])
+        lines = [*julia.block([*program.setup]), f"return Constants({', '.join(program.fields)})"]
+        setup = "\n".join([f"function constants(; {', '.join(PARAMETER_NAMES)})", *_indented(lines), "end"])
+        K = f"    K = {module}.constants(; {', '.join(f'{each} = {value!r}' for each, value in p.items())})\n"
+    calls, arguments = program.calls(1), ", ".join(["z", *program.passed])
+    rows = "\n".join(f"        {label}({each})...," for label, each, _ in calls)
+    blocks = "\n".join(f"        {label}{MATRIX}({each})," for label, _, each in calls)
+    whole = f"""\
 # Return f1, f2 of each map, in order of time.
 function residual({arguments})
     return [
@@ -831,19 +727,24 @@ function jacobian({arguments})
 {blocks}
     )
     return [permutedims(reshape(collect(block), 4, 2)) for block in blocks]
-end""")
-    z, p = _example(program)
-    module, rest = head[0].split()[1], ", K" if passed else ""
-    given = ", ".join(f"{each} = {value!r}" for each, value in p.items())
-    main = ["if abspath(PROGRAM_FILE) == @__FILE__", f"    z = {z}"]
-    main += [f"    K = {module}.constants(; {given})"] if passed else []
-    main += [f"    println({module}.{each}(z{rest}))" for each in ("residual", "jacobian")]
-    return "\n\n".join([*(part for part in parts if part), "end", "\n".join([*main, "end"])]) + "\n"
+end
 
+end
 
-def _module(name: str, inside: set[str]) -> str:
-    """Return the name of a Julia module, distinct from all names inside it."""
-    module = name[0].upper() + name[1:]
-    while module in inside or module in RESERVED["julia"]:
-        module += "Map"
-    return module
+if abspath(PROGRAM_FILE) == @__FILE__
+    z = {z}
+{K}    println({module}.residual({arguments}))
+    println({module}.jacobian({arguments}))
+end
+"""
+    parts = [
+        program.about("# ", f"Try it: julia {name}.jl"),
+        f"module {module}",
+        f"export {', '.join(exports)}",
+        "\n".join(f"const {key} = {float(value)!r}" for key, value in program.numbers.items()),
+        struct,
+        setup,
+        *map(julia.function, program.functions.values()),
+        whole,
+    ]
+    return "\n\n".join(filter(None, parts))

@@ -19,7 +19,7 @@ right. Points of it are decided exactly.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import sympy as sp
@@ -45,17 +45,15 @@ QUERY_LETTERS = {
     "v2": sp.Symbol("v_2", real=True),
 }
 THETA = sp.Symbol("theta", real=True)
-ASKS_PHASES, ASKS_NOTHING, ASKS_EVERYTHING = "contains", "empty", "everything"
+
+
+#: Booleans `a > b` and `a >= b` that sympy keeps as they are written.
+OPEN_REGION, CLOSED_REGION = sp.StrictGreaterThan, sp.GreaterThan
+#: A phase where the sine over an interval is extreme, and whether it is attained: not at an open end.
+Extreme = tuple[Expr, bool]
 
 
 # --- intervals of phases ---
-
-
-class Extreme(NamedTuple):
-    """A phase where the sine over an interval is extreme; not attained at an open end."""
-
-    theta: Expr
-    attained: bool
 
 
 class PhaseInterval(NamedTuple):
@@ -66,35 +64,27 @@ class PhaseInterval(NamedTuple):
     low_open: bool = False
     high_open: bool = False
 
-    def set(self) -> Expr:
-        """Return the interval as a sympy Interval."""
-        return sp.Interval(*self)
-
-    def extremes(self) -> tuple[Extreme, Extreme]:
-        """Return the phases of the smallest and of the largest sine."""
-        return self._extreme(-1), self._extreme(1)
-
-    def between(self) -> Expr:
-        """Return a phase inside with neither the smallest nor the largest sine."""
-        sines = [sp.sin(each.theta) for each in self.extremes()]
-        for parts in (2, 3, 5):
-            theta = self.low + (self.high - self.low) / parts
-            if all(sign_of(sp.sin(theta) - sine) for sine in sines):
-                return theta
-        raise AssertionError("three phases cannot all be extreme")
+    def deciding(self, signs: Sequence[int]) -> list[Extreme]:
+        """Return the phases that decide: of the smallest (sign -1) and largest (1) sine, and one between open ends."""
+        extremes = [self._extreme(sign) for sign in signs]
+        if not all(attained for _, attained in extremes):
+            inside = (self.low + (self.high - self.low) / parts for parts in (2, 3, 5))  # not all three are extreme
+            sines = [sp.sin(self._extreme(sign)[0]) for sign in (-1, 1)]
+            between = next(theta for theta in inside if all(sign_of(sp.sin(theta) - sine) for sine in sines))
+            extremes.append((between, True))
+        return extremes
 
     def _extreme(self, sign: int) -> Extreme:
         """Return the phase of the interval where sin(theta) is largest (sign 1) or smallest (-1)."""
         # Tops of sign sin are at sign pi/2 + 2 pi n. The first one after the low end may be inside.
         top = sign * sp.pi / 2
         first = top + 2 * sp.pi * sp.ceiling((self.low - top) / (2 * sp.pi))
-        ends = [Extreme(self.low, not self.low_open), Extreme(self.high, not self.high_open)]
         if sign_of(first - self.low) > 0 and sign_of(self.high - first) > 0:
-            return Extreme(first, True)
+            return first, True
+        low, high = (self.low, not self.low_open), (self.high, not self.high_open)
         difference = sign_of(sign * (sp.sin(self.high) - sp.sin(self.low)))
-        if difference == 0:  # one of them is as good as the other: an attained one is wanted
-            return max(ends, key=lambda end: end.attained)
-        return ends[difference > 0]
+        # Of two that are as good as each other an attained one is wanted.
+        return high if difference > 0 or (difference == 0 and high[1] > low[1]) else low
 
 
 def read_phases(name: str, value: Any) -> Expr | PhaseInterval:
@@ -123,7 +113,7 @@ def read_phases(name: str, value: Any) -> Expr | PhaseInterval:
 
 
 class GrazingQuestion(NamedTuple):
-    """The question for which parameter values a map's window contains phases, is empty or everything.
+    """The question for which parameter values a map's window contains phases, is empty or has all phases.
 
     Attributes
     ----------
@@ -147,19 +137,19 @@ class GrazingQuestion(NamedTuple):
 
     def text(self) -> str:
         """Return the property as text."""
-        if self.asked != ASKS_PHASES:
-            return f"{self.mapping} grazes at {'no' if self.asked == ASKS_NOTHING else 'every'} phase"
+        if self.asked != "contains":
+            return f"{self.mapping} grazes at {'no' if self.asked == 'empty' else 'every'} phase"
         if isinstance(self.theta, PhaseInterval):
-            return f"{self.mapping} grazes at every theta in {interval_text(self.theta.set())}"
+            return f"{self.mapping} grazes at every theta in {interval_text(sp.Interval(*self.theta))}"
         return f"{self.mapping} grazes at theta = {self.theta}"
 
     def latex(self) -> str:
         """Return the property as LaTeX."""
         name = f"P_{{{self.mapping.removeprefix('P')}}}"
-        if self.asked != ASKS_PHASES:
-            return rf"{name} \text{{ grazes at {'no' if self.asked == ASKS_NOTHING else 'every'} phase}}"
+        if self.asked != "contains":
+            return rf"{name} \text{{ grazes at {'no' if self.asked == 'empty' else 'every'} phase}}"
         interval = isinstance(self.theta, PhaseInterval)
-        phases = rf"\in {latex(self.theta.set())}" if interval else f"= {latex(self.theta)}"
+        phases = rf"\in {latex(sp.Interval(*self.theta))}" if interval else f"= {latex(self.theta)}"
         return rf"{name} \text{{ grazes at {'every ' if interval else ''}}}\theta {phases}"
 
 
@@ -230,13 +220,6 @@ class Answers(tuple[Answer, ...], LatexAnswer):
     """
 
     question: GrazingQuestion
-
-    @classmethod
-    def for_question(cls, question: GrazingQuestion, answers: Any) -> Answers:
-        """Make an `Answers` from answers, with the question that its text repeats."""
-        made = cls(answers)
-        made.question = question
-        return made
 
     def text(self) -> str:
         """Return question and answers as text, one line for each condition."""
@@ -450,13 +433,7 @@ def values_containing(
         raise ParameterError("theta", theta, "must be one phase where the parameters are letters")
     if p is not None and not isinstance(phases, PhaseInterval) and phases.free_symbols:
         raise ParameterError("theta", theta, "must be a number where the parameters are numbers")
-
-    def solve(problem: _Problem) -> Iterator[Answer]:
-        if isinstance(phases, PhaseInterval):
-            return _containing_all(problem, phases, full)
-        return _containing(problem, Extreme(phases, True), full)
-
-    return _answer(p, GrazingQuestion(mapping, names, ASKS_PHASES, phases), full, solve)
+    return _answer(p, GrazingQuestion(mapping, names, "contains", phases), full)
 
 
 @public
@@ -471,13 +448,7 @@ def values_empty(p: ParametersLike | None, mapping: str, name: str | Sequence[st
     >>> values_empty(load_scene("fig9").parameters, "P3", "Omega")
     Interval.Lopen(0, 1/3)
     """
-    question = GrazingQuestion(mapping, _read_names(mapping, name, p), ASKS_NOTHING)
-    return _answer(
-        p,
-        question,
-        True,
-        lambda problem: _solve_for_all_phases(problem, -problem.where.side, closed=True, at_zero=True),
-    )
+    return _answer(p, GrazingQuestion(mapping, _read_names(mapping, name, p), "empty"), True)
 
 
 @public
@@ -490,10 +461,7 @@ def values_everything(p: ParametersLike | None, mapping: str, name: str | Sequen
     >>> values_everything(load_scene("fig9").parameters, "P2", "Omega", order="paper")
     Interval.open(0, 1/3)
     """
-    question, full = GrazingQuestion(mapping, _read_names(mapping, name, p), ASKS_EVERYTHING), order == "full"
-    return _answer(
-        p, question, full, lambda problem: _solve_for_all_phases(problem, problem.where.side, full, at_zero=False)
-    )
+    return _answer(p, GrazingQuestion(mapping, _read_names(mapping, name, p), "everything"), order == "full")
 
 
 def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
@@ -511,40 +479,14 @@ def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
     return names
 
 
-class _Problem(NamedTuple):
-    """A question about one parameter: its name ("k", "v", "B0" or "Omega"), all values, and the allowed ones."""
-
-    where: Place
-    name: str
-    values: dict[str, Expr]
-    domain: Expr
-
-
-def _answer(
-    p: Parameters | None, question: GrazingQuestion, full: bool, solve: Callable[[_Problem], Iterator[Answer]]
-) -> Any:
-    """Return the region of two parameters, or the answers of `solve` restricted to the allowed values of one."""
-    where = place(question.mapping)
+def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
+    """Return the region of two parameters, or the answers for one, restricted to its allowed values."""
+    where, name = place(question.mapping), question.names[0]
     if len(question.names) == 2:
         return _region(p, where, question, full)
-    problem = _problem(p, where, question.names[0])
-    found: dict[Expr, Expr] = {}  # conditions with one answer are joined
-    for condition, values in solve(problem):
-        if condition != sp.false:
-            inside = values & problem.domain
-            found[inside] = sp.Or(found.get(inside, sp.false), condition)
-    if p is not None:
-        [values] = found
-        return ParameterValues(question, values)
-    return Answers.for_question(question, (Answer(condition, values) for values, condition in found.items()))
-
-
-def _problem(p: Parameters | None, where: Place, name: str) -> _Problem:
-    """Return the question about one parameter."""
     belt, other = f"v{where.boundary}", f"v{3 - where.boundary}"
-    if p is None:
-        values = QUERY_LETTERS
-    else:
+    values = QUERY_LETTERS
+    if p is not None:
         values = {each: rational(getattr(p, each)) for each in ("k", "B0", "Omega", other)}
         values["v"] = rational(p.belt(where.boundary))
     domain = {
@@ -554,41 +496,52 @@ def _problem(p: Parameters | None, where: Place, name: str) -> _Problem:
         "v1": sp.Interval.open(-sp.oo, values[other]),
         "v2": sp.Interval.open(values[other], sp.oo),
     }[belt if name == "v" else name]
-    return _Problem(where, "v" if name == belt else name, values, domain)
+    asked = "v" if name == belt else name, values, domain
+    if question.asked == "empty":
+        solved = _solve_for_all_phases(*asked, -where.side, True, True)
+    elif question.asked == "everything":
+        solved = _solve_for_all_phases(*asked, where.side, full, False)
+    elif isinstance(question.theta, PhaseInterval):
+        decided = [_containing(*asked, where.side, each, full) for each in question.theta.deciding((-1, 1))]
+        solved = iter([Answer(sp.true, sp.Intersection(*(each.values for answers in decided for each in answers)))])
+    else:
+        solved = _containing(*asked, where.side, (question.theta, True), full)
+    found: dict[Expr, Expr] = {}  # conditions with one answer are joined
+    for condition, inside in solved:
+        if condition != sp.false:
+            allowed = inside & domain
+            found[allowed] = sp.Or(found.get(allowed, sp.false), condition)
+    if p is not None:
+        return ParameterValues(question, *found)
+    answers = Answers(Answer(condition, inside) for inside, condition in found.items())
+    answers.question = question
+    return answers
 
 
 # --- one parameter, case by case ---
 
 
-def _containing(problem: _Problem, extreme: Extreme, full: bool) -> Iterator[Answer]:
-    """Solve side (k v + B0 Omega sin theta) > 0, or >= 0 at a phase that is not attained."""
+def _containing(
+    name: str, values: dict[str, Expr], domain: Expr, side: int, extreme: Extreme, full: bool
+) -> Iterator[Answer]:
+    """Solve side (k v + B0 Omega sin theta) > 0, or >= 0 at a phase that is not attained, for k, v, B0 or Omega."""
     theta, attained = extreme
-    values, side = problem.values, problem.where.side
-    k, v, B0, Omega, sine = *(values[name] for name in ("k", "v", "B0", "Omega")), sp.sin(theta)
+    k, v, B0, Omega, sine = *(values[each] for each in ("k", "v", "B0", "Omega")), sp.sin(theta)
     # The left side is start + slope * parameter; level is side k v at its root.
-    if problem.name in ("Omega", "B0"):
-        start, slope = side * k * v, side * (B0 if problem.name == "Omega" else Omega) * sine
+    if name in ("Omega", "B0"):
+        start, slope = side * k * v, side * (B0 if name == "Omega" else Omega) * sine
         level = start
     else:
-        start, slope = side * B0 * Omega * sine, side * (v if problem.name == "k" else k)
+        start, slope = side * B0 * Omega * sine, side * (v if name == "k" else k)
         level = -start
     for slope_sign, sloped in _signs(slope):
         if slope_sign == 0:
             for positive, started in _positive(start) if attained else [(sign_of(start) >= 0, sp.true)]:
-                yield Answer(sloped & started, problem.domain if positive else sp.S.EmptySet)
+                yield Answer(sloped & started, domain if positive else sp.S.EmptySet)
             continue
-        cases: Any = [(not attained, sp.true)] if not (attained and full) else _quartic(theta, level)
+        cases: Any = _quartic(theta, level) if attained and full else [(not attained, sp.true)]
         for closed, closing in cases:
             yield Answer(sloped & closing, _half_line(-start / slope, slope_sign, closed))
-
-
-def _containing_all(problem: _Problem, phases: PhaseInterval, full: bool) -> Iterator[Answer]:
-    """Solve for numbers such that every phase of an interval grazes."""
-    extremes = phases.extremes()
-    found = [answer.values for each in extremes for answer in _containing(problem, each, full)]
-    if not all(each.attained for each in extremes):
-        found += [answer.values for answer in _containing(problem, Extreme(phases.between(), True), False)]
-    yield Answer(sp.true, sp.Intersection(*found))
 
 
 def _quartic(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
@@ -597,50 +550,46 @@ def _quartic(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
     if not cosine.free_symbols:
         yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]
         return
+    turning = sp.Eq(cosine, 0)
     for positive, condition in _positive(level):
-        turning = sp.Eq(cosine, 0)
         if positive:
             yield True, turning & condition
-            yield False, sp.Not(turning) & condition
-        else:
-            yield False, condition
+        yield False, sp.Not(turning) & condition if positive else condition
 
 
-def _solve_for_all_phases(problem: _Problem, direction: int, closed: bool, at_zero: bool) -> Iterator[Answer]:
+def _solve_for_all_phases(
+    name: str, values: dict[str, Expr], domain: Expr, direction: int, closed: bool, at_zero: bool
+) -> Iterator[Answer]:
     """Solve direction k v >= |B0| Omega, or > unless `closed`; `at_zero`: whether 0 = 0 counts."""
-    k, v, B0, Omega = (problem.values[each] for each in ("k", "v", "B0", "Omega"))
-    if problem.name in ("Omega", "B0"):
+    k, v, B0, Omega = (values[each] for each in ("k", "v", "B0", "Omega"))
+    if name in ("Omega", "B0"):
         # |B0| Omega <= level
         level = direction * k * v
         for level_sign, levelled in _signs(level):
             if level_sign < 0 or (level_sign == 0 and not at_zero):
                 yield Answer(levelled, sp.S.EmptySet)
-            elif problem.name == "B0":
+            elif name == "B0":
                 end = level / Omega if level_sign else sp.S.Zero
                 yield Answer(levelled, sp.Interval(-end, end, not closed, not closed))
             else:
                 for B0_sign, signed in _signs(B0):
-                    values = problem.domain
-                    if B0_sign and level_sign == 0:  # Omega > 0
-                        values = sp.S.EmptySet
-                    elif B0_sign:  # the end is > 0 under these conditions
-                        values = sp.Interval(0, level / (B0_sign * B0), True, not closed)
-                    yield Answer(levelled & signed, values)
+                    found = domain
+                    if B0_sign:  # Omega > 0, and so is the end if the level is
+                        end = level / (B0_sign * B0)
+                        found = sp.Interval(0, end, True, not closed) if level_sign else sp.S.EmptySet
+                    yield Answer(levelled & signed, found)
         return
     # factor * parameter >= |B0| Omega
-    factor = direction * (v if problem.name == "k" else k)
+    factor = direction * (v if name == "k" else k)
     for factor_sign, factored in _signs(factor):
         for B0_sign, signed in _signs(B0):
-            reached = B0_sign == 0 and at_zero
-            if factor_sign == 0:
-                values = problem.domain if reached else sp.S.EmptySet
-            elif problem.name == "k" and factor_sign < 0:  # k >= 0
-                values = sp.FiniteSet(0) if reached else sp.S.EmptySet
-            elif B0_sign == 0:
-                values = _half_line(sp.S.Zero, factor_sign, at_zero)
+            if factor_sign == 0 or (name == "k" and factor_sign < 0):  # k >= 0
+                reached = domain if factor_sign == 0 else sp.FiniteSet(0)
+                found = reached if B0_sign == 0 and at_zero else sp.S.EmptySet
             else:
-                values = _half_line(B0_sign * B0 * Omega / factor, factor_sign, closed)
-            yield Answer(factored & signed, values)
+                end = B0_sign * B0 * Omega / factor if B0_sign else sp.S.Zero
+                found = _half_line(end, factor_sign, closed if B0_sign else at_zero)
+            yield Answer(factored & signed, found)
 
 
 def _half_line(end: Expr, direction: int, closed: bool) -> Expr:
@@ -666,17 +615,13 @@ def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
     if not expr.free_symbols:
         yield sign_of(expr) > 0, sp.true
         return
-    flipped = expr.could_extract_minus_sign()
-    conditions = (-expr < 0, -expr >= 0) if flipped else (expr > 0, expr <= 0)
+    conditions = (-expr < 0, -expr >= 0) if expr.could_extract_minus_sign() else (expr > 0, expr <= 0)
     for positive, condition in zip((True, False), conditions, strict=True):
         if condition != sp.false:
             yield positive, condition
 
 
 # --- two parameters ---
-
-# A Boolean `a > b` that sympy keeps as it is written.
-OPEN_REGION, CLOSED_REGION = sp.StrictGreaterThan, sp.GreaterThan
 
 
 def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full: bool) -> ParameterRegion:
@@ -690,29 +635,19 @@ def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full:
     scale = abs(level.as_coeff_Mul()[0]) or sp.S.One  # k > 2, not 25 k > 50
     level, Omega = level / scale, values["Omega"] / scale
     drive, size = where.side * values["B0"] * Omega, sp.Abs(values["B0"]) * Omega
-    if question.asked == ASKS_PHASES:
-        condition = _region_containing(level, drive, question.theta, full)
-    elif question.asked == ASKS_NOTHING:
+    if isinstance(question.theta, PhaseInterval):
+        # The smallest value is where the sine is smallest if drive > 0, and where it is largest if drive < 0.
+        signs = [-1] * (not drive.is_negative) + [1] * (not drive.is_positive)
+        condition = sp.And(*(_region_at(level, drive, each, full) for each in question.theta.deciding(signs)))
+    elif question.asked == "contains":
+        condition = _region_at(level, drive, (question.theta, True), full)
+    elif question.asked == "empty":
         condition = CLOSED_REGION(-level, size)
     else:
         condition = CLOSED_REGION(level, size) if full else OPEN_REGION(level, size)
         if full and not size.is_positive:
             condition = sp.And(condition, OPEN_REGION(level, 0))
     return ParameterRegion(question, condition, p)
-
-
-def _region_containing(level: Expr, drive: Expr, theta: Expr | PhaseInterval, full: bool) -> Expr:
-    """Return the condition on two parameters for level + drive sin(theta) > 0 at a phase, or on an interval."""
-    if not isinstance(theta, PhaseInterval):
-        return _region_at(level, drive, Extreme(theta, True), full)
-    lowest, highest = theta.extremes()
-    # The smallest value is where the sine is smallest if drive > 0, and where it is largest if drive < 0.
-    sign = 1 if drive.is_positive else -1 if drive.is_negative else 0
-    extremes = [lowest] * (sign >= 0) + [highest] * (sign <= 0)
-    conditions = [_region_at(level, drive, each, full) for each in extremes]
-    if not all(each.attained for each in extremes):
-        conditions.append(_region_at(level, drive, Extreme(theta.between(), True), False))
-    return sp.And(*conditions)
 
 
 def _region_at(level: Expr, drive: Expr, extreme: Extreme, full: bool) -> Expr:

@@ -1,4 +1,4 @@
-"""The mappings P1 to P8: residuals f1, f2 (eq. (54)) and their derivatives, derived and proved by sympy.
+"""The mappings P1 to P8: residuals f1, f2 (eq. (54)) and their derivatives, derived by sympy.
 
 A flight from (x_i, v_i, theta_i) to (x_j, v_j, theta_j) takes tau = (theta_j - theta_i)/Omega and has
 
@@ -23,26 +23,7 @@ from functools import cache
 import sympy as sp
 
 from symosc.symbolic import solution
-from symosc.symbolic.solution import (
-    E0,
-    E1,
-    E2,
-    I2,
-    R2,
-    Expr,
-    Omega,
-    a_i,
-    cm,
-    f0,
-    h,
-    m,
-    omega_d,
-    tau,
-    theta_i,
-    v_i,
-    w0sq,
-    x_i,
-)
+from symosc.symbolic.solution import E0, E1, E2, I2, R2, Expr, Omega, a_i, cm, f0, h, m, tau, theta_i, v_i, w0sq, x_i
 
 p, q = sp.symbols("p q", real=True)
 #: The functions that parameter derivatives need in addition to the basis functions.
@@ -56,15 +37,8 @@ CONVOLVED = {sp.Integer(1): E2, E0: U0, E1: U1, E2: U2, R2: V, I2: W}
 
 def repeated_rates() -> dict[Expr, Expr]:
     """Return d/dtau of the functions U0, U1, U2, V, W, P, Q of repeated roots, by D U1 = S and y' = f + i Omega y."""
-    return {
-        U0: E1 - cm * U0 - w0sq * U1,
-        U1: U0,
-        U2: U1,
-        V: U1 - Omega * W,
-        W: Omega * V,
-        P: R2 - Omega * Q,
-        Q: I2 + Omega * P,
-    }
+    of_roots = {U0: E1 - cm * U0 - w0sq * U1, U1: U0, U2: U1}
+    return of_roots | {V: U1 - Omega * W, W: Omega * V, P: R2 - Omega * Q, Q: I2 + Omega * P}
 
 
 def rate(expr: Expr) -> Expr:
@@ -85,7 +59,7 @@ def repeated_apart() -> dict[str, Expr]:
     """Return the functions of repeated roots where all roots are apart, as steps; D, u and z are between them."""
     # U1 = S*S is explicit; the others follow from D f = g, which their rates make an equation without derivatives. With
     # p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
-    first = (E1 - tau * (E0 + h * E1)) / (2 * omega_d**2)
+    first = (E1 - tau * (E0 + h * E1)) / (2 * solution.omega_d**2)
     found = {"U1": first, "U0": sp.factor(solution.time_derivative(first).subs(cm, 2 * h))}
     found |= {"U2": sp.solve(_operator(U2) - E2, U2)[0], "D": p**2 + q**2}
     swing = tuple(tau * wave(Omega * tau) for wave in (sp.cos, sp.sin))
@@ -109,11 +83,8 @@ def by_start() -> dict[str, Expr]:
     """Return the derivatives of x(tau) and v(tau) with respect to x_i and v_i."""
     x, v = solution.flow().x, solution.flow().v
     force = solution.acceleration(x_i, v_i, theta_i)
-    found = {}
-    for name, expr in (("x", x), ("v", v)):
-        for cause, letter in (("x", x_i), ("v", v_i)):
-            found[f"{name}_{cause}0"] = sp.expand(expr.diff(letter) + expr.diff(a_i) * force.diff(letter))
-    return found
+    pairs = [(end, cause) for end in (("x", x), ("v", v)) for cause in (("x", x_i), ("v", v_i))]
+    return {f"{name}_{c}0": sp.expand(e.diff(q) + e.diff(a_i) * force.diff(q)) for (name, e), (c, q) in pairs}
 
 
 def flight_jacobian() -> dict[str, Expr]:
@@ -162,38 +133,9 @@ def flight_phase() -> dict[str, Expr]:
 def _by_cause(expr: Expr) -> Expr:
     """Collect an expression by x_i, v_i, a_i and f0, with common factors outside."""
     expr = sp.expand(expr)
-    rest = expr.xreplace({x_i: 0, v_i: 0, a_i: 0, f0: 0})
     waves = [sp.cos(theta_i), sp.sin(theta_i)]
     sorted_ = (q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in (x_i, v_i, a_i, f0))
-    return sp.Add(*sorted_) + sp.collect(rest, waves)
-
-
-def prove() -> dict[str, Expr]:
-    """Return the expressions that vanish if the derivatives are right; each is sympy's 0 when the proof holds."""
-    flow, force = solution.flow(), solution.acceleration(x_i, v_i, theta_i)
-    jacobian = flight_jacobian()
-    residuals = {}
-    for name, expr, end in (("x", flow.x, flow.v), ("v", flow.v, flow.a)):
-        turned = expr.diff(theta_i) + expr.diff(a_i) * force.diff(theta_i) - end / Omega
-        residuals[f"d{name}/dtheta_i"] = solution.use_relations(turned - jacobian[f"{name}_th0"])
-    # All start at rest, and D f * g = f * D g: so D U1 = E1, and D U2 = E2 if it holds for the rates.
-    residuals |= {"D U1 = E1": _operator(U1) - E1, "D U0 = E0": _operator(U0) - E0, "D U2' = E2'": _operator(U1) - E1}
-    # r = D (V + iW) - Z obeys r' = i Omega r, q = D (P + iQ) - tau exp(i Omega tau) obeys q' = i Omega q: both are 0.
-    r = _operator(V) - R2, _operator(W) - I2
-    q = [_operator(f) - tau * wave(Omega * tau) for f, wave in ((P, sp.cos), (Q, sp.sin))]
-    for name, (real, imaginary) in (("V + iW", r), ("P + iQ", q)):
-        residuals[f"D ({name}), real"] = solution.use_relations(rate(real) + Omega * imaginary)
-        residuals[f"D ({name}), imaginary"] = solution.use_relations(rate(imaginary) - Omega * real)
-    apart = repeated_apart()["U1"]
-    first = solution.time_derivative(apart)
-    whole = solution.time_derivative(first) + cm * first + w0sq * apart - E1
-    residuals["D U1 = E1, apart"] = whole.subs({w0sq: omega_d**2 + h**2, cm: 2 * h})
-    p_q = w0sq - Omega**2, cm * Omega
-    for name, f, g in (("V + iW", V, W), ("P + iQ", P, Q)):
-        parts = _operator(f), _operator(g)
-        residuals[f"D ({name}) by p, q, real"] = parts[0] - parts[0].subs({f: 0, g: 0}) - (p_q[0] * f - p_q[1] * g)
-        residuals[f"D ({name}) by p, q, imaginary"] = parts[1] - parts[1].subs({f: 0, g: 0}) - (p_q[1] * f + p_q[0] * g)
-    return {name: sp.expand(residual) for name, residual in residuals.items()}
+    return sp.Add(*sorted_) + sp.collect(expr.xreplace({x_i: 0, v_i: 0, a_i: 0, f0: 0}), waves)
 
 
 def _operator(expr: Expr) -> Expr:
@@ -219,9 +161,8 @@ def stick_parameters() -> dict[str, Expr]:
     """Return the derivatives of f2 with respect to m, c, k, A, B0 and v_i, and of f1 with respect to Omega and v_i."""
     residual = stick_residual()
     A, B0, c, k = solution.A, solution.B0, solution.c, solution.k
-    letters = {cm: c / m, w0sq: k / m, f0: B0 / m, solution.A_m: A / m}
     back = {c: cm * m, k: w0sq * m, B0: f0 * m, A: solution.A_m * m}
-    force = residual["f2"].xreplace(letters)
+    force = residual["f2"].xreplace({cm: c / m, w0sq: k / m, f0: B0 / m, solution.A_m: A / m})
     found = {f"v_{name}": force.diff(q) for name, q in (("c", c), ("k", k), ("A", A), ("B", B0), ("v0", v_i))}
     found["v_m"] = -F / m
     assert sp.expand(force.diff(m) + force / m) == 0

@@ -1,4 +1,4 @@
-"""The motion in one domain, derived and proved by sympy for all domains and all damping regimes at once.
+"""The motion in one domain, derived by sympy for all domains and all damping regimes at once.
 
     m x'' + c x' + k x = A + B0 cos(Omega t),    x(t_i) = x_i,  x'(t_i) = v_i,    A = A_alpha in domain alpha (eq. (5))
 
@@ -8,7 +8,8 @@ combination of five functions of tau with S the impulse response: S'' + cm S' + 
     E0 = S',   E1 = S,   E2 = int_0^tau S(u) du,   R2 + i I2 = int_0^tau S(u) exp(i Omega (tau - u)) du
 
 A damping regime is one row of `REGIMES`: the roots of the characteristic equation. Its closed forms follow from them as
-divided differences of z -> exp(z tau), equal roots included: no regime is a special case of the derivation.
+divided differences of z -> exp(z tau), equal roots included: no regime is a special case of the derivation. The chapter
+`domains` of `symosc.derive` proves that all of this solves eq. (5).
 """
 
 from __future__ import annotations
@@ -55,8 +56,7 @@ def in_paper_letters(expr: Expr) -> Expr:
 
 def force_constant(alpha: int) -> Expr:
     """Return A_alpha: each belt pulls the mass forward in the domains below it and back in those above (eq. (1))."""
-    drag1, drag2 = {1: (1, 1), 2: (-1, 1), 3: (-1, -1)}[alpha]
-    return A0 + (drag1 * mu1 + drag2 * mu2) * FN
+    return A0 + {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}[alpha] * FN
 
 
 def acceleration(x: Expr = x, v: Expr = v, theta: Expr = theta) -> Expr:
@@ -95,22 +95,15 @@ def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
 
 
 @cache
-def definitions() -> dict[Expr, Expr]:
-    """Return E0, E1, E2, R2, I2 as sympy expressions: the impulse response S = E1, its derivative and integrals."""
-    S, u = sp.Function("S"), sp.Symbol("u", real=True)
-    integrals = [S(u) * wave for wave in (1, sp.cos(Omega * (tau - u)), sp.sin(Omega * (tau - u)))]
-    return dict(zip(BASIS, [S(tau).diff(tau), S(tau), *(sp.Integral(f, (u, 0, tau)) for f in integrals)], strict=True))
-
-
-@cache
 def rates() -> dict[Expr, Expr]:
     """Return d/dtau of each basis function, by the ODE of S and Leibniz' rule, in terms of the basis functions."""
-    S = definitions()[E1]
-    ode = {S.diff(tau, 2): -cm * S.diff(tau) - w0sq * S}
-    names = {definition: symbol for symbol, definition in definitions().items()}
+    S, u = sp.Function("S"), sp.Symbol("u", real=True)
+    integrals = [S(u) * wave for wave in (1, sp.cos(Omega * (tau - u)), sp.sin(Omega * (tau - u)))]
+    meanings = [S(tau).diff(tau), S(tau), *(sp.Integral(integral, (u, 0, tau)) for integral in integrals)]
+    known = dict(zip(meanings, BASIS, strict=True))
+    ode = {S(tau).diff(tau, 2): -cm * S(tau).diff(tau) - w0sq * S(tau)}
     # factor_terms takes Omega out of the integrals
-    found = {symbol: sp.factor_terms(definition.diff(tau)) for symbol, definition in definitions().items()}
-    return {symbol: rate.xreplace(ode).xreplace(names) for symbol, rate in found.items()}
+    return {name: sp.factor_terms(meaning.diff(tau)).xreplace(ode).xreplace(known) for meaning, name in known.items()}
 
 
 def start_values() -> dict[Expr, Expr]:
@@ -175,51 +168,6 @@ def _by_cause(expr: Expr) -> Expr:
     return sp.Add(*(q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in (x_i, v_i, a_i, f0)))
 
 
-def prove(regime: Regime | None = None) -> dict[str, Expr]:
-    """Return by name the expressions that vanish if the flow is right; each is sympy's 0 when the proof holds."""
-    # Without a regime only the definitions of the basis functions are used. With one, its closed forms are put in as
-    # functions of tau: they have to obey the definitions, and the flow eq. (5) and its start, in the paper's letters.
-    residuals = _prove_in_general() if regime is None else _prove_closed_forms(regime)
-    tidy = sp.expand if regime is None else collect_modes
-    return {name: tidy(sp.expand_trig(residual)) for name, residual in residuals.items()}
-
-
-def _prove_in_general() -> dict[str, Expr]:
-    """Return the expressions to vanish in every regime."""
-    step, real, imaginary = relations()
-    # From r(0) = 0 and r' = 0, and from z(0) = 0 and z' = i Omega z, follows r = 0 and z = 0.
-    turned = {"step": (step, 0), "real": (real, -Omega * imaginary), "imaginary": (imaginary, Omega * real)}
-    residuals = {f"{name} relation": time_derivative(r) - rate for name, (r, rate) in turned.items()}
-    at_start = start_values() | {tau: sp.Integer(0)}
-    residuals |= {f"{name} relation at t_i": r.xreplace(at_start) for name, (r, _) in turned.items()}
-    motion = flow()
-    force = acceleration(motion.x, motion.v, theta_i + Omega * tau).xreplace({A_m: _force_at_start()})
-    residuals |= {
-        "x' = v": use_relations(time_derivative(motion.x) - motion.v),
-        "v' = a": use_relations(time_derivative(motion.v) - motion.a),
-        "equation of motion": use_relations(motion.a - force),
-    }
-    starts = zip(Flow._fields, motion, (x_i, v_i, a_i), strict=True)
-    return residuals | {f"{name} at t_i": expr.xreplace(at_start) - start for name, expr, start in starts}
-
-
-def _prove_closed_forms(regime: Regime) -> dict[str, Expr]:
-    """Return the expressions to vanish in one regime."""
-    closed, parameters, at_start = regime.basis(), regime.parameters(), {tau: sp.Integer(0)}
-    residuals = {f"{f}'": closed[f].diff(tau) - rate.xreplace(closed | parameters) for f, rate in rates().items()}
-    residuals |= {f"{f} at t_i": closed[f].xreplace(at_start) - start for f, start in start_values().items()}
-    letters = {c: m * parameters[cm], k: m * parameters[w0sq]}
-    motion = Flow(*(in_paper_letters(expr).xreplace(letters) for expr in flow(regime)))
-    force = A + B0 * sp.cos(Omega * t_i + Omega * tau)
-    return residuals | {
-        "x' = v": motion.x.diff(tau) - motion.v,
-        "v' = a": motion.v.diff(tau) - motion.a,
-        "equation of motion": (m * motion.a + c * motion.v + k * motion.x - force).xreplace(letters),
-        "x at t_i": motion.x.xreplace(at_start) - x_i,
-        "v at t_i": motion.v.xreplace(at_start) - v_i,
-    }
-
-
 # --- the regimes ---
 
 
@@ -263,13 +211,13 @@ def divided_difference(*nodes: Expr) -> Expr:
 
 def _mode(z: Expr) -> Expr:
     """Write exp(z tau) with cos and sin for imaginary parts, cosh and sinh for eta."""
-    factors = []
-    for part in sp.Add.make_args(z):
+
+    def factor(part: Expr) -> Expr:
         if part.has(sp.I):
-            factors.append(sp.cos(part / sp.I * tau) + sp.I * sp.sin(part / sp.I * tau))
-        else:
-            factors.append(sp.cosh(part * tau) + sp.sinh(part * tau) if part.has(eta) else sp.exp(part * tau))
-    return sp.Mul(*factors)
+            return sp.cos(part / sp.I * tau) + sp.I * sp.sin(part / sp.I * tau)
+        return sp.cosh(part * tau) + sp.sinh(part * tau) if part.has(eta) else sp.exp(part * tau)
+
+    return sp.Mul(*map(factor, sp.Add.make_args(z)))
 
 
 def collect_modes(expr: Expr) -> Expr:
@@ -319,15 +267,3 @@ JOINS = (
     Join("undamped", "free", omega_0, {}),
     Join("no spring", "free", h, {}),
 )
-
-
-def gaps(join: Join) -> dict[Expr, Expr]:
-    """Return limit minus value of cm, w0sq and the basis functions: 0 if the flow joins, a polynomial in them."""
-    source, target = REGIMES[join.source], REGIMES[join.target]
-    there = target.parameters() | target.basis()
-    found = {}
-    for symbol, expr in (source.parameters() | source.basis()).items():
-        # sympy's limits of cosh and sinh can be wrong (nan for E2, overdamped to no spring), those of exp are not.
-        on_path = expr.rewrite([sp.cosh, sp.sinh], sp.exp).xreplace(join.path)
-        found[symbol] = sp.simplify(sp.limit(on_path, join.letter, 0) - there[symbol])
-    return found

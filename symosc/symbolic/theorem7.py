@@ -10,7 +10,7 @@ Phases are points of the circle [0, 2 pi): where the paper writes [0, a) U (b, 2
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple
@@ -22,17 +22,8 @@ from symosc.aliases import Expr, NumberLike, Order
 from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import NUMBER_FORMS, read_exact
+from symosc.mappings import theorem7_cases as cases
 from symosc.mappings.numbers import LatexAnswer, has_pi, latex_table, read_phase_text
-from symosc.mappings.theorem7_cases import (
-    ALL_BUT_ONE,
-    EMPTY,
-    EVERYTHING,
-    WRAPPED_ARC,
-    Place,
-    case_label,
-    place,
-    window_kind,
-)
 
 GAMMA, AMPLITUDE = sp.symbols("gamma a", real=True)
 CIRCLE = sp.Interval.Ropen(0, 2 * sp.pi)
@@ -136,16 +127,20 @@ def theorem7(
     >>> theorem7("P3", 3, 5)
     Interval.open(asin(3/5) + pi, -asin(3/5) + 2*pi)
     """
-    where, full = place(mapping), order == "full"
+    where, full = cases.place(mapping), order == "full"
     gamma, amplitude = real("gamma", gamma), real("amplitude", amplitude)
-    if gamma.free_symbols or amplitude.free_symbols:
-        return _cases(where, gamma, amplitude, full)
-    return window_phases(where, gamma, amplitude, full)
+    if not gamma.free_symbols and not amplitude.free_symbols:
+        return window_phases(where, gamma, amplitude, full)
 
+    def substituted(expr: Expr) -> Expr:
+        if isinstance(expr, sp.Union):
+            return sp.Union(*map(substituted, expr.args), evaluate=False)
+        return expr.subs({GAMMA: gamma, AMPLITUDE: amplitude}, simultaneous=True)
 
-def window_phases(where: Place, gamma: Expr, amplitude: Expr, full: bool) -> Expr:
-    """Return the set of phases at which a contact grazes (Theorem 7), for numbers gamma and B0 Omega/m."""
-    return _phases(where, signs(gamma, amplitude), gamma, amplitude, full)
+    # The sets are written for the signs that the condition demands.
+    given = ((case, substituted(case.condition)) for case in all_cases(where, full))
+    left = ((case, condition) for case, condition in given if condition != sp.false)
+    return Theorem7Cases(Case(case.label, condition, substituted(case.phases)) for case, condition in left)
 
 
 def signs(gamma: Expr, amplitude: Expr) -> tuple[int, int, int]:
@@ -163,18 +158,21 @@ def critical_phase(gamma: Expr, amplitude: Expr) -> Expr | None:
 # --- the sets ---
 
 
-def _phases(where: Place, of: tuple[int, int, int], gamma: Expr, amplitude: Expr, full: bool) -> Expr:
-    """Return the set of phases for given signs of gamma, amplitude and |gamma| - |amplitude|."""
-    kind = window_kind(where.side, *of, full)
-    if kind in (EMPTY, EVERYTHING):
-        return CIRCLE if kind == EVERYTHING else sp.S.EmptySet
+def window_phases(
+    where: cases.Place, gamma: Expr, amplitude: Expr, full: bool, of: tuple[int, int, int] | None = None
+) -> Expr:
+    """Return the set of phases at which a contact grazes (Theorem 7); `of` are the signs of letters as in `signs`."""
+    of = of or signs(gamma, amplitude)
+    kind = cases.window_kind(where.side, *of, full)
+    if kind in (cases.EMPTY, cases.EVERYTHING):
+        return CIRCLE if kind == cases.EVERYTHING else sp.S.EmptySet
     above = where.side * of[1] > 0  # where sin(theta) > sin(theta_cr), else where it is less
-    if kind == ALL_BUT_ONE:
+    if kind == cases.ALL_BUT_ONE:
         point = BOTTOM if above else TOP
         return _through_zero(point, point)
     theta_cr = sp.asin(-gamma / amplitude) if of[0] else sp.S.Zero
     turned, wrapped = sp.pi - theta_cr, 2 * sp.pi + theta_cr
-    if kind == WRAPPED_ARC:
+    if kind == cases.WRAPPED_ARC:
         return _through_zero(turned, wrapped) if above else _through_zero(theta_cr, turned)
     return _interval(theta_cr, turned) if above else _interval(turned, wrapped)
 
@@ -194,22 +192,8 @@ def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
 # --- the cases, for symbols ---
 
 
-def _cases(where: Place, gamma: Expr, amplitude: Expr, full: bool) -> Theorem7Cases:
-    """Return the cases with gamma and amplitude substituted."""
-
-    def substituted(expr: Expr) -> Expr:
-        if isinstance(expr, sp.Union):
-            return sp.Union(*map(substituted, expr.args), evaluate=False)
-        return expr.subs({GAMMA: gamma, AMPLITUDE: amplitude}, simultaneous=True)
-
-    conditions = [(case, substituted(case.condition)) for case in all_cases(where, full)]
-    # The sets are written for the signs that the condition demands.
-    found = ((case, condition) for case, condition in conditions if condition != sp.false)
-    return Theorem7Cases(Case(case.label, condition, substituted(case.phases)) for case, condition in found)
-
-
 @cache
-def all_cases(where: Place, full: bool) -> tuple[Case, ...]:
+def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
     """Return every case in the symbols gamma and a = B0 Omega/m, a > 0 first, in the paper's order."""
     g, a = GAMMA, AMPLITUDE
     found = []
@@ -228,7 +212,9 @@ def all_cases(where: Place, full: bool) -> tuple[Case, ...]:
     nothing, everything = (g <= 0, g > 0) if where.side > 0 else (g >= 0, g < 0)
     for gamma_sign, condition in ((where.side, everything), (0, nothing)):
         found.append(((gamma_sign, 0, gamma_sign), condition & sp.Eq(a, 0)))
-    return tuple(Case(case_label(where, *of), condition, _phases(where, of, g, a, full)) for of, condition in found)
+    return tuple(
+        Case(cases.case_label(where, *of), condition, window_phases(where, g, a, full, of)) for of, condition in found
+    )
 
 
 # --- exact numbers ---
@@ -264,30 +250,22 @@ def sign_of(number: Expr) -> int:
     """Return the exact sign of a real constant; ParameterError if it is undecided whether it is 0."""
     if number.is_Rational:
         return int(sp.sign(number))
-    for digits in (30, 200):
+    for digits in (30, 200, MOST_SIGN_DIGITS):
         value = number.evalf(15, maxn=digits)
         if value.is_Float and value._prec > 1:  # precision 1 is sympy's way to say "0 or nearly so"
             return 1 if value > 0 else -1
-        if _is_zero(number):
-            return 0
-    value = number.evalf(15, maxn=MOST_SIGN_DIGITS)
-    if value.is_Float and value._prec > 1:
-        return 1 if value > 0 else -1
+        if digits == 30:
+            plain, x = sp.expand_trig(number), sp.Dummy("x")
+            if sp.minimal_polynomial(plain, x) == x if plain.is_algebraic else sp.simplify(plain) == 0:
+                return 0
     raise ParameterError("number", number, f"cannot be distinguished from 0 with {MOST_SIGN_DIGITS} digits")
-
-
-def _is_zero(number: Expr) -> bool:
-    """Return whether a real constant is 0, exactly."""
-    number = sp.expand_trig(number)
-    if number.is_algebraic:
-        x = sp.Dummy("x")
-        return bool(sp.minimal_polynomial(number, x) == x)
-    return bool(sp.simplify(number) == 0)
 
 
 # --- LaTeX as papers print it: arcsin, pi before arcsines, chains of inequalities ---
 
-LESS = {sp.StrictLessThan: "<", sp.LessThan: r"\leq"}
+#: Inequalities, and how each is printed once its smaller side stands first.
+INEQUALITIES = sp.StrictLessThan, sp.LessThan, sp.StrictGreaterThan, sp.GreaterThan
+LESS = {"<": "<", ">": "<", "<=": r"\leq", ">=": r"\leq"}
 
 
 class AnswerPrinter(LatexPrinter):
@@ -306,39 +284,29 @@ class AnswerPrinter(LatexPrinter):
         return r"\varnothing"
 
     def _print_And(self, expr: Expr, char: Any = None) -> str:
-        return r",\ ".join(self._chained(list(expr.args)))
+        # Equations stand first, and two bounds of one expression as a chain a < b < c.
+        texts, conditions = [], list(expr.args)
+        while conditions:
+            each = conditions.pop(0)
+            other = next((other for other in conditions if _from_both_sides(each, other)), None)
+            if other is None:
+                texts.append((not isinstance(each, sp.Eq), self._print(each)))
+                continue
+            conditions.remove(other)
+            low, high = (each, other) if each.lhs == each.gts else (other, each)
+            ends = [self._print(part) for part in (low.rhs, low.lhs, high.rhs)]
+            texts.append((False, f"{ends[0]} {LESS[low.rel_op]} {ends[1]} {LESS[high.rel_op]} {ends[2]}"))
+        return r",\ ".join(text for _, text in sorted(texts))
 
     def _print_Or(self, expr: Expr, char: Any = None) -> str:
         # A chain has commas, so that alternatives are words.
         return r"\ \text{or}\ ".join(sorted(self._print(each) for each in expr.args))
 
-    def _chained(self, conditions: list[Expr]) -> Iterable[str]:
-        """Yield conditions, two bounds of one expression as a chain a < b < c; the most frequent subject last."""
-        bounds = [_bound(each) for each in conditions]
-        texts = []
-        while conditions:
-            each, (low, subject, high) = conditions.pop(0), bounds.pop(0)
-            for i, (other_low, other, other_high) in enumerate(bounds):
-                if subject is not None and subject == other and (low is None) != (other_low is None):
-                    low, high = low or other_low, high or other_high
-                    del conditions[i], bounds[i]
-                    break
-            if low and high:
-                ends = [self._print(part) for part in (low[0], subject, high[0])]
-                texts.append((True, f"{ends[0]} {LESS[low[1]]} {ends[1]} {LESS[high[1]]} {ends[2]}"))
-            else:
-                texts.append((isinstance(each, sp.Eq), self._print(each)))
-        yield from (text for _, text in sorted(texts, key=lambda pair: (not pair[0], pair[1])))
 
-
-def _bound(condition: Expr) -> tuple[Any, Any, Any]:
-    """Return (low, subject, high) of an inequality, where low or high is (expression, kind) or None."""
-    if not isinstance(condition, sp.StrictLessThan | sp.LessThan | sp.StrictGreaterThan | sp.GreaterThan):
-        return None, None, None
-    strict = isinstance(condition, sp.StrictLessThan | sp.StrictGreaterThan)
-    kind = sp.StrictLessThan if strict else sp.LessThan
-    bound = condition.rhs, kind
-    return (bound, condition.lhs, None) if condition.lhs == condition.gts else (None, condition.lhs, bound)
+def _from_both_sides(one: Expr, other: Expr) -> bool:
+    """Return whether two conditions are a lower and an upper bound of one expression."""
+    both = isinstance(one, INEQUALITIES) and isinstance(other, INEQUALITIES) and one.lhs == other.lhs
+    return both and (one.lhs == one.gts) != (other.lhs == other.gts)
 
 
 def latex(expr: Expr) -> str:

@@ -11,10 +11,12 @@ from math import cos, sin
 from typing import Any
 
 import mpmath
+import numpy as np
 import pytest
 
-from symosc import Parameters, Scene, load_scene, simulate
+from symosc import Parameters, Scene, load_scene, simulate, simulate_many
 from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve
+from symosc.bench.peers_heyoka import count_in_batches
 from symosc.bench.solvers import OURS, Solver, all_solvers
 from symosc.reference.compare import FoundEvents
 
@@ -40,7 +42,7 @@ DIP = Scene(
 def found_by(solver: Solver, scene: Scene, tolerance: float | None = None) -> Sequence[FoundEvents]:
     if solver.missing:
         pytest.skip(solver.missing)
-    return solver.prepare(scene, solver.tolerances[-1] if tolerance is None else tolerance)()
+    return list(solver.prepare(scene, solver.tolerances[-1] if tolerance is None else tolerance)())
 
 
 def words(events: Sequence[Any]) -> list[tuple[str, int]]:
@@ -168,6 +170,17 @@ def test_other_regimes_and_late_starts(solver: Solver, case: str) -> None:
 def test_starts_on_a_belt(solver: Solver, x0: int, speed: Fraction) -> None:
     scene = Scene("on a belt", EASY, 0, x0, speed, 5)
     assert error(found_by(solver, scene), simulate(scene, digits=30).events) < 1e-12
+
+
+@pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
+def test_batches_of_heyoka_count_what_we_count(name: str) -> None:
+    pytest.importorskip("heyoka")
+    scene, rng = load_scene(name), np.random.default_rng(1)
+    starts = np.column_stack([rng.uniform(0, 6, 21), rng.uniform(-5, 5, 21), rng.uniform(-5, 5, 21)])
+    ours = simulate_many(scene.parameters, starts, starts[:, 0] + 20, record=("events",), use_numba=False).events
+    run = count_in_batches(scene.parameters, starts, np.full(21, 20.0), 2e-13)
+    for _ in range(2):
+        assert run().tolist() == ours.tolist()
 
 
 @COMPILED

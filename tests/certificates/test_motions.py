@@ -24,6 +24,7 @@ from symosc.certificates.settled import prove_settled
 from symosc.certificates.trajectory import EXACT, ToProve, prove_trajectory
 from symosc.exact import read_exact, read_start_error
 from symosc.model import MODE_NAMES
+from symosc.reference.case import last_period
 from symosc.reference.cases import hard_cases
 
 
@@ -176,7 +177,7 @@ def test_all_hard_cases_are_proven() -> None:
     assert not [case.name for case, certificate in zip(cases, proven, strict=True) if not certificate.proven]
     for case, certificate in list(zip(cases, proven, strict=True))[::7]:
         if not case.periods:  # below, of those are compared the last events
-            assert_same(certificate, case.reference(), 1e-38)
+            assert_same(certificate, simulate(case.scene, digits=40).events, 1e-38)
 
 
 @pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
@@ -377,7 +378,7 @@ def test_a_motion_touches_once_a_turn_after_a_stick(seed: int) -> None:
             assert after[:3] == ("graze", "Omega1", "Omega1")
 
 
-LONG = {case.name: case for case in hard_cases() if case.periods}
+LONG = {case.name.removeprefix("1e5-periods-"): case for case in hard_cases() if case.periods}
 
 
 def task(name: str, periods: int, digits: int = 25, **start: Any) -> ToProve:
@@ -397,7 +398,7 @@ def test_a_hundred_thousand_periods_are_proven(name: str, count: int) -> None:
     case = LONG[name]
     certificate = certify(case.scene)
     assert (certificate.kind, certificate.proven, certificate.statement["count"]) == ("settled", True, count)
-    expected = case.reference()
+    expected = last_period(case.scene, 40)
     assert len(certificate.events) == len(expected)
     for (kind, source, target, *ends), event in zip(certificate.events, expected, strict=True):
         assert (kind, source, target) == (event.kind, event.source, event.target)

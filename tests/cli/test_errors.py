@@ -91,7 +91,7 @@ BAD = {
     "simulate fig5 --set k=nan": "must be finite",
     "simulate fig5 --set m=0": "m = '0': must be > 0",
     "simulate fig5 --set v1=5": "must be less than v2",
-    "simulate fig5 --set k=1 --set k=2": "k is set twice",
+    "simulate fig5 --set k=1 --set k=2": "k is given twice",
     "simulate fig5 --set t_end=1": "use --t-end",
     "simulate fig5 --set Omega=2*pj": "Omega",
     "simulate fig5 --t-end -1": "must be later than t0",

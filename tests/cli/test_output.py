@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from symosc import simulate
-from symosc.cli import common as output
+from symosc.cli import output
 
 
 def test_an_undecided_motion_is_said_on_stderr(capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,24 +5,22 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import pytest
 from cli_runs import run
 
 from symosc import ParameterError, load_scene
-from symosc.cli.common import scene_with
+from symosc.cli.options import scene_with
 from symosc.scenes import as_toml
 
 
 def test_a_scene_with_changes() -> None:
     plain = load_scene("fig9")
-    start: dict[str, Any] = {"x0": "1/3", "t_end": None}
-    scene = scene_with("fig9", ("k=2",), start)
+    scene = scene_with("fig9", ("k=2",), x0="1/3", t_end=None)
     assert scene.parameters == plain.parameters.replace(k=2)
     assert (scene.x0, scene.v0, scene.t_end) == (Fraction(1, 3), plain.v0, plain.t_end)
     with pytest.raises(ParameterError, match="k = "):
-        scene_with("fig9", ("k=-2",), {})
+        scene_with("fig9", ("k=-2",))
 
 
 def test_numbers_that_are_typed_may_be_expressions_as_in_files(tmp_path: Path) -> None:
@@ -31,10 +29,10 @@ def test_numbers_that_are_typed_may_be_expressions_as_in_files(tmp_path: Path) -
     for name, new in (("Omega", '"2*pi"'), ("mu1", '"sqrt(2)/9"'), ("x0", '"pi/6"')):
         text = re.sub(rf"^{name} = .*$", f"{name} = {new}", text, flags=re.M)
     path.write_text(text)
-    typed = scene_with("fig9", ("Omega=2*pi", "mu1=sqrt(2)/9"), {"x0": "pi/6"})
+    typed = scene_with("fig9", ("Omega=2*pi", "mu1=sqrt(2)/9"), x0="pi/6")
     assert typed == load_scene(path)
     assert typed.start_error is not None
-    assert scene_with("fig9", ("k=(1+2)/9",), {"v0": "2^3"}).started({}).start_error is None
+    assert scene_with("fig9", ("k=(1+2)/9",), v0="2^3").started({}).start_error is None
 
 
 @pytest.mark.parametrize(

@@ -320,13 +320,7 @@ def noisy(size: float) -> tuple[Any, ...]:
 MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {
     "noise": (lambda: noisy(1e-2), "noise", None, 1e-2, 0.15),
     "static friction": (lambda: solved(Flaw(static=1.3)), "stick left late", None, 1.3, 1e-6),
-    "shown ends": (
-        lambda: solved(Flaw(static=1.1), every=1, joints=True),
-        "stick left late",
-        None,
-        1.1,
-        0.01,
-    ),
+    "shown ends": (lambda: solved(Flaw(static=1.1), every=1, joints=True), "stick left late", None, 1.1, 0.01),
     "early ends": (lambda: solved(Flaw(early=0.25)), "stick left early", None, None, 0.0),
     "drift": (lambda: solved(Flaw(drift=-2e-3)), "drift", None, -2e-3, 1e-3),
     "Heun": (lambda: solved(Flaw(method="heun"), "fig5"), "truncation", "Heun", 0.06 / 4, 1e-6),

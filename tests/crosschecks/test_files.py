@@ -129,7 +129,7 @@ def test_wrong_columns_and_no_numbers_are_named(tmp_path: Path) -> None:
 # -- files -------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("piece", [b"\n", b",,\n", b"# a comment\n", b" ", b"\0"])
+@pytest.mark.parametrize("piece", [b"\n", b"\0"])
 def test_a_small_file_that_unpacks_to_very_much_is_refused_soon(
     piece: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -246,15 +246,10 @@ def test_what_spreadsheets_and_fortran_write() -> None:
     ("text", "words"),
     [
         ("t,x,v\n0,1,2\n1,x,2\n", r"x\[1\] = 'x': is not a number \(line 3\)"),
-        ("t;x;v\n0;1;2\n1;1.234,5;2\n", r"x\[1\] = '1.234.5': is not a number \(line 3\)"),
         ("t,x,v\n0,1,2\n\n1,2\n", "row 4 has 2 entries, the header 3"),
-        ("t x v\n0 1 2\n1 2 3 4\n", "row 3 has 4 entries, the header 3"),
-        ("0,1\n1\n", "row 2 has 1 entries, the header 2"),
         ("t,x,v,x\n0,1,2,3\n", "has 'x' twice"),
         ("time,pos,position,v\n0,1,2,3\n", "may be any of pos, position in here; say which, such as x=pos"),
         ("a,b,c\n0,1,2\n", "t.*is missing in here; there are: a, b, c; say which, such as t=a"),
-        ("time,foo,bar\n0,1,2\n", "x.*is missing in here; there are: time, foo, bar; say which, such as x=foo"),
-        ("", "is empty"),
         ("\n \n", "is empty"),
         ("t,x,v\n0,1,2\n\x00\n", "is not text in lines"),
     ],
@@ -300,26 +295,19 @@ def test_a_range_ends_where_octave_ends_it(tmp_path: Path) -> None:
         assert read_samples(tmp_path / "run.txt").x.tolist() == values
 
 
-@pytest.mark.parametrize("name", ["range", pytest.param("samples.txt", marks=pytest.mark.slow)])
-def test_a_damaged_text_of_octave_is_one_line(name: str, tmp_path: Path) -> None:
+def test_a_damaged_text_of_octave_is_one_line(tmp_path: Path) -> None:
     """Each line left out, cut off there, or with other numbers: read, or refused in one line."""
-    lines, path, refused = (SAVED / name).read_text().splitlines(keepends=True), tmp_path / name, 0
+    lines, path, said = (SAVED / "range").read_text().splitlines(keepends=True), tmp_path / "range", list[str]()
     for i in range(1, len(lines)):
         bad = "".join(letter if letter.isalpha() else "9" for letter in lines[i].strip()) + "\n"
         for text in (lines[:i] + lines[i + 1 :], lines[:i], [*lines[:i], bad, *lines[i + 1 :]]):
             path.write_text("".join(text))
-            said = what_is_said(path)
-            assert "\n" not in said
-            refused += bool(said)
-    assert refused > len(lines)
-
-
-def what_is_said(path: Path) -> str:
-    try:
-        read_samples(path)
-    except ParameterError as error:
-        return str(error)
-    return ""
+            try:
+                read_samples(path)
+            except ParameterError as error:
+                said.append(str(error))
+    assert len(said) > len(lines)
+    assert not any("\n" in text for text in said)
 
 
 # -- matlab tags -------------------------------------------------------------------------------------------------------

@@ -79,34 +79,20 @@ class SimpleFrame:
         return COLUMNS[name]
 
 
-KINDS = [
-    "mapping", "lists", "other names", "rows", "tuples", "array", "records", "structured", "DataFrame",
-    "DataFrame by time", "DataFrame of text", "xarray", "pyarrow", "pyarrow batch", "polars-like", "OdeResult-like",
-    "states as columns", "diffrax-like", "diffrax, padded", "diffrax, a pair", "diffrax, named", "states of MATLAB",
-    "states beside a time",
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", made())
 def test_what_is_a_solution(kind: str) -> None:
-    assert set(KINDS) == set(made())
     (samples,) = solutions_in(made()[kind], {}, PROBLEM)
     np.testing.assert_array_equal([samples.t, samples.x, samples.v], [T, X, V])
 
 
-@pytest.mark.parametrize("what", ["rows", "DataFrame", "pyarrow", "array"])
-def test_positions_alone_are_a_solution_without_velocities(what: str) -> None:
+def test_positions_alone_are_a_solution_without_velocities() -> None:
     import pyarrow
 
-    sources = {
-        "rows": [{"t": row["t"], "x": row["x"]} for row in ROWS],
-        "DataFrame": frame()[["t", "x"]],
-        "pyarrow": pyarrow.table({"t": T, "x": X}),
-        "array": np.column_stack([T, X]),
-    }
-    (samples,) = solutions_in(sources[what], {})
-    assert samples.lacks_v
-    np.testing.assert_array_equal(samples.x, X)
+    rows = [{"t": row["t"], "x": row["x"]} for row in ROWS]
+    for source in (rows, frame()[["t", "x"]], pyarrow.table({"t": T, "x": X}), np.column_stack([T, X])):
+        (samples,) = solutions_in(source, {})
+        assert samples.lacks_v
+        np.testing.assert_array_equal(samples.x, X)
 
 
 def names_of(found: list[Samples]) -> list[str]:
@@ -348,55 +334,16 @@ def test_events_of_a_solver_are_at_a_belt_relative_to_the_largest_velocity(off: 
 SAMPLES_T = np.linspace(0.1324, 3, 30)
 SAMPLES_X, SAMPLES_V = simulate("fig9", t_end=3)(SAMPLES_T)
 
-SAMPLES_COLUMNS: dict[str, Any] = {
-    "nothing": None,
-    "text": "abc",
-    "a number": 5.0,
-    "truth values": SAMPLES_T > 1,
-    "True among numbers": [True, *SAMPLES_T[1:]],
-    "complex": SAMPLES_T + 0j,
-    "complex without a part": [1j * 0] * 30,
-    "dates": np.arange(30).astype("datetime64[s]"),
-    "spans of time": np.arange(30).astype("timedelta64[s]"),
-    "masked": np.ma.array(SAMPLES_T, mask=[1] + [0] * 29),
-    "NaN": np.where(SAMPLES_T > 1, np.nan, SAMPLES_T),
-    "infinite": np.where(SAMPLES_T > 1, np.inf, SAMPLES_T),
-    "too large": np.where(SAMPLES_T > 1, 1e200, SAMPLES_T),
-    "a huge int": [10**400] * 30,
-    "more digits than Python prints": [10**5000] * 30,
-    "ragged": [[1, 2], [3]],
-    "two-dimensional": [[1.0]] * 30,
-    "a mapping": {"a": 1},
-    "underscores": ["1_000"] * 30,
-    "full-width digits": ["１"] * 30,
-    "a generator": (value for value in SAMPLES_T),
-    "too short": SAMPLES_T[:3],
-    "empty": [],
-    "None inside": [None] * 30,
-    "records": np.array([(1.0, 2.0)] * 30, dtype="f8,f8"),
-    "long text": ["a" * 10000] * 30,
-}
-
-EVENTS: dict[str, Any] = {
-    "a number": 5,
-    "text": "abc",
-    "bytes": b"ab",
-    "an array of nothing": np.array(5),
-    "None inside": [None],
-    "a number inside": [1.0],
-    "three": [(1, "cross", 2)],
-    "NaN": [(np.nan, "cross")],
-    "infinite": [(np.inf, "cross")],
-    "complex": [(1j, "cross")],
-    "True": [(True, "cross")],
-    "huge": [(10**400, "cross")],
-    "underscore": [("1_0", "cross")],
-    "no kind": [(1.0, None)],
-    "another kind": [(1.0, "jump")],
-    "a list for a kind": [(1.0, [])],
-    "deep": [[[[[1]]]]],
-    "rows": [{"t": 1, "kind": "cross"}],
-}
+NO_COLUMNS: list[Any] = [
+    "abc", 5.0, SAMPLES_T > 1, [True, *SAMPLES_T[1:]], SAMPLES_T + 0j, np.arange(30).astype("datetime64[s]"),
+    np.ma.array(SAMPLES_T, mask=[1] + [0] * 29), np.where(SAMPLES_T > 1, np.nan, SAMPLES_T), [10**5000] * 30,
+    np.where(SAMPLES_T > 1, 1e200, SAMPLES_T), [[1, 2], [3]], [[1.0]] * 30, {"a": 1}, ["1_000"] * 30, ["１"] * 30,
+    [None] * 30, np.array([(1.0, 2.0)] * 30, dtype="f8,f8"), ["a" * 10000] * 30,
+]  # fmt: skip
+NO_EVENTS: list[Any] = [
+    5, "abc", np.array(5), [None], [(1, "cross", 2)], [(np.nan, "cross")], [(True, "cross")], [(10**400, "cross")],
+    [("1_0", "cross")], [(1.0, None)], [(1.0, "jump")], [[[[[1]]]]], [{"t": 1, "kind": "cross"}],
+]  # fmt: skip
 
 
 def one_line(call: Callable[[], Any], *words: str) -> None:
@@ -410,12 +357,12 @@ def one_line(call: Callable[[], Any], *words: str) -> None:
         assert word in text
 
 
-@pytest.mark.parametrize("what", SAMPLES_COLUMNS)
-def test_what_is_no_column(what: str) -> None:
-    for name in "tx" if what == "nothing" else "txv":  # without velocities they are computed
-        columns = {"t": SAMPLES_T, "x": SAMPLES_X, "v": SAMPLES_V} | {name: SAMPLES_COLUMNS[what]}
-        words = ("lengths", f"'{name}'") if what in ("too short", "empty") else (f"{name}",)
-        one_line(lambda columns=columns: crosscheck("fig9", columns["t"], columns["x"], columns["v"]), *words)  # type: ignore[misc]
+@pytest.mark.parametrize("number", range(len(NO_COLUMNS)))
+def test_what_is_no_column(number: int) -> None:
+    for name in "txv":
+        columns = {"t": SAMPLES_T, "x": SAMPLES_X, "v": SAMPLES_V} | {name: NO_COLUMNS[number]}
+        one_line(lambda columns=columns: crosscheck("fig9", columns["t"], columns["x"], columns["v"]), name)  # type: ignore[misc]
+    one_line(lambda: crosscheck("fig9", SAMPLES_T, SAMPLES_X[:3], SAMPLES_V), "lengths", "'x'")
 
 
 def test_what_is_a_column_all_the_same() -> None:
@@ -430,9 +377,9 @@ def test_what_is_a_column_all_the_same() -> None:
     assert crosscheck("fig9", np.ma.array(SAMPLES_T, mask=False), SAMPLES_X, SAMPLES_V).ok
 
 
-@pytest.mark.parametrize("what", EVENTS)
-def test_what_is_no_list_of_events(what: str) -> None:
-    one_line(lambda: crosscheck("fig9", SAMPLES_T, SAMPLES_X, SAMPLES_V, events=EVENTS[what]), "events")
+@pytest.mark.parametrize("events", NO_EVENTS, ids=lambda events: repr(events)[:20])
+def test_what_is_no_list_of_events(events: Any) -> None:
+    one_line(lambda: crosscheck("fig9", SAMPLES_T, SAMPLES_X, SAMPLES_V, events=events), "events")
 
 
 def test_times() -> None:
@@ -455,34 +402,19 @@ TEXTS = {
     "text.json": ('{"t": "abc", "x": [1, 2], "v": [1, 2]}', "t[0] = 'abc'"),
     "events.json": (json.dumps(GOOD | {"events": 5}), "events = 5"),
     "deep.json": ("[" * 100000 + "]" * 100000, "nested too deeply"),
-    "deep_column.json": ('{"t": ' + "[" * 800 + "]" * 800 + ', "x": [1], "v": [1]}', "t[0]"),
-    "empty.json": ("", "is empty"),
     "blank.json": (" \n", "is empty"),
-    "number.json": ("5", "must hold columns"),
-    "null.json": ("null", "must hold columns"),
     "mixed.json": ("[{}, 1]", "must hold columns"),
     "cut.json": (json.dumps(GOOD)[:-5], "cannot be read"),
     "rows.json": ('[{"t": 0, "x": 0, "v": 0}, {"t": 1, "x": 1}]', "v[1] = None"),
     "twice.json": ('{"t": [0, 1], "t": [0, 2], "x": [0, 1], "v": [0, 1]}', "has 't' twice"),
     "nan.json": ('{"t": [0, NaN], "x": [0, 1], "v": [0, 1]}', "t[1] = nan"),
     "digits.json": ('{"t": [0, ' + "1" * 5000 + '], "x": [0, 1], "v": [0, 1]}', "thousands of digits"),
-    "long.json": ('{"t": [0, ' + "1" * 400 + '], "x": [0, 1], "v": [0, 1]}', "t[1]"),
-    "mapping.json": ('{"t": {"a": 1}, "x": [0, 1], "v": [0, 1]}', "t[0]"),
-    "true.json": ('{"t": [true, false], "x": [0, 1], "v": [0, 1]}', "t[0] = True"),
     "surrogate.json": ('{"\\ud800": ["0"], "x": [0], "v": [0]}', "there are: \\ud800"),
-    "empty.csv": ("", "is empty"),
     "header.csv": ("t,x,v\n", "at least 2"),
-    "one.csv": ("t,x,v\n0,0,0\n", "at least 2"),
-    "headless.csv": ("0,0,0,0\n1,1,1,1", "has no header and 4 columns; say which are meant, such as t=1,x=2,v=3"),
-    "semicolons.csv": ("t;x;w\n0;0;0", "there are: t, x, w"),
-    "twice.csv": ("t,x,v,v\n0,0,0,0\n1,1,1,1", "has 'v' twice"),
     "holes.csv": ("t,x,v\n0,,0\n1,1,1", "x[0] = ''"),
-    "blank.csv": ("\nt,x,v\n\n0,0,0\n\n1,1\n", "row 6 has 2 entries"),
     "field.csv": ("t,x,v\n" + "1" * 200000 + ",0,0\n1,1,1", "must be finite"),
     "hex.csv": ("t,x,v\n0x10,0,0\n1,1,1", "'0x10'"),
-    "underscore.csv": ("t,x,v\n0,0,0\n1_0,1,1", "'1_0'"),
-    "infinite.csv": ("t,x,v\n0,0,inf\n1,1,1", "v[0] = inf"),
-    "wide.csv": (",".join(f"c{i}" for i in range(5000)), "and 4988 more"),
+    "wide.csv": (",".join(f"c{i}" for i in range(5000)), "there are: c0, c1, "),
 }
 
 

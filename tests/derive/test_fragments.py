@@ -16,7 +16,6 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 from latex_reader import Reader
-from samples import few
 from step_mutants import mutations
 from symbols import KNOWN, symbols
 
@@ -76,7 +75,8 @@ def test_every_step_of_a_flight_has_evidence(form: str) -> None:
     assert check_fragment("P7", fragment_scope({}, form=form)).steps()
 
 
-@pytest.mark.parametrize("name", few(["stick", "theorem6", "theorem7", "P1", "saltation"], "theorem6", "theorem7"))
+@pytest.mark.quick(1)
+@pytest.mark.parametrize("name", ["stick", "theorem6", "theorem7", "P1", "saltation"])
 def test_a_changed_sign_fails(name: str) -> None:
     for item in flat(FRAGMENTS[name].items(fragment_scope({}))):
         for wrong in mutations(item) if isinstance(item, Step) else ():
@@ -170,7 +170,7 @@ def test_the_equations_of_a_flight(form: str, regime: str) -> None:
     deciding = ["m", "c", "k", *(["Omega"] if p.c == 0 else [])]
     numbers = rng.choice([deciding, list(PARAMETER_NAMES), [*deciding, "B0", "v1"]])
     scope = fragment_scope({each: str(getattr(p, each)) for each in numbers}, form=form)
-    assert scope.regime.name == regime
+    assert scope.regimes[0].name == regime
     text = as_latex(check_fragment(name, scope), scope)
     start, end = (rng.uniform(-3, 3), rng.uniform(0, 6)), (rng.uniform(-3, 3), rng.uniform(6, 12))
     given = letters_of(p, [each for each in PARAMETER_NAMES if each not in numbers])

@@ -78,6 +78,7 @@ def test_on_either_side_of_the_border_P32_is_an_orbit_or_not() -> None:
             assert find_orbit(p, "P32").admissible == is_orbit, (c, Omega, F, part)
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("Omega", "border"), [("1.5", 0.64657909), ("0.8", 0.81740639)])
 def test_borders_known_from_elsewhere(Omega: str, border: float) -> None:
     assert float(Formulas(wall(1, Omega)).largest_force_ratio()) == pytest.approx(border, abs=6e-9)
@@ -129,12 +130,13 @@ def _turns(signs: list[bool]) -> list[bool]:
     return [sign == (i % 2 == 0) for i, sign in enumerate(signs)]
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(("n", "F"), [(1, "0.1"), (2, "0.02")])
 def test_the_continuum(n: int, F: str) -> None:
     """Members inside are marginal orbits; those outside are none."""
     half, x_f = 1 / (1 - Fraction(1, 4 * n * n)), Fraction(F)
     end = half / (4 * n * n) - x_f
-    for part in ("-0.99", "-0.5", "0", "0.3", "0.99"):
+    for part in ("-0.99", "0", "0.5"):
         orbit = published.one_sided_orbit(F, n, Fraction(part) * end)
         middle = float(Fraction(part) * end)
         assert [x for _, x in orbit.points] == pytest.approx([middle + float(half), middle - float(half)], rel=1e-12)
@@ -279,6 +281,7 @@ def test_ends_of_a_branch_known_from_elsewhere(near: float, Omega: float, x: flo
     assert (float(found), float(amplitude)) == pytest.approx((Omega, x), abs=1e-10)
 
 
+@pytest.mark.slow
 def test_friction_amplifies_beyond_the_root_of_two() -> None:
     """Weak friction: the inversion tends to r = sqrt(2), linearly."""
     distances = [published.inversion(F, published.transmissibility) - 2**0.5 for F in ("0.2", "0.1", "0.05")]
@@ -303,7 +306,7 @@ def test_no_distance_grows(seed: int) -> None:
 
 
 def test_no_exponent_is_positive() -> None:
-    assert published.largest_exponent(12, seed=3) <= 1e-12
+    assert published.largest_exponent(2, seed=3) <= 1e-12
 
 
 # --- the tables and their page ---

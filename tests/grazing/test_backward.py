@@ -15,13 +15,7 @@ from oracle import flow_oracle
 from units import UNITS, Units
 
 from symosc import Parameters, grazing_curve, grazing_start, grazing_window, load_scene
-from symosc.grazing.backward import (
-    CONTACT,
-    REACHED,
-    Flights,
-    Origins,
-    first_root,
-)
+from symosc.grazing.backward import CONTACT, REACHED, Flights, Origins, first_root
 from symosc.grazing.check import Ways
 
 BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
@@ -58,8 +52,6 @@ def _log_root(v: float) -> float:
 
 
 MAPS = sorted(BELT)
-
-
 REGIMES = {"underdamped": "0.7", "overdamped": "7", "undamped": "0"}
 
 

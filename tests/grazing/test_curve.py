@@ -13,14 +13,7 @@ from grazing_starts import assert_oracle_grazes
 
 from symosc import ParameterError, Parameters, load_scene
 from symosc.grazing import curve
-from symosc.grazing.curve import (
-    NOWHERE,
-    OTHER,
-    OWN,
-    UNKNOWN,
-    Sample,
-    grazing_curve,
-)
+from symosc.grazing.curve import NOWHERE, OTHER, OWN, UNKNOWN, Sample, grazing_curve
 from symosc.grazing.solve import solve_grazing
 from symosc.grazing.start import grazing_start
 from symosc.plot.windows import figure_grazing_curve

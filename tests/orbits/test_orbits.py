@@ -15,8 +15,7 @@ from paper_orbits import BOTH_BELTS, FIG9, FIG10, P32, P32_MULTIPLIER, P4645
 from symosc import Parameters, load_scene
 from symosc.errors import ParameterError
 from symosc.mappings.equations import residual
-from symosc.orbits import find
-from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, OrbitPiece
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import multipliers
 from symosc.words import WordError, read_word
@@ -25,11 +24,7 @@ from symosc.words import WordError, read_word
 MANY_SLIPS = Parameters(
     m=1, c="0.26", k="4.04", A0="3.53", B0="10.37", Omega="1.44", v1="-2.02", v2="1.02", mu1="0.68", mu2="0.71", FN=10
 )
-
-
 CROSSING_BOTH = FIG9.replace(Omega="5.1")
-
-
 PAPER = [(FIG9, "P32", P32), (FIG10, "P4645", P4645)]
 
 
@@ -178,19 +173,6 @@ def test_an_orbit_begins_in_the_first_period(p: Parameters, word: str) -> None:
     assert times[-1] < times[0] + T
 
 
-@pytest.mark.parametrize("digits", [None, 20])
-@pytest.mark.parametrize("word", ["P32", "P3232"])
-def test_the_two_multipliers_are_those_of_the_flow(word: str, digits: int | None) -> None:
-    """Their sum and their product are the trace and the determinant of the flow's derivative over the orbit."""
-    orbit = find_orbit(FIG9, word, periods=len(word) // 2, digits=digits)
-    one, other = (complex(value) for value in orbit.multipliers)
-    flow = find.monodromy(orbit.equations(), orbit.phases())
-    assert one + other == pytest.approx(float(flow.trace), rel=1e-9)
-    assert one * other == pytest.approx(float(flow.determinant), rel=1e-9)
-    assert abs(one) < 1
-    assert abs(other) < 1
-
-
 P4645_MULTIPLIER = 1.9589682640e-4
 
 
@@ -269,26 +251,6 @@ def test_jacobian_matches_differences_of_its_residuals(p, word):
             sides.append(exact_.residuals(moved))
         differences = np.array([float((a - b) / (2 * h)) for a, b in zip(*sides, strict=True)])
         assert np.abs(ours[:, column] - differences).max() < 1e-11 * max(1, np.abs(differences).max())
-
-
-@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645")])
-def test_the_largest_residual_is_that_of_all_maps(p: Parameters, word: str) -> None:
-    """Of eq. (54), as `symosc.residual` has it, in x and v of every map, off the orbit."""
-    rng = np.random.default_rng(4)
-    equations = ClosingEquations(p, read_word(word), 1)
-    on_it = find_orbit(p, word).phases()
-    for _ in range(5):
-        points = on_it + rng.uniform(-0.02, 0.02, (len(word) - 1, 2))
-        ends = [*points[1:], points[0] + [0.0, 2 * np.pi]]
-        each = [
-            residual(p, label, tuple(start), tuple(end), exit_of(piece))
-            for label, piece, start, end in zip(equations.word.labels, equations.pieces, points, ends, strict=True)
-        ]
-        assert equations.largest_residual(points) == pytest.approx(np.abs(each).max(), rel=1e-9)
-
-
-def exit_of(piece: OrbitPiece) -> str | None:
-    return None if not piece.sticks else "below" if piece.side < 0 else "above"
 
 
 @pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748")])

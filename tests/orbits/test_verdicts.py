@@ -13,14 +13,13 @@ from paper_orbits import BOTH_BELTS, FIG9, FIG10
 from scipy.integrate import solve_ivp
 from units import UNITS, Units
 
-from symosc import Parameters, load_scene, simulate
+from symosc import Parameters, simulate
 from symosc.errors import ParameterError
 from symosc.orbits import admissibility
-from symosc.orbits.admissibility import Condition, conditions, extrema, grazing_distance
+from symosc.orbits.admissibility import conditions, extrema, of_function
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, polish, solve
-from symosc.orbits.curve import of_function
-from symosc.orbits.find import find_orbit, largest_displacement, orbit_at
-from symosc.orbits.floquet import monodromy, rest_positions
+from symosc.orbits.find import find_orbit, orbit_at
+from symosc.orbits.floquet import rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.words import WordError, read_word
 
@@ -198,17 +197,10 @@ def test_the_distance_from_grazing_is_that_of_the_nearest_turn(p: Parameters, wo
     assert orbit.grazing_distance == pytest.approx(nearest, rel=1e-3)
 
 
-FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
-
-
 RESTING = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=5, mu1=1, mu2=1, FN=1)
-
-
 CRITICAL = Parameters(
     m=1, k=1, c=2, Omega=1, A0="36.68", B0=1, FN="18.89", mu1="0.2934", mu2="0.3", v1="-0.002295", v2=0
 )
-
-
 UNDAMPED = Parameters(m=1, c=0, k=1, A0=0, B0=1, Omega="1/2", v1=0, v2=10, mu1="0.1", mu2=0, FN=1)
 
 
@@ -360,51 +352,6 @@ def test_a_guess_may_have_pieces_that_are_about_to_vanish():
 
 
 ORBITS = [(p, word, find_orbit(p, word)) for p, word in ((FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748"))]
-
-
-def factor_of(condition: Condition, units: Units) -> float:
-    """Return the factor of a margin by what it is: a duration, a velocity, a force, or the slope of one."""
-    if condition.text.endswith(" lasts"):
-        return float(units.time)
-    if " stays in " in condition.text:
-        return units.speed
-    return units.force / float(units.time) if condition.text.split()[1] in ("falls", "rises") else units.force
-
-
-def residual_factors(equations: ClosingEquations, units: Units) -> list[float]:
-    """Return the factors of f1 and f2 of all pieces; f2 is a force for a stick, and divided by durations for a slip."""
-    found = []
-    for piece in equations.pieces:
-        found += [float(units.length), units.force if piece.sticks else units.speed / float(units.time) ** piece.zeros]
-    return found
-
-
-@pytest.mark.quick(4)
-@pytest.mark.parametrize("units", UNITS, ids=str)
-@pytest.mark.parametrize(("p", "word", "orbit"), ORBITS, ids=["P32", "P4645", "P1748"])
-def test_an_orbit_has_the_same_margins(units: Units, p: Parameters, word: str, orbit: object) -> None:
-    T, L, V = float(units.time), float(units.length), units.speed
-    one, two = (ClosingEquations(each, read_word(word), 1) for each in (p, units.of(p)))
-    points = orbit.phases()  # type: ignore[attr-defined]
-    for shift in (0.0, 1e-3, 0.3):  # on the orbit, beside it, and far away
-        here = points + np.array([shift, 0.0])
-        there = here * [L, 1.0]
-        for a, b in zip(conditions(one, here), conditions(two, there), strict=True):
-            factor = factor_of(a, units)
-            assert (b.text, b.rank) == (a.text, a.rank)
-            assert (b.value, b.scale) == (a.value * factor, a.scale * factor)
-            assert b.t == pytest.approx(a.t * T, rel=1e-12)
-        assert grazing_distance(two, there) == grazing_distance(one, here) * V
-        assert admissibility.ill_conditioned(two, there) == admissibility.ill_conditioned(one, here)
-        residuals = zip(one.residuals(here), two.residuals(there), residual_factors(one, units), strict=True)
-        assert all(b == a * factor for a, b, factor in residuals)
-        a, b = monodromy(one, here), monodromy(two, there)
-        assert (b.trace, b.determinant) == (a.trace, a.determinant)
-    assert largest_displacement(two) == tuple(value * L for value in largest_displacement(one))
-    for boundary in (1, 2):
-        rest = rest_positions(p.replace(v1=0) if boundary == 1 else p.replace(v1=-9, v2=0), boundary)
-        other = rest_positions(units.of(p.replace(v1=0) if boundary == 1 else p.replace(v1=-9, v2=0)), boundary)
-        assert other == (rest and tuple(value * units.length for value in rest))
 
 
 @pytest.mark.quick(2)

@@ -55,25 +55,17 @@ def test_every_check_is_named_in_the_claims() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ("source = ", "sauce = ", "source is missing"),
+        ("source = ", "sauce = ", "has sauce, says, check; must have source, says, check"),
         ("says", 'verdict = "true"\nsays', "verdict = 'true': must be one of confirmed, "),
-        ("says", 'verdict = "not as printed"\nsays', "needs a correction: its verdict is 'not as printed'"),
-        ("says", 'correction = "no"\nsays', "needs an erratum"),
-        ("says", 'verdict = "confirmed"\ncorrection = "no"\nsays', "has a correction: its verdict is 'confirmed'"),
+        ("says", 'verdict = "not as printed"\nsays', "must have a correction and see an erratum if its verdict is"),
+        ("says", 'verdict = "confirmed"\ncorrection = "no"\nsays', "must have a correction and see an erratum"),
         ("says", 'see = ["fig11"]\nsays', "see = 'fig11': must be one of fig1, motion, "),
-        ("says", 'see = "fig1"\nsays', "must be a list of texts"),
-        ("says", 'see = ["fig1", 3]\nsays', "must be a list of texts"),
         ("says", 'see = ["motion", "maps"]\nsays', "one chapter at most, not motion and maps"),
-        ("says", 'note = "x"\nsays', "note is unknown; known are source, "),
         ('"1 < 2"', "3", "says = 3: must be text"),
         ("stand_ins.right", "stand_ins.left", "check = 'stand_ins.left': there is no such function"),
-        ("stand_ins.right", "stand_outs.right", "check = 'stand_outs.right': there is no such function"),
         ("stand_ins.right", "stand_ins.given(NUMBER", "there is no such function, or value"),
-        ("stand_ins.right", "stand_ins.given(OTHER)", "there is no such function, or value"),
-        ("stand_ins.right", "right", "check = 'right': there is no such function"),
         ("one]", "One]", "must be kebab case"),
         ("model.", "preface.", "part = 'preface': must be one of model"),
-        ("one]", "one", "cannot be read"),
         ("[model.one]", "[[unjudged]]", "must have source, says, why"),
     ],
 )
@@ -121,8 +113,6 @@ def test_each_erratum_is_shown_by_claims_and_no_other_claim_has_one() -> None:
     for erratum in FOUND:
         assert max(len(erratum.proof), len(erratum.printed) + len(erratum.holds)) <= 340, erratum.id
 
-
-# --- no claim is judged by the simulator alone ---
 
 # --- extension points, as CONTRIBUTING says, in a copy of the package ---
 

@@ -16,8 +16,7 @@ from scipy.integrate import solve_ivp
 
 from symosc import find_orbit, load_scene, residual, simulate
 from symosc.paper import figures
-from symosc.paper.figures import stick_view
-from symosc.paper.pictures import PICTURES, stick_signs
+from symosc.paper.pictures import PICTURES, SEVERAL_PERIODS, printed_view, stick_signs
 from symosc.plot.panels import END_COLOR, ONSET_COLOR, Contact
 from symosc.plot.windows import INSIDE_COLOR
 from symosc.words import MAPS
@@ -177,7 +176,7 @@ def test_the_caption_of_fig7_has_the_numbers_of_its_flight() -> None:
     def rates(t: float, y: np.ndarray) -> tuple[float, float]:
         return y[1], (A + B0 * np.cos(Omega * t) - c * y[1] - k * y[0]) / m
 
-    times = np.linspace(t0, t0 + figures.SEVERAL_PERIODS * period, 40_001)
+    times = np.linspace(t0, t0 + SEVERAL_PERIODS * period, 40_001)
     start = float(scene.x0), float(scene.v0)
     x, v = solve_ivp(rates, (t0, times[-1]), start, "DOP853", times, rtol=1e-12, atol=1e-12).y
     top = int(np.argmax(v))
@@ -199,7 +198,7 @@ def test_captions_say_what_happens() -> None:
     assert "A0 = 10 instead of 5" in text["fig7-exact"]
     assert "(ended by F⁽¹⁾ = 0), t" in text["fig5"]
     assert "(ended by F⁽²⁾ = 0)" in text["fig6"]
-    assert "does not hold everywhere" in stick_signs(stick_view("fig5"), [Contact(0.5, 3.0, 1)])
+    assert "does not hold everywhere" in stick_signs(printed_view("fig5"), [Contact(0.5, 3.0, 1)])
     assert all("While it sticks, F" in text[key] and "everywhere" not in text[key] for key in ("fig5", "fig6", "fig8"))
 
 

@@ -24,14 +24,13 @@ FIGURE = """
 import numpy as np
 
 from symosc.arguments import public
-from symosc.plot.drawing import one_axes, style_for
+from symosc.plot.drawing import axes_for
 
 
 @public
 def drive_figure(drive, *, ax=None):
     t = np.linspace(0, 10, 100)
-    with style_for(ax):
-        drawing, axes = one_axes(ax, (4.0, 3.0))
+    with axes_for(ax, (4.0, 3.0)) as (drawing, (axes,)):
         axes.plot(t, float(drive.parameters.B0) * np.cos(float(drive.parameters.Omega) * t))
         axes.set(xlabel="time $t$", ylabel="drive")
     return drawing

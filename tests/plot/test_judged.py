@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from answers import PROVEN
+from answers import PROVEN, answer
 from careful_solver import TIGHT, solve
 from excerpts import crosscheck
 from matplotlib.axes import Axes
@@ -113,6 +113,13 @@ def marks_of_ends(ax: Axes) -> set[tuple[str, float, float]]:
     kinds = {marker: kind for kind, marker in END_MARKERS.items()}
     dots = [line for line in ax.lines if line.get_marker() in kinds]
     return {(kinds[str(line.get_marker())], *map(float, np.asarray(line.get_xydata())[0])) for line in dots}  # type: ignore[misc]
+
+
+@pytest.mark.slow
+def test_a_style_of_lines_reaches_a_border_by_any_of_its_names() -> None:
+    for given in ({"lw": 3, "c": "red"}, {"linewidth": 3, "color": "red"}):
+        line = answer("border").plot(**given).axes[0].lines[0]
+        assert (line.get_linewidth(), line.get_color()) == (3, "red")
 
 
 # -- cross-checks -----------------------------------------------------------------------------------------------------

@@ -189,15 +189,8 @@ def test_nothing_is_left_where_it_fails(tmp_path: Path, monkeypatch: pytest.Monk
     ("file", "text", "message"),
     [
         ("manifest.json", "{", "is not JSON"),
-        ("manifest.json", "[]", "is not of the format"),
         ("manifest.json", '{"format": "symosc reference cases 1"}', "is not a set of reference cases: KeyError"),
-        (
-            "manifest.json",
-            '{"format": "symosc reference cases 1", "set_version": 1, "files": {}, "cases": [{"name": 3}]}',
-            "cannot be read",
-        ),
         ("paper-fig6/events.csv", "t\n1\n", "is not the file that was written: its checksum differs"),
-        ("paper-fig6/events.csv", None, "cannot be read"),
         ("manifest.json", None, "has no manifest.json; `symosc cases -o"),
     ],
 )
@@ -279,9 +272,8 @@ def test_score_reads_what_check_reads(name: str, tmp_path: Path) -> None:
     assert read_results(tmp_path, NAMES)["one"].events == wanted
 
 
-@pytest.mark.parametrize("suffix", ["npz", "mat", "parquet", "feather", "h5"])
+@pytest.mark.parametrize("suffix", ["npz", "mat", "parquet"])
 def test_score_reads_arrays(suffix: str, tmp_path: Path) -> None:
-    import h5py
     import pandas
     from scipy.io import savemat
 
@@ -292,17 +284,13 @@ def test_score_reads_arrays(suffix: str, tmp_path: Path) -> None:
         np.savez(path, **(arrays | {name: arrays[name].astype(str) for name in words}))
     elif suffix == "mat":
         savemat(path, arrays)
-    elif suffix == "h5":
-        with h5py.File(path, "w") as file:
-            for name, column in arrays.items():
-                file[name] = column
     else:
-        getattr(frame, f"to_{suffix}")(path)
+        frame.to_parquet(path)
     found = read_results(path, NAMES)
     assert (found["one"].events, found["two"].events, found["two"].end) == (EVENTS, [], 9)
 
 
-@pytest.mark.parametrize("name", ["events.txt", "events.h5", "events.mat", "chars.txt", "chars.h5"])
+@pytest.mark.parametrize("name", ["events.txt", "events.mat", "chars.h5"])
 def test_score_reads_what_octave_saves(name: str, tmp_path: Path) -> None:
     (tmp_path / f"one{Path(name).suffix}").write_bytes((OCTAVE / name).read_bytes())
     found = read_results(tmp_path, NAMES)["one"]
@@ -333,25 +321,15 @@ def test_numbers_keep_all_their_digits(tmp_path: Path) -> None:
 
 
 BROKEN = {
-    "": "is empty",
     "  \n\n": "is empty",
     "time,what\n1,stick\n": "has no column kind; its columns are time, what",
-    "t,x\n1,2\n": "has no column kind",
     "t,t,kind\n1,1,stick\n": "has two columns named 't'",
-    "t,kind\nnan,stick\n": "line 2: t = 'nan': must be finite",
-    "t,kind\ninf,stick\n": "line 2: t = 'inf': must be finite",
-    "t,kind\n1,stick\n1e999999,slip\n": "line 3: t = '1e999999'",
+    "t,kind\n1,stick\nnan,slip\n": "line 3: t = 'nan': must be finite",
     "t,kind\n,stick\n": "line 2: has no t",
     "t,kind\n1,jump\n": "line 2: kind is 'jump'",
-    "t,kind\n1,\n": "line 2: kind is ''",
-    "t,kind,boundary\n1,stick,3\n": "line 2: boundary is '3'",
     "t,kind,boundary\n1,stick,1.5\n": "line 2: boundary is '1.5'",
-    "t,x,kind\n1,nan,stick\n": "line 2: x = 'nan': must be finite",
-    "t,kind\n1,stick,2\n": "row 2 has 3 entries, the header 2",
     "t,x,kind\n1,2\n": "row 2 has 2 entries, the header 3",
     "t,kind,seconds\n1,stick,-1\n": "line 2: seconds = -1: must be >= 0",
-    't,kind\n"1,stick\n': "row 2 has 1 entries, the header 2",
-    "time,ts,kind\n1,1,stick\n": "has two columns named 'time'",
     "t,kind\n1,st\0ick\n": "",
 }
 
@@ -369,23 +347,14 @@ def test_broken_csv_is_one_line(text: str, tmp_path: Path) -> None:
 HOSTILE = {
     "{": "cannot be read: Expecting",
     "[" * 100_000: "its brackets are nested too deeply",
-    "[NaN]": "event 1: must be an object",
-    '[{"t": Infinity, "kind": "stick"}]': "t = inf: must be finite",
     '[{"t": 1e400, "kind": "stick"}]': "t = 1E+400: must be at most 1e+50",
     '[{"t": ' + "9" * 5000 + ', "kind": "stick"}]': "thousands of digits",
-    '[{"t": 1, "t": 2, "kind": "stick"}]': "has 't' twice",
     '[{"t": true, "kind": "stick"}]': "t = True",
-    '[{"t": [1], "kind": "stick"}]': "t = [1]",
     '[{"t": 1, "kind": ["stick"]}]': "kind is",
     '[{"t": 1, "kind": "stick", "boundary": {}}]': "boundary is '{}'",
-    '[{"t": 1, "kind": "stick", "boundary": ""}]': "boundary is ''",
     '{"t": [1, 2], "kind": ["stick"]}': "has columns of several lengths",
-    '{"t": [[1, 2]], "kind": [["stick", {}]]}': "kind is '{}'",
     "[1, 2]": "event 1: must be an object",
-    "7": "must be a list of events",
     "null": "must be a list of events",
-    '"text"': "must be a list of events",
-    '{"events": 3}': "must be a list of events",
     '{"events": [], "seconds": "fast"}': "seconds = 'fast'",
 }
 

@@ -62,10 +62,6 @@ def test_numbers_are_read_as_they_are_written() -> None:
 # --- simulate, simulate_many ---
 
 
-
-
-
-
 @pytest.mark.parametrize("value", [None, 5, "", [], [[]], [0, 0], [[0, 0]], [[0, 0, 0], [1]], {}, [[[0, 0, 0]]]])
 def test_starts_of_many(value: Any) -> None:
     refused(lambda: simulate_many(P, value, 5), "starts")

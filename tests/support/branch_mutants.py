@@ -9,8 +9,10 @@ import random
 from collections.abc import Iterator
 from fractions import Fraction
 
-from certificate_mutants import CHANGES, Change, Document
-from orbit_mutants import _cyclic, _rotated, _within, change_periods, change_word, change_word_length, exact_orbit
+from certificate_mutants import CHANGES, EVENT, Change, Document, another
+from orbit_mutants import OF_A_WORD, cyclic, exact_orbit, rotated, within
+
+from symosc.model import PARAMETER_NAMES
 
 #: What only a trajectory has, or is done otherwise here.
 OTHERS = (
@@ -25,7 +27,6 @@ OTHERS = (
     "box wider",
     "box narrower",
 )
-NAMES = ("kind", "boundary", "source", "target")
 INEQUALITIES = ("v < v1 during P2", "v > v1 during P3", "v < v2 during P3", "F^(1) < 0 where P3 ends", "P3 lasts")
 KINDS = ("grazing", "birth of a stick", "birth of a slip", "vanishing of a flight", "end of the range")
 
@@ -36,9 +37,9 @@ def branch_is_true(document: Document, original: Document) -> bool:
         if document[name] != original[name]:
             return False
     events, rows = document["events"], document["boxes"]
-    if [[row[n] for n in NAMES] for row in events] != [[row[n] for n in NAMES] for row in original["events"]]:
+    if [[row[n] for n in EVENT] for row in events] != [[row[n] for n in EVENT] for row in original["events"]]:
         return False
-    if not _cyclic(document["word"], original["word"]) or (document["stable"] and not original["stable"]):
+    if not cyclic(document["word"], original["word"]) or (document["stable"] and not original["stable"]):
         return False
     values = [[Fraction(each) for each in row["value"]] for row in rows]
     whole = [values[0][0], values[-1][1]] == [Fraction(each) for each in document["range"]]
@@ -56,14 +57,14 @@ def _orbit_in(document: Document, row: Document, value: Fraction) -> bool:
     parameters = document["parameters"] | {document["parameter"]: str(value)}
     middles = [[sum(map(Fraction, ends)) / 2 for ends in row[name][:-1]] for name in "tx"]
     near = json.dumps([[float(t), float(x)] for t, x in zip(*middles, strict=True)])
-    orbit = exact_orbit(json.dumps(parameters), _rotated(document), near)
+    orbit = exact_orbit(json.dumps(parameters), rotated(document), near)
     if orbit is None:
         return False
     points = [(point.t, point.x) for point in orbit.points]
     points.append((points[0][0] + orbit.period, points[0][1]))
     shift = round(float(points[0][0] - float(middles[0][0])) / float(orbit.period)) * orbit.period
     return all(
-        _within(t - shift, ts) and _within(x, xs) for (t, x), ts, xs in zip(points, row["t"], row["x"], strict=True)
+        within(t - shift, ts) and within(x, xs) for (t, x), ts, xs in zip(points, row["t"], row["x"], strict=True)
     )
 
 
@@ -114,10 +115,6 @@ def add_event(rng: random.Random, document: Document) -> None:
     rows.insert(i, copy.deepcopy(rows[i]))
 
 
-def drop_box(rng: random.Random, document: Document) -> None:
-    del document["boxes"][rng.randrange(len(document["boxes"]))]
-
-
 def repeat_box(rng: random.Random, document: Document) -> None:
     i = rng.randrange(len(document["boxes"]))
     document["boxes"].insert(i, copy.deepcopy(document["boxes"][i]))
@@ -147,10 +144,8 @@ def move_meeting(rng: random.Random, document: Document) -> None:
 def move_range(rng: random.Random, document: Document) -> None:
     i = rng.randrange(2)
     low, high = map(Fraction, document["range"])
-    step = (high - low) * Fraction(rng.choice([-1, 1]), 10 ** rng.randint(1, 6))
-    document["range"][i] = document["boxes"][-i]["value"][i] = document["ends"][i]["inside"] = str(
-        (low, high)[i] + step
-    )
+    value = str((low, high)[i] + (high - low) * Fraction(rng.choice([-1, 1]), 10 ** rng.randint(1, 6)))
+    document["range"][i] = document["boxes"][-i]["value"][i] = document["ends"][i]["inside"] = value
 
 
 def change_end(name: str) -> Change:
@@ -159,8 +154,7 @@ def change_end(name: str) -> Change:
     def change(rng: random.Random, document: Document) -> None:
         end = rng.choice([end for end in document["ends"] if name in end])
         width = abs(Fraction(end["inside"]) - Fraction(end["outside"])) or Fraction(1, 100)
-        step = width * rng.choice([-1, 1]) * Fraction(rng.randint(1, 30), 10)
-        end[name] = str(Fraction(end[name]) + step)
+        end[name] = str(Fraction(end[name]) + width * rng.choice([-1, 1]) * Fraction(rng.randint(1, 30), 10))
 
     return change
 
@@ -175,31 +169,10 @@ def change_inequality(rng: random.Random, document: Document) -> None:
     end["inequality"] = rng.choice([each for each in INEQUALITIES if each != end["inequality"]])
 
 
-def change_end_kind(rng: random.Random, document: Document) -> None:
-    end = rng.choice(document["ends"])
-    end["kind"] = rng.choice([kind for kind in KINDS if kind != end["kind"]])
-
-
-def swap_range_ends(rng: random.Random, document: Document) -> None:
-    document["ends"].reverse()
-
-
-def change_name(rng: random.Random, document: Document) -> None:
-    document["parameter"] = rng.choice([name for name in document["parameters"] if name != document["parameter"]])
-
-
-def change_stable(rng: random.Random, document: Document) -> None:
-    document["stable"] = not document["stable"]
-
-
-BRANCH_CHANGES: dict[str, Change] = {name: change for name, change in CHANGES.items() if name not in OTHERS} | {
-    **{name: in_a_box(name) for name in OTHERS[4:]},
+BRANCH_CHANGES: dict[str, Change] = {name: change for name, change in CHANGES.items() if name not in OTHERS} | OF_A_WORD
+BRANCH_CHANGES |= {name: in_a_box(name) for name in OTHERS[4:]} | {
     "event added": add_event,
-    "word": change_word,
-    "word length": change_word_length,
-    "periods": change_periods,
-    "stable": change_stable,
-    "box dropped": drop_box,
+    "box dropped": lambda rng, it: it["boxes"].pop(rng.randrange(len(it["boxes"]))),
     "box repeated": repeat_box,
     "boxes swapped": swap_boxes,
     "value moved": move_value,
@@ -209,9 +182,9 @@ BRANCH_CHANGES: dict[str, Change] = {name: change for name, change in CHANGES.it
     "outside moved": change_end("outside"),
     "at moved": change_at,
     "inequality": change_inequality,
-    "kind of an end": change_end_kind,
-    "ends swapped": swap_range_ends,
-    "parameter's name": change_name,
+    "kind of an end": another("ends", "kind", among=KINDS),
+    "ends swapped": lambda rng, it: it["ends"].reverse(),
+    "parameter's name": another("parameter", among=PARAMETER_NAMES),
 }
 #: Changes that may leave a certificate true.
 HARMLESS = {"digit", "any digit", "box moved", "box wider", "box narrower", "parameter", "meeting moved", "range moved"}

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import copy
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
 from symosc import Parameters, simulate
 
 Document = dict[str, Any]
-Change = Callable[[random.Random, Document], None]
+Change = Callable[[random.Random, Document], object]
 MODES = ("Omega1", "Omega2", "Omega3", "belt1", "belt2")
+EVENT = ("kind", "boundary", "source", "target")
 
 
 def is_true(document: Document) -> bool:
@@ -22,7 +23,7 @@ def is_true(document: Document) -> bool:
     if len(run.events) != len(document["events"]) or run.segments[0].mode != document["mode"]:
         return False
     for event, row in zip(run.events, document["events"], strict=True):
-        if any(getattr(event, name) != row[name] for name in ("kind", "boundary", "source", "target")):
+        if any(getattr(event, name) != row[name] for name in EVENT):
             return False
         for name in "tx":
             low, high = map(Fraction, row[name])
@@ -31,60 +32,69 @@ def is_true(document: Document) -> bool:
     return True
 
 
-def row_of(rng: random.Random, document: Document) -> Document:
-    return rng.choice(document["events"])
+def another(*path: str, among: Sequence[Any]) -> Change:
+    """Return a change of a key, the last of a path through lists of objects, to another value."""
+
+    def change(rng: random.Random, document: Document) -> None:
+        place: Any = document
+        for name in path[:-1]:
+            place = rng.choice(place[name])
+        place[path[-1]] = rng.choice([each for each in among if each != place[path[-1]]])
+
+    return change
 
 
-def digit(text: str, rng: random.Random, last: int = 6) -> str:
+def number_in(where: str) -> Change:
+    """Return a change of one of several numbers by a power of ten."""
+
+    def change(rng: random.Random, document: Document) -> None:
+        name = rng.choice(list(document[where]))
+        step = Fraction(rng.choice([-1, 1]), 10 ** rng.randint(1, 12))
+        document[where][name] = str(Fraction(document[where][name]) + step)
+
+    return change
+
+
+def interval(change: Callable[[random.Random, Fraction, Fraction], tuple[Fraction, Fraction]]) -> Change:
+    """Return a change of an interval of an event."""
+
+    def changed(rng: random.Random, document: Document) -> None:
+        row, name = rng.choice(document["events"]), rng.choice("tx")
+        row[name] = list(map(str, change(rng, *map(Fraction, row[name]))))
+
+    return changed
+
+
+def another_digit(text: str, rng: random.Random, last: int = 6) -> str:
     """Return a number with another digit among its last ones."""
-    places = [i for i, letter in enumerate(text) if letter.isdigit()][-last:]
-    place = rng.choice(places)
+    place = rng.choice([i for i, letter in enumerate(text) if letter.isdigit()][-last:])
     other = rng.choice([each for each in "0123456789" if each != text[place]])
     return text[:place] + other + text[place + 1 :]
 
 
-def change_digit(rng: random.Random, document: Document) -> None:
-    ends = row_of(rng, document)[rng.choice("tx")]
-    i = rng.randrange(2)
-    ends[i] = digit(ends[i], rng)
+def digit(last: int) -> Change:
+    """Return a change of a digit among the last ones of an end."""
+
+    def change(rng: random.Random, document: Document) -> None:
+        ends, i = rng.choice(document["events"])[rng.choice("tx")], rng.randrange(2)
+        ends[i] = another_digit(ends[i], rng, last)
+
+    return change
 
 
-def change_any_digit(rng: random.Random, document: Document) -> None:
-    ends = row_of(rng, document)[rng.choice("tx")]
-    i = rng.randrange(2)
-    ends[i] = digit(ends[i], rng, 40)
-
-
-def change_sign(rng: random.Random, document: Document) -> None:
-    row = row_of(rng, document)
-    low, high = map(Fraction, row["x"])
-    row["x"] = [str(-high), str(-low)]
-
-
-def move_box(rng: random.Random, document: Document) -> None:
-    row, name = row_of(rng, document), rng.choice("tx")
-    low, high = map(Fraction, row[name])
+def moved(rng: random.Random, low: Fraction, high: Fraction) -> tuple[Fraction, Fraction]:
     step = (high - low) * Fraction(rng.choice([-1, 1]) * rng.randint(2, 10 ** rng.randint(1, 22)), 2)
-    row[name] = [str(low + step), str(high + step)]
+    return low + step, high + step
 
 
-def widen_box(rng: random.Random, document: Document) -> None:
-    row, name = row_of(rng, document), rng.choice("tx")
-    low, high = map(Fraction, row[name])
+def wider(rng: random.Random, low: Fraction, high: Fraction) -> tuple[Fraction, Fraction]:
     more = (high - low) * 10 ** rng.randint(0, 12)
-    row[name] = [str(low - more), str(high + more)]
+    return low - more, high + more
 
 
-def narrow_box(rng: random.Random, document: Document) -> None:
-    row, name = row_of(rng, document), rng.choice("tx")
-    low, high = map(Fraction, row[name])
-    share = Fraction(rng.randint(1, 999), 1000)
-    cut = low + share * (high - low)
-    row[name] = [str(low), str(cut)] if rng.random() < 0.5 else [str(cut), str(high)]
-
-
-def drop_event(rng: random.Random, document: Document) -> None:
-    del document["events"][rng.randrange(len(document["events"]))]
+def narrower(rng: random.Random, low: Fraction, high: Fraction) -> tuple[Fraction, Fraction]:
+    cut = low + Fraction(rng.randint(1, 999), 1000) * (high - low)
+    return (low, cut) if rng.random() < 0.5 else (cut, high)
 
 
 def add_event(rng: random.Random, document: Document) -> None:
@@ -96,63 +106,31 @@ def add_event(rng: random.Random, document: Document) -> None:
     document["events"].insert(i, row)
 
 
-def swap_events(rng: random.Random, document: Document) -> None:
-    rows = document["events"]
+def swap(rng: random.Random, rows: list[Any]) -> None:
     i = rng.randrange(len(rows))
     rows[i], rows[i - 1] = rows[i - 1], rows[i]
-
-
-def change_kind(rng: random.Random, document: Document) -> None:
-    row = row_of(rng, document)
-    row["kind"] = rng.choice([kind for kind in ("cross", "stick", "slip", "graze") if kind != row["kind"]])
-
-
-def change_mode(rng: random.Random, document: Document) -> None:
-    row, name = row_of(rng, document), rng.choice(["source", "target"])
-    row[name] = rng.choice([mode for mode in MODES if mode != row[name]])
-
-
-def change_boundary(rng: random.Random, document: Document) -> None:
-    row = row_of(rng, document)
-    row["boundary"] = 3 - row["boundary"]
-
-
-def change_parameter(rng: random.Random, document: Document) -> None:
-    values, name = document["parameters"], rng.choice(list(document["parameters"]))
-    change = Fraction(rng.choice([-1, 1]), 10 ** rng.randint(1, 12))
-    values[name] = str(Fraction(values[name]) + change)
-
-
-def change_start(rng: random.Random, document: Document) -> None:
-    name = rng.choice(list(document["start"]))
-    document["start"][name] = str(
-        Fraction(document["start"][name]) + Fraction(rng.choice([-1, 1]), 10 ** rng.randint(1, 12))
-    )
 
 
 def change_end(rng: random.Random, document: Document) -> None:
     document["t_end"] = str(Fraction(document["t_end"]) * Fraction(rng.randint(5, 20), 10))
 
 
-def change_first_mode(rng: random.Random, document: Document) -> None:
-    document["mode"] = rng.choice([mode for mode in MODES if mode != document["mode"]])
-
-
 CHANGES: dict[str, Change] = {
-    "digit": change_digit,
-    "any digit": change_any_digit,
-    "sign": change_sign,
-    "box moved": move_box,
-    "box wider": widen_box,
-    "box narrower": narrow_box,
-    "event dropped": drop_event,
+    "digit": digit(6),
+    "any digit": digit(40),
+    "sign": interval(lambda rng, low, high: (-high, -low)),
+    "box moved": interval(moved),
+    "box wider": interval(wider),
+    "box narrower": interval(narrower),
+    "event dropped": lambda rng, it: it["events"].pop(rng.randrange(len(it["events"]))),
     "event added": add_event,
-    "events swapped": swap_events,
-    "kind": change_kind,
-    "mode": change_mode,
-    "boundary": change_boundary,
-    "parameter": change_parameter,
-    "start": change_start,
+    "events swapped": lambda rng, it: swap(rng, it["events"]),
+    "kind": another("events", "kind", among=("cross", "stick", "slip", "graze")),
+    "source": another("events", "source", among=MODES),
+    "target": another("events", "target", among=MODES),
+    "boundary": another("events", "boundary", among=(1, 2)),
+    "parameter": number_in("parameters"),
+    "start": number_in("start"),
     "end": change_end,
-    "first mode": change_first_mode,
+    "first mode": another("mode", among=MODES),
 }

@@ -10,7 +10,7 @@ from functools import cache
 from itertools import pairwise
 from typing import Any
 
-from certificate_mutants import CHANGES, Change, Document, digit
+from certificate_mutants import CHANGES, EVENT, Change, Document, another, another_digit
 from mpmath import mp
 
 from symosc import ConvergenceError, Parameters, find_orbit, grazing_window
@@ -36,33 +36,32 @@ def exact_orbit(parameters: str, word: str, near: str) -> PeriodicOrbit | None:
 def orbit_is_true(document: Document, original: Document) -> bool:
     """Whether a changed certificate of an orbit states what is true; `original` is one that does."""
     near = json.dumps([[row["t"][0], row["x"][0]] for row in original["events"][:-1]])
-    word = _rotated(original)
-    if not _cyclic(document["word"], original["word"]) or document["periods"] != original["periods"]:
+    word = rotated(original)
+    if not cyclic(document["word"], original["word"]) or document["periods"] != original["periods"]:
         return False
     orbit = exact_orbit(json.dumps(document["parameters"]), word, near)
     rows, firsts = document["events"], original["events"]
-    names = ("kind", "boundary", "source", "target")
-    if orbit is None or [[row[n] for n in names] for row in rows] != [[row[n] for n in names] for row in firsts]:
+    if orbit is None or [[row[n] for n in EVENT] for row in rows] != [[row[n] for n in EVENT] for row in firsts]:
         return False
     points = [(point.t, point.x) for point in orbit.points]
     points.append((points[0][0] + orbit.period, points[0][1]))
     shift = round(float((points[0][0] - mp.mpf(firsts[0]["t"][0])) / orbit.period)) * orbit.period
     for (t, x), row in zip(points, rows, strict=True):
-        if not (_within(t - shift, row["t"]) and _within(x, row["x"])):
+        if not (within(t - shift, row["t"]) and within(x, row["x"])):
             return False
     pairs = zip(orbit.multipliers, document["multipliers"], strict=True)
-    exact = all(_within(value.real, each["re"]) and _within(value.imag, each["im"]) for value, each in pairs)
+    exact = all(within(value.real, each["re"]) and within(value.imag, each["im"]) for value, each in pairs)
     return exact and document["stable"] is orbit.stable
 
 
-def _within(value: Any, ends: list[str]) -> bool:
+def within(value: Any, ends: list[str]) -> bool:
     low, high = (Fraction(end) for end in ends)
     return low <= Fraction(str(mp.nstr(value, DIGITS - 5, strip_zeros=False))) <= high or low == high == round(
         value, 30
     )
 
 
-def _rotated(document: Document) -> str:
+def rotated(document: Document) -> str:
     """Return the word begun at the first event of a file."""
     maps = {(1, "belt1", 1): 1, (1, "Omega1", 1): 2, (1, "Omega2", 1): 3, (2, "belt2", 2): 4, (2, "Omega2", 2): 5}
     maps |= {(2, "Omega3", 2): 6, (2, "Omega2", 1): 7, (1, "Omega2", 2): 8}
@@ -71,7 +70,7 @@ def _rotated(document: Document) -> str:
     return "P" + "".join(map(str, reversed(labels)))
 
 
-def _cyclic(word: str, other: str) -> bool:
+def cyclic(word: str, other: str) -> bool:
     return len(word) == len(other) and word[:1] == "P" and word[1:] in other[1:] * 2
 
 
@@ -85,14 +84,6 @@ def change_word_length(rng: random.Random, document: Document) -> None:
     document["word"] = document["word"][:-1] if rng.random() < 0.5 else document["word"] + document["word"][1:]
 
 
-def change_periods(rng: random.Random, document: Document) -> None:
-    document["periods"] = rng.randint(2, 5)
-
-
-def change_stable(rng: random.Random, document: Document) -> None:
-    document["stable"] = not document["stable"]
-
-
 def change_multiplier(rng: random.Random, document: Document) -> None:
     row = rng.choice(document["multipliers"])
     name = rng.choice(["re", "im"])
@@ -101,50 +92,32 @@ def change_multiplier(rng: random.Random, document: Document) -> None:
     row[name] = [str(low + step), str(high + step)]
 
 
-def swap_multipliers(rng: random.Random, document: Document) -> None:
-    document["multipliers"].reverse()
-
-
 def move_all(rng: random.Random, document: Document) -> None:
     step = Fraction(rng.choice([-1, 1]), 10 ** rng.randint(1, 22))
     for row in document["events"]:
         row["x"] = [str(Fraction(end) + step) for end in row["x"]]
 
 
-def close_later(rng: random.Random, document: Document) -> None:
-    rows = document["events"]
-    rows.append(copy.deepcopy(rows[1]))
-
-
-ORBIT_CHANGES: dict[str, Change] = {name: change for name, change in CHANGES.items() if name not in OTHERS} | {
+#: What orbits and branches have in common.
+OF_A_WORD: dict[str, Change] = {
     "word": change_word,
     "word length": change_word_length,
-    "periods": change_periods,
-    "stable": change_stable,
-    "multiplier": change_multiplier,
-    "multipliers swapped": swap_multipliers,
-    "all moved": move_all,
-    "closes later": close_later,
+    "periods": another("periods", among=(1, 2, 3, 4, 5)),
+    "stable": lambda rng, it: it.update(stable=not it["stable"]),
 }
-
-
-def change_grazes(rng: random.Random, document: Document) -> None:
-    kinds = ("nowhere", "everywhere", "everywhere but at one phase", "on an arc")
-    document["grazes"] = rng.choice([kind for kind in kinds if kind != document["grazes"]])
-
-
-def change_map(rng: random.Random, document: Document) -> None:
-    document["map"] = rng.choice([name for name in ("P2", "P3", "P5", "P6") if name != document["map"]])
-
-
-def change_order(rng: random.Random, document: Document) -> None:
-    document["order"] = "paper" if document["order"] == "full" else "full"
+ORBIT_CHANGES = {name: change for name, change in CHANGES.items() if name not in OTHERS} | OF_A_WORD
+ORBIT_CHANGES |= {
+    "multiplier": change_multiplier,
+    "multipliers swapped": lambda rng, it: it["multipliers"].reverse(),
+    "all moved": move_all,
+    "closes later": lambda rng, it: it["events"].append(copy.deepcopy(it["events"][1])),
+}
 
 
 def change_phase(rng: random.Random, document: Document) -> None:
     for end in document["ends"][-1:]:
         i = rng.randrange(2)
-        end["phase"][i] = digit(end["phase"][i], rng)
+        end["phase"][i] = another_digit(end["phase"][i], rng)
 
 
 def change_sine(rng: random.Random, document: Document) -> None:
@@ -157,23 +130,15 @@ def change_cosine(rng: random.Random, document: Document) -> None:
         end["cosine"] = rng.choice([each for each in (-1, 0, 1) if each != end["cosine"]])
 
 
-def swap_ends(rng: random.Random, document: Document) -> None:
-    document["ends"].reverse()
-
-
-def drop_end(rng: random.Random, document: Document) -> None:
-    document["ends"] = document["ends"][1:]
-
-
 WINDOW_CHANGES: dict[str, Change] = {
-    "grazes": change_grazes,
-    "map": change_map,
-    "order": change_order,
+    "grazes": another("grazes", among=("nowhere", "everywhere", "everywhere but at one phase", "on an arc")),
+    "map": another("map", among=("P2", "P3", "P5", "P6")),
+    "order": another("order", among=("full", "paper")),
     "phase": change_phase,
     "sine": change_sine,
     "cosine": change_cosine,
-    "ends swapped": swap_ends,
-    "end dropped": drop_end,
+    "ends swapped": lambda rng, it: it["ends"].reverse(),
+    "end dropped": lambda rng, it: it.update(ends=it["ends"][1:]),
     "parameter": CHANGES["parameter"],
 }
 

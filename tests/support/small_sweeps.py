@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from symosc import load_scene
 from symosc.sweeps.output import dataset_of
-from symosc.sweeps.plan import read_grid, read_plan
+from symosc.sweeps.plan import read_plan
 
 #: 24 motions of two periods each.
 SCENE, OVER = "fig9", {"Omega": "3:5:6", "FN": [5, 10, "12.5", 15]}
@@ -33,11 +33,10 @@ def in_small_chunks(monkeypatch: pytest.MonkeyPatch, motions: int = 4) -> None:
 
 def made_up(over: Any, *, starts: Any = None, **columns: Callable[[dict[str, np.ndarray]], Any]) -> Any:
     """Return a result whose columns are functions of what is swept; nothing is simulated."""
-    scene = load_scene(SCENE)
-    grid = read_grid(scene, over, starts)
-    cells = grid.columns(0, len(grid))
+    plan = read_plan(SCENE, over, [*columns], "60T", "40T", starts)
+    cells = plan.cells(0, len(plan))
     found = {name: np.asarray(column(cells)) for name, column in columns.items()}
-    found.setdefault("status", np.full(len(grid), "t_end"))
-    record = [f"section:{found[name].shape[1]}" if name == "section" else name for name in columns]
-    plan = read_plan(scene, grid, record, "60T", "40T")
-    return dataset_of(plan, found, {"over": over, "starts": starts})
+    found.setdefault("status", np.full(len(plan), "t_end"))
+    if "section" in found:
+        plan = replace(plan, sections=found["section"].shape[1])
+    return dataset_of(plan, found)

@@ -17,7 +17,7 @@ from symosc.paper import run
 _derive = run.derive
 
 
-def derive(subject: str) -> run.Chapter:
+def derive(subject: str) -> tuple[int, str]:
     """Return a chapter as `symosc.paper.run.derive` does."""
     checked = chapter(subject)
     with patch.object(document, "check_chapter", lambda *_: checked):

@@ -12,13 +12,7 @@ from small_sweeps import OPTIONS, OVER, identical
 
 import symosc
 from symosc import load_scene, sweep
-from symosc.sweeps.plan import (
-    SweepPlan,
-    read_axis,
-    read_duration,
-    read_grid,
-    read_plan,
-)
+from symosc.sweeps.plan import SweepPlan, read_axis, read_coordinates, read_duration, read_plan
 
 pytest.importorskip("xarray")
 FIG9 = load_scene("fig9")
@@ -28,11 +22,11 @@ FIG9 = load_scene("fig9")
 def test_cells_are_all_combinations_in_c_order(seed: int) -> None:
     rng = np.random.default_rng(seed)
     axes = {name: rng.uniform(1, 20, rng.integers(1, 6)) for name in rng.permutation(["k", "FN", "x0"])}
-    grid = read_grid(FIG9, axes)
-    assert grid.shape == tuple(map(len, axes.values()))
+    plan = planned(over=axes)
+    assert plan.sizes == {name: len(values) for name, values in axes.items()}
     mesh = np.meshgrid(*axes.values(), indexing="ij")
-    begin, end = sorted(rng.integers(0, len(grid) + 1, 2))
-    for (name, column), expected in zip(grid.columns(begin, end).items(), mesh, strict=True):
+    begin, end = sorted(rng.integers(0, len(plan) + 1, 2))
+    for (name, column), expected in zip(plan.cells(begin, end).items(), mesh, strict=True):
         assert np.array_equal(column, expected.ravel()[begin:end]), name
 
 
@@ -49,27 +43,23 @@ def test_a_table_has_a_row_for_each_set() -> None:
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame({"Omega": [3.0, 3.5, 3.0], "FN": [1 / 3, 2.0, 2.0]})
     for table in (rows, frame):
-        grid = read_grid(FIG9, table)
-        assert (grid.sizes, grid.is_table()) == ({"set": 3}, True)
-        assert grid.columns(1, 3)["Omega"].tolist() == [3.5, 3]
-        assert grid.columns(0, 1)["FN"].tolist() == [1 / 3]
+        plan = planned(over=table)
+        assert plan.sizes == {"set": 3}
+        assert plan.cells(1, 3)["Omega"].tolist() == [3.5, 3]
+        assert plan.cells(0, 1)["FN"].tolist() == [1 / 3]
 
 
 def test_several_starts_are_one_more_dimension() -> None:
-    grid = read_grid(FIG9, {"FN": [1, 2]}, [(0, 1, 2), (0, 3, 4), ("1/2", 5, 6)])
-    assert grid.sizes == {"FN": 2, "start": 3}
-    assert grid.columns(2, 5)["x0"].tolist() == [5, 1, 3]
-    assert grid.columns(2, 5)["FN"].tolist() == [1, 2, 2]
+    plan = planned(over={"FN": [1, 2]}, starts=[(0, 1, 2), (0, 3, 4), ("1/2", 5, 6)])
+    assert plan.sizes == {"FN": 2, "start": 3}
+    assert plan.cells(2, 5)["x0"].tolist() == [5, 1, 3]
+    assert plan.cells(2, 5)["FN"].tolist() == [1, 2, 2]
 
 
 @pytest.mark.parametrize("value", NO_NUMBERS[:6], ids=lambda value: repr(value)[:20])
 def test_what_is_no_number(value: Any) -> None:
     refused(lambda: read_axis("FN", [1, value]), "FN")
-    refused(lambda: read_grid(FIG9, [{"FN": value}]), "FN")
-
-
-BAD_OVER: list[Any] = [None, {}, [], 5, "Omega=1:6:5", {"omega": [1]}, {"t_end": [1]}, [{}], [{"FN": 1}, {"k": 1}]]
-BAD_OVER += [dict.fromkeys(("m", "c", "k", "FN"), "1:2:2"), dict.fromkeys(("m", "c", "k"), np.arange(1.0, 2000.0))]
+    refused(lambda: read_coordinates(FIG9, [{"FN": value}]), "FN")
 
 
 @pytest.mark.parametrize(
@@ -86,19 +76,21 @@ BAD_OVER += [dict.fromkeys(("m", "c", "k", "FN"), "1:2:2"), dict.fromkeys(("m", 
     ],
 )
 def test_values_that_the_model_does_not_allow_are_found_before_the_work(over: Any, name: str) -> None:
-    refused(lambda: read_grid(FIG9, over), name)
+    refused(lambda: read_coordinates(FIG9, over), name)
 
 
 @pytest.mark.parametrize("starts", [5, [], [1, 2], [(1, 2)], [[(1, 2, 3)]], "abc", [(1, 2), (3,)]])
 def test_what_are_no_starts(starts: Any) -> None:
-    refused(lambda: read_grid(FIG9, {"FN": [1]}, starts), "starts")
-    refused(lambda: read_grid(FIG9, {"x0": [1]}, [(0, 0, 0), (0, 0, 1)]), "starts")
-    assert len(read_grid(FIG9, [{"v1": 0, "v2": 1}, {"v1": 3, "v2": 4}])) == 2  # rows are judged one by one
+    refused(lambda: read_coordinates(FIG9, {"FN": [1]}, starts), "starts")
+    refused(lambda: read_coordinates(FIG9, {"x0": [1]}, [(0, 0, 0), (0, 0, 1)]), "starts")
+    rows = [{"v1": 0, "v2": 1}, {"v1": 3, "v2": 4}]  # they are judged one by one
+    assert read_coordinates(FIG9, rows)["v1"].values.tolist() == [0, 3]
 
 
 def planned(scene: Any = FIG9, over: Any = None, **options: Any) -> SweepPlan:
-    grid = read_grid(scene, over or {"FN": [1, 2], "Omega": "3:4:3"}, options.pop("starts", None))
-    return read_plan(scene, grid, *({"record": "word", "t_end": "9T", "skip": 0} | options).values())
+    given = {"record": "word", "t_end": "9T", "skip": 0, "starts": None} | options
+    over = {"FN": [1, 2], "Omega": "3:4:3"} if over is None else over
+    return read_plan(scene, over, *given.values())
 
 
 @pytest.mark.parametrize(

@@ -20,8 +20,6 @@ from symosc.symbolic import solution as s
 CASES = pytest.mark.parametrize(
     ("regime", "seed"), [(regime, seed) for regime in s.REGIMES.values() for seed in range(2)], ids=str
 )
-
-
 NAMES = [node.name for node in ast.parse(codegen.PATH.read_text()).body if isinstance(node, ast.FunctionDef)]
 KERNELS = pytest.mark.parametrize("name", NAMES)
 
@@ -134,7 +132,7 @@ def test_force_on_a_belt_agrees_with_the_equation_of_motion(regime: s.Regime, se
 
 
 @pytest.mark.quick(3)
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(14))
 def test_double_precision_is_close_to_sixty_digits(seed: int) -> None:
     regimes = list(s.REGIMES.values())
     case = Case(regimes[seed % len(regimes)], seed)
@@ -150,15 +148,15 @@ def test_double_precision_is_close_to_sixty_digits(seed: int) -> None:
         assert abs(value - truth) < 5 * 2.0**-53 * size
 
 
-@pytest.mark.full(3)
-@pytest.mark.quick(3)
+@pytest.mark.full(2)
+@pytest.mark.quick(1)
 @KERNELS
 def test_same_results_on_every_kind_of_number(name: str) -> None:
     numba = pytest.importorskip("numba")
     kernel, rng = getattr(kernels, name), np.random.default_rng(5)
     compiled = numba.njit(kernel)
     count = len(inspect.signature(kernel).parameters)
-    samples = rng.uniform(0.5, 2.0, (50, count))
+    samples = rng.uniform(0.5, 2.0, (20, count))
     on_arrays = np.atleast_2d(np.asarray(kernel(*samples.T)))
     for i, sample in enumerate(samples.tolist()):
         on_floats = np.atleast_1d(kernel(*sample))
@@ -168,11 +166,3 @@ def test_same_results_on_every_kind_of_number(name: str) -> None:
         for on_mpf, on_float in zip(exact if isinstance(exact, tuple) else [exact], on_floats, strict=True):
             assert isinstance(on_mpf, mpmath.mpf)
             assert math.isclose(float(on_mpf), on_float, rel_tol=1e-13, abs_tol=1e-13)
-
-
-# --- the printer ---
-
-a, b, c, d = sp.symbols("a b c d")
-
-
-# --- writing ---

@@ -53,7 +53,7 @@ def test_transition_is_the_free_motion() -> None:
 @pytest.mark.slow
 def test_half_a_period_takes_the_highest_point_to_the_lowest() -> None:
     """With the steady part that symmetry gives, the motion from (x_0, 0) ends at (-x_0, 0)."""
-    for c, w, turn in random_systems(12, 2):
+    for c, w, turn in random_systems(6, 2):
         half = mp.pi / turn
         letters = as_floats(basis(c, w, half) | {Omega: turn})
         G, H = (value(part, letters) for part in coulomb.half_period())
@@ -102,6 +102,7 @@ def test_ratio_is_that_of_the_accelerations_in_the_equation_of_motion() -> None:
         assert abs(value(coulomb.ratio(), as_floats(letters)) - expected) < 1e-22
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("which", [0, 1])
 def test_den_hartogs_form_is_the_derived_one(which: int) -> None:
     derived = coulomb.closed(coulomb.half_period()[which], solution.REGIMES["underdamped"])

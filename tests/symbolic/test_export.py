@@ -27,14 +27,8 @@ from symosc.words import WordError, read_word
 
 #: Every map, in order of time P2, P1, P3, P2, P8, P6, P4, P5, P6, P7.
 ALL = "P7654682312"
-
-
 COMPILER = ["cc", "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O2", "-fPIC", "-shared"]
-
-
 Evaluate = Callable[[list[float], Parameters], tuple[Any, Any]]
-
-
 REGIMES = {
     "underdamped": load_scene("fig9").parameters,
     "far too weak a spring": load_scene("fig9").parameters.replace(k="0.01", c="0.001"),
@@ -308,6 +302,7 @@ def printed(text: str) -> np.ndarray:
     return np.array([float(number) for number in re.findall(r"(?<![\w.])-?\d+\.?\d*(?:e[+-]?\d+)?", text)])
 
 
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("fix", [None, REGIMES["overdamped"]], ids=["parameters given", "parameters fixed"])
 @pytest.mark.parametrize("language", ["c", "python", "numpy", "julia"])
 def test_the_caller_of_a_source_runs(language: str, fix: Parameters | None, tmp_path: Path) -> None:

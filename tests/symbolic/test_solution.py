@@ -10,29 +10,6 @@ from symosc.symbolic import solution as s
 REGIMES = pytest.mark.parametrize("regime", s.REGIMES.values(), ids=lambda regime: regime.name)
 
 
-JOINS = pytest.mark.parametrize("join", s.JOINS, ids=lambda join: f"{join.source} to {join.target}")
-
-
-def left_over(residuals: dict) -> dict:
-    """The residuals that are not sympy's 0."""
-    return {name: residual for name, residual in residuals.items() if residual is not sp.S.Zero}
-
-
-@pytest.mark.slow
-def test_the_flow_solves_the_equation_of_motion_in_general() -> None:
-    residuals = s.prove()
-    assert {"equation of motion", "x at t_i", "v at t_i", "a at t_i"} < residuals.keys()
-    assert left_over(residuals) == {}
-
-
-@pytest.mark.quick(1)
-@REGIMES
-def test_the_closed_forms_solve_the_equation_of_motion(regime: s.Regime) -> None:
-    residuals = s.prove(regime)
-    assert {"equation of motion", "x at t_i", "v at t_i", *(f"{f}'" for f in s.BASIS)} < residuals.keys()
-    assert left_over(residuals) == {}
-
-
 def test_friction_enters_only_through_the_acceleration_at_the_start() -> None:
     for expr in s.flow():
         assert not expr.has(s.A_m)
@@ -60,15 +37,6 @@ def test_every_parameter_set_belongs_to_one_regime() -> None:
             assert len(names) == 1, (c, k, names)
             seen.update(names)
     assert seen == set(s.REGIMES)
-
-
-@pytest.mark.full(2)
-@pytest.mark.slow
-@JOINS
-def test_regimes_join_continuously(join: s.Join) -> None:
-    gaps = s.gaps(join)
-    assert set(gaps) == {s.cm, s.w0sq, *s.BASIS}
-    assert left_over(gaps) == {}
 
 
 @pytest.mark.full(3)

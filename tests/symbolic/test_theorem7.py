@@ -16,26 +16,12 @@ from symosc.errors import ParameterError
 from symosc.symbolic.theorem7 import CIRCLE, sign_of
 
 MAPS = ("P2", "P3", "P5", "P6")
-
-
 gamma, a = sp.symbols("gamma a", real=True)
-
-
 CUT = asin(Rational(3, 5))  # Theta_cr of |gamma| = 3, amplitude 5
-
-
 UPPER = Interval.open(0, pi)
-
-
 LOWER = Interval.open(pi, 2 * pi)
-
-
 NO_TOP = Interval.Ropen(0, pi / 2) + Interval.open(pi / 2, 2 * pi)
-
-
 NO_BOTTOM = Interval.Ropen(0, 3 * pi / 2) + Interval.open(3 * pi / 2, 2 * pi)
-
-
 # Written down from the paper by hand, gamma and B0 Omega/m in front: (55) and (57), (56) and (58).
 FROM_BELOW = {
     "1": (3, 5, Interval.Ropen(0, pi + CUT) + Interval.open(2 * pi - CUT, 2 * pi)),
@@ -45,8 +31,6 @@ FROM_BELOW = {
     "5": (-3, 5, Interval.open(CUT, pi - CUT)),
     "6": (-7, 5, S.EmptySet),
 }
-
-
 FROM_ABOVE = {
     "1": (3, 5, Interval.open(pi + CUT, 2 * pi - CUT)),
     "2": (7, 5, S.EmptySet),
@@ -55,17 +39,9 @@ FROM_ABOVE = {
     "5": (-5, 5, NO_TOP),
     "6": (-7, 5, CIRCLE),
 }
-
-
 PRINTED = {"P2": FROM_BELOW, "P3": FROM_ABOVE, "P5": FROM_BELOW, "P6": FROM_ABOVE}
-
-
 EQUATION = {"P2": 55, "P3": 56, "P5": 57, "P6": 58}
-
-
 ALL_PRINTED = [(mapping, number) for mapping in MAPS for number in PRINTED[mapping]]
-
-
 # The paper's theorem lacks these.
 LACKING = [
     ("P2", "(55.a)", -5, 5, S.EmptySet),
@@ -227,13 +203,3 @@ def test_what_is_no_real_number(bad: Any) -> None:
 def _label(mapping: str, level: int, amplitude: int) -> str:
     cases = theorem7(mapping, gamma, a)
     return next(case.label for case in cases if case.condition.subs({gamma: level, a: amplitude}) == sp.true)
-
-
-GAMMA, A = sp.symbols("gamma a", real=True)
-
-
-#: Values of gamma and a in each cell of their plane.
-POINTS = [{GAMMA: g, A: a} for g in range(-3, 4) for a in range(-3, 4)]
-
-
-POINTS += [{GAMMA: sp.Rational(g, 2), A: a} for g in (-1, 1) for a in (-2, 2)]

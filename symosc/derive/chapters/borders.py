@@ -15,7 +15,7 @@ from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, FN, A, Omega, c, k, m, t, theta
 
 TITLE = "Borders between words"
-RATE, CURVE = named(r"\dot{F}^{(\alpha)}"), named(r"\ddot{F}^{(\alpha)}")
+RATE = named(r"\dot{F}^{(\alpha)}")
 NAMES = ("grazing-sliding", "crossing-sliding", "switching-sliding", "adding-sliding")
 
 
@@ -31,7 +31,6 @@ def items(scope: Scope) -> Items:
     still = {touched: sp.solve(rate.subs(sp.sin(theta), touched), touched)[0]}
     found = sp.solve(on_belt, solution.x_i)[0].subs(theta, named(r"\theta_m"))
     # The letters of a belt with friction.
-    rubs = 2 * sp.Symbol(r"\mu_\lambda", positive=True) * sp.Symbol("F_N", positive=True) / m
     yield (
         r"\subsection{What a border is}",
         r"\begin{definition}[border]\label{thm:borders-border} A periodic motion with the period of the drive, one "
@@ -49,7 +48,7 @@ def items(scope: Scope) -> Items:
         equation(F(UPPER), jump, {F(UPPER): F(LOWER) + jump, F(LOWER): 0}, "other"),
         r"and if $F^{(\lambda+1)} = 0$ then",
         equation(F(LOWER), -jump, {F(LOWER): F(UPPER) - jump, F(UPPER): 0}),
-        step(rubs, ">", 0, Sign()),
+        step(2 * sp.Symbol(r"\mu_\lambda", positive=True) * sp.Symbol("F_N", positive=True) / m, ">", 0, Sign()),
         r"so the acceleration of the other side always pushes towards the belt. Along the flow of $\Omega_\alpha$ and "
         r"along the belt $F^{(\alpha)}$ has the same rate there,",
         equation(G(1), RATE - c * F(r"\alpha") / m, same, "rate"),
@@ -86,7 +85,32 @@ def items(scope: Scope) -> Items:
         r"so the mass turns when the drive is largest in size. For $c = 0$ these points are known in closed form "
         r"(Proposition~\ref{thm:literature-points}).",
     )
-    yield _atlas()
+    yield (
+        r"\subsection{Why an atlas is complete}",
+        r"An \emph{atlas} is a connected region of a plane of two parameters with its borders drawn and a word named "
+        r"in each part between them.",
+        r"\begin{theorem}[atlas]\label{thm:borders-atlas} Let $c > 0$ and $k > 0$ in the region, and let no belt at "
+        r"rest have $|B_0| \le \mu_\lambda F_N$ there.\begin{enumerate}\item[(i)] For each point there is one periodic "
+        r"motion, it attracts all others, and it depends continuously on the parameters, across borders "
+        r"too.\item[(ii)] Between the borders the word is constant: one motion per part decides it, wherever it "
+        r"starts. The atlas is complete if all borders are drawn.\item[(iii)] Where a periodic motion of a word is "
+        r"proven to be regular for all parameters of a box, the box meets no border, and the word is that of the "
+        r"motion that settles at each of its points.\end{enumerate}\end{theorem}",
+        r"\begin{proof} (i) Existence, uniqueness and attraction are Theorem~\ref{thm:orbits-unique}. Let parameters "
+        r"$p_n$ tend to $p$, with the periodic motions $x_n$. These are bounded together with their first two "
+        r"derivatives, uniformly in $n$, because the ball in the proof of that theorem depends continuously on the "
+        r"parameters. So a part of them converges with the velocities, to a motion of $p$ since the right side of "
+        r"\eqref{eq:motion-newton} is closed and convex. The limit is periodic, hence the only periodic motion of $p$, "
+        r"and as every part has a part with this limit all $x_n$ tend to it. (ii) If the motion of $p$ is regular, "
+        r"each event is a simple zero of a smooth function of the state before it, and all other inequalities are "
+        r"strict. By the implicit function theorem motions that start nearby, with nearby parameters, have the same "
+        r"events over a period, and by (i) the periodic one does start nearby. So the word is constant near $p$, and "
+        r"on each connected part without borders. (iii) By Theorem~\ref{thm:orbits-unique} the proven motion is the "
+        r"one that attracts.\end{proof}",
+        r"What is left to chance is a border that nobody has met, such as a small closed curve inside a part. Boxes "
+        r"that are proven by (iii) exclude it; what they do not cover has to be given as an area. For $c = 0$ the "
+        r"theorem does not hold: several motions may exist (Proposition~\ref{thm:literature-continuum}).",
+    )
 
 
 def _names_table() -> Table:
@@ -140,34 +164,4 @@ def _examples_table() -> Table:
         tuple(rows),
         tuple(signs),
         columns="lllrlr",
-    )
-
-
-def _atlas() -> Items:
-    """Return the theorem on atlases."""
-    return (
-        r"\subsection{Why an atlas is complete}",
-        r"An \emph{atlas} is a connected region of a plane of two parameters with its borders drawn and a word named "
-        r"in each part between them.",
-        r"\begin{theorem}[atlas]\label{thm:borders-atlas} Let $c > 0$ and $k > 0$ in the region, and let no belt at "
-        r"rest have $|B_0| \le \mu_\lambda F_N$ there.\begin{enumerate}\item[(i)] For each point there is one periodic "
-        r"motion, it attracts all others, and it depends continuously on the parameters, across borders "
-        r"too.\item[(ii)] Between the borders the word is constant: one motion per part decides it, wherever it "
-        r"starts. The atlas is complete if all borders are drawn.\item[(iii)] Where a periodic motion of a word is "
-        r"proven to be regular for all parameters of a box, the box meets no border, and the word is that of the "
-        r"motion that settles at each of its points.\end{enumerate}\end{theorem}",
-        r"\begin{proof} (i) Existence, uniqueness and attraction are Theorem~\ref{thm:orbits-unique}. Let parameters "
-        r"$p_n$ tend to $p$, with the periodic motions $x_n$. These are bounded together with their first two "
-        r"derivatives, uniformly in $n$, because the ball in the proof of that theorem depends continuously on the "
-        r"parameters. So a part of them converges with the velocities, to a motion of $p$ since the right side of "
-        r"\eqref{eq:motion-newton} is closed and convex. The limit is periodic, hence the only periodic motion of $p$, "
-        r"and as every part has a part with this limit all $x_n$ tend to it. (ii) If the motion of $p$ is regular, "
-        r"each event is a simple zero of a smooth function of the state before it, and all other inequalities are "
-        r"strict. By the implicit function theorem motions that start nearby, with nearby parameters, have the same "
-        r"events over a period, and by (i) the periodic one does start nearby. So the word is constant near $p$, and "
-        r"on each connected part without borders. (iii) By Theorem~\ref{thm:orbits-unique} the proven motion is the "
-        r"one that attracts.\end{proof}",
-        r"What is left to chance is a border that nobody has met, such as a small closed curve inside a part. Boxes "
-        r"that are proven by (iii) exclude it; what they do not cover has to be given as an area. For $c = 0$ the "
-        r"theorem does not hold: several motions may exist (Proposition~\ref{thm:literature-continuum}).",
     )

@@ -16,14 +16,13 @@ TITLE = "Certificates"
 U, W = sp.symbols("u w", positive=True)
 RATE = sp.Symbol("h", nonnegative=True)
 ONE, TWO, TRACE, DET = named(r"\rho_1"), named(r"\rho_2"), named("T"), named("D")
-SECOND, FOURTH, SINE = named(r"\ddot{g}"), named(r"g^{(4)}"), named(r"\sin\theta")
+SECOND, FOURTH = named(r"\ddot{g}"), named(r"g^{(4)}")
 
 
 def items(scope: Scope) -> Items:
     """Yield the texts and steps of the chapter."""
     x, y = sp.Symbol("x", real=True), sp.Symbol("Y", real=True)
     f = sp.Function("f")(x)
-    slope = (x - y * f).diff(x)
     yield (
         r"\subsection{What a ball proves}",
         r"A \emph{ball} is an interval of real numbers. Arithmetic with balls returns balls that contain every result "
@@ -39,7 +38,7 @@ def items(scope: Scope) -> Items:
         r"fixed point in $X$, and it lies in $K$. $K$ is inside $X$, so all matrices in $1 - Y J$ shrink the box "
         r"$X - c$ strictly, in the norm whose ball it is. So $Y$ and all matrices in $J$ are regular, fixed points of "
         r"$\Phi$ are zeros of $f$, and $\Phi$ is a contraction: by Banach's theorem there is only one.\end{proof}",
-        facts(equation(slope, 1 - y * f.diff(x), Exact(independent=False))),
+        facts(equation((x - y * f).diff(x), 1 - y * f.diff(x), Exact(independent=False))),
         r"\begin{theorem}[interval Newton]\label{thm:certificates-newton} "
         r"Let $P$ be continuously differentiable on $X = c + E$ and the ball matrix $D$ contain all its derivatives. "
         r"If all $1 - M$ with $M \in D$ are regular and the solutions $w$ of $(1 - M) w = P(c) - c$ lie inside $E$, "
@@ -209,7 +208,6 @@ def _straightened(wave: Any) -> Items:
     g = sp.exp(-RATE * U) * C * q
     operator = g.diff(U, 2) + 2 * RATE * g.diff(U) + (RATE**2 - kappa) * g
     letters = LG, _C, _C1, Q1, Q2, SLOPE = [named(each) for each in ("L g", "C", "C'", "q'", "q''", "s'")]
-    true = (operator, C, C.diff(U), q.diff(U), q.diff(U, 2), (S / C).diff(U))
-    meaning = dict(zip(letters, true, strict=True))
+    meaning = dict(zip(letters, (operator, C, C.diff(U), q.diff(U), q.diff(U, 2), (S / C).diff(U)), strict=True))
     check = Exact(meaning, lambda rest: sp.simplify(sp.expand(rest)), independent=False)
     return (equation(LG, sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check), equation(SLOPE, 1 / _C**2, check))

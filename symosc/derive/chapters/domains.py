@@ -73,7 +73,6 @@ def items(scope: Scope) -> Items:
     flow = solution.flow()
     force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
     position, velocity, acceleration = named(r"x(\tau)"), named(r"\dot{x}(\tau)"), named(r"\ddot{x}(\tau)")
-    start = named(r"\ddot{x}_i")
     newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - a_i, a_i)[0]
     by_v, by_a = ({name: solution.time_derivative(expr)} for name, expr in ((velocity, flow.x), (acceleration, flow.v)))
     yield (
@@ -85,7 +84,7 @@ def items(scope: Scope) -> Items:
         equation(velocity, flow.v, Exact(by_v, solution.use_relations, independent=False), "v"),
         equation(acceleration, flow.a, Exact(by_a, solution.use_relations, independent=False), "a"),
         r"where the acceleration at the start is",
-        equation(start, solution.acceleration(x_i, v_i, theta_i), newton, "start"),
+        equation(named(r"\ddot{x}_i"), solution.acceleration(x_i, v_i, theta_i), newton, "start"),
         r"This holds in every regime of damping and at resonance.\end{theorem}",
         r"\begin{proof} $L x = (A_\alpha + B_0\cos\theta)/m$ by \eqref{eq:motion-domain}. Variation of constants gives "
         r"$x$ as a combination of $E_0$, $E_1$, $E_2$, $R_2$ and $I_2$. Then $A_\alpha$ is eliminated in favour of "
@@ -118,15 +117,13 @@ def items(scope: Scope) -> Items:
             [basis_function(symbol, regime, label=f"scene-{symbol.name}") for symbol in BASIS],
         )
         return
-    rows = []
-    for regime in scope.regimes:
+
+    def roots(regime: solution.Regime) -> str:
         centre = latex(regime.centre) if regime.centre != 0 else ""
-        roots = rf"${centre} \pm {latex(regime.offset)}$" if regime.offset != 0 else f"${centre or 0}$, double"
-        cells = basis_function(E1, regime), basis_function(E0, regime)
-        rows.append((*REGIME_WORDS[regime.name], roots, *cells))
+        return rf"${centre} \pm {latex(regime.offset)}$" if regime.offset != 0 else f"${centre or 0}$, double"
+
     values = {name: value for regime in scope.regimes for name, value in regime.letters.items()}
-    letters = solution.h, omega_d, eta, omega_0
-    regimes = solution.REGIMES
+    regimes, letters = solution.REGIMES, (solution.h, omega_d, eta, omega_0)
     yield (
         r"\subsection{The regimes of damping}",
         r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With the letters",
@@ -138,7 +135,7 @@ def items(scope: Scope) -> Items:
             r"The regimes of damping: the roots of $m z^2 + c z + k$, and the two functions that the others follow "
             r"from.",
             ("regime", "condition", "roots", "$E_1$", "$E_0$"),
-            tuple(rows),
+            tuple((*REGIME_WORDS[r.name], roots(r), *(basis_function(f, r) for f in (E1, E0))) for r in scope.regimes),
         ),
         r"Three functions are left over, where the corollary divides by 0. Without a spring,",
         basis_function(E2, regimes["no spring"], note="for $c > 0$,", label="no-spring-E2"),
@@ -300,8 +297,7 @@ def _one_exponential(v: Any, mode: Any) -> Any:
 def constants(form: PaperForm) -> list[Step]:
     """Return the constants of a form, checked to fit the start or the drive."""
     start = {tau: sp.Integer(0)}
-    wanted = (form.x.subs(start) - x_i, form.x.diff(tau).subs(start) - v_i)
-    fitted = sp.solve(wanted, [C1, C2], dict=True)[0]
+    fitted = sp.solve((form.x.subs(start) - x_i, form.x.diff(tau).subs(start) - v_i), [C1, C2], dict=True)[0]
     steps = []
     for letter, value in form.constants.items():
         start_fits = {name: fitted[name] for name in (letter, C1) if letter in fitted}

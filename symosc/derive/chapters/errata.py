@@ -7,23 +7,11 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.motion import MU, newton
+from symosc.derive.chapters.orbits import root
 from symosc.derive.errata import SEVERITIES, read_errata
 from symosc.derive.latex import named
 from symosc.derive.scope import F, Scope
-from symosc.derive.steps import (
-    STEP_DIGITS,
-    AtRoot,
-    Close,
-    Items,
-    Sign,
-    Step,
-    StepError,
-    Table,
-    decimal,
-    equation,
-    facts,
-    step,
-)
+from symosc.derive.steps import AtRoot, Close, Items, Sign, Step, StepError, Table, decimal, equation, facts, step
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
@@ -33,21 +21,13 @@ TITLE = "Errata"
 
 
 def items(scope: Scope) -> Items:
-    """Return the texts and steps of the chapter."""
-    figure = scope.scene and scope.scene.name.partition("-")[0]
-    figures = [
-        section() for name, section in (("fig7", _figure7_errata), ("fig8", _figure8_errata)) if figure in (None, name)
-    ]
-    return _errata_list(), _flow_errata(), _exit_errata(), figures, _start_errata()
-
-
-def _errata_list() -> Items:
+    """Yield the texts and steps of the chapter."""
     errata = read_errata()
     counts = ", ".join(
         rf"{sum(each.severity == severity for each in errata)} are \emph{{{severity}}} ({meaning})"
         for severity, meaning in SEVERITIES.items()
     )
-    return (
+    yield (
         r"\subsection{The list}",
         rf"These are the {len(errata)} distinct errors and gaps of the paper, in its order and each once: {counts}. "
         r"Numbers of equations, theorems and figures in this list are the paper's, except those after \emph{See}. Its "
@@ -59,34 +39,20 @@ def _errata_list() -> Items:
             for each in errata
         ],
     )
-
-
-def _flow_errata() -> Items:
     field = solution.in_paper_letters(solution.acceleration())
     domain, boundary = (field.diff(x) * v + field.diff(v) * rate + field.diff(t) for rate in (field, 0))
     difference = named(r"D_{\mathbf{x}^{(\alpha)}}F^{(\alpha)} - D_{\mathbf{x}^{(0)}}F^{(\alpha)}")
-    meaning = {difference: domain - boundary, F(r"\alpha"): field}
-    return (
+    yield (
         r"\subsection{The derivative in (47)}",
         r"By its definition after (16), $D_{\mathbf{x}^{(0)}}$ differentiates along the boundary's flow, which has "
         r"$\dot{\mathbf{x}}^{(0)} = (v_\lambda, 0)^T$. The result that (47) gives is along the flow of the domain, "
         r"$\dot{\mathbf{x}}^{(\alpha)} = (v_\lambda, F^{(\alpha)})^T$. They differ by",
-        equation(difference, -c * F(r"\alpha") / m, meaning, "flows"),
+        equation(difference, -c * F(r"\alpha") / m, {difference: domain - boundary, F(r"\alpha"): field}, "flows"),
         r"which vanishes at a graze, so that nothing that the paper derives from it changes.",
     )
 
-
-def _first_slip(scene: str, alpha: int) -> Any:
-    """Return when the first stick ends, with 40 digits; StepError unless the mass slips into a domain."""
-    event = next(e for e in simulate(load_scene(scene), digits=40, max_events=6).events if e.kind == "slip")
-    if event.target != f"Omega{alpha}":
-        raise StepError(scene, f"the mass slips into {event.target}")
-    return event.t
-
-
-def _exit_errata() -> Items:
     def ends(scene: str, belt: int, alpha: int, words: str) -> Items:
-        numbers, other, time = Scope(load_scene(scene)).numbers, belt + 1, _first_slip(scene, alpha)
+        numbers, other, time = Scope(load_scene(scene)).numbers, belt + 1, _up_to_slip(scene, 40, f"Omega{alpha}")[-1]
         held, true = (newton(other) - newton(alpha)).subs(numbers), -2 * (MU[belt] * FN / m).subs(numbers)
         return (
             rf"({51 + belt}) lets a stick on belt {belt} end by $F^{{({other})}} = 0$ only. {words} at the time below "
@@ -96,11 +62,39 @@ def _exit_errata() -> Items:
             equation(F(other), held, true, f"{scene}-held", decimals=True),
         )
 
-    return (
+    yield (
         r"\subsection{The missing ends of sticks, (52) and (53)}",
         ends("fig5", 1, 1, "With the numbers of Fig.~5 the first one ends"),
         ends("fig6", 2, 2, "In Fig.~6 the mass leaves belt 2"),
     )
+    shown, sections = scope.scene and scope.scene.name.partition("-")[0], {"fig7": _figure7, "fig8": _figure8}
+    yield [section() for name, section in sections.items() if shown in (None, name)]
+    rows = []
+    for figure, word, printed in ((9, "P32", "0.1324, 4.5447"), (10, "P4645", "0.4588, 3.0837")):
+        parameters = load_scene(f"fig{figure}").parameters
+        place, phase = root(parameters, word)[0]
+        time = phase * parameters.Omega.denominator / parameters.Omega.numerator
+        cells = decimal("t_1", time, 10), decimal("x_1", place, 10)
+        rows.append((f"Fig.~{figure}", f"$P_{{{word[1:]}}}$", f"${printed}$", *cells))
+    yield (
+        r"\subsection{Figs.~9 and 10: the starts}",
+        Table(
+            "tab:errata-starts",
+            r"The printed starts of Figs.~9 and 10, and the switching points of the periodic motions, to which the "
+            r"motions from the printed starts tend (Theorem~\ref{thm:orbits-unique}).",
+            ("figure", "orbit", "printed $t_0$, $x_0$", "$t_1$", "$x_1$"),
+            tuple(rows),
+        ),
+    )
+
+
+def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
+    """Return the times of the events up to the first slip; StepError unless the mass slips into a domain."""
+    events = simulate(load_scene(scene), digits=digits, max_events=6).events
+    place = next(n for n, event in enumerate(events) if event.kind == "slip")
+    if events[place].target != target:
+        raise StepError(scene, f"the mass slips into {events[place].target}")
+    return [event.t for event in events[: place + 1]]
 
 
 def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any]:
@@ -113,7 +107,7 @@ def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any
     at = {solution.x_i: place, solution.v_i: speed, solution.a_i: 0, solution.tau: sp.Rational(5, 2) - time}
     at |= {solution.theta_i: (Omega * time).subs(numbers)}
     start = (expr.subs(scope.display).subs(at) for expr in (flow.x, flow.v))
-    return place, *(sp.N(each, STEP_DIGITS + 10)._to_mpmath(200) for each in start)
+    return place, *(sp.N(each, 60)._to_mpmath(200) for each in start)
 
 
 def _start(x0: Any, v0: Any, label: str) -> list[Step]:
@@ -126,7 +120,7 @@ def _prints(printed: str, value: Any) -> Step:
     return equation(named("z"), sp.Rational(printed), Close(lambda: value, 4))
 
 
-def _figure7_errata() -> Items:
+def _figure7() -> Items:
     numbers = Scope(load_scene("fig7")).numbers
     amplitude = ((B0 * Omega) ** 2 / ((k - m * Omega**2) ** 2 + c**2 * Omega**2)).subs(numbers)
     square = named(r"V_0^2")
@@ -152,9 +146,14 @@ def _figure7_errata() -> Items:
     )
 
 
-def _figure8_errata() -> Items:
+def _figure8() -> Items:
     _, x0, v0 = _graze("fig8", 2, sp.Integer(-4), sp.Rational("3.14158"))
-    short = step(named("t"), "<", sp.Rational(3, 1000), AtRoot(lambda: {named("t"): _first_stick("fig8")}))
+
+    def duration() -> dict[Any, Any]:
+        onset, end = _up_to_slip("fig8", 30, "Omega2")
+        return {named("t"): sp.Float(str(end - onset), 30)}
+
+    short = step(named("t"), "<", sp.Rational(3, 1000), AtRoot(duration))
     return (
         r"\subsection{Fig.~8: no error, but four decimals do not graze}",
         r"The starts at $t_0 = 2.5$ from which the flow grazes form a curve, with one point for each time $t_m$ of the "
@@ -163,34 +162,4 @@ def _figure8_errata() -> Items:
         r"rounds to the printed start $(5.8980, 2.2580)$, so the print is right. From the rounded numbers the velocity "
         r"goes beyond $v_1$, and the mass sticks for some milliseconds instead of grazing.",
         facts(_prints("5.898", x0), _prints("2.258", v0), short),
-    )
-
-
-def _first_stick(scene: str) -> Any:
-    """Return the duration of the first stick, with 30 digits; StepError unless the mass sticks."""
-    first, second = simulate(load_scene(scene), digits=30, max_events=2).events
-    if (first.kind, second.kind) != ("stick", "slip"):
-        raise StepError(scene, f"{first.kind}, {second.kind}")
-    return sp.Float(str(second.t - first.t), 30)
-
-
-def _start_errata() -> Items:
-    from symosc.derive.chapters.orbits import root
-
-    rows = []
-    for figure, word, printed in ((9, "P32", "0.1324, 4.5447"), (10, "P4645", "0.4588, 3.0837")):
-        parameters = load_scene(f"fig{figure}").parameters
-        place, phase = root(parameters, word)[0]
-        time = phase * parameters.Omega.denominator / parameters.Omega.numerator
-        cells = decimal("t_1", time, 10), decimal("x_1", place, 10)
-        rows.append((f"Fig.~{figure}", f"$P_{{{word[1:]}}}$", f"${printed}$", *cells))
-    return (
-        r"\subsection{Figs.~9 and 10: the starts}",
-        Table(
-            "tab:errata-starts",
-            r"The printed starts of Figs.~9 and 10, and the switching points of the periodic motions, to which the "
-            r"motions from the printed starts tend (Theorem~\ref{thm:orbits-unique}).",
-            ("figure", "orbit", "printed $t_0$, $x_0$", "$t_1$", "$x_1$"),
-            tuple(rows),
-        ),
     )

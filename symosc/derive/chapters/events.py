@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import sympy as sp
 
 from symosc.derive.chapters.domains import DELTA, NORMS
@@ -41,12 +39,12 @@ def items(scope: Scope) -> Items:
     )
     phi, q = sp.Function("phi")(tau), sp.Function("q")(tau)
     g = phi * q
-    operator = g.diff(tau, 2) + cm * g.diff(tau) + w0sq * g
-    true = operator.subs(phi.diff(tau, 2), -cm * phi.diff(tau) - w0sq * phi)
+    true = (g.diff(tau, 2) + cm * g.diff(tau) + w0sq * g).subs(phi.diff(tau, 2), -cm * phi.diff(tau) - w0sq * phi)
     letter, rate, slope, curve = named(r"\varphi"), named(r"\dot{\varphi}"), named(r"\dot{q}"), named(r"\ddot{q}")
     inner = (phi**2 * sp.exp(cm * tau) * q.diff(tau)).diff(tau) * sp.exp(-cm * tau) / phi
     names = {letter: phi, rate: phi.diff(tau), slope: q.diff(tau), curve: q.diff(tau, 2)}
-    unforced = tuple(equation(_operator(regime), 0, Exact(tidy=modes)) for regime in solution.REGIMES.values())
+    closed = ((r.basis()[solution.E1], r.parameters()) for r in solution.REGIMES.values())
+    applied = (y.diff(tau, 2) + at[cm] * y.diff(tau) + at[w0sq] * y for y, at in closed)
     factored = Exact({LG: true} | names, independent=False)
     yield (
         r"\subsection{At most two zeros between critical phases}",
@@ -57,7 +55,7 @@ def items(scope: Scope) -> Items:
         r"\begin{proof} The interval lies in one on which a solution $\varphi > 0$ of $L\varphi = 0$ exists: $E_1$ of "
         r"Table~\ref{tab:domains-regimes}, started shortly before the interval, is positive for "
         r"$0 < \tau < \pi/\omega_d$, or for all $\tau > 0$.",
-        facts(*unforced),
+        facts(*(equation(remains, 0, Exact(tidy=modes)) for remains in applied)),
         r"With $q = g/\varphi$",
         equation(LG, letter * curve + (2 * rate + cm * letter) * slope, factored, "factor"),
         r"which is P\'olya's factorisation \cite{polya1922} "
@@ -107,14 +105,13 @@ def items(scope: Scope) -> Items:
     drive = LETTER_A * Omega**3 * sp.cos(theta)
     pushed = (z.diff(tau) ** 2 + w0sq * z**2).diff(tau)
     pushed = pushed.subs(z.diff(tau, 2), drive - cm * z.diff(tau) - w0sq * z).subs(z.diff(tau), w_rate).subs(z, w)
-    source = -(LETTER_A * sp.sin(Omega * t)).diff(t, 3)
     yield (
         r"\begin{theorem}[a bound for a while]\label{thm:events-while} "
         r"In every regime, resonance included, $|g^{(4)}| \le C_4 = \sqrt{\dot{w}^2 + (k/m) w^2} + |a|\,\Omega^2$ for "
         r"the next $1/\Omega$ of time, with $w = g^{(3)} = G^{(2,\alpha)}$ and $\dot{w} = G^{(3,\alpha)}$ taken "
         r"now.\end{theorem}",
         r"\begin{proof} The third derivative of \eqref{eq:events-gap} is",
-        equation(named("L w"), drive, source.subs(Omega * t, theta), "Lw"),
+        equation(named("L w"), drive, -(LETTER_A * sp.sin(Omega * t)).diff(t, 3).subs(Omega * t, theta), "Lw"),
         r"so that",
         equation(second, 2 * w_rate * (drive - cm * w_rate), pushed, "pushed"),
         r"which is at most $2|a|\Omega^3\,|\dot{w}|$, and the root of $\dot{w}^2 + (k/m)w^2$ grows at most at the rate "
@@ -155,9 +152,3 @@ def items(scope: Scope) -> Items:
         r"last digit only, and decisions leave margins for that, which are named in \texttt{symosc.engine}; that they "
         r"are wide enough in double precision was measured, not proven.",
     )
-
-
-def _operator(regime: solution.Regime) -> Any:
-    """Return L E_1 in a regime, with the closed form put in."""
-    parameters, phi = regime.parameters(), regime.basis()[solution.E1]
-    return phi.diff(tau, 2) + parameters[cm] * phi.diff(tau) + parameters[w0sq] * phi

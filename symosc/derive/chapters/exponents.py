@@ -7,18 +7,17 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.chapters.jacobians import AFTER, BEFORE
-from symosc.derive.chapters.orbits import FUNCTIONS
+from symosc.derive.chapters.jacobians import AFTER, BEFORE, force_at_belt
 from symosc.derive.latex import named
+from symosc.derive.published import Flight
 from symosc.derive.scope import Scope, v_lambda
 from symosc.derive.steps import CONTEXT, Close, Exact, Items, Sign, Table, decimal, equation, facts, number, step
-from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.sensitivities import sensitivities
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
-from symosc.symbolic.solution import E0, E1, E2, c, cm, k, m, tau, w0sq
+from symosc.symbolic.solution import c, k, m
 
 TITLE = "Derivatives of motions, exponents, and no chaos"
 #: Derivatives by q: of an event's time and position, of the belt's speed; at a fixed time, before and after the event.
@@ -43,10 +42,8 @@ def items(scope: Scope) -> Items:
 
     reached = sp.solve(along(near_v) - V_Q, T_Q)[0]
     moved = {T_Q: reached, X_Q: along(near_x).subs(speed, v_lambda)}
-    passed = {DV_PLUS: V_Q - AFTER * T_Q, T_Q: reached}
     ratio, stuck = AFTER / BEFORE, {DV_PLUS: V_Q}
-    held = F_Q - k / m * DX - c / m * V_Q + RATE * T_Q
-    released = sp.solve(held, T_Q)[0]
+    released = sp.solve(F_Q - k / m * DX - c / m * V_Q + RATE * T_Q, T_Q)[0]
     yield (
         r"\subsection{Derivatives of events}",
         r"Let $q$ be a parameter, or $t_0$, $x_0$ or $\dot{x}_0$. The index $q$ marks the derivative of what belongs "
@@ -61,7 +58,7 @@ def items(scope: Scope) -> Items:
         equation(T_Q, (V_Q - DV) / BEFORE, moved, "contact"),
         equation(X_Q, DX + v_lambda * T_Q, moved, "place"),
         r"If the flight goes on with the acceleration $F^{+}$ on the other side, then behind the contact",
-        equation(DV_PLUS, ratio * DV + (1 - ratio) * V_Q, passed, "crossing"),
+        equation(DV_PLUS, ratio * DV + (1 - ratio) * V_Q, {DV_PLUS: V_Q - AFTER * T_Q, T_Q: reached}, "crossing"),
         r"and if the mass sticks,",
         equation(DV_PLUS, V_Q, stuck, "onset"),
         r"A stick that ends where $F^{(\alpha)} = 0$ with the rate $\dot{F} \ne 0$ of \eqref{eq:sticks-rate} ends at a "
@@ -82,16 +79,10 @@ def items(scope: Scope) -> Items:
         r"or later.",
         _events_table(),
     )
-    yield _kinks(), _exponents(), _no_chaos()
-
-
-def _kinks() -> Items:
-    """Return the section on events whose derivatives do not exist, and on how lengths grow there."""
     s, total = named("s"), named(r"\int_{-s}^{2s} F")
     e, b = sp.Symbol(r"\epsilon", positive=True), sp.Symbol("b", positive=True)
     bump, half = e - b * s**2 / 2, sp.sqrt(2 * e / b)
-    area = {total: sp.integrate(bump, (s, -half, 2 * half))}
-    return (
+    yield (
         r"\subsection{Where they end}",
         r"The theorem divides by $F^{-}$ or $\dot{F}$. Where one of them vanishes, and where $F^{+} = 0$ at a contact, "
         r"another event is born, and the derivatives differ on the two sides. Let $\epsilon > 0$ be how far $q$ has "
@@ -105,23 +96,18 @@ def _kinks() -> Items:
         equation(s, 2 * e / b, {s: sp.solve(e - b * s / 2, s)[0]}, "slip-short"),
         r"\item[(iv)] a stick during which $F = \epsilon - b s^2/2$ is interrupted from $-s$ to $2s$, with the $s$ of "
         r"\eqref{eq:exponents-graze}:",
-        equation(total, 0, area, "interrupted"),
+        equation(total, 0, {total: sp.integrate(bump, (s, -half, 2 * half))}, "interrupted"),
         r"\end{enumerate}",
         r"So in (i) and (iv) times grow with the square root on one side, and no derivative exists there. In (ii) and "
         r"(iii) each side has its own derivatives.",
     )
-
-
-def _exponents() -> Items:
-    """Return the theorem on Lyapunov exponents, with numbers."""
     chi = sp.Symbol(r"\chi_j", positive=True)
     change, gone = named(r"\ln\det(S_j\Phi(\tau_j))"), named(r"\ln\chi_j")
     span = named(r"\tau_j", positive=True)
     true = {change: sp.log(sp.exp(-c * span / m) * chi), gone: sp.log(chi)}
     mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
     after = sp.Symbol("F^{+}", positive=True)
-    bound = {chi: after / (after + 2 * mu * solution.FN / m)}
-    return (
+    yield (
         r"\subsection{Lyapunov exponents}",
         r"Let $M(t)$ be the product of the matrices of all pieces up to the time $t$ "
         r"(Theorem~\ref{thm:jacobians-monodromy}). The \emph{Lyapunov exponents} $\Lambda_1 \ge \Lambda_2$ of the "
@@ -131,7 +117,7 @@ def _exponents() -> Items:
         r"F^{+}/F^{-}$ at its crossings.\begin{enumerate}\item[(i)] $\Lambda_1 \le 0$.\item[(ii)] $\Lambda_2 = "
         r"-\infty$ once the mass has stuck. Without sticks a flight and its crossing contribute",
         equation(change, -c * span / m + gone, Exact(true, lambda expr: sp.expand_log(sp.expand(expr))), "area"),
-        step(chi, "<=", 1, Sign(bound), "chi"),
+        step(chi, "<=", 1, Sign({chi: after / (after + 2 * mu * solution.FN / m)}), "chi"),
         r"so that $\Lambda_1 + \Lambda_2 \le -c/m$."
         r"\item[(iii)] On a periodic motion with the multipliers $\rho_j$, $\Lambda_j = \ln|\rho_j|/\mathcal{T}$."
         r"\item[(iv)] For $c > 0$ and $k > 0$ the motion that attracts all others has $\Lambda_1 < 0$ if it has "
@@ -143,16 +129,12 @@ def _exponents() -> Items:
         r"(iii) $M(n\mathcal{T}) = M(\mathcal{T})^n$. (iv) Theorem~\ref{thm:jacobians-monodromy} (i).\end{proof}",
         _exponents_table(),
     )
-
-
-def _no_chaos() -> Items:
-    """Return the theorem that there is no chaos."""
     place, rate = named("y"), named(r"\dot{y}")
     n, count = sp.Symbol("n", integer=True, positive=True), sp.Symbol("N", positive=True)
     stiff, mass = sp.Symbol("k", positive=True), sp.Symbol("m", positive=True)
     form = sp.hessian(mass * rate**2 / 2 + stiff * place**2 / 2, (place, rate))
     entropy, horseshoe = named("h_\\epsilon"), named(r"\ln 2")
-    return (
+    yield (
         r"\subsection{There is no chaos}",
         r"\begin{theorem}[no chaos]\label{thm:exponents-chaos} Let $k > 0$ and $c \ge 0$. In the norm $\|(y, "
         r"\dot{y})\|^2 = \frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2$, the map of the states over one period of the drive "
@@ -187,23 +169,6 @@ def _no_chaos() -> Items:
 # --- numbers: the matrices above, multiplied with 50 digits, against the package ---
 
 
-def _force(p: Parameters, alpha: int, x: Any, v: Any, phase: Any) -> Any:
-    """Return F^(alpha) from the parameters alone."""
-    constant = p.A0 + {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1, 3: -p.mu1 - p.mu2}[alpha] * p.FN
-    return (number(constant) + number(p.B0) * CONTEXT.cos(phase) - number(p.k) * x - number(p.c) * v) / number(p.m)
-
-
-@cache
-def _flight(p: Parameters) -> Any:
-    """Return the function from tau to (E0, E1, E2), in numbers of 60 digits."""
-    letters = {m: p.m, c: p.c, k: p.k, cm: p.c / p.m, w0sq: p.k / p.m, solution.Omega: p.Omega}
-    exact = {letter: sp.Rational(value.numerator, value.denominator) for letter, value in letters.items()}
-    regime = next(each for each in solution.REGIMES.values() if each.condition.subs(exact) == sp.true)
-    meaning = {letter: value.subs(exact) for letter, value in regime.letters.items()} | exact
-    closed = [regime.basis()[name].subs(meaning) for name in (E0, E1, E2)]
-    return sp.lambdify(tau, closed, FUNCTIONS)
-
-
 @cache
 def products(scene: str, by_friction: bool) -> list[Any]:
     """Return the derivatives t_q of the first events' times by q = mu_1 or x_0, by the theorem on events."""
@@ -214,21 +179,17 @@ def products(scene: str, by_friction: bool) -> list[Any]:
     push = {alpha: number(sign * p.FN / p.m) * by_friction for alpha, sign in ((1, 1), (2, -1), (3, -1))}
     before, found = number(start.t0), []
     for event in path.events[:EVENTS]:
-        t, x, phase = number(event.t), number(event.x), number(p.Omega) * number(event.t)
-        belt = number(p.belt(event.boundary))
-        flies, lands = event.source.startswith("Omega"), event.target.startswith("Omega")
-        if flies:
-            alpha = int(event.source[-1])
-            e0, e1, e2 = _flight(p)(t - before)
-            dx, dv = (1 - w0 * e2) * dx + e1 * dv + e2 * push[alpha], e0 * dv - w0 * e1 * dx + e1 * push[alpha]
-            fore = _force(p, alpha, x, belt, phase)
-            t_q = -dv / fore
-            dv = dv * _force(p, int(event.target[-1]), x, belt, phase) / fore if lands else dv * 0
+        t, phase, belt = number(event.t), number(p.Omega) * number(event.t), event.boundary
+        where, source, target = (belt, number(event.x), phase), int(event.source[-1]), int(event.target[-1])
+        if event.source.startswith("Omega"):
+            e0, e1, e2 = Flight(p).basis(t - before).values()
+            dx, dv = (1 - w0 * e2) * dx + e1 * dv + e2 * push[source], e0 * dv - w0 * e1 * dx + e1 * push[source]
+            fore = force_at_belt(p, source, *where)
+            found.append(-dv * number(p.m) / fore)
+            dv = dv * force_at_belt(p, target, *where) / fore if event.target.startswith("Omega") else dv * 0
         else:
-            alpha = int(event.target[-1])
-            rate = -(number(p.k) * belt + number(p.B0 * p.Omega) * CONTEXT.sin(phase)) / number(p.m)
-            t_q = (w0 * dx - push[alpha]) / rate
-        found.append(t_q)
+            rate = -(number(p.k * p.belt(belt)) + number(p.B0 * p.Omega) * CONTEXT.sin(phase)) / number(p.m)
+            found.append((w0 * dx - push[target]) / rate)
         before = t
     return found
 
@@ -237,18 +198,17 @@ def _events_table() -> Table:
     """Return derivatives of a scene's events: those of the package, checked against the matrices."""
     exact = {q: products(SCENE, q == "mu1") for q in ("x0", "mu1")}
     ran = {q: sensitivities(SCENE, q, digits=DIGITS) for q in exact}
-    rows = []
-    for n, event in enumerate(ran["x0"].trajectory.events[:EVENTS]):
-        cells: list[Any] = [str(n + 1), event.kind]
-        for q, found in exact.items():
-            cells.append(decimal("z", ran[q].dt[n, 0], 24, Close(partial(CONTEXT.mpf, found[n]), 24)))
-        rows.append(tuple(cells))
+
+    def cell(q: str, n: int) -> Any:
+        return decimal("z", ran[q].dt[n, 0], 24, Close(partial(CONTEXT.mpf, exact[q][n]), 24))
+
+    events = enumerate(ran["x0"].trajectory.events[:EVENTS])
     return Table(
         "tab:exponents-events",
         r"The first events of the paper's Fig.~5: $t_q$ as found by \texttt{sensitivities}, to 24 decimals (half a "
         r"unit of the last one). The matrices of this section, multiplied with 50 digits, give the same.",
         ("", "", "$t_q$ for $q = x_0$", r"$t_q$ for $q = \mu_1$"),
-        tuple(rows),
+        tuple((str(n + 1), event.kind, *(cell(q, n) for q in exact)) for n, event in events),
         columns="rlrr",
     )
 
@@ -258,8 +218,8 @@ def _exponents_table() -> Table:
     p, orbit = load_scene("fig9-orbit").parameters, find_orbit("fig9-orbit", "P32", digits=DIGITS + 20)
     decay = -number(p.c / p.m)
     for (t, x), (before, after) in zip(orbit.points, ((2, 1), (1, 2)), strict=True):
-        where = number(x), number(p.v1), number(p.Omega) * number(t)
-        decay += CONTEXT.log(_force(p, after, *where) / _force(p, before, *where)) / number(orbit.period)
+        end, start = (force_at_belt(p, alpha, 1, number(x), number(p.Omega) * number(t)) for alpha in (after, before))
+        decay += CONTEXT.log(end / start) / number(orbit.period)
 
     def growth(scene: str, of: Any) -> Any:
         """Return a Lyapunov exponent as the rate at which a distance grows between two times, whole periods apart."""
@@ -271,10 +231,10 @@ def _exponents_table() -> Table:
     assert sensitivities("fig10-orbit", "x0", t_end="5T").lyapunov[1] == -CONTEXT.inf
     total, rate = growth("fig9-orbit", sum), growth("fig10-orbit", max)
     values = ((r"$\Lambda_1 + \Lambda_2$ of $P_{32}$", decay, total), (r"$\Lambda_1$ of $P_{4645}$", largest, rate))
-    rows: list[Any] = []
-    for name, exact, run in values:
-        agrees = Close(partial(CONTEXT.mpf, exact), 11)
-        rows.append((name, decimal("z", exact, 11), decimal("z", number(run), 11, agrees)))
+    rows: list[Any] = [
+        (name, decimal("z", exact, 11), decimal("z", number(run), 11, Close(partial(CONTEXT.mpf, exact), 11)))
+        for name, exact, run in values
+    ]
     rows.append((r"$\Lambda_2$ of $P_{4645}$", r"$-\infty$", r"$-\infty$"))
     return Table(
         "tab:exponents-lyapunov",

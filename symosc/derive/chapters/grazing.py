@@ -10,19 +10,7 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, G, Scope, v_lambda
-from symosc.derive.steps import (
-    Check,
-    Illustration,
-    Items,
-    Relation,
-    Step,
-    StepError,
-    StepEvidence,
-    Table,
-    equation,
-    facts,
-    step,
-)
+from symosc.derive.steps import Check, Illustration, Items, Step, StepError, StepEvidence, Table, equation, facts, step
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.scenes import load_scene
 from symosc.symbolic import solution, theorem7
@@ -41,7 +29,7 @@ CASES = (
     (sp.S.Zero, p, r"$\gamma = 0$"),
     (-p, p + q, r"$-a < \gamma < 0$"), (-p, p, r"$\gamma = -a$"), (-p - q, p, r"$\gamma < -a$"),
     (p, sp.S.Zero, r"$a = 0 < \gamma$"), (-p, sp.S.Zero, r"$\gamma < 0 = a$"),
-    (sp.S.Zero, sp.S.Zero, r"$a = \gamma = 0$"),
+    (sp.S.Zero, sp.S.Zero, r"$a = \gamma = 0$")
 )  # fmt: skip
 
 
@@ -95,7 +83,6 @@ def items(scope: Scope) -> Items:
         r"equations only the phase is free, and $\gamma$ does not vary along the family of contacts: the case of the "
         r"theorem is decided by the parameters.\end{proof}",
     )
-    turned = named(r"\sin(\theta_m + \pi)")
     yield (
         r"\subsection{The theorem}",
         r"\begin{theorem}[the paper's Theorem 7, (55) to (58), completed]\label{thm:grazing-theorem7} "
@@ -116,7 +103,7 @@ def items(scope: Scope) -> Items:
         r"$\pi - \Theta^{\mathrm{cr}} = \pi + |\Theta^{\mathrm{cr}}|$, which is how the paper writes the ends. Where "
         r"the paper writes a closed end $2\pi]$, it is the phase 0. For $a = 0$ the condition is $\sigma\gamma > 0$, "
         r"at every phase or at none. For $a < 0$, $a\sin\theta_m = (-a)\sin(\theta_m + \pi)$, by",
-        equation(turned, -sp.sin(THETA_M), sp.sin(THETA_M + sp.pi), "turned"),
+        equation(named(r"\sin(\theta_m + \pi)"), -sp.sin(THETA_M), sp.sin(THETA_M + sp.pi), "turned"),
         r"\end{proof}",
         r"That the flow comes from $\Omega_\alpha$ is no further condition: by Lemma~\ref{thm:switching-side} the "
         r"first G-function that does not vanish fixes the side before the contact too, and for odd order it is the "
@@ -208,31 +195,23 @@ def items(scope: Scope) -> Items:
     )
 
 
+@cache
 def windows_table(label: str = "tab:grazing-windows") -> Table:
-    """Return the table of Theorem 7's windows, each of them checked."""
+    """Return the table of Theorem 7's windows, each of them checked: the boundary above the domain, and below it."""
     return Table(
         label,
         r"Theorem~7: the phases $\theta_m$ at which a contact grazes to first order. The paper has neither the case "
         r"$\gamma = -a$ of $P_2$ and $P_5$ nor those with $a = 0$; in the last one the flow stays in the boundary.",
         ("", r"$P_2$, $P_5$ ($\sigma = 1$)", r"$P_3$, $P_6$ ($\sigma = -1$)"),
-        _windows(),
+        tuple((words, _window("P2", gamma, a), _window("P3", gamma, a)) for gamma, a, words in CASES),
     )
-
-
-@cache
-def _windows() -> tuple[tuple[Any, ...], ...]:
-    """Return the rows: the case in words, and its windows for the boundary above the domain and below it."""
-    return tuple((words, _window("P2", gamma, a), _window("P3", gamma, a)) for gamma, a, words in CASES)
 
 
 def _window(mapping: str, gamma: Any, amplitude: Any) -> Step:
     """Return the window of a case as a step."""
     place, values = PLACES[mapping], {g: gamma, a: amplitude}
-    case = next(
-        row
-        for row in theorem7.all_cases(place, False)
-        if sp.simplify(row.condition.subs(values, simultaneous=True)) == sp.true
-    )
+    conditions = ((row, row.condition.subs(values, simultaneous=True)) for row in theorem7.all_cases(place, False))
+    case = next(row for row, condition in conditions if sp.simplify(condition) == sp.true)
     check = Window(place.side, gamma, amplitude, ((CRITICAL, sp.asin(-g / a)),))
     return step(THETA_M, "in", _with_name(case.phases), check)
 
@@ -259,7 +238,7 @@ class Window(Check):
     amplitude: Any
     names: tuple[tuple[Any, Any], ...] = ()
 
-    def __call__(self, statement: Relation) -> StepEvidence:
+    def __call__(self, statement: Any) -> StepEvidence:
         sets = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
         parts = [part for part in sets if isinstance(part, sp.Interval)]
         through_0 = any(part.args[0] == 0 and not part.args[2] for part in parts)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from math import prod
 from typing import Any
 
 import sympy as sp
@@ -35,16 +36,12 @@ def items(scope: Scope) -> Items:
     ends = {maps.v_end: flow.v, maps.a_end: flow.a}
     rows = []
     for which, (expr, short) in enumerate(((flow.x, "x"), (flow.v, "v")), 1):
-        name = f"f_{which}"
         slope = solution.time_derivative(expr) / Omega
-        true = {
-            (partial(name, "x_i"), "x0"): (total(expr, x_i), f"{short}_x0"),
-            (partial(name, r"\theta_i"), "th0"): (total(expr, theta_i) - slope, f"{short}_th0"),
-            (partial(name, r"\theta_{i+1}"), "th1"): (slope, f"{short}_th1"),
-        }
-        for (letter, by), (derivative, key) in true.items():
+        true = {"x0": ("x_i", total(expr, x_i)), "th0": (r"\theta_i", total(expr, theta_i) - slope)}
+        for key, (by, derivative) in (true | {"th1": (r"\theta_{i+1}", slope)}).items():
+            letter = partial(f"f_{which}", by)
             check = Exact({letter: derivative} | ends, solution.use_relations, independent=False)
-            rows.append(equation(letter, found[key], check, f"f{which}-{by}"))
+            rows.append(equation(letter, found[f"{short}_{key}"], check, f"f{which}-{key}"))
     yield (
         r"\subsection{Derivatives of the governing equations}",
         r"\begin{proposition}[flights]\label{thm:jacobians-flight} "
@@ -62,16 +59,16 @@ def items(scope: Scope) -> Items:
     where = {tau: (theta_j - theta_i) / Omega}
     entries = (
         ("1", r"\theta_i", theta_i, "x_th0"), ("1", r"\theta_{i+1}", theta_j, "x_th1"),
-        ("2", "x_{i+1}", maps.x_j, "v_x1"), ("2", r"\theta_{i+1}", theta_j, "v_th1"),
+        ("2", "x_{i+1}", maps.x_j, "v_x1"), ("2", r"\theta_{i+1}", theta_j, "v_th1")
     )  # fmt: skip
-    steps = []
-    for n, by, letter, key in entries:
-        true = residual[f"f{n}"].subs(where).diff(letter)
-        steps.append(equation(partial(f"f_{n}", by), found[key], true, f"stick-{key}"))
+    slopes = [
+        equation(partial(f"f_{n}", by), found[key], residual[f"f{n}"].subs(where).diff(letter), f"stick-{key}")
+        for n, by, letter, key in entries
+    ]
     yield (
         r"\begin{proposition}[sticks]\label{thm:jacobians-stick} "
         r"For a stick (Theorem~\ref{thm:maps-stick}) with $\dot{x}_i = v_\lambda$",
-        *steps,
+        *slopes,
         r"while $\partial f_1/\partial x_i = 1$, $\partial f_1/\partial x_{i+1} = -1$, and $f_2$ does not depend on "
         r"$(x_i, \theta_i)$.\end{proposition}",
     )
@@ -150,7 +147,6 @@ def saltation() -> Items:
     speed, delta = named(r"v_\lambda"), named(r"\delta\dot{x}^{-}")
     shift, result = named(r"\delta t"), named(r"\delta\dot{x}^{+}")
     delay = {shift: sp.solve(delta + BEFORE * named("s"), named("s"))[0]}
-    true = {result: delta + BEFORE * shift - AFTER * shift} | delay
     field_gap, normal = sp.Matrix([0, AFTER - BEFORE]), sp.Matrix([[0, 1]])
     matrix = sp.eye(2) + field_gap * normal / (normal * sp.Matrix([speed, BEFORE]))[0]
     entries = tuple(
@@ -172,7 +168,7 @@ def saltation() -> Items:
         r"\begin{proof} To first order the changed motion crosses later by",
         equation(shift, -delta / BEFORE, delay, "delay"),
         r"and during this time one motion has $F^{+}$ and the other still $F^{-}$, so that afterwards",
-        equation(result, AFTER * delta / BEFORE, true, "after"),
+        equation(result, AFTER * delta / BEFORE, {result: delta + BEFORE * shift - AFTER * shift} | delay, "after"),
         r"while $\delta x$ changes by terms of second order only. This is the general formula "
         r"$S = I + (\mathbf{f}^{+} - \mathbf{f}^{-})\,\mathbf{n}^T/(\mathbf{n}^T\mathbf{f}^{-})$ with "
         r"$\mathbf{f}^{\pm} = (v_\lambda, F^{\pm})^T$ \cite{leine2004,dibernardo2008}. A crossing upward has "
@@ -190,19 +186,17 @@ def _orbit(scene: str, word: str) -> tuple[Any, Any]:
 
     p = load_scene(scene).parameters
     found = find_orbit(p, word, digits=STEP_DIGITS + 5)
-    product, ratios = CONTEXT.mpf(1), CONTEXT.mpf(1)
-    for each in found.multipliers:
-        product = product * CONTEXT.mpmathify(each)
+    product, ratios = prod(map(CONTEXT.mpmathify, found.multipliers)), CONTEXT.mpf(1)
     for (t, x), (before, after) in zip(found.points, ((2, 1), (1, 2)), strict=True):
-        ratios *= _force(p, after, t, x) / _force(p, before, t, x)
-    decay = CONTEXT.exp(-number(p.c / p.m) * CONTEXT.mpf(found.period))
-    return CONTEXT.re(product), decay * ratios
+        end, start = (force_at_belt(p, alpha, 1, x, number(p.Omega) * t) for alpha in (after, before))
+        ratios *= end / start
+    return CONTEXT.re(product), CONTEXT.exp(-number(p.c / p.m) * CONTEXT.mpf(found.period)) * ratios
 
 
-def _force(p: Any, alpha: int, t: Any, x: Any) -> Any:
-    """Return m F^(alpha) on belt 1, from the parameters alone."""
-    constant = p.A0 + {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1}[alpha] * p.FN - p.c * p.v1
-    return number(constant) + number(p.B0) * CONTEXT.cos(number(p.Omega) * t) - number(p.k) * x
+def force_at_belt(p: Any, alpha: int, belt: int, x: Any, phase: Any) -> Any:
+    """Return m F^(alpha) at a belt's speed, from the parameters alone."""
+    friction = {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1, 3: -p.mu1 - p.mu2}[alpha] * p.FN
+    return number(p.A0 + friction - p.c * p.belt(belt)) + number(p.B0) * CONTEXT.cos(phase) - number(p.k) * x
 
 
 def _float(number: Any) -> Any:

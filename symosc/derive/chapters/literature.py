@@ -58,8 +58,9 @@ def items(scope: Scope) -> Items:
         equation(P**2, (stiffness**2 + damping**2) * (p_0**2 + q_0**2), {P: push}),
         r"Call $Q = \sqrt{p_0^2 + q_0^2}$: the amplitude that the mass would have without friction.",
     )
-    solved, matrix, steady = coulomb.half_period(), coulomb.transition(), _steady_part()
-    meaning = {p_0: x_0 + G * x_f, q_0: H * x_f, G: solved.G, H: solved.H}
+    matrix, steady = coulomb.transition(), _steady_part()
+    solved = dict(zip((G, H), coulomb.half_period(), strict=True))
+    meaning = {p_0: x_0 + G * x_f, q_0: H * x_f, **solved}
     traces = {T: matrix.trace(), D: matrix.det()}
     below, root = 1 + T + D, named("y", positive=True)
     yield (
@@ -69,17 +70,17 @@ def items(scope: Scope) -> Items:
         equation(p_0, x_0 + G * x_f, steady),
         equation(q_0, H * x_f, steady),
         "with",
-        equation(G, (1 - D - cm * E1) / below, {G: solved.G, **traces, **RELATION}),
-        equation(H, 2 * w0sq * E1 / (Omega * below), {H: solved.H, **traces, **RELATION}),
+        equation(G, (1 - D - cm * E1) / below, {**solved, **traces, **RELATION}),
+        equation(H, 2 * w0sq * E1 / (Omega * below), {**solved, **traces, **RELATION}),
         "where trace and determinant of the free motion are",
         equation(T, E0 + 1 - w0sq * E2, traces),
         equation(D, E0 - w0sq * (E0 * E2 - E1**2), traces),
         "so that $Q$ decides on the amplitude, which exists for $Q > |H| x_f$:",
         equation(x_0, coulomb.amplitude(), {Q: sp.sqrt(root**2 + H**2 * x_f**2), x_0: -G * x_f + root}, "amplitude"),
     )
-    regimes, solved, forms = solution.REGIMES, coulomb.half_period(), coulomb.den_hartog_undamped()
-    damped = [coulomb.closed(part, regimes["underdamped"]) for part in solved]
-    undamped = [coulomb.closed(part, regimes["undamped"]).subs(omega_0, Omega / r) for part in solved]
+    regimes, forms = solution.REGIMES, coulomb.den_hartog_undamped()
+    damped = [coulomb.closed(part, regimes["underdamped"]) for part in solved.values()]
+    undamped = [coulomb.closed(part, regimes["undamped"]).subs(omega_0, Omega / r) for part in solved.values()]
 
     def tidy(expr: Any) -> Any:
         return sp.simplify(sp.expand(sp.numer(sp.together(expr.rewrite(sp.exp)))))
@@ -163,7 +164,46 @@ def items(scope: Scope) -> Items:
             r"motion changes, bisected in the forced amplitude.",
         ),
     )
-    yield _meetings()
+    n, j = (sp.Symbol(name, integer=True, positive=True) for name in "nj")
+    ratio, inverse, next_sine = named("F/P"), named("1/U"), sp.sin(j * phi + phi)
+    at = {r: 1 / (2 * n), LARGEST: 1, U: 0}
+    odd = sp.cos(sp.expand(sp.pi * (2 * n + 1) / 2)) / ((2 * n + 1) * sp.sin(sp.expand(sp.pi * (2 * n + 1) / 2)))
+    yield (
+        r"\subsection{Where borders meet}",
+        r"\begin{proposition}[points of codimension two]\label{thm:literature-points} "
+        r"For $c = 0$ and $n = 1, 2, \ldots$ the border of the motions without stops passes through the points "
+        r"\cite{guardia2010}\begin{enumerate}"
+        r"\item[$A_n$:] $r = 1/(2n)$, $F/P = 1/(4 n^2 - 1)$, where $S_*$ is the limit at both turning points;"
+        r"\item[$B_n$:] $r = 1/(2n + 1)$, $F/P = 0$.\end{enumerate}\end{proposition}",
+        r"\begin{proof} First, $|\sin j\varphi| \le j\sin\varphi$ for $0 < \varphi < \pi$, by induction with",
+        equation(
+            next_sine,
+            sp.sin(j * phi) * sp.cos(phi) + sp.cos(j * phi) * sp.sin(phi),
+            sp.expand_trig(sp.sin(j * phi + phi)),
+            "sine",
+        ),
+        r"and the quotient tends to $j$ in size at $\varphi = 0$ and $\pi$. At $r = 1/(2n)$ one has $U = 0$, so that "
+        r"$S = r\sin(2n\varphi)/\sin\varphi$ has the supremum $S_* = 1$, and the border is at",
+        equation(ratio, 1 / (4 * n**2 - 1), {ratio: sp.sqrt(r**4) / ((1 - r**2) * LARGEST), **at}, "A"),
+        r"At $r = 1/(2n + 1)$",
+        equation(inverse, 0, {inverse: odd}, "B"),
+        r"and the border, which is not above $|V/U|$, is at 0.\end{proof}",
+        r"With damping $A_1$ becomes a point where crossing-sliding meets a graze next to the turning point: "
+        r"$\ddot{x}_+ = 0$ while the drive is largest, \eqref{eq:borders-rest}. In Table~\ref{tab:literature-points} "
+        r"it is near $A_1$ for $c = 0.001$.",
+        _numbers(
+            "points",
+            r"Where borders meet. $A_n$: bisected in the friction, by whether the symmetric motion stops. With "
+            r"damping: two equations in $\Omega$ and $F$, in the formulas of this chapter and in the switching points "
+            r"of $P_{32}$.",
+        ),
+        _numbers(
+            "ends",
+            r"The ends in $\Omega$ of the branch $P_{32}$ for $c = 0.1$, $P = 1.5$, $F = 1$, the parameters of the "
+            r"demo of \cite{iklodi2024} but for its static friction: \eqref{eq:literature-border} with 50 digits, and "
+            r"\texttt{continue\_orbit}.",
+        ),
+    )
     growth, loss = named(r"\Delta x"), named("L")
     left, above = named("q"), named("x_{i+1}")
     half = coulomb.closed(1 - w0sq * E2, solution.REGIMES["underdamped"], sp.pi / solution.omega_d)
@@ -206,8 +246,7 @@ def items(scope: Scope) -> Items:
         r"equations, in the basis functions of any regime, hold for $c > 0$.",
         _numbers("slow", r"The highest point of slowly driven motions, $F = 0.5$: $(P - F)/k = 0.5$."),
         _numbers(
-            "cycles",
-            r"Where the mass stops in the two cases of the model of \cite{murari2026}, $c = 0.1$, $F = 0.5$.",
+            "cycles", r"Where the mass stops in the two cases of the model of \cite{murari2026}, $c = 0.1$, $F = 0.5$."
         ),
         r"\begin{proposition}[odd numbers of stops]\label{thm:literature-odd} "
         r"Let $c = 0$. A periodic motion that is not its own mirror image, and with it every motion with an odd number "
@@ -263,7 +302,31 @@ def items(scope: Scope) -> Items:
             r"Their middle $\bar{x}$ is $d$. The end $d_*$ is bisected in $d$, by whether the motion stops.",
         ),
     )
-    yield _base_and_wall()
+    z, y, force = named(r"\ddot{z}"), named("z"), named("T")
+    shake, rub, slope, lag = named("Y"), named("x_f", positive=True), named("s'"), named(r"\delta")
+    top, angle = named(r"\max x"), sp.Symbol("theta", real=True)
+    still = V * shake
+    near = still * (1 - angle**2 / 2) + rub * slope * (angle - lag)
+    best = near.subs(angle, sp.solve(near.diff(angle), angle)[0])
+    turns = sp.solve(-(r**2) * still * angle + rub * slope, angle)[0]
+    gain, wave = rub**2 * slope**2 / still * (sp.Rational(1, 2) - 1 / r**2), shake * sp.cos(angle)
+    yield (
+        r"\subsection{Base and wall in joint motion}",
+        r"Let base and wall move with $Y\cos\theta$, and let $z = x - Y\cos\theta$ be the relative motion: spring and "
+        r"friction know only $z$. As $\ddot{x} = \ddot{z} - \Omega^2 Y\cos\theta$,",
+        equation(m * z + k * y, m * Omega**2 * wave + force, {z: (-k * y + force) / m + Omega**2 * wave}, "base"),
+        r"which is the model with $P = m\Omega^2 Y$. Marino, Cicirello and Hills \cite{marino2019,marino2020} found a "
+        r"frequency beyond which friction amplifies the absolute motion $x$. For $c = 0$ and weak friction let $s$ be "
+        r"the response to the square wave $\operatorname{sgn}\sin\theta$ per unit of $x_f$, in angles $\theta$ from a "
+        r"peak of the base; it is odd, and $s'$ its slope at 0. The relative motion turns at",
+        equation(lag, rub * slope / (r**2 * V * shake), {lag: turns}, "lag"),
+        r"and the friction changes there, so that near its peak $x = V Y (1 - \theta^2/2) + x_f s' (\theta - \delta)$ "
+        r"up to terms of third order in $x_f$. The peak is",
+        equation(top, still + gain, {top: best, lag: turns}, "peak"),
+        r"So weak friction damps the absolute motion for $r < \sqrt{2}$ and amplifies it for $r > \sqrt{2}$; strong "
+        r"friction moves this point up.",
+        _numbers("inversion", r"The $r$ at which friction leaves the absolute amplitude unchanged, $k Y = 1$."),
+    )
     low, high, B0, A = named("x_-"), named("x_+"), solution.B0, solution.A0
     mu, other = solution.mu1, solution.mu2
     ends = {low: (A - (mu - other) * FN + sp.Abs(B0)) / k, high: (A + (mu + other) * FN - sp.Abs(B0)) / k}
@@ -279,83 +342,6 @@ def items(scope: Scope) -> Items:
             r"For $m = c = k = \Omega = F_N = \mu_1 = 1$, $A_0 = v_1 = 0$, $B_0 = \mu_2 = \frac{1}{10}$: the ends of "
             r"the interval, and where motions from inside it are at $t = 60$.",
         ),
-    )
-
-
-# --- sections ---
-
-
-def _meetings() -> Items:
-    """Return the section on the points where borders meet, and on the ends of a branch."""
-    n, j = (sp.Symbol(name, integer=True, positive=True) for name in "nj")
-    ratio, inverse, next_sine = named("F/P"), named("1/U"), sp.sin(j * phi + phi)
-    at = {r: 1 / (2 * n), LARGEST: 1, U: 0}
-    odd = sp.cos(sp.expand(sp.pi * (2 * n + 1) / 2)) / ((2 * n + 1) * sp.sin(sp.expand(sp.pi * (2 * n + 1) / 2)))
-    return (
-        r"\subsection{Where borders meet}",
-        r"\begin{proposition}[points of codimension two]\label{thm:literature-points} "
-        r"For $c = 0$ and $n = 1, 2, \ldots$ the border of the motions without stops passes through the points "
-        r"\cite{guardia2010}\begin{enumerate}"
-        r"\item[$A_n$:] $r = 1/(2n)$, $F/P = 1/(4 n^2 - 1)$, where $S_*$ is the limit at both turning points;"
-        r"\item[$B_n$:] $r = 1/(2n + 1)$, $F/P = 0$.\end{enumerate}\end{proposition}",
-        r"\begin{proof} First, $|\sin j\varphi| \le j\sin\varphi$ for $0 < \varphi < \pi$, by induction with",
-        equation(
-            next_sine,
-            sp.sin(j * phi) * sp.cos(phi) + sp.cos(j * phi) * sp.sin(phi),
-            sp.expand_trig(sp.sin(j * phi + phi)),
-            "sine",
-        ),
-        r"and the quotient tends to $j$ in size at $\varphi = 0$ and $\pi$. At $r = 1/(2n)$ one has $U = 0$, so that "
-        r"$S = r\sin(2n\varphi)/\sin\varphi$ has the supremum $S_* = 1$, and the border is at",
-        equation(ratio, 1 / (4 * n**2 - 1), {ratio: sp.sqrt(r**4) / ((1 - r**2) * LARGEST), **at}, "A"),
-        r"At $r = 1/(2n + 1)$",
-        equation(inverse, 0, {inverse: odd}, "B"),
-        r"and the border, which is not above $|V/U|$, is at 0.\end{proof}",
-        r"With damping $A_1$ becomes a point where crossing-sliding meets a graze next to the turning point: "
-        r"$\ddot{x}_+ = 0$ while the drive is largest, \eqref{eq:borders-rest}. In Table~\ref{tab:literature-points} "
-        r"it is near $A_1$ for $c = 0.001$.",
-        _numbers(
-            "points",
-            r"Where borders meet. $A_n$: bisected in the friction, by whether the symmetric motion stops. With "
-            r"damping: two equations in $\Omega$ and $F$, in the formulas of this chapter and in the switching points "
-            r"of $P_{32}$.",
-        ),
-        _numbers(
-            "ends",
-            r"The ends in $\Omega$ of the branch $P_{32}$ for $c = 0.1$, $P = 1.5$, $F = 1$, the parameters of the "
-            r"demo of \cite{iklodi2024} but for its static friction: \eqref{eq:literature-border} with 50 digits, and "
-            r"\texttt{continue\_orbit}.",
-        ),
-    )
-
-
-def _base_and_wall() -> Items:
-    """Return the section on base and wall in joint motion: from where on friction amplifies the motion."""
-    z, y, force = named(r"\ddot{z}"), named("z"), named("T")
-    shake, rub, slope, lag = named("Y"), named("x_f", positive=True), named("s'"), named(r"\delta")
-    top, angle = named(r"\max x"), sp.Symbol("theta", real=True)
-    still = V * shake
-    near = still * (1 - angle**2 / 2) + rub * slope * (angle - lag)
-    best = near.subs(angle, sp.solve(near.diff(angle), angle)[0])
-    turns = sp.solve(-(r**2) * still * angle + rub * slope, angle)[0]
-    gain, wave = rub**2 * slope**2 / still * (sp.Rational(1, 2) - 1 / r**2), shake * sp.cos(angle)
-    drive = {z: (-k * y + force) / m + Omega**2 * wave}
-    return (
-        r"\subsection{Base and wall in joint motion}",
-        r"Let base and wall move with $Y\cos\theta$, and let $z = x - Y\cos\theta$ be the relative motion: spring and "
-        r"friction know only $z$. As $\ddot{x} = \ddot{z} - \Omega^2 Y\cos\theta$,",
-        equation(m * z + k * y, m * Omega**2 * wave + force, drive, "base"),
-        r"which is the model with $P = m\Omega^2 Y$. Marino, Cicirello and Hills \cite{marino2019,marino2020} found a "
-        r"frequency beyond which friction amplifies the absolute motion $x$. For $c = 0$ and weak friction let $s$ be "
-        r"the response to the square wave $\operatorname{sgn}\sin\theta$ per unit of $x_f$, in angles $\theta$ from a "
-        r"peak of the base; it is odd, and $s'$ its slope at 0. The relative motion turns at",
-        equation(lag, rub * slope / (r**2 * V * shake), {lag: turns}, "lag"),
-        r"and the friction changes there, so that near its peak $x = V Y (1 - \theta^2/2) + x_f s' (\theta - \delta)$ "
-        r"up to terms of third order in $x_f$. The peak is",
-        equation(top, still + gain, {top: best, lag: turns}, "peak"),
-        r"So weak friction damps the absolute motion for $r < \sqrt{2}$ and amplifies it for $r > \sqrt{2}$; strong "
-        r"friction moves this point up.",
-        _numbers("inversion", r"The $r$ at which friction leaves the absolute amplitude unchanged, $k Y = 1$."),
     )
 
 
@@ -376,8 +362,7 @@ def _numbers(key: str, caption: str) -> Table:
     rows = []
     for value in values:
         formula = decimal("z", number(value.formula), value.decimals)
-        agreed = Close(partial(_agreed, value), value.decimals)
-        ran = decimal("z", number(value.package), value.decimals, agreed)
+        ran = decimal("z", number(value.package), value.decimals, Close(partial(_agreed, value), value.decimals))
         rows.append((f"${value.name}$", value.case, formula, ran, *([value.note] if noted else [])))
     heads = ("", "", "formula", "run", *([""] if noted else []))
     return Table(f"tab:literature-{key}", caption, heads, tuple(rows), columns="llrr" + "l" * noted)
@@ -394,8 +379,5 @@ def _steady_part() -> dict[Any, Any]:
     """Return p_0 and q_0 by Cramer's rule from the two conditions of symmetry, and the formulas of G and H."""
     rows = coulomb.symmetry()
     matrix = rows.jacobian([p_0, q_0])
-    right = -rows.subs({p_0: 0, q_0: 0})
-    first, second = matrix.copy(), matrix.copy()
-    first[:, 0], second[:, 1] = right, right
-    solved = coulomb.half_period()
-    return {p_0: first.det() / matrix.det(), q_0: second.det() / matrix.det(), G: solved.G, H: solved.H}
+    p, q = matrix.adjugate() * (-rows.subs({p_0: 0, q_0: 0})) / matrix.det()
+    return dict(zip((p_0, q_0, G, H), (p, q, *coulomb.half_period()), strict=True))

@@ -42,15 +42,13 @@ def newton(alpha: int) -> Any:
 def stick_force(belt: int) -> Any:
     """Return every force on the mass but the friction of this belt, at its speed (eq. (2) and its like for belt 2)."""
     other = 3 - belt
-    drag = MU[other] * FN * (1 if other == 2 else -1)
-    return A0 + B0 * WAVE - k * x - c * BELTS[belt] + drag
+    return A0 + B0 * WAVE - k * x - c * BELTS[belt] + MU[other] * FN * (1 if other == 2 else -1)
 
 
 def _values_at_belt(belt: int) -> dict[Any, Any]:
     """Return the values at belt 1 or 2 of the symbols with lambda: forces on both sides, mu, v and static force."""
     lower, upper = (newton(alpha).subs(v, BELTS[belt]) for alpha in NEIGHBOURS[belt])
-    found = {F(LOWER): lower, F(UPPER): upper, mu_lambda: MU[belt], v_lambda: BELTS[belt]}
-    return found | {HELD: stick_force(belt)}
+    return {F(LOWER): lower, F(UPPER): upper, mu_lambda: MU[belt], v_lambda: BELTS[belt], HELD: stick_force(belt)}
 
 
 def at_both(scope: Scope) -> Each:
@@ -61,7 +59,6 @@ def at_both(scope: Scope) -> Each:
 def items(scope: Scope) -> Items:
     """Yield the texts and steps of the chapter."""
     total, first, second = named(r"m\ddot{x}"), named("T_1"), named("T_2")
-    right = A0 + B0 * WAVE - k * x - c * v + first + second
     checks = tuple(
         Exact({total: m * newton(alpha), first: one * mu1 * FN, second: two * mu2 * FN})
         for alpha, (one, two) in enumerate(((1, 1), (-1, 1), (-1, -1)), 1)
@@ -73,7 +70,7 @@ def items(scope: Scope) -> Items:
         r"belts are pressed against it with the normal force $F_N \ge 0$ each; belt $\lambda$ runs with the constant "
         r"speed $v_\lambda$, $\lambda = 1, 2$, and $v_1 < v_2$. With the friction $T_\lambda$ that belt $\lambda$ "
         r"exerts on the mass, Newton's law is",
-        equation(total, right, Each(checks), "newton"),
+        equation(total, A0 + B0 * WAVE - k * x - c * v + first + second, Each(checks), "newton"),
         r"\begin{definition}[Coulomb friction]\label{thm:motion-coulomb} "
         r"Let $\operatorname{Sgn}(s) = \{1\}$ for $s > 0$, $\{-1\}$ for $s < 0$, and $[-1, 1]$ for $s = 0$. With the "
         r"friction coefficients $\mu_\lambda \ge 0$ the friction of belt $\lambda$ is a force "
@@ -137,7 +134,6 @@ def items(scope: Scope) -> Items:
         r"unless both vanish and $\mu_\lambda F_N = 0$; then the belt has no friction and there is no boundary. The "
         r"paper's assumption $\mu_1 \ge \mu_2$ is not needed.\end{proof}",
     )
-    drop = tuple(step(coulomb(a) - coulomb(a + 1), ">=", 0, Sign()) for a in scope.domains[:-1])
     y, rate = named("y"), named(r"\dot{y}")
     energy = named(r"\frac{d}{dt}\Bigl(\frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2\Bigr)")
     accelerated = named(r"\ddot{y}")
@@ -152,7 +148,7 @@ def items(scope: Scope) -> Items:
         r"\begin{lemma}[monotone friction]\label{thm:motion-monotone} "
         r"Let $T$ and $\tilde{T}$ be possible values of $T_1 + T_2$ at the velocities $w$ and $\tilde{w}$. Then "
         r"$(T - \tilde{T})(w - \tilde{w}) \le 0$.\end{lemma}",
-        facts(*drop),
+        facts(*(step(coulomb(a) - coulomb(a + 1), ">=", 0, Sign()) for a in scope.domains[:-1])),
         r"\begin{proof} $s \mapsto \operatorname{Sgn}(s)$ never falls, so each $T_\lambda$ never grows with the "
         r"velocity: by Table~\ref{tab:motion-constants}, $A_1 - A_2 = 2\mu_1 F_N \ge 0$ and "
         r"$A_2 - A_3 = 2\mu_2 F_N \ge 0$, and at $\dot{x} = v_\lambda$ all values between those on both sides are "

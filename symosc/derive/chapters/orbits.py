@@ -42,7 +42,6 @@ def items(scope: Scope) -> Items:
     mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
     held, size = named(r"H_\lambda"), sp.Symbol("B_0", real=True)
     ends = [(held + sign * (mu * FN - sp.Abs(size))) / k for sign in (1, -1)]
-    length = named(r"\ell")
     yield (
         r"\subsection{Existence, uniqueness, stability}",
         r"\begin{theorem}[one attractor, or an interval of rests]\label{thm:orbits-unique} "
@@ -55,7 +54,7 @@ def items(scope: Scope) -> Items:
         r"has the multiplier 1."
         r"\end{enumerate}",
         r"The interval of (iii) has the length",
-        equation(length, 2 * (mu * FN - sp.Abs(size)) / k, ends[0] - ends[1], "length"),
+        equation(named(r"\ell"), 2 * (mu * FN - sp.Abs(size)) / k, ends[0] - ends[1], "length"),
         r"\end{theorem}",
         r"\begin{proof} Let $y$ be the difference of two motions and $W = \frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2$. By "
         r"\eqref{eq:motion-energy} and Lemma~\ref{thm:motion-monotone}, $\dot{W} \le -c\,\dot{y}^2 \le 0$.",
@@ -134,15 +133,14 @@ def pieces(scope: Scope, word: str) -> tuple[Piece, ...]:
     found = []
     for i, (row, leaves) in enumerate(zip(rows, read_word(word).exits(), strict=True)):
         before, after = rows[i - 1], (i + 1) % len(rows)
-        here, ends = _letters(i), _letters(after)
+        here, ends = ((named(f"x_{{{n + 1}}}"), named(rf"\theta_{{{n + 1}}}")) for n in (i, after))
         duration = named(rf"\tau_{{{i + 1}}}")
         start, end = BELTS[row.start.boundary], BELTS[row.end.boundary]
         letters = {x_i: here[0], theta_i: here[1], maps.x_j: ends[0], maps.theta_j: ends[1], tau: duration}
         meaning: dict[Any, Any] = {duration: (ends[1] + (0 if after else 2 * sp.pi) - here[1]) / Omega}
         if row.sticks:
-            domain = NEIGHBOURS[row.end.boundary][0 if leaves == "below" else 1]
             f1 = maps.stick_residual()["f1"].xreplace({v_i: start})
-            f2 = force(domain, maps.x_j, start, maps.theta_j)
+            f2 = force(NEIGHBOURS[row.end.boundary][0 if leaves == "below" else 1], maps.x_j, start, maps.theta_j)
         else:
             f1, f2 = (expr.xreplace({v_i: start, maps.v_j: end}) for expr in maps.flight_residual().values())
             names = {f: named(rf"{f.name[0]}_{f.name[1]}(\tau_{{{i + 1}}})") for f in BASIS}
@@ -157,11 +155,6 @@ def pieces(scope: Scope, word: str) -> tuple[Piece, ...]:
     return tuple(found)
 
 
-def _letters(i: int) -> tuple[Any, Any]:
-    """Return the symbols of position and phase at the switching point i + 1."""
-    return named(f"x_{{{i + 1}}}"), named(rf"\theta_{{{i + 1}}}")
-
-
 def _substituted(scope: Scope, expr: Any) -> Any:
     """Substitute the scene's numbers."""
     return expr.xreplace(scope.display).xreplace(scope.numbers)
@@ -170,10 +163,9 @@ def _substituted(scope: Scope, expr: Any) -> Any:
 def _values(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
     """Return the numbers of all symbols at the root."""
     assert scope.parameters is not None
-    values: dict[Any, Any] = {}
-    for piece, point in zip(pieces(scope, word), root(scope.parameters, word), strict=True):
-        for letter, value in zip(piece.letters, point, strict=True):
-            values[letter] = sp.Float(CONTEXT.nstr(value, STEP_DIGITS + 8), STEP_DIGITS + 10)
+    letters = [letter for piece in pieces(scope, word) for letter in piece.letters]
+    numbers = [CONTEXT.nstr(value, STEP_DIGITS + 8) for point in root(scope.parameters, word) for value in point]
+    values = {letter: sp.Float(text, STEP_DIGITS + 10) for letter, text in zip(letters, numbers, strict=True)}
     for name, value in meaning.items():
         values[name] = sp.N(value.subs(values), STEP_DIGITS + 10)
     return values
@@ -186,10 +178,9 @@ def _orbit(scope: Scope, word: str, figure: str) -> Items:
     equations: list[Any] = []
     for i, (row, before, _, f1, f2, meaning) in enumerate(found, 1):
         after = i % len(found) + 1
-        acceleration = f"F^{{({row.domain})}}"
-        start = rf" and $\ddot{{x}}_{i} = {acceleration}$ at point {i}"
+        start = rf" and $\ddot{{x}}_{i} = F^{{({row.domain})}}$ at point {i}"
         if before.sticks:
-            start = rf" and ${acceleration} = 0$ at point {i}, where a stick ended"
+            start = rf" and $F^{{({row.domain})}} = 0$ at point {i}, where a stick ended"
         turn = r" + 2\pi" if after == 1 else ""
         equations.append(
             rf"$P_{row.label[1]}$ from point {i} to point {after}, with $\tau_{i} = (\theta_{after}{turn} - "
@@ -208,8 +199,8 @@ def _orbit(scope: Scope, word: str, figure: str) -> Items:
     )
     rows: list[Any] = []
     for j, ((x, theta), piece) in enumerate(zip(points, found, strict=True), 1):
-        place, phase = decimal("x", x, 20), decimal("theta", theta, 20)
-        rows.append((str(j), phase, place, str(piece.row.start.boundary), f"$P_{piece.row.label[1]}$"))
+        cells = decimal("theta", theta, 20), decimal("x", x, 20)
+        rows.append((str(j), *cells, str(piece.row.start.boundary), f"$P_{piece.row.label[1]}$"))
     yield Table(
         f"tab:orbits-{word}",
         rf"The switching points of $P_{{{word[1:]}}}$, to 20 decimals (half a unit of the last one).",
@@ -220,18 +211,17 @@ def _orbit(scope: Scope, word: str, figure: str) -> Items:
     values, rows, signs = _values(scope, word, {}), [], list[Any]()
     for j, (row, before, (x, theta), *_) in enumerate(found, 1):
         belt = row.start.boundary
-        cells: list[Any] = [str(j)]
+        signed: list[Any] = [str(j)]
         for alpha in NEIGHBOURS[belt]:
             value = _substituted(scope, force(alpha, x, BELTS[belt], theta))
             if before.sticks and row.domain == alpha:
-                cells.append("0")  # the stick ends where this one vanishes: an equation above
+                signed.append("0")  # the stick ends where this one vanishes: an equation above
                 continue
-            cells.append(decimal(f"F^{{({alpha})}}", evaluate(value, values), 10))
+            signed.append(decimal(f"F^{{({alpha})}}", evaluate(value, values), 10))
             # On a belt, and on the other side at the end of a stick, both hold the mass; else both push it one way.
-            held = row.sticks or before.sticks
-            upward = alpha == belt if held else row.domain != belt
+            upward = alpha == belt if row.sticks or before.sticks else row.domain != belt
             signs.append(step(value, ">" if upward else "<", 0, AtRoot(lambda: values)))
-        rows.append((*cells, f"$P_{row.label[1]}$"))
+        rows.append((*signed, f"$P_{row.label[1]}$"))
     yield Table(
         f"tab:orbits-forces-{word}",
         rf"The accelerations on both sides at the switching points of $P_{{{word[1:]}}}$. By their signs the next "
@@ -267,9 +257,9 @@ def _orbit(scope: Scope, word: str, figure: str) -> Items:
 def _followed(p: Parameters, word: str) -> Any:
     """Return the digits of the mappings of the motion from the orbit's first point, for one period."""
     orbit = find_orbit(p, word, digits=STEP_DIGITS)
-    (t, x), belt = orbit.points[0], read_word(word).maps[0].start.boundary
+    t, x = orbit.points[0]
     end = CONTEXT.mpf(t) + CONTEXT.mpf("1.001") * CONTEXT.mpf(orbit.period)
-    start = {"t0": CONTEXT.nstr(t, 42), "x0": CONTEXT.nstr(x, 42), "v0": getattr(p, f"v{belt}")}
+    start = {"t0": CONTEXT.nstr(t, 42), "x0": CONTEXT.nstr(x, 42), "v0": p.belt(read_word(word).maps[0].start.boundary)}
     motion = simulate(p, **start, t_end=CONTEXT.nstr(end, 20), digits=30, start_error=("1e-40", "1e-40", 0))
     return sp.Integer("".join(label[1] for label in reversed(motion.word[: len(word) - 1])))
 
@@ -303,9 +293,8 @@ def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, 
             yield what, best(value(at) for at in places), f"${op} 0$", [(op, 0)]
         return
     flow, start = solution.flow(scope.regimes[0]), force(row.domain, x_i, BELTS[belt], theta_i)
-    put = [
-        _substituted(scope, expr.xreplace({a_i: start, v_i: BELTS[belt]}).xreplace(scope.display)) for expr in flow[1:]
-    ]
+    known = {a_i: start, v_i: BELTS[belt]}
+    put = (_substituted(scope, expr.xreplace(known).xreplace(scope.display)) for expr in flow[1:])
     velocity, acceleration = (sp.lambdify((tau, x_i, theta_i), expr, FUNCTIONS) for expr in put)
     limits = [(op, scope.numbers[BELTS[b]]) for op, b in ((">", row.domain - 1), ("<", row.domain)) if b in BELTS]
     words = {1: "$< v_1$", 2: "between $v_1$ and $v_2$", 3: "$> v_2$"}[row.domain]
@@ -314,15 +303,7 @@ def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, 
 
 
 def _zeros(function: Any, duration: Any) -> list[Any]:
-    """Return the zeros of a function inside (0, duration) where it changes its sign, by halving."""
-    grid = [duration * (n + CONTEXT.mpf("0.5")) / 120 for n in range(120)]
-    found = []
-    for low, high in pairwise(grid):
-        positive = function(low) > 0
-        if positive == (function(high) > 0):
-            continue
-        for _ in range(110):
-            middle = (low + high) / 2
-            low, high = (middle, high) if (function(middle) > 0) == positive else (low, middle)
-        found.append(low)
-    return found
+    """Return the zeros of a function inside (0, duration) where it changes its sign between the points of a grid."""
+    grid = pairwise(duration * (n + CONTEXT.mpf("0.5")) / 120 for n in range(120))
+    turns = [ends for ends in grid if (function(ends[0]) > 0) != (function(ends[1]) > 0)]
+    return [CONTEXT.clone().findroot(function, ends, solver="anderson") for ends in turns]

@@ -20,18 +20,13 @@ TITLE = "Sticks and their two ends"
 def force_on_belt(phase: Any) -> Any:
     """Return F^(alpha) at tau after a stick began, where the drive has this phase: a_i plus its change by eq. (9)."""
     here = solution.acceleration(x_i + v_lambda * tau, v_lambda, phase)
-    start = solution.acceleration(x_i, v_lambda, theta_i)
-    return a_i + here - start
+    return a_i + here - solution.acceleration(x_i, v_lambda, theta_i)
 
 
 def items(scope: Scope) -> Items:
     """Yield the texts and steps of the chapter."""
-    position = named(r"x(\tau)")
-    on_belt = named(r"F^{(\alpha)}(\tau)")
-    wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
-    rate = named(r"m\dot{F}^{(\alpha)}")
     moving = solution.in_paper_letters(solution.acceleration(x_i + v_lambda * (t - solution.t_i), v_lambda, theta))
-    held = solution.stick_acceleration(a_i, wave).subs(v, v_lambda)
+    held = solution.stick_acceleration(a_i, sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)).subs(v, v_lambda)
     change = (m * moving.diff(t)).subs(Omega * t, theta)
     yield (
         r"\subsection{The mass on a belt}",
@@ -41,12 +36,12 @@ def items(scope: Scope) -> Items:
         r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ all the time.\end{definition}",
         r"\begin{lemma}[what changes on a belt]\label{thm:sticks-rate} "
         r"On belt $\lambda$, at $\tau$ after the phase $\theta_i$ and the position $x_i$,",
-        equation(position, x_i + v_lambda * tau, x_i + sp.integrate(v_lambda, (tau, 0, tau)), "x"),
+        equation(named(r"x(\tau)"), x_i + v_lambda * tau, x_i + sp.integrate(v_lambda, (tau, 0, tau)), "x"),
         r"and the accelerations on both sides, $\alpha = \lambda$ and $\lambda + 1$, are",
-        equation(on_belt, held, force_on_belt(theta_i + Omega * tau), "force"),
+        equation(named(r"F^{(\alpha)}(\tau)"), held, force_on_belt(theta_i + Omega * tau), "force"),
         r"with $\ddot{x}_i = F^{(\alpha)}(x_i, v_\lambda, t_i)$, each its own. They change at one rate, which depends "
         r"on the phase $\theta = \Omega t$ alone:",
-        equation(rate, -(k * v_lambda + B0 * Omega * sp.sin(theta)), change, "rate"),
+        equation(named(r"m\dot{F}^{(\alpha)}"), -(k * v_lambda + B0 * Omega * sp.sin(theta)), change, "rate"),
         r"\end{lemma}",
         r"\begin{proof} Put $x = x_i + v_\lambda\tau$ and $\dot{x} = v_\lambda$ into \eqref{eq:motion-acceleration}, "
         r"and differentiate.\end{proof}",
@@ -107,7 +102,6 @@ def items(scope: Scope) -> Items:
         ),
     )
     turn = named(r"\Delta_T F^{(\alpha)}")
-    lost = -2 * sp.pi * k * v_lambda / (m * Omega)
     per_turn = force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
     change = {turn: sp.simplify(per_turn.xreplace({solution.w0sq: k / m, solution.cm: solution.c / m}))}
     yield (
@@ -115,6 +109,6 @@ def items(scope: Scope) -> Items:
         r"For $k v_\lambda \ne 0$ every stick ends: over each period $2\pi/\Omega$ both accelerations change by "
         r"$-2\pi k v_\lambda/(m\Omega)$. For $k v_\lambda = 0$ a stick ends within one period, or "
         r"never.\end{corollary}",
-        facts(equation(turn, lost, change)),
+        facts(equation(turn, -2 * sp.pi * k * v_lambda / (m * Omega), change)),
         r"\begin{proof} Integrate \eqref{eq:sticks-rate} over one period.\end{proof}",
     )

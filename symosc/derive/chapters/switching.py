@@ -54,9 +54,8 @@ def items(scope: Scope) -> Items:
         r"$\mathbf{n}^T\mathbf{x}^{(\alpha)} = \dot{x}$ with $\ddot{x} = F^{(\alpha)}$.\end{proof}",
     )
     yield g_functions()
-    flow = solution.flow()
     at_start = solution.start_values() | {tau: sp.Integer(0)}
-    values, derivative = [], flow.v
+    values, derivative = [], solution.flow().v
     for _ in range(4):
         derivative = solution.time_derivative(derivative)
         values.append(sp.expand(derivative.subs(at_start)))
@@ -145,8 +144,7 @@ def g_functions() -> Items:
     lower, rows = [v, F(r"\alpha")], []
     for n in (1, 2, 3):
         true = newton.diff(t, n).doit().subs([(path.diff(t, j + 1), lower[j]) for j in range(n, -1, -1)])
-        wave = solution.forcing(n).xreplace({solution.f0: B0 / m})
-        right = solution.next_derivative(lower[n], lower[n - 1], wave)
+        right = solution.next_derivative(lower[n], lower[n - 1], solution.forcing(n).xreplace({solution.f0: B0 / m}))
         right = right.xreplace({solution.cm: c / m, solution.w0sq: k / m})
         rows.append(equation(G(n), right, true.subs(Omega * t, theta), f"g{n}"))
         lower.append(G(n))

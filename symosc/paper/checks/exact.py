@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 import random
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
@@ -34,24 +34,7 @@ RATIONAL_PHASES = tuple((Fraction(s), Fraction(c)) for s, c in QUARTER_POINTS) +
 
 def friction_on_mass(p: Parameters, alpha: int) -> Fraction:
     """Return the sum of mu FN sgn(v_belt - x') over both belts, for x' inside domain `alpha`."""
-    drags = (1, 1) if alpha == 1 else (-1, 1) if alpha == 2 else (-1, -1)
-    return (drags[0] * p.mu1 + drags[1] * p.mu2) * p.FN
-
-
-def velocity_series(
-    p: Parameters, constant: Fraction, x: Fraction, v: Fraction, s: Fraction, c: Fraction
-) -> list[Fraction]:
-    """Return Taylor coefficients of x'(tau), first v, for m x'' + c x' + k x = constant + B0 cos(theta + Omega tau)."""
-    # s and c are the sine and cosine of theta.
-    place = [x, v]
-    wave, turned = c, -s  # cos(theta) and its derivative by theta
-    scale = Fraction(1)  # Omega^n/n!
-    for n in range(SERIES_TERMS - 1):
-        drive = p.B0 * wave * scale + (constant if n == 0 else 0)
-        place.append((drive - p.c * (n + 1) * place[n + 1] - p.k * place[n]) / (p.m * (n + 1) * (n + 2)))
-        wave, turned = turned, -wave
-        scale = scale * p.Omega / (n + 1)
-    return [(n + 1) * place[n + 1] for n in range(SERIES_TERMS)]
+    return ((1 if alpha == 1 else -1) * p.mu1 + (-1 if alpha == 3 else 1) * p.mu2) * p.FN
 
 
 @dataclass(frozen=True)
@@ -69,6 +52,16 @@ class RationalContact:
         """Speed of the belt."""
         return self.p.belt(self.boundary)
 
+    @property
+    def domains(self) -> tuple[int, int]:
+        """The domains below and above the belt's speed."""
+        return NEIGHBOURS[self.boundary]
+
+    @property
+    def forces(self) -> tuple[Fraction, Fraction]:
+        """F of the domains below and above the belt's speed."""
+        return self.force(self.domains[0]), self.force(self.domains[1])
+
     def force(self, alpha: int) -> Fraction:
         """Return F^(alpha) by Newton's law with Coulomb's friction of both belts."""
         p = self.p
@@ -81,38 +74,34 @@ class RationalContact:
 
     @cached_property
     def _series(self) -> dict[int, list[Fraction]]:
-        """Return the power series of x' along the flows of both domains."""
-        p = self.p
-        return {
-            alpha: velocity_series(p, p.A0 + friction_on_mass(p, alpha), self.x, self.speed, self.s, self.c)
-            for alpha in NEIGHBOURS[self.boundary]
-        }
+        """Taylor coefficients of x' along the flows of both domains, by m x'' + c x' + k x = A + B0 cos."""
+        p, found = self.p, {}
+        for alpha in self.domains:
+            place, constant = [self.x, self.speed], p.A0 + friction_on_mass(p, alpha)
+            wave, turned = self.c, -self.s  # cos(theta) and its derivative by theta
+            scale = Fraction(1)  # Omega^n/n!
+            for n in range(SERIES_TERMS - 1):
+                drive = p.B0 * wave * scale + (constant if n == 0 else 0)
+                place.append((drive - p.c * (n + 1) * place[n + 1] - p.k * place[n]) / (p.m * (n + 1) * (n + 2)))
+                wave, turned = turned, -wave
+                scale = scale * p.Omega / (n + 1)
+            found[alpha] = [(n + 1) * place[n + 1] for n in range(SERIES_TERMS)]
+        return found
 
     def side(self, alpha: int, after: bool) -> int:
         """Return the sign of x' - v_lambda a short time before or after, along the flow of domain `alpha`."""
-        t, slope = (SHORT if after else -SHORT), Fraction(0)
-        for coefficient in reversed(self._series[alpha][1:]):
-            slope = slope * t + coefficient
-        return (slope * t > 0) - (slope * t < 0)
+        t = SHORT if after else -SHORT
+        value = sum(coefficient * t**n for n, coefficient in enumerate(self._series[alpha]) if n)
+        return (value > 0) - (value < 0)
 
     def derivatives(self, alpha: int) -> tuple[Fraction, ...]:
         """Return the first four derivatives of x' along the flow of domain `alpha`, from its power series."""
         return tuple(factorial(n) * a for n, a in enumerate(self._series[alpha][:5]) if n)
 
     @property
-    def below(self) -> Fraction:
-        """The force of the domain below the belt's speed."""
-        return self.force(NEIGHBOURS[self.boundary][0])
-
-    @property
-    def above(self) -> Fraction:
-        """The force of the domain above the belt's speed."""
-        return self.force(NEIGHBOURS[self.boundary][1])
-
-    @property
     def next_mode(self) -> str:
         """The mode after the contact, named as by `Trajectory.mode`."""
-        lo, hi = NEIGHBOURS[self.boundary]
+        lo, hi = self.domains
         if self.side(hi, after=True) > 0:
             return f"Omega{hi}"
         return f"Omega{lo}" if self.side(lo, after=True) < 0 else f"belt{self.boundary}"
@@ -130,7 +119,7 @@ class RationalContact:
     @property
     def passes(self) -> bool:
         """Whether the flow arrives from one domain and leaves into the other."""
-        lo, hi = NEIGHBOURS[self.boundary]
+        lo, hi = self.domains
         up = self.side(lo, after=False) < 0 < self.side(hi, after=True)
         return up or self.side(lo, after=True) < 0 < self.side(hi, after=False)
 
@@ -144,16 +133,18 @@ class RationalContact:
         return f"{values}; x = {self.x}, sin = {self.s}, cos = {self.c}"
 
 
-def contacts(boundary: int, count: int, seed: int = 0) -> Iterator[RationalContact]:
-    """Yield contacts with a boundary at random rational parameters, of six kinds in turn."""
-    # Two are generic; two have the force below or above exactly 0; two have the phase such that G^(1) = 0 as well
-    # (at the top and the bottom of the sine then G^(2) = 0 too). A fifth of them is at phase 0.
-    draw = random.Random(seed)
+@cache
+def contacts(boundary: int, count: int = 360, seed: int | None = None) -> tuple[RationalContact, ...]:
+    """Return contacts with a boundary at random rational parameters, of six kinds in turn."""
+    # By default those of Theorems 4 to 6. Two kinds are generic; two have the force below or above exactly 0; two have
+    # the phase such that G^(1) = 0 as well (at the top and the bottom of the sine then G^(2) = 0 too). A fifth of them
+    # is at phase 0.
+    draw = random.Random(boundary if seed is None else seed)
 
     def positive(top: int = 12) -> Fraction:
         return Fraction(draw.randint(1, top), draw.randint(1, 4))
 
-    lo, hi = NEIGHBOURS[boundary]
+    found, (lo, hi) = [], NEIGHBOURS[boundary]
     for number in range(count):
         kind = max(number % 6 - 1, 0)
         v1 = Fraction(draw.randint(-8, 8), draw.randint(1, 4))
@@ -169,22 +160,14 @@ def contacts(boundary: int, count: int, seed: int = 0) -> Iterator[RationalConta
         held = origin.force(hi if kind % 2 else lo)
         if kind == 0:  # anywhere from far below the two forces' zeros to far above them
             held -= (origin.force(lo) - origin.force(hi)) * Fraction(draw.randint(-5, 10), 5)
-        yield RationalContact(p, boundary, p.m * held / p.k, s, c)
-
-
-@cache
-def exact_contacts(boundary: int, count: int = 360, seed: int | None = None) -> tuple[RationalContact, ...]:
-    """Return contacts of all kinds with a belt, as `contacts` draws them; by default those of Theorems 4 to 6."""
-    return tuple(contacts(boundary, count, boundary if seed is None else seed))
+        found.append(RationalContact(p, boundary, p.m * held / p.k, s, c))
+    return tuple(found)
 
 
 def tally(cases: Iterable[Any], questions: Mapping[str, Callable[[Any], Any]]) -> dict[str, Any]:
     """Count the cases for which each question is answered with yes."""
-    counts = dict.fromkeys(questions, 0)
-    for case in cases:
-        for name, question in questions.items():
-            counts[name] += bool(question(case))
-    return counts
+    cases = list(cases)
+    return {name: sum(bool(question(case)) for case in cases) for name, question in questions.items()}
 
 
 #: Roots that are closer than this part of their size are moved apart: the flow then is off by less than 1e-8.

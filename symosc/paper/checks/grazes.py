@@ -19,14 +19,14 @@ from symosc.engine.next_event import never_leaves
 from symosc.engine.state import Covariance, Launch
 from symosc.grazing.start import GrazingStart, grazing_start, is_grazing
 from symosc.grazing.window import grazing_window
-from symosc.mappings.theorem7_cases import place
+from symosc.mappings.theorem7_cases import Place, place
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.paper.checks.exact import flow
 from symosc.paper.checks.motions import (
     LAST_HALF_UNIT,
     certificate_of,
     flight_after,
-    force_name,
+    force_names,
     force_text,
     forces,
     forces_hold,
@@ -37,11 +37,10 @@ from symosc.paper.checks.motions import (
     scene_contacts,
     subscripted,
     text,
-    texts,
     together,
 )
 from symosc.paper.checks.orbits import REACH, range_of
-from symosc.paper.claims import NOT_AS_PRINTED, UNDECIDED, Evidence, verdict
+from symosc.paper.claims import NOT_AS_PRINTED, UNDECIDED, Evidence, Refuted, verdict
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.trajectory import Trajectory
 
@@ -69,14 +68,14 @@ class Graze:
         return self.scene.parameters
 
     @property
-    def belt(self) -> int:
-        """The belt that the motion grazes."""
-        return place(self.mapping).boundary
+    def place(self) -> Place:
+        """The domain and the belt of the graze."""
+        return place(self.mapping)
 
     @property
     def print_is_right(self) -> bool:
         """Whether a start that grazes rounds to the printed start, with all parameters as printed."""
-        return nearest_graze(self.printed, self.mapping, float(LAST_HALF_UNIT)).rounds
+        return nearest_graze(self.printed, self.mapping).rounds
 
 
 #: Fig. 7 needs A0 = 10.
@@ -90,9 +89,6 @@ def exact(figure: Graze, t_end: Any = None) -> Scene:
     """Return the scene of a figure from the start that grazes, to 40 decimals."""
     start = figure.source().start
     return replace(figure.scene, **(start | {"t0": figure.scene.t0, "t_end": t_end or figure.scene.t_end}))
-
-
-# --- is there a graze at all? ---
 
 
 def reaches_belt(scene: Scene, belt: int) -> Evidence:
@@ -119,7 +115,7 @@ def reaches_belt(scene: Scene, belt: int) -> Evidence:
         f"{text(p.belt(belt))}), and what it tends to has the amplitude √{text(square)} = "
         f"{text(float(square) ** 0.5, 6)}, whatever A₀ is."
     )
-    return Evidence(verdict(False), finding, numbers)
+    return Evidence(NOT_AS_PRINTED, finding, numbers)
 
 
 def steady_square(p: Parameters) -> Fraction:
@@ -139,12 +135,11 @@ def highest_velocity(path: Trajectory, since: float | None = None) -> tuple[floa
 
 def no_contact_since(path: Trajectory, belt: int) -> float:
     """Return a time after which the flight in the domain below a belt cannot reach it; inf if none is seen."""
-    p = path.parameters
-    K, level = constants(p), float(p.belt(belt))
+    p, domain = path.parameters, NEIGHBOURS[belt][0]
     for t in np.linspace(float(path.t_start), float(path.t_end), 400):
-        v, a, phase = float(path(t)[1]), float(path.force(NEIGHBOURS[belt][0], t)), float(p.Omega) * t
-        start = Launch(v, a, sin(phase), cos(phase))
-        if never_leaves(start, Covariance(0.0, 0.0, 0.0), -np.inf, level, NEIGHBOURS[belt][0], K):
+        phase = float(p.Omega) * t
+        start = Launch(float(path(t)[1]), float(path.force(domain, t)), sin(phase), cos(phase))
+        if never_leaves(start, Covariance(0.0, 0.0, 0.0), -np.inf, float(p.belt(belt)), domain, constants(p)):
             return float(t)
     return inf
 
@@ -155,27 +150,21 @@ def contacts_text(path: Trajectory) -> str:
     return ", ".join(shown) or f"none until t = {text(path.t_end)}"
 
 
-# --- the red point ---
-
-
 def tangential(figure: Graze) -> Evidence:
     """Check that the motion grazes the belt at the red point: from the printed start and the exact one."""
     printed, scene, p = motion(figure.printed), exact(figure), figure.parameters
-    path = motion(scene)
     numbers = {"contacts as printed until the first slip": contacts_text(printed)}
-    if figure.scene.parameters != figure.printed.parameters:
+    if p != figure.printed.parameters:
         numbers["contacts with the corrected parameter"] = contacts_text(motion(figure.scene))
-    if not path.events:
-        return Evidence(verdict(False), "There is no contact from the exact start either.", numbers)
-    at, event, side = scene_contacts(scene)[0], path.events[0], place(figure.mapping).domain
-    force = forces(p, at)[side - NEIGHBOURS[at.belt][0]]
+    at, event, side = scene_contacts(scene)[0], motion(scene).events[0], figure.place.domain
+    force, name = forces(p, at)[side - NEIGHBOURS[at.belt][0]], force_names(side)
     order = is_grazing(p, figure.mapping, at.x, at.theta)
     grazes = event.kind == "graze" and is_zero(force) and order.grazing
     numbers["t, x of the red point from the exact start"] = f"{text(event.t, 25)}, {text(event.x, 12)}"
-    numbers[f"{force_name(side)}, G⁽¹⁾ at the red point"] = f"{force_text(force)}, {text(order.values[-1], 12)}"
+    numbers[f"{name}, G⁽¹⁾ at the red point"] = f"{force_text(force)}, {text(order.values[-1], 12)}"
     finding = (
         f"From the start to 40 decimals the motion {'grazes' if grazes else 'does not graze'} belt {at.belt} at t = "
-        f"{text(event.t, 12)}, with {force_name(side)} = {force_text(force)} and G⁽¹⁾ = {text(order.values[-1], 6)}."
+        f"{text(event.t, 12)}, with {name} = {force_text(force)} and G⁽¹⁾ = {text(order.values[-1], 6)}."
     )
     usual = motion(figure.scene).events
     if len(usual) > 1 and usual[0].kind == "stick":
@@ -191,27 +180,21 @@ def tangential(figure: Graze) -> Evidence:
 
 def touches_once(figure: Graze) -> Evidence:
     """Check that a motion in the domain below grazes belt 1 once and never meets it again."""
-
-    def once(scene: Scene) -> bool:
-        return [event.kind for event in motion(scene, LATE).events] == ["graze"]
-
-    scene = exact(figure)
-    path = motion(scene, LATE)
-    after = no_contact_since(path, figure.belt)
+    belt, path, printed = figure.place.boundary, motion(exact(figure), LATE), motion(figure.printed, LATE)
+    after = no_contact_since(path, belt)
+    t, v = highest_velocity(path, float(path.events[0].t) + 1)
     numbers = {
         f"contacts until t = {LATE}, exact start": str(len(path.events)),
         "none by the energy bound after t": text(after, 6),
-        f"contacts until t = {LATE} as printed": str(len(motion(figure.printed, LATE).events)),
+        f"contacts until t = {LATE} as printed": str(len(printed.events)),
+        "highest velocity later": f"{text(v, 9)} at t = {text(t, 7)}",
     }
-    if not path.events:
-        return Evidence(verdict(False), "There is no contact.", numbers)
-    t, v = highest_velocity(path, float(path.events[0].t) + 1)
-    numbers["highest velocity later"] = f"{text(v, 9)} at t = {text(t, 7)}"
     finding = (
-        f"From the exact start mass and belt {figure.belt} have the same velocity at t = {text(path.events[0].t, 12)} "
-        f"only, where the mass meets the red point's curve, and never again: later ẋ is at most {text(v, 5)}."
+        f"From the exact start mass and belt {belt} have the same velocity at t = {text(path.events[0].t, 12)} only, "
+        f"where the mass meets the red point's curve, and never again: later ẋ is at most {text(v, 5)}."
     )
-    return Evidence(verdict(once(figure.printed), once(scene) and after < LATE), finding, numbers)
+    as_printed, once = ([event.kind for event in each.events] == ["graze"] for each in (printed, path))
+    return Evidence(verdict(as_printed, once and after < LATE), finding, numbers)
 
 
 def of_mapping(figure: Graze) -> Evidence:
@@ -219,17 +202,16 @@ def of_mapping(figure: Graze) -> Evidence:
     found, name = figure.source(to_start=False), subscripted(figure.mapping)
     word = motion(exact(figure)).word
     follows = word[:1] == [figure.mapping]
+    t = found.t + figure.source().t_m - found.t_m
     numbers = {
         f"comes from the plane of {name}": "yes" if found.found else "no",
         "mappings that follow": subscripted(" ".join(word)) or "none",
+        "last contact before: t, x, belt": f"{text((t, found.x), 12)}, {found.boundary}",
     }
-    came = "never was at a belt before"
-    if found.t is not None:
-        t = found.t + figure.source().t_m - found.t_m
-        came = f"came from belt {found.boundary} at t = {text(t, 9)}, x = {text(found.x, 9)}"
-        numbers["last contact before: t, x, belt"] = f"{texts((t, found.x), 12)}, {found.boundary}"
-    ending = f"so {'a' if found.found else 'no'} {name} ends in it"
-    finding = f"Flowing back, the motion {came}: {ending}; {'a' if follows else 'no'} {name} begins at it."
+    finding = (
+        f"Flowing back, the motion came from belt {found.boundary} at t = {text(t, 9)}, x = {text(found.x, 9)}: "
+        f"so {'a' if found.found else 'no'} {name} ends in it; {'a' if follows else 'no'} {name} begins at it."
+    )
     either = found.found or follows
     return Evidence(verdict(either and figure.parameters == figure.printed.parameters, either), finding, numbers)
 
@@ -238,14 +220,15 @@ def in_window(figure: Graze) -> Evidence:
     """Check that the phase of the graze is in Theorem 7's window, as printed, whose case is decided exactly."""
     p, mapping, scene = figure.parameters, figure.mapping, exact(figure)
     window = grazing_window(p, mapping, "paper")
-    event = next((e for e in motion(scene).events if e.kind == "graze"), None)
-    numbers = {"γ, B₀Ω/m": texts((window.gamma, window.amplitude)), "case": window.case}
-    if event is None:
-        return Evidence(verdict(False), "There is no graze.", numbers)
+    event = next(e for e in motion(scene).events if e.kind == "graze")
     at = scene_contacts(scene)[0]
     inside, touch = window.contains(figure.half_turns * mp_context(60).pi), is_grazing(p, mapping, at.x, at.theta)
-    numbers["Ωt mod 2π at the graze"] = text(event.theta, 25)
-    numbers["G⁽⁰⁾, G⁽¹⁾"] = ", ".join(f"{value:.6g}" for value in touch.values)
+    numbers = {
+        "γ, B₀Ω/m": text((window.gamma, window.amplitude)),
+        "case": window.case,
+        "Ωt mod 2π at the graze": text(event.theta, 25),
+        "G⁽⁰⁾, G⁽¹⁾": ", ".join(f"{value:.6g}" for value in touch.values),
+    }
     finding = (
         f"γ = {text(window.gamma)} and B₀Ω/m = {text(window.amplitude)}, in rational numbers: case {window.case}. Its "
         f"window {'contains' if inside else 'does not contain'} Ωt = {'π' if figure.half_turns else '0'}, and the flow "
@@ -269,13 +252,13 @@ def same_point(figure: Graze) -> Evidence:
     blue, green = path(float(path.t_start)), path(float(path.t_start) + 2 * pi / float(figure.parameters.Omega))
     same, as_printed = (max(map(abs, each)) <= LAST_HALF_UNIT for each in (change, printed))
     numbers = {
-        "x, ẋ at the blue point": texts(blue, 10),
-        "x, ẋ at the green point": texts(green, 10),
-        "differences": texts(change, 10),
-        "differences with all numbers as printed": texts(printed, 10),
+        "x, ẋ at the blue point": text(blue, 10),
+        "x, ẋ at the green point": text(green, 10),
+        "differences": text(change, 10),
+        "differences with all numbers as printed": text(printed, 10),
     }
     finding = (
-        f"One period after the start the mass is at (x, ẋ) = ({texts(green, 7)}), and it was at ({texts(blue, 7)}): "
+        f"One period after the start the mass is at (x, ẋ) = ({text(green, 7)}), and it was at ({text(blue, 7)}): "
         f"{'one point' if same else 'two points'} of the phase plane."
     )
     return Evidence(verdict(as_printed, same), finding, numbers)
@@ -287,12 +270,12 @@ def periodic(figure: Graze) -> Evidence:
     changes = [hypot(*each) for each in returns(scene, 4)]
     fixed = changes[0] <= LAST_HALF_UNIT
     factor = changes[-1] / changes[-2] if changes[-2] > 0 else 0.0
-    square, level = steady_square(p), p.belt(figure.belt) ** 2
+    square, level = steady_square(p), p.belt(figure.place.boundary) ** 2
     approaches = factor < 1 and motion(scene, LATE).segments[-1].mode == "Omega1"
     detuning = (p.B0 * p.Omega) ** 2 / level - (p.c * p.Omega) ** 2
     numbers = {f"change of (x, ẋ) over period {i}": text(change, 8) for i, change in enumerate(changes, 1)} | {
         "ratio of the last two changes": text(factor, 8),
-        "square of the steady velocity amplitude, of v₁": texts((square, level)),
+        "square of the steady velocity amplitude, of v₁": text((square, level)),
         "(k − mΩ²)²; for a periodic motion that just touches v₁": (
             f"{text((p.k - p.m * p.Omega**2) ** 2)}; {text(detuning)}"
         ),
@@ -309,13 +292,13 @@ def periodic(figure: Graze) -> Evidence:
 
 def not_at_belt(figure: Graze) -> Evidence:
     """Check that the velocity differs from the belt's at the start and one period later."""
-    numbers, gaps = {}, []
+    numbers, gaps, belt = {}, [], figure.place.boundary
     for scene, name in ((figure.printed, "as printed"), (exact(figure), "A₀ = 10, exact start")):
-        level, period = float(scene.parameters.belt(figure.belt)), 2 * pi / float(scene.parameters.Omega)
+        level, period = float(scene.parameters.belt(belt)), 2 * pi / float(scene.parameters.Omega)
         velocities = [float(motion(scene, LATE)(t)[1]) for t in (float(scene.t0), float(scene.t0) + period)]
         gaps += [abs(v - level) for v in velocities]
-        numbers[f"ẋ at the blue and the green point, {name}"] = texts(velocities, 10)
-    least = f"v{subscripted(figure.belt)} by {text(min(gaps), 6)}"
+        numbers[f"ẋ at the blue and the green point, {name}"] = text(velocities, 10)
+    least = f"v{subscripted(belt)} by {text(min(gaps), 6)}"
     finding = f"The velocities differ from {least} or more: these are no grazing points."
     return Evidence(verdict(min(gaps) > LAST_HALF_UNIT), finding, numbers)
 
@@ -325,21 +308,19 @@ def not_at_belt(figure: Graze) -> Evidence:
 
 def sticks_later(figure: Graze) -> Evidence:
     """Check that the contact that follows the red point is the onset of a stick on the same belt, for both starts."""
-    numbers, held, times = {}, True, []
-    for name, scene in (("printed start", figure.printed), ("exact start", exact(figure))):
-        events = [e for e in motion(scene).events if e.kind != "slip"]
-        following = events[1] if len(events) > 1 else None
-        held = held and following is not None and (following.kind, following.boundary) == ("stick", figure.belt)
-        if following is not None:
-            times.append(following.t)
-            numbers[f"t, x of the next contact, {name}"] = f"{text(following.t, 16)}, {text(following.x, 12)}"
-    if len(times) < 2:
-        numbers["contacts after the red point"] = str(len(times))
-        return Evidence(verdict(False), "No contact follows.", numbers)
-    what = f"sticks to belt {figure.belt}" if held else "does something else"
+    belt, scenes = figure.place.boundary, (figure.printed, exact(figure))
+    following = [e for scene in scenes for e in [e for e in motion(scene).events if e.kind != "slip"][1:2]]
+    if len(following) < 2:
+        raise Refuted("No contact follows.", {"starts with a contact after the red point": str(len(following))})
+    printed, true = following
+    held = {(each.kind, each.boundary) for each in (printed, true)} == {("stick", belt)}
+    numbers = {
+        f"t, x of the next contact, {name} start": f"{text(each.t, 16)}, {text(each.x, 12)}"
+        for name, each in (("printed", printed), ("exact", true))
+    }
     finding = (
-        f"The next contact is at t = {text(times[1], 11)} from the exact start ({text(times[0], 11)} from the "
-        f"printed one): there the mass {what}."
+        f"The next contact is at t = {text(true.t, 11)} from the exact start ({text(printed.t, 11)} from the printed "
+        f"one): there the mass {f'sticks to belt {belt}' if held else 'does something else'}."
     )
     return Evidence(verdict(held), finding, numbers)
 
@@ -347,7 +328,7 @@ def sticks_later(figure: Graze) -> Evidence:
 def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:
     """Make a check of sticks on the stick that follows the graze from the exact start."""
     checks = {"together": together, "forces_hold": forces_hold, "flight_after": flight_after}
-    return checks[check](exact(figure, Fraction(10) if domains else None), figure.belt, *domains)
+    return checks[check](exact(figure, Fraction(10) if domains else None), figure.place.boundary, *domains)
 
 
 def curves_meet(figure: Graze) -> Evidence:
@@ -363,8 +344,6 @@ def curves_meet(figure: Graze) -> Evidence:
         f"modes of motion, {name} start": ", ".join(mode_text(segment.mode) for segment in each.segments)
         for name, each in (("exact", path), ("printed", printed))
     }
-    if min(len(path.events), len(printed.events)) < 2:
-        return Evidence(verdict(False), "There are no two contacts.", numbers)
     red, blue = path.events[:2]
     ahead = blue.x - (red.x + number(p, p.v1) * (blue.t - red.t))
     numbers["mass minus the red point's curve, at the blue point"] = text(ahead, 12)
@@ -387,12 +366,12 @@ PHASE = 1e-4
 def contact_or_misprint(figure: Graze) -> Evidence:
     """Check that the motion with all numbers as printed grazes; if not, search for single numbers that make it."""
     scene = figure.printed
-    as_printed = reaches_belt(scene, figure.belt)
+    as_printed = reaches_belt(scene, figure.place.boundary)
     if as_printed.verdict != NOT_AS_PRINTED:
         return as_printed
-    found = search(scene, figure.mapping, float(LAST_HALF_UNIT))
-    numbers = dict(as_printed.numbers)
-    for name in (*PARAMETER_NAMES, *START):
+    names, numbers = (*PARAMETER_NAMES, *START), dict(as_printed.numbers)
+    found = [value for name in names for value in values_that_graze(scene, figure.mapping, name)]
+    for name in names:
         values = [f"{each.shortest} (graze at t = {each.t_m:.6g})" for each in found if each.name == name]
         numbers[f"{name} free: values that graze"] = "; ".join(values) or "none"
     finding = f"{as_printed.finding} With one number changed it grazes: {misprints(scene, found)}."
@@ -414,15 +393,15 @@ def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
 
 def start_grazes(figure: Graze) -> Evidence:
     """Find the start of a graze next to the printed one, of all phases of the contact: does it round to it?"""
-    scene, printed, half_unit = figure.scene, figure.printed.parameters, float(LAST_HALF_UNIT)
-    near = nearest_graze(scene, figure.mapping, half_unit)
+    scene, printed = figure.scene, figure.printed.parameters
+    near = nearest_graze(scene, figure.mapping)
     values = {name: getattr(scene.parameters, name) for name in PARAMETER_NAMES}
     changed = ", ".join(f"{name} = {text(value)}" for name, value in values.items() if value != getattr(printed, name))
     numbers = {
-        "printed x₀, ẋ₀": texts((scene.x0, scene.v0)),
+        "printed x₀, ẋ₀": text((scene.x0, scene.v0)),
         "nearest start that grazes, minus printed: x₀, ẋ₀": f"{near.dx:+.3g}, {near.dv:+.3g}",
         "time of its contact": f"{near.t_m:.9g}",
-        "half a unit of the last printed digit": f"{half_unit:g}",
+        "half a unit of the last printed digit": f"{HALF_UNIT:g}",
         "contacts from the printed start": contacts_text(motion(scene)),
     }
     held, how = False, "which does not round to it"
@@ -441,8 +420,7 @@ def start_grazes(figure: Graze) -> Evidence:
 
 def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bool:
     """Return whether the flow from the start for t_m grazes, with 40 digits and in another closed form."""
-    scene, at = figure.scene, place(figure.mapping)
-    p = scene.parameters
+    scene, at, p = figure.scene, figure.place, figure.parameters
     found = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0)
     start: dict[str, Any] = {name: Fraction(found.start[name]) for name in ("x0", "v0")}
     path = motion(replace(scene, **start, start_error=found.start["start_error"]))
@@ -463,9 +441,9 @@ def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bo
 # flow from the printed start touches the belt, and never is beyond it, explains the figure if it is no longer than what
 # is printed.
 
-#: Instants in which a graze is sought, and values of a number left free.
-INSTANTS, VALUES = 300, 201
-LONGEST = 12
+#: Instants in which a graze is sought, values of a number left free, and digits of one that grazes.
+INSTANTS, VALUES, LONGEST = 300, 201, 12
+HALF_UNIT = float(LAST_HALF_UNIT)
 
 
 @dataclass(frozen=True)
@@ -496,20 +474,17 @@ class FreeValue:
     @property
     def shortest(self) -> str:
         """The shortest decimal number within the uncertainty."""
-        for digits in range(1, LONGEST):
-            shown = f"{self.value:.{digits}g}"
-            if abs(float(shown) - self.value) <= self.uncertainty:
-                return f"{float(shown):.{LONGEST}g}"
-        return f"{self.value:.{LONGEST}g}"
+        rounded = [float(f"{self.value:.{digits}g}") for digits in range(1, LONGEST + 1)]
+        fitting = (each for each in rounded if abs(each - self.value) <= self.uncertainty)
+        return f"{next(fitting, self.value):.{LONGEST}g}"
 
     @property
     def as_short_as_printed(self) -> bool:
         """Whether it has no more digits than are printed: few for a parameter, one decimal for t0, four for x0, v0."""
-        if self.name in ("x0", "v0"):
-            return True
         if self.name == "t0":
             return len(self.shortest.partition(".")[2]) <= 1
-        return len(self.shortest.replace(".", "").lstrip("-0")) <= 3  # a parameter is printed with no more
+        # A parameter is printed with no more than three digits.
+        return self.name in START or len(self.shortest.replace(".", "").lstrip("-0")) <= 3
 
 
 def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray:
@@ -521,7 +496,7 @@ def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray
     return np.array([flow(p, A, (t, x, v), float(scene.t0)) for t, x in zip(t_m, x_m, strict=True)]).T
 
 
-def nearest_graze(scene: Scene, mapping: str, half_unit: float) -> NearestGraze:
+def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
     """Find the grazing start nearest to the printed one, and the times of those that round to it."""
     printed = np.array([[float(scene.x0)], [float(scene.v0)]])
 
@@ -539,52 +514,40 @@ def nearest_graze(scene: Scene, mapping: str, half_unit: float) -> NearestGraze:
         if not away(t) >= away(best):
             best, around = t, ends
     box = [np.nan, np.nan]
-    if away(best) <= half_unit:
-        box = [float(brentq(lambda t: away(t) - half_unit, *sorted((best, end)), xtol=1e-12)) for end in around]
+    if away(best) <= HALF_UNIT:
+        box = [float(brentq(lambda t: away(t) - HALF_UNIT, *sorted((best, end)), xtol=1e-12)) for end in around]
     dx, dv = (starts_that_graze(scene, mapping, np.array([best])) - printed)[:, 0]
     return NearestGraze(best, float(dx), float(dv), *box)
 
 
-def search(
-    scene: Scene, mapping: str, half_unit: float, names: Sequence[str] = (*PARAMETER_NAMES, *START)
-) -> list[FreeValue]:
-    """Vary each parameter and each number of the start in turn, and return all values that graze."""
-    return [value for name in names for value in _values(scene, mapping, name, half_unit)]
+def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
+    """Return the values of a number of the scene, a parameter or one of the start, that graze."""
+    printed = float(getattr(scene if name in START else scene.parameters, name))
+    # Times come back after a period.
+    reach = pi / float(scene.parameters.Omega) if name == "t0" else REACH * max(1.0, abs(printed))
+    tried = (printed - reach, printed + reach) if name in START else range_of(scene.parameters, name)
 
+    def gap(value: float, **change: float) -> float:
+        return _gap(scene, mapping, {name: value} | change)[0]
 
-def _values(scene: Scene, mapping: str, name: str, half_unit: float) -> list[FreeValue]:
-    """Return the values of a number of the scene that graze."""
-    if name in START:
-        printed = float(getattr(scene, name))
-        # Times come back after a period.
-        reach = pi / float(scene.parameters.Omega) if name == "t0" else REACH * max(1.0, abs(printed))
-        tried = printed - reach, printed + reach
-    else:
-        printed, tried = float(getattr(scene.parameters, name)), range_of(scene.parameters, name)
     values = np.unique([*np.linspace(*tried, VALUES), printed])
-    gaps = [_gap(scene, mapping, {name: float(value)})[0] for value in values]
+    gaps = [gap(float(value)) for value in values]
     found = []
     for i, (one, two) in enumerate(pairwise(gaps)):
         if not one * two <= 0 or abs(one - two) > 10 * max(1.0, abs(printed)):
             continue
-        root = float(brentq(lambda value: _gap(scene, mapping, {name: float(value)})[0], values[i], values[i + 1]))
-        gap, t_m, inside = _gap(scene, mapping, {name: root})
-        if not inside or abs(gap) > half_unit:
+        root = float(brentq(gap, values[i], values[i + 1]))
+        left, t_m, inside = _gap(scene, mapping, {name: root})
+        if not inside or abs(left) > HALF_UNIT:
             continue
-        moved = sum(abs(_gap_slope(scene, mapping, name, root, key, 1e-6)) for key in ("x0", "v0") if key != name)
-        slope = abs(_gap_slope(scene, mapping, name, root, name, 1e-6 * max(1.0, abs(root))))
-        found.append(FreeValue(name, root, half_unit * (moved / slope + (name in START)), t_m))
+        # Central differences: by how much the root moves with the other numbers of the printed start.
+        step, moved = 1e-6 * max(1.0, abs(root)), 0.0
+        for key in {"x0", "v0"} - {name}:
+            at = float(getattr(scene, key))
+            moved += abs(gap(root, **{key: at + 1e-6}) - gap(root, **{key: at - 1e-6})) / 2e-6
+        slope = abs(gap(root + step) - gap(root - step)) / (2 * step)
+        found.append(FreeValue(name, root, HALF_UNIT * (moved / slope + (name in START)), t_m))
     return found
-
-
-def _gap_slope(scene: Scene, mapping: str, name: str, root: float, key: str, step: float) -> float:
-    """Return d(gap)/d(`key`) by central differences, with the free number `name` set to `root`."""
-    ends = []
-    for sign in (1, -1):
-        change = {name: root}
-        change[key] = change.get(key, float(getattr(scene, key, 0))) + sign * step
-        ends.append(_gap(scene, mapping, change)[0])
-    return (ends[0] - ends[1]) / (2 * step)
 
 
 def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, float, bool]:
@@ -603,13 +566,9 @@ def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, f
         over = beyond(times)
     except ZeroDivisionError:  # resonance without a damper
         return np.nan, np.nan, False
-    i = int(np.argmax(over))
-    step = times[1] - times[0]
+    i, step = int(np.argmax(over)), times[1] - times[0]
     around = times[i] - step, times[i] + step
     best = minimize_scalar(lambda t: -float(beyond(t)), bounds=around, method="bounded", options={"xatol": 1e-10})
-    inside = over[0] < 0 and i > 0
-    if at.domain == 2:
-        other = p.v2 if at.boundary == 1 else p.v1
-        speeds = flow(p, A, start, times[: i + 1])[1]
-        inside = inside and bool(np.all(-at.side * (speeds - float(other)) < 0))
-    return -float(best.fun), float(best.x), bool(inside)
+    # Up to the contact the flow stays below the belt, and in domain 2 within the speeds of the two.
+    width = float(p.v2 - p.v1) if at.domain == 2 else inf
+    return -float(best.fun), float(best.x), bool(over[0] < 0 and i > 0 and np.all(over[: i + 1] > -width))

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from scipy.optimize import brentq
 
 from symosc.certificates.certify import certify
 from symosc.engine.arithmetic import MpArithmetic
-from symosc.engine.flow import BeltConstants
 from symosc.errors import MissingExtraError
 from symosc.exact import show
 from symosc.kernels._generated import acceleration
@@ -23,19 +21,19 @@ from symosc.mappings.equations import residual
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.paper.checks.exact import flow
-from symosc.paper.claims import UNDECIDED, Evidence, verdict
+from symosc.paper.claims import CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence, Refuted, verdict
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 from symosc.words import MAPS
+
+Found = TypeVar("Found", Trajectory, PeriodicOrbit)
 
 CONTACT_DIGITS = 30
 #: A force (acceleration) below this at a contact that is known to 30 digits is 0.
 NO_FORCE = 1e-20
 #: Half a unit of the fourth decimal, to which the paper prints its starts.
 LAST_HALF_UNIT = Fraction(1, 20000)
-#: The name of the number that cites a certificate.
-CERTIFICATE = "certificate (symosc certify)"
 
 
 class SceneContact(NamedTuple):
@@ -48,11 +46,11 @@ class SceneContact(NamedTuple):
 
 
 class Stick(NamedTuple):
-    """A stick from its onset to its end, which is None if the motion was not followed so far."""
+    """A stick from its onset to its end (a SceneContact), which is None if the motion was not followed so far."""
 
     belt: int
     onset: SceneContact
-    end: SceneContact | None
+    end: Any
     into: str | None
 
 
@@ -76,24 +74,19 @@ _SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def text(value: Any, digits: int = 15) -> str:
-    """Return a number of any kind as text: a Fraction or an int exactly, others with `digits` digits."""
-    if isinstance(value, int):
-        return str(value)
-    if isinstance(value, Fraction):
-        return show(value)
+    """Return numbers of any kind as text: a Fraction or an int exactly, others with `digits` digits."""
+    if isinstance(value, Iterable):
+        return ", ".join(text(each, digits) for each in value)
+    if isinstance(value, int | Fraction):
+        return show(Fraction(value))
     if hasattr(value, "context"):
         return str(value.context.nstr(value, digits)).removesuffix(".0")
     return f"{value:.{digits}g}"
 
 
-def texts(values: Iterable[Any], digits: int = 15) -> str:
-    """Return several numbers as text, with commas between them."""
-    return ", ".join(text(value, digits) for value in values)
-
-
-def force_text(value: Any) -> str:
-    """Return a force at a contact as text; one that vanishes as 0 with its bound."""
-    return f"0 (to {NO_FORCE:g})" if is_zero(value) else text(value)
+def force_text(*values: Any) -> str:
+    """Return forces at a contact as text; one that vanishes as 0 with its bound."""
+    return ", ".join(f"0 (to {NO_FORCE:g})" if is_zero(value) else text(value) for value in values)
 
 
 def subscripted(label: Any) -> str:
@@ -107,42 +100,26 @@ def mode_text(mode: Any) -> str:
     return f"Ω{subscripted(digit)}" if name == "Omega" else f"{name} {digit}"
 
 
-def force_name(domain: int) -> str:
-    """Return F⁽¹⁾ for 1."""
-    return f"F⁽{str(domain).translate(_SUPERSCRIPTS)}⁾"
-
-
-def force_names(belt: int) -> str:
-    """Return F⁽¹⁾, F⁽²⁾ for belt 1."""
-    return ", ".join(map(force_name, NEIGHBOURS[belt]))
+def force_names(*domains: int) -> str:
+    """Return F⁽¹⁾, F⁽²⁾ for 1, 2."""
+    return ", ".join(f"F⁽{str(domain).translate(_SUPERSCRIPTS)}⁾" for domain in domains)
 
 
 # --- motions ---
 
-_recorders: list[list[Any]] = []
+# What the current check has simulated and solved, for the recomputation.
+_seen: list[Trajectory | PeriodicOrbit] = []
 
 
-@contextmanager
-def recording() -> Iterator[list[Any]]:
-    """Collect the motions and orbits that checks use inside the block, for the recomputation."""
-    _recorders.append([])
-    try:
-        yield _recorders[-1]
-    finally:
-        _recorders.pop()
-
-
-def recorded(found: Any) -> Any:
-    """Return a motion or orbit, and add it to the current recording."""
-    for each in _recorders:
-        each.append(found)
+def recorded(found: Found) -> Found:
+    """Return a motion or orbit that a check uses, after noting it for the recomputation."""
+    _seen.append(found)
     return found
 
 
 def motion(scene: Scene, t_end: Any = None) -> Trajectory:
     """Return the motion of a scene with 30 digits."""
-    found: Trajectory = recorded(_motion(scene, t_end))
-    return found
+    return recorded(_motion(scene, t_end))
 
 
 @cache
@@ -170,8 +147,7 @@ def start_contact(scene: Scene, belt: int) -> SceneContact:
 def scene_contacts(scene: Scene, t_end: Any = None) -> list[SceneContact]:
     """Return the places of a motion's events."""
     convert = arithmetic(scene.parameters).context.convert
-    path = motion(scene, t_end)
-    return [SceneContact(e.boundary, convert(e.t), convert(e.x), convert(e.theta)) for e in path.events]
+    return [SceneContact(e.boundary, *map(convert, (e.t, e.x, e.theta))) for e in motion(scene, t_end).events]
 
 
 def sticks(scene: Scene, t_end: Any = None) -> list[Stick]:
@@ -180,10 +156,18 @@ def sticks(scene: Scene, t_end: Any = None) -> list[Stick]:
     for i, segment in enumerate(path.segments):
         if segment.mode.startswith("belt"):
             belt = int(segment.mode[-1])
-            onset = at[i - 1] if i else start_contact(scene, belt)
             end, into = (at[i], path.events[i].target) if i < len(at) else (None, None)
-            found.append(Stick(belt, onset, end, into))
+            found.append(Stick(belt, at[i - 1] if i else start_contact(scene, belt), end, into))
     return found
+
+
+def first_stick(scene: Scene, belt: int) -> Stick:
+    """Return the first stick on a belt that ends; Refuted if there is none before t_end."""
+    for stick in sticks(scene):
+        if stick.belt == belt and stick.end is not None:
+            return stick
+    numbers = {"events": len(motion(scene).events), "followed until t": text(scene.t_end)}
+    raise Refuted(f"There is no stick on belt {belt} that ends.", numbers)
 
 
 def forces(p: Parameters, at: SceneContact) -> Forces:
@@ -191,28 +175,24 @@ def forces(p: Parameters, at: SceneContact) -> Forces:
     exact = arithmetic(p)
     K, cosine, v = exact.K, exact.context.cos(at.theta), exact.number(p.belt(at.belt))
     constants = (K.A1, K.A2, K.A3)
-    lo, hi = NEIGHBOURS[at.belt]
-    return Forces(*(acceleration(at.x, v, cosine, constants[a - 1], K.cm, K.w0sq, K.f0) for a in (lo, hi)))
+    return Forces(*(acceleration(at.x, v, cosine, constants[a - 1], K.cm, K.w0sq, K.f0) for a in NEIGHBOURS[at.belt]))
 
 
 def forces_along(p: Parameters, stick: Stick) -> list[Forces]:
-    """Return the forces at the onset of a stick, wherever they turn during it, and at its end."""
+    """Return the forces at the onset of a stick that ends, wherever they turn during it, and at its end."""
     # On a belt both forces are monotone between the phases Theta_cr of Theorem 7: what holds here holds in between.
-    if stick.end is None:
-        raise ValueError("the motion was not followed to the end of the stick")
     exact = arithmetic(p)
-    belt: BeltConstants = exact.K.belt1 if stick.belt == 1 else exact.K.belt2
-    first, last = forces(p, stick.onset), forces(p, stick.end)
-    lasts = stick.end.t - stick.onset.t
-    context, theta = exact.context, stick.onset.theta
+    K, context, theta = exact.K, exact.context, stick.onset.theta
+    belt = K.belt1 if stick.belt == 1 else K.belt2
+    first, lasts = forces(p, stick.onset), stick.end.t - stick.onset.t
     found = [first]
     for angle in (belt.angle, context.pi - belt.angle) if belt.turns else ():
-        elapsed = ((angle - theta) % (2 * context.pi)) / exact.K.Om
+        elapsed = ((angle - theta) % (2 * context.pi)) / K.Om
         while elapsed < lasts:
-            change = exact.namespace["force_gain"](elapsed, context.sin(theta), context.cos(theta), belt, exact.K)[0]
+            change = exact.namespace["force_gain"](elapsed, context.sin(theta), context.cos(theta), belt, K)[0]
             found.append(Forces(first.below + change, first.above + change, elapsed))
-            elapsed += exact.K.period
-    return [*sorted(found, key=lambda each: each.elapsed), last._replace(elapsed=lasts)]
+            elapsed += K.period
+    return [*sorted(found, key=lambda each: each.elapsed), forces(p, stick.end)._replace(elapsed=lasts)]
 
 
 def is_zero(force: Any) -> bool:
@@ -224,9 +204,10 @@ def certificate_of(what: Scene | PeriodicOrbit) -> dict[str, str]:
     """Return the statement of a motion's or orbit's certificate as an evidence's number; no verdict rests on it."""
     try:
         proof = certify(what)
+        said = f"{'proven' if proof.proven else 'not proven'}: {proof.message}"
     except MissingExtraError:
-        return {CERTIFICATE: "none here: python-flint is not installed"}
-    return {CERTIFICATE: f"{'proven' if proof.proven else 'not proven'}: {proof.message}"}
+        said = "none here: python-flint is not installed"
+    return {"certificate (symosc certify)": said}
 
 
 # --- a second opinion: every stretch computed by another closed form, every switch decided anew by Theorems 4 and 5 ---
@@ -242,21 +223,6 @@ class Stretch(NamedTuple):
     where: int
     start: tuple[float, ...]
     end: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class Opinion:
-    """The result of a recomputation: its parts, the largest relative difference, and the contradictions."""
-
-    stretches: int = 0
-    difference: float = 0.0
-    outside: int = 0
-    otherwise: int = 0
-
-    @property
-    def agrees(self) -> bool:
-        """Whether the recomputation confirms the motion."""
-        return self.difference <= AGREEMENT and not self.outside and not self.otherwise
 
 
 def stretches_of(what: Trajectory | PeriodicOrbit) -> list[Stretch]:
@@ -275,8 +241,8 @@ def stretches_of(what: Trajectory | PeriodicOrbit) -> list[Stretch]:
         places = [row.domain or -row.start.boundary for row in rows]
         points = [*what.points, (what.points[0][0] + what.period, what.points[0][1])]
         ends = [
-            ((*points[i], p.belt(row.start.boundary)), (*points[i + 1], p.belt(row.end.boundary)))
-            for i, row in enumerate(rows)
+            ((*start, p.belt(row.start.boundary)), (*end, p.belt(row.end.boundary)))
+            for row, (start, end) in zip(rows, pairwise(points), strict=True)
         ]
     return [
         Stretch(where, tuple(map(float, start)), tuple(map(float, end)))
@@ -284,9 +250,10 @@ def stretches_of(what: Trajectory | PeriodicOrbit) -> list[Stretch]:
     ]
 
 
-def fly_again(p: Parameters, stretches: list[Stretch]) -> Opinion:
-    """Recompute parts of a motion, and decide again which mode follows each but the last."""
-    differences, outside = [0.0], 0
+def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
+    """Recompute parts of a motion; return the largest relative difference, and how many contradictions there are."""
+    # A contradiction is a stretch that is not where it is said to be, or one that cannot follow the one before.
+    differences, contradictions = [0.0], 0
     for stretch in stretches:
         (t0, x0, v0), (t1, x1, v1) = stretch.start, stretch.end
         t = np.linspace(t0, t1, SAMPLES)
@@ -300,9 +267,9 @@ def fly_again(p: Parameters, stretches: list[Stretch]) -> Opinion:
             margin = np.minimum(_force(p, lo, t, x, v), -_force(p, hi, t, x, v))
         size = max(1.0, float(np.abs(x).max()), float(np.abs(v).max()))
         differences.append(max(abs(float(x[-1]) - x1), abs(float(v[-1]) - v1)) / size)
-        outside += int(margin.min() < -AGREEMENT * size)
-    otherwise = sum(not _follows(p, one.end, then.where) for one, then in pairwise(stretches))
-    return Opinion(len(stretches), max(differences), outside, otherwise)
+        contradictions += int(margin.min() < -AGREEMENT * size)
+    contradictions += sum(not _follows(p, one.end, then.where) for one, then in pairwise(stretches))
+    return max(differences), contradictions
 
 
 def _force(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
@@ -317,25 +284,26 @@ def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
     lo, hi = NEIGHBOURS[belt]
     below, above = float(_force(p, lo, *end)), float(_force(p, hi, *end))
     slack = AGREEMENT * max(1.0, abs(below), abs(above))
-    allowed = {-belt: below > -slack and above < slack, hi: above > -slack, lo: below < slack}
-    return allowed.get(then, False)
+    return {-belt: below > -slack and above < slack, hi: above > -slack, lo: below < slack}.get(then, False)
 
 
 def judge(check: Callable[[], Any]) -> Evidence:
     """Run a check and recompute every motion and orbit that it used by independent means."""
-    with recording() as seen:
+    _seen.clear()
+    try:
         evidence = check()
+    except Refuted as refuted:
+        evidence = refuted.evidence
     if not isinstance(evidence, Evidence):
         name = getattr(getattr(check, "func", check), "__name__", str(check))
         raise TypeError(f"{name} returned {type(evidence).__name__}, not Evidence")
-    opinions = [fly_again(each.parameters, stretches_of(each)) for each in {id(each): each for each in seen}.values()]
-    count = sum(opinion.stretches for opinion in opinions)
-    if not count:
+    if not _seen:
         return evidence
-    difference = max(opinion.difference for opinion in opinions)
-    compared = f"{count} stretches, largest relative difference {difference:.1g}"
+    parts = [(each.parameters, stretches_of(each)) for each in {id(each): each for each in _seen}.values()]
+    differences, contradictions = zip(*(fly_again(*part) for part in parts), strict=True)
+    compared = f"{sum(len(part) for _, part in parts)} stretches, largest relative difference {max(differences):.1g}"
     evidence = replace(evidence, numbers=evidence.numbers | {"flown again in another closed form": compared})
-    if all(opinion.agrees for opinion in opinions):
+    if max(differences) <= AGREEMENT and not any(contradictions):
         return evidence
     return replace(evidence, verdict=UNDECIDED, finding=f"Two ways do not agree ({compared}). {evidence.finding}")
 
@@ -350,138 +318,105 @@ WITH_STICKS = tuple(map(load_scene, FOLLOWED))
 PRODUCT_SAMPLES = 2000
 
 
-def first_stick(scene: Scene, belt: int) -> tuple[Stick, SceneContact] | None:
-    """Return the first stick on a belt that ends, and its end."""
-    return next(((s, s.end) for s in sticks(scene) if s.belt == belt and s.end is not None), None)
-
-
-def no_stick(scene: Scene, belt: int) -> Evidence:
-    """Return the evidence against a claim about a stick: no stick on this belt ends before t_end."""
-    numbers = {"events": len(motion(scene).events), "followed until t": text(scene.t_end)}
-    return Evidence(verdict(False), f"There is no stick on belt {belt} that ends.", numbers)
-
-
 def onset_later(scene: Scene, belt: int) -> Evidence:
     """Check that the first stick starts after t0, with F F < 0 (Theorem 4)."""
-    found = first_stick(scene, belt)
-    if found is None:
-        return no_stick(scene, belt)
-    onset, p = found[0].onset, scene.parameters
-    wait = onset.t - number(p, scene.t0)
-    finding = (
-        f"The stick on belt {belt} starts {text(wait, 11)} after t₀ = {text(scene.t0)}, at x = {text(onset.x, 11)}."
-    )
+    onset, p = first_stick(scene, belt).onset, scene.parameters
+    wait = text(onset.t - number(p, scene.t0), 11)
+    finding = f"The stick on belt {belt} starts {wait} after t₀ = {text(scene.t0)}, at x = {text(onset.x, 11)}."
     numbers = {
         "t of the blue point": text(onset.t, 25),
         "x of the blue point": text(onset.x, 25),
-        "ẋ₀, velocity of the belt": texts((scene.v0, p.belt(belt))),
+        "ẋ₀, velocity of the belt": text((scene.v0, p.belt(belt))),
     }
-    return Evidence(verdict(wait > 0), finding, numbers | certificate_of(scene))
+    return Evidence(verdict(onset.t > number(p, scene.t0)), finding, numbers | certificate_of(scene))
 
 
 def together(scene: Scene, belt: int) -> Evidence:
     """Check x = x_i + v (t - t_i) over the first stick, and that static friction suffices for it: eqs. (2) to (4)."""
-    found = first_stick(scene, belt)
-    if found is None:
-        return no_stick(scene, belt)
-    (stick, end), p = found, scene.parameters
+    stick, p = first_stick(scene, belt), scene.parameters
     most = (p.mu1 if belt == 1 else p.mu2) * p.FN
     grip, m = number(p, most), number(p, p.m)
     # The force of (2) on the mass is m F^(below) - mu FN.
     needed = [m * each.below - grip for each in forces_along(p, stick)]
-    lasts, way = end.t - stick.onset.t, end.x - stick.onset.x
+    lasts, way = stick.end.t - stick.onset.t, stick.end.x - stick.onset.x
     apart = abs(way - number(p, p.belt(belt)) * lasts)
     enough = max(abs(force) for force in needed) <= grip + NO_FORCE
-    used_up = is_zero(abs(needed[-1]) - grip)
     grips = f"stays within μ{subscripted(belt)} F_N = {text(most)}" if enough else f"exceeds {text(most)}"
+    used_up = "; it is used up at the green point" if is_zero(abs(needed[-1]) - grip) else ""
     finding = (
         f"For {text(lasts, 11)} the mass moves with belt {belt}, both by {text(way, 11)}. The static friction that "
-        f"this needs {grips}{'; it is used up at the green point' if used_up else ''}."
+        f"this needs {grips}{used_up}."
     )
     numbers = {
-        "t of the blue and of the green point": texts((stick.onset.t, end.t), 20),
-        "x of the blue and of the green point": texts((stick.onset.x, end.x), 20),
+        "t of the blue and of the green point": text((stick.onset.t, stick.end.t), 20),
+        "x of the blue and of the green point": text((stick.onset.x, stick.end.x), 20),
         "way of the mass minus way of the belt": text(apart, 2),
-        f"F_s{belt} of eq. (2) at the onset, where it turns, at the end": texts(needed, 10),
+        f"F_s{belt} of eq. (2) at the onset, where it turns, at the end": text(needed, 10),
     }
     return Evidence(verdict(lasts > 0 and apart < NO_FORCE and enough), finding, numbers)
 
 
 def forces_hold(scene: Scene, belt: int) -> Evidence:
     """Check Theorem 4's conditions, F^(below) > 0 > F^(above), over the whole first stick; at its end one may be 0."""
-    found = first_stick(scene, belt)
-    if found is None:
-        return no_stick(scene, belt)
-    (stick, end), (lo, hi) = found, NEIGHBOURS[belt]
-    along = forces_along(scene.parameters, stick)
-    held = all(each.below > NO_FORCE and each.above < -NO_FORCE for each in along[:-1])
-    held = held and along[-1].below > -NO_FORCE and along[-1].above < NO_FORCE
-    lowest, highest = min(each.below for each in along), max(each.above for each in along)
+    stick, domains = first_stick(scene, belt), NEIGHBOURS[belt]
+    *along, last = both = forces_along(scene.parameters, stick)
+    held = all(each.below > NO_FORCE and each.above < -NO_FORCE for each in along)
+    held = held and last.below > -NO_FORCE and last.above < NO_FORCE
+    lowest, highest = min(each.below for each in both), max(each.above for each in both)
     finding = (
-        f"From t = {text(stick.onset.t, 11)} to {text(end.t, 11)} {force_name(lo)} is at least {force_text(lowest)}, "
-        f"{force_name(hi)} at most {force_text(highest)}{', with 0 at the green point only' if held else ''}. Both are "
-        "monotone between the instants listed: this is decided for the whole stick, not at samples."
+        f"From t = {text(stick.onset.t, 11)} to {text(stick.end.t, 11)} {force_names(domains[0])} is at least "
+        f"{force_text(lowest)}, {force_names(domains[1])} at most {force_text(highest)}"
+        f"{', with 0 at the green point only' if held else ''}. Both are monotone between the instants listed: this is "
+        "decided for the whole stick, not at samples."
     )
     numbers = {
-        f"{force_names(belt)} at t = {text(stick.onset.t + each.elapsed)}": (
-            f"{force_text(each.below)}, {force_text(each.above)}"
-        )
-        for each in along
+        f"{force_names(*domains)} at t = {text(stick.onset.t + each.elapsed)}": force_text(each.below, each.above)
+        for each in both
     }
     return Evidence(verdict(held), finding, numbers)
 
 
 def ends_below(scene: Scene, belt: int) -> Evidence:
     """Check that the first stick ends by the force of the domain below while the other one still holds."""
-    found = first_stick(scene, belt)
-    if found is None:
-        return no_stick(scene, belt)
-    (stick, end), (lo, hi) = found, NEIGHBOURS[belt]
-    at = forces(scene.parameters, end)
+    stick, (lo, hi) = first_stick(scene, belt), NEIGHBOURS[belt]
+    at = forces(scene.parameters, stick.end)
     held = is_zero(at.below) and at.above < 0 and stick.into == f"Omega{lo}"
     finding = (
-        f"At t = {text(end.t, 13)} {force_name(lo)} = {force_text(at.below)}, {force_name(hi)} = {text(at.above)}; "
-        f"the mass slips into {mode_text(stick.into)}. Eq. ({51 + belt}) of the paper wants {force_name(hi)} = 0 there."
+        f"At t = {text(stick.end.t, 13)} {force_names(lo)} = {force_text(at.below)}, {force_names(hi)} = "
+        f"{text(at.above)}; the mass slips into {mode_text(stick.into)}. Eq. ({51 + belt}) of the paper wants "
+        f"{force_names(hi)} = 0 there."
     )
-    numbers = {"t of the green point": text(end.t, 25), force_name(lo): force_text(at.below)}
-    return Evidence(verdict(held), finding, numbers | {force_name(hi): text(at.above, 25)})
+    numbers = {"t of the green point": text(stick.end.t, 25), force_names(lo): force_text(at.below)}
+    return Evidence(verdict(held), finding, numbers | {force_names(hi): text(at.above, 25)})
 
 
 def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
     """Check that a flight in one of the domains follows the first stick and obeys (5) up to the next contact."""
-    found, p, path = first_stick(scene, belt), scene.parameters, motion(scene)
-    if found is None:
-        return no_stick(scene, belt)
-    (stick, end), at = found, scene_contacts(scene)
+    (_, _, end, into), at, p = first_stick(scene, belt), scene_contacts(scene), scene.parameters
     i = at.index(end)
     if i + 1 == len(at):
         return Evidence(UNDECIDED, "No contact follows.", {"followed until t": text(scene.t_end)})
-    flight, after, Omega = path.segments[i + 1], at[i + 1], number(p, p.Omega)
-    label = str(flight.label)
+    after, Omega = at[i + 1], number(p, p.Omega)
+    label = str(motion(scene).segments[i + 1].label)
     # The engine flies with gains from the contact; (54) is evaluated here from one contact to the next.
     rest = [abs(each) for each in residual(p, label, (end.x, Omega * end.t), (after.x, Omega * after.t))]
-    lasts, domain = after.t - end.t, int(str(stick.into)[-1])
-    held = domain in domains and lasts > 0 and max(rest) < NO_FORCE
+    lasts, domain = after.t - end.t, int(str(into)[-1])
     drag = p.A(domain) - p.A0
     finding = (
-        f"For {text(lasts, 11)}, from t = {text(end.t, 11)} to {text(after.t, 11)}, the mass is in "
-        f"{mode_text(flight.mode)} ({subscripted(label)}) with the kinetic friction {text(drag)}; then it is at "
-        f"belt {after.belt}."
+        f"For {text(lasts, 11)}, from t = {text(end.t, 11)} to {text(after.t, 11)}, the mass is in {mode_text(into)} "
+        f"({subscripted(label)}) with the kinetic friction {text(drag)}; then it is at belt {after.belt}."
     )
     numbers = {
-        "t from, to": texts((end.t, after.t), 20),
+        "t from, to": text((end.t, after.t), 20),
         "friction force A_α − A₀": text(drag),
-        f"residuals f₁, f₂ of (54) for {subscripted(label)}": texts(rest, 2),
+        f"residuals f₁, f₂ of (54) for {subscripted(label)}": text(rest, 2),
     }
-    return Evidence(verdict(held), finding, numbers)
+    return Evidence(verdict(domain in domains and lasts > 0 and max(rest) < NO_FORCE), finding, numbers)
 
 
 def product_after(scene: Scene, belt: int) -> Evidence:
     """Check the sign of the force product from the end of the first stick up to the next contact."""
-    found, path, (lo, hi) = first_stick(scene, belt), motion(scene), NEIGHBOURS[belt]
-    if found is None:
-        return no_stick(scene, belt)
-    end = found[1]
+    end, path, (lo, hi) = first_stick(scene, belt).end, motion(scene), NEIGHBOURS[belt]
     following = next((at for at in scene_contacts(scene) if at.t > end.t), None)
     since, until = float(end.t), float(path.t_end if following is None else following.t)
 
@@ -499,15 +434,13 @@ def product_after(scene: Scene, belt: int) -> Evidence:
     }
     if following is not None:
         numbers["product at the next contact"] = text(forces(scene.parameters, following).product)
-    if turn is None:
-        sign = "positive" if products[0] > 0 else "not positive"
-        finding = f"The product is {sign} from the green point until t = {text(until, 8)}."
-    else:
+    finding = f"The product has one sign from the green point until t = {text(until, 8)}."
+    if turn is not None:
         zero = brentq(product, times[turn - 1], times[turn], xtol=1e-14)
         numbers["the product changes its sign at t"] = f"{zero:.12g} (to 1e-12)"
         finding = (
             f"The product is positive only until t = {zero:.10g}, {zero - since:.7g} after the green point: there "
-            f"ẋ has its extremum {path(zero)[1]:.7g} and {force_name(lo)} changes its sign. At the next contact, "
+            f"ẋ has its extremum {path(zero)[1]:.7g} and {force_names(lo)} changes its sign. At the next contact, "
             f"t = {text(until, 8)}, the product is {'negative' if products[-1] < 0 else 'positive'}."
         )
     return Evidence(verdict(min(products) > 0, products[0] > 0), finding, numbers)
@@ -515,30 +448,29 @@ def product_after(scene: Scene, belt: int) -> Evidence:
 
 def sticks_at_start(scene: Scene, belt: int) -> Evidence:
     """Check that the start is on the belt and holds (Theorem 4); a stick that only comes later is a correction."""
-    p, both = scene.parameters, forces(scene.parameters, start_contact(scene, belt))
-    held = scene.v0 == p.belt(belt) and both.below > NO_FORCE and both.above < -NO_FORCE
-    first = next((stick for stick in sticks(scene) if stick.belt == belt), None)
-    values = zip(NEIGHBOURS[belt], both[:2], strict=True)
-    where = f"At t₀ = {text(scene.t0)} " + ", ".join(f"{force_name(each)} = {text(value, 8)}" for each, value in values)
-    mode = mode_text(motion(scene).segments[0].mode)
+    p, domains, mode = scene.parameters, NEIGHBOURS[belt], mode_text(motion(scene).segments[0].mode)
+    both = forces(p, start_contact(scene, belt))[:2]
+    values = (f"{force_names(each)} = {text(value, 8)}" for each, value in zip(domains, both, strict=True))
+    finding = f"At t₀ = {text(scene.t0)} {', '.join(values)}: "
     numbers = {
-        f"{force_names(belt)} at the start": texts(both[:2]),
-        "ẋ₀, velocity of the belt": texts((scene.v0, p.belt(belt))),
+        f"{force_names(*domains)} at the start": text(both),
+        "ẋ₀, velocity of the belt": text((scene.v0, p.belt(belt))),
         "first mode of motion": mode,
     } | certificate_of(scene)
-    if held:
-        return Evidence(verdict(True), f"{where}: the mass sticks at once (Theorem 4).", numbers)
+    if scene.v0 == p.belt(belt) and both[0] > NO_FORCE and both[1] < -NO_FORCE:
+        return Evidence(verdict(True), f"{finding}the mass sticks at once (Theorem 4).", numbers)
+    first = next((stick for stick in sticks(scene) if stick.belt == belt), None)
     if first is None:
-        return Evidence(verdict(False), f"{where}: the mass does not stick, nor later.", numbers)
+        return Evidence(NOT_AS_PRINTED, f"{finding}the mass does not stick, nor later.", numbers)
     numbers["t of the first stick"] = text(first.onset.t, 20)
-    finding = f"{where}: no stick at the start (Theorem 5), the mass leaves into {mode} and sticks to belt {belt} only "
-    return Evidence(verdict(False, True), f"{finding}at t = {text(first.onset.t, 11)}.", numbers)
+    finding += f"no stick at the start (Theorem 5), the mass leaves into {mode} and sticks to belt {belt} only "
+    return Evidence(CORRECTED, f"{finding}at t = {text(first.onset.t, 11)}.", numbers)
 
 
 def stick_appears(scene: Scene, belt: int) -> Evidence:
     """Check that a stick appears on a belt, at the start or later."""
     at_start = sticks_at_start(scene, belt)
-    return Evidence(verdict(at_start.verdict != verdict(False)), at_start.finding, at_start.numbers)
+    return replace(at_start, verdict=verdict(at_start.verdict != NOT_AS_PRINTED))
 
 
 # --- what Section 6 says of all figures ---
@@ -555,7 +487,7 @@ def hypotheses(scenes: tuple[Scene, ...]) -> Evidence:
     for scene in scenes:
         p = scene.parameters
         held = held and p.v1 < p.v2 and p.mu1 >= p.mu2 and min(p.m, p.FN, p.B0, p.Omega) > 0
-        numbers[f"{_figure(scene)}: v₂ − v₁, μ₁ − μ₂"] = texts((p.v2 - p.v1, p.mu1 - p.mu2))
+        numbers[f"{_figure(scene)}: v₂ − v₁, μ₁ − μ₂"] = text((p.v2 - p.v1, p.mu1 - p.mu2))
     how = "holds" if held else "does not hold"
     finding = f"v₁ < v₂, μ₁ ≥ μ₂ and B₀ > 0, decided in rational numbers, {how} in all {len(scenes)} figures."
     return Evidence(verdict(held), finding, numbers)
@@ -568,9 +500,9 @@ def weight(scenes: tuple[Scene, ...]) -> Evidence:
     others = [name for name in weights if name not in equal]
     finding = f"No equation contains g. F_N = m g in {', '.join(equal) or 'no figure'}"
     if others:
-        ratios = texts((float(weights[name][0] / weights[name][1]) for name in others), 4)
+        ratios = text((float(weights[name][0] / weights[name][1]) for name in others), 4)
         finding += f"; in {', '.join(others)} F_N is {ratios} times the weight"
-    numbers = {f"{name}: F_N, m g": texts(pair) for name, pair in weights.items()}
+    numbers = {f"{name}: F_N, m g": text(pair) for name, pair in weights.items()}
     return Evidence(verdict(equal), f"{finding}.", numbers)
 
 
@@ -578,18 +510,18 @@ def force_products(scenes: tuple[Scene, ...]) -> Evidence:
     """Check F F < 0 where sticks start, and that F F = 0 where they vanish, for every stick of the scenes."""
     numbers, held, count = {}, True, 0
     for scene in scenes:
-        p = scene.parameters
-        found = [(s.onset, s.end) for s in sticks(scene, FOLLOWED.get(scene.name)) if s.end is not None]
+        p, name = scene.parameters, _figure(scene)
+        found = [stick for stick in sticks(scene, FOLLOWED.get(scene.name)) if stick.end is not None]
         if not found:
             continue
-        starts = [forces(p, onset).product for onset, _ in found]
-        ends = [forces(p, end) for _, end in found]
+        starts = [forces(p, stick.onset).product for stick in found]
+        ends = [forces(p, stick.end) for stick in found]
         held = held and max(starts) < 0 and all(is_zero(end.below) != is_zero(end.above) for end in ends)
         count += len(found)
         least = max(min(abs(end.below), abs(end.above)) for end in ends)
-        numbers[f"{_figure(scene)}: sticks"] = str(len(found))
-        numbers[f"{_figure(scene)}: product where they start"] = f"{text(min(starts), 8)} to {text(max(starts), 8)}"
-        numbers[f"{_figure(scene)}: the force that vanishes where they end"] = f"at most {text(least, 2)}"
+        numbers[f"{name}: sticks"] = str(len(found))
+        numbers[f"{name}: product where they start"] = f"{text(min(starts), 8)} to {text(max(starts), 8)}"
+        numbers[f"{name}: the force that vanishes where they end"] = f"at most {text(least, 2)}"
     if not count:
         return Evidence(UNDECIDED, "There is no stick.", {"sticks": "0"})
     every = "All" if held else "Not all"

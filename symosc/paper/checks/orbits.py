@@ -24,7 +24,6 @@ from symosc.paper.checks.motions import (
     NO_FORCE,
     SceneContact,
     certificate_of,
-    force_name,
     force_names,
     force_text,
     forces,
@@ -38,9 +37,8 @@ from symosc.paper.checks.motions import (
     sticks,
     subscripted,
     text,
-    texts,
 )
-from symosc.paper.claims import CONFIRMED, Evidence, verdict
+from symosc.paper.claims import CONFIRMED, NOT_AS_PRINTED, Evidence, Refuted, evidence, verdict
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.words import read_word
@@ -49,10 +47,12 @@ FIG9, FIG10 = map(load_scene, ("fig9", "fig10"))
 WITHIN = 1e-4
 
 
-def orbit_of(scene: Scene) -> PeriodicOrbit | None:
-    """Return the periodic orbit of a scene's structure with 30 digits, or None if there is none."""
-    found = _orbit_of(scene)
-    return None if found is None else recorded(found)
+def orbit_of(scene: Scene) -> PeriodicOrbit:
+    """Return the periodic orbit of a scene's structure with 30 digits; Refuted if there is none."""
+    if found := _orbit_of(scene):
+        return recorded(found)
+    numbers = {"mappings from the printed start": " ".join(motion(scene).word[-8:]) or "none"}
+    raise Refuted(f"There is no periodic motion {subscripted(scene.structure)}.", numbers)
 
 
 @cache
@@ -64,32 +64,23 @@ def _orbit_of(scene: Scene) -> PeriodicOrbit | None:
     return found if found.admissible else None
 
 
-def no_orbit(scene: Scene) -> Evidence:
-    """Return the evidence that a word has no orbit, with the motion that occurs instead."""
-    numbers = {"mappings from the printed start": " ".join(motion(scene).word[-8:]) or "none"}
-    return Evidence(verdict(False), f"There is no periodic motion {subscripted(str(scene.structure))}.", numbers)
-
-
 def orbit_exists(scene: Scene) -> Evidence:
     """Solve the closing equations (54) of the structure and check every inequality that makes the root a motion."""
-    found, name = orbit_of(scene), subscripted(str(scene.structure))
-    if found is None:
-        return no_orbit(scene)
-    margin = min(found.conditions(), key=lambda condition: condition.value)
+    found, conditions = orbit_of(scene), orbit_of(scene).conditions()
+    margin = min(conditions, key=lambda condition: condition.value)
     finding = (
-        f"{name} exists: it has the period of the excitation, {text(found.period, 10)}, all {len(found.conditions())} "
-        f"inequalities hold, and it is {'stable' if found.stable else 'unstable'} (largest |multiplier| "
-        f"{float(abs(found.multipliers[0])):.6g})."
+        f"{subscripted(scene.structure)} exists: it has the period of the excitation, {text(found.period, 10)}, all "
+        f"{len(conditions)} inequalities hold, and it is {'stable' if found.stable else 'unstable'} (largest "
+        f"|multiplier| {float(abs(found.multipliers[0])):.6g})."
     )
     numbers = {
-        f"{i}. {subscripted(label)} starts at t, x": texts((point.t, point.x), 22)
+        f"{i}. {subscripted(label)} starts at t, x": text((point.t, point.x), 22)
         for i, (label, point) in enumerate(zip(found.labels, found.points, strict=True), 1)
-    }
-    numbers |= {
+    } | {
         "largest residual of (54)": text(found.residual, 2),
         "smallest margin of an inequality": f"{margin.value:.6g} ({margin.text})",
         "distance from grazing, as a velocity": f"{found.grazing_distance:.6g}",
-        "|multipliers|": texts((float(abs(value)) for value in found.multipliers), 8),
+        "|multipliers|": text((float(abs(value)) for value in found.multipliers), 8),
     }
     return Evidence(verdict(found.periods == 1 and found.stable is True), finding, numbers | certificate_of(found))
 
@@ -125,15 +116,13 @@ def in_order(scene: Scene) -> Evidence:
 
 def switching_points(scene: Scene, belt: int) -> list[SceneContact]:
     """Return the switching points at a belt: of the motion from the printed start, that start, and of the orbit."""
-    points = [at for at in scene_contacts(scene) if at.belt == belt]
+    points, found = [at for at in scene_contacts(scene) if at.belt == belt], orbit_of(scene)
     if scene.v0 == scene.parameters.belt(belt):
         points.insert(0, start_contact(scene, belt))
-    found = orbit_of(scene)
-    if found is not None:
-        Omega = number(scene.parameters, scene.parameters.Omega)
-        for piece, point in zip(found.equations().pieces, found.points, strict=True):
-            if piece.start == belt:
-                points.append(SceneContact(belt, point.t, point.x, Omega * point.t))
+    Omega = number(scene.parameters, scene.parameters.Omega)
+    for piece, point in zip(found.equations().pieces, found.points, strict=True):
+        if piece.start == belt:
+            points.append(SceneContact(belt, point.t, point.x, Omega * point.t))
     return points
 
 
@@ -141,16 +130,14 @@ def products_positive(scene: Scene, belt: int) -> Evidence:
     """Check that both forces have one sign at every switching point (Theorem 5)."""
     points = switching_points(scene, belt)
     both = [forces(scene.parameters, at) for at in points]
-    if not both:
-        return Evidence(verdict(False), "There is no switching point.", {"switching points": "0"})
     products = [each.product for each in both]
     numbers = {
         "switching points (start, motion, periodic motion)": str(len(points)),
-        "lowest and highest product": texts((min(products), max(products)), 10),
+        "lowest and highest product": text((min(products), max(products)), 10),
     }
+    names, held = force_names(*NEIGHBOURS[belt]), min(products) > 0
     for at, each in list(zip(points, both, strict=True))[-2:]:
-        numbers[f"{force_names(belt)} at t = {text(at.t, 12)} (periodic motion)"] = texts(each[:2], 12)
-    held = min(products) > 0
+        numbers[f"{names} at t = {text(at.t, 12)} (periodic motion)"] = text(each[:2], 12)
     finding = (
         f"At {'all' if held else 'not all'} {len(points)} switching points the product is positive; the smallest is "
         f"{text(min(products), 8)}."
@@ -160,19 +147,18 @@ def products_positive(scene: Scene, belt: int) -> Evidence:
 
 def passes(scene: Scene, belt: int) -> Evidence:
     """Check that every contact is a crossing in the direction of both forces, as Theorem 5 says."""
-    p, path = scene.parameters, motion(scene)
-    lo, hi = (f"Omega{domain}" for domain in NEIGHBOURS[belt])
+    p, path, (lo, hi) = scene.parameters, motion(scene), NEIGHBOURS[belt]
     places: dict[str, list[SceneContact]] = {"up": [], "down": []}
     right = True
     for at, event in zip(scene_contacts(scene), path.events, strict=True):
-        each = forces(p, at)
-        way = "up" if each.below > 0 and each.above > 0 else "down" if each.below < 0 and each.above < 0 else ""
-        to = {"up": (lo, hi), "down": (hi, lo)}.get(way)
+        below, above, _ = forces(p, at)
+        way = "up" if below > 0 and above > 0 else "down" if below < 0 and above < 0 else ""
+        to = {"up": (f"Omega{lo}", f"Omega{hi}"), "down": (f"Omega{hi}", f"Omega{lo}")}.get(way)
         right = right and event.kind == "cross" and (event.source, event.target) == to
         if way:
             places[way].append(at.x)
     numbers = {
-        f"passages {way}: number, x from, to": f"{len(found)}, {texts((min(found), max(found)), 9)}"
+        f"passages {way}: number, x from, to": f"{len(found)}, {text((min(found), max(found)), 9)}"
         for way, found in places.items()
         if found
     } | {"contacts": str(len(path.events))}
@@ -188,16 +174,14 @@ def never_sticks(scene: Scene) -> Evidence:
     """Check that neither the motion from the printed start nor the periodic motion sticks."""
     path, found = motion(scene), orbit_of(scene)
     modes = sorted({segment.mode for segment in path.segments})
-    none = not any(mode.startswith("belt") for mode in modes) and found is not None
+    none = not any(mode.startswith("belt") for mode in modes) and not {"P1", "P4"} & set(found.labels)
     count, until = len(sticks(scene)), text(path.t_end, 6)
+    velocities = found([float(found.period) * i / 2000 for i in range(2000)])[1]
     numbers = {
         "modes of motion": ", ".join(map(mode_text, modes)),
         f"sticks, passages until t = {until}": f"{count}, {len(path.events)}",
+        "velocities of the periodic motion": f"{velocities.min():.6g} to {velocities.max():.6g} (sampled)",
     }
-    if found is not None:
-        none = none and not {"P1", "P4"} & set(found.labels)
-        velocities = found([float(found.period) * i / 2000 for i in range(2000)])[1]
-        numbers["velocities of the periodic motion"] = f"{velocities.min():.6g} to {velocities.max():.6g} (sampled)"
     finding = (
         f"The motion has {count} sticks and {len(path.events)} passages of the boundary until t = {until}; it is in "
         f"{' and '.join(map(mode_text, modes))} only."
@@ -208,8 +192,6 @@ def never_sticks(scene: Scene) -> Evidence:
 def stick_parts(scene: Scene, label: str, count: int) -> Evidence:
     """Count the sticks in one period of the periodic motion."""
     found = orbit_of(scene)
-    if found is None:
-        return no_orbit(scene)
     ends = [*[point.t for point in found.points[1:]], found.points[0].t + found.period]
     lasts = [end - point.t for each, point, end in zip(found.labels, found.points, ends, strict=True) if each == label]
     numbers = {f"length of stick {i}": text(value, 20) for i, value in enumerate(lasts, 1)}
@@ -225,51 +207,45 @@ def stick_parts(scene: Scene, label: str, count: int) -> Evidence:
 def onsets(scene: Scene, belt: int) -> Evidence:
     """Check the force product where the mass begins to stick, on the printed motion up to its end."""
     found = [stick.onset for stick in sticks(scene) if stick.belt == belt]
-    if not found:
-        return Evidence(verdict(False), f"There is no stick on belt {belt}.", {"sticks": "0"})
     both = [forces(scene.parameters, at) for at in found]
     products = [each.product for each in both]
+    if not found:
+        raise Refuted(f"There is no stick on belt {belt}.", {"sticks": "0"})
+    names, how = force_names(*NEIGHBOURS[belt]), "all" if max(products) < 0 else "not all"
     numbers = {
-        f"{force_names(belt)} at t = {text(at.t, 14)}": texts(each[:2], 12)
-        for at, each in list(zip(found, both, strict=True))[:4]
-    } | {"lowest and highest product": texts((min(products), max(products)), 10)}
-    held = max(products) < 0
-    how = "all" if held else "not all"
+        f"{names} at t = {text(at.t, 14)}": text(each[:2], 12) for at, each in zip(found[:4], both[:4], strict=True)
+    } | {"lowest and highest product": text((min(products), max(products)), 10)}
     finding = f"At {how} {len(found)} blue points the product is negative; the highest is {text(max(products), 7)}."
-    return Evidence(verdict(held), finding, numbers)
+    return Evidence(verdict(max(products) < 0), finding, numbers)
 
 
 def ends(scene: Scene, belt: int) -> Evidence:
     """Check that one force vanishes where a stick ends, and that a flight into its domain follows."""
-    p, (lo, hi) = scene.parameters, NEIGHBOURS[belt]
-    found = [(stick, stick.end) for stick in sticks(scene) if stick.belt == belt and stick.end is not None]
+    found = [stick for stick in sticks(scene) if stick.belt == belt and stick.end is not None]
     if not found:
-        return Evidence(verdict(False), f"No stick on belt {belt} ends.", {"sticks": "0"})
-    held, numbers = True, {}
-    for i, (stick, end) in enumerate(found):
-        at = forces(p, end)
-        free = [domain for domain, force in ((lo, at.below), (hi, at.above)) if is_zero(force)]
-        held = held and len(free) == 1 and stick.into == f"Omega{free[0]}"
+        raise Refuted(f"No stick on belt {belt} ends.", {"sticks": "0"})
+    held, numbers, names = True, {}, force_names(*NEIGHBOURS[belt])
+    for i, stick in enumerate(found):
+        both = forces(scene.parameters, stick.end)[:2]
+        free = [domain for domain, force in zip(NEIGHBOURS[belt], both, strict=True) if is_zero(force)]
+        held = held and [stick.into] == [f"Omega{domain}" for domain in free]
         if i < 4:
-            values = f"{force_text(at.below)}, {force_text(at.above)}, {mode_text(stick.into)}"
-            numbers[f"{force_names(belt)} at t = {text(end.t, 14)}, into"] = values
-    into = [stick.into for stick, _ in found]
+            numbers[f"{names} at t = {text(stick.end.t, 14)}, into"] = f"{force_text(*both)}, {mode_text(stick.into)}"
+    into = [stick.into for stick in found]
+    ways = [
+        f"{into.count(f'Omega{domain}')} times {force_names(domain)}, into {mode_text(f'Omega{domain}')}"
+        for domain in NEIGHBOURS[belt]
+    ]
     finding = (
-        f"At all {len(found)} green points one force is 0 and the mass slips into its domain: "
-        f"{into.count(f'Omega{lo}')} times {force_name(lo)}, into {mode_text(f'Omega{lo}')}, and "
-        f"{into.count(f'Omega{hi}')} times {force_name(hi)}, into {mode_text(f'Omega{hi}')}. Eq. ({51 + belt}) of the "
-        f"paper knows {force_name(hi)} only."
-        if held
-        else "Not at all green points exactly one force is 0."
+        f"At all {len(found)} green points one force is 0 and the mass slips into its domain: {', and '.join(ways)}. "
+        f"Eq. ({51 + belt}) of the paper knows {force_names(NEIGHBOURS[belt][1])} only."
     )
-    return Evidence(verdict(held), finding, numbers)
+    return evidence(held, finding, numbers)
 
 
 def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
     """Check whether the printed equations determine a periodic motion; `closed` adds x and phase after one period."""
     found, p = orbit_of(scene), scene.parameters
-    if found is None:
-        return no_orbit(scene)
     Omega, count = number(p, p.Omega), len(found.labels)
     points = [(point.x, Omega * point.t) for point in found.points]
     points.append((points[0][0], points[0][1] + Omega * found.period))
@@ -279,26 +255,24 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
     rows[-2:, :2], rows[-2:, -2:] = -np.eye(2), np.eye(2)
     printed = rows if closed else rows[: 2 * count]
     rank, full = (int(np.linalg.matrix_rank(matrix)) for matrix in (printed, rows))
-    free = printed.shape[1] - rank
     at = [start_contact(scene, motion(scene).events[0].boundary), *scene_contacts(scene)[:count]]
     rest = [
         max(map(abs, residual(p, label, (a.x, Omega * a.t), (b.x, Omega * b.t))))
         for label, (a, b) in zip(found.labels, pairwise(at), strict=True)
     ]
+    unknowns, free = printed.shape[1], printed.shape[1] - rank
     numbers = {
-        f"unknowns and equations of (54) for {subscripted(found.word)}": f"{printed.shape[1]}, {printed.shape[0]}",
+        f"unknowns and equations of (54) for {subscripted(found.word)}": f"{unknowns}, {printed.shape[0]}",
         "rank of its Jacobian at the orbit": str(rank),
         "rank with the closing conditions": str(full),
         "largest residual of (54) on the motion from the printed start": text(max(rest), 2),
         "x at the end of that motion's first round minus x₀": text(at[-1].x - at[0].x, 10),
     }
-    if not free:
-        return Evidence(verdict(True), "The printed equations determine the orbit.", numbers)
     finding = (
-        f"(54) leaves {free} of {printed.shape[1]} unknowns open. The motion from the printed start of Fig. "
+        f"(54) leaves {free} of {unknowns} unknowns open. The motion from the printed start of Fig. "
         f"{scene.name.removeprefix('fig')} fulfils it, and is not periodic."
     )
-    return Evidence(verdict(False, full == rows.shape[1]), finding, numbers)
+    return Evidence(verdict(not free, full == unknowns), finding, numbers)
 
 
 # --- is the printed start on the periodic orbit, and if not, does one misprinted number explain it? ---
@@ -315,41 +289,36 @@ def start_or_misprint(scene: Scene) -> Evidence:
 
 def start_on_orbit(scene: Scene) -> Evidence:
     """Compare the printed start, which is on a belt, with the switching points of the periodic motion."""
-    found = orbit_of(scene)
-    if found is None:
-        return no_orbit(scene)
+    found, path = orbit_of(scene), motion(scene)
     near = found.approach(scene, WITHIN)
     on_orbit = max(abs(near.dt), abs(near.dx)) <= LAST_HALF_UNIT
-    path, period = motion(scene), float(found.period)
+    period, name = float(found.period), subscripted(found.word)
     count = min(3, int((float(path.t_end) - float(path.t_start)) / period))
     states = [path(float(scene.t0) + i * period) for i in range(count + 1)]
-    points = "; ".join(texts((point.t, point.x), 9) for point in found.points)
     numbers = {
         "start minus nearest switching point: t, x": f"{near.dt:+.7f}, {near.dx:+.7f}",
         "half a unit of the last printed digit": f"{float(LAST_HALF_UNIT):g}",
         "start minus periodic motion at the same time: x, ẋ": f"{near.offset_x:+.7f}, {near.offset_v:+.7f}",
         f"periods until x and ẋ are within {WITHIN:g} for good": str(near.periods),
-        f"switching points of {subscripted(found.word)}: t, x": points,
+        f"switching points of {name}: t, x": "; ".join(text((point.t, point.x), 9) for point in found.points),
     }
     for i, (before, after) in enumerate(pairwise(states), 1):
         dx, dv = after - before
         numbers[f"change of x, ẋ over period {i}"] = f"{dx:+.5g}, {dv:+.5g}"
-    name = f"the periodic motion {subscripted(found.word)}"
-    finding = f"The start is on {name}, to all printed digits."
-    if not on_orbit:
-        later, higher = "later" if near.dt < 0 else "earlier", "higher" if near.dx < 0 else "lower"
-        finding = (
-            f"The start is not on {name}, whose nearest switching point is {abs(near.dt):.6f} {later} and "
-            f"{abs(near.dx):.6f} {higher} in x. The motion is within {WITHIN:g} of it after "
-            f"{near.periods} period{'' if near.periods == 1 else 's'}."
-        )
-    return Evidence(verdict(on_orbit), finding, numbers)
+    if on_orbit:
+        return Evidence(CONFIRMED, f"The start is on the periodic motion {name}, to all printed digits.", numbers)
+    later, higher = "later" if near.dt < 0 else "earlier", "higher" if near.dx < 0 else "lower"
+    finding = (
+        f"The start is not on the periodic motion {name}, whose nearest switching point is {abs(near.dt):.6f} {later} "
+        f"and {abs(near.dx):.6f} {higher} in x. The motion is within {WITHIN:g} of it after {near.periods} "
+        f"period{'' if near.periods == 1 else 's'}."
+    )
+    return Evidence(NOT_AS_PRINTED, finding, numbers)
 
 
 def misprint(scene: Scene) -> Evidence:
     """Search for one number whose misprint explains the start of a periodic scene."""
-    start = search_start(scene)
-    allowed = float(LAST_HALF_UNIT)
+    start, allowed = search_start(scene), float(LAST_HALF_UNIT)
     if any(each.explains and abs(each.value - float(getattr(scene, each.name))) <= allowed for each in start):
         return Evidence(CONFIRMED, "The printed start is on the orbit, to all its digits.", _free_numbers(start))
     parameters = search_parameters(scene)
@@ -366,7 +335,12 @@ def misprint(scene: Scene) -> Evidence:
         f"motion misses the start after one period by {best.distance:.4f} at least, in t or x (with {best.name} = "
         f"{best.value:.5g}); an orbit would have to go through it to within {allowed}."
     )
-    return Evidence(verdict(False), finding + _one_digit(scene, start), numbers)
+    for each in start:
+        printed, orbit = f"{float(getattr(scene, each.name)):.4f}", f"{each.value:.4f}"
+        if each.name != "v0" and [a == b for a, b in zip_longest(printed, orbit)].count(False) == 1:
+            finding += f" The orbit's {each.name} = {orbit} differs from the printed {printed} in one digit"
+            finding += ", but the other number of the start does not agree."
+    return Evidence(NOT_AS_PRINTED, finding, numbers)
 
 
 def _free_numbers(found: list[Nearest]) -> dict[str, str]:
@@ -393,17 +367,6 @@ def _end_of_stick(scene: Scene) -> dict[str, str]:
         "m F⁽²⁾ at the start": f"{known - float(p.c * p.v2):+.4f} ± {spread:.4f} (0 at the end of a stick)",
         "m F⁽²⁾ without the damping c v₂": f"{known:+.4f} ± {spread:.4f}",
     }
-
-
-def _one_digit(scene: Scene, start: list[Nearest]) -> str:
-    """Say which of x0 and t0 differs from the orbit's in one printed digit only."""
-    remarks = ""
-    for each in start:
-        printed, orbit = f"{float(getattr(scene, each.name)):.4f}", f"{each.value:.4f}"
-        if each.name != "v0" and [a == b for a, b in zip_longest(printed, orbit)].count(False) == 1:
-            remarks += f" The orbit's {each.name} = {orbit} differs from the printed {printed} in one digit"
-            remarks += ", but the other number of the start does not agree."
-    return remarks
 
 
 # --- the search: a periodic motion comes back to its start after one period of the drive ---

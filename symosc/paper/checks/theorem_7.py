@@ -18,7 +18,7 @@ from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import Parameters
 from symosc.paper.checks.exact import RATIONAL_PHASES, RationalContact, contacts
 from symosc.paper.checks.motions import recorded
-from symosc.paper.claims import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence, verdict
+from symosc.paper.claims import CORRECTED, UNDECIDED, Evidence, evidence, verdict
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 
@@ -68,9 +68,6 @@ def gamma_of(p: Parameters, acceleration: Fraction, velocity: Fraction) -> Fract
     return p.c / p.m * acceleration + p.k / p.m * velocity
 
 
-# --- exact contacts ---
-
-
 def turn(s: Any, c: Any) -> Any:
     """Map an angle, given by sine and cosine, to a number in [0, 4) that grows with it; rationals stay rational."""
     if s >= 0:
@@ -105,8 +102,8 @@ def zero_force_contact(mapping: str, gamma: Fraction, amplitude: Fraction, s: Fr
     m, k, Omega = Fraction(2), Fraction(3), Fraction(3, 2)
     speed = gamma * m / k
     v1, v2 = (speed, speed + 5) if where.boundary == 1 else (speed - 5, speed)
-    values = {"m": m, "c": 1, "k": k, "A0": 1, "B0": amplitude * m / Omega, "Omega": Omega, "v1": v1, "v2": v2}
-    p = Parameters(**values, mu1="1/2", mu2="1/3", FN=2)
+    drive = {"B0": amplitude * m / Omega, "Omega": Omega}
+    p = Parameters(m=m, c=1, k=k, A0=1, **drive, v1=v1, v2=v2, mu1="1/2", mu2="1/3", FN=2)
     contact = RationalContact(p, where.boundary, Fraction(0), s, c)
     return RationalContact(p, where.boundary, m * contact.force(where.domain) / k, s, c)
 
@@ -115,22 +112,17 @@ DRIVES = (Fraction(3), Fraction(7, 4))
 #: gamma over the amplitude: sines of rational points, so that the ends of the windows are among the phases; 0, equality
 #: and beyond.
 RATIOS = tuple(sorted({s for s, _ in RATIONAL_PHASES} | {Fraction(6, 5), Fraction(-6, 5)}))
+#: Pairs of gamma and B0 Omega/m.
+PAIRS = [(ratio * size, size) for size in DRIVES for ratio in RATIOS]
 
 
 class Row(NamedTuple):
-    """A contact: whether it grazes by the paper's cases, and by the exact flow."""
+    """A contact: whether the paper's case is right that it grazes, or that it does not, by the exact flow."""
 
     case: int  # of the paper's equation, 0 if none holds
-    gamma: Fraction
-    amplitude: Fraction
-    printed: bool
+    right: bool
     grazes: bool
     fourth_order: bool  # F = G(1) = 0 at |gamma| = |B0| Omega/m
-
-    @property
-    def right(self) -> bool:
-        """Whether the paper's cases and the exact flow agree."""
-        return self.printed == self.grazes
 
 
 @cache
@@ -142,10 +134,10 @@ def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, .
             cases = printed_window(mapping, gamma, amplitude) or [(0, [])]
             for s, c in RATIONAL_PHASES:
                 contact = zero_force_contact(mapping, gamma, amplitude, s, c)
-                grazes, slope = contact.grazes(domain), contact.slope(domain)
-                special = slope == 0 and abs(gamma) == abs(amplitude)
+                grazes = contact.grazes(domain)
+                special = contact.slope(domain) == 0 and abs(gamma) == abs(amplitude)
                 for case in cases:
-                    found.append(Row(case[0], gamma, amplitude, is_inside([case], turn(s, c)), grazes, special))
+                    found.append(Row(case[0], is_inside([case], turn(s, c)) == grazes, grazes, special))
     return tuple(found)
 
 
@@ -160,26 +152,22 @@ def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
     )
 
 
-# --- the windows ---
-
-
 def window(mapping: str, *scenes: str) -> Evidence:
     """Eqs. (55) to (58): the printed cases by the exact flow, and computed windows by three numerical ways."""
     rows = [row for row in rows_of(mapping) if row.case]
     wrong = [row for row in rows if not row.right]
-    generic = [row for row in wrong if not row.fourth_order]
-    equation = PLACES[mapping].equation
+    generic = sum(not row.fourth_order for row in wrong)
     numbers: dict[str, Any] = {
         "exact contacts (γ, B₀Ω/m, phase)": len(rows),
         "of them grazing": sum(row.grazes for row in rows),
     }
     counts = {case: [row.right for row in rows if row.case == case] for case in range(1, 7)}
     for case, right in counts.items():
-        numbers[f"({equation}.{case})"] = f"right at {sum(right)} of {len(right)}"
+        numbers[f"({PLACES[mapping].equation}.{case})"] = f"right at {sum(right)} of {len(right)}"
     ends = _same_ends(mapping)
     numbers |= {
-        "wrong, but for tangencies of fourth order": len(generic),
-        "wrong at tangencies of fourth order": len(wrong) - len(generic),
+        "wrong, but for tangencies of fourth order": generic,
+        "wrong at tangencies of fourth order": len(wrong) - generic,
         "pairs (γ, B₀Ω/m) whose computed window has the printed ends": f"{sum(ends)} of {len(ends)}",
     }
     mismatches = 0
@@ -189,27 +177,24 @@ def window(mapping: str, *scenes: str) -> Evidence:
         agreed = " / ".join(map(str, report.agreements.values()))
         numbers[f"{name}, case {report.case}: phases agreed on by {' / '.join(report.agreements)}"] = agreed
     numbers["phases of these scenes that disagree"] = mismatches
-    if generic or mismatches or not all(counts.values()) or not all(ends):
-        finding = f"Wrong at {len(generic)} contacts, {ends.count(False)} windows have other ends."
-        return Evidence(NOT_AS_PRINTED, finding, numbers)
     finding = f"The six cases are right at {len(rows) - len(wrong)} of {len(rows)} exact contacts with F = 0"
     if wrong:
         finding += f"; at the other {len(wrong)} the flow grazes to fourth order, at the phase that they exclude"
-    return Evidence(verdict(not wrong, corrected=True), f"{finding}.", numbers)
+    right_elsewhere = not generic and not mismatches and all(counts.values()) and all(ends)
+    return evidence(right_elsewhere, f"{finding}.", numbers, verdict(not wrong, corrected=True))
 
 
 def _same_ends(mapping: str) -> list[bool]:
     """Return for each pair with a printed case whether `grazing_window`, order "paper", has the printed arcs."""
     found = []
-    for amplitude in DRIVES:
-        for gamma in (ratio * amplitude for ratio in RATIOS):
-            p = zero_force_contact(mapping, gamma, amplitude, *RATIONAL_PHASES[0]).p
-            ours = [(low, high, closed) for low, high, closed, _ in grazing_window(p, mapping, "paper").intervals]
-            for _, arcs in printed_window(mapping, gamma, amplitude):
-                printed = [(angle(arc.low), angle(arc.high), arc.closed) for arc in arcs]
-                same = np.shape(ours) == np.shape(printed)
-                found.append(same and (not arcs or np.abs(np.subtract(ours, printed)).max() < 1e-14))
-    return [bool(each) for each in found]
+    for gamma, amplitude in PAIRS:
+        p = zero_force_contact(mapping, gamma, amplitude, *RATIONAL_PHASES[0]).p
+        ours = [(low, high, closed) for low, high, closed, _ in grazing_window(p, mapping, "paper").intervals]
+        for _, arcs in printed_window(mapping, gamma, amplitude):
+            printed = [(angle(arc.low), angle(arc.high), arc.closed) for arc in arcs]
+            same = np.shape(ours) == np.shape(printed)
+            found.append(bool(same and (not arcs or np.abs(np.subtract(ours, printed)).max() < 1e-14)))
+    return found
 
 
 def complete(*mappings: str) -> Evidence:
@@ -217,24 +202,22 @@ def complete(*mappings: str) -> Evidence:
     numbers: dict[str, Any] = {}
     missing: set[Fraction] = set()
     several = grazing = 0
-    pairs = [(ratio * size, size) for size in DRIVES for ratio in RATIOS]
     for mapping in mappings:
-        held = [len(printed_window(mapping, *pair)) for pair in pairs]
-        none = [pair for pair, count in zip(pairs, held, strict=True) if count == 0]
+        held = [len(printed_window(mapping, *pair)) for pair in PAIRS]
+        none = [pair for pair, count in zip(PAIRS, held, strict=True) if count == 0]
         missing |= {gamma / size for gamma, size in none}
         several += sum(count > 1 for count in held)
         grazing += sum(row.grazes for row in rows_of(mapping) if not row.case)
         equation = f"({PLACES[mapping].equation})"
-        numbers[f"{equation}: pairs with exactly one case"] = f"{held.count(1)} of {len(pairs)}"
+        numbers[f"{equation}: pairs with exactly one case"] = f"{held.count(1)} of {len(PAIRS)}"
         shown = ", ".join(f"γ = {gamma}, B₀Ω/m = {size}" for gamma, size in none)
         numbers[f"{equation}: pairs with no case"] = shown or "0"
     numbers |= {"pairs with several cases": several, "contacts without a case that graze": grazing}
-    if several:
-        return Evidence(NOT_AS_PRINTED, f"{several} pairs have several cases.", numbers)
     if not missing:
-        return Evidence(CONFIRMED, "Every pair has exactly one case.", numbers)
+        return evidence(not several, "Every pair has exactly one case.", numbers)
     words = ", ".join(f"γ = {'−' if ratio == -1 else f'{ratio} '}B₀Ω/m" for ratio in sorted(missing))
-    return Evidence(CORRECTED, f"No case for {words}; {grazing} of the contacts there graze.", numbers)
+    finding = f"No case for {words}; {grazing} of the contacts there graze."
+    return evidence(not several, finding, numbers, CORRECTED)
 
 
 def negative_drive() -> Evidence:
@@ -259,17 +242,17 @@ def negative_drive() -> Evidence:
 def equality() -> Evidence:
     """gamma = +-B0 Omega/m: is the phase that (55.2), (56.5), (57.2) and (58.5) exclude a graze?"""
     numbers: dict[str, Any] = {}
-    total = excluded = returning = 0
+    excluded = returning = 0
     for mapping, where in PLACES.items():
         for size in DRIVES:
             gamma, sine = where.side * size, Fraction(-where.side)
             contact = zero_force_contact(mapping, gamma, size, sine, Fraction(0))
-            total += 1
             excluded += not is_inside(printed_window(mapping, gamma, size), turn(sine, Fraction(0)))
             returning += contact.grazes(where.domain)
             equal = f"γ = {gamma} = {'-' if where.side < 0 else ''}B₀Ω/m"
             values = ", ".join(map(str, contact.derivatives(where.domain)))
             numbers[f"{mapping}, {equal}: F, G⁽¹⁾, G⁽²⁾, G⁽³⁾"] = values
+    total = len(numbers)
     numbers |= {"contacts at the excluded phase": total, "printed as no graze": excluded, "the flow returns": returning}
     finding = f"At {returning} of {total} contacts at the excluded phase the flow returns to its domain"
     if excluded and returning:
@@ -331,22 +314,17 @@ def grazing_inequality() -> Evidence:
         "F not 0, or (62)/(66) not the derivative of F along the flow": wrong,
         "not -(γ + (B₀Ω/m) sin(Ωtₘ))": differs,
     }
-    if wrong or differs:
-        return Evidence(NOT_AS_PRINTED, "They are not.", numbers)
     finding = f"At all {len(cases)} exact contacts (62) and (66) are dF/dt and -(γ + (B₀Ω/m) sin(Ωtₘ))."
-    return Evidence(CONFIRMED, finding, numbers)
+    return evidence(not wrong and not differs, finding, numbers)
 
 
 def gamma_is_fixed() -> Evidence:
     """gamma_j = (c/m) x'' + (k/m) x' distinguishes the cases: its value at a graze, where x'' = 0."""
     grazes = [(contact, contact.force(domain)) for domain, contact in _zero_force_contacts() if contact.grazes(domain)]
     other = sum(gamma_of(c.p, force, c.speed) != c.p.k * c.speed / c.p.m for c, force in grazes)
-    total = len(grazes)
-    numbers = {"exact grazes": total, "γ not k v_λ/m": other}
-    if other:
-        return Evidence(NOT_AS_PRINTED, f"γ has other values than k v_λ/m at {other} of {total} exact grazes.", numbers)
-    finding = f"At all {total} exact grazes ẍ = 0 and γ = k v_λ/m: the parameters alone choose the case."
-    return Evidence(CONFIRMED, finding, numbers)
+    numbers = {"exact grazes": len(grazes), "γ not k v_λ/m": other}
+    finding = f"At all {len(grazes)} exact grazes ẍ = 0 and γ = k v_λ/m: the parameters alone choose the case."
+    return evidence(not other, finding, numbers)
 
 
 def one_unknown_is_free() -> Evidence:
@@ -365,12 +343,9 @@ def one_unknown_is_free() -> Evidence:
         starts.add((float(start.x), float(start.theta)))
         numbers[f"graze of P₂ at Ωtₘ = {theta}"] = f"starts at x = {start.x:.8g}, Ωt = {start.theta:.8g}"
         numbers[f"singular values at {theta}"] = ", ".join(f"{value:.3g}" for value in values)
-    if not ranks:
-        return Evidence(UNDECIDED, "No graze of P₂ was found.", {"grazes of P₂": "0"})
     numbers |= {"equations, unknowns": "3 (f₁, f₂, F), 4", "rank": ", ".join(map(str, ranks))}
     finding = f"The three equations have rank {min(ranks)} at {len(ranks)} grazes of Fig. 9's oscillator; each given "
-    free = set(ranks) == {3} and len(starts) == len(ranks)
-    return Evidence(verdict(free), f"{finding}phase has its start.", numbers)
+    return evidence(set(ranks) == {3} and len(starts) == len(ranks), f"{finding}phase has its start.", numbers)
 
 
 def mappings_that_graze() -> Evidence:
@@ -395,12 +370,11 @@ def mappings_that_graze() -> Evidence:
         )
         for mapping, found in counts.items()
     } | {"a graze by another mapping": case}
-    total = sum(found.total() for found in counts.values())
-    lost = sum(found["no graze"] for found in counts.values())
+    total, lost = (sum(map(each, counts.values())) for each in (Counter.total, lambda found: found["no graze"]))
     if lost or not all(counts.values()):
         return Evidence(UNDECIDED, f"{lost} of {total} grazes could not be followed.", numbers)
-    strange = any(label not in ENDS[mapping] for mapping, found in counts.items() for label in found if found[label])
     finding = "Flowing back from a graze, the flow comes from the planes of the mapping that the paper names"
     if any(found[mapping] < found.total() for mapping, found in counts.items()):
         finding += "; in domain 2 also from the other belt, by P₇ or P₈, whose end is the graze then"
+    strange = any(set(found) - set(ENDS[mapping]) for mapping, found in counts.items())
     return Evidence(verdict(not strange), f"{finding}.", numbers)

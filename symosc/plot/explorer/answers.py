@@ -141,25 +141,18 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
     if errors:
         return None, errors
     t_end = _end(numbers["t0"], numbers["periods"], parameters.Omega)
-    start: dict[str, Any] = {name: numbers[name] for name in STARTS}
-    name = state.get("scene", "").strip() or "explored"
+    start: dict[str, Any] = {name: numbers[name] for name in STARTS} | {"t_end": t_end}
+    name, known = state.get("scene", "").strip() or "explored", state.get("start_error")
     try:
-        start_error = state.get("start_error") or None
-        known = read_start_error(start_error.split(",")) if start_error else None
-        return _with_origin(Scene(name, parameters, **start, t_end=t_end, start_error=known)), {}
+        scene = Scene(name, parameters, **start, start_error=read_start_error(known.split(",")) if known else None)
     except ParameterError as error:
         return None, {error.name: error.allowed}
-
-
-def _with_origin(scene: Scene) -> Scene:
-    """Return a scene with the source of the shipped one of its name, or a name that marks it as changed."""
-    base = scene.name.removesuffix(CHANGED)
+    # A shipped scene has its source; a changed one says so in its name.
+    base = name.removesuffix(CHANGED)
     shipped = shipped_scenes().get(base)
-    if shipped is None:
-        return replace(scene, source=SOURCE)
-    if state_of(shipped) == state_of(replace(scene, name=base)):
-        return shipped
-    return replace(scene, name=base + CHANGED, source=SOURCE)
+    if shipped and state_of(shipped) == state_of(replace(scene, name=base)):
+        return shipped, {}
+    return replace(scene, name=base + CHANGED if shipped else name, source=SOURCE), {}
 
 
 def _periods_text(t0: Fraction, t_end: Fraction, Omega: Fraction) -> str:
@@ -214,14 +207,14 @@ def answer(link: str, default: Scene) -> Record:
 
 def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
     """Return notes on the scene and its motion."""
-    notes = []
+    notes, first = [], trajectory.segments[0].mode
     if scene.start_error is not None and any(scene.start_error):
         known = ", ".join(f"±{float(each):.3g}" for each in scene.start_error)
         notes.append(f"t₀, x₀, v₀ of this scene are known to {known}; a contact within their reach is a graze")
     if trajectory.status == "max_events":
         notes.append(f"more than {MOST_SHOWN_EVENTS} events: the picture ends there; show fewer periods")
-    if trajectory.segments[0].mode.startswith("belt"):
-        notes.append(f"the motion starts with a stick on belt {trajectory.segments[0].mode[-1]}")
+    if first.startswith("belt"):
+        notes.append(f"the motion starts with a stick on belt {first[-1]}")
     return notes
 
 
@@ -236,6 +229,19 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
     windows = [grazing_window(scene.parameters, mapping) for mapping in PLACES]
     hint = " (symosc simulate --digits)" if trajectory.status == "undecidable" else ""
     sticks = [each for each in view.contacts if each.until > each.since]
+    sources = {
+        "curves": {name: _rounded(values) for name, values in curves.items()},
+        "marks": _marks(view),
+        "sticks": {
+            "since": [each.since for each in sticks],
+            "until": [each.until for each in sticks],
+            "shade": [{1: "#e3e6eb", 2: "#b4bac6"}[each.belt] for each in sticks],
+        },
+        "arcs": _arcs(windows),
+        "contacts": _contacts(view),
+        "section": _section(trajectory),
+        "start": {"x": [float(scene.x0)], "v": [float(scene.v0)]},
+    }
     return {
         "name": scene.name,
         "word": trajectory.word,
@@ -244,19 +250,7 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
         "count": len(trajectory.events),
         "table": [_row(event) for event in trajectory.events[:TABLE_ROWS]],
         "windows": [_window(window) for window in windows],
-        "sources": {
-            "curves": {name: _rounded(values) for name, values in curves.items()},
-            "marks": _marks(view),
-            "sticks": {
-                "since": [each.since for each in sticks],
-                "until": [each.until for each in sticks],
-                "shade": [{1: "#e3e6eb", 2: "#b4bac6"}[each.belt] for each in sticks],
-            },
-            "arcs": _arcs(windows),
-            "contacts": _contacts(view),
-            "section": _section(trajectory),
-            "start": {"x": [float(scene.x0)], "v": [float(scene.v0)]},
-        },
+        "sources": sources,
         "ranges": ranges,
         "belts": _belts(view, ranges["v"]),
     }
@@ -265,17 +259,17 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
 def settled(link: str, default: Scene) -> Record:
     """Return the page's text on the orbit to which the motion settles, and the orbit's curve in the phase plane."""
     scene, _ = scene_of(read_link(link, default)[0])
-    if scene is None:
-        return {"text": "", "curve": {"x": [], "v": []}}
+    text, curve = "", {"x": list[float](), "v": list[float]()}
     try:
-        orbit = find_orbit(scene.parameters)
-        motion = simulate_orbit(orbit, 1)
+        if scene is not None:
+            orbit = find_orbit(scene.parameters)
+            view = view_of(simulate_orbit(orbit, 1), None, SAMPLING)
+            curve = {"x": _rounded(view.x), "v": _rounded(view.v)}
+            sizes = ", ".join(f"{abs(each):.4g}" for each in orbit.multipliers)
+            text = f"{orbit.word}, period {float(orbit.period):.6g} s, |multipliers| {sizes}: {orbit.message}"
     except (SymoscError, ArithmeticError) as error:
-        return {"text": str(error), "curve": {"x": [], "v": []}}
-    sizes = ", ".join(f"{abs(each):.4g}" for each in orbit.multipliers)
-    text = f"{orbit.word}, period {float(orbit.period):.6g} s, |multipliers| {sizes}: {orbit.message}"
-    view = view_of(motion, None, SAMPLING)
-    return {"text": text, "curve": {"x": _rounded(view.x), "v": _rounded(view.v)}}
+        text = str(error)
+    return {"text": text, "curve": curve}
 
 
 # --- the plots ---
@@ -297,20 +291,24 @@ def _rounded(values: np.ndarray) -> list[float]:
     return rounded
 
 
+def _shapes(labels: Sequence[str], scale: float) -> Record:
+    """Return the names, shapes and sizes of marks with these labels."""
+    shapes = [SHAPES[label] for label in labels]
+    sizes = [scale * size for _, size in shapes]
+    return {"marker": [MARKERS[shape] for shape, _ in shapes], "size": sizes, "label": list(labels)}
+
+
 def _marks(view: View) -> Record:
     """Return the plotted marks of the events."""
     times = np.array([mark.t for mark in view.marks])
     x, v = view.trajectory(times)
-    shapes = [SHAPES[mark.label] for mark in view.marks]
     return {
         "t": times.tolist(),
         "x": x.tolist(),
         "v": v.tolist(),
-        "marker": [MARKERS[shape] for shape, _ in shapes],
-        "size": [2 * size for _, size in shapes],
         "color": [mark.color for mark in view.marks],
-        "label": [mark.label for mark in view.marks],
         "belt": [f"belt {mark.belt}" if mark.belt else "" for mark in view.marks],
+        **_shapes([mark.label for mark in view.marks], 2),
     }
 
 
@@ -384,16 +382,13 @@ def _from_below(window: GrazingWindow) -> bool:
 def _contacts(view: View) -> Record:
     """Return the events as marks on the dial, at their phases, inside the ring of their belt."""
     events = view.trajectory.events
-    labels = [EVENT_MARKS[event.kind][0] for event in events]
     places = [(RINGS[event.boundary] - INSIDE, event.theta) for event in events]
     return {
         "x": [radius * cos(theta) for radius, theta in places],
         "y": [radius * sin(theta) for radius, theta in places],
         "phase": [theta for _, theta in places],
-        "marker": [MARKERS[SHAPES[label][0]] for label in labels],
-        "size": [1.7 * SHAPES[label][1] for label in labels],
         "color": [EVENT_MARKS[event.kind][1] for event in events],
-        "label": labels,
+        **_shapes([EVENT_MARKS[event.kind][0] for event in events], 1.7),
     }
 
 

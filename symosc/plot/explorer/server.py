@@ -6,8 +6,7 @@ The plots are models of bokeh and empty: the browser fills their sources, ranges
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
-from functools import cache, partial
+from functools import cache
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
@@ -94,33 +93,37 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """Send the page, an answer, a scene file, or a static file."""
-        url = urlsplit(self.path)
-        replies: dict[str, Callable[[str], None]] = {
-            "/": self._page,
-            "/answer": self._answer,
-            "/settled": lambda query: self._json(settled(query, self.server.scene)),
-            "/scene.toml": self._file,
-            "/page.css": partial(self._static, "page.css", "text/css"),
-            "/page.js": partial(self._static, "page.js", "text/javascript"),
-            "/bokeh.js": lambda query: self._send(_bokeh_script(), "text/javascript", "max-age=3600"),
-        }
-        self._reply(replies.get(url.path), url.query)
+        url, scene = urlsplit(self.path), self.server.scene
+        if not self._is_for_us():
+            self.send_error(HTTPStatus.FORBIDDEN)
+        elif url.path == "/":
+            self._send(page(read_link(url.query, scene)[0]), "text/html")
+        elif url.path == "/answer":
+            with self.server.busy:
+                self._send_json(answer(url.query, scene))
+        elif url.path == "/settled":
+            self._send_json(settled(url.query, scene))
+        elif url.path == "/scene.toml":
+            self._send_file(url.query)
+        elif url.path in ("/page.css", "/page.js"):
+            file = files("symosc.plot.explorer") / "page" / url.path[1:]
+            self._send(file.read_text(encoding="utf-8"), "text/css" if url.path.endswith("css") else "text/javascript")
+        elif url.path == "/bokeh.js":
+            self._send(_bokeh_script(), "text/javascript", "max-age=3600")
+        else:
+            self.send_error(HTTPStatus.NOT_FOUND)
 
     def do_POST(self) -> None:
         """Read a scene file, and return the link of its page."""
-        self._reply(self._read_file if urlsplit(self.path).path == "/scene" else None, "")
+        if not self._is_for_us():
+            self.send_error(HTTPStatus.FORBIDDEN)
+        elif urlsplit(self.path).path == "/scene":
+            self._read_file()
+        else:
+            self.send_error(HTTPStatus.NOT_FOUND)
 
     def log_message(self, format: str, *args: Any) -> None:
         """Do not log requests."""
-
-    def _reply(self, reply: Callable[[str], None] | None, query: str) -> None:
-        """Send what `reply` does with a query, or an error."""
-        if not self._is_for_us():
-            self.send_error(HTTPStatus.FORBIDDEN)
-        elif reply is None:
-            self.send_error(HTTPStatus.NOT_FOUND)
-        else:
-            reply(query)
 
     def _is_for_us(self) -> bool:
         """Return whether a request is for this machine, and from our page, a link, or no browser."""
@@ -143,24 +146,11 @@ class _Handler(BaseHTTPRequestHandler):
         self.end_headers()
         self.wfile.write(content)
 
-    def _json(self, content: Record) -> None:
+    def _send_json(self, content: Record) -> None:
         """Send content as JSON."""
         self._send(json.dumps(content), "application/json")
 
-    def _page(self, query: str) -> None:
-        """Send the page of a link."""
-        self._send(page(read_link(query, self.server.scene)[0]), "text/html")
-
-    def _static(self, name: str, kind: str, query: str) -> None:
-        """Send a file of the page."""
-        self._send((files("symosc.plot.explorer") / "page" / name).read_text(encoding="utf-8"), kind)
-
-    def _answer(self, query: str) -> None:
-        """Send the data of the page for a link."""
-        with self.server.busy:
-            self._json(answer(query, self.server.scene))
-
-    def _file(self, query: str) -> None:
+    def _send_file(self, query: str) -> None:
         """Send the scene file of a link."""
         scene, errors = scene_of(read_link(query, self.server.scene)[0])
         if scene is None:
@@ -169,7 +159,7 @@ class _Handler(BaseHTTPRequestHandler):
             return
         self._send(as_toml(scene) + "\n", "application/toml", Content_Disposition='attachment; filename="scene.toml"')
 
-    def _read_file(self, query: str) -> None:
+    def _read_file(self) -> None:
         """Send the texts and notes of an uploaded scene file, or its error."""
         length = self.headers.get("Content-Length", "")
         if not (length.isascii() and length.isdecimal()):
@@ -177,26 +167,25 @@ class _Handler(BaseHTTPRequestHandler):
             return
         if len(length) > len(str(MOST_BYTES)) or int(length) > MOST_BYTES:
             self.close_connection = True
-            self._json({"error": f"the file has more than {MOST_BYTES} bytes: it is no scene"})
+            self._send_json({"error": f"the file has more than {MOST_BYTES} bytes: it is no scene"})
             return
         try:
             scene = read_scene(self.rfile.read(int(length)).decode("utf-8-sig"), "of this file")
-            self._json({"state": state_of(scene), "notes": list(scene.notes)})
+            self._send_json({"state": state_of(scene), "notes": list(scene.notes)})
         except TimeoutError:
             self.send_error(HTTPStatus.REQUEST_TIMEOUT)
         except UnicodeDecodeError:
-            self._json({"error": "the file is not UTF-8 text"})
+            self._send_json({"error": "the file is not UTF-8 text"})
         except SymoscError as error:
-            self._json({"error": str(error)})
+            self._send_json({"error": str(error)})
 
 
 def page(state: dict[str, str]) -> str:
     """Return the page's HTML with these texts in its fields."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    environment = Environment(
-        loader=PackageLoader("symosc.plot.explorer", "page"), autoescape=True, undefined=StrictUndefined
-    )
+    loader = PackageLoader("symosc.plot.explorer", "page")
+    environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
     script, places = _plots()
     scenes = {name: link_of(state_of(scene)) for name, scene in shipped_scenes().items()}
     content = {"state": state, "groups": GROUPS, "scenes": scenes, "script": script, "places": places}
@@ -217,30 +206,30 @@ def _bokeh_script() -> str:
 
 # --- the plots ---
 
-TALL, LOW = 380, 190
-#: Room beside the plots, so that their time axes are one below the other.
-LEFT, RIGHT = 70, 78
-INK = "#1d2129"
+INK, AXIS, GREY = "#1d2129", "#8a8f98", "#5b616e"
 #: The colour of each force, and its dashes, which tell the three apart without colour.
 FORCES = {1: (FORCE_BELOW, "solid"), 2: ("black", "dashed"), 3: (FORCE_ABOVE, "dotted")}
+#: How the marks of events are drawn.
+MARKS: Record = {"marker": "marker", "size": "size", "fill_color": "color", "line_width": 1, "line_color": "black"}
 #: Columns of each source, as an answer fills them.
 COLUMNS = {
-    "curves": ("t", "x", "v", "F1", "F2", "F3"),
-    "marks": ("t", "x", "v", "marker", "size", "color", "label", "belt"),
-    "sticks": ("since", "until", "shade"),
-    "arcs": ARC_COLUMNS,
-    "contacts": ("x", "y", "phase", "marker", "size", "color", "label"),
-    "section": ("x", "v"),
-    "settled": ("x", "v"),
-    "start": ("x", "v"),
-    "now": ("t", "x", "v"),
+    "curves": "t x v F1 F2 F3",
+    "marks": "t x v marker size color label belt",
+    "sticks": "since until shade",
+    "arcs": " ".join(ARC_COLUMNS),
+    "contacts": "x y phase marker size color label",
+    "section": "x v",
+    "settled": "x v",
+    "start": "x v",
+    "now": "t x v",
 }
 
 
 def pictures() -> dict[str, Any]:
     """Return the plots by name: plane, dial, displacement, velocity, forces."""
     sources = {
-        name: ColumnDataSource({column: [] for column in columns}, name=name) for name, columns in COLUMNS.items()
+        name: ColumnDataSource({column: [] for column in columns.split()}, name=name)
+        for name, columns in COLUMNS.items()
     }
     ranges = {name: Range1d(start=0, end=1, name=f"range-{name}") for name in ("t", "x", "v", "F")}
     return {
@@ -252,38 +241,28 @@ def pictures() -> dict[str, Any]:
     }
 
 
-def _plot(x_label: str, y_label: str, x_range: Range1d, y_range: Range1d, height: int, **options: Any) -> Any:
+def _plot(x_label: str, y_label: str, x_range: Range1d, y_range: Range1d, height: int, name: str) -> Any:
     """Return an empty plot, without a drag tool at first, so that a finger scrolls the page."""
     tools = [PanTool(), BoxZoomTool(), WheelZoomTool(), ResetTool(), SaveTool()]
-    style: Record = {
-        "sizing_mode": "stretch_width",
-        "min_border_left": LEFT,
-        "min_border_right": RIGHT,
-        "height": height,
-    }
     ranges: Record = {"x_range": x_range, "y_range": y_range, "x_axis_label": x_label, "y_axis_label": y_label}
-    plot = figure(tools=tools, **style, **ranges, **options)
-    plot.toolbar.active_drag = None
-    plot.toolbar.active_scroll = None
-    plot.toolbar.logo = None
-    plot.toolbar.autohide = True
-    plot.outline_line_color = "#8a8f98"
+    # With this room beside the plots their time axes are one below the other.
+    style: Record = {"sizing_mode": "stretch_width", "min_border_left": 70, "min_border_right": 78, "height": height}
+    plot = figure(tools=tools, name=name, **style, **ranges)
+    plot.toolbar.update(active_drag=None, active_scroll=None, logo=None, autohide=True)
+    plot.outline_line_color = AXIS
     for axis in (*plot.xaxis, *plot.yaxis):
-        axis.axis_label_text_font_style = "normal"
-        axis.axis_label_text_color = axis.major_label_text_color = INK
-        axis.axis_label_text_font_size = "13px"
-        axis.major_label_text_font_size = "12px"
-        axis.minor_tick_line_color = None
+        axis.update(axis_label_text_font_style="normal", axis_label_text_color=INK, major_label_text_color=INK)
+        axis.update(axis_label_text_font_size="13px", major_label_text_font_size="12px", minor_tick_line_color=None)
     plot.grid.grid_line_color = "#e8eaee"
     return plot
 
 
 def _marks(plot: Any, sources: dict[str, ColumnDataSource], x: str, y: str) -> None:
-    """Draw the marks of events."""
-    style: Record = {"marker": "marker", "size": "size", "fill_color": "color", "line_width": 1}
-    marks = plot.scatter(x, y, source=sources["marks"], line_color="black", level="overlay", **style)
+    """Draw the marks of events, and where the mass is while the motion is played."""
+    marks = plot.scatter(x, y, source=sources["marks"], level="overlay", **MARKS)
     place = [("t", "@t{0.000000}"), ("x", "@x{0.000000}"), ("v", "@v{0.000000}")]
     plot.add_tools(HoverTool(renderers=[marks], tooltips=[("", "@label @belt"), *place]))
+    plot.scatter(x, y, source=sources["now"], size=11, fill_color=MASS_COLOR, line_color="white", level="overlay")
 
 
 def _belts(plot: Any) -> None:
@@ -291,41 +270,32 @@ def _belts(plot: Any) -> None:
     for belt, dash in ((1, "solid"), (2, "dashed")):
         style = {"line_color": BELT_COLOR, "line_width": 1.4, "line_dash": dash}
         plot.add_layout(Span(dimension="width", location=0, tags=[f"belt-{belt}"], **style))
-    names = LinearAxis(tags=["belt-names"], axis_line_color=None)
-    names.ticker = FixedTicker(ticks=[])
-    names.major_label_text_font_size = "12px"
-    names.major_label_text_color = INK
-    names.major_tick_line_color = BELT_COLOR
-    names.major_tick_in = 0
-    plot.add_layout(names, "right")
+    names: Record = {"major_label_text_font_size": "12px", "major_label_text_color": INK, "axis_line_color": None}
+    names |= {"major_tick_line_color": BELT_COLOR, "major_tick_in": 0, "ticker": FixedTicker(ticks=[])}
+    plot.add_layout(LinearAxis(tags=["belt-names"], **names), "right")
 
 
 def _plane(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> Any:
     """Return the plot of the phase plane."""
-    plot = _plot("position x [m]", "velocity v [m/s]", ranges["x"], ranges["v"], TALL, name="plane")
+    plot = _plot("position x [m]", "velocity v [m/s]", ranges["x"], ranges["v"], 380, "plane")
     plot.line("x", "v", source=sources["settled"], line_color="black", line_width=5, line_alpha=0.22)
     plot.line("x", "v", source=sources["curves"], line_color=MASS_COLOR, line_width=1.8)
     _belts(plot)
-    _marks(plot, sources, "x", "v")
     plot.scatter("x", "v", source=sources["section"], marker="x", size=9, line_color="black", line_width=1.6)
-    start = plot.scatter("x", "v", source=sources["start"], size=16, fill_alpha=0.0, line_color="#5b616e")
+    start = plot.scatter("x", "v", source=sources["start"], size=16, fill_alpha=0.0, line_color=GREY)
     plot.add_tools(PointDrawTool(renderers=[start], add=False, tags=["drag-start"]))
-    _now(plot, sources, "x", "v")
+    _marks(plot, sources, "x", "v")
     return plot
-
-
-def _now(plot: Any, sources: dict[str, ColumnDataSource], x: str, y: str) -> None:
-    """Draw where the mass is while the motion is played."""
-    plot.scatter(x, y, source=sources["now"], size=11, fill_color=MASS_COLOR, line_color="white", level="overlay")
 
 
 def _in_time(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], name: str, label: str) -> Any:
     """Return the plot of x, v or the forces F against time, with the sticks shaded, darker on belt 2."""
-    plot = _plot("time t [s]", label, ranges["t"], ranges[name], LOW + 40 * (name == "F"), name=f"{name}-of-t")
+    height = 230 if name == "F" else 190
+    plot = _plot("time t [s]", label, ranges["t"], ranges[name], height, f"{name}-of-t")
     style = {"fill_color": "shade", "line_color": None, "level": "underlay"}
     plot.vstrip(x0="since", x1="until", source=sources["sticks"], **style)
     if name == "F":
-        plot.add_layout(Span(dimension="width", location=0, line_color="#5b616e", line_width=1))
+        plot.add_layout(Span(dimension="width", location=0, line_color=GREY, line_width=1))
         for domain, (color, dash) in FORCES.items():
             plot.line("t", f"F{domain}", source=sources["curves"], line_color=color, line_dash=dash, line_width=1.8)
     else:
@@ -333,35 +303,28 @@ def _in_time(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], n
         if name == "v":
             _belts(plot)
         _marks(plot, sources, "t", name)
-        _now(plot, sources, "t", name)
-    plot.add_tools(CrosshairTool(dimensions="height", line_color="#8a8f98"))
+    plot.add_tools(CrosshairTool(dimensions="height", line_color=AXIS))
     return plot
 
 
 def _dial(sources: dict[str, ColumnDataSource]) -> Any:
     """Return the phases on a circle: a ring for each belt with windows as arcs and events inside."""
-    reach = 1.45
-    ranges = {name: Range1d(start=-reach, end=reach) for name in ("x_range", "y_range")}
-    size: Record = {"width": 300, "height": 300, "match_aspect": True}
-    plot = figure(**ranges, **size, tools="save", toolbar_location=None, name="dial")
-    plot.axis.visible = False
-    plot.grid.visible = False
+    ranges: Record = {name: Range1d(start=-1.45, end=1.45) for name in ("x_range", "y_range")}
+    size: Record = {"width": 300, "height": 300, "match_aspect": True, "tools": "save", "toolbar_location": None}
+    plot = figure(name="dial", **ranges, **size)
+    plot.axis.visible = plot.grid.visible = False
     plot.outline_line_color = None
     for radius in RINGS.values():
-        plot.arc(0, 0, radius, 0, 2 * pi, line_color="#8a8f98", line_width=1)
-    for quarter, text in enumerate(("0", "π/2", "π", "3π/2")):
+        plot.arc(0, 0, radius, 0, 2 * pi, line_color=AXIS, line_width=1)
+    sides = (("0", "left", 0), ("π/2", "center", -7), ("π", "right", 0), ("3π/2", "center", 7))
+    for quarter, (text, side, down) in enumerate(sides):
         across, up = cos(quarter * pi / 2), sin(quarter * pi / 2)
         plot.segment([1.1 * across], [1.1 * up], [1.17 * across], [1.17 * up], line_color="black")
-        aside: Record = {
-            "text_align": ("left", "center", "right", "center")[quarter],
-            "y_offset": (0, -7, 0, 7)[quarter],
-        }
-        plot.text([1.23 * across], [1.23 * up], [text], text_font_size="13px", text_baseline="middle", **aside)
-    ring: Record = {"line_color": "color", "line_width": 15}
-    plot.arc(0, 0, "radius", "low", "high", source=sources["arcs"], **ring)
+        style: Record = {"text_font_size": "13px", "text_baseline": "middle", "text_align": side, "y_offset": down}
+        plot.text([1.23 * across], [1.23 * up], [text], **style)
+    plot.arc(0, 0, "radius", "low", "high", source=sources["arcs"], line_color="color", line_width=15)
     name: Record = {"text_font_size": "11px", "text_font_style": "bold", "text_align": "center", "text_color": "text"}
     plot.text("label_x", "label_y", "map", source=sources["arcs"], text_baseline="middle", **name)
-    style: Record = {"marker": "marker", "size": "size", "fill_color": "color", "line_width": 1}
-    marks = plot.scatter("x", "y", source=sources["contacts"], line_color="black", **style)
+    marks = plot.scatter("x", "y", source=sources["contacts"], **MARKS)
     plot.add_tools(HoverTool(renderers=[marks], tooltips=[("", "@label"), ("phase", "@phase{0.0000} rad")]))
     return plot

@@ -1,0 +1,191 @@
+"""Arguments and options of the commands, and what is read from them: scenes, parameters, numbers, names of files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from typing import Any, TypeAlias
+
+import click
+from click.shell_completion import CompletionItem
+
+from symosc.cli.output import claim_stdout, note
+from symosc.exact import read_start_error
+from symosc.files import STDOUT
+from symosc.model import PARAMETER_NAMES
+from symosc.quantities import read_number
+from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
+
+#: The text of an option; None if it is not given.
+Text: TypeAlias = str | None
+#: The texts of --set.
+Settings: TypeAlias = tuple[str, ...]
+Completion: TypeAlias = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
+
+
+def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
+    """Return an option from its form in --help, such as "-o, --output FILE"; `names`: of the function's argument."""
+    *short, long = form.split(", ")
+    long, _, metavar = long.partition(" ")
+    return click.option(*short, long, *names, metavar=metavar or None, help=about, **settings)
+
+
+def flag(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
+    """Return an option without a value."""
+    return option(form, about, *names, is_flag=True, **settings)
+
+
+def read_file(context: click.Context, given: click.Parameter, path: Text) -> Text:
+    """Return the name of a file to write; with "-", standard output, the command prints nothing else there."""
+    if path == "":
+        hint = max(given.opts, key=len) if isinstance(given, click.Option) else given.make_metavar(context)
+        raise click.BadParameter("give the name of a file; '-' is standard output", param_hint=hint)
+    return claim_stdout(context, given, path)
+
+
+def read_picture(context: click.Context, given: click.Parameter, path: Text) -> Text:
+    """Return the name of a figure's file, which must have one of the known suffixes."""
+    if read_file(context, given, path) is not None:
+        from symosc.plot.drawing import check_suffix
+
+        check_suffix(path or "")
+    return path
+
+
+def file_option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
+    """Return an option that names a file to write."""
+    return option(form, about, *names, callback=read_file, **settings)
+
+
+def picture_option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
+    """Return an option that names the file of a figure."""
+    return option(form, about, *names, callback=read_picture, **settings)
+
+
+def complete(names: Iterable[str], end: str = "") -> Completion:
+    """Return a completion of the last name in a list with commas."""
+
+    def matching(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
+        before, comma, word = text.rpartition(",")
+        return [CompletionItem(f"{before}{comma}{name}{end}") for name in names if name.startswith(word)]
+
+    return matching
+
+
+def complete_scene(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
+    """Return the scenes whose names begin with a text; without any, the shell completes files."""
+    return complete(scene_names())(context, argument, text) or [CompletionItem(text, type="file")]
+
+
+class WholeNumber(click.IntRange):
+    """A whole number in ASCII digits; Python itself also accepts 1_000 and full-width digits."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        if isinstance(value, str) and not re.fullmatch(r"\s*[+-]?\d{1,1000}\s*", value, re.ASCII):
+            self.fail(f"{value!r} is not a valid integer.", param, ctx)
+        return super().convert(value, param, ctx)
+
+    def _describe_range(self) -> str:
+        """Return the range that --help shows: nothing, not x<=None, where there is none."""
+        return "" if self.min is None and self.max is None else super()._describe_range()
+
+
+#: Completions of the name in NAME=VALUE, and in a list of names.
+PARAMETER, PARAMETER_LIST = complete(PARAMETER_NAMES, "="), complete(PARAMETER_NAMES, ",")
+scene_argument = click.argument("scene", shell_complete=complete_scene)
+optional_scene = click.argument("scene", required=False, shell_complete=complete_scene)
+json_option = flag("--json", "Print JSON in place of the table.", expose_value=False, callback=claim_stdout)
+set_option = option(
+    "--set NAME=VALUE",
+    "Change a parameter, such as k=3 or Omega=2*pi. Repeatable.",
+    "settings",
+    multiple=True,
+    shell_complete=PARAMETER,
+)
+plot_option = picture_option("--plot FILE", "Draw it: .pdf, .svg or .png. -: SVG to stdout.")
+start_error_option = option(
+    "--start-error E",
+    "How far t0, x0, v0 may be off: a number, or three with commas.",
+    callback=lambda context, given, text: read_start_error(text.split(",") if text and "," in text else text),
+)
+
+
+def folder_name(output: str, hint: str = "--output") -> str:
+    """Return the name of a folder; BadParameter if it is empty or standard output."""
+    if output in ("", STDOUT):
+        raise click.BadParameter(f"{output!r} is not a folder; './-' is one named -", param_hint=hint)
+    return output
+
+
+def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) -> tuple[str, str]:
+    """Return the two sides of NAME=VALUE; BadParameter if one is empty or the name is in `known`."""
+    name, _, value = (part.strip() for part in text.partition("="))
+    if not (name and value):
+        raise click.BadParameter(f"{text!r} is not {form}", param_hint=hint)
+    if name in known:
+        raise click.BadParameter(f"{name} is given twice", param_hint=hint)
+    return name, value
+
+
+def read_span(text: str, hint: str) -> tuple[str, tuple[str, str]]:
+    """Return a parameter's name and two values of it."""
+    form = "NAME=LOW:HIGH, such as Omega=3:5"
+    name, limits = split_setting(text, hint, form)
+    low, colon, high = limits.partition(":")
+    if not colon:
+        raise click.BadParameter(f"{text!r} is not {form}", param_hint=hint)
+    return name, (low, high)
+
+
+def read_settings(settings: Settings) -> dict[str, str]:
+    """Return names and values of --set options; BadParameter for anything else and for names of the start."""
+    changes: dict[str, str] = {}
+    for setting in settings:
+        name, value = split_setting(setting, "--set", "NAME=VALUE, such as k=3", changes)
+        if name in START_NAMES:
+            raise click.BadParameter(f"{name} is not a parameter; use --{name.replace('_', '-')}", param_hint="--set")
+        changes[name] = value
+    return changes
+
+
+def read_parameters(settings: Settings) -> dict[str, Any]:
+    """Return the numbers of --set options; expressions such as 2*pi are read as in scene files."""
+    return {name: read_typed(name, text) for name, text in read_settings(settings).items()}
+
+
+def scene_with(scene: str | Scene, settings: Settings, **start: Text) -> Scene:
+    """Return a scene with --set parameters and a start from the command line; its notes go to stderr."""
+    scene = load_scene(scene) if isinstance(scene, str) else scene
+    for line in scene.notes:
+        note(f"{scene.name}: {line}")
+    scene, given = scene.changed(**read_parameters(settings)), dict[str, Any]()
+    for name, text in start.items():
+        if text is not None:
+            number = read_duration(name, text)
+            # `started` reads an expression itself, as it tells how well the start is known.
+            given[name] = number if name == "t_end" else text
+    return scene.started(given)
+
+
+def reduced_scene(scene: Scene) -> Scene:
+    """Return the scene in the coordinates of symosc's model; a note says so of one of another model."""
+    if scene.original is not None:
+        drive = scene.parameters.as_dict()["B0"]
+        note(f"{scene.name}: of another model; this is about the oscillator that it is, with B0 = {drive}")
+    return scene.reduced()
+
+
+def read_duration(name: str, text: str) -> Any:
+    """Return periods such as 10T as they are, and any other time as a number."""
+    return text.strip() if text.strip().endswith("T") else read_typed(name, text)
+
+
+def read_typed(name: str, text: str) -> Any:
+    """Return a number as it is typed, for the function that takes it; an expression such as 2*pi as a number."""
+    if not re.search(r"pi|π|[*^()]", text):
+        return text
+    number, exact = read_number(name, text)
+    if not exact:
+        note(f"{name} = {text}: read to 40 digits")
+    return number
