@@ -42,7 +42,7 @@ CAPACITY = (1 << 18) + 72
 # Events after which the interpreted loop asks whether to go on.
 TURN = 2048
 # A chunk has enough motions to hide what it costs to begin one, and so few that all threads are busy to the end.
-LEAST_IN_CHUNK, MOST_IN_CHUNK = 16, 1024
+LEAST_IN_CHUNK, MOST_IN_CHUNK = 16, 2048
 LEAST_ALONE = 512  # where one thread does all
 CHUNKS_PER_WORKER = 6
 MOST_WORKERS = 256
