@@ -433,8 +433,9 @@ PLAIN_IN_PAIRS = {
 
 
 class PairLoops(NamedTuple):
-    """The function of `symosc.engine.batch` that follows motions in double-double numbers."""
+    """The functions of `symosc.engine.batch` that start and follow motions in double-double numbers."""
 
+    first_pairs: Any
     follow_pairs: Any
 
 
@@ -457,7 +458,7 @@ def _pair_constants() -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def compiled_pairs() -> PairLoops:
-    """Return the loop of double-double numbers compiled by numba at its first call, cached on disk."""
+    """Return the loops of double-double numbers compiled by numba, each at its first call, cached on disk."""
     import numba
 
     from symosc.kernels import pairs
@@ -472,12 +473,12 @@ def compiled_pairs() -> PairLoops:
     replaced["from_complex"] = pairs.from_complex
     beside = (pairs, double_double, summary)
     functions = compile_modules(SOURCES, outlined, callees, replaced, pairs.Pair, beside)
-    return PairLoops(functions["follow_pairs"])
+    return PairLoops(*(functions[name] for name in PairLoops._fields))
 
 
 @lru_cache(maxsize=1)
 def interpreted_pairs() -> PairLoops:
-    """Return the loop of double-double numbers as CPython runs it."""
+    """Return the loops of double-double numbers as CPython runs them."""
     from symosc.kernels import pairs
 
     def number(z: Any) -> Any:
@@ -497,12 +498,12 @@ def interpreted_pairs() -> PairLoops:
     replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}
     replaced["from_complex"] = partial(converted, number=number)
     functions = bind(SOURCES, replaced, literal=pairs.Pair)
-    return PairLoops(follow_pairs)
+    return PairLoops(functions["first_pairs"], follow_pairs)
 
 
 def pairs_are_compiled() -> bool:
-    """Return whether the loop of `compiled_pairs` is compiled, in this process or on disk."""
-    return is_compiled(compiled_pairs().follow_pairs)
+    """Return whether both loops of `compiled_pairs` are compiled, in this process or on disk."""
+    return all(map(is_compiled, compiled_pairs()))
 
 
 def pairs_are_loaded() -> bool:
@@ -528,3 +529,9 @@ def pairs_as_complex(value: Any) -> Any:
 def pair_constants(parameters: Parameters) -> Constants:
     """Return the constants as complex numbers hi + i lo, each rounded once."""
     return pairs_as_complex(many_digits(parameters, ROUNDED_FROM).K)
+
+
+def pair_phase(parameters: Parameters, t: Fraction) -> complex:
+    """Return the phase at a time, rounded once."""
+    found: complex = pairs_as_complex(many_digits(parameters, ROUNDED_FROM).phase(t))
+    return found

@@ -1,7 +1,7 @@
 """Many trajectories in one loop, in doubles and in double-double numbers; events go into columns.
 
-These are the loops that `simulate_many` compiles. `follow_pairs` is bound to pairs; what it hands out are
-doubles, whose only error is their rounding unless that of the pairs is not negligible beside it.
+These are the loops that `simulate_many` compiles. `follow_pairs` and `first_pairs` are bound to pairs; what they hand
+out are doubles, whose only error is their rounding unless that of the pairs is not negligible beside it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS, event_codes, event_numbers
-from symosc.engine.flow import clock_time
+from symosc.engine.flow import clock_time, constant_force
 from symosc.engine.next_event import advance, advance_near, free_time, time_with_errors
 from symosc.engine.state import (
     END,
@@ -32,6 +32,8 @@ from symosc.engine.state import (
     State,
 )
 from symosc.engine.summary import finish_tally, tally_step
+from symosc.kernels._generated import acceleration
+from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS
 
 # A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_end_low, t0, s, c, theta_low.
@@ -292,6 +294,24 @@ open_free_time_in_doubles, write_event_in_doubles, write_piece_in_doubles = open
 def from_complex(value):
     """Convert complex numbers, also in a named tuple, to pairs hi + lo; doubles have no low part."""
     return value
+
+
+def first_pairs(pairs, K):
+    """Fill in forces, velocity, sine and cosine, and errors of starts in pairs; no force on a belt may be 0."""
+    K = from_complex(K)
+    for i in range(pairs.shape[0]):
+        mode, at, theta = int(pairs[i, 0]), int(pairs[i, 1]), float(pairs[i, 3])
+        x, v = float(pairs[i, 4]), float(pairs[i, 5])
+        if at > 0:  # to the last bit
+            v = K.belt1.v if at == 1 else K.belt2.v
+        s, c = sin(theta), cos(theta)
+        below, above = (at, at + 1) if mode > ON_BELT else (mode, mode)
+        pairs[i, 5], pairs[i, 16], pairs[i, 17] = v, s, c
+        pairs[i, 6] = acceleration(x, v, c, constant_force(below, K), K.cm, K.w0sq, K.f0)
+        pairs[i, 7] = acceleration(x, v, c, constant_force(above, K), K.cm, K.w0sq, K.f0)
+        pairs[i, 8] = (EPS * x) * (EPS * x)
+        if at == 0:
+            pairs[i, 10] = (EPS * v) * (EPS * v)
 
 
 def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):

@@ -246,7 +246,11 @@ def warm() -> list[Warmed]:
             (doubles["doubt_row"], (row, 0, 1, 1.0, table)),
         ],
         "events in double-double numbers": [
-            (pairs.follow_pairs, (nothing, nothing, pair_rows, batch, out, NO_PIECES, K, no_tally(), limits)),
+            (pairs.first_pairs, (pair_rows, K)),
+            (
+                pairs.follow_pairs,
+                (nothing, nothing, pair_rows, batch, out, NO_PIECES, K, no_tally(), limits),
+            ),
         ],
         "derivatives of events": [
             (tangents, (nothing, nothing, of_motions, nothing, columns, nothing, True, letters, table, changes, work))

@@ -29,6 +29,7 @@ from symosc.engine.arithmetic import (
     interpreted_pairs,
     many_digits,
     pair_constants,
+    pair_phase,
     pairs_are_compiled,
     pairs_as_complex,
 )
@@ -75,8 +76,12 @@ from symosc.simulation.tables import CHANGES, SUMMARY_COLUMNS, Summary, table_fr
 from symosc.simulation.tangents import chosen_tangents, event_changes, read_wrt
 from symosc.simulation.trajectory import Trajectory
 
+# A gap between a start and a belt that pairs have digits to spare for (`symosc.simulation.motion.fits_pairs`).
+FAR_OFF = 2e-8
 # Motions that are followed in interpreted pairs until it is asked again whether to compile.
 TOGETHER = 8
+# A force on a belt that is this small beside others is computed from the exact start.
+SMALL_FORCE = 1e-6
 # Mappings of a period that are kept at first, and sections that are kept of a motion, 64 bytes each.
 USUAL_WORD, MOST_SECTIONS = 48, 100_000
 EXTREMES = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_max": kept.V_MAX}
@@ -233,13 +238,15 @@ class Chunk:
 
     def _in_pairs(self, members: list[int]) -> dict[int, EventRows]:
         """Follow motions in pairs of doubles as far as these decide; return their events by motion number."""
-        found, groups = dict[int, EventRows](), dict[int, dict[int, Start]]()
-        for i in members:
-            if fits_pairs(start := self.problem(i)):
-                groups.setdefault(int(self.batch.sets[i]), {})[i] = start
-        for starts in groups.values():
-            some = list(starts)
-            events = joined(self._escalate(some, list(starts.values())))
+        found: dict[int, EventRows] = {}
+        numbers = self._first + np.array(members, np.int64)
+        apart = self.task.problems.are_apart(numbers, self._starts[members, 1], FAR_OFF)
+        groups: dict[int, list[int]] = {}
+        for i, is_apart in zip(members, apart.tolist(), strict=True):
+            if is_apart or fits_pairs(self.problem(i)):
+                groups.setdefault(int(self.batch.sets[i]), []).append(i)
+        for some in groups.values():
+            events = joined(self._escalate(self.task.problems.sets[self._first + some[0]], some))
             order = np.argsort(events.ints[0], kind="stable")
             events = EventRows(*(columns[:, order] for columns in events))
             cuts = np.searchsorted(events.ints[0], np.arange(len(some) + 1)).tolist()
@@ -247,13 +254,11 @@ class Chunk:
             found |= {i: rows_between(events, *cut) for i, cut in zip(some, pairwise(cuts), strict=True)}
         return found
 
-    def _escalate(self, members: list[int], starts: list[Start]) -> Iterator[EventRows]:
+    def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
         """Follow motions of one parameter set in pairs past an event undecided in doubles, then in doubles."""
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
-        most, parameters = self.task.most, starts[0].parameters
-        exact, K = many_digits(parameters, ROUNDED_FROM), pair_constants(parameters)
-        rows = (row_of(first_state(start, exact), *last_time(start, exact)) for start in starts)
-        pairs, tally = np.array([pairs_as_complex(tuple(row)) for row in rows]), select_tallies(self.tally, members)
+        most, K = self.task.most, pair_constants(parameters)
+        pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
         states, sets, counts, codes = (column[members] for column in self.batch)
         batch, wanted = batch_of(states, sets), counts + (codes == UNDECIDED)
         going = PairLimits(most, self._needed, MOST_MORE, PAIR_NOISE, self.table, careful_table(self.table))
@@ -284,6 +289,19 @@ class Chunk:
         for column, values in zip(self.batch, batch, strict=True):
             column[members] = values
         store_tallies(self.tally, members, tally)
+
+    def _pair_rows(self, parameters: Parameters, members: list[int]) -> np.ndarray:
+        """Return the initial states of motions of one parameter set as complex numbers that represent pairs."""
+        starts = self._starts[members]
+        numbers = self._first + np.array(members, np.int64)
+        pairs = self.task.problems.pair_rows(numbers, starts, partial(pair_phase, parameters))
+        pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
+        least, largest = abs(starts[:, 6:8]).min(axis=1), abs(starts[:, 6:8]).max(axis=1)
+        unclear = (starts[:, 1] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
+        for i in np.flatnonzero(unclear).tolist():
+            start, arithmetic = self.problem(members[i]), many_digits(parameters, ROUNDED_FROM)
+            pairs[i] = pairs_as_complex(tuple(row_of(first_state(start, arithmetic), *last_time(start, arithmetic))))
+        return pairs
 
     def _statuses(self) -> list[str]:
         """Return the status of each motion."""

@@ -41,7 +41,7 @@ DECIMAL_CONTEXT = Context(prec=800)
 
 
 class NumberColumn:
-    """One number for all rows or one per row: double `hi` and remainder `lo`; exact numbers on demand."""
+    """One number for all rows or one per row: double `hi`, remainder `lo`, and the exact numbers."""
 
     def __init__(self, name: str, given: Any) -> None:
         given = _as_given(name, given)
@@ -54,7 +54,7 @@ class NumberColumn:
         self.single = self.single or len(given) == 1
         if not self.single and given.dtype == object and all(type(value) is float for value in given):
             given = given.astype(float)
-        self.name = name
+        self.name, self._exact = name, dict[int, Fraction]()
         self._given: Any = given if getattr(given, "shape", ()) else [given]
         plain = not self.single and given.dtype == np.float64
         self.hi, self.lo = self._of_doubles(given) if plain else self._of_any(self._given)
@@ -86,7 +86,7 @@ class NumberColumn:
             except TypeError:  # a list, or another thing that is no number
                 pair = None
             if pair is None:
-                exact = read_number(self.called(row), value)[0]
+                exact = self._exact[row] = read_number(self.called(row), value)[0]
                 pair = known[key] = float(exact), float(exact - Fraction(float(exact)))
             parts[:, row] = pair
         return parts[0], parts[1]
@@ -100,7 +100,12 @@ class NumberColumn:
 
     def exact(self, row: int) -> Fraction:
         """Return the exact number in a row."""
-        return read_number(self.called(row), self._given[row if len(self) > 1 else 0])[0]
+        row = row if len(self) > 1 else 0
+        if row not in self._exact:
+            if len(self._exact) > 100_000:  # of a long column only a few are asked for again
+                self._exact.clear()
+            self._exact[row] = read_number(self.called(row), self._given[row])[0]
+        return self._exact[row]
 
     def pairs(self, rows: Any = slice(None)) -> PairColumn:
         """Return some rows, or the common number, as a column of pairs."""
@@ -299,6 +304,32 @@ class Problems:
         equal = [self.v0.exact(i) == speed.exact(i) for i in (rows.start + asked).tolist()]
         on_belt = np.broadcast_to(np.array(equal, dtype=bool), len(near))
         return near[on_belt], near[~on_belt]
+
+    def are_apart(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
+        """Return which motions have an exact start, a drive, and a distance > `gap` to every belt but their own."""
+        v, B0 = self.v0.pairs(rows).hi, self.sets.column("B0").pairs(rows).hi
+        apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
+        for boundary in (1, 2):
+            apart &= (at == boundary) | (abs(v - self.sets.column(f"v{boundary}").pairs(rows).hi) > gap)
+        return apart
+
+    def pair_rows(self, rows: np.ndarray, states: np.ndarray, phase: Callable[[Fraction], complex]) -> np.ndarray:
+        """Return the starts of motions of one parameter set as rows of complex numbers that represent pairs."""
+        # `states` are their rows in doubles, and `phase` returns the phase at a time, as such a number. Forces and what
+        # follows from them are left to `symosc.engine.batch.first_pairs`.
+        made = np.zeros((len(rows), STATE_WIDTH), complex)
+        made[:, :2] = states[:, :2]
+        for place, column in ((4, self.x0), (5, self.v0), (11, self.t0)):
+            pairs = column.pairs(rows)
+            made[:, place].real, made[:, place].imag = pairs.hi, pairs.lo
+        made[:, 13].real, made[:, 13].imag = states[:, 13], states[:, 14]
+        made[:, 15] = made[:, 11]
+        known = {0j: 0j}
+        for i, t0 in enumerate(made[:, 11].tolist()):
+            if t0 not in known:
+                known[t0] = phase(self.t0.exact(int(rows[i])))
+            made[i, 3] = known[t0]
+        return made
 
 
 def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColumn]:
