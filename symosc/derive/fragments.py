@@ -30,8 +30,6 @@ from symosc.words import MAPS
 ALONE = "\\documentclass{article}\n\\usepackage{amsmath}\n\\begin{document}\n"
 PREFIX = "symosc"
 POSITION, VELOCITY = named(r"x(\tau)"), named(r"\dot{x}(\tau)")
-#: The domains, in words.
-WHERE = {1: r"$\dot{x} < v_1$", 2: r"$v_1 < \dot{x} < v_2$", 3: r"$\dot{x} > v_2$"}
 BASIS_TEXT = (
     r"Here $E_1(\tau)$ is the response of $\ddot{y} + (c/m)\dot{y} + (k/m)y$ to an impulse: the solution of the "
     r"unforced equation with $E_1(0) = 0$ and $\dot{E}_1(0) = 1$; further $E_0 = \dot{E}_1$, "
@@ -330,7 +328,7 @@ def _flight_map(label: str, scope: FragmentScope) -> Items:
         equation(f2, VELOCITY - maps.v_j, {f2: residual["f2"], VELOCITY: flow.v}, "f2"),
         r"where $\tau$ is the first positive time at which the motion meets the speed of a belt.",
         _motion(scope),
-        rf"In the domain $\Omega_{row.domain}$ ({WHERE[row.domain]}) the motion obeys "
+        rf"In the domain $\Omega_{row.domain}$ ({motion.VELOCITIES[row.domain]}) the motion obeys "
         rf"$m\ddot{{x}} + c\dot{{x}} + k x = A_{row.domain} + B_0\cos\Omega t$, and the constant part of the forces is",
         _constant(row.domain),
     )

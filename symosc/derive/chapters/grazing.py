@@ -269,8 +269,7 @@ class Window(Check):
 def _numbers(scope: Scope, mapping: str) -> Items:
     """Return the window of a scene, with its numbers."""
     place = PLACES[mapping]
-    gamma = (k * BELTS[place.boundary] / m).subs(scope.numbers)
-    amplitude = (B0 * Omega / m).subs(scope.numbers)
+    gamma, amplitude = (e.subs(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m))
     phases = theorem7.window_phases(place, gamma, amplitude, False)
     return (
         rf"\subsection{{The window of $P_{mapping[1]}$ with the numbers of the scene}}",
