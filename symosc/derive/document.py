@@ -6,6 +6,7 @@ import re
 from base64 import b64encode
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from importlib import import_module
 from itertools import groupby
 from pathlib import Path
@@ -74,8 +75,8 @@ class Checked(NamedTuple):
         for part in self.parts:
             number = part.number if isinstance(part.item, Step) else ""
             for step, evidence in zip(steps_of(part.item), part.evidence, strict=True):
-                left, op, right = step.statement
-                rows.append({"step": number, "statement": f"{latex(left)} {op} {latex(right)}", **evidence._asdict()})
+                statement = f"{latex(step.left)} {step.op} {latex(step.right)}"
+                rows.append({"step": number, "statement": statement, **evidence._asdict()})
         return rows
 
 
@@ -168,15 +169,15 @@ def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str]
 # --- LaTeX ---
 
 
-def shown(statement: Any, scope: Scope) -> Any:
-    """Return a statement with the numbers and symbols with which it is printed in a scope."""
-    return statement._replace(left=scope.shown(statement.left), right=scope.shown(statement.right))
+def shown(step: Step, scope: Scope) -> Step:
+    """Return a step with the numbers and symbols with which it is printed in a scope."""
+    return replace(step, left=scope.shown(step.left), right=scope.shown(step.right))
 
 
 def _rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
     """Return for each step of a display the rows of LaTeX that it takes, `left &= right` first."""
     decimals = scope.decimal or any(each.item.decimals for each in display)
-    statements = [shown(each.item.statement, scope) for each in display]
+    statements = [shown(each.item, scope) for each in display]
     left = max(width(latex(statement.left, decimals)) for statement in statements)
     found = []
     for each, statement in zip(display, statements, strict=True):
@@ -202,7 +203,7 @@ def cell(value: Any, scope: Scope) -> str:
     """Return a cell of a table as LaTeX; a step shows its right side."""
     if not isinstance(value, Step):
         return str(value)
-    return rf"$\displaystyle {latex(scope.shown(value.statement.right), scope.decimal or value.decimals)}$"
+    return rf"$\displaystyle {latex(scope.shown(value.right), scope.decimal or value.decimals)}$"
 
 
 def as_latex(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = None) -> str:

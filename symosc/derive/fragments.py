@@ -52,9 +52,9 @@ def check_fragment(name: str, scope: FragmentScope) -> Checked:
     given = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."] if numbers else []
     fragment = check(name, FRAGMENTS[name].title, flat([given, FRAGMENTS[name].items(scope)]))
     for each, _ in fragment.steps():
-        right = scope.shown(each.statement.right)
+        right = scope.shown(each.right)
         if isinstance(right, sp.Expr) and right.has(sp.zoo, sp.nan, sp.oo):
-            raise StepError(str(each.statement), "divides by 0 with these numbers")
+            raise StepError(str(each), "divides by 0 with these numbers")
     return fragment
 
 
@@ -286,7 +286,7 @@ def _motion(scope: FragmentScope) -> Items:
             equation(POSITION, form.x, form.check, "x"),
             equation(VELOCITY, form.v, form.x.diff(tau), "v"),
             "with",
-            [each for each in steps if each.statement.left in form.x.free_symbols],
+            [each for each in steps if each.left in form.x.free_symbols],
             domains.constants(form),
         )
     flow = solution.flow()
@@ -294,7 +294,7 @@ def _motion(scope: FragmentScope) -> Items:
     by_v = {VELOCITY: solution.time_derivative(flow.x)}
     newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - solution.a_i, solution.a_i)[0]
     solved = flat(domains.solved_functions(domains.generic_basis()))
-    others = [each for each in solved if isinstance(each, Step) and each.statement.left != E2]
+    others = [each for each in solved if isinstance(each, Step) and each.left != E2]
     resonance = regime.name == "resonance"
     return (
         "The motion is",

@@ -238,7 +238,7 @@ class Window(Check):
     amplitude: Any
     names: tuple[tuple[Any, Any], ...] = ()
 
-    def __call__(self, statement: Any) -> StepEvidence:
+    def __call__(self, statement: Step) -> StepEvidence:
         sets = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
         parts = [part for part in sets if isinstance(part, sp.Interval)]
         through_0 = any(part.args[0] == 0 and not part.args[2] for part in parts)
