@@ -81,10 +81,8 @@ class Scope:
 
     @cached_property
     def regimes(self) -> tuple[solution.Regime, ...]:
-        """The damping regime that the numbers decide; if they leave several, these, in the order of the table."""
-        holds = {r: r.condition.subs(self.numbers, simultaneous=True) for r in solution.REGIMES.values()}
-        certain = tuple(regime for regime, condition in holds.items() if condition == sp.true)
-        return certain or tuple(regime for regime, condition in holds.items() if condition != sp.false)
+        """The damping regime that the numbers decide; if they leave several, these."""
+        return solution.possible_regimes(self.numbers)
 
     @cached_property
     def numbers(self) -> dict[Expr, Expr]:
