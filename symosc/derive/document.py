@@ -6,6 +6,7 @@ import re
 from base64 import b64encode
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from importlib import import_module
 from itertools import groupby
 from pathlib import Path
@@ -24,6 +25,8 @@ from symosc.files import make_folder, write_text
 from symosc.scenes import Scene
 
 ToHtml = Callable[[str], str]
+#: Called with a chapter, how many of its steps have been checked, and how many it has.
+Progress = Callable[[str, int, int], None]
 #: Folders beside the main document: its chapters, and its figures.
 CHAPTER_FOLDER, PICTURES = "chapters", "figures"
 MAIN, BIBTEX, PAGE = "derivations.tex", "references.bib", "derivations.html"
@@ -74,8 +77,8 @@ class Checked(NamedTuple):
         for part in self.parts:
             number = part.number if isinstance(part.item, Step) else ""
             for step, evidence in zip(steps_of(part.item), part.evidence, strict=True):
-                left, op, right = step.statement
-                rows.append({"step": number, "statement": f"{latex(left)} {op} {latex(right)}", **evidence._asdict()})
+                statement = f"{latex(step.left)} {step.op} {latex(step.right)}"
+                rows.append({"step": number, "statement": statement, **evidence._asdict()})
         return rows
 
 
@@ -85,7 +88,7 @@ def chapter_items(key: str, scope: Scope) -> tuple[str, list[Any]]:
     return module.TITLE, flat(module.items(scope))
 
 
-def check(key: str, title: str, items: list[Any], progress: Callable[[int, int], None] | None = None) -> Checked:
+def check(key: str, title: str, items: list[Any], progress: Progress | None = None) -> Checked:
     """Check the steps of a chapter or fragment, and number its parts."""
     total, done, counts = sum(len(steps_of(item)) for item in items), 0, Counter[str]()
     number, parts = _chapter_number(key), list[Part]()
@@ -98,33 +101,29 @@ def check(key: str, title: str, items: list[Any], progress: Callable[[int, int],
             except StepError as error:
                 raise StepError(f"{key}, step {done}: {error.statement}", error.reason) from None
             if progress:
-                progress(done, total)
+                progress(key, done, total)
         kind, place, label = COUNTED.get(type(item), ""), "", ""
         if isinstance(item, Markup) and item.command == "begin" and item.name != "proof":
             kind = "thm"
         if kind:
             counts[kind] += 1
             place = f"{number}.{counts[kind]}" if number else f"{counts[kind]}"
-            label = "" if kind == "eq" else item.label
-            label = label or f"{kind}:{key}-{item.label or counts[kind]}"
+            label = item.label if item.label and kind != "eq" else f"{kind}:{key}-{item.label or counts[kind]}"
         parts.append(Part(item, tuple(evidence), place, label))
     return Checked(key, title, number, parts)
 
 
-def check_chapter(key: str, scope: Scope, progress: Callable[[int, int], None] | None = None) -> Checked:
+def check_chapter(key: str, scope: Scope, progress: Progress | None = None) -> Checked:
     """Build a chapter and check its steps; StepError if a check fails or cannot decide."""
     return check(key, *chapter_items(key, scope), progress)
 
 
 def build(
-    subjects: list[str], scene: Scene | None = None, progress: Callable[[str, int, int], None] | None = None
+    subjects: list[str], scene: Scene | None = None, progress: Progress | None = None
 ) -> tuple[Scope, list[Checked]]:
     """Check the chapters of some subjects ("all" for every one) and return them with their scope."""
-    scope, chapters = Scope(scene), []
-    for key in CHAPTERS if "all" in subjects else subjects:
-        report = None if progress is None else (lambda done, count, key=key: progress(key, done, count))
-        chapters.append(check_chapter(key, scope, report))
-    return scope, chapters
+    scope = Scope(scene)
+    return scope, [check_chapter(key, scope, progress) for key in (CHAPTERS if "all" in subjects else subjects)]
 
 
 # --- numbers and references: LaTeX counts for itself, HTML takes the numbers from here ---
@@ -168,15 +167,15 @@ def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str]
 # --- LaTeX ---
 
 
-def shown(statement: Any, scope: Scope) -> Any:
-    """Return a statement with the numbers and symbols with which it is printed in a scope."""
-    return statement._replace(left=scope.shown(statement.left), right=scope.shown(statement.right))
+def shown(step: Step, scope: Scope) -> Step:
+    """Return a step with the numbers and symbols with which it is printed in a scope."""
+    return replace(step, left=scope.shown(step.left), right=scope.shown(step.right))
 
 
 def _rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
     """Return for each step of a display the rows of LaTeX that it takes, `left &= right` first."""
     decimals = scope.decimal or any(each.item.decimals for each in display)
-    statements = [shown(each.item.statement, scope) for each in display]
+    statements = [shown(each.item, scope) for each in display]
     left = max(width(latex(statement.left, decimals)) for statement in statements)
     found = []
     for each, statement in zip(display, statements, strict=True):
@@ -202,7 +201,7 @@ def cell(value: Any, scope: Scope) -> str:
     """Return a cell of a table as LaTeX; a step shows its right side."""
     if not isinstance(value, Step):
         return str(value)
-    return rf"$\displaystyle {latex(scope.shown(value.statement.right), scope.decimal or value.decimals)}$"
+    return rf"$\displaystyle {latex(scope.shown(value.right), scope.decimal or value.decimals)}$"
 
 
 def as_latex(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = None) -> str:

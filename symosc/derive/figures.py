@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from io import StringIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -111,11 +112,7 @@ def figure(key: str) -> Figure:
 
 def svg(key: str) -> str:
     """Return a figure as SVG."""
-    from matplotlib import rc_context
+    from symosc.plot import save
 
-    from symosc.plot.drawing import STYLE
-
-    text = StringIO()
-    with rc_context(STYLE):
-        figure(key).savefig(text, format="svg", metadata={"Date": None})
-    return text.getvalue()
+    with TemporaryDirectory() as folder:
+        return save(figure(key), Path(folder) / "figure.svg").read_text(encoding="utf-8")

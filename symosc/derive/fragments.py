@@ -30,8 +30,6 @@ from symosc.words import MAPS
 ALONE = "\\documentclass{article}\n\\usepackage{amsmath}\n\\begin{document}\n"
 PREFIX = "symosc"
 POSITION, VELOCITY = named(r"x(\tau)"), named(r"\dot{x}(\tau)")
-#: The domains, in words.
-WHERE = {1: r"$\dot{x} < v_1$", 2: r"$v_1 < \dot{x} < v_2$", 3: r"$\dot{x} > v_2$"}
 BASIS_TEXT = (
     r"Here $E_1(\tau)$ is the response of $\ddot{y} + (c/m)\dot{y} + (k/m)y$ to an impulse: the solution of the "
     r"unforced equation with $E_1(0) = 0$ and $\dot{E}_1(0) = 1$; further $E_0 = \dot{E}_1$, "
@@ -54,9 +52,9 @@ def check_fragment(name: str, scope: FragmentScope) -> Checked:
     given = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."] if numbers else []
     fragment = check(name, FRAGMENTS[name].title, flat([given, FRAGMENTS[name].items(scope)]))
     for each, _ in fragment.steps():
-        right = scope.shown(each.statement.right)
+        right = scope.shown(each.right)
         if isinstance(right, sp.Expr) and right.has(sp.zoo, sp.nan, sp.oo):
-            raise StepError(str(each.statement), "divides by 0 with these numbers")
+            raise StepError(str(each), "divides by 0 with these numbers")
     return fragment
 
 
@@ -288,7 +286,7 @@ def _motion(scope: FragmentScope) -> Items:
             equation(POSITION, form.x, form.check, "x"),
             equation(VELOCITY, form.v, form.x.diff(tau), "v"),
             "with",
-            [each for each in steps if each.statement.left in form.x.free_symbols],
+            [each for each in steps if each.left in form.x.free_symbols],
             domains.constants(form),
         )
     flow = solution.flow()
@@ -296,7 +294,7 @@ def _motion(scope: FragmentScope) -> Items:
     by_v = {VELOCITY: solution.time_derivative(flow.x)}
     newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - solution.a_i, solution.a_i)[0]
     solved = flat(domains.solved_functions(domains.generic_basis()))
-    others = [each for each in solved if isinstance(each, Step) and each.statement.left != E2]
+    others = [each for each in solved if isinstance(each, Step) and each.left != E2]
     resonance = regime.name == "resonance"
     return (
         "The motion is",
@@ -330,7 +328,7 @@ def _flight_map(label: str, scope: FragmentScope) -> Items:
         equation(f2, VELOCITY - maps.v_j, {f2: residual["f2"], VELOCITY: flow.v}, "f2"),
         r"where $\tau$ is the first positive time at which the motion meets the speed of a belt.",
         _motion(scope),
-        rf"In the domain $\Omega_{row.domain}$ ({WHERE[row.domain]}) the motion obeys "
+        rf"In the domain $\Omega_{row.domain}$ ({motion.VELOCITIES[row.domain]}) the motion obeys "
         rf"$m\ddot{{x}} + c\dot{{x}} + k x = A_{row.domain} + B_0\cos\Omega t$, and the constant part of the forces is",
         _constant(row.domain),
     )

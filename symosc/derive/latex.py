@@ -12,7 +12,7 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 
 from symosc.aliases import Expr
-from symosc.derive.steps import Relation
+from symosc.derive.steps import Step
 from symosc.exact import show
 from symosc.symbolic import maps, solution
 
@@ -299,7 +299,7 @@ def width(text: str) -> float:
     return group()
 
 
-def lines(statement: Relation, decimals: bool = False, left_width: float | None = None) -> list[str]:
+def lines(statement: Step, decimals: bool = False, left_width: float | None = None) -> list[str]:
     """Return a statement as the rows of an align environment: `left &= right`, broken before + and - where needed."""
     # `left_width` is the width of the column left of the relation sign, if other statements share it.
     left = latex(statement.left, decimals)

@@ -50,8 +50,7 @@ class Flight:
         s = solution
         exact = {s.m: p.m, s.c: p.c, s.k: p.k, s.Omega: p.Omega, s.cm: p.c / p.m, s.w0sq: p.k / p.m}
         exact |= {coulomb.P: abs(p.B0), x_f: p.mu1 * p.FN / p.k}
-        rationals = {letter: rational(value) for letter, value in exact.items()}
-        self.regime = next(r for r in s.REGIMES.values() if r.condition.subs(rationals) == sp.true)
+        (self.regime,) = s.possible_regimes({letter: rational(value) for letter, value in exact.items()})
         self.numbers = {letter: number(value) for letter, value in exact.items()}
         self.numbers |= {letter: self.value(meaning) for letter, meaning in self.regime.letters.items()}
 

@@ -56,9 +56,14 @@ class Scope:
         return self.scene.parameters if self.scene else None
 
     @property
+    def values(self) -> tuple[tuple[str, Any], ...]:
+        """The parameters given as numbers."""
+        return tuple((name, getattr(self.parameters, name)) for name in PARAMETER_NAMES) if self.scene else ()
+
+    @property
     def decimal(self) -> bool:
         """Whether numbers are printed as decimals where they end."""
-        return bool(self.table())
+        return bool(self.values)
 
     @cached_property
     def maps(self) -> tuple[str, ...]:
@@ -81,18 +86,15 @@ class Scope:
 
     @cached_property
     def regimes(self) -> tuple[solution.Regime, ...]:
-        """The damping regime that the numbers decide; if they leave several, these, in the order of the table."""
-        holds = {r: r.condition.subs(self.numbers, simultaneous=True) for r in solution.REGIMES.values()}
-        certain = tuple(regime for regime, condition in holds.items() if condition == sp.true)
-        return certain or tuple(regime for regime, condition in holds.items() if condition != sp.false)
+        """The damping regime that the numbers decide; if they leave several, these."""
+        return solution.possible_regimes(self.numbers)
 
     @cached_property
     def numbers(self) -> dict[Expr, Expr]:
-        """The scene's numbers for the symbols, exactly."""
-        if self.parameters is None:
-            return {}
-        found = {letter: rational(getattr(self.parameters, name)) for name, letter in LETTERS.items()}
-        return found | {name: PAPER_LETTERS[name].xreplace(found) for name in list(PAPER_LETTERS)[:3]}
+        """The numbers by their symbols; those of a scene also for the quantities divided by m."""
+        found = {LETTERS[name]: rational(value) for name, value in self.values}
+        derived = list(PAPER_LETTERS)[:3] if self.scene else []
+        return found | {name: PAPER_LETTERS[name].xreplace(found) for name in derived}
 
     @cached_property
     def display(self) -> dict[Expr, Expr]:
@@ -107,28 +109,18 @@ class Scope:
 
     def table(self) -> list[tuple[str, str]]:
         """Return the numbers as (LaTeX name, value)."""
-        numbers = self.parameters.as_dict() if self.parameters else {}
-        return [(latex(LETTERS[name]), value) for name, value in numbers.items()]
+        return [(latex(LETTERS[name]), show(value)) for name, value in self.values]
 
 
 @dataclass(frozen=True)
 class FragmentScope(Scope):
     """The numbers of some symbols of a fragment, and the form of the motion."""
 
-    values: tuple[tuple[str, Any], ...] = ()  # the parameters given as numbers
+    values: tuple[tuple[str, Any], ...] = ()
     form: str = "entire"  # "entire" (the five basis functions) or "paper" (e^{-ct/2m} cos omega_d t)
     digits: int | None = None  # to which numbers are rounded
     # what letters are in this fragment, such as the velocity at the start
     instances: dict[Expr, Expr] = field(default_factory=dict, hash=False, compare=False)
-
-    @cached_property
-    def numbers(self) -> dict[Expr, Expr]:
-        """The numbers by their symbols."""
-        return {LETTERS[name]: rational(value) for name, value in self.values}
-
-    def table(self) -> list[tuple[str, str]]:
-        """Return the numbers as (LaTeX name, value)."""
-        return [(latex(LETTERS[name]), show(value)) for name, value in self.values]
 
     def shown(self, expr: Expr) -> Expr:
         """Return an expression as it is printed: instances and numbers put in, and rounded if wanted."""

@@ -47,17 +47,6 @@ class StepError(SymoscError):
         return type(self), (self.statement, self.reason)
 
 
-class Relation(NamedTuple):
-    """The statement of a step: left side, one of = > < >= <= in, and right side (a set after "in")."""
-
-    left: Expr
-    op: str
-    right: Expr
-
-    def __str__(self) -> str:
-        return f"{self.left} {self.op} {self.right}"
-
-
 class StepEvidence(NamedTuple):
     """The evidence of a step: exact, sign or numeric; the largest difference or what decided; points (0: a proof)."""
 
@@ -69,30 +58,35 @@ class StepEvidence(NamedTuple):
 class Check:
     """Base class of the checks: called with a statement they return the evidence, or raise StepError."""
 
-    def __call__(self, statement: Relation) -> StepEvidence:
+    def __call__(self, statement: Step) -> StepEvidence:
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class Step:
-    """One displayed line: its statement, its check, its name for references in the chapter, and LaTeX text after it."""
+    """One displayed line: a statement, its check, its name for references in the chapter, and LaTeX text after it."""
 
-    statement: Relation
+    left: Expr
+    op: str  # one of = > < >= <= in
+    right: Expr  # a set after "in"
     check: Check
     label: str = ""
     note: str = ""
     decimals: bool = False  # print numbers as decimals where they end, also outside scenes
 
+    def __str__(self) -> str:
+        return f"{self.left} {self.op} {self.right}"
+
     def verify(self) -> StepEvidence:
         """Run the check."""
-        return self.check(self.statement)
+        return self.check(self)
 
 
 def step(left: Expr, op: str, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
     """Return a step; the check may be the value of `left`, or a dictionary of the values of the symbols."""
     if not isinstance(check, Check):
         check = Exact({} if check is None else check if isinstance(check, dict) else {left: check})
-    return Step(Relation(sp.sympify(left), op, sp.sympify(right)), check, label, **options)
+    return Step(sp.sympify(left), op, sp.sympify(right), check, label, **options)
 
 
 def equation(left: Expr, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
@@ -197,7 +191,7 @@ class Exact(Check):
     tidy: Callable[[Expr], Expr] = sp.expand
     independent: bool = True
 
-    def __call__(self, statement: Relation) -> StepEvidence:
+    def __call__(self, statement: Step) -> StepEvidence:
         difference = resolve(statement.left, self.meaning) - resolve(statement.right, self.meaning)
         if self.independent:
             _refute(statement, difference)
@@ -211,7 +205,7 @@ class Each(Check):
 
     checks: tuple[Check, ...]
 
-    def __call__(self, statement: Relation) -> StepEvidence:
+    def __call__(self, statement: Step) -> StepEvidence:
         kinds = {each(statement).kind for each in self.checks}
         kind = next(kind for kind in ("numeric", "sign", "exact") if kind in kinds)
         return StepEvidence(kind, f"{len(self.checks)} cases")
@@ -232,7 +226,7 @@ class Solves(Check):
     general: bool = False
     meaning: dict[Expr, Expr] = field(default_factory=dict)
 
-    def __call__(self, statement: Relation) -> StepEvidence:
+    def __call__(self, statement: Step) -> StepEvidence:
         y = resolve(statement.right + self.shift, self.meaning)
         differentiate = solution.time_derivative if self.general else lambda expr: expr.diff(solution.tau)
         first = differentiate(y)
@@ -265,7 +259,7 @@ class Sign(Check):
 
     meaning: dict[Expr, Any] = field(default_factory=dict)
 
-    def __call__(self, statement: Relation) -> StepEvidence:
+    def __call__(self, statement: Step) -> StepEvidence:
         difference = resolve(statement.left, self.meaning) - resolve(statement.right, self.meaning)
         difference = sp.factor(sp.simplify(difference))
         sign = {">": "positive", "<": "negative", ">=": "nonnegative", "<=": "nonpositive"}[statement.op]
@@ -282,7 +276,7 @@ class Close(Check):
     value: Callable[[], Any]
     decimals: int
 
-    def __call__(self, statement: Relation) -> StepEvidence:
+    def __call__(self, statement: Step) -> StepEvidence:
         off = abs(CONTEXT.mpf(self.value()) - CONTEXT.mpf(statement.right.p) / statement.right.q)
         return _within(statement, off, CONTEXT.mpf(10) ** -self.decimals * CONTEXT.mpf("0.5000001"))
 
@@ -300,7 +294,7 @@ class AtRoot(Check):
     meaning: Callable[[], dict[Expr, Any]]
     tolerance: Any = STEP_AGREEMENT
 
-    def __call__(self, statement: Relation) -> StepEvidence:
+    def __call__(self, statement: Step) -> StepEvidence:
         values = self.meaning()
         left, right = (evaluate(side, values) for side in (statement.left, statement.right))
         if statement.op == "=":
@@ -310,7 +304,7 @@ class AtRoot(Check):
         return StepEvidence("numeric", CONTEXT.nstr(abs(left - right), 5), 1)
 
 
-def _within(statement: Relation, off: Any, tolerance: Any) -> StepEvidence:
+def _within(statement: Step, off: Any, tolerance: Any) -> StepEvidence:
     """Return the evidence that both sides agree within a tolerance, or raise StepError."""
     if not off <= tolerance:
         raise StepError(str(statement), f"the sides differ by {CONTEXT.nstr(off, 3)}")
@@ -362,13 +356,13 @@ def rounded(number: Any, decimals: int) -> Any:
     return sp.Rational(int(CONTEXT.nint(CONTEXT.mpf(number) * 10**decimals)), 10**decimals)
 
 
-def _vanish(statement: Relation, rest: Expr, complaint: str) -> None:
+def _vanish(statement: Step, rest: Expr, complaint: str) -> None:
     """Raise StepError with the complaint unless an expression vanishes."""
     if rest != 0 and sp.simplify(rest) != 0:
         raise StepError(str(statement), complaint.format(rest))
 
 
-def _refute(statement: Relation, difference: Expr) -> None:
+def _refute(statement: Step, difference: Expr) -> None:
     """Raise StepError, without trying a proof, if a difference that should vanish is nonzero at one point."""
     if difference == 0 or difference.atoms(sp.Function) - difference.atoms(*KNOWN) or difference.has(sp.Derivative):
         return

@@ -1,4 +1,4 @@
-"""Derivations and proofs by sympy (motion in a domain, mappings, Theorem 7), and the code printed from them.
+"""Derivations by sympy (motion in a domain, mappings, Theorem 7), and the code printed from them; derive proves them.
 
 solution, maps and coulomb are the formulas; codegen prints the kernels, export prints programs; theorem7 and inverse
 answer exactly. Nothing else loads sympy at its top but derive.

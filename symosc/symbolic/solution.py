@@ -243,6 +243,13 @@ _table = (
 REGIMES = {regime.name: regime for regime in _table}
 
 
+def possible_regimes(numbers: dict[Expr, Expr]) -> tuple[Regime, ...]:
+    """Return the damping regime that numbers for m, c, k and Omega decide; if they leave several, these."""
+    holds = {regime: regime.condition.subs(numbers, simultaneous=True) for regime in REGIMES.values()}
+    certain = tuple(regime for regime, condition in holds.items() if condition == sp.true)
+    return certain or tuple(regime for regime, condition in holds.items() if condition != sp.false)
+
+
 class Join(NamedTuple):
     """The limit of one damping regime that is another: `source` becomes `target` as `letter` -> 0 along `path`."""
 

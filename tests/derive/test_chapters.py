@@ -98,9 +98,9 @@ def test_an_undecided_check_fails() -> None:
 @pytest.mark.parametrize("key", KEYS)
 def test_what_is_printed_reads_back(key: str) -> None:
     for step, _ in chapter(key).steps():
-        if step.statement.op == "in" or step.statement.right.atoms(AppliedUndef):
+        if step.op == "in" or step.right.atoms(AppliedUndef):
             continue
-        shown = document.shown(step.statement, Scope())
+        shown = document.shown(step, Scope())
         left, right = " ".join(latex.lines(shown, step.decimals)).split("&", 1)
         right = re.sub(r"^(?:=|>|<|\\ge|\\le)(?![a-z])", "", right)
         for text, side in ((left, shown.left), (right, shown.right)):

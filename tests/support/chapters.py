@@ -54,12 +54,12 @@ def chapter(key: str) -> document.Checked:
         ahead = iter(found)
 
         def noted(step: Step) -> StepEvidence:
-            found.append((str(step.statement), verify(step)))
+            found.append((str(step), verify(step)))
             return found[-1][1]
 
         def taken_over(step: Step) -> StepEvidence:
             statement, evidence = next(ahead)
-            assert statement == str(step.statement)
+            assert statement == str(step)
             return evidence
 
         title, items = unchecked_items(key)

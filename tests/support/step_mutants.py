@@ -18,18 +18,17 @@ def mutations(step: Step) -> Iterator[Step]:
 
     Changes that change nothing, such as cos(-x), are left out.
     """
-    statement = step.statement
-    if statement.op not in ("=", "in"):
-        turned = {">": "<", "<": ">", ">=": "<", "<=": ">"}[statement.op]
-        yield replace(step, statement=statement._replace(op=turned))
+    if step.op not in ("=", "in"):
+        turned = {">": "<", "<": ">", ">=": "<", "<=": ">"}[step.op]
+        yield replace(step, op=turned)
         return
     for name in ("left", "right"):
-        side = getattr(statement, name)
+        side = getattr(step, name)
         if side.is_Symbol:
             continue
         for changed in _sign_changes(side):
             if _differs(side, changed):
-                yield replace(step, statement=statement._replace(**{name: changed}))
+                yield replace(step, **{name: changed})
 
 
 def _sign_changes(expr: Expr) -> Iterator[Expr]:

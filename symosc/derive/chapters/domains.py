@@ -220,15 +220,20 @@ C1, C2, D1, D2 = (named(name) for name in ("C_1", "C_2", "D_1", "D_2"))
 DECAY = sp.exp(-c * tau / (2 * m))
 PHASE = theta_i + Omega * tau
 
-#: Two solutions of the unforced equation in each regime, and what divides C_2.
+WAVE, TUNED = D1 * sp.cos(PHASE) + D2 * sp.sin(PHASE), k - m * Omega**2
+NORM, FREE_NORM = TUNED**2 + c**2 * Omega**2, m**2 * Omega**2 + c**2
+STEADY = A / k + WAVE, {D1: B0 * TUNED / NORM, D2: B0 * c * Omega / NORM}
+GROWING = B0 / (2 * m * Omega) * tau * sp.sin(PHASE)
+SLIDING = A * tau / c + WAVE, {D1: -B0 * m / FREE_NORM, D2: B0 * c / (Omega * FREE_NORM)}
+#: Of each regime two solutions of the unforced equation, what divides C_2, a particular solution, and its constants.
 MODES = {
-    "underdamped": (DECAY * sp.cos(omega_d * tau), DECAY * sp.sin(omega_d * tau), omega_d),
-    "critical": (DECAY, tau * DECAY, 1),
-    "overdamped": (DECAY * sp.cosh(eta * tau), DECAY * sp.sinh(eta * tau), eta),
-    "undamped": (sp.cos(omega_0 * tau), sp.sin(omega_0 * tau), omega_0),
-    "resonance": (sp.cos(Omega * tau), sp.sin(Omega * tau), Omega),
-    "no spring": (sp.Integer(1), sp.exp(-c * tau / m), 1),
-    "free": (sp.Integer(1), tau, 1),
+    "underdamped": (DECAY * sp.cos(omega_d * tau), DECAY * sp.sin(omega_d * tau), omega_d, *STEADY),
+    "critical": (DECAY, tau * DECAY, 1, *STEADY),
+    "overdamped": (DECAY * sp.cosh(eta * tau), DECAY * sp.sinh(eta * tau), eta, *STEADY),
+    "undamped": (sp.cos(omega_0 * tau), sp.sin(omega_0 * tau), omega_0, A / k + D1 * sp.cos(PHASE), {D1: B0 / TUNED}),
+    "resonance": (sp.cos(Omega * tau), sp.sin(Omega * tau), Omega, A / k + GROWING, {}),
+    "no spring": (sp.Integer(1), sp.exp(-c * tau / m), 1, *SLIDING),
+    "free": (sp.Integer(1), tau, 1, A * tau**2 / (2 * m) - B0 / (m * Omega**2) * sp.cos(PHASE), {}),
 }
 
 
@@ -241,30 +246,12 @@ class PaperForm(NamedTuple):
     check: Solves
 
 
-def _particular_solution(name: str) -> tuple[Any, dict[Any, Any]]:
-    """Return the particular solution in the regime of a name, and the values of its constants D1 and D2."""
-    if name == "resonance":
-        return A / k + B0 / (2 * m * Omega) * tau * sp.sin(PHASE), {}
-    if name == "free":
-        return A * tau**2 / (2 * m) - B0 / (m * Omega**2) * sp.cos(PHASE), {}
-    if name == "undamped":
-        return A / k + D1 * sp.cos(PHASE), {D1: B0 / (k - m * Omega**2)}
-    wave = D1 * sp.cos(PHASE) + D2 * sp.sin(PHASE)
-    if name == "no spring":
-        norm = m**2 * Omega**2 + c**2
-        return A * tau / c + wave, {D1: -B0 * m / norm, D2: B0 * c / (Omega * norm)}
-    norm = (k - m * Omega**2) ** 2 + c**2 * Omega**2
-    return A / k + wave, {D1: B0 * (k - m * Omega**2) / norm, D2: B0 * c * Omega / norm}
-
-
 @cache
 def paper_form(regime: solution.Regime) -> PaperForm:
     """Return position and velocity of a regime in the form of papers, with the constants C1, C2, D1 and D2."""
-    first, second, below = MODES[regime.name]
-    steady, letters = _particular_solution(regime.name)
-    x = C1 * first + C2 * second + steady
+    first, second, below, steady, letters = MODES[regime.name]
+    x, start = C1 * first + C2 * second + steady, {tau: sp.Integer(0)}
     v = x.diff(tau)
-    start = {tau: sp.Integer(0)}
     equations = [x.subs(start) - x_i, v.subs(start) - v_i]
     found = sp.solve(equations, [C1, C2], dict=True)[0]
     if regime.name != "no spring":  # C_1 is plain there; C_2 is shorter with it
@@ -275,9 +262,7 @@ def paper_form(regime: solution.Regime) -> PaperForm:
     values = regime.parameters()
     back = {c: m * values[cm], k: m * values[w0sq]}
     force = ((A + B0 * sp.cos(PHASE)) / m).xreplace(back)
-    meaning = {
-        letter: value.xreplace(constants).xreplace(constants).xreplace(back) for letter, value in constants.items()
-    }
+    meaning = {name: value.xreplace(constants).xreplace(constants).xreplace(back) for name, value in constants.items()}
     check = Solves(force, x_i, v_i, values[cm], values[w0sq], meaning=meaning | back)
     joined = sp.collect(C1 * first + C2 * second, [DECAY]) + steady
     return PaperForm(joined, _one_exponential(v, first), constants, check)

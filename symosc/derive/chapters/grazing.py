@@ -238,7 +238,7 @@ class Window(Check):
     amplitude: Any
     names: tuple[tuple[Any, Any], ...] = ()
 
-    def __call__(self, statement: Any) -> StepEvidence:
+    def __call__(self, statement: Step) -> StepEvidence:
         sets = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
         parts = [part for part in sets if isinstance(part, sp.Interval)]
         through_0 = any(part.args[0] == 0 and not part.args[2] for part in parts)
@@ -269,8 +269,7 @@ class Window(Check):
 def _numbers(scope: Scope, mapping: str) -> Items:
     """Return the window of a scene, with its numbers."""
     place = PLACES[mapping]
-    gamma = (k * BELTS[place.boundary] / m).subs(scope.numbers)
-    amplitude = (B0 * Omega / m).subs(scope.numbers)
+    gamma, amplitude = (e.subs(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m))
     phases = theorem7.window_phases(place, gamma, amplitude, False)
     return (
         rf"\subsection{{The window of $P_{mapping[1]}$ with the numbers of the scene}}",

@@ -18,6 +18,8 @@ TITLE = "Equation of motion and friction law"
 MU = {1: mu1, 2: mu2}
 WAVE = sp.cos(Omega * t)
 HELD = named(r"F_{s\lambda}")
+#: The domains, in words.
+VELOCITIES = {1: r"$\dot{x} < v_1$", 2: r"$v_1 < \dot{x} < v_2$", 3: r"$\dot{x} > v_2$"}
 
 
 def coulomb(alpha: int) -> Any:
@@ -99,9 +101,8 @@ def items(scope: Scope) -> Items:
     rows = []
     for alpha in scope.domains:
         constant = equation(named(f"A_{alpha}"), solution.force_constant(alpha), coulomb(alpha))
-        velocities = {1: r"$\dot{x} < v_1$", 2: r"$v_1 < \dot{x} < v_2$", 3: r"$\dot{x} > v_2$"}[alpha]
         frictions = [rf"${'-' if alpha > belt else ''}\mu_{belt} F_N$" for belt in (1, 2)]
-        rows.append((rf"$\Omega_{alpha}$", velocities, *frictions, constant))
+        rows.append((rf"$\Omega_{alpha}$", VELOCITIES[alpha], *frictions, constant))
 
     gap = 2 * mu_lambda * FN / m
     laws = tuple(Exact({general: newton(a), A: solution.force_constant(a)}) for a in scope.domains)

@@ -197,10 +197,10 @@ def _orbit(scope: Scope, word: str, figure: str) -> Items:
         r"of the flight from point $j$ is taken at its duration $\tau_j$.",
         equations,
     )
-    rows: list[Any] = []
-    for j, ((x, theta), piece) in enumerate(zip(points, found, strict=True), 1):
-        cells = decimal("theta", theta, 20), decimal("x", x, 20)
-        rows.append((str(j), *cells, str(piece.row.start.boundary), f"$P_{piece.row.label[1]}$"))
+    rows: list[Any] = [
+        (str(j), decimal("theta", theta, 20), decimal("x", x, 20), str(row.start.boundary), f"$P_{row.label[1]}$")
+        for j, ((x, theta), (row, *_)) in enumerate(zip(points, found, strict=True), 1)
+    ]
     yield Table(
         f"tab:orbits-{word}",
         rf"The switching points of $P_{{{word[1:]}}}$, to 20 decimals (half a unit of the last one).",
