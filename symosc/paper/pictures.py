@@ -147,14 +147,10 @@ PRODUCTS = (
 # --- views of motions: how long one is followed, and where the text puts dots and black curves ---
 
 
-def period(name: str) -> float:
-    """Return the period of the excitation of a scene."""
-    return 2 * pi / float(load_scene(name).parameters.Omega)
-
-
-def start_time(name: str) -> float:
-    """Return t0 of a scene."""
-    return float(load_scene(name).t0)
+def start_and_period(name: str) -> tuple[float, float]:
+    """Return t0 of a scene, and the period of its excitation."""
+    scene = load_scene(name)
+    return float(scene.t0), 2 * pi / float(scene.parameters.Omega)
 
 
 def printed_scene(name: str) -> str:
@@ -165,15 +161,14 @@ def printed_scene(name: str) -> str:
 @lru_cache
 def printed_view(name: str) -> View:
     """Return the view of Figs. 5, 6, 9 and 10 from the printed start."""
-    scene = load_scene(name)
-    t_end = start_time(name) + 2.2 * period(name) if scene.structure else default_end(scene)
-    return view_of(simulate(name, t_end=t_end), None)
+    scene, (t0, T) = load_scene(name), start_and_period(name)
+    return view_of(simulate(name, t_end=t0 + 2.2 * T if scene.structure else default_end(scene)), None)
 
 
 @lru_cache
 def several_periods_view(name: str) -> View:
     """Return the view of Fig. 7(c), (d): several periods, start and end of the first one, any contact."""
-    t0, T = start_time(name), period(name)
+    t0, T = start_and_period(name)
     view = view_of(simulate(name, t_end=t0 + SEVERAL_PERIODS * T), 1)
     marks = [Mark("start of period", ONSET_COLOR, t0), Mark("end of period", END_COLOR, t0 + T)]
     marks += map(_contact_mark, _in_order(view)[:1])
@@ -194,8 +189,8 @@ def grazing_view(name: str) -> View:
 @lru_cache
 def orbit_view(name: str) -> View:
     """Return one period of the periodic orbit (scene `name`) and a little more, around the printed start's time."""
-    t0, T = start_time(name), period(name)
-    since = start_time(printed_scene(name)) - ORBIT_MARGIN * T
+    t0, T = start_and_period(name)
+    since = start_and_period(printed_scene(name))[0] - ORBIT_MARGIN * T
     # The orbit's own scene starts at a switching; with the period it is known at any time.
     x, v = simulate(name, t_end=t0 + 2 * T)(since + T)
     end = since + (1 + 2 * ORBIT_MARGIN) * T
@@ -290,7 +285,7 @@ def _distance_text(orbit: str) -> str:
 
 def grazing_figure_P2(name: str, columns: int = 2) -> Figure:
     """Draw Fig. 7: (a) displacement and (b) velocity in the first period, (c) velocity later on, (d) phase plane."""
-    several, t0, T = several_periods_view(name), start_time(name), period(name)
+    several, (t0, T) = several_periods_view(name), start_and_period(name)
     magnified = _in_order(view_of(several.trajectory, 1))[:1]
     first = replace(crop(several, t0, t0 + 1.25 * T), magnified=magnified)
     panels: list[tuple[Panel, View]] = [(PANELS["a"], first), (_velocity_and_gap, first)]
@@ -328,7 +323,7 @@ def largest_velocity(view: View) -> tuple[float, float]:
 
 def grazing_P2_caption(name: str) -> str:
     """Return the caption of Fig. 7 with the printed or another A0."""
-    view, t0 = several_periods_view(name), start_time(name)
+    view, (t0, T) = several_periods_view(name), start_and_period(name)
     p, printed = view.trajectory.parameters, load_scene(printed_scene(name)).parameters
     contacts = _in_order(view_of(view.trajectory, view.boundary))
     if contacts:
@@ -343,7 +338,7 @@ def grazing_P2_caption(name: str) -> str:
             f"As printed, with A0 = {show(p.A0)}: in {SEVERAL_PERIODS:g} periods the mass does not reach belt 1 and "
             f"nothing grazes; its largest velocity is {number(v)} at t = {number(t)}, below v1 = {show(p.v1)}."
         )
-    x, v = view.trajectory(t0 + period(name)) - view.trajectory(t0)
+    x, v = view.trajectory(t0 + T) - view.trajectory(t0)
     return (
         f"{what} (a) Displacement of the mass (red) and of the points of belt 1 that it meets at the marks (black), "
         f"(b) velocity, (c) velocity for several periods (dotted lines: one period apart), (d) phase plane. Circle and "
@@ -419,7 +414,7 @@ def _with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, float]) 
 
 def orbit_caption(orbit: str) -> str:
     """Return the caption of the true periodic orbit with the printed start."""
-    view, T = orbit_view(orbit), period(orbit)
+    view, (_, T) = orbit_view(orbit), start_and_period(orbit)
     events = view.trajectory.events
     once = [event for event in events if event.t < events[0].t + 0.999 * T]
     points = ", ".join(f"({number(float(event.t), 7)}, {number(float(event.x), 7)})" for event in once)

@@ -38,7 +38,7 @@ from symosc.paper.checks.motions import (
     subscripted,
     text,
 )
-from symosc.paper.claims import CONFIRMED, NOT_AS_PRINTED, Evidence, Refuted, evidence, verdict
+from symosc.paper.claims import CONFIRMED, CORRECTED, NOT_AS_PRINTED, Evidence, Refuted, evidence, verdict
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.words import read_word
@@ -278,15 +278,6 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
 # --- is the printed start on the periodic orbit, and if not, does one misprinted number explain it? ---
 
 
-def start_or_misprint(scene: Scene) -> Evidence:
-    """Compare the printed start with the orbit; if it is not on it, search for one number that explains why."""
-    distance = start_on_orbit(scene)
-    if distance.verdict == CONFIRMED:
-        return distance
-    search = misprint(scene)
-    return Evidence(search.verdict, f"{distance.finding} {search.finding}", distance.numbers | search.numbers)
-
-
 def start_on_orbit(scene: Scene) -> Evidence:
     """Compare the printed start, which is on a belt, with the switching points of the periodic motion."""
     found, path = orbit_of(scene), motion(scene)
@@ -316,24 +307,30 @@ def start_on_orbit(scene: Scene) -> Evidence:
     return Evidence(NOT_AS_PRINTED, finding, numbers)
 
 
-def misprint(scene: Scene) -> Evidence:
-    """Search for one number whose misprint explains the start of a periodic scene."""
-    start, allowed = search_start(scene), float(LAST_HALF_UNIT)
-    if any(each.explains and abs(each.value - float(getattr(scene, each.name))) <= allowed for each in start):
-        return Evidence(CONFIRMED, "The printed start is on the orbit, to all its digits.", _free_numbers(start))
-    parameters = search_parameters(scene)
+def start_or_misprint(scene: Scene) -> Evidence:
+    """Compare the printed start with the orbit; if it is not on it, search for one number that explains why."""
+    distance = start_on_orbit(scene)
+    if distance.verdict == CONFIRMED:
+        return distance
+    start, parameters, numbers = search_start(scene), search_parameters(scene), dict(distance.numbers)
     found = [*parameters, *start]
-    numbers = _free_numbers(found) | _end_of_stick(scene)
+    for each in found:
+        what = "orbit minus start" if each.orbit else "misses the start after one period by"
+        value = f"nearest at {each.value:.6g}: {what} {each.dt:+.4f} in t, {each.dx:+.4f} in x"
+        if each.name in PARAMETER_NAMES:
+            value += f"; searched {each.searched[0]:.5g} to {each.searched[1]:.5g}"
+        numbers[f"{each.name} free"] = value
+    numbers |= _end_of_stick(scene)
     free = f"each of {len(parameters)} parameters and {len(start)} numbers of the start left free in turn"
     explaining = " or ".join(f"{each.name} = {each.value:.5g}" for each in found if each.explains)
     if explaining:
-        finding = f"With {free}: {explaining} puts the start on the orbit, to all printed digits."
-        return Evidence(verdict(False, True), finding, numbers)
+        finding = f"{distance.finding} With {free}: {explaining} puts the start on the orbit, to all printed digits."
+        return Evidence(CORRECTED, finding, numbers)
     best = min(found, key=lambda each: each.distance)
     finding = (
-        f"No single number explains the start. With {free}, parameters up to {REACH} times the printed value, the "
-        f"motion misses the start after one period by {best.distance:.4f} at least, in t or x (with {best.name} = "
-        f"{best.value:.5g}); an orbit would have to go through it to within {allowed}."
+        f"{distance.finding} No single number explains the start. With {free}, parameters up to {REACH} times the "
+        f"printed value, the motion misses the start after one period by {best.distance:.4f} at least, in t or x (with "
+        f"{best.name} = {best.value:.5g}); an orbit would have to go through it to within {float(LAST_HALF_UNIT)}."
     )
     for each in start:
         printed, orbit = f"{float(getattr(scene, each.name)):.4f}", f"{each.value:.4f}"
@@ -341,18 +338,6 @@ def misprint(scene: Scene) -> Evidence:
             finding += f" The orbit's {each.name} = {orbit} differs from the printed {printed} in one digit"
             finding += ", but the other number of the start does not agree."
     return Evidence(NOT_AS_PRINTED, finding, numbers)
-
-
-def _free_numbers(found: list[Nearest]) -> dict[str, str]:
-    """Return the result for each number that was left free, as text."""
-    numbers = {}
-    for each in found:
-        what = "orbit minus start" if each.orbit else "misses the start after one period by"
-        value = f"nearest at {each.value:.6g}: {what} {each.dt:+.4f} in t, {each.dx:+.4f} in x"
-        if each.name in PARAMETER_NAMES:
-            value += f"; searched {each.searched[0]:.5g} to {each.searched[1]:.5g}"
-        numbers[f"{each.name} free"] = value
-    return numbers
 
 
 def _end_of_stick(scene: Scene) -> dict[str, str]:
