@@ -100,9 +100,11 @@ def read_claims(
     # `pictures` are the keys that claims may refer to, `checks` is the package with the check functions. RecordsError
     # says what is wrong with a file.
     data, claims = read_toml(path), dict[str, Claim]()
-    unjudged = data.pop("unjudged", [])
-    for row in unjudged:
-        _check_texts(f"{path.name}, [[unjudged]]", row, Unjudged._fields)
+    unjudged = []
+    for says, row in data.pop("unjudged", {}).items():
+        if not isinstance(row, list) or [type(text) for text in row] != [str, str]:
+            raise RecordsError(f"{path.name}, [unjudged]", f"{says} = {row!r}: must be a place, and a reason")
+        unjudged.append(Unjudged(row[0], says, row[1]))
     kinds = dict.fromkeys(pictures, "figures") | dict.fromkeys(CHAPTERS, "derivation")
     kinds |= {erratum.id: "errata" for erratum in read_errata()}
     for part in data:
@@ -113,7 +115,7 @@ def read_claims(
             kebab(where, name)
             if name in claims:
                 raise RecordsError(where, f"is in {claims[name].part} already")
-            _check_texts(where, table, REQUIRED, OPTIONAL)
+            _check_texts(where, table)
             seen: dict[str, list[str]] = {"figures": [], "derivation": [], "errata": []}
             for target in table.pop("see", ()):
                 one_of(where, "see", target, kinds)
@@ -130,14 +132,14 @@ def read_claims(
             figures, errata = tuple(seen["figures"]), tuple(seen["errata"])
             derivation = next(iter(seen["derivation"]), None)
             claims[name] = Claim(name, part, check=check, figures=figures, derivation=derivation, errata=errata, **said)
-    return tuple(claims.values()), tuple(Unjudged(**row) for row in unjudged)
+    return tuple(claims.values()), tuple(unjudged)
 
 
-def _check_texts(where: str, table: dict[str, Any], required: Iterable[str], optional: Iterable[str] = ()) -> None:
-    """Refuse a table without the required texts, or with others than these and the optional ones."""
-    if not set(required) <= set(table) <= {*required, *optional}:
-        may = f", and may have {', '.join(optional)}" if optional else ""
-        raise RecordsError(where, f"has {', '.join(table)}; must have {', '.join(required)}{may}")
+def _check_texts(where: str, table: dict[str, Any]) -> None:
+    """Refuse a claim without the required texts, or with unknown ones."""
+    if not set(REQUIRED) <= set(table) <= {*REQUIRED, *OPTIONAL}:
+        said = f"must have {', '.join(REQUIRED)}, and may have {', '.join(OPTIONAL)}"
+        raise RecordsError(where, f"has {', '.join(table)}; {said}")
     for key, value in table.items():
         texts = value if key == "see" else [value]
         if not isinstance(texts, list) or not all(isinstance(text, str) and text.strip() for text in texts):

@@ -66,7 +66,7 @@ def test_every_check_is_named_in_the_claims() -> None:
         ("stand_ins.right", "stand_ins.given(NUMBER", "there is no such function, or value"),
         ("one]", "One]", "must be kebab case"),
         ("model.", "preface.", "part = 'preface': must be one of model"),
-        ("[model.one]", "[[unjudged]]", "must have source, says, why"),
+        ("[model.one]", "[unjudged]", "must be a place, and a reason"),
     ],
 )
 def test_a_wrong_claim_is_refused(read: Any, old: str, new: str, complaint: str) -> None:
