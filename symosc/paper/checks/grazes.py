@@ -63,11 +63,6 @@ class Graze:
         return grazing_start(self.scene.parameters, self.mapping, theta, t0=self.scene.t0 if to_start else None)
 
     @property
-    def parameters(self) -> Parameters:
-        """The corrected parameters."""
-        return self.scene.parameters
-
-    @property
     def place(self) -> Place:
         """The domain and the belt of the graze."""
         return place(self.mapping)
@@ -152,7 +147,7 @@ def contacts_text(path: Trajectory) -> str:
 
 def tangential(figure: Graze) -> Evidence:
     """Check that the motion grazes the belt at the red point: from the printed start and the exact one."""
-    printed, scene, p = motion(figure.printed), exact(figure), figure.parameters
+    printed, scene, p = motion(figure.printed), exact(figure), figure.scene.parameters
     numbers = {"contacts as printed until the first slip": contacts_text(printed)}
     if p != figure.printed.parameters:
         numbers["contacts with the corrected parameter"] = contacts_text(motion(figure.scene))
@@ -213,12 +208,12 @@ def of_mapping(figure: Graze) -> Evidence:
         f"so {'a' if found.found else 'no'} {name} ends in it; {'a' if follows else 'no'} {name} begins at it."
     )
     either = found.found or follows
-    return Evidence(verdict(either and figure.parameters == figure.printed.parameters, either), finding, numbers)
+    return Evidence(verdict(either and figure.scene.parameters == figure.printed.parameters, either), finding, numbers)
 
 
 def in_window(figure: Graze) -> Evidence:
     """Check that the phase of the graze is in Theorem 7's window, as printed, whose case is decided exactly."""
-    p, mapping, scene = figure.parameters, figure.mapping, exact(figure)
+    p, mapping, scene = figure.scene.parameters, figure.mapping, exact(figure)
     window = grazing_window(p, mapping, "paper")
     event = next(e for e in motion(scene).events if e.kind == "graze")
     at = scene_contacts(scene)[0]
@@ -249,7 +244,7 @@ def returns(scene: Scene, periods: int) -> list[tuple[float, float]]:
 def same_point(figure: Graze) -> Evidence:
     """Compare the states at the blue point and one period later, from the exact start and from the printed one."""
     path, change, printed = motion(exact(figure), LATE), returns(exact(figure), 1)[0], returns(figure.printed, 1)[0]
-    blue, green = path(float(path.t_start)), path(float(path.t_start) + 2 * pi / float(figure.parameters.Omega))
+    blue, green = path(float(path.t_start)), path(float(path.t_start) + 2 * pi / float(figure.scene.parameters.Omega))
     same, as_printed = (max(map(abs, each)) <= LAST_HALF_UNIT for each in (change, printed))
     numbers = {
         "x, ẋ at the blue point": text(blue, 10),
@@ -266,7 +261,7 @@ def same_point(figure: Graze) -> Evidence:
 
 def periodic(figure: Graze) -> Evidence:
     """Check whether the motion is periodic, or approaches one; and whether the periodic motion can graze."""
-    p, scene = figure.parameters, exact(figure)
+    p, scene = figure.scene.parameters, exact(figure)
     changes = [hypot(*each) for each in returns(scene, 4)]
     fixed = changes[0] <= LAST_HALF_UNIT
     factor = changes[-1] / changes[-2] if changes[-2] > 0 else 0.0
@@ -339,7 +334,7 @@ def curves_meet(figure: Graze) -> Evidence:
         slower = any(segment.mode == "Omega1" for segment in path.segments)
         return not slower and kinds == [("graze", 1), ("stick", 1), ("slip", 1)]
 
-    path, printed, p = motion(exact(figure)), motion(figure.printed), figure.parameters
+    path, printed, p = motion(exact(figure)), motion(figure.printed), figure.scene.parameters
     numbers = {
         f"modes of motion, {name} start": ", ".join(mode_text(segment.mode) for segment in each.segments)
         for name, each in (("exact", path), ("printed", printed))
@@ -420,7 +415,7 @@ def start_grazes(figure: Graze) -> Evidence:
 
 def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bool:
     """Return whether the flow from the start for t_m grazes, with 40 digits and in another closed form."""
-    scene, at, p = figure.scene, figure.place, figure.parameters
+    scene, at, p = figure.scene, figure.place, figure.scene.parameters
     found = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0)
     start: dict[str, Any] = {name: Fraction(found.start[name]) for name in ("x0", "v0")}
     path = motion(replace(scene, **start, start_error=found.start["start_error"]))
