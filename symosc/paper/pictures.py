@@ -26,6 +26,7 @@ from symosc.kernels.entire import EPS
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
+from symosc.paper.checks.motions import force_names
 from symosc.paper.figures import MAPPING_PARAMETERS, fig1, fig2, fig3, fig4
 from symosc.plot.drawing import STYLE
 from symosc.plot.figures import assemble, default_end
@@ -107,13 +108,9 @@ def with_parameters(caption: str, scene: str | None = None) -> str:
     return f"{caption} {listed_parameters(p)}."
 
 
-def _force(domain: int) -> str:
-    return f"F⁽{str(domain).translate(POWERS)}⁾"
-
-
 def _forces(view: View) -> str:
-    low, high = view.domains
-    return f"forces per mass {_force(low)} (blue) and {_force(high)} (green, dashed)"
+    low, high = map(force_names, view.domains)
+    return f"forces per mass {low} (blue) and {high} (green, dashed)"
 
 
 def _span(contact: Contact) -> str:
@@ -238,7 +235,7 @@ def stick_caption(name: str) -> str:
     sticks = [stick for stick in view.contacts if stick.belt == view.boundary and stick.until < view.t[-1]]
     # The force whose zero ends a stick is that of the domain into which the mass slips.
     into = {float(event.t): int(event.target[-1]) for event in view.trajectory.events if event.kind == "slip"}
-    spans = [f"t = {_span(stick)} (ended by {_force(into[stick.until])} = 0)" for stick in sticks]
+    spans = [f"t = {_span(stick)} (ended by {force_names(into[stick.until])} = 0)" for stick in sticks]
     return (
         f"As printed. (a) Displacement, (b) velocity, (c) phase plane, (d) {_forces(view)}, shaded where the mass "
         f"sticks to belt {view.boundary}. Red: the mass; black: the belts. {MARKS} The mass sticks from "
@@ -252,7 +249,8 @@ def stick_signs(view: View, sticks: list[Contact]) -> str:
     inside = np.concatenate([view.t[(stick.since < view.t) & (view.t < stick.until)] for stick in sticks])
     force = view.trajectory.force
     everywhere = bool((force(low, inside) > 0).all() and (force(high, inside) < 0).all())
-    return f"While it sticks, {_force(low)} > 0 > {_force(high)}{'' if everywhere else ' does not hold everywhere'}."
+    signs = f"{force_names(low)} > 0 > {force_names(high)}"
+    return f"While it sticks, {signs}{'' if everywhere else ' does not hold everywhere'}."
 
 
 def motion_caption(name: str) -> str:
