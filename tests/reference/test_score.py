@@ -265,7 +265,7 @@ def test_cases_without_results_are_no_faults() -> None:
     assert group_cell(noted.cases[1:2]) == "no result"
 
 
-@pytest.mark.parametrize("value", ["0", "-1", "2", "nan", "x", None])
+@pytest.mark.parametrize("value", ["0", "2", "nan", None])
 def test_a_tolerance_is_a_small_number(value: object) -> None:
     with pytest.raises(ParameterError, match="tolerance"):
         read_tolerance(value)
@@ -290,10 +290,6 @@ def test_tables_say_what_is_wrong_in_every_form() -> None:
 
 
 # -- compare -----------------------------------------------------------------------------------------------------------
-
-
-def moved(event: FoundEvents, by: float) -> FoundEvents:
-    return event._replace(t=event.t + by)
 
 
 def test_a_graze_is_not_missed_but_a_stick_in_its_place_is_invented() -> None:
