@@ -40,7 +40,7 @@ from symosc.paper.checks.motions import (
     together,
 )
 from symosc.paper.checks.orbits import REACH, range_of
-from symosc.paper.claims import NOT_AS_PRINTED, UNDECIDED, Evidence, Refuted, verdict
+from symosc.paper.claims import NOT_AS_PRINTED, UNDECIDED, Evidence, Refuted, evidence, verdict
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.trajectory import Trajectory
 
@@ -226,10 +226,10 @@ def in_window(figure: Graze) -> Evidence:
     }
     finding = (
         f"γ = {text(window.gamma)} and B₀Ω/m = {text(window.amplitude)}, in rational numbers: case {window.case}. Its "
-        f"window {'contains' if inside else 'does not contain'} Ωt = {'π' if figure.half_turns else '0'}, and the flow "
-        f"touches with order {touch.order}, G⁽¹⁾ = {touch.values[-1]:.6g}."
+        f"window contains Ωt = {'π' if figure.half_turns else '0'}, and the flow touches with order 1, G⁽¹⁾ = "
+        f"{touch.values[-1]:.6g}."
     )
-    return Evidence(verdict(inside and touch.grazing and touch.order == 1), finding, numbers)
+    return evidence(inside and touch.grazing and touch.order == 1, finding, numbers)
 
 
 # --- after the graze of Fig. 7 ---
@@ -315,9 +315,9 @@ def sticks_later(figure: Graze) -> Evidence:
     }
     finding = (
         f"The next contact is at t = {text(true.t, 11)} from the exact start ({text(printed.t, 11)} from the printed "
-        f"one): there the mass {f'sticks to belt {belt}' if held else 'does something else'}."
+        f"one): there the mass sticks to belt {belt}."
     )
-    return Evidence(verdict(held), finding, numbers)
+    return evidence(held, finding, numbers)
 
 
 def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:

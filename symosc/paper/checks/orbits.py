@@ -102,16 +102,16 @@ def in_order(scene: Scene) -> Evidence:
         "mappings in order of time": subscripted(" ".join(word)) or "none",
         "largest residual f₁, f₂ of (54) from each switching point to the next": text(worst, 2),
     }
-    named = f"the structure {subscripted(scene.structure)}" if ordered else "not the order of the structure"
+    first = ", ".join(map(subscripted, word[:5]))
     finding = (
-        f"From the start on the mappings are {', '.join(map(subscripted, word[:5]))}, …: {named}, "
-        f"{len(word)} mappings long. Each begins where the last one ends: x and ẋ are continuous"
+        f"From the start on the mappings are {first}, …: the structure {subscripted(scene.structure)}, {len(word)} "
+        "mappings long. Each begins where the last one ends: x and ẋ are continuous"
     )
     if crossings:
         jump = max(abs(each.below - each.above) for each in crossings)
         numbers["jump of the acceleration where the mass crosses"] = text(jump, 12)
         finding += f"; the acceleration jumps, by {text(jump, 6)}"
-    return Evidence(verdict(ordered and worst < NO_FORCE), finding + ".", numbers)
+    return evidence(ordered and worst < NO_FORCE, finding + ".", numbers)
 
 
 def switching_points(scene: Scene, belt: int) -> list[SceneContact]:
@@ -135,14 +135,12 @@ def products_positive(scene: Scene, belt: int) -> Evidence:
         "switching points (start, motion, periodic motion)": str(len(points)),
         "lowest and highest product": text((min(products), max(products)), 10),
     }
-    names, held = force_names(*NEIGHBOURS[belt]), min(products) > 0
+    names = force_names(*NEIGHBOURS[belt])
     for at, each in list(zip(points, both, strict=True))[-2:]:
         numbers[f"{names} at t = {text(at.t, 12)} (periodic motion)"] = text(each[:2], 12)
-    finding = (
-        f"At {'all' if held else 'not all'} {len(points)} switching points the product is positive; the smallest is "
-        f"{text(min(products), 8)}."
-    )
-    return Evidence(verdict(held), finding, numbers)
+    least = text(min(products), 8)
+    finding = f"At all {len(points)} switching points the product is positive; the smallest is {least}."
+    return evidence(min(products) > 0, finding, numbers)
 
 
 def passes(scene: Scene, belt: int) -> Evidence:
@@ -163,11 +161,10 @@ def passes(scene: Scene, belt: int) -> Evidence:
         if found
     } | {"contacts": str(len(path.events))}
     finding = (
-        f"{'All' if right else 'Not all'} {len(path.events)} contacts are passages to the side that both forces "
-        f"point to: up where both are positive ({len(places['up'])}), down where both are negative "
-        f"({len(places['down'])})."
+        f"All {len(path.events)} contacts are passages to the side that both forces point to: up where both are "
+        f"positive ({len(places['up'])}), down where both are negative ({len(places['down'])})."
     )
-    return Evidence(verdict(right and path.events), finding, numbers)
+    return evidence(right and path.events, finding, numbers)
 
 
 def never_sticks(scene: Scene) -> Evidence:
@@ -211,12 +208,12 @@ def onsets(scene: Scene, belt: int) -> Evidence:
     products = [each.product for each in both]
     if not found:
         raise Refuted(f"There is no stick on belt {belt}.", {"sticks": "0"})
-    names, how = force_names(*NEIGHBOURS[belt]), "all" if max(products) < 0 else "not all"
+    names = force_names(*NEIGHBOURS[belt])
     numbers = {
         f"{names} at t = {text(at.t, 14)}": text(each[:2], 12) for at, each in zip(found[:4], both[:4], strict=True)
     } | {"lowest and highest product": text((min(products), max(products)), 10)}
-    finding = f"At {how} {len(found)} blue points the product is negative; the highest is {text(max(products), 7)}."
-    return Evidence(verdict(max(products) < 0), finding, numbers)
+    finding = f"At all {len(found)} blue points the product is negative; the highest is {text(max(products), 7)}."
+    return evidence(max(products) < 0, finding, numbers)
 
 
 def ends(scene: Scene, belt: int) -> Evidence:
