@@ -114,22 +114,15 @@ def in_order(scene: Scene) -> Evidence:
     return evidence(ordered and worst < NO_FORCE, finding + ".", numbers)
 
 
-def switching_points(scene: Scene, belt: int) -> list[SceneContact]:
-    """Return the switching points at a belt: of the motion from the printed start, that start, and of the orbit."""
-    points, found = [at for at in scene_contacts(scene) if at.belt == belt], orbit_of(scene)
-    if scene.v0 == scene.parameters.belt(belt):
-        points.insert(0, start_contact(scene, belt))
-    Omega = number(scene.parameters, scene.parameters.Omega)
+def products_positive(scene: Scene, belt: int) -> Evidence:
+    """Check that both forces have one sign at every switching point (Theorem 5), of the motion and of the orbit."""
+    p, found = scene.parameters, orbit_of(scene)
+    points = [start_contact(scene, belt)] * (scene.v0 == p.belt(belt))
+    points += [at for at in scene_contacts(scene) if at.belt == belt]
     for piece, point in zip(found.equations().pieces, found.points, strict=True):
         if piece.start == belt:
-            points.append(SceneContact(belt, point.t, point.x, Omega * point.t))
-    return points
-
-
-def products_positive(scene: Scene, belt: int) -> Evidence:
-    """Check that both forces have one sign at every switching point (Theorem 5)."""
-    points = switching_points(scene, belt)
-    both = [forces(scene.parameters, at) for at in points]
+            points.append(SceneContact(belt, point.t, point.x, number(p, p.Omega) * point.t))
+    both = [forces(p, at) for at in points]
     products = [each.product for each in both]
     numbers = {
         "switching points (start, motion, periodic motion)": str(len(points)),
