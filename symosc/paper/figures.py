@@ -146,8 +146,9 @@ def fig3(scene: str = "fig5") -> Figure:
         X, V = np.meshgrid(np.linspace(*x, 12)[1:-1], low + (np.arange(rows) + 0.5) * (high - low) / rows)
         F = (float(p.A(alpha) + p.B0) - float(p.k) * X - float(p.c) * V) / float(p.m)
         U, W = V / width, F / (v[1] - v[0])
-        size, style = np.hypot(U, W), {"pivot": "mid", "color": GREY, "zorder": 1}
-        ax.quiver(X, V, U / size, W / size, width=0.004, scale=16, headwidth=4.5, **style)
+        size = np.hypot(U, W)
+        arrows: dict[str, Any] = {"pivot": "mid", "color": GREY, "width": 0.004, "scale": 16, "headwidth": 4.5}
+        ax.quiver(X, V, U / size, W / size, zorder=1, **arrows)
         place, box = (x[1] - 0.02 * width, (low + high) / 2), dict(BOX, facecolor=SHADES[alpha - 1])
         ax.text(*place, rf"$\Omega_{alpha}$", ha="right", va="center", fontsize=11, bbox=box, zorder=5)
     stick: dict[str, Any] = {"color": ONSET_COLOR, "lw": THICK + 0.6}
