@@ -358,10 +358,11 @@ def together(scene: Scene, belt: int) -> Evidence:
 def forces_hold(scene: Scene, belt: int) -> Evidence:
     """Check Theorem 4's conditions, F^(below) > 0 > F^(above), over the whole first stick; at its end one may be 0."""
     stick, domains = first_stick(scene, belt), NEIGHBOURS[belt]
-    *along, last = both = forces_along(scene.parameters, stick)
-    held = all(each.below > NO_FORCE and each.above < -NO_FORCE for each in along)
+    along = forces_along(scene.parameters, stick)
+    *during, last = along
+    held = all(each.below > NO_FORCE and each.above < -NO_FORCE for each in during)
     held = held and last.below > -NO_FORCE and last.above < NO_FORCE
-    lowest, highest = min(each.below for each in both), max(each.above for each in both)
+    lowest, highest = min(each.below for each in along), max(each.above for each in along)
     finding = (
         f"From t = {text(stick.onset.t, 11)} to {text(stick.end.t, 11)} {force_names(domains[0])} is at least "
         f"{force_text(lowest)}, {force_names(domains[1])} at most {force_text(highest)}, with 0 at the green point "
@@ -369,7 +370,7 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
     )
     numbers = {
         f"{force_names(*domains)} at t = {text(stick.onset.t + each.elapsed)}": force_text(each.below, each.above)
-        for each in both
+        for each in along
     }
     return evidence(held, finding, numbers)
 

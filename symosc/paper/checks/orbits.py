@@ -117,7 +117,7 @@ def in_order(scene: Scene) -> Evidence:
 def products_positive(scene: Scene, belt: int) -> Evidence:
     """Check that both forces have one sign at every switching point (Theorem 5), of the motion and of the orbit."""
     p, found = scene.parameters, orbit_of(scene)
-    points = [start_contact(scene, belt)] * (scene.v0 == p.belt(belt))
+    points = [start_contact(scene, belt)] if scene.v0 == p.belt(belt) else []
     points += [at for at in scene_contacts(scene) if at.belt == belt]
     for piece, point in zip(found.equations().pieces, found.points, strict=True):
         if piece.start == belt:
