@@ -16,7 +16,7 @@ from symosc.mappings.equations import residual
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.paper.checks.exact import DOP853_AGREEMENT, RationalContact, contacts, dop853, friction_on_mass, tally
-from symosc.paper.checks.motions import recorded
+from symosc.paper.checks.motions import field, recorded
 from symosc.paper.claims import CORRECTED, DEFINITION, Evidence, evidence, verdict
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
@@ -401,9 +401,7 @@ def _first_exit(boundary: int, equation: int) -> dict[str, str]:
         t, x = float(run.t_events[0][0]), float(run.y_events[0][0][0])
 
     def forces(elapsed: Any) -> dict[int, Any]:
-        place, phase = x + speed * elapsed, np.cos(float(p.Omega) * (t + elapsed))
-        rest = float(p.B0) * phase - float(p.k) * place - float(p.c * p.belt(boundary))
-        return {alpha: (float(p.A(alpha)) + rest) / float(p.m) for alpha in (lo, hi)}
+        return {alpha: field(p, alpha, t + elapsed, x + speed * elapsed, speed) for alpha in (lo, hi)}
 
     grid = np.linspace(0.0, 20.0, 4001)
     along = forces(grid)

@@ -264,7 +264,7 @@ def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
         else:
             x, v = x0 + v0 * (t - t0), np.full_like(t, float(p.belt(-stretch.where)))
             lo, hi = NEIGHBOURS[-stretch.where]
-            margin = np.minimum(_force(p, lo, t, x, v), -_force(p, hi, t, x, v))
+            margin = np.minimum(field(p, lo, t, x, v), -field(p, hi, t, x, v))
         size = max(1.0, float(np.abs(x).max()), float(np.abs(v).max()))
         differences.append(max(abs(float(x[-1]) - x1), abs(float(v[-1]) - v1)) / size)
         contradictions += int(margin.min() < -AGREEMENT * size)
@@ -272,7 +272,7 @@ def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
     return max(differences), contradictions
 
 
-def _force(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
+def field(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
     """Return the acceleration F^(alpha) of eq. (9)."""
     A, B0, Omega, k, c, m = (float(value) for value in (p.A(alpha), p.B0, p.Omega, p.k, p.c, p.m))
     return (A + B0 * np.cos(Omega * t) - k * x - c * v) / m
@@ -282,7 +282,7 @@ def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
     """Return whether Theorems 4 and 5 allow this continuation from a contact; where a force is 0, both do."""
     belt = 1 if abs(end[2] - float(p.v1)) < abs(end[2] - float(p.v2)) else 2
     lo, hi = NEIGHBOURS[belt]
-    below, above = float(_force(p, lo, *end)), float(_force(p, hi, *end))
+    below, above = float(field(p, lo, *end)), float(field(p, hi, *end))
     slack = AGREEMENT * max(1.0, abs(below), abs(above))
     return {-belt: below > -slack and above < slack, hi: above > -slack, lo: below < slack}.get(then, False)
 
