@@ -284,22 +284,20 @@ def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]] | N
     # They are infinite from the first event on that changes of the input, however small, turn into others. `events`, by
     # default those of `simulate`, is called with the scene and its neighbours, and digits.
     events = events or (lambda scene, digits: simulate(scene, digits=digits).events)
-    exact = {INPUT_CHANGES[0][1]: events(scene, INPUT_CHANGES[0][1])}
-    certain = len(exact[INPUT_CHANGES[0][1]])
+    first, least_digits = INPUT_CHANGES[0]
+    exact = {least_digits: events(scene, least_digits)}
+    certain = len(exact[least_digits])
     totals = [[0.0, 0.0] for _ in range(certain)]
     for name in (*PARAMETER_NAMES, "t0", "x0", "v0"):
+        if shifted(scene, name, first) == scene:
+            continue
         for step, digits in INPUT_CHANGES:
-            neighbour = shifted(scene, name, step)
-            if neighbour == scene:
-                break
             if digits not in exact:
                 exact[digits] = events(scene, digits)
-            moved = events(neighbour, digits)
+            moved = events(shifted(scene, name, step), digits)
             same = _same(exact[digits], moved)
             if same == len(exact[digits]) == len(moved):
                 break
-        if neighbour == scene:
-            continue
         certain = min(certain, same)
         for total, before, after in zip(totals, exact[digits][:same], moved, strict=False):
             total[0] += relative_error(after.t, before.t) / float(step)
