@@ -172,44 +172,37 @@ KINDS = {
 }
 
 
-class Item(NamedTuple):
-    """A numbered part of the paper, such as ("equation", 26); a section without a number has 0."""
-
-    kind: str
-    number: int
-
-    @property
-    def label(self) -> str:
-        """Its name in the text, such as (26) or Lemma 1."""
-        if self.kind == "equation":
-            return f"({self.number})"
-        return "Abstract" if self == ("section", 0) else f"{KINDS[self.kind][1]} {self.number}"
+def _label(kind: str, number: int) -> str:
+    """Return the name of a numbered part in texts, such as (26) or Lemma 1; a section without a number has 0."""
+    if kind == "equation":
+        return f"({number})"
+    return "Abstract" if (kind, number) == ("section", 0) else f"{KINDS[kind][1]} {number}"
 
 
-#: All items of the paper, in its order.
-PAPER = tuple(Item(kind, n) for kind, (*_, first, last) in KINDS.items() for n in range(first, last + 1))
+#: All numbered parts of the paper, in its order, and their kinds.
+PAPER = {_label(kind, n): kind for kind, (*_, first, last) in KINDS.items() for n in range(first, last + 1)}
 # "after eq. (19)" is a place, and no statement on (19).
 _PLACE = re.compile(rf"(?:before|after) (?:{'|'.join(pattern for pattern, *_ in KINDS.values())}) [(]?\d+[)]?")
 # One number of a list, with what joins it to the one before: "(26)", ", (32)", " and 5", " to (48)", ", (55.2)".
 _NUMBER = r"(,? and |, | to | )[(]?(\d+)(?:[.]\d+)?[)]?"
 
 
-def items_of(source: str) -> list[Item]:
+def items_of(source: str) -> list[str]:
     """Return the sections, equations, lemmas, theorems and figures that a source names: "eqs. (26), (32) to (34)"."""
-    found = [Item("section", 0)] if "Abstract" in source else []
+    found = ["Abstract"] if "Abstract" in source else []
     source = _PLACE.sub("", source)
     for name, (pattern, *_) in KINDS.items():
         for numbers in re.finditer(rf"\b{pattern}((?:{_NUMBER})+)", source):
             last = 0
             for joint, digits in re.findall(_NUMBER, numbers[1]):
                 first, last = last + 1 if joint == " to " else int(digits), int(digits)
-                found += [Item(name, number) for number in range(first, last + 1)]
+                found += [_label(name, number) for number in range(first, last + 1)]
     return list(dict.fromkeys(found))
 
 
-def coverage(entries: Iterable[Claim | Unjudged]) -> dict[Item, list[Any]]:
+def coverage(entries: Iterable[Claim | Unjudged]) -> dict[str, list[Any]]:
     """Return the entries on each item of the paper, in the paper's order."""
-    found: dict[Item, list[Any]] = {item: [] for item in PAPER}
+    found: dict[str, list[Any]] = {item: [] for item in PAPER}
     for entry in entries:
         for item in items_of(entry.source):
             found[item].append(entry)
