@@ -100,9 +100,11 @@ def read_claims(
     # `pictures` are the keys that claims may refer to, `checks` is the package with the check functions. RecordsError
     # says what is wrong with a file.
     data, claims = read_toml(path), dict[str, Claim]()
-    unjudged = data.pop("unjudged", [])
-    for row in unjudged:
-        _check_texts(f"{path.name}, [[unjudged]]", row, Unjudged._fields)
+    unjudged = []
+    for says, row in data.pop("unjudged", {}).items():
+        if not isinstance(row, list) or [type(text) for text in row] != [str, str]:
+            raise RecordsError(f"{path.name}, [unjudged]", f"{says} = {row!r}: must be a place, and a reason")
+        unjudged.append(Unjudged(row[0], says, row[1]))
     kinds = dict.fromkeys(pictures, "figures") | dict.fromkeys(CHAPTERS, "derivation")
     kinds |= {erratum.id: "errata" for erratum in read_errata()}
     for part in data:
@@ -113,7 +115,7 @@ def read_claims(
             kebab(where, name)
             if name in claims:
                 raise RecordsError(where, f"is in {claims[name].part} already")
-            _check_texts(where, table, REQUIRED, OPTIONAL)
+            _check_texts(where, table)
             seen: dict[str, list[str]] = {"figures": [], "derivation": [], "errata": []}
             for target in table.pop("see", ()):
                 one_of(where, "see", target, kinds)
@@ -130,14 +132,14 @@ def read_claims(
             figures, errata = tuple(seen["figures"]), tuple(seen["errata"])
             derivation = next(iter(seen["derivation"]), None)
             claims[name] = Claim(name, part, check=check, figures=figures, derivation=derivation, errata=errata, **said)
-    return tuple(claims.values()), tuple(Unjudged(**row) for row in unjudged)
+    return tuple(claims.values()), tuple(unjudged)
 
 
-def _check_texts(where: str, table: dict[str, Any], required: Iterable[str], optional: Iterable[str] = ()) -> None:
-    """Refuse a table without the required texts, or with others than these and the optional ones."""
-    if not set(required) <= set(table) <= {*required, *optional}:
-        may = f", and may have {', '.join(optional)}" if optional else ""
-        raise RecordsError(where, f"has {', '.join(table)}; must have {', '.join(required)}{may}")
+def _check_texts(where: str, table: dict[str, Any]) -> None:
+    """Refuse a claim without the required texts, or with unknown ones."""
+    if not set(REQUIRED) <= set(table) <= {*REQUIRED, *OPTIONAL}:
+        said = f"must have {', '.join(REQUIRED)}, and may have {', '.join(OPTIONAL)}"
+        raise RecordsError(where, f"has {', '.join(table)}; {said}")
     for key, value in table.items():
         texts = value if key == "see" else [value]
         if not isinstance(texts, list) or not all(isinstance(text, str) and text.strip() for text in texts):
@@ -170,44 +172,37 @@ KINDS = {
 }
 
 
-class Item(NamedTuple):
-    """A numbered part of the paper, such as ("equation", 26); a section without a number has 0."""
-
-    kind: str
-    number: int
-
-    @property
-    def label(self) -> str:
-        """Its name in the text, such as (26) or Lemma 1."""
-        if self.kind == "equation":
-            return f"({self.number})"
-        return "Abstract" if self == ("section", 0) else f"{KINDS[self.kind][1]} {self.number}"
+def _label(kind: str, number: int) -> str:
+    """Return the name of a numbered part in texts, such as (26) or Lemma 1; a section without a number has 0."""
+    if kind == "equation":
+        return f"({number})"
+    return "Abstract" if (kind, number) == ("section", 0) else f"{KINDS[kind][1]} {number}"
 
 
-#: All items of the paper, in its order.
-PAPER = tuple(Item(kind, n) for kind, (*_, first, last) in KINDS.items() for n in range(first, last + 1))
+#: All numbered parts of the paper, in its order, and their kinds.
+PAPER = {_label(kind, n): kind for kind, (*_, first, last) in KINDS.items() for n in range(first, last + 1)}
 # "after eq. (19)" is a place, and no statement on (19).
 _PLACE = re.compile(rf"(?:before|after) (?:{'|'.join(pattern for pattern, *_ in KINDS.values())}) [(]?\d+[)]?")
 # One number of a list, with what joins it to the one before: "(26)", ", (32)", " and 5", " to (48)", ", (55.2)".
 _NUMBER = r"(,? and |, | to | )[(]?(\d+)(?:[.]\d+)?[)]?"
 
 
-def items_of(source: str) -> list[Item]:
+def items_of(source: str) -> list[str]:
     """Return the sections, equations, lemmas, theorems and figures that a source names: "eqs. (26), (32) to (34)"."""
-    found = [Item("section", 0)] if "Abstract" in source else []
+    found = ["Abstract"] if "Abstract" in source else []
     source = _PLACE.sub("", source)
     for name, (pattern, *_) in KINDS.items():
         for numbers in re.finditer(rf"\b{pattern}((?:{_NUMBER})+)", source):
             last = 0
             for joint, digits in re.findall(_NUMBER, numbers[1]):
                 first, last = last + 1 if joint == " to " else int(digits), int(digits)
-                found += [Item(name, number) for number in range(first, last + 1)]
+                found += [_label(name, number) for number in range(first, last + 1)]
     return list(dict.fromkeys(found))
 
 
-def coverage(entries: Iterable[Claim | Unjudged]) -> dict[Item, list[Any]]:
+def coverage(entries: Iterable[Claim | Unjudged]) -> dict[str, list[Any]]:
     """Return the entries on each item of the paper, in the paper's order."""
-    found: dict[Item, list[Any]] = {item: [] for item in PAPER}
+    found: dict[str, list[Any]] = {item: [] for item in PAPER}
     for entry in entries:
         for item in items_of(entry.source):
             found[item].append(entry)

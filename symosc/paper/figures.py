@@ -37,25 +37,6 @@ def fig1() -> Figure:
     ax = drawing.add_axes((0.0, 0.0, 1.0, 1.0))
     ax.set(xlim=(-0.5, 11.7), ylim=(-3.4, 3.4), aspect="equal")
     ax.set_axis_off()
-    _draw_wall_spring_and_damper(ax)
-    mass = Rectangle((4.7, -0.9), 2.0, 1.8, facecolor="#f3d9d6", edgecolor=MASS_COLOR, lw=LINE, zorder=3)
-    ax.add_patch(mass)
-    ax.text(5.7, 0.0, "$m$", **CENTER, fontsize=11, zorder=4)
-    _belt(ax, 1, 2)
-    _belt(ax, -1, 1)
-    _draw_arrow(ax, (6.7, 0.35), (8.1, 0.35), MASS_COLOR)
-    ax.text(8.25, 0.33, r"$A_0 + B_0\cos\Omega t$", ha="left", va="center")
-    _draw_arrow(ax, (6.7, -0.5), (7.6, -0.5), "black", lw=THIN)
-    ax.text(7.75, -0.5, "$x$", ha="left", va="center")
-    return drawing
-
-
-def _draw_arrow(ax: Axes, start: tuple[float, float], end: tuple[float, float], color: str, **style: Any) -> None:
-    arrow: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 8.0, "lw": LINE, "shrinkA": 0.0, "shrinkB": 0.0}
-    ax.add_patch(FancyArrowPatch(start, end, color=color, **(arrow | style)))
-
-
-def _draw_wall_spring_and_damper(ax: Axes) -> None:
     ax.plot([0.0, 0.0], [-1.1, 1.1], color="black", lw=LINE)
     for low in np.linspace(-1.1, 0.8, 7):
         ax.plot([-0.35, 0.0], [low, low + 0.3], color="black", lw=THIN)
@@ -71,6 +52,21 @@ def _draw_wall_spring_and_damper(ax: Axes) -> None:
     ax.plot([1.95, 1.95], [y0 - 0.17, y0 + 0.17], color="black", lw=1.6 * LINE)
     ax.plot([1.95, 4.7], [y0, y0], color="black", lw=LINE)
     ax.text(1.3, -0.8, "$c$", ha="center", va="top")
+    mass = Rectangle((4.7, -0.9), 2.0, 1.8, facecolor="#f3d9d6", edgecolor=MASS_COLOR, lw=LINE, zorder=3)
+    ax.add_patch(mass)
+    ax.text(5.7, 0.0, "$m$", **CENTER, fontsize=11, zorder=4)
+    _belt(ax, 1, 2)
+    _belt(ax, -1, 1)
+    _draw_arrow(ax, (6.7, 0.35), (8.1, 0.35), MASS_COLOR)
+    ax.text(8.25, 0.33, r"$A_0 + B_0\cos\Omega t$", ha="left", va="center")
+    _draw_arrow(ax, (6.7, -0.5), (7.6, -0.5), "black", lw=THIN)
+    ax.text(7.75, -0.5, "$x$", ha="left", va="center")
+    return drawing
+
+
+def _draw_arrow(ax: Axes, start: tuple[float, float], end: tuple[float, float], color: str, **style: Any) -> None:
+    arrow: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 8.0, "lw": LINE, "shrinkA": 0.0, "shrinkB": 0.0}
+    ax.add_patch(FancyArrowPatch(start, end, color=color, **(arrow | style)))
 
 
 def _belt(ax: Axes, side: int, number: int) -> None:
@@ -151,8 +147,8 @@ def fig3(scene: str = "fig5") -> Figure:
         F = (float(p.A(alpha) + p.B0) - float(p.k) * X - float(p.c) * V) / float(p.m)
         U, W = V / width, F / (v[1] - v[0])
         size = np.hypot(U, W)
-        style: dict[str, Any] = {"pivot": "mid", "color": GREY, "zorder": 1}
-        ax.quiver(X, V, U / size, W / size, width=0.004, scale=16, headwidth=4.5, **style)
+        arrows: dict[str, Any] = {"pivot": "mid", "color": GREY, "width": 0.004, "scale": 16, "headwidth": 4.5}
+        ax.quiver(X, V, U / size, W / size, zorder=1, **arrows)
         place, box = (x[1] - 0.02 * width, (low + high) / 2), dict(BOX, facecolor=SHADES[alpha - 1])
         ax.text(*place, rf"$\Omega_{alpha}$", ha="right", va="center", fontsize=11, bbox=box, zorder=5)
     stick: dict[str, Any] = {"color": ONSET_COLOR, "lw": THICK + 0.6}
@@ -219,7 +215,22 @@ def fig4() -> Figure:
     drawing = Figure(figsize=(COLUMN_WIDTH, 3.0), layout="constrained")
     ax = drawing.add_subplot()
     for label in MAPPINGS:
-        _draw_mapping(ax, label)
+        motion, count = mapping_motion(label), 200
+        x, v = motion(np.linspace(float(motion.t_start), float(motion.events[0].t), count))
+        sticks = motion.segments[0].mode.startswith("belt")
+        weight = THICK if sticks else LINE
+        ax.plot(x, v, color=MASS_COLOR, lw=weight, zorder=3, label=label, solid_capstyle="butt")
+        for index, (marker, color) in zip((0, -1), ENDS, strict=True):
+            ax.plot(x[index], v[index], marker, color=color, ms=3.5, zorder=5)
+        returns = v[0] == v[-1] and not sticks
+        head = count // 4 if returns else count // 2
+        arrow = {"arrowstyle": "-|>", "color": MASS_COLOR, "lw": LINE, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 9}
+        ax.annotate("", (x[head + 4], v[head + 4]), (x[head], v[head]), arrowprops=arrow, zorder=4)
+        across, up, dx, dy = MAPPINGS[label][2]
+        at = int(np.argmax(np.abs(v - v[0]))) if returns else count // 2
+        ax.annotate(
+            f"$P_{label[1:]}$", (x[at], v[at]), (dx, dy), textcoords="offset points", ha=across, va=up, zorder=6
+        )
     low, high = v1 - 0.8 * (v2 - v1), v2 + 0.85 * (v2 - v1)
     left, right = ax.get_xlim()[0] - 1.0, ax.get_xlim()[1] + 1.8
     for alpha, edges in enumerate(((low, v1), (v1, v2), (v2, high)), 1):
@@ -232,20 +243,3 @@ def fig4() -> Figure:
     marks = [Line2D([], [], ls="", marker=marker, ms=3.5, color=color) for marker, color in ENDS]
     drawing.legend(marks, ["start", "end"], **OUTSIDE)
     return drawing
-
-
-def _draw_mapping(ax: Axes, label: str) -> None:
-    motion, count = mapping_motion(label), 200
-    x, v = motion(np.linspace(float(motion.t_start), float(motion.events[0].t), count))
-    sticks = motion.segments[0].mode.startswith("belt")
-    weight = THICK if sticks else LINE
-    ax.plot(x, v, color=MASS_COLOR, lw=weight, zorder=3, label=label, solid_capstyle="butt")
-    for index, (marker, color) in zip((0, -1), ENDS, strict=True):
-        ax.plot(x[index], v[index], marker, color=color, ms=3.5, zorder=5)
-    returns = v[0] == v[-1] and not sticks
-    head = count // 4 if returns else count // 2
-    arrow = {"arrowstyle": "-|>", "color": MASS_COLOR, "lw": LINE, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 9}
-    ax.annotate("", (x[head + 4], v[head + 4]), (x[head], v[head]), arrowprops=arrow, zorder=4)
-    across, up, dx, dy = MAPPINGS[label][2]
-    at = int(np.argmax(np.abs(v - v[0]))) if returns else count // 2
-    ax.annotate(f"$P_{label[1:]}$", (x[at], v[at]), (dx, dy), textcoords="offset points", ha=across, va=up, zorder=6)

@@ -26,6 +26,7 @@ from symosc.kernels.entire import EPS
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
+from symosc.paper.checks.motions import force_names
 from symosc.paper.figures import MAPPING_PARAMETERS, fig1, fig2, fig3, fig4
 from symosc.plot.drawing import STYLE
 from symosc.plot.figures import assemble, default_end
@@ -107,13 +108,9 @@ def with_parameters(caption: str, scene: str | None = None) -> str:
     return f"{caption} {listed_parameters(p)}."
 
 
-def _force(domain: int) -> str:
-    return f"F⁽{str(domain).translate(POWERS)}⁾"
-
-
 def _forces(view: View) -> str:
-    low, high = view.domains
-    return f"forces per mass {_force(low)} (blue) and {_force(high)} (green, dashed)"
+    low, high = map(force_names, view.domains)
+    return f"forces per mass {low} (blue) and {high} (green, dashed)"
 
 
 def _span(contact: Contact) -> str:
@@ -147,14 +144,10 @@ PRODUCTS = (
 # --- views of motions: how long one is followed, and where the text puts dots and black curves ---
 
 
-def period(name: str) -> float:
-    """Return the period of the excitation of a scene."""
-    return 2 * pi / float(load_scene(name).parameters.Omega)
-
-
-def start_time(name: str) -> float:
-    """Return t0 of a scene."""
-    return float(load_scene(name).t0)
+def start_and_period(name: str) -> tuple[float, float]:
+    """Return t0 of a scene, and the period of its excitation."""
+    scene = load_scene(name)
+    return float(scene.t0), 2 * pi / float(scene.parameters.Omega)
 
 
 def printed_scene(name: str) -> str:
@@ -165,15 +158,14 @@ def printed_scene(name: str) -> str:
 @lru_cache
 def printed_view(name: str) -> View:
     """Return the view of Figs. 5, 6, 9 and 10 from the printed start."""
-    scene = load_scene(name)
-    t_end = start_time(name) + 2.2 * period(name) if scene.structure else default_end(scene)
-    return view_of(simulate(name, t_end=t_end), None)
+    scene, (t0, T) = load_scene(name), start_and_period(name)
+    return view_of(simulate(name, t_end=t0 + 2.2 * T if scene.structure else default_end(scene)), None)
 
 
 @lru_cache
 def several_periods_view(name: str) -> View:
     """Return the view of Fig. 7(c), (d): several periods, start and end of the first one, any contact."""
-    t0, T = start_time(name), period(name)
+    t0, T = start_and_period(name)
     view = view_of(simulate(name, t_end=t0 + SEVERAL_PERIODS * T), 1)
     marks = [Mark("start of period", ONSET_COLOR, t0), Mark("end of period", END_COLOR, t0 + T)]
     marks += map(_contact_mark, _in_order(view)[:1])
@@ -194,8 +186,8 @@ def grazing_view(name: str) -> View:
 @lru_cache
 def orbit_view(name: str) -> View:
     """Return one period of the periodic orbit (scene `name`) and a little more, around the printed start's time."""
-    t0, T = start_time(name), period(name)
-    since = start_time(printed_scene(name)) - ORBIT_MARGIN * T
+    t0, T = start_and_period(name)
+    since = start_and_period(printed_scene(name))[0] - ORBIT_MARGIN * T
     # The orbit's own scene starts at a switching; with the period it is known at any time.
     x, v = simulate(name, t_end=t0 + 2 * T)(since + T)
     end = since + (1 + 2 * ORBIT_MARGIN) * T
@@ -243,7 +235,7 @@ def stick_caption(name: str) -> str:
     sticks = [stick for stick in view.contacts if stick.belt == view.boundary and stick.until < view.t[-1]]
     # The force whose zero ends a stick is that of the domain into which the mass slips.
     into = {float(event.t): int(event.target[-1]) for event in view.trajectory.events if event.kind == "slip"}
-    spans = [f"t = {_span(stick)} (ended by {_force(into[stick.until])} = 0)" for stick in sticks]
+    spans = [f"t = {_span(stick)} (ended by {force_names(into[stick.until])} = 0)" for stick in sticks]
     return (
         f"As printed. (a) Displacement, (b) velocity, (c) phase plane, (d) {_forces(view)}, shaded where the mass "
         f"sticks to belt {view.boundary}. Red: the mass; black: the belts. {MARKS} The mass sticks from "
@@ -257,7 +249,8 @@ def stick_signs(view: View, sticks: list[Contact]) -> str:
     inside = np.concatenate([view.t[(stick.since < view.t) & (view.t < stick.until)] for stick in sticks])
     force = view.trajectory.force
     everywhere = bool((force(low, inside) > 0).all() and (force(high, inside) < 0).all())
-    return f"While it sticks, {_force(low)} > 0 > {_force(high)}{'' if everywhere else ' does not hold everywhere'}."
+    signs = f"{force_names(low)} > 0 > {force_names(high)}"
+    return f"While it sticks, {signs}{'' if everywhere else ' does not hold everywhere'}."
 
 
 def motion_caption(name: str) -> str:
@@ -290,7 +283,7 @@ def _distance_text(orbit: str) -> str:
 
 def grazing_figure_P2(name: str, columns: int = 2) -> Figure:
     """Draw Fig. 7: (a) displacement and (b) velocity in the first period, (c) velocity later on, (d) phase plane."""
-    several, t0, T = several_periods_view(name), start_time(name), period(name)
+    several, (t0, T) = several_periods_view(name), start_and_period(name)
     magnified = _in_order(view_of(several.trajectory, 1))[:1]
     first = replace(crop(several, t0, t0 + 1.25 * T), magnified=magnified)
     panels: list[tuple[Panel, View]] = [(PANELS["a"], first), (_velocity_and_gap, first)]
@@ -328,7 +321,7 @@ def largest_velocity(view: View) -> tuple[float, float]:
 
 def grazing_P2_caption(name: str) -> str:
     """Return the caption of Fig. 7 with the printed or another A0."""
-    view, t0 = several_periods_view(name), start_time(name)
+    view, (t0, T) = several_periods_view(name), start_and_period(name)
     p, printed = view.trajectory.parameters, load_scene(printed_scene(name)).parameters
     contacts = _in_order(view_of(view.trajectory, view.boundary))
     if contacts:
@@ -343,7 +336,7 @@ def grazing_P2_caption(name: str) -> str:
             f"As printed, with A0 = {show(p.A0)}: in {SEVERAL_PERIODS:g} periods the mass does not reach belt 1 and "
             f"nothing grazes; its largest velocity is {number(v)} at t = {number(t)}, below v1 = {show(p.v1)}."
         )
-    x, v = view.trajectory(t0 + period(name)) - view.trajectory(t0)
+    x, v = view.trajectory(t0 + T) - view.trajectory(t0)
     return (
         f"{what} (a) Displacement of the mass (red) and of the points of belt 1 that it meets at the marks (black), "
         f"(b) velocity, (c) velocity for several periods (dotted lines: one period apart), (d) phase plane. Circle and "
@@ -419,7 +412,7 @@ def _with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, float]) 
 
 def orbit_caption(orbit: str) -> str:
     """Return the caption of the true periodic orbit with the printed start."""
-    view, T = orbit_view(orbit), period(orbit)
+    view, (_, T) = orbit_view(orbit), start_and_period(orbit)
     events = view.trajectory.events
     once = [event for event in events if event.t < events[0].t + 0.999 * T]
     points = ", ".join(f"({number(float(event.t), 7)}, {number(float(event.x), 7)})" for event in once)

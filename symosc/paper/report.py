@@ -30,6 +30,7 @@ from symosc.paper.claims import (
     DEFINITION,
     KINDS,
     NOT_AS_PRINTED,
+    PAPER,
     PARTS,
     UNDECIDED,
     Claim,
@@ -78,8 +79,8 @@ def data(results: Results) -> dict[str, Any]:
         "errata": [asdict(e) | {"claims": results.shown_by(e)} for e in plan.errata],
         "coverage": [
             {
-                "item": item.label,
-                "kind": item.kind,
+                "item": item,
+                "kind": PAPER[item],
                 "claims": [each.id for each in entries if isinstance(each, Claim)],
                 "unjudged": [each.says for each in entries if not isinstance(each, Claim)],
             }

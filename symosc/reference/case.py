@@ -279,30 +279,25 @@ def last_period(scene: Scene, digits: int) -> Sequence[Event]:
 # -- condition numbers -------------------------------------------------------------------------------------------------
 
 
-def _events_of(scene: Scene, digits: int) -> Sequence[Event]:
-    return simulate(scene, digits=digits).events
-
-
-def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]] = _events_of) -> list[float]:
+def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]] | None = None) -> list[float]:
     """Return the condition number of every event of a scene."""
-    # They are infinite from the first event on that changes of the input, however small, turn into others. `events` is
-    # called with the scene and its neighbours, and digits.
-    exact = {digits: events(scene, digits) for _, digits in INPUT_CHANGES[:1]}
-    certain = len(exact[INPUT_CHANGES[0][1]])
+    # They are infinite from the first event on that changes of the input, however small, turn into others. `events`, by
+    # default those of `simulate`, is called with the scene and its neighbours, and digits.
+    events = events or (lambda scene, digits: simulate(scene, digits=digits).events)
+    first, least_digits = INPUT_CHANGES[0]
+    exact = {least_digits: events(scene, least_digits)}
+    certain = len(exact[least_digits])
     totals = [[0.0, 0.0] for _ in range(certain)]
     for name in (*PARAMETER_NAMES, "t0", "x0", "v0"):
+        if shifted(scene, name, first) == scene:
+            continue
         for step, digits in INPUT_CHANGES:
-            neighbour = shifted(scene, name, step)
-            if neighbour == scene:
-                break
             if digits not in exact:
                 exact[digits] = events(scene, digits)
-            moved = events(neighbour, digits)
+            moved = events(shifted(scene, name, step), digits)
             same = _same(exact[digits], moved)
             if same == len(exact[digits]) == len(moved):
                 break
-        if neighbour == scene:
-            continue
         certain = min(certain, same)
         for total, before, after in zip(totals, exact[digits][:same], moved, strict=False):
             total[0] += relative_error(after.t, before.t) / float(step)

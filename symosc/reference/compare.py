@@ -45,7 +45,6 @@ class Comparison:
 
     error_t: float | None
     error_x: float | None
-    matched: int
     missed: int
     invented: int
     missed_grazes: int
@@ -55,11 +54,6 @@ class Comparison:
     def error(self) -> float | None:
         """The larger of the errors of times and of positions."""
         return None if self.error_t is None or self.error_x is None else max(self.error_t, self.error_x)
-
-    @property
-    def complete(self) -> bool:
-        """Whether no event is missed or invented; grazes may be."""
-        return not self.missed and not self.invented
 
 
 def window_of(scene: Scene) -> float:
@@ -79,7 +73,6 @@ def compare(found: Iterable[FoundEvents], reference: Sequence[Event], window: fl
     return Comparison(
         error_t=max((relative_error(ordered[j].t, reference[i].t, t0) for i, j in pairs), default=None),
         error_x=max((relative_error(ordered[j].x, reference[i].x) for i, j in pairs), default=None),
-        matched=len(pairs),
         missed=len(missed),
         invented=len(given) - len(pairs),
         missed_grazes=len(unmatched) - len(missed),

@@ -84,7 +84,7 @@ def _case_files(case: ReferenceCase) -> tuple[dict[str, str], Record]:
         for event, condition in zip(case.events, case.conditions, strict=True)
     )
     changes = (
-        (i, name, *each.dt, *each.dx, _yes(each.proven))
+        (i, name, *each.dt, *each.dx, "yes" if each.proven else "no")
         for i, row in enumerate(case.derivatives)
         for name, each in row.items()
     )
@@ -96,13 +96,9 @@ def _case_files(case: ReferenceCase) -> tuple[dict[str, str], Record]:
         "certificate.json": json.dumps(case.certificate.as_dict(), indent=1) + "\n",
     }
     about = {"name": case.name, "group": case.group, "events": case.count, "periods": case.periods}
-    about |= {"condition": f"{case.condition:.3g}", "proven": _yes(case.proven)}
+    about |= {"condition": f"{case.condition:.3g}", "proven": "yes" if case.proven else "no"}
     about |= case.parameters.as_dict() | {name: exact_text(getattr(case, name)) for name in START_AND_END}
     return {f"{case.name}/{name}": text for name, text in found.items()}, about
-
-
-def _yes(value: bool) -> str:
-    return "yes" if value else "no"
 
 
 def exact_text(value: Fraction) -> str:

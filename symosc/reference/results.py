@@ -130,9 +130,9 @@ def _named(names: Iterable[str]) -> dict[str, str]:
 def _columns(names: list[str], needs_case: bool) -> dict[str, str]:
     """Return the columns of a table of events; ParameterError if one is missing."""
     found = _named(names)
-    needed = ["case"] * needs_case + ["t"] * (not {"t_low", "t_high"} <= set(found)) + ["kind"]
-    for what in needed:
-        if what not in found:
+    enclosed = {"t_low", "t_high"} <= set(found)
+    for what, needed in {"case": needs_case, "t": not enclosed, "kind": True}.items():
+        if needed and what not in found:
             raise _wrong(f"has no column {what}; its columns are {brief(', '.join(names))}")
     return found
 

@@ -222,7 +222,8 @@ class _Judge:
         self._derivatives(i, event)
         late = [pair for pair in zip(errors, allowed, strict=False) if pair[0] > pair[1]]
         if late:
-            what = "{}, error {:.1e}, allowed {:.1e}".format(_event_text(known), *max(late))
+            error, limit = max(late)
+            what = f"{_event_text(known)}, error {error:.1e}, allowed {limit:.1e}"
             self._fault("error", float(t), what, _event_text(event))
 
     def _derivatives(self, i: int, event: GivenEvent) -> None:

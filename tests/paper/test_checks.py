@@ -409,7 +409,8 @@ def test_a_misprinted_parameter_of_an_orbit_is_found(scene: Scene, name: str, tr
 @pytest.mark.parametrize("name", ["t0", "x0"])
 def test_a_misprinted_start_of_an_orbit_is_found(name: str) -> None:
     right = printed_orbit(FIG9)
-    assert orbits.misprint(right).verdict == CONFIRMED
+    assert orbits.start_or_misprint(right).verdict == CONFIRMED
+    assert all(each.explains for each in orbits.search_start(right)[:2])
     wrong = replace(right, **{name: getattr(right, name) + Fraction(1, 2)})
     found = {each.name: each for each in orbits.search_start(wrong)}
     assert found[name].explains

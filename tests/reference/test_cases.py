@@ -159,7 +159,7 @@ def test_the_continuum_ends_where_csernak_has_it() -> None:
 
 
 @pytest.mark.full(8)
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", GRAZE_TIMES)
 @pytest.mark.parametrize("regime", DAMPED)
 def test_grazes_are_what_their_names_say(regime: str, mapping: str, tmp_path: object) -> None:
@@ -283,6 +283,7 @@ def test_what_is_not_proven_is_between_decimals_too() -> None:
         assert abs(float(t) - 2 * pi * (i + 1)) < 1e-13
 
 
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("name", ["graze-overdamped-P5", "graze-weak-spring-P2"])
 def test_a_graze_has_no_condition_and_what_follows_it_has(name: str) -> None:
     """A start that is rounded to a double grazes no more; the events after it move by so much."""

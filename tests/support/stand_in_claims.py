@@ -17,7 +17,6 @@ def no_evidence(): return True
 def interrupts(): raise KeyboardInterrupt
 NUMBER = 9
 def given(number, letter): return Evidence(CONFIRMED, "It is so.", {"number": number, "letter": letter})
-def hangs(): time.sleep(600)
 def shared():
     own = Path(__file__).with_name(f"process-{os.getpid()}")
     own.touch()

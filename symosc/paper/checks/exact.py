@@ -69,34 +69,30 @@ class RationalContact:
 
     def slope(self, alpha: int) -> Fraction:
         """Return G^(1,alpha) = dF^(alpha)/dt along the flow of the domain."""
-        p = self.p
-        return -(p.c * self.force(alpha) + p.k * self.speed + p.B0 * p.Omega * self.s) / p.m
+        return self._motion[alpha][3]
 
     @cached_property
-    def _series(self) -> dict[int, list[Fraction]]:
-        """Taylor coefficients of x' along the flows of both domains, by m x'' + c x' + k x = A + B0 cos."""
+    def _motion(self) -> dict[int, list[Fraction]]:
+        """x and its derivatives by time along the flows of both domains, from m x'' + c x' + k x = A + B0 cos."""
         p, found = self.p, {}
+        waves = (self.c, -self.s, -self.c, self.s)  # cos(theta) and its derivatives by theta
         for alpha in self.domains:
-            place, constant = [self.x, self.speed], p.A0 + friction_on_mass(p, alpha)
-            wave, turned = self.c, -self.s  # cos(theta) and its derivative by theta
-            scale = Fraction(1)  # Omega^n/n!
+            x, constant = [self.x, self.speed], p.A0 + friction_on_mass(p, alpha)
             for n in range(SERIES_TERMS - 1):
-                drive = p.B0 * wave * scale + (constant if n == 0 else 0)
-                place.append((drive - p.c * (n + 1) * place[n + 1] - p.k * place[n]) / (p.m * (n + 1) * (n + 2)))
-                wave, turned = turned, -wave
-                scale = scale * p.Omega / (n + 1)
-            found[alpha] = [(n + 1) * place[n + 1] for n in range(SERIES_TERMS)]
+                force = p.B0 * p.Omega**n * waves[n % 4] + (constant if n == 0 else 0)
+                x.append((force - p.c * x[n + 1] - p.k * x[n]) / p.m)
+            found[alpha] = x
         return found
 
     def side(self, alpha: int, after: bool) -> int:
         """Return the sign of x' - v_lambda a short time before or after, along the flow of domain `alpha`."""
         t = SHORT if after else -SHORT
-        value = sum(coefficient * t**n for n, coefficient in enumerate(self._series[alpha]) if n)
+        value = sum(each * t**n / factorial(n) for n, each in enumerate(self._motion[alpha][2:], 1))
         return (value > 0) - (value < 0)
 
     def derivatives(self, alpha: int) -> tuple[Fraction, ...]:
-        """Return the first four derivatives of x' along the flow of domain `alpha`, from its power series."""
-        return tuple(factorial(n) * a for n, a in enumerate(self._series[alpha][:5]) if n)
+        """Return the first four derivatives of x' along the flow of domain `alpha`."""
+        return tuple(self._motion[alpha][2:6])
 
     @property
     def next_mode(self) -> str:

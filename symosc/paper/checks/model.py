@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from collections.abc import Iterator
 from fractions import Fraction
 from itertools import pairwise, product
 from math import pi, sqrt, tanh
@@ -17,7 +16,7 @@ from symosc.mappings.equations import residual
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.paper.checks.exact import DOP853_AGREEMENT, RationalContact, contacts, dop853, friction_on_mass, tally
-from symosc.paper.checks.motions import recorded
+from symosc.paper.checks.motions import field, recorded
 from symosc.paper.claims import CORRECTED, DEFINITION, Evidence, evidence, verdict
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
@@ -402,9 +401,7 @@ def _first_exit(boundary: int, equation: int) -> dict[str, str]:
         t, x = float(run.t_events[0][0]), float(run.y_events[0][0][0])
 
     def forces(elapsed: Any) -> dict[int, Any]:
-        place, phase = x + speed * elapsed, np.cos(float(p.Omega) * (t + elapsed))
-        rest = float(p.B0) * phase - float(p.k) * place - float(p.c * p.belt(boundary))
-        return {alpha: (float(p.A(alpha)) + rest) / float(p.m) for alpha in (lo, hi)}
+        return {alpha: field(p, alpha, t + elapsed, x + speed * elapsed, speed) for alpha in (lo, hi)}
 
     grid = np.linspace(0.0, 20.0, 4001)
     along = forces(grid)
@@ -420,26 +417,21 @@ def _first_exit(boundary: int, equation: int) -> dict[str, str]:
     }
 
 
-def _flights() -> Iterator[tuple[Parameters, str, int, Any, Any]]:
-    """Yield parameters, mapping, domain, and the events at start and end of the flights of simulated motions."""
-    for name in MAPPED_SCENES:
-        motion = simulate(load_scene(name), max_events=40)
-        for segment, ends in zip(motion.segments[1:], pairwise(motion.events), strict=False):
-            if segment.label in FLIGHTS:
-                yield motion.parameters, str(segment.label), int(segment.mode[-1]), *ends
-
-
 def governing_equations() -> Evidence:
     """Eq. (54): f1 and f2 of the flights vanish at the events of simulated motions; so they do for DOP853."""
     rests: dict[str, list[float]] = {label: [] for label in FLIGHTS}
     other: dict[str, list[float]] = {label: [] for label in FLIGHTS}
-    for p, label, domain, start, end in _flights():
+    motions = [simulate(load_scene(name), max_events=40) for name in MAPPED_SCENES]
+    parts = [(m.parameters, part) for m in motions for part in zip(m.segments[1:], pairwise(m.events), strict=False)]
+    for p, (segment, (start, end)) in parts:
+        if (label := str(segment.label)) not in FLIGHTS:
+            continue
         Omega, t, x, v = float(p.Omega), float(end.t), float(end.x), float(end.v)
         f1, f2 = residual(p, label, (float(start.x), Omega * float(start.t)), (x, Omega * t))
         size_x, size_v = max(1.0, abs(x)), max(1.0, abs(v))
         rests[label].append(max(abs(f1) / size_x, abs(f2) / size_v))
         if len(rests[label]) <= 3:
-            run = dop853(p, p.A(domain), (float(start.t), t), (float(start.x), float(start.v)))
+            run = dop853(p, p.A(int(segment.mode[-1])), (float(start.t), t), (float(start.x), float(start.v)))
             other[label].append(float(max(abs(run.y[0, -1] - x) / size_x, abs(run.y[1, -1] - v) / size_v)))
     worst, by_dop853 = ({label: max(each[label], default=1.0) for label in FLIGHTS} for each in (rests, other))
     numbers = {
@@ -491,7 +483,10 @@ def bounded_motions() -> Evidence:
         within += reach <= bound
         numbers[f"{name}: largest |x| in the second half of 30 periods, bound"] = f"{reach:.4g}, {bound:.4g}"
     numbers["bound"] = "lim sup |x| ≤ (M/k) coth(πζ/(2√(1 − ζ²))), M the sum of all forces"
-    growth = _growth(load_scene("fig8").parameters.replace(c=0, mu1="0.1", mu2="0.1", FN=10, B0=16))
+    p = load_scene("fig8").parameters.replace(c=0, mu1="0.1", mu2="0.1", FN=10, B0=16)
+    period = 2 * pi / float(p.Omega)
+    motion = simulate(p, t0=0, x0=0, v0=0, t_end=41 * period, max_events=400)
+    growth = [float(np.abs(motion(np.linspace(n * period, (n + 1) * period, 200))[0]).max()) for n in (10, 20, 40)]
     swings = ", ".join(f"{value:.4g}" for value in growth)
     numbers["undamped at resonance, c = 0, Ω² = k/m: largest |x| in periods 10, 20, 40"] = swings
     finding = (
@@ -502,10 +497,3 @@ def bounded_motions() -> Evidence:
     )
     grows = growth[1] > 1.5 * growth[0] and growth[2] > 1.5 * growth[1]
     return evidence(within == len(STATES) and grows, f"{finding}swings grow: {swings}.", numbers)
-
-
-def _growth(p: Parameters) -> list[float]:
-    """Return the largest |x| in the 10th, 20th and 40th period of a motion from rest."""
-    period = 2 * pi / float(p.Omega)
-    motion = simulate(p, t0=0, x0=0, v0=0, t_end=41 * period, max_events=400)
-    return [float(np.abs(motion(np.linspace(n * period, (n + 1) * period, 200))[0]).max()) for n in (10, 20, 40)]

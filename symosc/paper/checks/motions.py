@@ -21,7 +21,7 @@ from symosc.mappings.equations import residual
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.paper.checks.exact import flow
-from symosc.paper.claims import CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence, Refuted, verdict
+from symosc.paper.claims import CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence, Refuted, evidence, verdict
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
@@ -264,7 +264,7 @@ def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
         else:
             x, v = x0 + v0 * (t - t0), np.full_like(t, float(p.belt(-stretch.where)))
             lo, hi = NEIGHBOURS[-stretch.where]
-            margin = np.minimum(_force(p, lo, t, x, v), -_force(p, hi, t, x, v))
+            margin = np.minimum(field(p, lo, t, x, v), -field(p, hi, t, x, v))
         size = max(1.0, float(np.abs(x).max()), float(np.abs(v).max()))
         differences.append(max(abs(float(x[-1]) - x1), abs(float(v[-1]) - v1)) / size)
         contradictions += int(margin.min() < -AGREEMENT * size)
@@ -272,7 +272,7 @@ def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
     return max(differences), contradictions
 
 
-def _force(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
+def field(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
     """Return the acceleration F^(alpha) of eq. (9)."""
     A, B0, Omega, k, c, m = (float(value) for value in (p.A(alpha), p.B0, p.Omega, p.k, p.c, p.m))
     return (A + B0 * np.cos(Omega * t) - k * x - c * v) / m
@@ -282,7 +282,7 @@ def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
     """Return whether Theorems 4 and 5 allow this continuation from a contact; where a force is 0, both do."""
     belt = 1 if abs(end[2] - float(p.v1)) < abs(end[2] - float(p.v2)) else 2
     lo, hi = NEIGHBOURS[belt]
-    below, above = float(_force(p, lo, *end)), float(_force(p, hi, *end))
+    below, above = float(field(p, lo, *end)), float(field(p, hi, *end))
     slack = AGREEMENT * max(1.0, abs(below), abs(above))
     return {-belt: below > -slack and above < slack, hi: above > -slack, lo: below < slack}.get(then, False)
 
@@ -291,21 +291,21 @@ def judge(check: Callable[[], Any]) -> Evidence:
     """Run a check and recompute every motion and orbit that it used by independent means."""
     _seen.clear()
     try:
-        evidence = check()
+        found = check()
     except Refuted as refuted:
-        evidence = refuted.evidence
-    if not isinstance(evidence, Evidence):
+        found = refuted.evidence
+    if not isinstance(found, Evidence):
         name = getattr(getattr(check, "func", check), "__name__", str(check))
-        raise TypeError(f"{name} returned {type(evidence).__name__}, not Evidence")
+        raise TypeError(f"{name} returned {type(found).__name__}, not Evidence")
     if not _seen:
-        return evidence
+        return found
     parts = [(each.parameters, stretches_of(each)) for each in {id(each): each for each in _seen}.values()]
     differences, contradictions = zip(*(fly_again(*part) for part in parts), strict=True)
     compared = f"{sum(len(part) for _, part in parts)} stretches, largest relative difference {max(differences):.1g}"
-    evidence = replace(evidence, numbers=evidence.numbers | {"flown again in another closed form": compared})
+    found = replace(found, numbers=found.numbers | {"flown again in another closed form": compared})
     if max(differences) <= AGREEMENT and not any(contradictions):
-        return evidence
-    return replace(evidence, verdict=UNDECIDED, finding=f"Two ways do not agree ({compared}). {evidence.finding}")
+        return found
+    return replace(found, verdict=UNDECIDED, finding=f"Two ways do not agree ({compared}). {found.finding}")
 
 
 # --- Figs. 5 and 6 ---
@@ -341,11 +341,10 @@ def together(scene: Scene, belt: int) -> Evidence:
     lasts, way = stick.end.t - stick.onset.t, stick.end.x - stick.onset.x
     apart = abs(way - number(p, p.belt(belt)) * lasts)
     enough = max(abs(force) for force in needed) <= grip + NO_FORCE
-    grips = f"stays within μ{subscripted(belt)} F_N = {text(most)}" if enough else f"exceeds {text(most)}"
     used_up = "; it is used up at the green point" if is_zero(abs(needed[-1]) - grip) else ""
     finding = (
         f"For {text(lasts, 11)} the mass moves with belt {belt}, both by {text(way, 11)}. The static friction that "
-        f"this needs {grips}{used_up}."
+        f"this needs stays within μ{subscripted(belt)} F_N = {text(most)}{used_up}."
     )
     numbers = {
         "t of the blue and of the green point": text((stick.onset.t, stick.end.t), 20),
@@ -353,27 +352,27 @@ def together(scene: Scene, belt: int) -> Evidence:
         "way of the mass minus way of the belt": text(apart, 2),
         f"F_s{belt} of eq. (2) at the onset, where it turns, at the end": text(needed, 10),
     }
-    return Evidence(verdict(lasts > 0 and apart < NO_FORCE and enough), finding, numbers)
+    return evidence(lasts > 0 and apart < NO_FORCE and enough, finding, numbers)
 
 
 def forces_hold(scene: Scene, belt: int) -> Evidence:
     """Check Theorem 4's conditions, F^(below) > 0 > F^(above), over the whole first stick; at its end one may be 0."""
     stick, domains = first_stick(scene, belt), NEIGHBOURS[belt]
-    *along, last = both = forces_along(scene.parameters, stick)
-    held = all(each.below > NO_FORCE and each.above < -NO_FORCE for each in along)
+    along = forces_along(scene.parameters, stick)
+    *during, last = along
+    held = all(each.below > NO_FORCE and each.above < -NO_FORCE for each in during)
     held = held and last.below > -NO_FORCE and last.above < NO_FORCE
-    lowest, highest = min(each.below for each in both), max(each.above for each in both)
+    lowest, highest = min(each.below for each in along), max(each.above for each in along)
     finding = (
         f"From t = {text(stick.onset.t, 11)} to {text(stick.end.t, 11)} {force_names(domains[0])} is at least "
-        f"{force_text(lowest)}, {force_names(domains[1])} at most {force_text(highest)}"
-        f"{', with 0 at the green point only' if held else ''}. Both are monotone between the instants listed: this is "
-        "decided for the whole stick, not at samples."
+        f"{force_text(lowest)}, {force_names(domains[1])} at most {force_text(highest)}, with 0 at the green point "
+        "only. Both are monotone between the instants listed: this is decided for the whole stick, not at samples."
     )
     numbers = {
         f"{force_names(*domains)} at t = {text(stick.onset.t + each.elapsed)}": force_text(each.below, each.above)
-        for each in both
+        for each in along
     }
-    return Evidence(verdict(held), finding, numbers)
+    return evidence(held, finding, numbers)
 
 
 def ends_below(scene: Scene, belt: int) -> Evidence:
@@ -488,9 +487,8 @@ def hypotheses(scenes: tuple[Scene, ...]) -> Evidence:
         p = scene.parameters
         held = held and p.v1 < p.v2 and p.mu1 >= p.mu2 and min(p.m, p.FN, p.B0, p.Omega) > 0
         numbers[f"{_figure(scene)}: v₂ − v₁, μ₁ − μ₂"] = text((p.v2 - p.v1, p.mu1 - p.mu2))
-    how = "holds" if held else "does not hold"
-    finding = f"v₁ < v₂, μ₁ ≥ μ₂ and B₀ > 0, decided in rational numbers, {how} in all {len(scenes)} figures."
-    return Evidence(verdict(held), finding, numbers)
+    finding = f"v₁ < v₂, μ₁ ≥ μ₂ and B₀ > 0, decided in rational numbers, holds in all {len(scenes)} figures."
+    return evidence(held, finding, numbers)
 
 
 def weight(scenes: tuple[Scene, ...]) -> Evidence:
@@ -524,6 +522,5 @@ def force_products(scenes: tuple[Scene, ...]) -> Evidence:
         numbers[f"{name}: the force that vanishes where they end"] = f"at most {text(least, 2)}"
     if not count:
         return Evidence(UNDECIDED, "There is no stick.", {"sticks": "0"})
-    every = "All" if held else "Not all"
-    finding = f"{every} {count} sticks start with a negative product and end with exactly one force 0."
-    return Evidence(verdict(held), finding, numbers)
+    finding = f"All {count} sticks start with a negative product and end with exactly one force 0."
+    return evidence(held, finding, numbers)

@@ -38,7 +38,7 @@ from symosc.paper.checks.motions import (
     subscripted,
     text,
 )
-from symosc.paper.claims import CONFIRMED, NOT_AS_PRINTED, Evidence, Refuted, evidence, verdict
+from symosc.paper.claims import CONFIRMED, CORRECTED, NOT_AS_PRINTED, Evidence, Refuted, evidence, verdict
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.words import read_word
@@ -102,47 +102,38 @@ def in_order(scene: Scene) -> Evidence:
         "mappings in order of time": subscripted(" ".join(word)) or "none",
         "largest residual f₁, f₂ of (54) from each switching point to the next": text(worst, 2),
     }
-    named = f"the structure {subscripted(scene.structure)}" if ordered else "not the order of the structure"
+    first = ", ".join(map(subscripted, word[:5]))
     finding = (
-        f"From the start on the mappings are {', '.join(map(subscripted, word[:5]))}, …: {named}, "
-        f"{len(word)} mappings long. Each begins where the last one ends: x and ẋ are continuous"
+        f"From the start on the mappings are {first}, …: the structure {subscripted(scene.structure)}, {len(word)} "
+        "mappings long. Each begins where the last one ends: x and ẋ are continuous"
     )
     if crossings:
         jump = max(abs(each.below - each.above) for each in crossings)
         numbers["jump of the acceleration where the mass crosses"] = text(jump, 12)
         finding += f"; the acceleration jumps, by {text(jump, 6)}"
-    return Evidence(verdict(ordered and worst < NO_FORCE), finding + ".", numbers)
-
-
-def switching_points(scene: Scene, belt: int) -> list[SceneContact]:
-    """Return the switching points at a belt: of the motion from the printed start, that start, and of the orbit."""
-    points, found = [at for at in scene_contacts(scene) if at.belt == belt], orbit_of(scene)
-    if scene.v0 == scene.parameters.belt(belt):
-        points.insert(0, start_contact(scene, belt))
-    Omega = number(scene.parameters, scene.parameters.Omega)
-    for piece, point in zip(found.equations().pieces, found.points, strict=True):
-        if piece.start == belt:
-            points.append(SceneContact(belt, point.t, point.x, Omega * point.t))
-    return points
+    return evidence(ordered and worst < NO_FORCE, finding + ".", numbers)
 
 
 def products_positive(scene: Scene, belt: int) -> Evidence:
-    """Check that both forces have one sign at every switching point (Theorem 5)."""
-    points = switching_points(scene, belt)
-    both = [forces(scene.parameters, at) for at in points]
+    """Check that both forces have one sign at every switching point (Theorem 5), of the motion and of the orbit."""
+    p, found = scene.parameters, orbit_of(scene)
+    points = [start_contact(scene, belt)] if scene.v0 == p.belt(belt) else []
+    points += [at for at in scene_contacts(scene) if at.belt == belt]
+    for piece, point in zip(found.equations().pieces, found.points, strict=True):
+        if piece.start == belt:
+            points.append(SceneContact(belt, point.t, point.x, number(p, p.Omega) * point.t))
+    both = [forces(p, at) for at in points]
     products = [each.product for each in both]
     numbers = {
         "switching points (start, motion, periodic motion)": str(len(points)),
         "lowest and highest product": text((min(products), max(products)), 10),
     }
-    names, held = force_names(*NEIGHBOURS[belt]), min(products) > 0
+    names = force_names(*NEIGHBOURS[belt])
     for at, each in list(zip(points, both, strict=True))[-2:]:
         numbers[f"{names} at t = {text(at.t, 12)} (periodic motion)"] = text(each[:2], 12)
-    finding = (
-        f"At {'all' if held else 'not all'} {len(points)} switching points the product is positive; the smallest is "
-        f"{text(min(products), 8)}."
-    )
-    return Evidence(verdict(held), finding, numbers)
+    least = text(min(products), 8)
+    finding = f"At all {len(points)} switching points the product is positive; the smallest is {least}."
+    return evidence(min(products) > 0, finding, numbers)
 
 
 def passes(scene: Scene, belt: int) -> Evidence:
@@ -163,11 +154,10 @@ def passes(scene: Scene, belt: int) -> Evidence:
         if found
     } | {"contacts": str(len(path.events))}
     finding = (
-        f"{'All' if right else 'Not all'} {len(path.events)} contacts are passages to the side that both forces "
-        f"point to: up where both are positive ({len(places['up'])}), down where both are negative "
-        f"({len(places['down'])})."
+        f"All {len(path.events)} contacts are passages to the side that both forces point to: up where both are "
+        f"positive ({len(places['up'])}), down where both are negative ({len(places['down'])})."
     )
-    return Evidence(verdict(right and path.events), finding, numbers)
+    return evidence(right and path.events, finding, numbers)
 
 
 def never_sticks(scene: Scene) -> Evidence:
@@ -211,12 +201,12 @@ def onsets(scene: Scene, belt: int) -> Evidence:
     products = [each.product for each in both]
     if not found:
         raise Refuted(f"There is no stick on belt {belt}.", {"sticks": "0"})
-    names, how = force_names(*NEIGHBOURS[belt]), "all" if max(products) < 0 else "not all"
+    names = force_names(*NEIGHBOURS[belt])
     numbers = {
         f"{names} at t = {text(at.t, 14)}": text(each[:2], 12) for at, each in zip(found[:4], both[:4], strict=True)
     } | {"lowest and highest product": text((min(products), max(products)), 10)}
-    finding = f"At {how} {len(found)} blue points the product is negative; the highest is {text(max(products), 7)}."
-    return Evidence(verdict(max(products) < 0), finding, numbers)
+    finding = f"At all {len(found)} blue points the product is negative; the highest is {text(max(products), 7)}."
+    return evidence(max(products) < 0, finding, numbers)
 
 
 def ends(scene: Scene, belt: int) -> Evidence:
@@ -278,15 +268,6 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
 # --- is the printed start on the periodic orbit, and if not, does one misprinted number explain it? ---
 
 
-def start_or_misprint(scene: Scene) -> Evidence:
-    """Compare the printed start with the orbit; if it is not on it, search for one number that explains why."""
-    distance = start_on_orbit(scene)
-    if distance.verdict == CONFIRMED:
-        return distance
-    search = misprint(scene)
-    return Evidence(search.verdict, f"{distance.finding} {search.finding}", distance.numbers | search.numbers)
-
-
 def start_on_orbit(scene: Scene) -> Evidence:
     """Compare the printed start, which is on a belt, with the switching points of the periodic motion."""
     found, path = orbit_of(scene), motion(scene)
@@ -316,24 +297,30 @@ def start_on_orbit(scene: Scene) -> Evidence:
     return Evidence(NOT_AS_PRINTED, finding, numbers)
 
 
-def misprint(scene: Scene) -> Evidence:
-    """Search for one number whose misprint explains the start of a periodic scene."""
-    start, allowed = search_start(scene), float(LAST_HALF_UNIT)
-    if any(each.explains and abs(each.value - float(getattr(scene, each.name))) <= allowed for each in start):
-        return Evidence(CONFIRMED, "The printed start is on the orbit, to all its digits.", _free_numbers(start))
-    parameters = search_parameters(scene)
+def start_or_misprint(scene: Scene) -> Evidence:
+    """Compare the printed start with the orbit; if it is not on it, search for one number that explains why."""
+    distance = start_on_orbit(scene)
+    if distance.verdict == CONFIRMED:
+        return distance
+    start, parameters, numbers = search_start(scene), search_parameters(scene), dict(distance.numbers)
     found = [*parameters, *start]
-    numbers = _free_numbers(found) | _end_of_stick(scene)
+    for each in found:
+        what = "orbit minus start" if each.orbit else "misses the start after one period by"
+        value = f"nearest at {each.value:.6g}: {what} {each.dt:+.4f} in t, {each.dx:+.4f} in x"
+        if each.name in PARAMETER_NAMES:
+            value += f"; searched {each.searched[0]:.5g} to {each.searched[1]:.5g}"
+        numbers[f"{each.name} free"] = value
+    numbers |= _end_of_stick(scene)
     free = f"each of {len(parameters)} parameters and {len(start)} numbers of the start left free in turn"
     explaining = " or ".join(f"{each.name} = {each.value:.5g}" for each in found if each.explains)
     if explaining:
-        finding = f"With {free}: {explaining} puts the start on the orbit, to all printed digits."
-        return Evidence(verdict(False, True), finding, numbers)
+        finding = f"{distance.finding} With {free}: {explaining} puts the start on the orbit, to all printed digits."
+        return Evidence(CORRECTED, finding, numbers)
     best = min(found, key=lambda each: each.distance)
     finding = (
-        f"No single number explains the start. With {free}, parameters up to {REACH} times the printed value, the "
-        f"motion misses the start after one period by {best.distance:.4f} at least, in t or x (with {best.name} = "
-        f"{best.value:.5g}); an orbit would have to go through it to within {allowed}."
+        f"{distance.finding} No single number explains the start. With {free}, parameters up to {REACH} times the "
+        f"printed value, the motion misses the start after one period by {best.distance:.4f} at least, in t or x (with "
+        f"{best.name} = {best.value:.5g}); an orbit would have to go through it to within {float(LAST_HALF_UNIT)}."
     )
     for each in start:
         printed, orbit = f"{float(getattr(scene, each.name)):.4f}", f"{each.value:.4f}"
@@ -341,18 +328,6 @@ def misprint(scene: Scene) -> Evidence:
             finding += f" The orbit's {each.name} = {orbit} differs from the printed {printed} in one digit"
             finding += ", but the other number of the start does not agree."
     return Evidence(NOT_AS_PRINTED, finding, numbers)
-
-
-def _free_numbers(found: list[Nearest]) -> dict[str, str]:
-    """Return the result for each number that was left free, as text."""
-    numbers = {}
-    for each in found:
-        what = "orbit minus start" if each.orbit else "misses the start after one period by"
-        value = f"nearest at {each.value:.6g}: {what} {each.dt:+.4f} in t, {each.dx:+.4f} in x"
-        if each.name in PARAMETER_NAMES:
-            value += f"; searched {each.searched[0]:.5g} to {each.searched[1]:.5g}"
-        numbers[f"{each.name} free"] = value
-    return numbers
 
 
 def _end_of_stick(scene: Scene) -> dict[str, str]:

@@ -370,7 +370,7 @@ def mappings_that_graze() -> Evidence:
         )
         for mapping, found in counts.items()
     } | {"a graze by another mapping": case}
-    total, lost = (sum(map(each, counts.values())) for each in (Counter.total, lambda found: found["no graze"]))
+    total, lost = sum(map(Counter.total, counts.values())), sum(found["no graze"] for found in counts.values())
     if lost or not all(counts.values()):
         return Evidence(UNDECIDED, f"{lost} of {total} grazes could not be followed.", numbers)
     finding = "Flowing back from a graze, the flow comes from the planes of the mapping that the paper names"
