@@ -21,7 +21,7 @@ from flint import arb, arb_mat, ctx
 
 from symosc.aliases import Record
 from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends
-from symosc.certificates.certificate import Certificate, confirmed, events_of
+from symosc.certificates.certificate import Certificate, confirmed
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.motion import Moving, ProvenEvent, begin, next_event
 from symosc.certificates.orbit import ClosingBalls, Values, one_digit, switchings, unit_matrix
@@ -207,4 +207,4 @@ def _certificate(
         "count": len(before) + total,
         "last": last,
     }
-    return confirmed(Certificate("settled", True, "", events_of(last), statement=statement))
+    return confirmed("settled", statement)

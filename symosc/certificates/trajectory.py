@@ -23,7 +23,7 @@ from flint import arb, arb_mat, arb_series, ctx
 
 from symosc.aliases import Record
 from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends, made_by, outward, size
-from symosc.certificates.certificate import STARTS, Certificate, changes_of, confirmed, events_of, provable
+from symosc.certificates.certificate import STARTS, Certificate, confirmed, provable, stated
 from symosc.certificates.flow import Flight, Jet, Oscillator, first_coefficient
 from symosc.certificates.motion import (
     ON_A_BELT,
@@ -368,13 +368,12 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
         name, low, high = proof.free
         statement["free"] = {"name": name, "low": show(low), "high": show(high)}
     if undecided is None:
-        changes = changes_of(statement.get("derivatives", ()))
-        return confirmed(Certificate("trajectory", True, "", events_of(rows), statement=statement, derivatives=changes))
+        return confirmed("trajectory", statement)
     count = f"{len(rows)} event{'' if len(rows) == 1 else 's'}"
     message = f"{undecided.what}{undecided.place()} is not decided with {bits} bits, after {count}"
     if undecided.graze is not None and task.exact:
         message += "; with start_error the statement that a start so near touches can be proven"
-    return Certificate("trajectory", False, message, events_of(rows), statement=statement)
+    return stated("trajectory", False, message, statement)
 
 
 def question(task: ToProve, bits: int) -> Record:
