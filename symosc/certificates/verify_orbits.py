@@ -814,11 +814,10 @@ class Word:
 
     def plan(self, e, u):
         """Return which turns may be in each stick, and where to evaluate each g (12 above); None: short steps."""
-        turns, cuts, steps = [], list[Any](), []
+        turns, cuts, steps = list[Any](), list[Any](), []
         for i, flight in enumerate(self.flights):
-            turns.append(
-                between(e, flight.onto, flight.end(e, u), self.next(e, i, u)[0]) if flight.stick else list[Any]()
-            )
+            after = self.next(e, i, u)[0]
+            turns.append(between(e, flight.onto, flight.end(e, u), after) if flight.stick else [])
             found = flight.parts(e, u) if flight.belt == flight.onto else None
             chosen = marks(found, e.part()) if found else []
             steps.append(found is None or len(chosen) > MOST_CUTS)
