@@ -318,10 +318,9 @@ def test_the_mirror_image_crosses_a_belt_without_friction() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("turns", [0, -400])
-def test_a_stick_that_slips_is_found_at_all_phases(turns: int) -> None:
+def test_a_stick_that_slips_is_found_at_all_phases() -> None:
     box = [["0.313125", "0.3134375"], ["0.0625", "0.06375"]]  # there the word is P31312121
-    phases = [repr(each + turns * 6.283185307179586) for each in GHOST_PHASES]
+    phases = [repr(each - 400 * 6.283185307179586) for each in GHOST_PHASES]
     assert judge(one_box("P3121", box, phases, GHOST_X))[0] == 1
 
 
