@@ -315,12 +315,7 @@ def test_the_box_in_which_an_orbit_is_alone_has_to_be_proven() -> None:
 
 
 @pytest.mark.parametrize(
-    "name",
-    [
-        "sticks",
-        pytest.param("stick", marks=pytest.mark.slow),
-        pytest.param("graze", marks=pytest.mark.campaign),
-    ],
+    "name", ["sticks", pytest.param("stick", marks=pytest.mark.slow), pytest.param("graze", marks=pytest.mark.campaign)]
 )
 def test_a_branch_is_proven_again(name: str) -> None:
     whole = document(f"branch {name}")
