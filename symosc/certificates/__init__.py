@@ -6,8 +6,8 @@ Modules, lowest layer first:
     flow            the motion in one mode, enclosed; where the drift of a belt changes its sign (Theta_cr)
     motion          `begin`, `next_event`: the first zero of the gap to a belt, both exits of a stick; exact grazes
     orbit           an orbit: one root of its closing equations, the course of its word, its multipliers
-    trajectory      all events up to t_end, and their derivatives; a graze of some start within its error
-    settled         a motion that settles on an orbit: any number of periods by one of them
+    trajectory      all events up to t_end, and their derivatives; a graze of some start within its error; a motion that
+                    settles on an orbit: any number of periods by one of them
     orbit_list      the orbits of orbits.csv, how they were made, their proof in processes
     branch          a branch of orbits up to its ends, by families of roots about a curve
     window          a grazing window, for all phases

@@ -119,8 +119,7 @@ def certify(
 
 def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[str, ...]) -> Certificate:
     """Prove the motion of a scene, by its orbit where it settles on one."""
-    from symosc.certificates.settled import prove_settled
-    from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_trajectory
+    from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_settled, prove_trajectory
 
     if t_end is not None:
         scene = scene.started({"t_end": t_end})

@@ -19,8 +19,7 @@ from symosc import Certificate, Parameters, Scene, certify, find_orbit, grazing_
 from symosc.certificates.balls import Undecided, ball, exact_ends
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.motion import ON_A_BELT, begin, next_event
-from symosc.certificates.settled import prove_settled
-from symosc.certificates.trajectory import EXACT, ToProve, prove_trajectory
+from symosc.certificates.trajectory import EXACT, ToProve, prove_settled, prove_trajectory
 from symosc.exact import read_exact, read_start_error
 from symosc.model import MODE_NAMES
 from symosc.reference.cases import hard_cases

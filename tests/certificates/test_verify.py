@@ -30,8 +30,7 @@ from symosc.certificates.balls import ball, outward
 from symosc.certificates.flow import Flight, Oscillator
 from symosc.certificates.motion import zero_in
 from symosc.certificates.orbit_list import listed_orbits
-from symosc.certificates.settled import prove_settled
-from symosc.certificates.trajectory import EXACT, ToProve
+from symosc.certificates.trajectory import EXACT, ToProve, prove_settled
 from symosc.model import PARAMETER_NAMES
 
 SCENES = ("motion fig5 3", "motion fig6", "motion fig7-corrected 5", "motion fig9 3", "motion fig10 4", "motion fig8 9")
