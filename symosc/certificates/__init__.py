@@ -5,10 +5,9 @@ Modules, lowest layer first:
     balls           exact numbers as balls, certain signs, `Undecided`, decimals rounded outward; sets of states
     flow            the motion in one mode, enclosed; where the drift of a belt changes its sign (Theta_cr)
     motion          `begin`, `next_event`: the first zero of the gap to a belt, both exits of a stick; exact grazes
-    trajectory      all events up to t_end, with as many bits as it takes; a graze of some start within its error
-    derivatives     derivatives of its events, by power series of two terms
-    settled         a motion that settles on an orbit: any number of periods by one of them
     orbit           an orbit: one root of its closing equations, the course of its word, its multipliers
+    trajectory      all events up to t_end, and their derivatives; a graze of some start within its error; a motion that
+                    settles on an orbit: any number of periods by one of them
     orbit_list      the orbits of orbits.csv, how they were made, their proof in processes
     branch          a branch of orbits up to its ends, by families of roots about a curve
     window          a grazing window, for all phases

@@ -146,9 +146,8 @@ class Plane(NamedTuple):
 
     def rests(self, box: Rectangle) -> bool | None:
         """Return whether the mass may rest on a belt for all parameters of a box; None: for some of them."""
-        ends = {name: (getattr(self.p, name),) * 2 for name in PARAMETER_NAMES} | dict(
-            zip(self.names, box, strict=True)
-        )
+        ends = {name: (getattr(self.p, name),) * 2 for name in PARAMETER_NAMES}
+        ends.update(zip(self.names, box, strict=True))
         low, high = sorted(map(abs, ends["B0"]))
         low = Fraction(0) if ends["B0"][0] < 0 < ends["B0"][1] else low
         still = [belt for belt in "12" if ends["v" + belt] == (0, 0)]
@@ -189,9 +188,8 @@ class Plane(NamedTuple):
         if moving:  # one run of all of them finds most words; the others are looked for one by one
             numbers: Record = {name: float(getattr(self.p, name)) for name in PARAMETER_NAMES}
             numbers |= dict(zip(self.names, np.array(moving, dtype=float).T, strict=True))
-            runs = simulate_many(
-                numbers, (0, 0, 0), f"{SETTLING_PERIODS[0]}T", record=("word", "multiplicity", "status"), workers=1
-            )
+            columns = ("word", "multiplicity", "status")
+            runs = simulate_many(numbers, (0, 0, 0), f"{SETTLING_PERIODS[0]}T", record=columns, workers=1)
             for point, word, count, status in zip(moving, runs.word, runs.multiplicity, runs.status, strict=True):
                 if word and count == 1 and status == "t_end":
                     words[point] = canonical(read_word(str(word)).labels)

@@ -227,8 +227,7 @@ class BranchProver:
             "events": [dict(zip(("kind", "boundary", "source", "target"), each, strict=True)) for each in changes],
             "boxes": [{"value": [show(each.low), show(each.high)]} | each.row for each in self.families],
         }
-        events = tuple((kind, source, target) for kind, _, source, target in changes)
-        return confirmed(Certificate("branch", True, "", events, stable=stable, statement=statement))
+        return confirmed("branch", statement)
 
     def _end(self, kind: str, value: Fraction, near: Values, side: int) -> Record:
         """Prove an end: one root for all values around it, an inequality that fails for it beyond; return its row."""

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
@@ -91,30 +90,30 @@ class Certificate(Drawable):
         return f"<Certificate of {article} {self.kind}: {'proven' if self.proven else 'not proven'}{count}>"
 
 
-def confirmed(certificate: Certificate) -> Certificate:
-    """Give a certificate to the independent checker; return it with the checker's message, or as not proven."""
+def stated(kind: str, proven: bool, message: str, statement: Record, points: tuple[Any, ...] = ()) -> Certificate:
+    """Return the certificate of a statement; its events and enclosures are those of the file as tuples."""
+    ends = [tuple(tuple(row[name]) for name in "tx" if name in row) for row in proven_rows(statement)]
+    names = [(row["kind"], row["source"], row["target"]) for row in proven_rows(statement)]
+    events = tuple((*name, *end) for name, end in zip(names, ends, strict=True))
+    multipliers = tuple((tuple(row["re"]), tuple(row["im"])) for row in statement.get("multipliers", ()))
+    changes = tuple(tuple(tuple(map(tuple, row[d])) for d in ("dt", "dx")) for row in statement.get("derivatives", ()))
+    stable = statement.get("stable")
+    return Certificate(kind, proven, message, events, points, multipliers, stable, statement, changes)
+
+
+def confirmed(kind: str, statement: Record, points: tuple[Any, ...] = ()) -> Certificate:
+    """Give a statement to the independent checker; return its certificate with the checker's message, or not proven."""
     from symosc.certificates.verify_orbits import judge
 
-    code, answer = judge({name: value for name, value in certificate.as_dict().items() if name != "message"})
+    code, answer = judge({"format": FORMAT, "kind": kind, "proven": True} | statement)
     if code:
-        return replace(certificate, proven=False, message=f"not confirmed by the checker: {answer}")
-    return replace(certificate, message=answer.splitlines()[0].removeprefix("proven: "))
+        return stated(kind, False, f"not confirmed by the checker: {answer}", statement, points)
+    return stated(kind, True, answer.splitlines()[0].removeprefix("proven: "), statement, points)
 
 
-def events_of(rows: Sequence[Record]) -> tuple[Any, ...]:
-    """Convert event rows of a file to tuples of kind, source, target, both ends of t and both ends of x."""
-    return tuple((row["kind"], row["source"], row["target"], tuple(row["t"]), tuple(row["x"])) for row in rows)
-
-
-def changes_of(rows: Sequence[Record]) -> tuple[Any, ...]:
-    """Convert derivatives of a file to tuples (dt, dx) of enclosures, as `Certificate.derivatives` has them."""
-    return tuple(tuple(tuple(map(tuple, row[name])) for name in ("dt", "dx")) for row in rows)
-
-
-def proven_rows(certificate: Certificate) -> list[Record]:
-    """Return the event rows in a motion's certificate; of a settled motion only the last ones."""
-    rows: list[Record] = certificate.statement["last" if certificate.kind == "settled" else "events"]
-    return rows
+def proven_rows(statement: Record) -> list[Record]:
+    """Return the event rows in a statement; of a settled motion only the last ones."""
+    return list(statement.get("last") or statement.get("events") or ())
 
 
 def common_digits(low: str, high: str) -> str:

@@ -109,7 +109,9 @@ def certify(
 
         return prove_branch(what, progress)
     if isinstance(what, Atlas):
-        return confirmed(Certificate("atlas", bool(what.boxes), "nothing is proven in it", statement=what.statement()))
+        if not what.boxes:
+            return Certificate("atlas", False, "nothing is proven in it", statement=what.statement())
+        return confirmed("atlas", what.statement())
     from symosc.certificates.window import prove_window
 
     return prove_window(what)
@@ -117,8 +119,7 @@ def certify(
 
 def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[str, ...]) -> Certificate:
     """Prove the motion of a scene, by its orbit where it settles on one."""
-    from symosc.certificates.settled import prove_settled
-    from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_trajectory
+    from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_settled, prove_trajectory
 
     if t_end is not None:
         scene = scene.started({"t_end": t_end})

@@ -58,11 +58,13 @@ class Oscillator:
         self.h, self.cm, self.km = self.c / (2 * self.m), self.c / self.m, self.k / self.m
         self.drive = self.B0 * self.Omega / self.m
         #: The sign of (c/2m)^2 - k/m, 0 if undecided, and the root of its size: the damped frequency or its twin.
-        square = p.c * p.c / (4 * p.m * p.m) - p.k / p.m
-        self.damping, self.kappa = (square > 0) - (square < 0), ball(square)
-        if ranges.keys() & {"m", "c", "k"}:
+        free = ranges.keys() & {"m", "c", "k"}
+        if free:
             self.kappa = self.h * self.h - self.km
             self.damping = sure_sign(first_coefficient(self.kappa))
+        else:
+            exact = p.c * p.c / (4 * p.m * p.m) - p.k / p.m
+            self.damping, self.kappa = (exact > 0) - (exact < 0), ball(exact)
         self.omega_d = (self.kappa if self.damping >= 0 else -self.kappa).sqrt()
         frequency = first_coefficient(self.omega_d)
         if not frequency > ROUGH * frequency.rad():  # it is critical, or nearly so in the family
@@ -75,7 +77,7 @@ class Oscillator:
         self.speed = {1: b["v1"], 2: b["v2"]}
         #: The jump of the acceleration at each belt, F^(below) - F^(above).
         self.jump = {boundary: 2 * b[f"mu{boundary}"] * b["FN"] / self.m for boundary in (1, 2)}
-        driven, tuned = p.B0 != 0 or "B0" in ranges, not ranges.keys() & {"m", "c", "k", "Omega"}
+        driven, tuned = p.B0 != 0 or "B0" in ranges, not free and "Omega" not in ranges
         self.resonant = driven and tuned and p.c == 0 and p.k == p.m * p.Omega**2
         if self.resonant:
             self.growth = self.B0 / (2 * self.m * self.Omega)
@@ -87,9 +89,10 @@ class Oscillator:
             self.steady_c, self.steady_s = ball(gain * drag), ball(-gain * pull)
         else:
             pull, drag = self.km - self.Omega * self.Omega, self.cm * self.Omega
-            if not first_coefficient(pull * pull + drag * drag) > 0:
+            square = pull * pull + drag * drag
+            if not first_coefficient(square) > 0:
                 raise Undecided("whether the family is at resonance")
-            gain = self.drive / (pull * pull + drag * drag)
+            gain = self.drive / square
             self.steady_c, self.steady_s = gain * drag, -gain * pull
         self.turns = cache(lambda boundary: Turns(p, boundary))
 

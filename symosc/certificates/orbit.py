@@ -24,7 +24,7 @@ from flint import arb, arb_mat, ctx
 
 from symosc.aliases import Number, Record
 from symosc.certificates.balls import Ball, Undecided, exact_ends, made_by, outward
-from symosc.certificates.certificate import Certificate, confirmed, events_of
+from symosc.certificates.certificate import Certificate, confirmed
 from symosc.certificates.flow import Curve, Flight, Oscillator, holding_force
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
@@ -424,19 +424,17 @@ def _certificate(
         for (kind, boundary, source, target, t, x), reach in zip(switchings(closing, root, begin), reaches, strict=True)
     ]
 
-    def decimals(value: Ball) -> tuple[str, str]:
-        return ("0", "0") if value.is_zero() else outward(value, MULTIPLIER_PLACES)
+    def decimals(value: Ball) -> list[str]:
+        return ["0", "0"] if value.is_zero() else list(outward(value, MULTIPLIER_PLACES))
 
-    pairs = tuple((decimals(re), decimals(im)) for re, im in stability.multipliers())
     statement = made_by(bits) | {
         "parameters": p.as_dict(),
         "word": str(word),
         "periods": closing.periods,
         "events": rows,
         "alone_within": [one_digit(each) for each in wide],
-        "multipliers": [{"re": list(re), "im": list(im)} for re, im in pairs],
+        "multipliers": [{"re": decimals(re), "im": decimals(im)} for re, im in stability.multipliers()],
         "stable": stability.stable,
     }
     enclosures = [outward(value, POINT_DIGITS) for value in root]
-    both = tuple(zip(enclosures[::2], enclosures[1::2], strict=True))
-    return confirmed(Certificate("orbit", True, "", events_of(rows), both, pairs, stability.stable, statement))
+    return confirmed("orbit", statement, tuple(zip(enclosures[::2], enclosures[1::2], strict=True)))

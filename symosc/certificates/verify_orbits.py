@@ -290,7 +290,7 @@ class Oscillator:
         self.A, self.belts = [A0 + each * FN for each in (0, mu1 + mu2, mu2 - mu1, -mu1 - mu2)], [None, *belts]
         self.jump = [None, *(2 * mu * FN / self.m for mu in (mu1, mu2))]
         self.h, self.km, self.drive = self.c / (2 * self.m), self.k / self.m, self.B0 * self.Om / self.m
-        self.square, self.turn = self.h * self.h - self.km, 2 * arb.pi() / self.Om
+        self.square = self.h * self.h - self.km
 
     @cached_property
     def steady(self):
@@ -435,7 +435,8 @@ class Course:
     """The equations r of an orbit with these events, and the inequalities that make a root an orbit."""
 
     def __init__(self, events, periods, e):
-        self.events, self.e, self.turn, self.count = events, e, periods * e.turn, len(events) - 1
+        self.events, self.e, self.count, self.forcing = events, e, len(events) - 1, 2 * arb.pi() / e.Om
+        self.turn = periods * self.forcing
 
     def piece(self, i, u, late=0):
         """Return the motion between event i and the next, its duration, and the time at its end."""
@@ -558,7 +559,7 @@ class Family:
     def apart(self, i, earlier):
         """Return whether event i surely differs from the first one after that many forcing periods, for all values."""
         (t, x), (t0, x0) = self.points[2 * i : 2 * i + 2], self.points[:2]
-        return not (t - t0).overlaps(earlier * self.all.e.turn) or not x.overlaps(x0)
+        return not (t - t0).overlaps(earlier * self.all.forcing) or not x.overlaps(x0)
 
 
 def family(problem, data, events, row):
@@ -814,11 +815,10 @@ class Word:
 
     def plan(self, e, u):
         """Return which turns may be in each stick, and where to evaluate each g (12 above); None: short steps."""
-        turns, cuts, steps = [], list[Any](), []
+        turns, cuts, steps = list[Any](), list[Any](), []
         for i, flight in enumerate(self.flights):
-            turns.append(
-                between(e, flight.onto, flight.end(e, u), self.next(e, i, u)[0]) if flight.stick else list[Any]()
-            )
+            after = self.next(e, i, u)[0]
+            turns.append(between(e, flight.onto, flight.end(e, u), after) if flight.stick else [])
             found = flight.parts(e, u) if flight.belt == flight.onto else None
             chosen = marks(found, e.part()) if found else []
             steps.append(found is None or len(chosen) > MOST_CUTS)

@@ -32,7 +32,7 @@ def prove_window(window: GrazingWindow) -> Certificate:
             {"phase": list(outward(phase, WINDOW_PLACES)), "sine": show(sine), "cosine": cosine}
             for phase, sine, cosine in ends
         ]
-    return confirmed(Certificate("window", True, "", statement=statement))
+    return confirmed("window", statement)
 
 
 def _where(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple[Ball, Fraction, int]]]:

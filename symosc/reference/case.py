@@ -193,7 +193,7 @@ class ReferenceCase:
         """All events, in order of time; of a run with `periods` those of the last one."""
         names, rows = KnownEvent._fields[:-1], list[dict[str, Any]]()
         if self.proven:
-            for row in proven_rows(self.certificate):
+            for row in proven_rows(self.certificate.statement):
                 rows.append({name: row[name] for name in names} | {"t": (*row["t"],), "x": (*row["x"],)})
         else:
             for event in simulate(self.scene, digits=COMPUTED_DIGITS).events:

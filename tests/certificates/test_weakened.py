@@ -191,20 +191,16 @@ ROWS: dict[str, Row] = {
         ((' and row["boundary"] == self.belt', ""),), lambda: altered("motion fig6", "events", 0, "boundary", 1)
     ),
     "the kind of an event": Row(
-        dropped("{kind}: {MODES[self.mode.number]} to"),
-        lambda: altered("motion fig6", "events", 1, "kind", "cross"),
+        dropped("{kind}: {MODES[self.mode.number]} to"), lambda: altered("motion fig6", "events", 1, "kind", "cross")
     ),
     "the mode behind an event": Row(
-        dropped("{kind}: {MODES[self.mode.number]} to"),
-        lambda: altered("motion fig6", "events", 1, "target", "Omega1"),
+        dropped("{kind}: {MODES[self.mode.number]} to"), lambda: altered("motion fig6", "events", 1, "target", "Omega1")
     ),
     "the first mode": Row(
-        (('check(data["mode"] == motion.mode.number', "check(True"),),
-        lambda: altered("motion fig6", "mode", "Omega2"),
+        (('check(data["mode"] == motion.mode.number', "check(True"),), lambda: altered("motion fig6", "mode", "Omega2")
     ),
     "the velocity of a start on a belt": Row(
-        dropped("whose velocity is known exactly"),
-        lambda: altered("motion fig6", "start_error", ["0", "0", "1e-40"]),
+        dropped("whose velocity is known exactly"), lambda: altered("motion fig6", "start_error", ["0", "0", "1e-40"])
     ),
     # 4: grazes
     "that one start goes beyond the belt": Row(
@@ -219,8 +215,7 @@ ROWS: dict[str, Row] = {
     # 6: motions that settle
     "how many events there are": Row(dropped("so many events until t_end"), one_cycle_more),
     "the kinds of the last events": Row(
-        dropped("the kinds of the last events"),
-        lambda: altered("settled fig9-orbit 2000", "last", -1, "kind", "stick"),
+        dropped("the kinds of the last events"), lambda: altered("settled fig9-orbit 2000", "last", -1, "kind", "stick")
     ),
     "that the cycle begins with the last event": Row(dropped("a cycle from the last event on"), another_cycle),
     "when the mass has left the belt": Row(
@@ -254,9 +249,7 @@ ROWS: dict[str, Row] = {
     "the word": Row(dropped("the word {word[:40]!r}"), lambda: altered("orbit fig9", "word", "P23456"), verify_orbits),
     "the least period": Row(dropped("that the least period is"), twice_round, verify_orbits),
     "the stability": Row(
-        dropped("not as stable as it is said to be"),
-        lambda: altered("orbit fig9", "stable", False),
-        verify_orbits,
+        dropped("not as stable as it is said to be"), lambda: altered("orbit fig9", "stable", False), verify_orbits
     ),
     "the sizes of multipliers": Row(
         dropped('inside(re, ends["re"])'), lambda: shifted("orbit fig9", "multipliers", 0, "re"), verify_orbits
