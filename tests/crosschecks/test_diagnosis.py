@@ -186,6 +186,27 @@ def test_far_away_coefficients_are_named(name: str, change: str, value: Any, sai
     assert "all 300 steps are right" in first.evidence
 
 
+def test_weights_that_the_steps_do_not_determine_are_not_named() -> None:
+    """Of rounded flights with another B0: weights such as 84, 40, -207, 84 repeated all of them."""
+    scene = load_scene("fig10")
+    p = scene.parameters.replace(
+        m="1.86",
+        c=0,
+        k="3.9",
+        A0="-0.9",
+        B0=10,
+        Omega="4.32",
+        v1="-2.31",
+        v2="4.99",
+        mu1="0.32",
+        mu2="0.48",
+        FN="14.75",
+    )
+    t = np.linspace(3, 7.21, 301)
+    x, v = np.round(simulate(p.replace(B0="9.8"), t0=3, x0="1.579", v0="-2.31", t_end=8)(t), 3)
+    assert not any("weights" in one.words for one in crosscheck(p, t, x, v).diagnosis)
+
+
 def test_a_right_solution_has_no_diagnosis() -> None:
     t = np.linspace(0, 7, 100)
     x, v = simulate("fig5", t_end=7)(t)
