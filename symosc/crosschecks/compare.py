@@ -116,7 +116,6 @@ def crosscheck(
         raise not_reduced_error(scene)
     allowed = _positive("tolerance", tolerance)
     limit = None if global_tolerance is None else _positive("global_tolerance", global_tolerance)
-    judge = partial_of(verdict, scene=scene, tolerance=allowed, given_limit=limit, own_start=own_start, partial=partial)
     if x is None and v is None:
         found = read_solutions(t, columns, scene)
     elif callable(x) and not hasattr(x, "__array__"):
@@ -127,8 +126,9 @@ def crosscheck(
         if len(found) > 1:
             raise ParameterError("events", "given", f"can be listed for one solution; there are {len(found)}")
         found = [replace(found[0], events=checked_events(events))]
-    read_workers(workers)
-    return judge(found[0]) if len(found) == 1 else check_all(judge, found, workers, progress)
+    count = read_workers(workers)
+    task = partial_of(Task, scene=scene, tolerance=allowed, given_limit=limit, own_start=own_start, partial=partial)
+    return task(found[0]).verdict() if len(found) == 1 else check_all(task, found, count, progress)
 
 
 def _positive(name: str, value: object) -> float:
@@ -139,28 +139,22 @@ def _positive(name: str, value: object) -> float:
     return number
 
 
-def verdict(samples: Samples, scene: Scene | Parameters, tolerance: float, **options: Any) -> CrossCheck:
-    """Return the verdict on one solution; velocities that were not given are computed."""
-    p = scene if isinstance(scene, Parameters) else scene.parameters
-    if samples.lacks_v:
-        samples = with_velocities(samples, scene, tolerance)
-    t0 = None if isinstance(scene, Parameters) else float(scene.t0)
-    rounding = find_rounding(samples, (float(p.v1), float(p.v2)), t0)
-    return Task(scene, p, samples, rounding, tolerance, **options).verdict()
-
-
 @dataclass(frozen=True)
 class Task:
     """Samples with their rounding, and the exact motion and the tolerances that they are compared with."""
 
-    scene: Scene | Parameters
-    parameters: Parameters
     samples: Samples
-    rounding: dict[str, Digits]
+    scene: Scene | Parameters
     tolerance: float
     given_limit: float | None
     own_start: bool
     partial: bool
+    rounding: dict[str, Digits] | None = None  # found with the velocities that were not given
+
+    @property
+    def parameters(self) -> Parameters:
+        """The parameters of the exact motion."""
+        return self.scene if isinstance(self.scene, Parameters) else self.scene.parameters
 
     @property
     def limit(self) -> float:
@@ -170,11 +164,16 @@ class Task:
 
     def verdict(self) -> CrossCheck:
         """Judge the samples, again at their rounding if they fail with all digits, and whether they end too early."""
-        samples, rounding = self.samples, self.rounding
+        samples, rounding, p = self.samples, self.rounding, self.parameters
+        if rounding is None:
+            samples = with_velocities(samples, self.scene, self.tolerance) if samples.lacks_v else samples
+            t0 = None if isinstance(self.scene, Parameters) else float(self.scene.t0)
+            rounding = find_rounding(samples, (float(p.v1), float(p.v2)), t0)
+            return replace(self, samples=samples, rounding=rounding).verdict()
         units = np.array([rounding[c].units if c in rounding else 0.0 * samples.t for c in SAMPLE_COLUMNS])
         listed = rounding["events"].units if "events" in rounding else np.zeros(len(samples.events or ()))
         jump = max(1e-4, self.tolerance)  # pieces joined at an event may differ by so much
-        check_joints(samples, jump, sample_errors(self.parameters, samples, units))
+        check_joints(samples, jump, sample_errors(p, samples, units))
         result = self.judge(np.zeros_like(units), np.zeros_like(listed))
         if not result.ok and rounding:
             half = units * (0.5 + 1e-9)
@@ -250,7 +249,7 @@ class Task:
         late = next((pair for pair in pairwise(samples.events or ()) if pair[1][0] < pair[0][0]), None)
         close = not np.any(np.abs(errors) > limits)
         right = not (wrong.any() or len(spans))
-        rounded = {name: digits.text for name, digits in self.rounding.items()}
+        rounded = {name: digits.text for name, digits in (self.rounding or {}).items()}
         notes = list(samples.notes)
         if rounded:
             at_it = "; they are judged at that precision" if np.any(rounding) or np.any(listed) else ""

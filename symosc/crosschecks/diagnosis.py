@@ -21,8 +21,6 @@ from symosc.crosschecks.causes import (
     tried_samples,
 )
 from symosc.crosschecks.models import ENOUGH
-from symosc.crosschecks.samples import find_rounding
-from symosc.crosschecks.velocities import with_velocities
 from symosc.engine.next_event import TWO_PI
 from symosc.errors import ParameterError
 
@@ -127,19 +125,15 @@ def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
 
 def repeated_check(check: Any, change: Change) -> Any:
     """Repeat a check with other parameters or columns; return the new check, None if these are not allowed."""
-    task = check._task
-    p, samples = change.parameters or task.parameters, task.samples
+    task, samples = check._task, check._task.samples
     if change.columns is not None:
         t, x, v = change.columns(samples.t, samples.x, samples.v)
-        samples = replace(samples, t=t, x=x, v=np.full(len(t), np.nan) if v is None else v, v_off=None)
+        samples = replace(samples, t=t, x=x, v=np.full(len(t), np.nan) if v is None else v)
     elif samples.v_off is not None:  # the velocities were those of the system
-        samples = replace(samples, v=np.full(len(samples.t), np.nan), v_off=None)
-    samples = replace(samples, events=None, dense=None)
+        samples = replace(samples, v=np.full(len(samples.t), np.nan))
+    samples = replace(samples, events=None, dense=None, v_off=None)
     try:
-        if samples.lacks_v:
-            samples = with_velocities(samples, p, task.tolerance)
-        rounding = find_rounding(samples, (float(p.v1), float(p.v2)))
-        return replace(task, scene=p, parameters=p, samples=samples, rounding=rounding).verdict()
+        return replace(task, samples=samples, scene=change.parameters or task.parameters, rounding=None).verdict()
     except ParameterError:
         return None
 

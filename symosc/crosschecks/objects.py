@@ -49,6 +49,7 @@ EVENTS = "events"
 STATE_NAMES = ("y", "ys", "u", "z", "state", "states", "sol", "solution", "data")
 NONE = "none"
 MISSING: Any = object()
+MOST_NAMES = 12  # in a message
 
 
 def read_column_names(columns: Mapping[str, str | None] | None) -> dict[str, str | None]:
@@ -123,9 +124,10 @@ def find_columns(there: Sequence[str], asked: Asked, where: str) -> dict[str, st
     return found
 
 
-def names_text(names: Iterable[str]) -> str:
-    """Return names as text for a message."""
-    return brief(", ".join(names)) or "none"
+def names_text(names: Sequence[str]) -> str:
+    """Return the first names as text for a message."""
+    more = [f"and {len(names) - MOST_NAMES} more"] if len(names) > MOST_NAMES else []
+    return ", ".join([*map(brief, names[:MOST_NAMES]), *more]) or "none"
 
 
 # -- objects -----------------------------------------------------------------------------------------------------------
@@ -218,7 +220,7 @@ def _of_list(source: Sequence[Any], asked: Asked, problem: Problem, where: str) 
         isinstance(row, Mapping) and all(np.ndim(row[name]) == 0 for name in row if name != EVENTS) for row in source
     ):
         names = dict.fromkeys(name for row in source for name in row)
-        return _of_table({name: [row.get(name) for row in source] for name in names}, asked, where)
+        return _of_table({str(name): [row.get(name) for row in source] for name in names}, asked, where)
     rows, numbers = (list, tuple, np.ndarray), (int, float, str, np.number)
     if all(isinstance(row, rows) and len(row) and all(isinstance(value, numbers) for value in row) for row in source):
         lengths = {len(row) for row in source}

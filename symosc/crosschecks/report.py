@@ -23,7 +23,6 @@ from symosc.display.drawable import Drawable, Reportable
 from symosc.display.frames import imported
 from symosc.display.progress import reporting
 from symosc.errors import ParameterError
-from symosc.simulation.batch import read_workers
 from symosc.simulation.tables import counted
 from symosc.simulation.trajectory import Event, Trajectory
 
@@ -354,19 +353,18 @@ class CrossChecks(list[CrossCheck]):
         return imported("xarray").Dataset(data, coords={"solution": names})
 
 
-def _judged(judge: Callable[[Samples], CrossCheck], name: str, samples: Samples) -> CrossCheck:
+def _judged(task: Callable[[Samples], Any], name: str, samples: Samples) -> CrossCheck:
     """Judge one solution; a ParameterError names it."""
     try:
-        return judge(samples)
+        found: CrossCheck = task(samples).verdict()
     except ParameterError as error:
         raise ParameterError(error.name, error.value, f"{error.allowed} (solution {name})") from None
+    return found
 
 
-def check_all(
-    judge: Callable[[Samples], CrossCheck], solutions: Sequence[Samples], workers: Any, progress: Any
-) -> CrossChecks:
-    """Judge several solutions in `workers` processes (None: one per core)."""
-    count, total = min(read_workers(workers), len(solutions)), len(solutions)
+def check_all(task: Callable[[Samples], Any], solutions: Sequence[Samples], workers: int, progress: Any) -> CrossChecks:
+    """Judge several solutions in some processes."""
+    count, total = min(workers, len(solutions)), len(solutions)
     names, found = [samples.name or str(i) for i, samples in enumerate(solutions)], list[CrossCheck]()
     with reporting(progress or False, 0, total, "check", "solutions") as report, ExitStack() as stack:
         each: Any = map
@@ -378,7 +376,7 @@ def check_all(
             pool = ProcessPoolExecutor(count, multiprocessing.get_context("fork" if forks else "spawn"))
             stack.callback(pool.shutdown, cancel_futures=True)
             each = pool.map
-        for check in each(partial(_judged, judge), names, solutions):
+        for check in each(partial(_judged, task), names, solutions):
             found.append(check)
             report(len(found), total)
     return CrossChecks(found, names)

@@ -27,8 +27,8 @@ pytestmark = pytest.mark.compiled("doubles")  # a diagnosis follows thousands of
 SEED = 1
 
 
-@pytest.mark.full(10)
-@pytest.mark.quick(3)
+@pytest.mark.full(8)
+@pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "smoothed friction"])
 def test_each_kind_of_fault_has_its_name(kind: str) -> None:
     """In the first scene that can have it; what is said of a change is tried."""
@@ -48,7 +48,7 @@ def test_each_kind_of_fault_has_its_name(kind: str) -> None:
 @pytest.mark.slow
 def test_a_sample_of_the_matrix(capsys: pytest.CaptureFixture[str]) -> None:
     """Of all kinds; the whole is below."""
-    counts = run(SEED, random.Random(SEED).sample(whole(), 6))
+    counts = run(SEED, random.Random(SEED).sample(whole(), 4))
     with capsys.disabled():
         print("\n" + table(counts))
     judge_counts(counts, 0.9)
@@ -123,7 +123,7 @@ def test_no_stick_is_named_where_there_is_none(kind: str) -> None:
 STAGES, BEGINNING = "the friction of each stage's v", "the friction at its beginning"
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.full(4)
 @pytest.mark.parametrize(
     ("method", "held", "name", "friction"),
@@ -186,6 +186,28 @@ def test_far_away_coefficients_are_named(name: str, change: str, value: Any, sai
     assert "all 300 steps are right" in first.evidence
 
 
+@pytest.mark.slow
+def test_weights_that_the_steps_do_not_determine_are_not_named() -> None:
+    """Of rounded flights with another B0: weights such as 84, 40, -207, 84 repeated all of them."""
+    scene = load_scene("fig10")
+    p = scene.parameters.replace(
+        m="1.86",
+        c=0,
+        k="3.9",
+        A0="-0.9",
+        B0=10,
+        Omega="4.32",
+        v1="-2.31",
+        v2="4.99",
+        mu1="0.32",
+        mu2="0.48",
+        FN="14.75",
+    )
+    t = np.linspace(3, 7.21, 301)
+    x, v = np.round(simulate(p.replace(B0="9.8"), t0=3, x0="1.579", v0="-2.31", t_end=8)(t), 3)
+    assert not any("weights" in one.words for one in crosscheck(p, t, x, v).diagnosis)
+
+
 def test_a_right_solution_has_no_diagnosis() -> None:
     t = np.linspace(0, 7, 100)
     x, v = simulate("fig5", t_end=7)(t)
@@ -209,7 +231,7 @@ def test_what_is_not_known_says_so() -> None:
 def test_two_samples_get_a_verdict() -> None:
     """A change of columns leaves one row of two: this had no steps to follow."""
     assert "FAILED" in crosscheck("fig5", [0, 1], [0, 1]).summary()
-    for x, v in np.random.default_rng(1).normal(size=(5, 2)):
+    for x, v in np.random.default_rng(1).normal(size=(2, 2)):
         assert "FAILED" in crosscheck("fig5", [0, 1], [0, x], [0, v]).summary()
 
 
@@ -331,7 +353,7 @@ MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {
 }
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("what", MEASURED)
 def test_the_number_of_a_fault_is_measured(what: str) -> None:
     make, cause, subject, value, part = MEASURED[what]

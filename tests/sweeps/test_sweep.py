@@ -75,7 +75,7 @@ sweep(SCENE, {over!r}, **OPTIONS, path={path!r}, workers=1)
 
 
 @pytest.mark.slow
-@sample_of(3, 20)
+@sample_of(2, 20)
 def test_killed_at_random_moments_it_goes_on_to_the_same_bits(count: int, tmp_path: Path) -> None:
     path, rng, over = tmp_path / "map.nc", np.random.default_rng(count), OVER | {"FN": "1:20:50"}
     script = KILLED.format(support=str(Path(__file__).parents[1] / "support"), path=str(path), over=over)
