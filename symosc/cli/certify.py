@@ -33,10 +33,7 @@ if TYPE_CHECKING:
     "--branch NAME=LO:HI", "Prove the orbit for every value of a parameter.", "span", shell_complete=options.PARAMETER
 )
 @option(
-    "--window MAP",
-    "Prove the grazing window of a map, such as P2.",
-    "mapping",
-    shell_complete=options.complete(PLACES),
+    "--window MAP", "Prove the grazing window of a map, such as P2.", "mapping", shell_complete=options.complete(PLACES)
 )
 @flag("--orbits", "Prove the list of orbits that ships, in two processes.")
 @options.set_option

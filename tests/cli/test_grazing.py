@@ -90,10 +90,7 @@ def test_two_parameters_and_letters() -> None:
     assert region == "P2 grazes at theta = 7*pi/6 where k > 9*Omega/2\n"
     letters = good("--map", "P3", "--solve", "Omega", "--phase", "pi").splitlines()
     assert letters[0] == "P3 grazes at theta = pi:"
-    assert set(letters[1:]) == {
-        "  if k*v_lambda < 0: Omega in (0, oo)",
-        "  if k*v_lambda >= 0: Omega in the empty set",
-    }
+    assert set(letters[1:]) == {"  if k*v_lambda < 0: Omega in (0, oo)", "  if k*v_lambda >= 0: Omega in the empty set"}
 
 
 def test_latex_and_json() -> None:

@@ -27,7 +27,7 @@ LONG = {
 
 def test_a_sweep_shows_a_bar_with_rate_and_time_left(tmp_path: Path) -> None:
     pytest.importorskip("xarray")
-    shown = on_terminal(*SWEEP, folder=tmp_path)
+    shown = on_terminal(*SWEEP, folder=tmp_path, SYMOSC_PROGRESS_DELAY="0")
     assert shown.code == 0
     for text in ("40/40", "motions/s", "0:00:00 left", "P32"):
         assert text in shown.text, text

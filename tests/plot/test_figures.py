@@ -327,12 +327,7 @@ def test_sticks_are_shaded_and_jumps_of_force_joined() -> None:
 
 @pytest.mark.parametrize(
     ("name", "values"),
-    [
-        ("panels", ["", "z", "aa", 5]),
-        ("boundary", [0, 3, True]),
-        ("columns", [0, 3, None]),
-        ("t_end", ["x", -1]),
-    ],
+    [("panels", ["", "z", "aa", 5]), ("boundary", [0, 3, True]), ("columns", [0, 3, None]), ("t_end", ["x", -1])],
 )
 def test_options_of_a_figure(name: str, values: list[Any]) -> None:
     for value in values:
