@@ -27,7 +27,7 @@ from symosc.display.drawable import Drawable
 from symosc.display.progress import reporting
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show, whole_number
-from symosc.files import write_text
+from symosc.files import STDOUT, check_folder_of, write_text
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.border import REST, Border, BorderError, borders_between, network, passes
 from symosc.orbits.closing_equations import ConvergenceError
@@ -530,6 +530,8 @@ def atlas(
     count = whole_number("workers", workers, 1) if workers is not None else os.cpu_count() or 1
     if share > 0:
         import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
+    if path is not None and path != STDOUT:
+        check_folder_of(path)
     left = None if path is None or not Path(path).exists() else read_atlas(path)
     if left is not None and (left.parameters, left.over, left.range) != (p, names, whole):
         raise ParameterError("path", path, "is the atlas of another plane: name another file")

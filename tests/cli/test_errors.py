@@ -180,6 +180,7 @@ BAD = {
     "sweep fig9 --over k=1:2:3 -o map.txt": "must end in .nc, .zarr, .csv",
     "sweep fig9 --over k=1:2:3 -o no/map.nc": "No such file or directory",
     "sweep fig9 --over k=1:2:3 --status": "name it",
+    "atlas fig9 --over Omega=3:5 --over FN=5:12 -o none/map.json": "cannot write none/map.json: No such file",
     "explore --port 99999": "--port",
     "bench --slow": "No such option",
     "bench --results plain.md": "cannot write plain.md: needs the lines '<!-- results: begin -->'",
