@@ -17,7 +17,7 @@ SWEEP = ["sweep", "fig9", "--over", "Omega=3:5:40", "--t-end", "12T", "--skip", 
 LEFT = r"\d left"  # the end of a bar
 #: Commands that take long, what to wait for before Ctrl-C, and what may be left behind.
 LONG = {
-    "sweep": (["sweep", "fig9", "--over", "Omega=1:6:90000", "--t-end", "300T", "-o", "map.csv"], "0/90000", True),
+    "sweep": (["sweep", "fig9", "--over", "Omega=1:6:90000", "--t-end", "9T", "-o", "map.csv"], r"\d/90000", True),
     "digits": (["simulate", "fig8", "--digits", "2000", "--t-end", "400000", "--csv", "events.csv"], LEFT, False),
     "check": (["grazing", "fig9", "--check", "1000000", "--plot", "window.svg"], LEFT, False),
     "derive": (["derive", "all", "-o", "pages"], LEFT, False),
