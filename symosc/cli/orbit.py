@@ -10,7 +10,6 @@ import click
 from symosc.aliases import Record
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, WholeNumber, option
-from symosc.display.tables import plain_table
 from symosc.exact import show
 from symosc.files import STDOUT
 from symosc.reductions import MODEL_NAMES
@@ -139,7 +138,7 @@ def _report_text(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> s
         does = f"sticks to belt {piece.start}" if piece.sticks else moves
         rows.append([decimal(t), decimal(x), piece.label, does])
     sizes = ", ".join(_complex(value) for value in found.multipliers)
-    lines = [plain_table(["t", "x", "map", "from here it"], rows), "", f"{found.word}: {found.message}"]
+    lines = [output.plain_table(["t", "x", "map", "from here it"], rows), "", f"{found.word}: {found.message}"]
     lines.append(f"period {decimal(found.period)}, multipliers {sizes}, residual {found.residual:.1e}")
     if found.admissible:
         lines.append(_start_text(scene, found))

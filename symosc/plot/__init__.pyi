@@ -1,5 +1,4 @@
 # The public names of symosc.plot and where each is written. Loaded on first use: a figure loads what it needs alone.
-from .atlases import atlas_figure as atlas_figure
 from .drawing import save as save
 from .figures import border_figure as border_figure
 from .figures import branch_figure as branch_figure
@@ -11,6 +10,7 @@ from .judged import fit_figure as fit_figure
 from .judged import score_figure as score_figure
 from .judged import step_figure as step_figure
 from .response import response_figure as response_figure
+from .sweeps import atlas_figure as atlas_figure
 from .sweeps import basin_figure as basin_figure
 from .sweeps import bifurcation_figure as bifurcation_figure
 from .sweeps import curve_figure as curve_figure

@@ -292,13 +292,13 @@ def _facts(check: CrossCheck) -> dict[str, str]:
     }
 
 
-def _events(check: CrossCheck) -> list[tuple[str, ...]]:
+def _events(check: CrossCheck) -> list[tuple[Any, ...]]:
     """Return the rows of the events in order of time, each with its partner in the solution."""
     rows: list[tuple[str, str, Any]] = [("right", f"{match.error:+.1e}", match.event) for match in check.matched]
     others: Record = {"missed": check.missed, "invented": check.invented, "not decided": check.unresolved}
     rows += [(verdict, "", event) for verdict, events in others.items() for event in events]
     rows.sort(key=lambda row: float(row[2].t))
-    texts = []
+    texts: list[tuple[Any, ...]] = []
     for verdict, error, event in rows:
         way = f"{event.source} → {event.target}" if event.source else ""
         texts.append((f"{float(event.t):.10g}", event.kind, str(event.boundary or ""), verdict, error, way))
