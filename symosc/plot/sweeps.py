@@ -455,16 +455,6 @@ ATLAS_COLORS = (*WORD_COLORS[:6], "#e0e0e0")
 def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
     """Draw an atlas: proven boxes in colours, what is not proven hatched, borders by kind, and special points.
 
-    Parameters
-    ----------
-    atlas : Atlas
-    ax : matplotlib Axes, optional
-        Axes of your own.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Examples
     --------
     >>> from symosc import atlas, plot
