@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Collection, Sequence
-from typing import TYPE_CHECKING, Any
+from math import isfinite
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -75,6 +76,12 @@ def complain(text: str) -> None:
     click.echo(f"symosc: {text}", err=True)
 
 
+def fail(text: str) -> NoReturn:
+    """Print an error on stderr, and end the command with exit code 1."""
+    complain(text)
+    raise click.exceptions.Exit(FAILED)
+
+
 def note(text: str) -> None:
     """Print a note on stderr, unless --quiet is given."""
     if level() > QUIET:
@@ -82,8 +89,16 @@ def note(text: str) -> None:
 
 
 def write_json(data: object) -> None:
-    """Print plain data as JSON."""
-    write(json.dumps(data, indent=1))
+    """Print plain data as JSON, with null for numbers that JSON lacks."""
+
+    def known(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: known(each) for key, each in value.items()}
+        if isinstance(value, list | tuple):
+            return [known(each) for each in value]
+        return None if isinstance(value, float) and not isfinite(value) else value
+
+    write(json.dumps(known(data), indent=1))
 
 
 def write_table(rows: Sequence[Sequence[str]], heads: Sequence[str]) -> None:
