@@ -153,10 +153,15 @@ def trajectory_page(path: Trajectory) -> str:
 def events_page(events: EventTable) -> str:
     """Return the page of the events of many motions."""
     names = ("trajectory", "t", "x", "v", "kind", "boundary", "source", "target", "t_error")
-    few = select_rows(events, np.array(ends(len(events)), dtype=int), [])
-    rows = ([*row[:-1], f"{row[-1]:.0e}"] for row in zip(*(getattr(few, name) for name in names), strict=True))
+    some = ends(len(events))
+    few = select_rows(events, np.array(some, dtype=int), [])
+
+    def row(i: int) -> list[Any]:
+        *values, error = (getattr(few, name)[some.index(i)] for name in names)
+        return [*values, f"{error:.0e}"]
+
     line = f"{counted(len(events), 'event')} of {counted(len(events.status), 'motion')}"
-    found = table(("motion", *HEADS), len(events), dict(zip(ends(len(events)), rows, strict=True)).__getitem__)
+    found = table(("motion", *HEADS), len(events), row)
     return page("EventTable", line, found, facts({"ended": statuses(events.status)}))
 
 
