@@ -122,7 +122,7 @@ def test_everything_public_is_tried() -> None:
     ("name", "call"),
     [
         ("given", lambda: load_scene("fig5").started(5)),  # type: ignore[arg-type]
-        ("scene", lambda: plot.default_panels(5)),  # type: ignore[arg-type]
+        ("subject", lambda: plot.figure(5)),  # type: ignore[arg-type]
         ("scene", lambda: made("orbit").approach(1, 1)),  # type: ignore[arg-type]
         ("scores", lambda: plot.score_figure(5)),  # type: ignore[arg-type]
         ("plane", lambda: plot.window_figure(symosc.grazing_window(P9, "P2"), "x")),  # type: ignore[arg-type]

@@ -27,7 +27,7 @@ from symosc.display.drawable import Drawable
 from symosc.display.progress import reporting
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show, whole_number
-from symosc.files import write_text
+from symosc.files import STDOUT, check_folder_of, write_text
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.border import REST, Border, BorderError, borders_between, passes
 from symosc.orbits.closing_equations import ConvergenceError
@@ -607,6 +607,8 @@ def atlas(
     count = whole_number("workers", workers, 1) if workers is not None else os.cpu_count() or 1
     if share > 0:
         import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
+    if path is not None and path != STDOUT:
+        check_folder_of(path)
     cover, earlier = Cover(plane), path is not None and Path(path).exists()
     if earlier:
         before, boxes, left, grid, pairs = _read_file(path)

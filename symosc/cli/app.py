@@ -15,6 +15,7 @@ from typing import Any, NoReturn
 import click
 
 import symosc
+from symosc.cli.options import flag
 from symosc.cli.output import BAD_INPUT, INTERRUPTED, note, write
 from symosc.display import progress
 from symosc.errors import CodeCacheWarning, SymoscError, meant
@@ -104,13 +105,13 @@ class CommandLine(click.Group):
             if progress.level() == progress.VERBOSE:
                 about = f"symosc {symosc.__version__}, Python {python_version()}"
                 note(f"{ctx.invoked_subcommand}: {monotonic() - begin:.2f} s; {about}")
+            return code
         except (KeyboardInterrupt, RuntimeError) as error:
             if not _is_interrupt(error):
                 raise
             ctx.exit(INTERRUPTED)
         finally:
             progress.set_level(progress.NORMAL)  # a program that runs commands itself goes on as it was
-        return code
 
 
 def _verbosity_options() -> list[click.Option]:
@@ -133,14 +134,12 @@ def _is_interrupt(error: BaseException | None) -> bool:
 _as_python_does = warnings.showwarning
 
 
-def _warn(
-    message: Any, category: type[Warning], filename: str, lineno: int, file: Any = None, line: Any = None
-) -> None:
+def _warn(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
     """Say our warnings without a file and a line of code."""
     if issubclass(category, CodeCacheWarning):
         note(str(message))
     else:
-        _as_python_does(message, category, filename, lineno, file, line)
+        _as_python_does(message, category, *where, **more)
 
 
 def _fail(message: str) -> NoReturn:
@@ -149,24 +148,16 @@ def _fail(message: str) -> NoReturn:
 
 
 def _print_citation(context: click.Context, option: click.Parameter, wanted: bool) -> None:
-    if not wanted:
-        return
-    from symosc.derive.citation import bibtex
+    if wanted:
+        from symosc.derive.citation import bibtex
 
-    write(bibtex())
-    context.exit()
+        write(bibtex())
+        context.exit()
 
 
 @click.group(cls=CommandLine, no_args_is_help=False, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(symosc.__version__, prog_name="symosc")
-@click.option(
-    "--cite",
-    is_flag=True,
-    is_eager=True,
-    expose_value=False,
-    callback=_print_citation,
-    help="Print BibTeX of symosc and the paper.",
-)
+@flag("--cite", "Print BibTeX of symosc and the paper.", is_eager=True, expose_value=False, callback=_print_citation)
 def main() -> None:
     """Exact solutions of the double-belt friction oscillator.
 

@@ -34,10 +34,7 @@ if TYPE_CHECKING:
     "--branch NAME=LO:HI", "Prove the orbit for every value of a parameter.", "span", shell_complete=options.PARAMETER
 )
 @option(
-    "--window MAP",
-    "Prove the grazing window of a map, such as P2.",
-    "mapping",
-    shell_complete=options.complete(PLACES),
+    "--window MAP", "Prove the grazing window of a map, such as P2.", "mapping", shell_complete=options.complete(PLACES)
 )
 @flag("--orbits", "Prove the list of orbits that ships, in two processes.")
 @options.set_option
@@ -80,18 +77,16 @@ def certify(
         raise click.UsageError("--t-end, --start-error and --wrt are for motions, not for an orbit, branch or window")
     problem = options.reduced_scene(options.scene_with(scene, settings, t_end=t_end))
     certificate = _proof(problem, start_error, wrt, word, span, mapping)
-    if certificate is None:
-        return output.FAILED
     if path is not None:
         certificate.to_json(path)
     output.report(certificate.as_dict, lambda: _print_certificate(certificate))
     if not certificate.proven:
-        output.complain(f"not proven: {certificate.message}")
-    return 0 if certificate.proven else output.FAILED
+        output.fail(f"not proven: {certificate.message}")
+    return 0
 
 
-def _proof(problem: Scene, start_error: Any, wrt: Text, word: Text, span: Text, mapping: Text) -> Certificate | None:
-    """Return the certificate that is asked for; None, after a line that says so, if there is no such orbit."""
+def _proof(problem: Scene, start_error: Any, wrt: Text, word: Text, span: Text, mapping: Text) -> Certificate:
+    """Return the certificate that is asked for; the command fails if there is no such orbit."""
     from symosc.certificates.certify import certify as prove
 
     if mapping is not None:
@@ -102,15 +97,15 @@ def _proof(problem: Scene, start_error: Any, wrt: Text, word: Text, span: Text, 
         names = None if wrt is None else [name.strip() for name in wrt.split(",")]
         return prove(problem, start_error=start_error, wrt=names)
     found = _orbit(problem, word)
-    if found is None or span is None:
-        return None if found is None else prove(found)
+    if span is None:
+        return prove(found)
     from symosc.orbits.branch import continue_orbit
 
     name, limits = options.read_span(span, "--branch")
     return prove(continue_orbit(found.parameters, found.word, name, limits, found), progress=True)
 
 
-def _orbit(problem: Scene, word: Text) -> PeriodicOrbit | None:
+def _orbit(problem: Scene, word: Text) -> PeriodicOrbit:
     from symosc.orbits.closing_equations import ConvergenceError
     from symosc.orbits.find import find_orbit
 
@@ -120,11 +115,9 @@ def _orbit(problem: Scene, word: Text) -> PeriodicOrbit | None:
     try:
         found = find_orbit(problem.parameters, word)
     except ConvergenceError as error:
-        output.complain(f"not proven: {error}")
-        return None
+        output.fail(f"not proven: {error}")
     if not found.admissible:
-        output.complain(f"not proven: {found.word} is {found.message}")
-        return None
+        output.fail(f"not proven: {found.word} is {found.message}")
     return found
 
 

@@ -111,8 +111,7 @@ def _print_fragment(
     try:
         fragment = fragments.check_fragment(name, scope)
     except StepError as error:
-        output.complain(f"check failed: {error}")
-        return output.FAILED
+        output.fail(f"check failed: {error}")
     label = fragments.PREFIX if prefix is None else prefix
     text = fragments.as_latex(fragment, scope, label, tags == "paper", alone)
     if path is not None and path != STDOUT:
@@ -145,8 +144,7 @@ def _write_chapters(subject: str, scene: Text, path: Text, form: str, pdf: bool)
         with _bars() as progress:
             scope, chapters = document.build([subject], problem, progress)
     except StepError as error:
-        output.complain(f"check failed: {error}")
-        return output.FAILED
+        output.fail(f"check failed: {error}")
     if path == STDOUT:
         output.write(document.printed(chapters, scope, form), end="")
         return 0
@@ -261,7 +259,6 @@ def _kernels(regenerate: bool) -> int:
     difference = generator.check()
     if difference:
         output.write(difference)
-        output.complain("the committed kernels differ from the generated ones; accept: symosc codegen --regenerate")
-        return output.FAILED
+        output.fail("the committed kernels differ from the generated ones; accept: symosc codegen --regenerate")
     output.write(f"{Path(generator.PATH).name} is what the formulas print")
     return 0

@@ -9,7 +9,6 @@ import click
 
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, option
-from symosc.display.tables import plain_table
 from symosc.errors import ParameterError
 
 
@@ -68,6 +67,6 @@ def fit(
     about = {"values": found.values, "errors": found.errors, "covariance": found.covariance.tolist()}
     about |= {"success": found.success, "message": found.message, "residuals": found.residuals.tolist()}
     table = [[name, f"{value:.10g}", f"{found.errors[name]:.2g}"] for name, value in found.values.items()]
-    text = f"{plain_table(['', 'value', 'error'], table)}\n\n{found.message}"
+    text = f"{output.plain_table(['', 'value', 'error'], table)}\n\n{found.message}"
     output.report(lambda: about, lambda: output.write(text))
     return 0 if found.success else output.FAILED

@@ -119,8 +119,7 @@ def grazing(
     data: Record = {"scene": name, "parameters": p.as_dict(), "order": order}
     data |= {"checks": [report.to_dict() for report in reports]} if reports else {}
     output.report(
-        lambda: data | {"windows": list(map(_window_data, windows))},
-        lambda: _print_windows(windows, reports, latex),
+        lambda: data | {"windows": list(map(_window_data, windows))}, lambda: _print_windows(windows, reports, latex)
     )
     return int(any(not report.ok for report in reports))
 

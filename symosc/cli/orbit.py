@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -10,7 +9,6 @@ import click
 from symosc.aliases import Record
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, WholeNumber, option
-from symosc.display.tables import plain_table
 from symosc.exact import show
 from symosc.files import STDOUT
 from symosc.reductions import MODEL_NAMES
@@ -82,8 +80,7 @@ def orbit(
     try:
         found = find_orbit(problem.parameters, structure or problem.structure, digits=digits, periods=periods)
     except ConvergenceError as error:
-        output.complain(f"{error}")
-        return output.FAILED
+        output.fail(f"{error}")
     branch = None
     if found.admissible:
         if span is not None:
@@ -109,23 +106,18 @@ def _print_response(problem: Scene, over: str, picture: Text) -> None:
     output.draw(picture, found.plot)
     columns = {head: column.tolist() for head, column in found.columns().items()}
 
-    def known(column: list[Any]) -> list[Any]:  # JSON has no infinity
-        return [None if isinstance(value, float) and not isfinite(value) else value for value in column]
-
     def show() -> None:
         rows = zip(*columns.values(), strict=True)
         texts = [[f"{each:.8g}" if isinstance(each, float) else each for each in row] for row in rows]
         output.write_table(texts, [head.replace("_", " ") for head in columns])
 
-    data = {"scene": problem.name, **{head: known(column) for head, column in columns.items()}}
-    output.report(lambda: data, show)
+    output.report(lambda: {"scene": problem.name, **columns}, show)
 
 
 def _orbit_data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
     data = {"scene": scene.name, **found.as_dict()}
     if found.admissible:
-        start = found.approach(scene)._asdict()
-        data["start"] = {name: None if value != value else value for name, value in start.items()}  # JSON has no nan
+        data["start"] = found.approach(scene)._asdict()
     return data if branch is None else data | {"branch": branch.as_dict()}
 
 
@@ -139,7 +131,7 @@ def _report_text(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> s
         does = f"sticks to belt {piece.start}" if piece.sticks else moves
         rows.append([decimal(t), decimal(x), piece.label, does])
     sizes = ", ".join(_complex(value) for value in found.multipliers)
-    lines = [plain_table(["t", "x", "map", "from here it"], rows), "", f"{found.word}: {found.message}"]
+    lines = [output.plain_table(["t", "x", "map", "from here it"], rows), "", f"{found.word}: {found.message}"]
     lines.append(f"period {decimal(found.period)}, multipliers {sizes}, residual {found.residual:.1e}")
     if found.admissible:
         lines.append(_start_text(scene, found))

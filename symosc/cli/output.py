@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+import sys
+from collections.abc import Callable, Collection, Sequence
+from math import isfinite
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from symosc.display.progress import QUIET, level, pause_working
-from symosc.display.tables import plain_table, print_table
 from symosc.files import STDOUT, drop_stdout
 
 if TYPE_CHECKING:
@@ -19,6 +20,9 @@ FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 FLOAT_FORMAT = "{:.14g}"  # one digit less than every double has; CSV and JSON have them all
 #: Columns whose numbers are aligned at their points.
 NUMBER_HEADS = ("t", "x", "v", "theta")
+#: Colours of the cells that say what an event is, or how a judgement ended.
+CELL_STYLES = {"stick": "blue", "slip": "green", "cross": "red", "graze": "magenta", "undecidable": "yellow"}
+CELL_STYLES |= {"confirmed": "green", "refuted": "red", "not as printed": "red", "corrected": "yellow"}
 #: The key in a click context of the options that print to standard output, by name.
 _PRINTING = f"{__name__}.printing"
 
@@ -72,6 +76,12 @@ def complain(text: str) -> None:
     click.echo(f"symosc: {text}", err=True)
 
 
+def fail(text: str) -> NoReturn:
+    """Print an error on stderr, and end the command with exit code 1."""
+    complain(text)
+    raise click.exceptions.Exit(FAILED)
+
+
 def note(text: str) -> None:
     """Print a note on stderr, unless --quiet is given."""
     if level() > QUIET:
@@ -79,15 +89,76 @@ def note(text: str) -> None:
 
 
 def write_json(data: object) -> None:
-    """Print plain data as JSON."""
-    write(json.dumps(data, indent=1))
+    """Print plain data as JSON, with null for numbers that JSON lacks."""
+
+    def known(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: known(each) for key, each in value.items()}
+        if isinstance(value, list | tuple):
+            return [known(each) for each in value]
+        return None if isinstance(value, float) and not isfinite(value) else value
+
+    write(json.dumps(known(data), indent=1))
 
 
-def write_table(rows: list[list[str]], heads: list[str]) -> None:
-    """Print a table; numbers are aligned at their points."""
+def write_table(rows: Sequence[Sequence[str]], heads: Sequence[str]) -> None:
+    """Print a table; numbers are aligned at their points. On a terminal with room for it rich draws it."""
     pause_working()
-    if not print_table(heads, rows, NUMBER_HEADS):
+    if sys.stdout is None or not sys.stdout.isatty() or not _draw_table(rows, heads):
         write(plain_table(heads, rows, NUMBER_HEADS))
+
+
+def _draw_table(rows: Sequence[Sequence[str]], heads: Sequence[str]) -> bool:
+    """Draw a table on the terminal, and return True, if no number is cut and no cell folded."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    console, shown = Console(file=sys.stdout), Table(box=SIMPLE_HEAD, header_style="bold", pad_edge=False)
+    columns = []
+    for i, head in enumerate(heads):
+        shown.add_column(Text(head), justify="right" if head in NUMBER_HEADS else "left", no_wrap=True)
+        cells = [row[i] for row in rows]
+        columns.append(at_points(cells) if head in NUMBER_HEADS and cells else cells)
+    for row in zip(*columns, strict=True):
+        shown.add_row(*(Text(cell, style=CELL_STYLES.get(cell, "")) for cell in row))
+    anything = console.options.update(max_width=10 * sum(map(len, rows[0] if rows else heads)) + 1000)
+    fits = console.measure(shown, options=anything).maximum <= console.width
+    if fits:
+        console.print(shown)
+    return fits
+
+
+def plain_table(heads: Sequence[str], rows: Sequence[Sequence[str]], decimals: Collection[str] = ()) -> str:
+    """Return a table; the columns with heads in `decimals` are aligned at their points, the others at the left."""
+    # It looks like one of tabulate, which takes half as long to load as a simulation.
+    columns = []
+    for i, head in enumerate(heads):
+        cells = [row[i].strip() for row in rows]
+        aligned = head in decimals
+        cells = at_points(cells) if aligned else cells
+        width = max([len(head) + 2, *map(len, cells)])
+        columns.append([cell.rjust(width) if aligned else cell.ljust(width) for cell in (head, *cells)])
+        columns[-1].insert(1, "-" * width)
+    return "\n".join("  ".join(line).rstrip() for line in zip(*columns, strict=True))
+
+
+def at_points(cells: Sequence[str]) -> list[str]:
+    """Append spaces to numbers so that their decimal points are below each other."""
+    behind = [_behind_point(cell) for cell in cells]
+    return [cell + " " * (max(behind) - each) for cell, each in zip(cells, behind, strict=True)]
+
+
+def _behind_point(cell: str) -> int:
+    """Return the number of characters after a number's decimal point, -1 without one."""
+    try:
+        float(cell)
+    except ValueError:
+        return -1
+    point = cell.rfind(".")
+    point = cell.lower().rfind("e") if point < 0 else point
+    return len(cell) - point - 1 if point >= 0 else -1
 
 
 def name_files(*paths: Any) -> None:

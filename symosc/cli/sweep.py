@@ -71,7 +71,8 @@ def sweep(
     for axis in axes:
         name, values = options.split_setting(axis, "--over", "NAME=LO:HI:N, such as Omega=1:6:500", over)
         over[name] = values
-    times = {name: text and options.read_duration(name, text) for name in ("t_end", "skip") if (text := how.pop(name))}
+    times = {name: how.pop(name) for name in ("t_end", "skip")}
+    times = {name: options.read_duration(name, text) for name, text in times.items() if text}
     asked: Record = {"record": tuple(record.split(",")), **times, "path": path}
     if status:
         if path is None:

@@ -1,5 +1,4 @@
-"""Display of results: plots, notebook pages, terminal tables and progress bars.
+"""Display of results: their plots and notebook pages, and progress bars.
 
-`drawable` is their base class, `html` has the parts of pages, `tables` prints tables, `progress` shows bars, `frames`
-imports pandas and xarray.
+`drawable` is their base class, `progress` shows bars, `frames` imports pandas and xarray.
 """

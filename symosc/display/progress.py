@@ -16,7 +16,7 @@ from typing import Any
 
 #: Called with the amount done and the total.
 Report = Callable[[float, float], Any]
-#: Called with the part done, from 0 to 1, and the number of things done; None: there is no one to report to.
+#: Called with the part done, from 0 to 1, and the number of things done.
 Advance = Callable[[float, int], Any] | None
 #: Verbosity: results and errors only; notes and bars too; versions and times too.
 QUIET, NORMAL, VERBOSE = 0, 1, 2
@@ -63,9 +63,8 @@ def reporting(
     elif not (progress and shows_bars()):
         yield lambda done, total: None
     else:
-        begin = monotonic()
-        with _drawn(label, there, total, unit) as show:
-            yield lambda done, of: show(done, of, pace(done - there, of - done, monotonic() - begin, unit))
+        with _drawn(label, unit, total, there, counted=bool(unit)) as show:
+            yield lambda done, of: show(done, of, done - there)
 
 
 @contextmanager
@@ -77,69 +76,56 @@ def bar(label: str, total: float, unit: str = "steps") -> Iterator[Report]:
 
 @contextmanager
 def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
-    """Yield a function that takes the part done and a count of `unit`; a bar appears after two seconds."""
-    # The part may fall back to 0 where work begins anew; rate and time left then begin anew.
+    """Yield a function that takes the part done and a count of `unit`, None if there is no one to report to."""
     if callable(progress):
         yield lambda part, count: progress(part, 1.0)
-        return
-    if not (progress and shows_bars()):
+    elif not (progress and shows_bars()):
         yield None
-        return
-    begin = since = monotonic()
-    last, wait = 0.0, delay()
-    show: Callable[[float, float, str], None] | None = None
-    with ExitStack() as stack:
-
-        def advance(part: float, count: int) -> None:
-            nonlocal since, last, show
-            now, again, last = monotonic(), part < last, part
-            if again:
-                since = now
-            elif show is not None:
-                seconds = now - since
-                left = pace(part, 1 - part, seconds, "")
-                show(part, 1.0, f"{_rate_text(count / max(seconds, 1e-9), unit)}, {left}")
-            elif now - begin >= wait:
-                show = stack.enter_context(_drawn(label, 0, 1.0, ""))
-
-        yield advance
+    else:
+        with _drawn(label, unit) as show:
+            yield lambda part, count: show(part, 1.0, count)
 
 
 @contextmanager
-def _drawn(label: str, there: float, total: float, unit: str) -> Iterator[Callable[[float, float, str], None]]:
-    """Yield a function that draws a bar with the amount done, the total and a text, at a visible rate."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+def _drawn(
+    label: str, unit: str, total: float = 1.0, there: float = 0.0, counted: bool = False
+) -> Iterator[Callable[[float, float, float], None]]:
+    """Yield a function that draws a bar from a while on: of the amount done, the total, and the count for the rate."""
+    begin = since = monotonic()
+    last, drawn = there, -LEAST_PAUSE
+    with ExitStack() as stack:
+        shown: Any = None
 
-    pause_working()
-    last = -LEAST_PAUSE
-    counted = MofNCompleteColumn() if unit else TextColumn("{task.percentage:.0f} %")
-    columns = TextColumn("{task.description}"), BarColumn(), counted, TextColumn("{task.fields[pace]}")
-    # Without a thread of its own: processes that are forked meanwhile inherit no lock of it.
-    with Progress(*columns, console=Console(file=sys.stderr), auto_refresh=False) as shown:
-        task = shown.add_task(label, total=total, pace="")
-        shown.update(task, completed=there)
-        shown.refresh()
-
-        def show(done: float, of: float, text: str) -> None:
-            nonlocal last
+        def show(done: float, total: float, count: float) -> None:
+            nonlocal since, last, drawn, shown
             now = monotonic()
-            if done >= of or now - last >= LEAST_PAUSE:
-                last = now
-                shown.update(task, completed=done, total=of, pace=text, refresh=True)
+            if done < last:  # where work begins anew, rate and time left do too
+                since = now
+            last = done
+            if now - begin < delay() or (done < total and now - drawn < LEAST_PAUSE):
+                return
+            if shown is None:
+                shown = stack.enter_context(_rich_bar(counted))
+                shown.add_task(label, total=total, pace="")
+            drawn, seconds, gained = now, max(now - since, 1e-9), done - there
+            rate = f"{count / seconds:,.0f}" if count >= 10 * seconds else f"{count / seconds:.2g}"
+            left = timedelta(seconds=round(seconds * (total - done) / gained)) if gained > 0 else "?"
+            pace = f"{rate} {unit}/s, {left} left" if unit else f"{left} left"
+            shown.update(0, completed=done, total=total, pace=pace, refresh=True)
 
         yield show
 
 
-def pace(done: float, left: float, seconds: float, unit: str = "motions") -> str:
-    """Return the rate and the time left, of work done in some seconds; without a unit only the time."""
-    rate = done / max(seconds, 1e-9)
-    time = timedelta(seconds=round(left / max(rate, 1e-9))) if done > 0 or left == 0 else "?"
-    return f"{_rate_text(rate, unit)}, {time} left" if unit else f"{time} left"
+def _rich_bar(counted: bool) -> Any:
+    """Return a bar with label, numbers or percents, and pace."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
-
-def _rate_text(rate: float, unit: str) -> str:
-    return f"{rate:,.0f} {unit}/s" if rate >= 10 else f"{rate:.2g} {unit}/s"
+    pause_working()
+    amount = MofNCompleteColumn() if counted else TextColumn("{task.percentage:.0f} %")
+    columns = TextColumn("{task.description}"), BarColumn(), amount, TextColumn("{task.fields[pace]}")
+    # Without a thread of its own: processes that are forked meanwhile inherit no lock of it.
+    return Progress(*columns, console=Console(file=sys.stderr), auto_refresh=False)
 
 
 class _Working:
@@ -156,15 +142,14 @@ class _Working:
 
     def begin(self) -> None:
         with self.lock, suppress(ImportError):
-            if self.over or not shows_bars():
-                return
-            from rich.console import Console
-            from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+            if not self.over and shows_bars():
+                from rich.console import Console
+                from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-            columns = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
-            spinner = Progress(*columns, console=Console(file=sys.stderr), transient=True)
-            spinner.add_task(self.label, total=None)
-            self.shown.enter_context(spinner)
+                columns = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
+                spinner = Progress(*columns, console=Console(file=sys.stderr), transient=True)
+                spinner.add_task(self.label, total=None)
+                self.shown.enter_context(spinner)
 
     def end(self) -> None:
         self.timer.cancel()

@@ -1,21 +1,16 @@
 # The public names of symosc.plot and where each is written. Loaded on first use: a figure loads what it needs alone.
-from .atlases import atlas_figure as atlas_figure
-from .drawing import check_suffix as check_suffix
 from .drawing import save as save
-from .figures import MOST_DRAWN_EVENTS as MOST_DRAWN_EVENTS
 from .figures import border_figure as border_figure
 from .figures import branch_figure as branch_figure
-from .figures import check_panels as check_panels
-from .figures import default_panels as default_panels
 from .figures import figure as figure
 from .figures import orbit_figure as orbit_figure
-from .figures import simulated as simulated
 from .judged import certificate_figure as certificate_figure
 from .judged import crosscheck_figure as crosscheck_figure
 from .judged import fit_figure as fit_figure
 from .judged import score_figure as score_figure
 from .judged import step_figure as step_figure
 from .response import response_figure as response_figure
+from .sweeps import atlas_figure as atlas_figure
 from .sweeps import basin_figure as basin_figure
 from .sweeps import bifurcation_figure as bifurcation_figure
 from .sweeps import curve_figure as curve_figure

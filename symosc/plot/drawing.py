@@ -172,18 +172,8 @@ def read_panels(panels: Any, known: Iterable[str], ax: Any = None, alone: str = 
     return panels
 
 
-@public
 def check_suffix(path: str | Path) -> str:
-    """Return the suffix of a figure's file; standard output gets SVG. OutputError if figures have no such files.
-
-    Examples
-    --------
-    >>> from symosc import plot
-    >>> plot.check_suffix("motion.gif")
-    Traceback (most recent call last):
-        ...
-    symosc.errors.OutputError: cannot write motion.gif: a figure's name must end in .pdf, .svg or .png
-    """
+    """Return the suffix of a figure's file; standard output gets SVG. OutputError if figures have no such files."""
     name = read_path(path)
     suffix = ".svg" if name == STDOUT else Path(name).suffix.lower()
     if suffix not in (".pdf", ".svg", ".png"):

@@ -116,16 +116,8 @@ def figure(
     return assemble([(PANELS[letter], view) for letter in panels], min(columns, len(panels)), width, tall=tall)
 
 
-@public
 def simulated(scene: Scene, t_end: NumberLike | None = None) -> Trajectory:
-    """Return the motion of a scene for its figure.
-
-    Examples
-    --------
-    >>> from symosc import load_scene, plot
-    >>> plot.simulated(load_scene("fig5"))
-    <Trajectory t = 0 … 9, 6 events: t_end>
-    """
+    """Return the motion of a scene for its figure."""
     end = default_end(scene) if t_end is None else t_end
     found = simulate(scene, t_end=end, max_events=MOST_DRAWN_EVENTS)
     if found.status == "max_events":
@@ -162,21 +154,6 @@ def simulate_orbit(orbit: PeriodicOrbit, periods: float) -> Trajectory:
     return simulate(orbit.parameters, t0=t0, x0=x0, v0=orbit.parameters.belt(belt), t_end=t_end)
 
 
-@public
-def check_panels(panels: str | None, ax: Axes | None = None) -> None:
-    """Raise ParameterError unless these are panel letters, and a single one for axes given by the user.
-
-    Examples
-    --------
-    >>> from symosc import plot
-    >>> plot.check_panels("az")
-    Traceback (most recent call last):
-        ...
-    symosc.errors.ParameterError: panels = 'az': must be different letters out of abcdefg
-    """
-    read_panels(panels, PANELS, ax)
-
-
 def default_end(scene: Scene) -> Any:
     """Return the default end time of a scene's figure."""
     end: Any = SPANS.get(scene.name, scene.t_end)
@@ -185,16 +162,8 @@ def default_end(scene: Scene) -> Any:
     return min(end, scene.t_end) if end > scene.t0 else scene.t_end
 
 
-@public
 def default_panels(scene: Scene) -> str:
-    """Return the default panels of a scene's figure.
-
-    Examples
-    --------
-    >>> from symosc import load_scene, plot
-    >>> plot.default_panels(load_scene("fig9"))
-    'abcdef'
-    """
+    """Return the default panels of a scene's figure."""
     return "abcdef" if scene.structure else "abcd"
 
 

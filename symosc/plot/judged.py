@@ -256,11 +256,14 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
     from symosc.crosschecks.causes import CAUSES, REASONS
 
     check_folder_of(path)
-    events = list(_events(check))
-    content: Record = {"check": check, "verdict": _verdict(check), "facts": _facts(check)}
-    content |= {"causes": CAUSES, "reasons": REASONS, "pictures": list(_pictures(check))}
-    content |= {"events": events[:MOST_ROWS], "more_events": max(0, len(events) - MOST_ROWS)}
-    content |= {"wrong": list(check.faults[:MOST_ROWS]), "shown": 8}  # rows before the reader unfolds the rest
+    events = _events(check)
+    content: Record = {"check": check, "verdict": _verdict(check), "facts": _facts(check), "events": events[:MOST_ROWS]}
+    content |= {"causes": CAUSES, "reasons": REASONS, "pictures": list(_pictures(check)), "event_count": len(events)}
+    faults = []
+    for each in check.faults[:MOST_ROWS]:
+        guess = f"{REASONS[each.reason].capitalize()}: {each.words}"
+        faults.append((each.step, f"{each.t:.10g}", f"{each.defect_x:.1e}", f"{each.defect_v:.1e}", guess))
+    content |= {"faults": faults, "shown": 8}  # rows of a table before the reader unfolds the rest
     options: Record = {"autoescape": True, "undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
     environment = Environment(loader=PackageLoader("symosc.plot", "templates"), **options)
     return write_text(path, environment.get_template("crosscheck.html.j2").render(content))
@@ -289,15 +292,17 @@ def _facts(check: CrossCheck) -> dict[str, str]:
     }
 
 
-def _events(check: CrossCheck) -> Iterator[Record]:
-    """Yield the events in order of time, each with its partner in the solution."""
+def _events(check: CrossCheck) -> list[tuple[Any, ...]]:
+    """Return the rows of the events in order of time, each with its partner in the solution."""
     rows: list[tuple[str, str, Any]] = [("right", f"{match.error:+.1e}", match.event) for match in check.matched]
     others: Record = {"missed": check.missed, "invented": check.invented, "not decided": check.unresolved}
     rows += [(verdict, "", event) for verdict, events in others.items() for event in events]
-    for verdict, error, event in sorted(rows, key=lambda row: float(row[2].t)):
+    rows.sort(key=lambda row: float(row[2].t))
+    texts: list[tuple[Any, ...]] = []
+    for verdict, error, event in rows:
         way = f"{event.source} → {event.target}" if event.source else ""
-        row = {"t": f"{float(event.t):.10g}", "kind": event.kind, "belt": event.boundary or "", "way": way}
-        yield row | {"verdict": verdict, "error": error}
+        texts.append((f"{float(event.t):.10g}", event.kind, str(event.boundary or ""), verdict, error, way))
+    return texts
 
 
 #: Panels, titles and captions of the pictures.
@@ -388,16 +393,13 @@ LEAST_UNITS, MOST_UNITS, FAULTY, ABSENT = 1e-3, 1e10, 1e12, 1e14
 def score_figure(scores: Sequence[Score]) -> Figure:
     """Draw the scores of solvers on reference cases.
 
+    There is a column per case, in groups: below, the largest error in units of the problem's rounding; above, the cases
+    with wrong events or too large an error, and those without results.
+
     Parameters
     ----------
     scores : sequence of Score
         Of the same cases; from `symosc.reference.score.score`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A column per case, in groups: below, the largest error in units of the problem's rounding; above, the cases with
-        wrong events or too large an error, and those without results.
 
     Examples
     --------

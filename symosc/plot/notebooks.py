@@ -1,12 +1,12 @@
 """Notebook pages of the results: a line, a short table, and a small picture where it takes milliseconds.
 
-It draws with nothing but `symosc.display.html`; figures are what ``.plot()`` is for. One more answer: a function that
-returns a page, registered at the end for its class.
+All content is escaped. Colours are those of the notebook, light or dark; no style affects the rest of the notebook.
+Figures are what ``.plot()`` is for. One more answer: a function that returns a page, registered at the end for a class.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields, is_dataclass
 from decimal import Decimal
 from typing import Any
@@ -19,7 +19,6 @@ from symosc.certificates.atlas import Atlas
 from symosc.certificates.certificate import Certificate, common_complex, common_digits
 from symosc.crosschecks.report import CrossCheck
 from symosc.display.drawable import Listing, register
-from symosc.display.html import MOST_POINTS, curve, ends, facts, page, shown, table
 from symosc.exact import show
 from symosc.grazing.window import GrazingWindow
 from symosc.orbits.border import Border
@@ -38,11 +37,99 @@ HEADS = ("t", "x", "v", "kind", "belt", "from", "to", "t error")
 LONGEST_SHOWN = 60
 #: Events that have a dot in the picture, at most.
 MOST_DOTS = 60
+#: Rows of a table that has more: as many at its beginning and at its end.
+HEAD_ROWS, TAIL_ROWS = 7, 3
+#: Size of a small picture, and the margin around what it shows.
+PICTURE_WIDTH, PICTURE_HEIGHT, PICTURE_MARGIN = 260, 130, 6
+#: Points of a curve, at most.
+MOST_POINTS = 600
+CELL = "text-align:left;padding:1px 12px 1px 0;white-space:nowrap"
 
 
-def listed(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]]) -> str:
-    """Return a table of `count` rows by number, the middle of a long one left out; "" if there is none."""
-    return table(heads, [row(i) for i in ends(count)], count) if count else ""
+# -- parts of pages ---------------------------------------------------------------------------------------------------
+
+
+def page(kind: str, line: str, *parts: str) -> Markup:
+    """Return a page: a title, a line, and its tables and pictures side by side."""
+    shown = Markup("").join(Markup("<div>{}</div>").format(part) for part in parts if part)
+    head = Markup('<div style="margin-bottom:4px"><strong>{}</strong> {}</div>').format(kind, line)
+    row = Markup('<div style="display:flex;flex-wrap:wrap;gap:8px 24px;align-items:flex-start">{}</div>').format(shown)
+    return Markup('<div class="symosc" style="max-width:100%;overflow-x:auto">{}{}</div>').format(head, row)
+
+
+def table(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]]) -> Markup:
+    """Return a table of rows by number, the middle of a long one left out; "" if there is none."""
+    some = ends(count)
+    rows = [_table_row("td", map(shown, row(i))) for i in some]
+    if len(some) < count:
+        gap = Markup('<tr><td colspan="{}" style="{};opacity:0.6">… {:,} more</td></tr>')
+        rows.insert(HEAD_ROWS, gap.format(len(heads), CELL, count - len(some)))
+    whole = Markup("<table><thead>{}</thead><tbody>{}</tbody></table>")
+    return whole.format(_table_row("th", heads), Markup("").join(rows)) if rows else Markup("")
+
+
+def ends(count: int) -> list[int]:
+    """Return the numbers of the rows that a table of `count` rows shows."""
+    every = range(count)
+    return list(every) if count <= HEAD_ROWS + TAIL_ROWS else [*every[:HEAD_ROWS], *every[-TAIL_ROWS:]]
+
+
+def _table_row(tag: str, cells: Iterable[Any]) -> Markup:
+    texts = (Markup('<{0} style="{1}">{2}</{0}>').format(tag, CELL, cell) for cell in cells)
+    return Markup("<tr>{}</tr>").format(Markup("").join(texts))
+
+
+def shown(value: Any) -> Any:
+    """Return a value as text for a cell: numbers with ten digits."""
+    if isinstance(value, (float, np.floating)):
+        return f"{float(value):.10g}"
+    return "" if value is None else value
+
+
+def facts(values: dict[str, Any]) -> Markup:
+    """Return a table of names and values, without those that are None."""
+    line = Markup('<tr><th style="{}">{}</th><td style="{}">{}</td></tr>')
+    lines = (line.format(CELL, name, CELL, shown(value)) for name, value in values.items() if value is not None)
+    return Markup("<table><tbody>{}</tbody></table>").format(Markup("").join(lines))
+
+
+def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) -> Markup:
+    """Return a small picture of a curve with a dot at each of `marks`, "" if it has no two points; NaN breaks it."""
+    # `says` is what the picture shows, in words: for who cannot see it, and when the mouse is over it.
+    x, y = (np.asarray(each, dtype=float) for each in (x, y))
+    if len(x) > MOST_POINTS:
+        chosen = np.linspace(0, len(x) - 1, MOST_POINTS).astype(int)
+        x, y = x[chosen], y[chosen]
+    known = np.isfinite(x) & np.isfinite(y)
+    if known.sum() < 2:
+        return Markup("")
+    across, up = _scale(x[known], PICTURE_WIDTH), _scale(y[known], PICTURE_HEIGHT)
+    text, pen = [], "M"
+    for one, other, there in zip(x.tolist(), y.tolist(), known.tolist(), strict=True):
+        if there:
+            text.append(f"{pen}{across(one):.1f} {PICTURE_HEIGHT - up(other):.1f}")
+        pen = "L" if there else "M"
+    line = Markup('<path d="{}" fill="none" stroke="currentColor" stroke-width="1.2"/>').format("".join(text))
+    dot = Markup('<circle cx="{:.1f}" cy="{:.1f}" r="2.6" fill="#d7191c"/>')
+    dots = [dot.format(across(one), PICTURE_HEIGHT - up(other)) for one, other in marks]
+    start = Markup('<svg xmlns="http://www.w3.org/2000/svg" role="img" width="{0}" height="{1}" viewBox="0 0 {0} {1}">')
+    frame = Markup(
+        '<title>{}</title><rect x="0.5" y="0.5" width="{}" height="{}" fill="none" stroke="currentColor" '
+        'stroke-opacity="0.25"/>{}</svg>'
+    )
+    inside = frame.format(says, PICTURE_WIDTH - 1, PICTURE_HEIGHT - 1, Markup("").join([line, *dots]))
+    return start.format(PICTURE_WIDTH, PICTURE_HEIGHT) + inside
+
+
+def _scale(values: np.ndarray, size: int) -> Any:
+    """Return the function that puts values into a picture."""
+    low, high = float(values.min()), float(values.max())
+    middle, extent = low / 2 + high / 2, high - low
+    gain = (size - 2 * PICTURE_MARGIN) / extent if extent > 0 else 0.0
+    return lambda value: size / 2 + (value - middle) * gain
+
+
+# -- pages -------------------------------------------------------------------------------------------------------------
 
 
 def trajectory_page(path: Trajectory) -> str:
@@ -60,23 +147,27 @@ def trajectory_page(path: Trajectory) -> str:
     drawn = curve(f"x against t, from {begin:g} to {end:g}", times, path(times)[0], dots)
     about = facts({"word": collapsed(path.word) or "none", "ended": path.message, "digits": path.digits})
     line = f"t = {begin:g} … {end:g}, {counted(len(events), 'event')}: {path.status}"
-    return page("Trajectory", line, listed(HEADS, len(events), row), drawn, about)
+    return page("Trajectory", line, table(HEADS, len(events), row), drawn, about)
 
 
 def events_page(events: EventTable) -> str:
     """Return the page of the events of many motions."""
     names = ("trajectory", "t", "x", "v", "kind", "boundary", "source", "target", "t_error")
-    few = select_rows(events, np.array(ends(len(events)), dtype=int), [])
-    rows = [[*row[:-1], f"{row[-1]:.0e}"] for row in zip(*(getattr(few, name) for name in names), strict=True)]
+    some = ends(len(events))
+    few = select_rows(events, np.array(some, dtype=int), [])
+
+    def row(i: int) -> list[Any]:
+        *values, error = (getattr(few, name)[some.index(i)] for name in names)
+        return [*values, f"{error:.0e}"]
+
     line = f"{counted(len(events), 'event')} of {counted(len(events.status), 'motion')}"
-    found = table(("motion", *HEADS), rows, len(events)) if rows else ""
+    found = table(("motion", *HEADS), len(events), row)
     return page("EventTable", line, found, facts({"ended": statuses(events.status)}))
 
 
 def summary_page(summary: Summary) -> str:
     """Return the page of a summary: a row for each motion, and the words, most frequent first."""
     columns = {name: column for name, column in summary.columns().items() if name != "section"}
-    rows = [[i, *(cut(str(shown(column[i]))) for column in columns.values())] for i in ends(len(summary))]
     words = None
     if len(summary.word):
         names, counts = np.unique(summary.word, return_counts=True)
@@ -86,7 +177,9 @@ def summary_page(summary: Summary) -> str:
     ended = statuses(summary.status) if len(summary.status) else None
     kept = counted(summary.section.shape[1], "point") if isinstance(summary.section, np.ndarray) else None
     about = facts({"ended": ended, "words": words, "section": kept})
-    return page("Summary", counted(len(summary), "motion"), table(["motion", *columns], rows, len(summary)), about)
+    heads, values = ["motion", *columns], list(columns.values())
+    rows = table(heads, len(summary), lambda i: [i, *(cut(str(shown(column[i]))) for column in values)])
+    return page("Summary", counted(len(summary), "motion"), rows, about)
 
 
 def cut(text: str) -> str:
@@ -110,7 +203,7 @@ def orbit_page(orbit: PeriodicOrbit) -> str:
         "digits": orbit.digits,
     }
     loop = curve("phase plane: v against x over one period", x, v, dots)
-    points = table(("mapping from", "t", "x"), rows)
+    points = table(("mapping from", "t", "x"), len(rows), rows.__getitem__)
     return page("PeriodicOrbit", f"{orbit.word}: {orbit.message}", points, loop, facts(values))
 
 
@@ -130,7 +223,7 @@ def branch_page(branch: Branch) -> str:
     marks = [(float(branch.values[i]), float(x[i])) for i in (0, -1)]
     drawn = curve(f"x of the first switching against {name}", branch.values, x, marks)
     ends = [f"{end.kind} at {name} = {end.value:.10g}: {end.message}" for end in branch.ends]
-    points = listed((name, "t", "x", "largest |multiplier|", "stable"), len(branch.values), row)
+    points = table((name, "t", "x", "largest |multiplier|", "stable"), len(branch.values), row)
     line = f"{branch.word} in {name}, {len(branch.values)} points"
     return page("Branch", line, points, drawn, facts(dict(zip(END_NAMES, ends, strict=True))))
 
@@ -143,7 +236,7 @@ def border_page(border: Border) -> str:
         at = f"{first} = {point.values[0]:.10g}, {second} = {point.values[1]:.10g}"
         return f"{point.kind} at {at}: {point.message}"
 
-    points = listed(
+    points = table(
         (first, second, "error"), len(border), lambda i: [*border.points[i], f"{border.errors[i].max():.0e}"]
     )
     marks = [(float(point.values[0]), float(point.values[1])) for point in border.special]
@@ -158,7 +251,7 @@ def response_page(found: FrequencyResponse) -> str:
     """Return the page of a frequency response: some of its rows, and the amplitude."""
     names = ("status", "word", "amplitude", "transmissibility", "phase", "dissipated", "stuck", "balance_error")
     heads = [found.name, *(name.replace("_", " ") for name in names)]
-    rows = listed(heads, len(found), lambda i: [found.values[i], *(shown(getattr(found, name)[i]) for name in names)])
+    rows = table(heads, len(found), lambda i: [found.values[i], *(shown(getattr(found, name)[i]) for name in names)])
     drawn = curve(f"amplitude against {found.name}", found.values, found.amplitude)
     return page("FrequencyResponse", f"over {found.name}, {counted(len(found), 'value')}", rows, drawn)
 
@@ -175,8 +268,8 @@ def atlas_page(atlas: Atlas) -> str:
         return [" | ".join(word or "?" for word in each.words), each.sliding or each.kind, len(each)]
 
     sides = (f"{name} = {show(low)} … {show(high)}" for name, (low, high) in zip(atlas.over, atlas.range, strict=True))
-    regions = listed(("word", "share", "proven"), len(atlas.regions), region)
-    borders = listed(("border", "kind", "points"), len(atlas.borders), border)
+    regions = table(("word", "share", "proven"), len(atlas.regions), region)
+    borders = table(("border", "kind", "points"), len(atlas.borders), border)
     return page("Atlas", f"{', '.join(sides)}: {atlas.proven:.4%} of the area proven", regions, borders)
 
 
@@ -190,7 +283,7 @@ def window_page(window: GrazingWindow) -> str:
     values = {"case": window.case, "γ": str(window.gamma), "B₀Ω/m": str(window.amplitude), "order": window.order}
     line = f"{window.mapping}: domain {window.place.domain} at belt {window.place.boundary}, Ω t mod 2π"
     line += "" if window.intervals else ": empty, no phase grazes"
-    return page("GrazingWindow", line, listed(("", "from", "to", ""), len(window.intervals), row), facts(values))
+    return page("GrazingWindow", line, table(("", "from", "to", ""), len(window.intervals), row), facts(values))
 
 
 def crosscheck_page(check: CrossCheck) -> str:
@@ -201,7 +294,7 @@ def crosscheck_page(check: CrossCheck) -> str:
     marks = [(float(check.t[step]), float(check.x[step])) for step in check.wrong_steps[:20].tolist()]
     drawn = curve("the samples' x against t; dots are wrong steps", check.t, check.x, marks)
     line = f"{'ok' if check.ok else 'FAILED'}, {len(check.t):,} samples"
-    return page("CrossCheck", line, table(("", "kind", "belt", "t"), rows) if rows else "", drawn, lines)
+    return page("CrossCheck", line, table(("", "kind", "belt", "t"), len(rows), rows.__getitem__), drawn, lines)
 
 
 def certificate_page(certificate: Certificate) -> str:
@@ -218,7 +311,7 @@ def certificate_page(certificate: Certificate) -> str:
     about["stable"] = {True: "yes", False: "no", None: None}[certificate.stable]
     about |= {name: certificate.statement.get(key) for name, key in (("made by", "made_by"), ("map", "map"))}
     line = f"{certificate.kind}, {'proven' if certificate.proven else 'not proven'}: {certificate.message}"
-    return page("Certificate", line, listed(heads, count, row), facts(about))
+    return page("Certificate", line, table(heads, count, row), facts(about))
 
 
 def scene_page(scene: Scene) -> str:
@@ -230,7 +323,8 @@ def scene_page(scene: Scene) -> str:
     about = {"source": scene.source, "structure": scene.structure, "t0, x0, v0 known to": error, "of the model": model}
     about = {name: cut(each) if each else None for name, each in about.items()}
     heads = ("", "value", "meaning", "unit in SI")
-    return page("Scene", scene.name, table(heads, rows[:8]), table(heads, rows[8:]), facts(about))
+    tables = (table(heads, len(part), part.__getitem__) for part in (rows[:8], rows[8:]))
+    return page("Scene", scene.name, *tables, facts(about))
 
 
 def listing_page(listing: Listing[Any]) -> str | None:
@@ -243,7 +337,7 @@ def listing_page(listing: Listing[Any]) -> str | None:
         values = ((name, getattr(listing[i], name)) for name in heads)
         return [f"{value:.0e}" if name.endswith("_error") else str(shown(value)) for name, value in values]
 
-    return page(f"{type(listing[0]).__name__}s", f"{len(listing):,}", listed(heads, len(listing), row))
+    return page(f"{type(listing[0]).__name__}s", f"{len(listing):,}", table(heads, len(listing), row))
 
 
 PAGES: dict[type, Callable[..., str | None]] = {

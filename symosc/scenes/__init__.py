@@ -57,10 +57,6 @@ class Original(NamedTuple):
     t_end: Fraction
     start_error: StartErrors | None = None
 
-    def start(self) -> dict[str, Any]:
-        """Return the start and the end by name."""
-        return {name: getattr(self, name) for name in (*START_NAMES, "start_error")}
-
 
 @dataclass(frozen=True)
 class Scene(Drawable):
@@ -161,22 +157,19 @@ class Scene(Drawable):
         if "t_end" in given:
             given = dict(given) | {"t_end": end_time(given["t_end"], self.parameters, given.get("t0", own.t0))}
         numbers, rounding = start_numbers(given, self.parameters)
-        errors = own.start_error
+        start, errors, exact = dict[str, Any](numbers), own.start_error, (Fraction(0),) * 3
         if errors is not None or rounding is not None:
-            known = zip(START_NAMES, errors or (Fraction(0),) * 3, rounding or (Fraction(0),) * 3, strict=False)
-            t0, x0, v0 = (new if name in given else old for name, old, new in known)
-            errors = t0, x0, v0
-        start = dict[str, Any](numbers) | {"start_error": errors}
-        if self.original is None:
-            return replace(self, **start)
-        return moved_scene(self, self.original, **start)
+            known = zip(START_NAMES, errors or exact, rounding or exact, strict=False)
+            errors = tuple(new if name in given else old for name, old, new in known)  # type: ignore[assignment]
+        start["start_error"] = errors
+        return replace(self, **start) if self.original is None else moved_scene(self, self.original, **start)
 
     @public
     def changed(self, **changes: NumberLike | bool) -> Scene:
         """Return a copy with other parameters, or numbers of its model: ``scene.changed(Omega=2)``."""
-        if self.original is None:
-            return replace(self, parameters=self.parameters.replace(**changes))
-        return moved_scene(self, self.original, parameters=self.original.model.replace(**changes))
+        if self.original is not None:
+            return moved_scene(self, self.original, parameters=self.original.model.replace(**changes))
+        return replace(self, parameters=self.parameters.replace(**changes))
 
     def reduced(self) -> Scene:
         """Return the scene without its model: the problem of the oscillator that the model is."""
@@ -185,20 +178,20 @@ class Scene(Drawable):
 
 def moved_scene(scene: Scene, original: Original, **changes: Any) -> Scene:
     """Return a copy of a problem of another model with changes, which are in the coordinates of the model."""
-    return replace(scene, **{"parameters": original.model} | original.start() | changes)
+    start = original._asdict()
+    return replace(scene, **{"parameters": start.pop("model")} | start | changes)
 
 
 def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
     """Convert start and end of another model to the coordinates of symosc; return them and the start's half-widths."""
     model, t0, x0, v0, t_end, error = given
-    start, rounding = reduced_start(model, t0, x0, v0)
+    start, known = reduced_start(model, t0, x0, v0)
     if error is not None:  # an error of t0 moves the belts
         rate = model.shift.rate(model.Omega)
         moved = Fraction(0), rate.bound() * error[0], rate.rate(model.Omega).bound() * error[0]
-        rounding = tuple(map(sum, zip(rounding, error, moved, strict=True)))  # type: ignore[assignment]
-    return dict(zip(START_NAMES, (*start, reduced_time(model, t_end)), strict=True)), rounding if any(
-        rounding
-    ) else error
+        known = tuple(map(sum, zip(known, error, moved, strict=True)))  # type: ignore[assignment]
+    numbers = dict(zip(START_NAMES, (*start, reduced_time(model, t_end)), strict=True))
+    return numbers, known if any(known) else error
 
 
 def not_reduced_error(scene: Any) -> ParameterError:
@@ -342,7 +335,7 @@ def read_scene(text: str, where: str) -> Scene:
             t_end=data["t_end"],
             structure=data.get("structure"),
             source=data.get("source", ""),
-            notes=file.notes(),
+            notes=tuple(file.notes),
             **data["start"],
         )
     except ParameterError as error:
@@ -396,8 +389,8 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
             lines.append("joined = true")
         lines += [line(name, parameters.pop(name)) for name in list(parameters) if name not in PARAMETER_NAMES]
         lines.append("")
-    lines += ["[parameters]", *(line(name, text) for name, text in parameters.items())]
-    lines += ["", "[start]", *([START_COMMENT] if explained else [])]
+    lines += ["[parameters]", *(line(name, text) for name, text in parameters.items()), "", "[start]"]
+    lines += [START_COMMENT] if explained else []
     lines += [line(name, show(getattr(own, name))) for name in ("t0", "x0", "v0")]
     if own.start_error is not None:
         lines.append(f"start_error = [{', '.join(_toml_number(show(each)) for each in own.start_error)}]")

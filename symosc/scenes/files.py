@@ -5,7 +5,6 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Sequence
 from decimal import Decimal
-from fractions import Fraction
 from typing import Any, NamedTuple
 
 from symosc.aliases import Record
@@ -37,21 +36,12 @@ MOST_READ = 1_000_000
 
 
 class SceneFile(NamedTuple):
-    """A parsed scene file: its text, its name in messages, its values, and the texts of rounded numbers."""
+    """A parsed scene file: its text, its name in messages, its values, and notes on numbers that are not exact."""
 
     text: str
     where: str
     data: Record
-    rounded: dict[str, Fraction]
-
-    def notes(self) -> tuple[str, ...]:
-        """Return notes on numbers that are not exact."""
-        texts, notes = self.data["parameters"] | self.data["start"] | self.data.get("model", {}) | self.data, []
-        for name, number in self.rounded.items():
-            shown = show(number)
-            shown = f"{shown[:SHOWN_PART]}…" if len(shown) > SHOWN_PART else shown
-            notes.append(f"{name} = {texts[name]}: read to 40 digits, {shown}")
-        return tuple(notes)
+    notes: list[str]
 
     @property
     def tables(self) -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]]:
@@ -61,14 +51,15 @@ class SceneFile(NamedTuple):
     def place(self, *path: str) -> str:
         """Return the place of a key as text."""
         line = line_of(self.text, path)
-        table = f"[{path[0]}]" if len(path) > 1 else ""
-        return ", ".join(filter(None, [f"line {line}" if line else "", table]))
+        return ", ".join(filter(None, [f"line {line}" if line else "", f"[{path[0]}]" if len(path) > 1 else ""]))
 
     def located(self, error: ParameterError) -> SymoscError:
         """Return an error of a number with the place of that number."""
-        tables = [name for name, (required, optional) in self.tables.items() if error.name in (*required, *optional)]
-        place = self.place(*filter(None, [*tables[:1], error.name])) if tables else ""
-        where = ", ".join(filter(None, [self.where, place]))
+        where = self.where
+        for name, (required, optional) in self.tables.items():
+            if error.name in (*required, *optional):
+                where = ", ".join(filter(None, [where, self.place(*filter(None, [name, error.name]))]))
+                break
         return ParameterError(error.name, error.value, f"{error.allowed} ({where})")
 
 
@@ -112,7 +103,7 @@ def read_scene_file(text: str, where: str) -> SceneFile:
         raise SceneError(where, f"is not valid TOML: {error}") from None
     if not data:
         raise SceneError(where, "is empty; `symosc scenes fig5` prints an example, `symosc new` writes one")
-    file = SceneFile(text, where, data, {})
+    file = SceneFile(text, where, data, [])
     for table in file.tables:
         _check_keys(file, table)
     for key in ("name", "structure", "source"):
@@ -150,11 +141,12 @@ def _check_keys(file: SceneFile, name: str) -> None:
 
 def _read_number(file: SceneFile, table: Record, name: str) -> None:
     """Check the text of an expression or a quantity; `Parameters` and `Scene` read it, and everything else."""
-    if not isinstance(table[name], str):
-        return
-    try:
-        number, exact = read_number(name, table[name])
-    except ParameterError as error:
-        raise file.located(error) from None
-    if not exact:
-        file.rounded[name] = number
+    if isinstance(table[name], str):
+        try:
+            number, exact = read_number(name, table[name])
+        except ParameterError as error:
+            raise file.located(error) from None
+        if not exact:
+            shown = show(number)
+            shown = f"{shown[:SHOWN_PART]}…" if len(shown) > SHOWN_PART else shown
+            file.notes.append(f"{name} = {table[name]}: read to 40 digits, {shown}")

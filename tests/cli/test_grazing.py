@@ -13,8 +13,7 @@ from sympy.parsing.sympy_parser import parse_expr
 
 from symosc import values_containing
 from symosc.grazing.window import grazing_window
-from symosc.mappings.theorem7_cases import EVERYTHING
-from symosc.plot.windows import sweep_figure, window_figure
+from symosc.plot.windows import sweep_figure
 from symosc.scenes import load_scene, scene_names
 
 FIG9 = load_scene("fig9").parameters
@@ -90,10 +89,7 @@ def test_two_parameters_and_letters() -> None:
     assert region == "P2 grazes at theta = 7*pi/6 where k > 9*Omega/2\n"
     letters = good("--map", "P3", "--solve", "Omega", "--phase", "pi").splitlines()
     assert letters[0] == "P3 grazes at theta = pi:"
-    assert set(letters[1:]) == {
-        "  if k*v_lambda < 0: Omega in (0, oo)",
-        "  if k*v_lambda >= 0: Omega in the empty set",
-    }
+    assert set(letters[1:]) == {"  if k*v_lambda < 0: Omega in (0, oo)", "  if k*v_lambda >= 0: Omega in the empty set"}
 
 
 def test_latex_and_json() -> None:
@@ -112,43 +108,6 @@ def test_latex_and_json() -> None:
 
 
 # -- what the figures show -------------------------------------------------------------------------------------------
-
-
-def dots(axes: Any) -> list[tuple[float, float, bool]]:
-    """Return x, y and whether it is full, of each dot."""
-    lines = [line for line in axes.lines if line.get_marker() == "o"]
-    return [(line.get_xdata()[0], line.get_ydata()[0], line.get_markerfacecolor() != "white") for line in lines]
-
-
-@pytest.mark.full(5)
-@pytest.mark.quick(5)
-@pytest.mark.parametrize("mapping", MAPS)
-@pytest.mark.parametrize("changes", [{}, {"B0": -9}, {"k": 36}, {"v1": -1}, {"B0": 0}, {"v1": 0}], ids=str)
-def test_window_figure_shows_the_ends_and_the_contacts(mapping: str, changes: dict[str, Any]) -> None:
-    p = FIG9.replace(**changes)
-    for order in ("full", "paper"):
-        window = grazing_window(p, mapping, order)
-        circle, curve = window_figure([window]).axes
-        ends = sorted({end for low, high, *_ in window.intervals for end in (low, high)} - {0.0, 2 * np.pi})
-        marked = sorted({x for x, _, full in dots(curve) if not full} - {0.0, 2 * np.pi})
-        tangent = abs(window.gamma) == abs(window.amplitude)
-        if tangent or window.kind > 1:
-            assert len(dots(circle)) == (1 if tangent else 2)
-        if not tangent:
-            assert marked == pytest.approx(ends, abs=1e-15)
-        full_dots = [full for *_, full in dots(curve)]
-        assert full_dots == [tangent and window.kind == EVERYTHING] * len(full_dots)
-        assert {full for *_, full in dots(circle)} == set(full_dots)
-        for x, y, _ in dots(circle):
-            phase = np.arctan2(y, x) % (2 * np.pi)
-            assert float(window.amplitude) * np.sin(phase) == pytest.approx(-float(window.gamma), abs=1e-9)
-        blue = [line for line in curve.lines if line.get_linewidth() == 2.0]
-        assert len(blue) == len(window.intervals)
-        for line, (low, high, *_) in zip(blue, window.intervals, strict=True):
-            theta, places = line.get_data()
-            assert (theta[0], theta[-1]) == (low, high)
-            middle = len(theta) // 2
-            assert places[middle] == pytest.approx(window.contact(float(theta[middle])), rel=1e-12)
 
 
 def shaded(axes: Any, x: float, y: float) -> bool:

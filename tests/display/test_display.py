@@ -1,12 +1,7 @@
-"""Bars with rate and time left on a terminal, plain tables, and what pages of notebooks are made of."""
+"""Progress: bars with rate and time left on a terminal, or what a function of the caller gets."""
 
 from __future__ import annotations
 
-from xml.etree import ElementTree
-
-import pytest
-
-from symosc.display.html import HEAD_ROWS, TAIL_ROWS, ends, table
 from symosc.display.progress import late_bar, reporting
 
 # --- progress ---
@@ -23,20 +18,3 @@ def test_a_function_of_the_caller_gets_the_progress() -> None:
         assert advance is not None
         advance(0.5, 7)
     assert calls == [(4, 9), (0.5, 1.0)]
-
-
-# --- tables ---
-
-# --- pages ---
-
-
-@pytest.mark.parametrize("count", [0, 10, 11, 100_000])
-def test_a_long_table_shows_its_ends(count: int) -> None:
-    numbers = ends(count)
-    root = ElementTree.fromstring(table(["i"], [[i] for i in numbers], count))
-    cells = [cell.text or "" for cell in root.iter("td")]
-    if count > HEAD_ROWS + TAIL_ROWS:
-        assert cells.pop(HEAD_ROWS) == f"… {count - HEAD_ROWS - TAIL_ROWS:,} more"
-        assert numbers == [*range(HEAD_ROWS), *range(count - TAIL_ROWS, count)]
-    assert cells == [str(i) for i in numbers]
-    assert len(numbers) == min(count, HEAD_ROWS + TAIL_ROWS)

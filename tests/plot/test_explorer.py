@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import random
-from collections.abc import Iterator
 from fractions import Fraction
 from http.client import HTTPConnection, HTTPResponse
 from math import hypot, pi
@@ -14,7 +13,6 @@ import numpy as np
 import pytest
 from effort import PATIENCE
 from explorer_states import FIG5, random_state
-from exploring import served
 
 from symosc import grazing_window, load_scene, scene_names, simulate
 from symosc.plot.explorer.answers import (
@@ -29,17 +27,6 @@ from symosc.plot.explorer.answers import (
     state_of,
 )
 from symosc.scenes import as_toml, read_scene
-
-# -- support ----------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="session")
-def address() -> Iterator[str]:
-    """Return the link of a page that shows Fig. 5."""
-    pytest.importorskip("bokeh")
-    with served("fig5") as address:
-        yield address
-
 
 # -- answers ----------------------------------------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""The page in a real browser: what is moved, typed, linked, saved and opened there, and how soon it answers."""
+"""The page in a real browser: what is moved, typed, linked, saved and opened there."""
 
 from __future__ import annotations
 
@@ -11,21 +11,12 @@ from typing import Any
 
 import pytest
 from effort import PATIENCE
-from exploring import served
 
 from symosc import Scene, find_orbit, load_scene, simulate
 
 pytestmark = pytest.mark.slow
 
 # -- support ----------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="session")
-def address() -> Iterator[str]:
-    """Return the link of a page that shows Fig. 5."""
-    pytest.importorskip("bokeh")
-    with served("fig5") as address:
-        yield address
 
 
 @pytest.fixture(scope="module")
@@ -52,16 +43,6 @@ TOO_WIDE = """() => {
   const page = document.scrollingElement.scrollWidth > innerWidth ? ["the page"] : [];
   return [...wide.map(each => each.outerHTML.slice(0, 80)), ...page];
 }"""
-#: Every line that is drawn on a canvas leaves its time.
-WATCH = """for (const name of ["stroke", "fill"]) {
-  const draw = CanvasRenderingContext2D.prototype[name];
-  CanvasRenderingContext2D.prototype[name] = function (...all) {
-    window.drawn = performance.now();
-    return draw.apply(this, all);
-  };
-}"""
-
-
 #: Move the start as the tool of the phase plane does.
 DRAG = """([x, v]) => {
   const start = Bokeh.documents[0].get_model_by_name("start");
@@ -78,7 +59,6 @@ def opened(browser: Any, link: str) -> Iterator[Any]:
     complaints: list[str] = []
     page.on("console", lambda said: complaints.append(said.text) if said.type in ("error", "warning") else None)
     page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.add_init_script(WATCH)
     page.goto(link)
     page.locator("#status:not(:empty)").wait_for()
     yield page

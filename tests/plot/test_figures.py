@@ -36,6 +36,7 @@ from symosc import (
     simulate,
 )
 from symosc.display.drawable import Drawable
+from symosc.plot.figures import MOST_DRAWN_EVENTS
 from symosc.plot.panels import SHAPES, view_of
 
 # -- answers, and axes of a user's own --------------------------------------------------------------------------------
@@ -327,12 +328,7 @@ def test_sticks_are_shaded_and_jumps_of_force_joined() -> None:
 
 @pytest.mark.parametrize(
     ("name", "values"),
-    [
-        ("panels", ["", "z", "aa", 5]),
-        ("boundary", [0, 3, True]),
-        ("columns", [0, 3, None]),
-        ("t_end", ["x", -1]),
-    ],
+    [("panels", ["", "z", "aa", 5]), ("boundary", [0, 3, True]), ("columns", [0, 3, None]), ("t_end", ["x", -1])],
 )
 def test_options_of_a_figure(name: str, values: list[Any]) -> None:
     for value in values:
@@ -343,7 +339,7 @@ def test_a_figure_of_too_many_events_is_refused_at_once() -> None:
     with at_most(10_000_000):
         message = refused(lambda: symosc.plot.figure("fig9", t_end="1e7"), "t_end")
     assert "earlier end" in message
-    long = simulate("fig9", max_events=symosc.plot.MOST_DRAWN_EVENTS + 1, t_end=10**7)
+    long = simulate("fig9", max_events=MOST_DRAWN_EVENTS + 1, t_end=10**7)
     refused(lambda: symosc.plot.figure(long), "subject")
 
 

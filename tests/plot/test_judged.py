@@ -15,15 +15,7 @@ from matplotlib.figure import Figure
 from small_set import right, stored_set
 
 import symosc
-from symosc import (
-    Branch,
-    Parameters,
-    continue_orbit,
-    find_orbit,
-    load_scene,
-    plot,
-    simulate,
-)
+from symosc import Branch, Parameters, continue_orbit, find_orbit, load_scene, plot, simulate
 from symosc.plot.figures import END_MARKERS, multiplier_curves
 from symosc.plot.judged import ABSENT, FAULTY, LEAST_UNITS
 from symosc.plot.judged import crosscheck_figure as figure

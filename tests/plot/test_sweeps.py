@@ -9,7 +9,7 @@ from bad_values import refused
 from matplotlib.figure import Figure
 from small_sweeps import made_up
 
-from symosc import Summary, plot
+from symosc import Summary, plot, sweep
 from symosc.plot.sweeps import MOST_CLASSES, borders, classes_of
 
 # -- sweeps over one axis ---------------------------------------------------------------------------------------------
@@ -30,6 +30,16 @@ def test_a_point_for_each_recorded_period(component: str, factors: list[int]) ->
     assert len(points) == 120
     assert sorted({round(float(y / x)) for x, y in points}) == factors
     assert axes.get_xlim() == (1, 6)
+
+
+def test_a_bifurcation_diagram_marks_where_the_word_changes() -> None:
+    found = sweep("fig9", {"Omega": "2:5:13"}, record=["section:1", "word"], t_end="40T")
+    (axes,) = plot.bifurcation_figure(found).axes
+    words = found.word.values.tolist()
+    values = found.Omega.values
+    changes = [(values[i] + values[i - 1]) / 2 for i in range(1, len(words)) if words[i] != words[i - 1]]
+    assert [line.get_xdata()[0] for line in axes.lines] == pytest.approx(changes)
+    assert "$P_{3121}$" in {text.get_text() for text in axes.texts}
 
 
 def test_numbers_are_a_curve_and_words_are_levels() -> None:

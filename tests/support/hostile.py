@@ -164,7 +164,6 @@ VALID: dict[str, set[str]] = {
     "start": {"[1,2]", "array", "array_odd", "ragged", "series"},
     "PeriodicOrbit.__call__ t": NUMBER | ROWS | {"-10**60", "1e51"},
     "ParameterValues.__contains__ value": NUMBER | {"oo"},
-    "plot.check_panels panels": {"None"},
     "Scene name": TEXT,
     "Scene notes": {"()"},
     "Scene source": TEXT | {"text_empty"},
@@ -337,10 +336,6 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "sweep": (s.sweep, swept),
         "sweep_status": (s.sweep_status, swept | {"path": "nowhere.nc"}),
         "plot.figure": (plot.figure, {"subject": "fig6", "t_end": 2, "panels": "a"}),
-        "plot.check_panels": (plot.check_panels, {"panels": "a"}),
-        "plot.check_suffix": (plot.check_suffix, {"path": "a.png"}),
-        "plot.default_panels": (plot.default_panels, {"scene": scene}),
-        "plot.simulated": (plot.simulated, {"scene": scene, "t_end": 2}),
         "plot.sweep_figure": (plot.sweep_figure, grazes | {"name": "Omega", "low": "0.1", "high": 4}),
     }
 

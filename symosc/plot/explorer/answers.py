@@ -95,19 +95,14 @@ def state_of(scene: Scene) -> dict[str, str]:
     state = {"scene": scene.name, **scene.parameters.as_dict()}
     state |= {name: show(getattr(scene, name)) for name in STARTS}
     state["periods"] = _periods_text(scene.t0, scene.t_end, scene.parameters.Omega)
-    if scene.start_error is not None:
-        state["start_error"] = ",".join(map(show, scene.start_error))
-    return state
+    return state if scene.start_error is None else state | {"start_error": ",".join(map(show, scene.start_error))}
 
 
 def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
     """Return the texts of a link, and its errors; the scene that it names, or `default`, gives missing ones."""
-    given, notes = {}, []
-    for name, text in parse_qsl(query, keep_blank_values=True):
-        if name in FIELDS or name in OTHER_KEYS:
-            given[name] = text
-        else:
-            notes.append(f"the link has an unknown name {name!r}, which is left out")
+    texts = parse_qsl(query, keep_blank_values=True)
+    given = {name: text for name, text in texts if name in FIELDS or name in OTHER_KEYS}
+    notes = [f"the link has an unknown name {name!r}, which is left out" for name, _ in texts if name not in given]
     rest = state_of(shipped_scenes().get(given.get("scene", ""), default))
     if not set(STARTS).isdisjoint(given):
         rest.pop("start_error", None)  # it is not that of another start
@@ -229,6 +224,9 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
     windows = [grazing_window(scene.parameters, mapping) for mapping in PLACES]
     hint = " (symosc simulate --digits)" if trajectory.status == "undecidable" else ""
     sticks = [each for each in view.contacts if each.until > each.since]
+    period = tau / float(scene.parameters.Omega)
+    whole = np.arange(ceil(view.t[0] / period), floor(view.t[-1] / period) + 1) * period
+    x, v = trajectory(np.clip(whole, view.t[0], view.t[-1]))  # the Poincaré section
     sources = {
         "curves": {name: _rounded(values) for name, values in curves.items()},
         "marks": _marks(view),
@@ -239,7 +237,7 @@ def _shown(scene: Scene, trajectory: Trajectory) -> Record:
         },
         "arcs": _arcs(windows),
         "contacts": _contacts(view),
-        "section": _section(trajectory),
+        "section": {"x": x.tolist(), "v": v.tolist()},
         "start": {"x": [float(scene.x0)], "v": [float(scene.v0)]},
     }
     return {
@@ -275,14 +273,6 @@ def settled(link: str, default: Scene) -> Record:
 # --- the plots ---
 
 
-def _section(trajectory: Trajectory) -> Record:
-    """Return the states where forcing periods end: the Poincaré section."""
-    begin, end, period = float(trajectory.t_start), float(trajectory.t_end), tau / float(trajectory.parameters.Omega)
-    times = np.arange(ceil(begin / period), floor(end / period) + 1) * period
-    x, v = trajectory(np.clip(times, begin, end))
-    return {"x": x.tolist(), "v": v.tolist()}
-
-
 def _rounded(values: np.ndarray) -> list[float]:
     """Return the values of a curve with as many decimals as a plot of their range resolves."""
     span = float(np.ptp(values)) or float(np.abs(values).max())
@@ -314,14 +304,10 @@ def _marks(view: View) -> Record:
 
 def _ranges(view: View, curves: dict[str, np.ndarray]) -> dict[str, tuple[float, float]]:
     """Return the range of each axis: the curve, the belts nearby, and zero for forces, with a margin."""
-    p = view.trajectory.parameters
-    shown = {
-        "x": view.x,
-        "v": np.append(view.v, [float(p.belt(belt)) for belt in view.belts()]),
-        "F": np.concatenate([[0.0], curves["F1"], curves["F3"]]),
-    }
+    speeds = [float(view.trajectory.parameters.belt(belt)) for belt in view.belts()]
+    forces = np.concatenate([[0.0], curves["F1"], curves["F3"]])
     ranges = {"t": (float(view.t[0]), float(view.t[-1]))}
-    for name, values in shown.items():
+    for name, values in {"x": view.x, "v": np.append(view.v, speeds), "F": forces}.items():
         low, high = float(values.min()), float(values.max())
         room = AXIS_MARGIN * (high - low) or AXIS_MARGIN * max(abs(low), 1.0)
         ranges[name] = low - room, high + room
@@ -334,9 +320,9 @@ def _belts(view: View, v_range: tuple[float, float]) -> Record:
     speeds = [float(view.trajectory.parameters.belt(belt)) for belt in (1, 2)]
     low, high = v_range
     drawn = [low <= speed <= high for speed in speeds]
-    arrows = ["↓ " * (speed < low) + "↑ " * (speed > high) for speed in speeds]
     places = [min(max(speed, low), high) for speed in speeds]
-    texts = [f"{arrows[i]}belt {i + 1}" for i in (0, 1)]
+    arrows = ["↓ " * (speed < low) + "↑ " * (speed > high) for speed in speeds]
+    texts = [f"{arrow}belt {belt}" for belt, arrow in enumerate(arrows, 1)]
     names = list(zip(places, texts, strict=True))
     if places[1] - places[0] < 0.13 * (high - low):  # they would lie over each other
         names = [(places[drawn.index(True) if any(drawn) else 0], f"{texts[1]}\n{texts[0]}")]
@@ -348,8 +334,7 @@ def _belts(view: View, v_range: tuple[float, float]) -> Record:
 
 def _window(window: GrazingWindow) -> Record:
     """Return a grazing window as plain values."""
-    marks = {True: "[]", False: "()"}
-    arcs = [f"{marks[a][0]}{low:.4f}, {high:.4f}{marks[b][1]}" for low, high, a, b in window.intervals]
+    arcs = [f"{'(['[a]}{low:.4f}, {high:.4f}{')]'[b]}" for low, high, a, b in window.intervals]
     return {
         "map": window.mapping,
         "place": f"Ω{'₁₂₃'[window.place.domain - 1]} at belt {window.place.boundary}",
@@ -392,15 +377,11 @@ def _contacts(view: View) -> Record:
     }
 
 
-# --- the table ---
-
-
 def _row(event: Event) -> list[str]:
     """Return an event as a row of the table."""
     numbers = [f"{value:.8g}" for value in (event.t, event.x, event.v, event.theta)]
-    return [event.kind, *numbers, str(event.boundary), _mode(event.source), _mode(event.target)]
-
-
-def _mode(name: str) -> str:
-    """Return the name of a mode as shown."""
-    return f"Ω{'₁₂₃'[int(name[-1]) - 1]}" if name.startswith("Omega") else f"belt {name[-1]}"
+    modes = [
+        f"Ω{'₁₂₃'[int(mode[-1]) - 1]}" if mode.startswith("Omega") else f"belt {mode[-1]}"
+        for mode in (event.source, event.target)
+    ]
+    return [event.kind, *numbers, str(event.boundary), *modes]
