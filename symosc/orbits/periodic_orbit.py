@@ -177,10 +177,8 @@ class PeriodicOrbit(Drawable):
 
     def _repr_latex_(self) -> str:
         """Return word, switching points and multipliers, for notebooks."""
-        rows = r" \\ ".join(
-            f"P_{label[1:]}: & {float(t):.12g} & {float(x):.12g}"
-            for label, (t, x) in zip(self.labels, self.points, strict=True)
-        )
+        points = zip(self.labels, self.points, strict=True)
+        rows = r" \\ ".join(f"P_{label[1:]}: & {float(t):.12g} & {float(x):.12g}" for label, (t, x) in points)
         multipliers = r",\; ".join(_latex_complex(complex(value)) for value in self.multipliers)
         table = rf"\begin{{array}}{{lll}} \text{{from}} & t & x \\ {rows} \end{{array}}"
         return rf"${Word(self.labels).latex()},\quad {table},\quad \lambda = {multipliers}$"
