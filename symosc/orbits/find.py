@@ -277,8 +277,7 @@ def _instead(equations: ClosingEquations, resting: bool = False) -> str:
 
 def switching_points(equations: ClosingEquations, points: Points) -> list[SwitchingPoint]:
     """Convert points (x, theta) to switching points (t, x), in the arithmetic of the equations."""
-    number = float if equations.exact is None else equations.exact
-    return [SwitchingPoint(number(theta / equations.K.Om), number(x)) for x, theta in points]
+    return [SwitchingPoint(equations.number(theta / equations.K.Om), equations.number(x)) for x, theta in points]
 
 
 def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) -> Guess:

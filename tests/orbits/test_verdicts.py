@@ -303,7 +303,7 @@ def test_margins_are_decided_in_more_digits_where_doubles_cannot():
     tau = (fine.ends(points)[i][1] - start[1]) / fine.K.Om
     top = max(e.v for e in extrema(0 * tau, tau, fine.start_of_flight(piece, start), False, fine))
     for shift, holds in (("1e-14", True), ("1e-17", True), ("-1e-17", False), ("-1e-14", False)):
-        v2 = fine.arithmetic.context.convert(top) + fine.exact(shift)
+        v2 = fine.number(top) + fine.number(shift)
         assert find_orbit(FIG9.replace(v2=v2), "P32").admissible == holds, shift
 
 
