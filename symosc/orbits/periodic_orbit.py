@@ -265,16 +265,13 @@ class PeriodicOrbit(Drawable):
             raise ParameterError("scene", scene.name, "must have the orbit's parameters")
         offset = np.array([float(scene.x0), float(scene.v0)]) - self._at(scene, np.zeros(1))[:, 0]
         dt, dx = self._nearest_switching(scene)
-        length, periods = float(self.period), None
-        for span in (20, 400):  # most motions are near after a few periods
-            path = simulate(scene.reduced(), t_end=float(scene.t0) + (span + 0.5) * length)
-            elapsed = length * np.arange(1 + int((float(path.t_end) - float(scene.t0)) / length))
-            away = np.abs(path(float(scene.t0) + elapsed) - self._at(scene, elapsed)).max(axis=0)
-            far = np.flatnonzero(away > near)
-            if len(far) == 0 or far[-1] + 1 < len(away):
-                periods = 0 if len(far) == 0 else int(far[-1]) + 1
-                break
-        return Approach(dt, dx, float(offset[0]), float(offset[1]), periods, near)
+        length = float(self.period)
+        path = simulate(scene.reduced(), t_end=float(scene.t0) + 400.5 * length)
+        elapsed = length * np.arange(1 + int((float(path.t_end) - float(scene.t0)) / length))
+        away = np.abs(path(float(scene.t0) + elapsed) - self._at(scene, elapsed)).max(axis=0)
+        periods = int(np.flatnonzero(away > near).max(initial=-1)) + 1
+        reached = periods if periods < len(away) else None
+        return Approach(dt, dx, float(offset[0]), float(offset[1]), reached, near)
 
     def _at(self, scene: Scene, elapsed: np.ndarray) -> np.ndarray:
         """Return the orbit's states at times since the scene's start, shifted by whole periods to the nearest."""
