@@ -116,8 +116,6 @@ class CurvePiece:
             return NotImplemented
         return all(np.array_equal(getattr(self, each.name), getattr(other, each.name)) for each in fields(self))
 
-    __hash__ = None  # type: ignore[assignment]
-
 
 @dataclass(frozen=True, repr=False)
 class GrazingCurve(Drawable, LatexAnswer):

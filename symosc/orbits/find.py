@@ -286,7 +286,7 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
     n, Omega = len(equations.pieces), float(equations.parameters.Omega)
     if isinstance(guess, PeriodicOrbit):
         periods, guess = periods or guess.periods, guess.points
-    guess = unmasked("guess", named("guess", guess, ("t", "x")))
+    guess = named("guess", guess, ("t", "x"))
     if isinstance(guess, Mapping):
         guess = np.array([np.ravel(unmasked("guess", column)) for column in guess.values()], dtype=object).T
     allowed = f"must be {n} pairs (t, x), one for each switching, or one to start from"

@@ -16,7 +16,7 @@ from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.engine.flow import state_at
 from symosc.errors import ParameterError, meant
-from symosc.exact import read_exact, unmasked
+from symosc.exact import read_exact
 from symosc.mappings.numbers import latex_number, real_array
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.admissibility import Condition, conditions
@@ -199,7 +199,7 @@ class PeriodicOrbit(Drawable):
     @public
     def __call__(self, t: ArrayLike) -> np.ndarray:
         """Return [x, v] at times t."""
-        times = real_array("t", unmasked("t", t), "must be real numbers")
+        times = real_array("t", t, "must be real numbers")
         equations, points = self.equations(), self.phases()
         states = np.array([_state(equations, points, time) for time in times.ravel()], dtype=float).reshape(-1, 2)
         return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
