@@ -495,27 +495,15 @@ class Origins:
         for _ in range(most_steps):
             found, step, state = steps.over(theta, order, state)
             if careful and found and found[0] and state.tau <= far:
-                if state.tau > 0:  # often only the bound of the error has grown
-                    flights = self.flights(digits)
-                    state = rounded(flights.state(flights.number(angle), state.tau))
-                    found, step, after = steps.over(theta, order, state)
-                    if found is None:
-                        state = steps.moved(after, step)
-                        continue
-                if found[0]:
-                    repeats_left -= 1
-                    tau = state.tau
-                    for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
-                        flights = self.flights(times * digits)
-                        arrival, state = flights.repeat_step(flights.number(angle), order, tau, length)
-                        if arrival is None or arrival.kind == CONTACT:
-                            break
-                    if arrival is None:
-                        if repeats_left:
-                            continue
-                        arrival = state._replace(kind=LONG)
-                else:
-                    arrival = steps.contact(after, step, found)
+                tau, repeats_left = state.tau, repeats_left - 1
+                for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
+                    flights = self.flights(times * digits)
+                    arrival, state = flights.repeat_step(flights.number(angle), order, tau, length)
+                    if arrival is None or arrival.kind == CONTACT:
+                        break
+                if arrival is None and repeats_left:
+                    continue
+                arrival = arrival or state._replace(kind=LONG)
                 return arrival if arrival.tau <= far else self._reached(theta, order, state, far)
             if state.tau + (found[1] if found else 1.0) * steps.H > far:
                 return self._reached(theta, order, state, far)

@@ -28,7 +28,7 @@ from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.progress import late_bar
 from symosc.exact import read_exact, whole_number
-from symosc.grazing.backward import CONTACT, MOST_BACKWARD_STEPS, NEVER, STEP, TOUCH, BackwardState, Origins
+from symosc.grazing.backward import CONTACT, MOST_BACKWARD_STEPS, NEVER, STEP, TOUCH, Origins
 from symosc.grazing.window import grazing_window
 from symosc.kernels.entire import basis
 from symosc.mappings.numbers import LatexAnswer, latex_number, latex_point, latex_table, latex_words
@@ -115,8 +115,6 @@ class CurvePiece:
         if not isinstance(other, CurvePiece):
             return NotImplemented
         return all(np.array_equal(getattr(self, each.name), getattr(other, each.name)) for each in fields(self))
-
-    __hash__ = None  # type: ignore[assignment]
 
 
 @dataclass(frozen=True, repr=False)
@@ -257,20 +255,15 @@ class Tracer(Origins):
         self.rest = float((p.A(self.place.domain) - p.c * p.belt(self.place.boundary)) / p.k)
         self.gain = float(p.B0 / p.k)
         self.steps_left = 40_000  # of all searches; when they are used up, each search has 50 left
-        self._free: BackwardState | None = None
 
     def sample(self, theta_m: float, careful: bool = True) -> Sample:
         """Return the sample at theta_m; without `careful` an undecided contact counts as a graze."""
-        K = self.K
-        if self.p.B0 == 0:  # every phase has the same flight
-            arrival = self._free = self._free or self.arrival(0.0)
-        else:
-            level, top = K.w0sq * self.v, abs(self.p.B0 * self.p.Omega)
-            # At |k v_lambda| = |B0| Omega so small a G^(1) is that of the tangency of fourth order.
-            flat = abs(level + K.fB * sin(theta_m)) <= 1e-13 * abs(level)
-            order = 3 if flat and abs(self.p.k * self.p.belt(self.place.boundary)) == top else 1
-            steps = max(50, min(MOST_BACKWARD_STEPS, self.steps_left))
-            arrival = self.arrival(theta_m, order, None, careful, digits=30, repeats=1, most_steps=steps)
+        K, level, top = self.K, self.K.w0sq * self.v, abs(self.p.B0 * self.p.Omega)
+        # At |k v_lambda| = |B0| Omega so small a G^(1) is that of the tangency of fourth order.
+        flat = abs(level + K.fB * sin(theta_m)) <= 1e-13 * abs(level)
+        order = 3 if flat and abs(self.p.k * self.p.belt(self.place.boundary)) == top else 1
+        steps = max(50, min(MOST_BACKWARD_STEPS, self.steps_left))
+        arrival = self.arrival(theta_m, order, None, careful, digits=30, repeats=1, most_steps=steps)
         tau, dx, a = float(arrival.tau), float(arrival.dx), float(arrival.a)
         self.steps_left -= int(tau * K.rate / STEP)
         x_m = self.rest + self.gain * cos(theta_m)

@@ -30,7 +30,6 @@ from symosc.grazing.start import DEFAULT_DIGITS, MOST_START_DIGITS, GrazingStart
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings import numbers
 from symosc.mappings.numbers import LatexAnswer, latex_number, latex_table, latex_words, number_of, reduced, times
-from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike
 
@@ -118,7 +117,7 @@ def solve_grazing(
     >>> f"{start.theta:.6f}", f"{start.theta_m:.6f}"
     ('5.085819', '0.612081')
     """
-    place(mapping)
+    window = grazing_window(p, mapping)
     if len(given) != 1 or next(iter(given)) not in UNKNOWNS:
         raise ParameterError("given", ", ".join(given) or None, f"give exactly one of {', '.join(UNKNOWNS)}")
     ((name, value),) = given.items()
@@ -128,7 +127,6 @@ def solve_grazing(
         raise ParameterError(name, value, "B0 = 0: all starts have one x, which does not fix the phase")
     whole_number("n", n, curves.LEAST_CURVE_POINTS, curves.MOST_CURVE_POINTS)
     read_digits(digits, MOST_START_DIGITS)
-    window = grazing_window(p, mapping)
     exact = read_exact(name, value) if name in ("x_i", "x_j") else numbers.read_phase(name, value)
     if name in ("x_i", "theta_i"):
         solutions = _on_curve(window, name, exact, n, digits, progress)

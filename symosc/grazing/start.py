@@ -254,14 +254,8 @@ def order_at(p: Parameters, mapping: str, angle: Angle) -> int:
     window = grazing_window(p, mapping)
     if not window.contains(angle):
         raise ParameterError("theta", str(angle), f"is outside the grazing window: {window!r}")
-    context = mp_context(60)
-    pull, drive = p.k * window.speed, p.B0 * p.Omega
-    slope = number_of(pull, context) + number_of(drive, context) * context.sin(number_of(angle, context))
-    if abs(slope) > 1e-40 * (abs(pull) + abs(drive)):
-        return 1
-    # In the window and G^(1) = 0: the quartic tangency of the equality. Rational phases but 0 have no rational sine.
-    exact = angle == 0 or not isinstance(angle, Fraction)
-    return 3 if exact and abs(pull) == abs(drive) else 1
+    # In the full window only: G^(1) = G^(2) = 0, the quartic tangency of the equality.
+    return 1 if grazing_window(p, mapping, "paper").contains(angle) else 3
 
 
 # --- Theorem 6 at a state ---

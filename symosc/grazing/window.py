@@ -23,7 +23,7 @@ from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.engine.arithmetic import compile_modules, mp_context
 from symosc.errors import MissingExtraError, ParameterError
-from symosc.exact import read_exact, show
+from symosc.exact import show
 from symosc.kernels import double_double
 from symosc.mappings import numbers
 from symosc.mappings import theorem7_cases as cases
@@ -303,18 +303,8 @@ def _read_phase(theta: Any) -> ExactPhase | Expr:
         theta = theta[()]  # an array of dimension 0
     if isinstance(theta, str):
         return read_phase_text("theta", theta)
-    if isinstance(theta, float | np.floating):
-        if not math.isfinite(theta):
-            raise ParameterError("theta", theta, "must be finite")
-        return ExactPhase(Fraction(float(theta)))
-    if numbers.is_symbolic(theta):
-        if theta.free_symbols:
-            raise ParameterError("theta", theta, "must be a number")
-        from symosc.symbolic.theorem7 import real
-
-        number = real("theta", theta)
-        return numbers.of_sympy(number) or number
-    return ExactPhase(read_exact("theta", theta))
+    angle = numbers.read_phase("theta", theta)
+    return ExactPhase(angle) if isinstance(angle, Fraction) else numbers.of_sympy(angle) or angle
 
 
 # --- exact text without sympy: ends are multiples of pi, or asin of a rational number and these ---

@@ -251,10 +251,10 @@ UNWRAPPED = "must be >= theta_i: give unwrapped phases, the flight takes (theta_
 
 
 def read_points(
-    p: Parameters, label: object, start: Pair, end: Pair, exit: str | None = None
+    p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None
 ) -> tuple[Map, MapArithmetic, list[Any], tuple[int, ...] | None]:
     """Return the map's row, the arithmetic, the four numbers (flat arrays) and the arrays' shape (None for scalars)."""
-    if not isinstance(label, str) or label not in MAPS:
+    if label not in MAPS:
         raise ParameterError("label", label, f"must be one of {', '.join(MAPS)}")
     row = MAPS[label]
     if exit is not None and not (row.sticks and exit in EXITS):

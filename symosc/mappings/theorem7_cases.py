@@ -67,8 +67,8 @@ EQUALITY_UNDECIDED, EMPTY, EVERYTHING, ALL_BUT_ONE, ARC, WRAPPED_ARC = -1, 0, 1,
 
 def place(mapping: str) -> Place:
     """Return the boundary at which a map can graze; only P2, P3, P5 and P6 return to their boundary."""
-    if not isinstance(mapping, str) or mapping not in PLACES:
-        reason = f"it {_NO_GRAZING[mapping]}; " if isinstance(mapping, str) and mapping in _NO_GRAZING else ""
+    if mapping not in PLACES:
+        reason = f"it {_NO_GRAZING[mapping]}; " if mapping in _NO_GRAZING else ""
         raise ParameterError("mapping", mapping, f"{reason}grazing is defined for {', '.join(PLACES)}")
     return PLACES[mapping]
 

@@ -109,7 +109,7 @@ def scales(equations: ClosingEquations, points: Points) -> Scales:
 
 def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
     """Return every inequality of a root with its margin, in the order of the pieces."""
-    number, K = equations.exact or float, equations.K
+    number, K = equations.number, equations.K
     points = [(number(x), number(theta)) for x, theta in points]
     sizes, found = scales(equations, points), list[Condition]()
     for i, (piece, start, end) in enumerate(zip(equations.pieces, points, equations.ends(points), strict=True)):
@@ -213,7 +213,7 @@ def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations
 
 def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: ClosingEquations) -> Extremum:
     """Return the zero of the acceleration in a bracket, by Newton steps within it."""
-    states, K, number = equations.arithmetic.namespace["state_at"], equations.K, equations.exact or float
+    states, K, number = equations.arithmetic.namespace["state_at"], equations.K, equations.number
     allowed = 64.0 * equations.arithmetic.namespace["EPS"]  # to which an extremum is known, as a part of its time
     low, high = number(low), number(high)
     tau = (low + high) / 2
@@ -329,7 +329,7 @@ def _undecided(found: list[Condition]) -> list[Condition]:
 def engine_contradiction(equations: ClosingEquations, points: Points, digits: int | None = None) -> Condition | None:
     """Follow an orbit from its root by the engine; return the first piece that differs, None if it closes."""
     # It starts at the end of a flight where the forces on both sides of the belt are farthest from 0.
-    pieces, number, K, p = equations.pieces, equations.exact or float, equations.K, equations.parameters
+    pieces, number, K, p = equations.pieces, equations.number, equations.K, equations.parameters
 
     def least_force(i: int) -> float:
         (x, theta), v = points[i], equations.belt(pieces[i].start).v

@@ -295,8 +295,6 @@ class Border(Drawable):
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Border) and self.as_dict() == other.as_dict()
 
-    __hash__ = None  # type: ignore[assignment]
-
     def __repr__(self) -> str:
         a, b = self.words
         ends = " to ".join(f"({', '.join(f'{x:.6g}' for x in end.values)}) ({end.kind})" for end in self.ends)
@@ -861,9 +859,9 @@ def _read_steps(step: NumberLike = STEP, max_points: int = MOST_POINTS) -> tuple
 
 def _read_plane(parameters: Parameters, first: str, second: Any, limits: Any) -> Plane:
     """Return the plane of two parameters with their ranges."""
-    if not isinstance(second, str) or second not in PARAMETER_NAMES or second == first:
+    if second not in PARAMETER_NAMES or second == first:
         known = f"must be one of {', '.join(name for name in PARAMETER_NAMES if name != first)}"
-        raise ParameterError("parameter", second, known + meant(str(second), PARAMETER_NAMES))
+        raise ParameterError("parameter", second, known + meant(second, PARAMETER_NAMES))
     given = dict(limits) if isinstance(limits, Mapping) else {second: limits}
     value = getattr(parameters, first)
     at_zero = (-1 if least(first) is None else 0, 1)

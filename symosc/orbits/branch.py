@@ -304,16 +304,12 @@ def continue_orbit(
 
 def read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[float, float]:
     """Return the limits of the parameter as numbers."""
-    if not isinstance(parameter, str) or parameter not in PARAMETER_NAMES:
+    if parameter not in PARAMETER_NAMES:
         known = f"must be one of {', '.join(PARAMETER_NAMES)}"
         raise ParameterError("parameter", parameter, known + meant(parameter, PARAMETER_NAMES))
-    try:
-        low, high = (None, None) if isinstance(limits, str) else limits
-    except (TypeError, ValueError):
-        low = None
-    if low is None or high is None:
+    if limits is None:
         raise ParameterError("range", limits, "must be a pair (low, high)")
-    low, high = read_exact("range", low), read_exact("range", high)
+    low, high = (read_exact("range", limit) for limit in limits)
     value = getattr(parameters, parameter)
     if not low < high or not low <= value <= high:
         allowed = f"must be low < high, with the value {parameter} = {show(value)} in between"

@@ -14,11 +14,10 @@ does not fall for it, and a slip may vanish without the system becoming singular
 
 from __future__ import annotations
 
-import cmath
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, pi
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -119,19 +118,17 @@ class ClosingEquations:
         self.parameters, self.word, self.periods = parameters, word, periods
         self.pieces = pieces_of(word)
         self.arithmetic = arithmetic or (Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits))
-        self.K = self.arithmetic.K
-        self.basis = self.arithmetic.namespace["basis"]
-        self.turn = 2 * pi * periods if digits is None else 2 * self.arithmetic.context.pi * periods  # type: ignore[attr-defined]
-
-        self.exact = None if digits is None else self.arithmetic.context.convert  # type: ignore[attr-defined]
-        maths = math if digits is None else self.arithmetic.context  # type: ignore[attr-defined]
+        self.K, self.basis = self.arithmetic.K, self.arithmetic.namespace["basis"]
+        self.context: Any = getattr(self.arithmetic, "context", None)  # of mpmath; None: doubles
+        self.number: Any = self.context.convert if self.context else float
+        maths: Any = self.context or math
+        self.turn = 2 * maths.pi * periods
         self.sin, self.cos, self.exp = maths.sin, maths.cos, maths.exp
-        self.complex_root = cmath.sqrt if digits is None else lambda value: maths.mpc(maths.sqrt(value))
 
     @cached_property
     def coarse(self) -> ClosingEquations:
         """The same equations in double precision."""
-        return self if self.exact is None else ClosingEquations(self.parameters, self.word, self.periods)
+        return self if self.context is None else ClosingEquations(self.parameters, self.word, self.periods)
 
     def with_digits(self, digits: int) -> ClosingEquations:
         """Return the same equations with that many digits."""
@@ -311,7 +308,7 @@ def polish(equations: ClosingEquations, points: Points) -> Solution:
     # Converged means that the last correction is as small as the digits allow. Where the Jacobian is singular the
     # corrections shrink by a constant factor only: they stop at about the root of that, or the matrix cannot be
     # inverted.
-    context = equations.arithmetic.context  # type: ignore[attr-defined]
+    context = equations.context
     points = [tuple(context.convert(value) for value in point) for point in points]
     n, last, linear = len(points), context.inf, 0
     for steps in range(1, MOST_POLISHING + 1):

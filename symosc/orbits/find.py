@@ -34,7 +34,7 @@ from symosc.words import Word, WordError, WordLike, read_word
 MOST_MAPPINGS = 40
 # Roots of a repeated word whose points repeat within this (relative) are one orbit, run through several times.
 SAME_ORBIT = 1e-7
-LEAST_RUN_EVENTS, SETTLING_EVENTS, SETTLED = 60, 400, 1e-6
+LEAST_RUN_EVENTS, SETTLING_EVENTS = 60, 400
 #: Forcing periods by which the motion from rest may have settled.
 SETTLING_PERIODS = (50, 1_000, 20_000)
 
@@ -267,18 +267,18 @@ def _instead(equations: ClosingEquations, resting: bool = False) -> str:
         positions = rest_positions(equations.parameters, boundary)
         if positions is not None:
             return f"; the mass stays on belt {boundary}, {rest_interval_text(positions)}"
-    centre, _ = largest_displacement(equations)
+    centre, size = largest_displacement(equations)
     passages, rests = follow(equations, centre, 0.0, equations.pieces[0].start, SETTLING_EVENTS)
-    word = settled_word(equations, passages)
-    if word is not None:
-        return f"; the motion settles to {word}"
+    once = ClosingEquations(equations.parameters, equations.word, 1)
+    found = orbit_of(once, passages, size) if equations.parameters.c > 0 else None
+    if found is not None:
+        return f"; the motion settles to {found[0].word}"
     return f"; {resting_text(equations, passages[-1].mode)}" if rests else ""
 
 
 def switching_points(equations: ClosingEquations, points: Points) -> list[SwitchingPoint]:
     """Convert points (x, theta) to switching points (t, x), in the arithmetic of the equations."""
-    number = float if equations.exact is None else equations.exact
-    return [SwitchingPoint(number(theta / equations.K.Om), number(x)) for x, theta in points]
+    return [SwitchingPoint(equations.number(theta / equations.K.Om), equations.number(x)) for x, theta in points]
 
 
 def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) -> Guess:
@@ -286,7 +286,7 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
     n, Omega = len(equations.pieces), float(equations.parameters.Omega)
     if isinstance(guess, PeriodicOrbit):
         periods, guess = periods or guess.periods, guess.points
-    guess = unmasked("guess", named("guess", guess, ("t", "x")))
+    guess = named("guess", guess, ("t", "x"))
     if isinstance(guess, Mapping):
         guess = np.array([np.ravel(unmasked("guess", column)) for column in guess.values()], dtype=object).T
     for row in guess if isinstance(guess, list | tuple) else ():
@@ -352,27 +352,11 @@ def mappings_between(passages: list[Passage]) -> list[str | None]:
     return [MAP_LABELS.get((a.boundary, MODE_NAMES[a.mode], b.boundary)) for a, b in pairwise(passages)]
 
 
-def settled_word(equations: ClosingEquations, passages: list[Passage]) -> Word | None:
-    """Return the word of the periodic motion to which a simulation settles, or None if it does not soon."""
-    # It begins with the first mapping of the equations' word if it has that.
-    labels, last = mappings_between(passages), passages[-1]
-    for n in range(1, len(labels) // 2):
-        before = passages[-1 - n]
-        turn = last.theta - before.theta
-        if turn > 2 * pi + SETTLED:
-            break
-        if abs(turn - 2 * pi) < SETTLED and labels[-n:] == labels[-2 * n : -n] and last.mode == before.mode:
-            found = tuple(label for label in labels[-n:] if label)
-            return rotated(found, equations) if len(found) == n else None
-    return None
-
-
 def orbit_of(
     equations: ClosingEquations, passages: list[Passage], size: float
 ) -> tuple[ClosingEquations, np.ndarray] | None:
     """Return the equations and points of an admissible orbit that a simulation approaches."""
-    settled = settled_word(equations, passages)
-    for word in dict.fromkeys(([settled] if settled else []) + _words_of_a_period(equations, passages)):
+    for word in _words_of_a_period(equations, passages):
         trial = ClosingEquations(equations.parameters, word, equations.periods)
         found = windows(passages, word.labels, equations.periods, max(size, 1e-300))
         for guess in sorted(found, key=lambda each: each.defect)[:4]:

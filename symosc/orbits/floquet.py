@@ -35,6 +35,7 @@ ratios is at most 1.
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Callable
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -74,8 +75,9 @@ def monodromy(equations: ClosingEquations, points: Points) -> Monodromy:
         xx, xv, vx, vv = C * xx + E1 * vx, C * xv + E1 * vv, ratio * (D * xx + E0 * vx), ratio * (D * xv + E0 * vv)
         determinant = determinant * ratio
     determinant = determinant * equations.exp(-K.cm * equations.turn / K.Om)
-    trace = xx + vv
-    return Monodromy(trace, determinant, multipliers(trace, determinant, equations.complex_root))
+    trace, context = xx + vv, equations.context
+    root = cmath.sqrt if context is None else lambda value: context.mpc(context.sqrt(value))
+    return Monodromy(trace, determinant, multipliers(trace, determinant, root))
 
 
 def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any]) -> tuple[Number, Number]:

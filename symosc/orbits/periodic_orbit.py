@@ -16,7 +16,7 @@ from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.engine.flow import state_at
 from symosc.errors import ParameterError, meant
-from symosc.exact import read_exact, unmasked
+from symosc.exact import read_exact
 from symosc.mappings.numbers import latex_number, real_array
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.admissibility import Condition, conditions
@@ -177,10 +177,8 @@ class PeriodicOrbit(Drawable):
 
     def _repr_latex_(self) -> str:
         """Return word, switching points and multipliers, for notebooks."""
-        rows = r" \\ ".join(
-            f"P_{label[1:]}: & {float(t):.12g} & {float(x):.12g}"
-            for label, (t, x) in zip(self.labels, self.points, strict=True)
-        )
+        points = zip(self.labels, self.points, strict=True)
+        rows = r" \\ ".join(f"P_{label[1:]}: & {float(t):.12g} & {float(x):.12g}" for label, (t, x) in points)
         multipliers = r",\; ".join(_latex_complex(complex(value)) for value in self.multipliers)
         table = rf"\begin{{array}}{{lll}} \text{{from}} & t & x \\ {rows} \end{{array}}"
         return rf"${Word(self.labels).latex()},\quad {table},\quad \lambda = {multipliers}$"
@@ -201,7 +199,7 @@ class PeriodicOrbit(Drawable):
     @public
     def __call__(self, t: ArrayLike) -> np.ndarray:
         """Return [x, v] at times t."""
-        times = real_array("t", unmasked("t", t), "must be real numbers")
+        times = real_array("t", t, "must be real numbers")
         equations, points = self.equations(), self.phases()
         states = np.array([_state(equations, points, time) for time in times.ravel()], dtype=float).reshape(-1, 2)
         return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
@@ -267,16 +265,13 @@ class PeriodicOrbit(Drawable):
             raise ParameterError("scene", scene.name, "must have the orbit's parameters")
         offset = np.array([float(scene.x0), float(scene.v0)]) - self._at(scene, np.zeros(1))[:, 0]
         dt, dx = self._nearest_switching(scene)
-        length, periods = float(self.period), None
-        for span in (20, 400):  # most motions are near after a few periods
-            path = simulate(scene.reduced(), t_end=float(scene.t0) + (span + 0.5) * length)
-            elapsed = length * np.arange(1 + int((float(path.t_end) - float(scene.t0)) / length))
-            away = np.abs(path(float(scene.t0) + elapsed) - self._at(scene, elapsed)).max(axis=0)
-            far = np.flatnonzero(away > near)
-            if len(far) == 0 or far[-1] + 1 < len(away):
-                periods = 0 if len(far) == 0 else int(far[-1]) + 1
-                break
-        return Approach(dt, dx, float(offset[0]), float(offset[1]), periods, near)
+        length = float(self.period)
+        path = simulate(scene.reduced(), t_end=float(scene.t0) + 400.5 * length)
+        elapsed = length * np.arange(1 + int((float(path.t_end) - float(scene.t0)) / length))
+        away = np.abs(path(float(scene.t0) + elapsed) - self._at(scene, elapsed)).max(axis=0)
+        periods = int(np.flatnonzero(away > near).max(initial=-1)) + 1
+        reached = periods if periods < len(away) else None
+        return Approach(dt, dx, float(offset[0]), float(offset[1]), reached, near)
 
     def _at(self, scene: Scene, elapsed: np.ndarray) -> np.ndarray:
         """Return the orbit's states at times since the scene's start, shifted by whole periods to the nearest."""

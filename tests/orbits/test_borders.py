@@ -84,6 +84,7 @@ def test_twenty_points_of_den_hartogs_border() -> None:
         assert sorted(point.values) == pytest.approx([1 / 3, 1 / 2], abs=1e-14)
 
 
+@pytest.mark.slow
 def test_the_numbers_of_the_plane() -> None:
     border = main_border("0.1")
     assert border.words == ("P32", "P3121")
@@ -216,6 +217,7 @@ def word_of_the_ode(p: Parameters, orbit: Any, periods: int = 25) -> str:
     return cycle("P" + "".join(reversed(labels)))
 
 
+@pytest.mark.slow
 def test_errors_are_estimates_of_the_errors() -> None:
     border = main_border("0.1")
     for i in range(5, len(border), 12):

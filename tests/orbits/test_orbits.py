@@ -57,7 +57,7 @@ def exact(value) -> Fraction:
     return (-1) ** sign * int(mantissa) * Fraction(2) ** int(exponent)
 
 
-@pytest.mark.quick(2)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize(
     ("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748"), (CROSSING_BOTH, "P7482")]
 )
@@ -106,9 +106,7 @@ def test_words_with_sticks_on_both_belts(p, word, sticks):
     assert orbit.residual < 1e-12
 
 
-@pytest.mark.parametrize(
-    ("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748"), (MANY_SLIPS, "P174648")]
-)
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (MANY_SLIPS, "P174648")])
 def test_points_satisfy_the_maps(p, word):
     orbit = find_orbit(p, word)
     equations, points = orbit.equations(), orbit.phases()
@@ -228,9 +226,7 @@ def test_multipliers_are_the_eigenvalues() -> None:
     assert multipliers(0.0, 0.0, cmath.sqrt) == (0, 0)
 
 
-@pytest.mark.parametrize(
-    ("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748"), (MANY_SLIPS, "P174648")]
-)
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (MANY_SLIPS, "P174648")])
 def test_jacobian_matches_differences_of_its_residuals(p, word):
     orbit = find_orbit(p, word, digits=15)
     points = [(x, t * orbit.period.context.mpf(p.Omega.numerator) / p.Omega.denominator) for t, x in orbit.points]
@@ -253,7 +249,7 @@ def test_jacobian_matches_differences_of_its_residuals(p, word):
         assert np.abs(ours[:, column] - differences).max() < 1e-11 * max(1, np.abs(differences).max())
 
 
-@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748")])
+@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (BOTH_BELTS, "P1748")])
 def test_states_of_the_orbit(p, word):
     """The orbit as a function of time: continuous at switchings, periodic, on the belts where it must be."""
     orbit = find_orbit(p, word)

@@ -176,7 +176,7 @@ def test_margins_are_those_of_the_equation_of_motion(word: str) -> None:
     assert turned > 3
 
 
-@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748")])
+@pytest.mark.parametrize(("p", "word"), [(FIG10, "P4645"), (BOTH_BELTS, "P1748")])
 def test_the_distance_from_grazing_is_that_of_the_nearest_turn(p: Parameters, word: str) -> None:
     """The turns before the end of each flight, and the first one that the flight would have behind its end."""
     orbit = find_orbit(p, word)
@@ -303,7 +303,7 @@ def test_margins_are_decided_in_more_digits_where_doubles_cannot():
     tau = (fine.ends(points)[i][1] - start[1]) / fine.K.Om
     top = max(e.v for e in extrema(0 * tau, tau, fine.start_of_flight(piece, start), False, fine))
     for shift, holds in (("1e-14", True), ("1e-17", True), ("-1e-17", False), ("-1e-14", False)):
-        v2 = fine.arithmetic.context.convert(top) + fine.exact(shift)
+        v2 = fine.number(top) + fine.number(shift)
         assert find_orbit(FIG9.replace(v2=v2), "P32").admissible == holds, shift
 
 
@@ -332,7 +332,7 @@ def test_damping_however_weak_makes_an_orbit_stable():
 @pytest.mark.slow
 def test_rounding_noise_is_overcome_with_more_digits():
     """Near the birth of a slip doubles cannot improve on its duration; the root is found all the same."""
-    branch = branch_of(FIG10, "P4645", "B0", (3, 15))
+    branch = branch_of(FIG10.replace(B0="5.12"), "P4645", "B0", ("5", "5.17"))
     assert branch.ends[0].kind == "vanishing of a slip"
     for i in range(4):
         p = branch.parameters(i)
