@@ -88,7 +88,9 @@ def somewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.usefixtures("somewhere")
 def test_some_hostile_values() -> None:
-    assert fuzz(functions(), random.Random(1), 0.02) > 150
+    calls = functions()
+    del calls["atlas"]  # which takes as long as one lets it
+    assert fuzz(calls, random.Random(1), 0.01) > 75
 
 
 @pytest.mark.slow
