@@ -125,11 +125,9 @@ def periodic_motion(rng: Random) -> tuple[Fraction, Fraction, Fraction, Fraction
         kappa = signed(rng, -1, 0.5, 2)
     if m * Omega**2 + kappa <= 0:
         kappa = abs(kappa)
-    amplitude = {
-        "critical": c * c / (4 * m) + m * Omega**2,
-        "resonance": c * Omega,
-        "undamped": abs(kappa),
-    }.get(kind, c * Omega * Fraction(h, q))
+    amplitude = {"critical": c * c / (4 * m) + m * Omega**2, "resonance": c * Omega, "undamped": abs(kappa)}.get(
+        kind, c * Omega * Fraction(h, q)
+    )
     motion = Periodic(Omega, X, V, c * Omega**2 * r, -Omega * kappa * r, Omega * abs(r) * amplitude)
     return m, Omega, c, m * Omega**2 + kappa, motion, r * amplitude**2
 

@@ -73,10 +73,7 @@ def settled(scene: FuzzScene) -> FuzzScene:
 
 
 def judge(
-    scene: FuzzScene,
-    oracle: Oracle = simulate_oracle,
-    digits: Sequence[int] = (),
-    numba: Sequence[bool] = (False,),
+    scene: FuzzScene, oracle: Oracle = simulate_oracle, digits: Sequence[int] = (), numba: Sequence[bool] = (False,)
 ) -> Verdict:
     """Compare `simulate`, `simulate_many` (with and without numba) and `simulate(digits=)` with the truth."""
     verdict = Verdict(scene)
