@@ -16,7 +16,7 @@ import pytest
 
 from symosc import Parameters, Scene, load_scene, simulate, simulate_many
 from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve
-from symosc.bench.peers_heyoka import count_in_batches
+from symosc.bench.peers_heyoka import count_many
 from symosc.bench.solvers import OURS, Solver, all_solvers
 from symosc.reference.compare import FoundEvents
 
@@ -167,7 +167,7 @@ def test_batches_of_heyoka_count_what_we_count(name: str) -> None:
     scene, rng = load_scene(name), np.random.default_rng(1)
     starts = np.column_stack([rng.uniform(0, 6, 21), rng.uniform(-5, 5, 21), rng.uniform(-5, 5, 21)])
     ours = simulate_many(scene.parameters, starts, starts[:, 0] + 20, record=("events",), use_numba=False).events
-    run = count_in_batches(scene.parameters, starts, np.full(21, 20.0), 2e-13)
+    run = count_many(scene.parameters, starts, np.full(21, 20.0), 2e-13)
     for _ in range(2):
         assert run().tolist() == ours.tolist()
 
