@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 from fractions import Fraction
 from math import pi, sqrt
 from typing import Any, NamedTuple
@@ -90,38 +91,22 @@ def unit(pair: tuple[int, int]) -> tuple[Fraction, Fraction]:
 
 def ordinary(rng: random.Random, mapping: str) -> Touching:
     """Return a steady motion that touches, with rates of the order of 1."""
-    while True:
-        found = steady(
-            rng,
-            mapping,
-            m=tenths(rng, 2, 30),
-            c=tenths(rng, 1, 80),
-            Omega=tenths(rng, 3, 40),
-            radius=tenths(rng, 5, 30),
-            direction=unit(rng.choice(PYTHAGORAS)),
-        )
-        if found:
-            return found
+    ranges = {"m": (2, 30), "c": (1, 80), "Omega": (3, 40), "radius": (5, 30)}
+    return _drawn(rng, mapping, lambda name: tenths(rng, *ranges[name]))
 
 
 def wild(rng: random.Random, mapping: str) -> Touching:
     """Return a steady motion that touches, with rates and sizes over many decades."""
+    decades = {"m": (-4, 1), "c": (-6, 2), "Omega": (-3, 2), "radius": (-3, 3)}
+    return _drawn(rng, mapping, lambda name: Fraction(f"{10 ** rng.uniform(*decades[name]):.3g}"))
 
-    def spread(low: float, high: float) -> Fraction:
-        return Fraction(f"{10 ** rng.uniform(low, high):.3g}")
 
-    while True:
-        found = steady(
-            rng,
-            mapping,
-            m=spread(-4, 1),
-            c=spread(-6, 2),
-            Omega=spread(-3, 2),
-            radius=spread(-3, 3),
-            direction=unit(rng.choice(PYTHAGORAS)),
-        )
-        if found:
-            return found
+def _drawn(rng: random.Random, mapping: str, number: Callable[[str], Fraction]) -> Touching:
+    found = None
+    while found is None:
+        numbers = {name: number(name) for name in ("m", "c", "Omega", "radius")}
+        found = steady(rng, mapping, **numbers, direction=unit(rng.choice(PYTHAGORAS)))
+    return found
 
 
 def at_a_seam(rng: random.Random, mapping: str, offset: float, length: int = 50) -> Touching:
