@@ -22,7 +22,7 @@ from symosc import ParameterError, SymoscError, plot
 from symosc.arguments import public
 
 #: Seconds after which a call is given up; it is then neither right nor wrong.
-GIVEN_UP = 20
+GIVEN_UP = 5
 
 
 class GivenUp(BaseException):
