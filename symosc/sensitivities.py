@@ -25,7 +25,7 @@ from symosc.engine.constant_table import table_of
 from symosc.engine.start import Start
 from symosc.engine.state import GRAZE, ON_BELT
 from symosc.kernels.entire import EPS
-from symosc.mappings.equations import map_arithmetic
+from symosc.mappings.equations import MapArithmetic, map_arithmetic
 from symosc.model import Parameters
 from symosc.scenes import Scene
 from symosc.simulation.simulate import read_start, simulate
@@ -133,10 +133,8 @@ class _Columns:
     """The columns of a motion in its arithmetic, as `symosc.engine.tangent` takes them."""
 
     def __init__(self, trajectory: Trajectory, start: Start) -> None:
-        self.trajectory, p, digits = trajectory, trajectory.parameters, trajectory.digits
-        self.context: Any = None if digits is None else mp_context(digits + SPARE)  # None: doubles
-        self.kind: Any = float if digits is None else object
-        self.numbers = map_arithmetic(p, self.context)
+        self.trajectory, p = trajectory, trajectory.parameters
+        self.kind: Any = float if self.context is None else object
         number, piece = self.numbers.number, trajectory._pieces[:, 0]
         self.letters = np.array([[number(each) for each in (p.m, p.mu1, p.mu2, p.FN)]], dtype=self.kind)
         theta = many_digits(p, self.context.dps).phase(start.t0)[1] if self.context else piece[1]
@@ -147,6 +145,17 @@ class _Columns:
             names = ("t", "theta", "x", "v")
             exact = [[self.context.mpf(getattr(event, name)) for event in trajectory.events] for name in names]
             self.rows = (*np.array(exact, dtype=object), *self.rows[4:])
+
+    @property
+    def context(self) -> Any:
+        """The mpmath context of the numbers, None for doubles; not kept, since a context cannot be pickled."""
+        digits = self.trajectory.digits
+        return None if digits is None else mp_context(digits + SPARE)
+
+    @property
+    def numbers(self) -> MapArithmetic:
+        """The functions and constants in this arithmetic, which cannot be pickled either."""
+        return map_arithmetic(self.trajectory.parameters, self.context)
 
     def loop(self, name: str, count: int) -> tuple[Callable[..., None], Any]:
         """Return a function of `symosc.engine.tangent` for so many rows, and the constants as it takes them."""
