@@ -7,7 +7,7 @@ import numbers
 import operator
 import re
 import sys
-from decimal import Decimal
+from decimal import Context, Decimal, Inexact
 from fractions import Fraction
 from typing import Any
 
@@ -142,25 +142,14 @@ MOST_ZEROS, LONGEST_DECIMAL = 20, 60
 
 def show(value: Fraction) -> str:
     """Return a short text that reads back as `value`: a decimal where it ends, else a fraction."""
-    twos, fives = (value.denominator & -value.denominator).bit_length() - 1, 0
-    rest = value.denominator >> twos
-    while rest % 5 == 0:
-        rest, fives = rest // 5, fives + 1
-    decimals = max(twos, fives)
-    digits = _digits(abs(value.numerator) * 10**decimals // value.denominator) if rest == 1 else ""
-    significant = digits.rstrip("0")
-    if rest != 1 or len(significant) > LONGEST_DECIMAL:
-        denominator = "" if value.denominator == 1 else f"/{_digits(value.denominator)}"
-        return f"{_digits(value.numerator)}{denominator}"
-    sign, leading = "-" if value < 0 else "", decimals - len(digits)
-    if max(leading, len(digits) - len(significant)) > MOST_ZEROS:
-        return f"{sign}{significant[0]}{'.' * bool(significant[1:])}{significant[1:]}e{len(digits) - decimals - 1}"
-    if decimals == 0:
-        return f"{sign}{digits}"
-    digits = digits.zfill(decimals + 1)
-    return f"{sign}{digits[:-decimals]}.{digits[-decimals:]}"
-
-
-def _digits(number: int) -> str:
-    """Return all digits of a whole number as text."""
-    return str(Decimal(number))  # an int of more than 4300 digits cannot be printed
+    n, d = Decimal(value.numerator), Decimal(value.denominator)  # an int of more than 4300 digits cannot be printed
+    context = Context(prec=LONGEST_DECIMAL, traps=[Inexact])
+    try:
+        number = context.divide(n, d).normalize(context)
+    except Inexact:
+        return f"{n:f}" if d == 1 else f"{n:f}/{d:f}"
+    sign, digits, exponent = number.as_tuple()
+    if max(int(exponent), -1 - number.adjusted()) <= MOST_ZEROS:
+        return f"{number:f}"
+    first, *rest = map(str, digits)
+    return f"{'-' * sign}{first}{'.' * bool(rest)}{''.join(rest)}e{number.adjusted()}"

@@ -16,7 +16,7 @@ from functools import cache
 from itertools import pairwise
 from math import asin, atan2, hypot, inf, nan, pi, sqrt
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -234,12 +234,12 @@ def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Rec
     try:
         if z == inf:
             raise _unsettled("the motion grows for ever, at resonance without a damper")
-        settled = settle(p, (mean + z.real, -float(p.Omega) * z.imag), before)
-        row = measured(model, settled)
+        status, start, orbit = settle(p, (mean + z.real, -float(p.Omega) * z.imag), before)
+        row = measured(model, start, orbit)
     except ConvergenceError as error:
         return {"status": error.reason, "balance": balance}, before
     part = balance / row["amplitude"] - 1 if row["amplitude"] else nan if balance == 0 else inf
-    return row | {"balance": balance, "balance_error": part}, settled.orbit or before
+    return {"status": status, "balance": balance, "balance_error": part} | row, orbit or before
 
 
 def _unsettled(reason: str) -> ConvergenceError:
@@ -250,14 +250,8 @@ def _unsettled(reason: str) -> ConvergenceError:
 # -- the settled motion
 
 
-class Settled(NamedTuple):
-    """A settled motion: its status, a state on it, the periods after which it closes, and its larger multiplier."""
-
-    status: str
-    start: tuple[Any, Any, Any]
-    periods: int = 1
-    multiplier: float = 0.0
-    orbit: PeriodicOrbit | None = None
+#: A settled motion: its status, a state t, x, v on it, and the orbit that it is, if it is one.
+Settled = tuple[str, tuple[Any, Any, Any], PeriodicOrbit | None]
 
 
 def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | None) -> Settled:
@@ -265,17 +259,16 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
     for boundary in (1, 2):
         rests = rest_positions(p, boundary)
         if rests is not None:
-            return Settled("rest", (0, min(max(rests[0], 0), rests[1]), 0))
+            return "rest", (0, min(max(rests[0], 0), rests[1]), 0), None
     free = meets_no_belt(p)
     if free is not None:
         if p.c == 0:
             raise _unsettled("without a damper the motion between the belts goes on for ever")
         z = float(p.B0) / complex(float(p.k - p.m * p.Omega**2), float(p.c * p.Omega))  # the first harmonic
-        return Settled("linear", (0, float(p.A(free) / p.k) + z.real, -float(p.Omega) * z.imag))
+        return "linear", (0, float(p.A(free) / p.k) + z.real, -float(p.Omega) * z.imag), None
     orbit = _near(p, before) or _followed(p, guess) or settled_orbit(p, most=1000)
     (t, x), belt = orbit.points[0], orbit.equations().pieces[0].start
-    size = max(abs(complex(each)) for each in orbit.multipliers)
-    return Settled("orbit" if orbit.stable else "marginal orbit", (t, x, p.belt(belt)), orbit.periods, size, orbit)
+    return "orbit" if orbit.stable else "marginal orbit", (t, x, p.belt(belt)), orbit
 
 
 def _near(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit | None:
@@ -356,16 +349,8 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
 # -- one cycle of it
 
 
-class Part(NamedTuple):
-    """A part of a piece at Gauss's points: times of the oscillator, weights of an integral, and the motion there."""
-
-    segment: Segment
-    begin: float
-    end: float
-    t: np.ndarray
-    weights: np.ndarray
-    z: np.ndarray
-    u: np.ndarray
+#: A part of a piece: its segment, its ends, Gauss's points and weights of an integral, and z and u of the motion there.
+Part = tuple[Segment, tuple[float, float], np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
 @cache
@@ -381,7 +366,9 @@ def parts(motion: Trajectory) -> Iterator[Part]:
     p, (points, weights, coefficients) = motion.parameters, _gauss()
     # Periods of a motion without events are cut into parts of this angle of the fastest of drive and oscillator.
     longest = 2.0 / max(float(p.Omega), sqrt(p.k / p.m))
-    scale = sizes_of(motion)
+    times, forces = np.linspace(float(motion.t_start), float(motion.t_end), POINTS), abs(p.B0) + (p.mu1 + p.mu2) * p.FN
+    least = SMALL_MOTION * np.array([float(forces) / float(p.k), float(forces) / float(p.m * p.Omega)])
+    scale = np.maximum(np.maximum(np.abs(motion(times)).max(axis=1), least), 1e-300)  # of z and u
     for segment in motion.segments:
         begin, end = float(segment.t_start), float(segment.t_end)
         ends = np.linspace(begin, end, 2 + int((end - begin) / longest))
@@ -396,15 +383,7 @@ def parts(motion: Trajectory) -> Iterator[Part]:
                 middle = (a + b) / 2
                 todo += [(a, middle, halved + 1, tail), (middle, b, halved + 1, tail)]
             else:
-                yield Part(segment, a, b, t, weights * (b - a) / 2, z, u)
-
-
-def sizes_of(motion: Trajectory) -> np.ndarray:
-    """Return the sizes of position and velocity to which the polynomials of a motion have to converge."""
-    p, times = motion.parameters, np.linspace(float(motion.t_start), float(motion.t_end), POINTS)
-    forces = float(abs(p.B0) + (p.mu1 + p.mu2) * p.FN)
-    least = SMALL_MOTION * np.array([forces / float(p.k), forces / float(p.m * p.Omega)])
-    return np.maximum(np.maximum(np.abs(motion(times)).max(axis=1), least), 1e-300)
+                yield segment, (a, b), t, weights * (b - a) / 2, z, u
 
 
 def turning_points(values: np.ndarray) -> np.ndarray:
@@ -416,10 +395,10 @@ def turning_points(values: np.ndarray) -> np.ndarray:
     return np.concatenate([[-1, 1], inside])
 
 
-def measured(model: OtherModel, settled: Settled) -> Record:
+def measured(model: OtherModel, start: tuple[Any, Any, Any], orbit: PeriodicOrbit | None) -> Record:
     """Return the response of a settled motion: integrals and extremes over a cycle; ConvergenceError near a graze."""
-    p, Omega, delay, n = model.parameters, float(model.Omega), float(model.delay), settled.periods
-    period, (t0, x0, v0) = 2 * pi * n / Omega, settled.start
+    p, Omega, delay, n = model.parameters, float(model.Omega), float(model.delay), orbit.periods if orbit else 1
+    period, (t0, x0, v0) = 2 * pi * n / Omega, start
     motion = simulate(p, t0=t0, x0=x0, v0=v0, t_end=float(t0) + period)
     if motion.status == "undecidable":
         raise _unsettled(motion.message)
@@ -428,25 +407,24 @@ def measured(model: OtherModel, settled: Settled) -> Record:
     shift_rate, base_rate = model.shift.rate(model.Omega), model.base.rate(model.Omega)
     waves = model.shift, shift_rate, shift_rate.rate(model.Omega), model.base, base_rate, model.force
     turns, passed, first, damper, work, heat, stuck = list[np.ndarray](), list[float](), 0j, 0.0, 0.0, 0.0, 0.0
-    for part in parts(motion):
-        mode, weights = part.segment.mode, part.weights
-        cos, sin = np.cos(Omega * (part.t + delay)), np.sin(Omega * (part.t + delay))
+    for segment, (begin, end), t, weights, z, u in parts(motion):
+        cos, sin = np.cos(Omega * (t + delay)), np.sin(Omega * (t + delay))
         w, w_rate, w_second, y, y_rate, force = (each.at(cos, sin) for each in waves)
-        x, v = part.z + w, part.u + w_rate
-        driven = float(p.A0) + drive * np.cos(Omega * part.t) - c * part.u - k * part.z  # all but friction
-        pulls = [np.full(POINTS, friction * (-1 if part.u.mean() > speed else 1)) for friction, speed in belts]
-        if mode.startswith("belt"):
-            held = int(mode[-1])
+        x, v = z + w, u + w_rate
+        driven = float(p.A0) + drive * np.cos(Omega * t) - c * u - k * z  # all but friction
+        pulls = [np.full(POINTS, friction * (-1 if u.mean() > speed else 1)) for friction, speed in belts]
+        if segment.mode.startswith("belt"):
+            held = int(segment.mode[-1])
             pulls[held - 1] = -driven - pulls[2 - held]
             stuck += float(weights.sum())
         acceleration = (driven + sum(pulls)) / m
-        heat += sum(friction * abs(float(weights @ (part.u - speed))) for friction, speed in belts)  # 0 on a belt
+        heat += sum(friction * abs(float(weights @ (u - speed))) for friction, speed in belts)  # 0 on a belt
         damper += c * float(weights @ (v - y_rate) ** 2)
         pushed = force * v + (k * (y - x) + c * (y_rate - v)) * y_rate
         drawn = sum(pull * (speed + w_rate) for pull, (_, speed) in zip(pulls, belts, strict=True))
         work += float(weights @ (pushed + drawn))
         first += complex(weights @ (x * (cos - 1j * sin)))
-        turns.append(part.begin + (part.end - part.begin) * (turning_points(x) + 1) / 2)
+        turns.append(begin + (end - begin) * (turning_points(x) + 1) / 2)
         felt = force - m * (acceleration + w_second)
         passed += legendre.legval(turning_points(felt), _gauss()[2] @ felt).tolist()
     times = np.clip(np.concatenate(turns), float(motion.t_start), float(motion.t_end))
@@ -456,9 +434,9 @@ def measured(model: OtherModel, settled: Settled) -> Record:
     excitation = _phasor(model.base if model.Y else model.force if model.B0 else harmonic(model.W, model.W_phase))
     Y, B0 = abs(float(model.Y)), abs(float(model.B0))
     closure = np.abs(motion([motion.t_start, motion.t_end]) @ [1, -1]) / [1, Omega]
+    multiplier = max(abs(complex(each)) for each in orbit.multipliers) if orbit else 0.0
     return {
-        "status": settled.status,
-        "word": settled.orbit.word if settled.orbit else "",
+        "word": orbit.word if orbit else "",
         "amplitude": amplitude,
         "transmissibility": float(amplitude / Y if Y else np.ptp(passed) / 2 / B0 if B0 else nan),
         "phase": float(np.angle(excitation / first)) if abs(first) > CONVERGED * abs(excitation) else nan,
@@ -468,7 +446,7 @@ def measured(model: OtherModel, settled: Settled) -> Record:
         "damper": damper / n,
         "friction": heat / n,
         "stuck": stuck / period,
-        "error": float(closure.max()) / max(1 - settled.multiplier, CONVERGED) + float(np.spacing(amplitude)),
+        "error": float(closure.max()) / max(1 - multiplier, CONVERGED) + float(np.spacing(amplitude)),
     }
 
 

@@ -133,9 +133,8 @@ class _Columns:
     """The columns of a motion in its arithmetic, as `symosc.engine.tangent` takes them."""
 
     def __init__(self, trajectory: Trajectory, start: Start) -> None:
-        self.trajectory, p, digits = trajectory, trajectory.parameters, trajectory.digits
-        self.context: Any = None if digits is None else mp_context(digits + SPARE)  # None: doubles
-        self.kind: Any = float if digits is None else object
+        self.trajectory, p = trajectory, trajectory.parameters
+        self.kind: Any = float if self.context is None else object
         number, piece = self.numbers.number, trajectory._pieces[:, 0]
         self.letters = np.array([[number(each) for each in (p.m, p.mu1, p.mu2, p.FN)]], dtype=self.kind)
         theta = many_digits(p, self.context.dps).phase(start.t0) if self.context else piece[1]
@@ -148,8 +147,14 @@ class _Columns:
             self.rows = (*np.array(exact, dtype=object), *self.rows[4:])
 
     @property
+    def context(self) -> Any:
+        """The mpmath context of the numbers, None for doubles; not kept, since a context cannot be pickled."""
+        digits = self.trajectory.digits
+        return None if digits is None else mp_context(digits + SPARE)
+
+    @property
     def numbers(self) -> MapArithmetic:
-        """The functions and constants in this arithmetic, which cannot be copied."""
+        """The functions and constants in this arithmetic, which cannot be pickled either."""
         return map_arithmetic(self.trajectory.parameters, self.context)
 
     def loop(self, name: str, count: int) -> tuple[Callable[..., None], Any]:

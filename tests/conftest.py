@@ -21,38 +21,22 @@ from once import SHARED, alone
 
 #: Files and folders of tests that need an optional package, and cases of others: left out where it is not installed.
 NEED = {
-    "flint": (
-        "certificates",
-        "cli/test_certify.py",
-        "cli/test_score.py",
-        "reference/test_folder.py",
-        "reference/test_score.py",
-        "reference/test_cases.py",
-    ),
-    "pyarrow": ("crosschecks/test_objects.py",),
-    "h5netcdf": ("sweeps/test_output.py", "sweeps/test_plan.py", "sweeps/test_sweep.py"),
+    "flint": "certificates cli/test_certify.py cli/test_score.py reference/test_folder.py reference/test_score.py "
+    "reference/test_cases.py",
+    "pyarrow": "crosschecks/test_objects.py",
+    "h5netcdf": "sweeps/test_output.py sweeps/test_plan.py sweeps/test_sweep.py",
 }
 NEED_CASES = {
-    "flint": (
-        "plot/test_judged.py::test_each_case_is_where_it_belongs",
-        "simulation/test_results_compare.py::test_what_a_public_function_returns_is_public_documented_and_comparable"
-        "[certify]",
-    ),
-    "pyarrow": (
-        "crosschecks/test_files.py::*.parquet]",
-        "crosschecks/test_files.py::*.pq]",
-        "crosschecks/test_files.py::*.feather]",
-        "crosschecks/test_files.py::*.arrow]",
-        "crosschecks/test_files.py::test_wrong_columns_and_no_numbers_are_named",
-    ),
-    "h5netcdf": (
-        "crosschecks/test_files.py::*[xarray.nc]",
-        "cli/test_commands.py::test_it_tells*",
-        "cli/test_commands.py::test_status",
-    ),
+    "flint": "plot/test_judged.py::test_each_case_is_where_it_belongs simulation/test_results_compare.py::"
+    "test_what_a_public_function_returns_is_public_documented_and_comparable[certify]",
+    "pyarrow": "crosschecks/test_files.py::*.parquet] crosschecks/test_files.py::*.pq] "
+    "crosschecks/test_files.py::*.feather] crosschecks/test_files.py::*.arrow] "
+    "crosschecks/test_files.py::test_wrong_columns_and_no_numbers_are_named",
+    "h5netcdf": "crosschecks/test_files.py::*[xarray.nc] cli/test_commands.py::test_it_tells* "
+    "cli/test_commands.py::test_status",
 }
 MISSING = [name for name in NEED if find_spec(name) is None]
-collect_ignore = [path for name in MISSING for path in NEED[name]]
+collect_ignore = [path for name in MISSING for path in NEED[name].split()]
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -102,7 +86,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def _leave_out_without_extras(items: list[pytest.Item]) -> None:
     """Skip the cases that need a package that is not installed."""
     for name in MISSING:
-        patterns = [f"*{each.replace('[', '[[]')}*" for each in NEED_CASES[name]]
+        patterns = [f"*{each.replace('[', '[[]')}*" for each in NEED_CASES[name].split()]
         for item in items:
             if any(fnmatch(item.nodeid, pattern) for pattern in patterns):
                 item.add_marker(pytest.mark.skip(reason=f"{name} is not installed"))

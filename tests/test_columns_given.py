@@ -8,21 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from symosc import (
-    ParameterError,
-    continue_orbit,
-    crosscheck,
-    find_orbit,
-    grazing_windows,
-    jacobian,
-    load_scene,
-    parameter_jacobian,
-    residual,
-    simulate,
-    simulate_many,
-    solve_map,
-    sweep,
-)
+import symosc
+from symosc import ParameterError, crosscheck, find_orbit, load_scene, simulate, simulate_many, sweep
 
 SCENE = load_scene("fig9")
 P = SCENE.parameters
@@ -47,17 +34,17 @@ TAKE_ROWS: dict[str, Function] = {
     "index": lambda row: simulate_many(P, ROWS, 5, record="summary")[row.astype(int)],
     "axis": lambda row: sweep(SCENE, {"FN": row}, t_end=1),
     "starts of a sweep": lambda row: sweep(SCENE, {"FN": [5, 6]}, starts={"t0": 0, "x0": row, "v0": 0}, t_end=1),
-    "range": lambda row: continue_orbit(P, "P32", "FN", row[:2]),
+    "range": lambda row: symosc.continue_orbit(P, "P32", "FN", row[:2]),
     "t": lambda row: crosscheck(SCENE, row, [1, 2, 3], [1, 2, 3]),
     "x": lambda row: crosscheck(SCENE, [1, 2, 3], row, [1, 2, 3]),
     "v": lambda row: crosscheck(SCENE, {"t": [1, 2, 3], "x": [1, 2, 3], "v": row}),
     "function": lambda row: crosscheck(SCENE, lambda t: (row[1], 0.0)),
     "events": lambda row: crosscheck(SCENE, [1, 2, 3], [1, 2, 3], [1, 2, 3], events=[(row[1], "cross")]),
-    "residual": lambda row: residual(P, "P2", (row, 0.5), (1.0, 4.0)),
-    "jacobian": lambda row: jacobian(P, "P2", (4.5, 0.5), (1.0, row)),
-    "parameter_jacobian": lambda row: parameter_jacobian(P, "P2", (4.5, row), (1.0, 9.0)),
-    "solve_map": lambda row: solve_map(P, "P2", row[1], 0.5),
-    "windows": lambda row: grazing_windows(P, "P2", Omega=row),
+    "residual": lambda row: symosc.residual(P, "P2", (row, 0.5), (1.0, 4.0)),
+    "jacobian": lambda row: symosc.jacobian(P, "P2", (4.5, 0.5), (1.0, row)),
+    "parameter_jacobian": lambda row: symosc.parameter_jacobian(P, "P2", (4.5, row), (1.0, 9.0)),
+    "solve_map": lambda row: symosc.solve_map(P, "P2", row[1], 0.5),
+    "windows": lambda row: symosc.grazing_windows(P, "P2", Omega=row),
 }
 
 

@@ -8,23 +8,10 @@ import sys
 import pytest
 
 #: What extras bring, as it is imported.
-BROUGHT = (
-    "numba",
-    "gmpy2",
-    "heyoka",
-    "sksundae",
-    "xarray",
-    "pandas",
-    "h5netcdf",
-    "h5py",
-    "zarr",
-    "dask",
-    "distributed",
-)
-BROUGHT += ("flint", "pint", "pyarrow", "bokeh", "jax")
+BROUGHT = "numba gmpy2 heyoka sksundae xarray pandas h5netcdf h5py zarr dask distributed flint pint pyarrow bokeh jax"
 CODE = f"""
 import sys
-for name in {BROUGHT!r}:
+for name in {BROUGHT.split()!r}:
     sys.modules[name] = None
 from symosc import *
 import symosc

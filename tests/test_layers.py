@@ -110,15 +110,3 @@ def test_only_symbolic_and_derivations_import_sympy() -> None:
 def test_every_package_says_what_it_is_for() -> None:
     for path in ROOT.rglob("__init__.py"):
         assert ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))), path
-
-
-def test_what_a_motion_does_on_a_belt_is_decided_in_the_engine() -> None:
-    """Theorems 4 and 5 are asked by name in one package: starts elsewhere go through `symosc.engine.start`."""
-    asking = {
-        name.split(".")[0]
-        for name, path in MODULES.items()
-        for node in nodes(path)
-        if (isinstance(node, ast.Name) and node.id == "resolve")
-        or (isinstance(node, ast.Constant) and node.value == "resolve")
-    }
-    assert asking - {"bench", "derive"} == {"engine"}  # a peer's own one, and names that are resolved in derivations

@@ -38,24 +38,10 @@ def parameters(**changes: object) -> Parameters:
 # -- exact reading ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "value",
-    [
-        0.8,
-        "0.8",
-        " 4/5 ",
-        "8e-1",
-        Fraction(4, 5),
-        Decimal("0.80"),
-        sympy.Rational(4, 5),
-        np.float64(0.8),
-        np.float32(0.8),
-        np.array(0.8)[()],
-    ],
-    ids=repr,
-)
-def test_four_fifths_in_every_form(value: object) -> None:
-    assert parameters(mu1=value).mu1 == Fraction(4, 5)
+def test_four_fifths_in_every_form() -> None:
+    texts = 0.8, "0.8", " 4/5 ", "8e-1", Fraction(4, 5), Decimal("0.80"), sympy.Rational(4, 5)
+    for value in (*texts, np.float64(0.8), np.float32(0.8), np.array(0.8)[()]):
+        assert parameters(mu1=value).mu1 == Fraction(4, 5)
 
 
 def test_an_mpf_keeps_every_bit() -> None:
@@ -74,17 +60,10 @@ def test_a_long_decimal_keeps_every_digit() -> None:
     assert Fraction(text) == parameters(A0=Decimal(text)).A0
 
 
-@pytest.mark.parametrize(
-    ("given", "digits"),
-    [
-        ("2*pi", "6.283185307179586476925286766559005768394"),
-        ("sqrt(2)/4", "0.3535533905932737622004221810524245196424"),
-    ],
-)
-def test_expressions_are_read_to_forty_digits(given: str, digits: str) -> None:
-    assert Fraction(digits) == parameters(A0=given).A0
-    assert Fraction(digits) == parameters(A0=sympy.sympify(given)).A0
-    assert Fraction(1, 2) == parameters(A0="1/3 + 1/6").A0
+def test_expressions_are_read_to_forty_digits() -> None:
+    two_pi, root = "6.283185307179586476925286766559005768394", "0.3535533905932737622004221810524245196424"
+    for given, digits in (("2*pi", two_pi), ("sqrt(2)/4", root), ("1/3 + 1/6", "0.5")):
+        assert Fraction(digits) == parameters(A0=given).A0 == parameters(A0=sympy.sympify(given)).A0
 
 
 def test_a_start_that_is_read_to_forty_digits_has_an_error() -> None:
@@ -170,13 +149,13 @@ def test_shipped_scenes_in_the_order_of_the_figures() -> None:
     assert papers == scene_names()[: len(papers)]
 
 
-@pytest.mark.parametrize("name", SHIPPED)
-def test_every_shipped_scene_loads_and_is_sourced(name: str) -> None:
-    scene = load_scene(name)
-    assert scene.name == name
-    assert scene.t_end > scene.t0
-    assert "WSEAS" in scene.source
-    assert hash(scene) == hash(load_scene(name))
+def test_every_shipped_scene_loads_and_is_sourced() -> None:
+    for name in SHIPPED:
+        scene = load_scene(name)
+        assert scene.name == name
+        assert scene.t_end > scene.t0
+        assert "WSEAS" in scene.source
+        assert hash(scene) == hash(load_scene(name))
 
 
 PAPER = {  # A0, B0, Omega, c, k, m, v1, v2, mu1, mu2, FN; t0, x0, v0
@@ -189,16 +168,12 @@ PAPER = {  # A0, B0, Omega, c, k, m, v1, v2, mu1, mu2, FN; t0, x0, v0
 }
 
 
-@pytest.mark.parametrize("name", PAPER)
-def test_scenes_hold_the_paper_s_numbers(name: str) -> None:
+def test_scenes_hold_the_paper_s_numbers() -> None:
     names = ("A0", "B0", "Omega", "c", "k", "m", "v1", "v2", "mu1", "mu2", "FN")
-    numbers = [Fraction(text) for text in PAPER[name].split()]
-    scene = load_scene(name)
-    assert scene.parameters == Parameters(**dict(zip(names, numbers[:11], strict=True)))
-    assert [scene.t0, scene.x0, scene.v0] == numbers[11:]
-
-
-def test_the_corrected_fig7_differs_only_in_A0() -> None:
+    for name, row in PAPER.items():
+        numbers, scene = [Fraction(text) for text in row.split()], load_scene(name)
+        assert scene.parameters == Parameters(**dict(zip(names, numbers[:11], strict=True)))
+        assert [scene.t0, scene.x0, scene.v0] == numbers[11:]
     printed, corrected, grazing = (load_scene(name) for name in ("fig7", "fig7-corrected", "fig7-exact"))
     assert printed.parameters.replace(A0=10) == corrected.parameters == grazing.parameters
     assert (printed.t0, printed.x0, printed.v0) == (corrected.t0, corrected.x0, corrected.v0)
@@ -226,45 +201,15 @@ v0 = 0
 """
 
 
-@pytest.fixture
-def scene_file(tmp_path: Path) -> Path:
-    path = tmp_path / "some file.toml"
-    path.write_text(SCENE_TEXT, encoding="utf-8")
-    return path
-
-
-def test_a_scene_file_is_read_exactly(scene_file: Path) -> None:
-    for scene in (load_scene(scene_file), load_scene(str(scene_file))):
+def test_a_scene_file_is_read_exactly(tmp_path: Path) -> None:
+    file = tmp_path / "some file.toml"
+    file.write_text(SCENE_TEXT, encoding="utf-8")
+    for scene in (load_scene(file), load_scene(str(file))):
         assert scene.name == "mine"
         assert scene.parameters.k == Fraction(4, 5)
         assert scene.parameters.B0 == 10
         assert scene.x0 == Fraction(10**30 + 1, 10**31)
         assert (scene.t_end, scene.structure, scene.source) == (Fraction(5, 2), None, "")
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("m = 1\n", "", "parameters.m is missing"),
-        ("m = 1\n", "m = 1\nmass = 2\n", "parameters.mass is unknown"),
-        ("x0 = 0.1000000000000000000000000000001\n", "", "start.x0 is missing"),
-        ("t0 = 0\n", "t0 = 0\ny0 = 0\n", "start.y0 is unknown"),
-        ("t_end = 2.5\n", "", "t_end is missing"),
-        ("t_end = 2.5\n", "t_end = 2.5\ntend = 3\n", "tend is unknown"),
-        ("[start]\n", "[begin]\n", "begin is unknown"),
-        ("m = 1\n", "m = \n", "not valid TOML"),
-        ("m = 1\n", "m = 1\nm = 2\n", "not valid TOML"),
-        ('name = "mine"', "name = 3", "name must be text"),
-        ('name = "mine"', "parameters = 3", "TOML|table"),
-    ],
-)
-def test_broken_scene_files(scene_file: Path, old: str, new: str, message: str) -> None:
-    assert old in SCENE_TEXT
-    scene_file.write_text(SCENE_TEXT.replace(old, new, 1), encoding="utf-8")
-    with pytest.raises(SceneError, match=message) as caught:
-        load_scene(scene_file)
-    assert caught.value.scene == str(scene_file)
-    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["fig11", "Fig5", "", "fig5.toml", "no/such/file.toml", ".", "a\0b", "n" * 5000])

@@ -32,62 +32,45 @@ def wall(F: float | str, **others: object) -> OtherModel:
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.quick(3)
+@pytest.mark.quick(2)
 def test_it_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
     """Follow the equation by DOP853 until it has settled, and integrate over the last cycle by quad."""
     model = drawn(kind, 100 + seed).replace(c="4/5", m=1)
-    found, n, Om = frequency_response(model, {"Omega": [float(model.Omega)]}), Original(model).n, float(model.Omega)
-    period = TURN / Om
+    Om, follow = float(model.Omega), Original(model)
+    found, n, period = frequency_response(model, {"Omega": [Om]}), follow.n, TURN / Om
     end = 14 * period + 60  # exp(-0.4 * 60) is 4e-11; a motion with sticks may be slower
-    begin, follow = end - period, Original(model)
+    begin = end - period
     events, state = follow.follow(0.0, 0.1, 0.2, end)
     cuts = [begin, *(t for t, _, _ in events if begin < t < end), end]
 
     def integral(function: object) -> float:
-        spans = pairwise(cuts)
-        return sum(quad(function, a, b, epsabs=1e-11, epsrel=1e-11, limit=200)[0] for a, b in spans if b - a > 1e-12)
-
-    def friction(t: float) -> float:
-        """Return the force of friction on the mass, from m x'' by differences of the velocity."""
-        h = 1e-5
-        low, high = max(max(c for c in cuts if c <= t), t - h), min(min(c for c in cuts if c >= t), t + h)
-        slope = (state(high)[1] - state(low)[1]) / (high - low) if high > low else 0.0
-        return float(n["m"] * slope - follow.others(t, *state(t)))
+        spans = ((a, b) for a, b in pairwise(cuts) if b - a > 1e-12)
+        return sum(quad(function, a, b, epsabs=1e-11, epsrel=1e-11, limit=200)[0] for a, b in spans)
 
     def slips(t: float, belt: int) -> float:
         return abs(float(state(t)[1]) - follow.belts(t)[0][belt])
 
-    most = [n["mu1"] * n["FN"], n["mu2"] * n["FN"]]
-    heat = sum(most[i] * integral(lambda t, i=i: slips(t, i)) for i in range(1 if follow.one_belt else 2))
-    damper = n["c"] * integral(lambda t: (state(t)[1] - follow.base(t)[1]) ** 2)
-    first = (
-        2
-        / period
-        * complex(integral(lambda t: state(t)[0] * np.cos(Om * t)), -integral(lambda t: state(t)[0] * np.sin(Om * t)))
-    )
-    times = np.linspace(begin, end, 2001)
-    x = np.array([state(t)[0] for t in times])
-
     def extreme(sign: int) -> float:
-        near = times[int(np.argmax(sign * x))]
-        step = times[1] - times[0]
+        near, step = times[int(np.argmax(sign * x))], times[1] - times[0]
         bounds, fine = (near - step, min(near + step, end)), {"xatol": 1e-9}
         best = minimize_scalar(lambda t: -sign * state(t)[0], bounds=bounds, method="bounded", options=fine)
         return float(-sign * best.fun)
 
+    most = [n["mu1"] * n["FN"], n["mu2"] * n["FN"]]
+    heat = sum(most[i] * integral(lambda t, i=i: slips(t, i)) for i in range(1 if follow.one_belt else 2))
+    damper = n["c"] * integral(lambda t: (state(t)[1] - follow.base(t)[1]) ** 2)
+    parts = (integral(lambda t, f=f: state(t)[0] * f(Om * t)) for f in (np.cos, np.sin))
+    first = 2 / period * (next(parts) - 1j * next(parts))
+    times = np.linspace(begin, end, 2001)
+    x = np.array([state(t)[0] for t in times])
+    held = [
+        (a, b) for (a, kind), (b, _) in pairwise([*((t, kind) for t, _, kind in events), (end, "")]) if kind == "stick"
+    ]
+    stuck = sum(max(0.0, b - max(a, begin)) for a, b in held)
     assert found.status[0] in ("orbit", "rest")
-    assert found.amplitude[0] == pytest.approx((extreme(1) - extreme(-1)) / 2, rel=1e-8, abs=1e-9)
-    assert found.harmonic[0] == pytest.approx(abs(first), rel=1e-8, abs=1e-9)
-    assert found.friction[0] == pytest.approx(heat, rel=1e-8, abs=1e-9)
-    assert found.damper[0] == pytest.approx(damper, rel=1e-8, abs=1e-9)
-    assert found.work[0] == pytest.approx(heat + damper, rel=1e-8, abs=1e-9)
-    kinds, stuck, since = [kind for t, _, kind in events], 0.0, None
-    for (t, _, kind), _ in zip(events, kinds, strict=True):
-        if kind == "slip" and since is not None:
-            stuck += max(0.0, t - max(since, begin))
-        since = t if kind == "stick" else None
-    stuck += end - max(since, begin) if since is not None else 0.0
-    assert found.stuck[0] == pytest.approx(stuck / period, abs=1e-8)
+    expected = {"amplitude": (extreme(1) - extreme(-1)) / 2, "harmonic": abs(first), "friction": heat, "damper": damper}
+    for name, value in (expected | {"work": heat + damper, "stuck": stuck / period}).items():
+        assert getattr(found, name)[0] == pytest.approx(value, rel=1e-8, abs=1e-8 if name == "stuck" else 1e-9), name
     excitation = model.base if model.Y else model.force if model.B0 else None
     if excitation is not None and found.harmonic[0] > 0:
         lag = np.angle(complex(float(excitation.C), -float(excitation.S)) / first)
@@ -97,8 +80,8 @@ def test_it_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.quick(3)
 def test_what_goes_in_is_what_is_lost(kind: str) -> None:
-    """Over 40 frequencies and forces of random models, most of them with sticks; and the errors are what is said."""
-    for seed in range(10):
+    """Over 24 frequencies and springs of random models, most of them with sticks; and the errors are what is said."""
+    for seed in range(3):
         model = drawn(kind, seed)
         for name, values in (("Omega", "0.35:2.9:4"), ("k", "0.6:3.5:4")):
             found = frequency_response(model, {name: values})

@@ -18,17 +18,7 @@ from tabulate import tabulate
 from symosc import plot
 from symosc.aliases import Record
 from symosc.bench import machine, not_run, sentence
-from symosc.bench.solvers import (
-    FIRST_LIMIT,
-    HANG,
-    OURS,
-    PROCESSES,
-    Outcome,
-    Solver,
-    all_solvers,
-    in_parallel,
-    processor_limit,
-)
+from symosc.bench.solvers import HANG, OURS, PROCESSES, Outcome, Solver, all_solvers, in_parallel, processor_limit
 from symosc.files import write_text
 from symosc.reference import score
 from symosc.reference.case import ReferenceCase
@@ -66,13 +56,13 @@ def run(
     able = [solver for solver in solvers if not solver.missing]
     steps = iter(progress(range(len(chosen) * (1 + len(able)))))
     jobs = [(i, stored, case, with_derivatives) for i, case in enumerate(chosen)]
-    known = in_parallel([jobs[first::PROCESSES] for first in range(PROCESSES)], FIRST_LIMIT, steps)
+    known = in_parallel([jobs[first::PROCESSES] for first in range(PROCESSES)], steps)
     for outcome in known.values():
         if outcome.failure:
             raise RuntimeError(f"no events of a reference case: {outcome.failure}")
     chunks = [[((s.name, i), found_by, s, case, limit) for i, case in enumerate(chosen)] for s in able]
     # The limit by the clock is this many times that of processor time; it ends what Python cannot interrupt.
-    outcomes = in_parallel(chunks, 10.0 * limit, steps)
+    outcomes = in_parallel(chunks, steps, 10.0 * limit)
     next(steps, None)  # lets a progress bar come to its end
 
     def judged(solver: Solver, numbers: Iterable[int], tolerance: float) -> Score:

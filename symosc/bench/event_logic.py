@@ -42,10 +42,7 @@ FORCE_ROUNDING, MOST_DERIVATIVES = 1e-15, 5
 # What careful users of step-by-step integrators set, found by trial on the shipped scenes and some hundred random ones:
 #: Flights from a belt start this part of the larger belt speed off it. Errors after a near graze are in proportion
 #: (1e-12 costs two digits in fig8); from the belt itself, some flights come back at once for ever.
-INTEGRATOR_OFFSET, ONE_STEP_OFFSET = 1e-14, 1e-15
-#: Multistep methods: at least this part of rtol. They start with order 1, so that the first steps away from the belt
-#: are wrong by as much as rtol allows; closer to it, the way back is found at the start, and there for ever.
-MULTISTEP_OFFSET = 0.1
+ONE_STEP_OFFSET = 1e-15
 #: Steps per period at least. With 4, coarse tolerances lose events of fig8; with more than 8, fine ones gain nothing.
 STEPS_PER_PERIOD = 8
 #: atol by rtol. With atol = rtol the same error costs the same.

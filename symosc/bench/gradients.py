@@ -200,27 +200,19 @@ def tangent_steps(m, c, k, A, B, Omega, phase, x, v, duration, tolerance):
             new[:] = y
             for j in range(stage):
                 new += h * STAGE_WEIGHTS[stage, j] * K[j]
-            angle = Omega * (t + h * STAGE_TIMES[stage]) + phase
-            push = (A + B * cos(angle) - k * new[0] - c * new[1]) / m
+            now = t + h * STAGE_TIMES[stage]
+            push = (A + B * cos(Omega * now + phase) - k * new[0] - c * new[1]) / m
+            K[stage, 2::2], K[stage, 3::2] = new[3::2], -(k * new[2::2] + c * new[3::2]) / m
             K[stage, 0], K[stage, 1] = new[1], push
-            for j in range(9):
-                K[stage, 2 + 2 * j] = new[3 + 2 * j]
-                K[stage, 3 + 2 * j] = -(k * new[2 + 2 * j] + c * new[3 + 2 * j]) / m
             K[stage, 3 + 2 * OF_M] -= push / m
             K[stage, 3 + 2 * OF_C] -= new[1] / m
             K[stage, 3 + 2 * OF_K] -= new[0] / m
             K[stage, 3 + 2 * OF_A] += 1.0 / m
-            K[stage, 3 + 2 * OF_B] += cos(angle) / m
-            K[stage, 3 + 2 * OF_OMEGA] -= B * sin(angle) * (t + h * STAGE_TIMES[stage]) / m
-            K[stage, 3 + 2 * OF_PHASE] -= B * sin(angle) / m
-        third = fifth = 0.0
-        for i in range(20):
-            scale = tolerance * max(1e-3, abs(y[i]), abs(new[i]))
-            e3 = e5 = 0.0
-            for j in range(STAGES + 1):
-                e3 += E3[j] * K[j, i]
-                e5 += E5[j] * K[j, i]
-            third, fifth = third + (e3 / scale) ** 2, fifth + (e5 / scale) ** 2
+            K[stage, 3 + 2 * OF_B] += cos(Omega * now + phase) / m
+            K[stage, 3 + 2 * OF_OMEGA] -= B * sin(Omega * now + phase) * now / m
+            K[stage, 3 + 2 * OF_PHASE] -= B * sin(Omega * now + phase) / m
+        scale = tolerance * np.maximum(1e-3, np.maximum(np.abs(y), np.abs(new)))
+        third, fifth = np.sum((E3 @ K / scale) ** 2), np.sum((E5 @ K / scale) ** 2)
         error = 0.0 if fifth == 0.0 else h * fifth / np.sqrt((fifth + 0.01 * third) * 20.0)
         if error < 1.0 or t + h == t:
             t = duration if h >= duration - t else t + h

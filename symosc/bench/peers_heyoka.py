@@ -125,9 +125,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
     return run
 
 
-def count_in_batches(
-    p: Parameters, starts: np.ndarray, durations: np.ndarray, tolerance: float
-) -> Callable[[], np.ndarray]:
+def count_many(p: Parameters, starts: np.ndarray, durations: np.ndarray, tolerance: float) -> Callable[[], np.ndarray]:
     """Return a function that counts events of motions from (t, x, v), as many side by side as a register holds."""
     import heyoka as hy
 

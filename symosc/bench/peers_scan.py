@@ -13,11 +13,14 @@ from functools import lru_cache, partial
 from math import cos, exp, sin, sqrt
 from typing import NamedTuple
 
+import numpy as np
+
 from symosc.aliases import Record
 from symosc.bench import event_logic
 from symosc.bench.event_logic import UNSOLVED, PeerError, Problem, margins, problem, root, runner
 from symosc.bench.solvers import LazyEvents, Solver
 from symosc.engine.arithmetic import compile_modules
+from symosc.model import Parameters
 from symosc.scenes import Scene
 
 UNDERDAMPED, CRITICAL, OVERDAMPED = range(3)
@@ -146,6 +149,30 @@ def compiled() -> Record:
 def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
     """Prepare the scan with `points` samples per period."""
     return runner(scene, compiled(), scan_of(problem(scene.parameters), points, tolerance), 0.0)
+
+
+def count_many(
+    p: Parameters, starts: np.ndarray, durations: np.ndarray, points: int, tolerance: float
+) -> Callable[[], np.ndarray]:
+    """Return a function that counts the events of motions from (t, x, v), all of them compiled."""
+    import numba
+
+    q, follow = problem(p), compiled()["follow"]
+    s = scan_of(q, points, tolerance)
+
+    @numba.njit
+    def count_all(q, s, starts, durations, counts):
+        for i in range(len(starts)):
+            t, x, v = starts[i]
+            mode = 1 if v < q.v1 else 2 if v < q.v2 else 3
+            counts[i] = follow(q, s, t, x, v, mode, 0, 0.0, t + durations[i])[1]
+
+    def run() -> np.ndarray:
+        counts = np.zeros(len(starts), np.int64)
+        count_all(q, s, starts, durations, counts)
+        return counts
+
+    return run
 
 
 SOLVERS = tuple(

@@ -203,7 +203,9 @@ def _drop_output() -> None:
         os.dup2(nothing, stream)
 
 
-def in_parallel(chunks: Sequence[Sequence[tuple[Any, ...]]], limit: float, steps: Iterator[Any]) -> dict[Any, Outcome]:
+def in_parallel(
+    chunks: Sequence[Sequence[tuple[Any, ...]]], steps: Iterator[Any], limit: float = FIRST_LIMIT
+) -> dict[Any, Outcome]:
     """Run each chunk of jobs (key, function, arguments ...) in its own worker; return the outcomes by key."""
     # The first job of a chunk is done once more before it in each new process, where it may take FIRST_LIMIT.
     stop, turn = Flag(), Lock()

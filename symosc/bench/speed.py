@@ -26,8 +26,7 @@ import numpy as np
 from tabulate import tabulate
 
 from symosc.aliases import Number, Record
-from symosc.bench import machine, sentence
-from symosc.bench.peers_heyoka import count_in_batches
+from symosc.bench import machine, peers_heyoka, peers_scan, sentence
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.fit import fit
 from symosc.grazing.window import grazing_window, grazing_windows
@@ -164,10 +163,11 @@ def _ensemble(count: int) -> Iterator[Call]:
     swept = partial(simulate_many, columns, (0, 0, 0), PERIODS * 2 * pi / columns["Omega"], **ONE_CORE)
     yield Call("as many values of Omega, counted", "event", partial(swept, record=COUNTS))
     yield Call("as many values of Omega, all columns", "event", partial(swept, record="summary"))
-    scan = f"closed form, scan of {SCAN_POINTS} points, numba"
-    yield Call(scan, "event", scan_of_starts(p, starts, ends - starts[:, 0]))
+    durations = ends - starts[:, 0]
+    scan = peers_scan.count_many(p, starts, durations, SCAN_POINTS, SCAN_ACCURACY)
+    yield Call(f"closed form, scan of {SCAN_POINTS} points, numba", "event", scan)
     if find_spec("heyoka"):
-        batches = count_in_batches(p, starts, ends - starts[:, 0], BATCH_TOLERANCE)
+        batches = peers_heyoka.count_many(p, starts, durations, BATCH_TOLERANCE)
         yield Call("heyoka, motions in batches, counted", "event", batches)
 
 
@@ -186,31 +186,6 @@ def _derivatives(count: int) -> Iterator[Call]:
     first = {"mu1": 0.81, "c": float(scene.parameters.c) * 1.01}
     call = partial(fit, scene, data, ("mu1", "c", "FN"), sigma=1e-4, start=first)
     yield Call("fit of 3 parameters to 1,000 events of fig5", "call", call, 1)
-
-
-def scan_of_starts(p: Parameters, starts: np.ndarray, durations: np.ndarray) -> Callable[[], np.ndarray]:
-    """Return a function that counts events by the closed form, a scan and a root finder, all compiled."""
-    import numba
-
-    from symosc.bench import peers_scan
-    from symosc.bench.event_logic import problem
-
-    q = problem(p)
-    s, follow = peers_scan.scan_of(q, SCAN_POINTS, SCAN_ACCURACY), peers_scan.compiled()["follow"]
-
-    @numba.njit
-    def count_all(q, s, starts, durations, counts):
-        for i in range(len(starts)):
-            t, x, v = starts[i]
-            mode = 1 if v < q.v1 else 2 if v < q.v2 else 3
-            counts[i] = follow(q, s, t, x, v, mode, 0, 0.0, t + durations[i])[1]
-
-    def run() -> np.ndarray:
-        counts = np.zeros(len(starts), np.int64)
-        count_all(q, s, starts, durations, counts)
-        return counts
-
-    return run
 
 
 def _single_motions(most: int) -> Iterator[Call]:

@@ -16,7 +16,7 @@ import pytest
 
 from symosc import Parameters, Scene, load_scene, simulate, simulate_many
 from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve
-from symosc.bench.peers_heyoka import count_in_batches
+from symosc.bench.peers_heyoka import count_many
 from symosc.bench.solvers import OURS, Solver, all_solvers
 from symosc.reference.compare import FoundEvents
 
@@ -124,52 +124,41 @@ def test_integrators_in_their_traps(solver: Solver) -> None:
 
 # -- compiled solvers --------------------------------------------------------------------------------------------------
 
-
-@COMPILED
-@pytest.mark.full(3)
-@pytest.mark.parametrize("name", ["fig5", "fig6", "fig9", "fig10"])
-@pytest.mark.parametrize("solver", FAST, ids=lambda solver: solver.name)
-def test_the_events_of_an_easy_scene(solver: Solver, name: str) -> None:
-    scene = load_scene(name)
-    exact = simulate(scene, digits=30).events
-    assert error(found_by(solver, scene), exact) < 2e-13
-    if name == "fig10":
-        errors = [error(found_by(solver, scene, tolerance), exact) for tolerance in (1e-4, 1e-10)]
-        assert errors[0] > 1e-9 > errors[1]
-
-
-CASES = {
-    "critical damping": (EASY.replace(c=4), 0),
-    "overdamped": (EASY.replace(c=5), 0),
-    "little damping": (EASY.replace(c="1/100"), 0),
-    "light mass": (EASY.replace(m="1/1000"), 0),
-    "belt at rest": (EASY.replace(v1=0), 0),
-    "no friction on one belt": (EASY.replace(mu2=0), 0),
-    "late": (EASY, 10**10),
+#: Scenes that compiled solvers follow to the last digits, at their finest tolerance.
+EASY_SCENES = {name: load_scene(name) for name in ("fig5", "fig6", "fig9", "fig10")}
+EASY_SCENES |= {
+    name: Scene(name, EASY.replace(**changes), t0, "1/10", 3, t0 + 20)  # type: ignore[arg-type]
+    for name, changes, t0 in (
+        ("critical damping", {"c": 4}, 0),
+        ("overdamped", {"c": 5}, 0),
+        ("little damping", {"c": "1/100"}, 0),
+        ("light mass", {"m": "1/1000"}, 0),
+        ("belt at rest", {"v1": 0}, 0),
+        ("no friction on one belt", {"mu2": 0}, 0),
+        ("late", {}, 10**10),
+    )
+}
+EASY_SCENES |= {
+    f"from {x0} on a belt at {speed}": Scene("on a belt", EASY, 0, x0, speed, 5)  # type: ignore[arg-type]
+    for x0 in (-6, -1, 0, 1, 6)
+    for speed in (EASY.v1, EASY.v2)
 }
 
 
 @COMPILED
-@pytest.mark.full(6)
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.full(12)
+@pytest.mark.parametrize("name", EASY_SCENES)
 @pytest.mark.parametrize("solver", FAST, ids=lambda solver: solver.name)
-def test_other_regimes_and_late_starts(solver: Solver, case: str) -> None:
-    parameters, t0 = CASES[case]
-    scene = Scene(case, parameters, t0, "1/10", 3, t0 + 20)
-    exact, found = simulate(scene, digits=30).events, found_by(solver, scene)
-    assert len(exact) >= 5
-    # Events this late are known to the last bit of their time.
-    assert error(found, exact) <= 1e-11 + 2.0**-53 * t0
-
-
-@COMPILED
-@pytest.mark.full(6)
-@pytest.mark.parametrize("speed", [EASY.v1, EASY.v2])
-@pytest.mark.parametrize("x0", [-6, -1, 0, 1, 6])
-@pytest.mark.parametrize("solver", FAST, ids=lambda solver: solver.name)
-def test_starts_on_a_belt(solver: Solver, x0: int, speed: Fraction) -> None:
-    scene = Scene("on a belt", EASY, 0, x0, speed, 5)
-    assert error(found_by(solver, scene), simulate(scene, digits=30).events) < 1e-12
+def test_the_events_of_an_easy_scene(solver: Solver, name: str) -> None:
+    scene = EASY_SCENES[name]
+    exact = simulate(scene, digits=30).events
+    assert len(exact) >= 2
+    # Events that are late are known to the last bit of their time.
+    allowed = 2e-13 if name.startswith("fig") else 1e-12 if "belt at" in name else 1e-11 + 2.0**-53 * scene.t0
+    assert error(found_by(solver, scene), exact) <= allowed
+    if name == "fig10":
+        errors = [error(found_by(solver, scene, tolerance), exact) for tolerance in (1e-4, 1e-10)]
+        assert errors[0] > 1e-9 > errors[1]
 
 
 @pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
@@ -178,7 +167,7 @@ def test_batches_of_heyoka_count_what_we_count(name: str) -> None:
     scene, rng = load_scene(name), np.random.default_rng(1)
     starts = np.column_stack([rng.uniform(0, 6, 21), rng.uniform(-5, 5, 21), rng.uniform(-5, 5, 21)])
     ours = simulate_many(scene.parameters, starts, starts[:, 0] + 20, record=("events",), use_numba=False).events
-    run = count_in_batches(scene.parameters, starts, np.full(21, 20.0), 2e-13)
+    run = count_many(scene.parameters, starts, np.full(21, 20.0), 2e-13)
     for _ in range(2):
         assert run().tolist() == ours.tolist()
 

@@ -11,8 +11,10 @@ import argparse
 import sys
 import time
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from random import Random
 from typing import Any
 
@@ -59,8 +61,7 @@ class Judged:
 
 def moved(scene: FuzzScene, name: str, by: Fraction, digits: int | None) -> Any:
     """Return the events of a scene with a changed number."""
-    start = {each: getattr(scene, each) for each in ("t0", "x0", "v0")}
-    p = scene.p
+    p, start = scene.p, {each: getattr(scene, each) for each in ("t0", "x0", "v0")}
     if name in start:
         start[name] += by
     elif name:
@@ -71,46 +72,34 @@ def moved(scene: FuzzScene, name: str, by: Fraction, digits: int | None) -> Any:
 
 
 def quotients(scene: FuzzScene, name: str, base: Any, digits: int | None) -> Any:
-    """Return for each event of `base` by differences dt, dx and how one-sided ones differ, or None where events do."""
-    own = getattr(scene, name) if name in ("t0", "x0", "v0") else getattr(scene.p, name)
-    h = STEPS[digits] * (abs(own) or 1)
+    """Yield for each event of `base` by differences dt, dx and how one-sided ones differ; None from where events do."""
+    own = abs(getattr(scene if name in ("t0", "x0", "v0") else scene.p, name))
+    h = STEPS[digits] * (own or 1)
     more, less = (moved(scene, name, sign * h, digits) for sign in (1, -1))
-    found: list[Any] = []
+    same = True
     for n, event in enumerate(base):
-        if found and found[-1] is None:
-            found.append(None)
-            continue
-        same = n < min(len(more), len(less)) and label(more[n]) == label(less[n]) == label(event)
-        width = float(h)
-        found.append(
-            [
-                (float(a - c) / (2 * width), float(a - 2 * b + c) / width, float(abs(own)) or 1.0)
-                for a, b, c in ((getattr(each[n], axis) for each in (more, base, less)) for axis in ("t", "x"))
-            ]
-            if same
-            else None
-        )
-    return found
+        same = same and n < min(len(more), len(less)) and label(more[n]) == label(less[n]) == label(event)
+        triples = [[getattr(each[n], axis) for each in (more, base, less)] for axis in ("t", "x")] if same else ()
+        rows = [
+            (float(a - c) / (2 * float(h)), float(a - 2 * b + c) / float(h), float(own) or 1.0) for a, b, c in triples
+        ]
+        yield rows or None
 
 
 def judged(scene: FuzzScene, names: tuple[str, ...] = NAMES) -> list[Judged]:
     """Judge all derivatives of a scene."""
     start = {each: getattr(scene, each) for each in ("t0", "x0", "v0", "t_end")}
     s = sensitivities(scene.p, names, **start)
-    bases: dict[Any, Any] = {}
+    base = cache(lambda digits: moved(scene, "", Fraction(0), digits))
     found: list[Judged] = []
     for j, name in enumerate(names):
-        for digits in list(STEPS)[scene.dps > QUADRUPLE :]:
-            if digits not in bases:
-                bases[digits] = moved(scene, "", Fraction(0), digits)
-            try:
-                rows = column(scene, s, j, name, bases[digits], digits)
-            except ParameterError:  # a step to values that are not allowed
-                rows = []
-                break
-            if all(row.verdict in ("right", "kink named") for row in rows):
-                break
-        found += rows
+        rows: list[Judged] = []
+        with suppress(ParameterError):  # a step to values that are not allowed
+            for digits in list(STEPS)[scene.dps > QUADRUPLE :]:
+                rows = column(scene, s, j, name, base(digits), digits)
+                if all(row.verdict in ("right", "kink named") for row in rows):
+                    break
+            found += rows
     if any(row.verdict == "said to be a kink" for row in found) and any("rounding" in (r or "") for r in s.reasons):
         exact = sensitivities(scene.p, names, **start, digits=30)
         for row in found:
@@ -178,35 +167,27 @@ def main() -> int:
     parser.add_argument("--family", choices=fuzz.FAMILIES, action="append")
     parser.add_argument("--most-events", type=int, default=40)
     options = parser.parse_args()
-    begin, number, counts, families = time.perf_counter(), options.first, Counter[str](), Counter[Any]()
+    begin, number, families = time.perf_counter(), options.first, Counter[Any]()
     while time.perf_counter() - begin < options.seconds:
         for family in options.family or fuzz.FAMILIES:
             try:
-                scene = scene_of(family, options.seed, number, options.most_events)
-                rows = judged(scene)
+                rows = judged(scene_of(family, options.seed, number, options.most_events))
             except Exception as error:
                 print(f"# {family} {number}: {type(error).__name__}: {error}", flush=True)
-                counts["unjudged scenes"] += 1
+                families[family, "unjudged scenes"] += 1
                 continue
-            for row in rows:
-                counts[row.verdict] += 1
-                families[family, row.verdict] += 1
-            bad = [row for row in rows if row.verdict in ("wrong", "kink missed", "said to be a kink")]
-            for verdict in dict.fromkeys(row.verdict for row in bad):
-                mine = [row for row in bad if row.verdict == verdict]
-                names = ", ".join(dict.fromkeys(row.name for row in mine))
-                worst = max(mine, key=lambda row: row.error)
-                print(
-                    f"# {family} {number}: {verdict} {len(mine)} times by {names} from event "
-                    f"{min(row.event for row in mine)}, error {worst.error:.1e}, allowed {worst.allowed:.1e}",
-                    flush=True,
-                )
+            families.update((family, row.verdict) for row in rows)
+            for verdict in ("wrong", "kink missed", "said to be a kink"):
+                bad = [row for row in rows if row.verdict == verdict]
+                if bad:
+                    names, worst = ", ".join(dict.fromkeys(row.name for row in bad)), max(row.error for row in bad)
+                    first = min(row.event for row in bad)
+                    print(f"# {family} {number}: {verdict} {len(bad)} times by {names} from event {first}, {worst:.1e}")
         number += 1
-        print(f"{number - options.first} scenes of each family: {dict(counts)}", flush=True)
+        print(f"{number - options.first} scenes of each family, {time.perf_counter() - begin:.0f} s", flush=True)
     for key, count in sorted(families.items()):
         print(*key, count)
-    print(f"{time.perf_counter() - begin:.0f} s")
-    return int(bool(counts["wrong"] or counts["kink missed"]))
+    return int(any(verdict in ("wrong", "kink missed") for _, verdict in families))
 
 
 if __name__ == "__main__":

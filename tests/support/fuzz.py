@@ -23,23 +23,9 @@ from scene_families import FuzzScene
 from tabulate import tabulate
 from verdicts import DOUBTFUL, Verdict, judge, settled
 
+NAMES = "wide graze near approach limit creep settle aimed digits late long coincide onbelt rest undriven extreme"
 FAMILIES: dict[str, Callable[[Random, int], FuzzScene]] = {
-    "wide": plain.wide,
-    "graze": touching.graze,
-    "near": touching.near,
-    "approach": touching.approach,
-    "limit": touching.limit,
-    "creep": touching.creep,
-    "settle": touching.settle,
-    "aimed": touching.aimed,
-    "digits": plain.digits,
-    "late": plain.late,
-    "long": plain.long,
-    "coincide": plain.coincide,
-    "onbelt": plain.onbelt,
-    "rest": plain.rest,
-    "undriven": plain.undriven,
-    "extreme": plain.extreme,
+    name: getattr(touching if hasattr(touching, name) else plain, name) for name in NAMES.split()
 }
 FAULTS = (
     "missed", "invented", "wrong kind", "undecidable", "status", "end", "exception", "disagree", "digits",

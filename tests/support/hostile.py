@@ -6,15 +6,13 @@ import datetime
 import decimal
 import inspect
 import os
-import random
 import types
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-import click
 import mpmath
 import numpy as np
 import pandas as pd
@@ -23,7 +21,6 @@ import xarray as xr
 
 import symosc
 from symosc import load_scene, plot
-from symosc.cli.app import main
 
 P5, P9 = load_scene("fig5").parameters, load_scene("fig9").parameters
 
@@ -47,21 +44,12 @@ def _circle() -> list[Any]:
     return circle
 
 
+PLAIN = "None True False 0 -1 3 10**400 -10**60 1e51 0.5 1j [] () {} [1,2] [None] range(10**12)"
 #: Makers of hostile values by name: an iterator is used up by its first reader.
-VALUES: dict[str, Callable[[], Any]] = {
-    "None": lambda: None,
-    "True": lambda: True,
-    "False": lambda: False,
-    "0": lambda: 0,
-    "-1": lambda: -1,
-    "3": lambda: 3,
-    "10**400": lambda: 10**400,
-    "-10**60": lambda: -(10**60),
-    "1e51": lambda: 1e51,
-    "0.5": lambda: 0.5,
+VALUES: dict[str, Callable[[], Any]] = {source: partial(eval, source) for source in PLAIN.split()}
+VALUES |= {
     "nan": lambda: float("nan"),
     "inf": lambda: float("inf"),
-    "1j": lambda: 1j,
     "fraction": lambda: Fraction(1, 3),
     "decimal_nan": lambda: decimal.Decimal("NaN"),
     "mpf_nan": lambda: mpmath.nan,
@@ -76,11 +64,6 @@ VALUES: dict[str, Callable[[], Any]] = {
     "bytes": lambda: b"P2",
     "bytearray": lambda: bytearray(b"123"),
     "memoryview": lambda: memoryview(b"123"),
-    "[]": list,
-    "()": tuple,
-    "{}": dict,
-    "[1,2]": lambda: [1, 2],
-    "[None]": lambda: [None],
     "[text]": lambda: ["a", "b"],
     "ragged": lambda: [[1], [1, 2]],
     "circle": _circle,
@@ -90,7 +73,6 @@ VALUES: dict[str, Callable[[], Any]] = {
     "set": lambda: {1, 2},
     "generator": lambda: (i for i in range(3)),
     "iterator": lambda: iter([]),
-    "range(10**12)": lambda: range(10**12),
     "array": lambda: np.array([1.0, 2.0]),
     "array_0": lambda: np.array(1.0),
     "array_empty": lambda: np.zeros(0),
@@ -125,83 +107,63 @@ NUMBER = {"0", "-1", "3", "0.5", "fraction", "text_1"}
 LARGE = {"3", "10**400"}
 ROWS = {"[]", "()", "[1,2]", "array", "array_0", "array_empty", "array_odd", "series"}
 TEXT = {"text", "text_1", "text_null", "text_long", "text_half"}
-NUMBERS = (
-    "m c k A0 B0 Omega v1 v2 mu1 mu2 FN t0 x0 v0 t_end t_m x theta x_i theta_m tolerance global_tolerance within low "
-    "high skip start_error phase Y Y_phase W W_phase g angle"
-)
+BOTH, PAIRS = {"Parameters", "Scene"}, {"[1,2]", "array", "series"}
 
 
 def _each(names: str, values: set[str]) -> dict[str, set[str]]:
-    return dict.fromkeys(names.split(), values)
+    return dict.fromkeys(names.split(", "), values)
 
 
 #: Which values are valid for parameters of a name, or of one call; None is where it is the default, and no others are.
 VALID: dict[str, set[str]] = {
-    **_each(NUMBERS, NUMBER),
-    **_each("closed grazing jacobian own_start partial resume use_numba", FLAG),
-    **_each("max_events max_points workers", LARGE),
-    **_each("n alpha periods", {"3"}),
-    **_each("seed sections step", {"0", "3"}),
-    **_each("p parameters", {"Parameters", "Scene"}),
-    **_each("scene what subject windows", {"Scene"}),
-    **{f"{name} scene": {"Scene", "Parameters"} for name in ("sweep", "sweep_status")},
-    **{f"{name} what": {"Scene", "Parameters"} for name in ("atlas", "frequency_response")},
-    "certify what": {"Scene", "Parameters", "Atlas"},
-    **_each("first second", {"[1,2]", "array", "series"}),
+    **_each("m, c, k, A0, B0, Omega, v1, v2, mu1, mu2, FN, t0, x0, v0, t_end, t_m, x, theta, x_i, theta_m", NUMBER),
+    **_each("tolerance, global_tolerance, within, low, high, skip, start_error, phase, Y, Y_phase, W, W_phase", NUMBER),
+    **_each("g, angle, atlas prove, atlas seconds, grazing_start periods", NUMBER),
+    **_each("Scene start_error, simulate_many skip", NUMBER | {"array_0"}),
+    **_each("theorem7 gamma, theorem7 amplitude", NUMBER | {"symbol"}),
+    **_each("fit sigma, values_containing theta", NUMBER | {"[1,2]"}),
     "accuracy": NUMBER | {"inf"},
-    "atlas prove": NUMBER,
-    "atlas seconds": NUMBER,
-    "columns": {"{}"},
-    "end": {"[1,2]", "array", "ragged", "series"},
-    "continue_border end": {"0"},
-    "events": {"[]", "()", "iterator", "array_empty"},
-    "given": {"{}"},
-    "guess": {"[1,2]", "array", "frame", "series"},
+    "ParameterValues.__contains__ value": NUMBER | {"oo"},
+    "solve_map theta_i": NUMBER | {"-10**60", "1e51", "array_0"},
+    "solve_map x_i": {"1e51"},
+    **_each("GrazingWindow.contact theta, grazing_windows Omega, simulate_many t_end", NUMBER | ROWS),
+    **_each("Sensitivities.__call__ t, Trajectory.__call__ t, Trajectory.mode t, Trajectory.force t", NUMBER | ROWS),
+    **{f"MovedTrajectory.{name} t": NUMBER | ROWS for name in ("__call__", "mode", "force")},
+    **{f"OtherModel.{way} {name}": NUMBER | ROWS for way in ("back", "forth") for name in "txv"},
+    "GrazingWindow.contains theta": NUMBER | ROWS | {"1e51"},
+    "PeriodicOrbit.__call__ t": NUMBER | ROWS | {"-10**60", "1e51"},
+    **_each("closed, grazing, jacobian, own_start, partial, resume, use_numba", FLAG),
+    **_each("OtherModel joined, OtherModel.replace joined", FLAG),
+    "progress": {*FLAG, "lambda"},
+    "certify progress": {*FLAG, "lambda", "Trajectory"},
+    **_each("max_events, max_points, workers", LARGE),
+    "crosscheck workers": LARGE | {"None"},
+    **_each("n, alpha, periods", {"3"}),
+    **_each("seed, sections, step", {"0", "3"}),
     "i": {"0", "-1", "3"},
+    "continue_border end": {"0"},
+    "EventTable.__getitem__ trajectory": {"0", "-1"},
+    "Summary.__getitem__ motion": {"0", "-1", "[]", "()", "array_bool"},
+    **_each("scene, what, subject, windows", {"Scene"}),
+    **_each("p, parameters, sweep scene, sweep_status scene, crosscheck scene, simulate scene", BOTH),
+    **_each("atlas what, frequency_response what, fit what, sensitivities what", BOTH),
+    **_each("values_containing p, values_empty p, values_everything p", BOTH | {"None"}),
+    "certify what": BOTH | {"Atlas"},
+    **_each("first, second", PAIRS),
+    "end": PAIRS | {"ragged"},
+    "guess": PAIRS | {"frame"},
+    "start": PAIRS | {"array_odd", "ragged"},
+    "CompiledResidual.__call__ x": PAIRS | {"array_nan"},
+    **_each("columns, given, fit start", {"{}"}),
+    "events": {"[]", "()", "iterator", "array_empty"},
     "path": {"text", "text_1"},
     "plane": {"lambda"},
-    "progress": {*FLAG, "lambda"},
-    "start": {"[1,2]", "array", "array_odd", "ragged", "series"},
-    "PeriodicOrbit.__call__ t": NUMBER | ROWS | {"-10**60", "1e51"},
-    "ParameterValues.__contains__ value": NUMBER | {"oo"},
     "Scene name": TEXT,
     "Scene notes": {"()"},
     "Scene source": TEXT | {"text_empty"},
-    "Scene start_error": NUMBER | {"array_0"},
-    "certify progress": {*FLAG, "lambda", "Trajectory"},
-    "crosscheck scene": {"Scene", "Parameters"},
     "crosscheck t": {"Trajectory", "broken"},  # what an object of a user raises is the user's
     "crosscheck x": {"Trajectory"},
-    "crosscheck workers": LARGE | {"None"},
-    "CompiledResidual.__call__ x": {"[1,2]", "array", "array_nan", "series"},
-    "EventTable.__getitem__ trajectory": {"0", "-1"},
-    "GrazingWindow.contact theta": NUMBER | ROWS,
-    "GrazingWindow.contains theta": NUMBER | ROWS | {"1e51"},
-    "grazing_start periods": NUMBER,
-    "grazing_windows Omega": NUMBER | ROWS,
-    "simulate scene": {"Scene", "Parameters"},
-    "fit what": {"Scene", "Parameters"},
-    "fit data": {"broken"},  # what an object of a user raises is the user's
-    "fit sigma": NUMBER | {"[1,2]"},
-    "fit start": {"{}"},
-    "sensitivities what": {"Scene", "Parameters"},
-    "Sensitivities.__call__ t": NUMBER | ROWS,
-    "simulate_many t_end": NUMBER | ROWS,
-    "simulate_many skip": NUMBER | {"array_0"},
-    "solve_map theta_i": NUMBER | {"-10**60", "1e51", "array_0"},
-    "solve_map x_i": {"1e51"},
-    "Summary.__getitem__ motion": {"0", "-1", "[]", "()", "array_bool"},
-    "theorem7 gamma": NUMBER | {"symbol"},
-    "theorem7 amplitude": NUMBER | {"symbol"},
-    "values_containing theta": NUMBER | {"[1,2]"},
-    "values_containing p": {"Parameters", "Scene", "None"},
-    "values_empty p": {"Parameters", "Scene", "None"},
-    "values_everything p": {"Parameters", "Scene", "None"},
-    **{f"Trajectory.{name} t": NUMBER | ROWS for name in ("__call__", "mode", "force")},
-    **{f"MovedTrajectory.{name} t": NUMBER | ROWS for name in ("__call__", "mode", "force")},
-    **{f"OtherModel.{way} {name}": NUMBER | ROWS for way in ("back", "forth") for name in "txv"},
-    "OtherModel joined": FLAG,
-    "OtherModel.replace joined": FLAG,
+    "fit data": {"broken"},  # as above
 }
 #: What a message may name in place of a parameter: the parts of it.
 CALLED = {
@@ -433,101 +395,3 @@ def is_valid(name: str, parameter: str, value: str, usual: Any) -> bool:
     special = f"{call} {parameter}"
     own = VALID.get(special, VALID.get(parameter, set()))
     return value in own or (value == "None" and usual is None)
-
-
-# --- command lines ---
-
-#: The start of a valid line of each command, and what makes the long ones fail after all options have been read.
-LINES: dict[str, list[str]] = {
-    "simulate": ["fig6"],
-    "figure": ["fig6", "-o", "a.png", "--panels", "a"],
-    "scenes": [],
-    "new": ["mine.toml"],
-    "orbit": ["fig9"],
-    "fit": ["fig6", "samples.csv", "--free", "mu1"],
-    "grazing": ["fig9", "--map", "P2"],
-    "codegen": ["P2", "-o", "a.c"],
-    "check": ["samples.csv", "--scene", "fig6"],
-    "atlas": ["fig9", "--over", "Omega=3.9:4.1", "--over", "FN=9.5:10.5", "--prove", "2"],
-    "certify": ["fig6"],
-    "verify": ["broken.json"],
-    "cases": ["--group", "none"],
-    "score": [".", "."],
-    "derive": ["motion", "--format", "html", "--pdf"],
-    "sweep": ["fig9", "--over", "Omega=3:5:2", "--t-end", "1"],
-    "bench": ["-o", "-", "--json"],
-    "warm": ["none"],
-    "explore": ["fig6", "--set", "m=0"],
-    "reproduce": ["--only", "none"],
-}
-TEXTS = [
-    *(
-        "",
-        " ",
-        "-",
-        "--",
-        "nan",
-        "inf",
-        "-1",
-        "0",
-        "1",
-        "1e51",
-        "1e999999999",
-        "1_000",
-        "１",
-        "0x10",
-        "None",
-        "[]",
-        "{}",
-    ),
-    *("9" * 5000, "x" * 5000, "a\nb", "a\udc80b", "\u202e", "%s%n", "$(id)", "`id`", "<b>", "1/0", "2*pi", "P32", "P9"),
-    *("fig5", "FIG5", "k=1", "k=x", "=", "k=", "m=0", "v1=9", "1:2", "1:2:3", "Omega=3:5:2", "Omega=5:3:2", "Omega=::"),
-    *("no/such/folder/a.json", ".", "folder", "a.xyz", "a.pdf", "a.json", "broken.json", "broken.toml", "binary.bin"),
-    *("deep.json", "list.json", "samples.csv", "empty.csv", "x,v,t", "t=a,x=b", "0,0,0", "12T", "-2T", "word,word"),
-    *("section:0", "math:sin", "math", "none:none", "dask:", "latex", "all", "10:20", "@a", "~nobody", "*"),
-]
-#: Never tried: it writes into the package, or removes folders.
-NEVER = {"--regenerate", "--restart", "--help"}
-
-
-def write_hostile_files(folder: Path) -> None:
-    """Write the files that command lines name."""
-    (folder / "folder").mkdir()
-    contents = {
-        "broken.json": "{",
-        "broken.toml": "t_end = ",
-        "deep.json": "[" * 50_000,
-        "list.json": "[1, 2]",
-        "empty.csv": "",
-        "samples.csv": "t,x,v\n0,0,5\n0.1,0.5,5\n",
-    }
-    for name, text in contents.items():
-        (folder / name).write_text(text)
-    (folder / "binary.bin").write_bytes(bytes(range(256)) * 8)
-
-
-def command_lines(rng: random.Random) -> Iterator[list[str]]:
-    """Yield lines: each option and argument of each command with several texts, and then some of them at once."""
-    context = click.Context(main)
-    commands = {name: main.get_command(context, name) for name in main.list_commands(context)}
-    assert commands.keys() == LINES.keys()
-    options = {
-        name: [each for each in command.params if isinstance(each, click.Option) and not NEVER & set(each.opts)]
-        for name, command in commands.items()
-        if command
-    }
-
-    def more(option: click.Option) -> list[str]:
-        return [rng.choice(option.opts), *([] if option.is_flag else [rng.choice(TEXTS)])]
-
-    for name, known in options.items():
-        for option in known:
-            for _ in range(1 if option.is_flag else 5):
-                yield [name, *LINES[name], *more(option)]
-        for place in range(len(LINES[name])):
-            for text in rng.sample(TEXTS, 3):
-                yield [name, *LINES[name][:place], text, *LINES[name][place + 1 :]]
-    while True:
-        name = rng.choice(list(options))
-        line = [*LINES[name], *(text for _ in range(rng.randint(1, 3)) for text in more(rng.choice(options[name])))]
-        yield [name, *line, *rng.choice(([], [], [rng.choice(TEXTS)]))]

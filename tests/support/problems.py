@@ -56,11 +56,5 @@ def resonant(rng: random.Random) -> Problem:
 
 
 FAMILIES: dict[str, Callable[[random.Random], Problem]] = {
-    "ordinary": ordinary,
-    "late": late,
-    "slow": slow,
-    "light": light,
-    "stiff": stiff,
-    "no spring": no_spring,
-    "resonant": resonant,
+    family.__name__.replace("_", " "): family for family in (ordinary, late, slow, light, stiff, no_spring, resonant)
 }

@@ -7,7 +7,7 @@ closed form by construction, the scene carries its events (`truth`), so no oracl
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import pi, sqrt
 from random import Random
@@ -60,6 +60,8 @@ def text(value: Fraction) -> str:
     return str(value) if value.denominator == 1 else f'"{value}"'
 
 
+with_digits = replace
+
 # -- drawing numbers -------------------------------------------------------------------------------------------------
 
 
@@ -99,9 +101,8 @@ def wide_parameters(rng: Random) -> Parameters:
     m, Omega = size(rng, -1, 1), size(rng, -1, 1)
     k, zeta = size(rng, -1.5, 1.5), size(rng, -2, 0.7)
     c = Fraction(f"{2 * float(zeta) * sqrt(float(k * m)):.3g}")
-    kind = rng.choice(
-        ["plain"] * 8 + ["c=0", "k=0", "free", "critical", "resonance", "near resonance", "near critical"]
-    )
+    special = ["c=0", "k=0", "free", "critical", "resonance", "near resonance", "near critical"]
+    kind = rng.choice(["plain"] * 8 + special)
     if kind in ("c=0", "free"):
         c = Fraction(0)
     if kind in ("k=0", "free"):
@@ -121,11 +122,10 @@ def wide_parameters(rng: Random) -> Parameters:
     scale = min(max(speed, 1e-2), 1e2)
     v1 = Fraction(f"{scale * rng.uniform(-1.3, 1):.3g}")
     v2 = v1 + Fraction(f"{scale * 10 ** rng.uniform(-2, 0.3):.3g}")
-    special = rng.random()
-    if special < 0.12 and v2 > 0:
-        v1 = Fraction(0)
-    elif special < 0.24 and v1 < 0:
-        v2 = Fraction(0)
+    still = rng.random()
+    v1, v2 = (
+        (Fraction(0), v2) if still < 0.12 and v2 > 0 else (v1, Fraction(0)) if still < 0.24 and v1 < 0 else (v1, v2)
+    )
     mu1, mu2 = (rng.choice([Fraction(0)] + [Fraction(rng.randint(1, 999), 1000)] * 6) for _ in "12")
     A0 = rng.choice([Fraction(0), signed(rng, -1.5, 1.5)])
     return Parameters(m=m, c=c, k=k, A0=A0, B0=B0, Omega=Omega, v1=v1, v2=v2, mu1=mu1, mu2=mu2, FN=size(rng, -1.5, 1))
@@ -187,24 +187,26 @@ def coincide(rng: Random, number: int) -> FuzzScene:
 
 def extreme(rng: Random, number: int) -> FuzzScene:
     """Parameters of very different sizes: light and heavy masses, weak springs, slow and fast drives."""
-    p = wide_parameters(rng)
-    kind = rng.randrange(7)
-    if kind == 0:
-        p = p.replace(m=size(rng, -7, -4), k=rng.choice([0, p.k]), Omega=size(rng, -7, -1))
-        p = p.replace(c=rng.choice([Fraction(0), size(rng, -9, -4)]))
-    elif kind == 1:
-        p = p.replace(m=size(rng, -5, -2), Omega=size(rng, 0, 1.5), c=size(rng, -3, -1))
-    elif kind == 2:
-        p = p.replace(k=size(rng, -12, -4), c=rng.choice([p.c, 0, size(rng, -9, -3)]))
-    elif kind == 3:
-        p = p.replace(Omega=size(rng, 1, 4))
-    elif kind == 4:
-        p = p.replace(Omega=size(rng, -6, -2))
-    elif kind == 5:
-        p = p.replace(m=size(rng, 2, 7), B0=signed(rng, 0, 6))
-    else:
+    p, zero = wide_parameters(rng), Fraction(0)
+
+    def light() -> dict[str, Any]:
+        numbers = {"m": size(rng, -7, -4), "k": rng.choice([0, p.k]), "Omega": size(rng, -7, -1)}
+        return numbers | {"c": rng.choice([zero, size(rng, -9, -4)])}
+
+    def scaled() -> dict[str, Any]:
         scale = size(rng, -6, 6, 1)
-        p = p.replace(v1=p.v1 * scale, v2=p.v2 * scale, A0=p.A0 * scale, B0=p.B0 * scale, FN=p.FN * scale)
+        return {name: getattr(p, name) * scale for name in ("v1", "v2", "A0", "B0", "FN")}
+
+    changes: list[Callable[[], dict[str, Any]]] = [
+        light,
+        lambda: {"m": size(rng, -5, -2), "Omega": size(rng, 0, 1.5), "c": size(rng, -3, -1)},
+        lambda: {"k": size(rng, -12, -4), "c": rng.choice([p.c, 0, size(rng, -9, -3)])},
+        lambda: {"Omega": size(rng, 1, 4)},
+        lambda: {"Omega": size(rng, -6, -2)},
+        lambda: {"m": size(rng, 2, 7), "B0": signed(rng, 0, 6)},
+        scaled,
+    ]
+    p = p.replace(**changes[rng.randrange(7)]())
     t0, x0, v0 = wide_start(rng, p)
     return FuzzScene("extreme", number, p, t0, x0, v0, t0 + span(rng, p, 1, 20, 2000))
 
@@ -225,10 +227,6 @@ def onbelt(rng: Random, number: int) -> FuzzScene:
     tiny = rng.choice([0, 0, signed(rng, -12, -6, 1), signed(rng, -30, -14, 1)])
     scene = FuzzScene("onbelt", number, p, Fraction(0), x0 + tiny, speed, span(rng, p, 2, 15))
     return scene if abs(tiny) > 1e-15 else with_digits(scene, touch=True, dps=70)
-
-
-def with_digits(scene: FuzzScene, **changes: Any) -> FuzzScene:
-    return FuzzScene(**{**vars(scene), **changes})
 
 
 def shortened(scene: FuzzScene, part: Fraction) -> FuzzScene:

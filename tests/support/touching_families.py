@@ -125,11 +125,8 @@ def periodic_motion(rng: Random) -> tuple[Fraction, Fraction, Fraction, Fraction
         kappa = signed(rng, -1, 0.5, 2)
     if m * Omega**2 + kappa <= 0:
         kappa = abs(kappa)
-    amplitude = {
-        "critical": c * c / (4 * m) + m * Omega**2,
-        "resonance": c * Omega,
-        "undamped": abs(kappa),
-    }.get(kind, c * Omega * Fraction(h, q))
+    sizes = {"critical": c * c / (4 * m) + m * Omega**2, "resonance": c * Omega, "undamped": abs(kappa)}
+    amplitude = sizes.get(kind, c * Omega * Fraction(h, q))
     motion = Periodic(Omega, X, V, c * Omega**2 * r, -Omega * kappa * r, Omega * abs(r) * amplitude)
     return m, Omega, c, m * Omega**2 + kappa, motion, r * amplitude**2
 
@@ -179,19 +176,8 @@ def approach(rng: Random, number: int) -> FuzzScene:
     v1, v2 = (belt, belt + room) if boundary == 1 else (belt - room, belt)
     mu1, mu2 = (rng.choice([Fraction(0), Fraction(rng.randint(1, 99), 100)]) for _ in "12")
     Omega = rng.choice([size(rng, -3, 1, 2), Fraction(1, 1000)])
-    p = Parameters(  # friction is balanced below
-        m=m,
-        c=m * (slow + fast),
-        k=m * slow * fast,
-        A0=0,
-        B0=0,
-        Omega=Omega,
-        v1=v1,
-        v2=v2,
-        mu1=mu1,
-        mu2=mu2,
-        FN=size(rng, -1, 1),
-    )
+    numbers = {"m": m, "c": m * (slow + fast), "k": m * slow * fast, "Omega": Omega, "mu1": mu1, "mu2": mu2}
+    p = Parameters(**numbers, A0=0, B0=0, v1=v1, v2=v2, FN=size(rng, -1, 1))  # friction is balanced below
     p = p.replace(A0=p.k * X + p.c * belt - p.A(alpha))
     if kind == "critical":  # (c1 + c2 t) e^(-slow t)
         offset, v0 = c1 / slow + c2 / slow**2, c1

@@ -73,17 +73,13 @@ def settled(scene: FuzzScene) -> FuzzScene:
 
 
 def judge(
-    scene: FuzzScene,
-    oracle: Oracle = simulate_oracle,
-    digits: Sequence[int] = (),
-    numba: Sequence[bool] = (False,),
+    scene: FuzzScene, oracle: Oracle = simulate_oracle, digits: Sequence[int] = (), numba: Sequence[bool] = (False,)
 ) -> Verdict:
     """Compare `simulate`, `simulate_many` (with and without numba) and `simulate(digits=)` with the truth."""
-    verdict = Verdict(scene)
-    truth = truth_of(scene, oracle)
+    verdict, truth = Verdict(scene), truth_of(scene, oracle)
     verdict.events = len(truth.events)
     begin = time.perf_counter()
-    trajectory = _run(verdict, "simulate", simulate, scene)
+    trajectory = _run(verdict)
     verdict.seconds = time.perf_counter() - begin
     if verdict.seconds > SLOW and verdict.seconds > SLOW_EVENT * max(1, verdict.events):
         verdict.add("slow", f"{verdict.seconds:.1f} s for {verdict.events} events")
@@ -94,17 +90,17 @@ def judge(
         for use_numba in numba:
             _compare_many(verdict, trajectory, use_numba)
     for count in digits:
-        exact = _run(verdict, f"digits={count}", simulate, scene, digits=count)
-        if exact is not None:
+        if (exact := _run(verdict, digits=count)) is not None:
             compare(verdict, exact, truth, oracle, count)
     return verdict
 
 
-def _run(verdict: Verdict, name: str, function: Any, scene: FuzzScene, **options: Any) -> Any:
+def _run(verdict: Verdict, **options: Any) -> Any:
+    scene = verdict.scene
     try:
-        return function(scene.p, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end, **options)
+        return simulate(scene.p, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end, **options)
     except Exception as error:
-        verdict.add("exception", f"{name}: {type(error).__name__}: {error}")
+        verdict.add("exception", f"simulate {options}: {type(error).__name__}: {error}")
         return None
 
 
@@ -119,20 +115,26 @@ def show(event: Any) -> str:
 def compare(verdict: Verdict, trajectory: Any, truth: OracleRun, oracle: Oracle, digits: int | None = None) -> None:
     """Find the first event that differs, and the errors of those before it."""
     prefix = "" if digits is None else f"digits={digits}: "
-    ours, theirs = list(trajectory.events), truth.events
+    ours, theirs, same = list(trajectory.events), truth.events, 0
     with mpmath.workdps(60):
-        same = 0
         for event, expected in zip(ours, theirs, strict=False):
             if label(event) != label(expected) or not _near(event, expected):
                 break
             _check_errors(verdict, event, expected, digits, prefix)
             same += 1
-        mine = ours[same] if same < len(ours) else None
-        other = theirs[same] if same < len(theirs) else None
-        if mine is None and trajectory.status == "undecidable":
-            _check_doubt(verdict, trajectory, truth, oracle, same, digits, prefix)
-        elif mine is not None or other is not None:
-            _classify(verdict, mine, other, same, len(ours), len(theirs), prefix)
+        mine, other = ours[same : same + 1], theirs[same : same + 1]
+        if not mine and trajectory.status == "undecidable":
+            # Allowed where a push of the start as small as rounding changes what comes next.
+            if digits is None and (verdict.scene.touch or _is_open(verdict.scene, truth, oracle, same)):
+                verdict.status = "doubt"
+            else:
+                verdict.add("undecidable", f"{prefix}after {same} of {len(theirs)} events: {trajectory.message}")
+        elif mine or other:
+            invented = not other or (mine and mine[0].t < other[0].t)
+            kind = mine and other and _near(mine[0], other[0])
+            said = ", expected ".join(" ".join(map(show, each)) or "nothing" for each in (mine, other))
+            where = f"{prefix}event {same} ({len(ours)} events, {len(theirs)} expected, status {verdict.status})"
+            verdict.add("wrong kind" if kind else "invented" if invented else "missed", f"{where}: {said}")
 
 
 def _near(event: Any, expected: Any) -> bool:
@@ -153,32 +155,6 @@ def _check_errors(verdict: Verdict, event: Any, expected: Any, digits: int | Non
         verdict.ratios.append(ratio)
         if ratio > MOST_ESTIMATES:
             verdict.add("estimate", f"{name} off by {error:.1e}, estimated {estimate:.1e}, in {show(event)}")
-
-
-def _classify(verdict: Verdict, mine: Any, other: Any, same: int, ours: int, theirs: int, prefix: str) -> None:
-    where = f"{prefix}event {same} ({ours} events, {theirs} expected): "
-    if other is None:
-        verdict.add("invented", where + show(mine))
-    elif mine is None:
-        verdict.add("missed", f"{where}{show(other)}, status {verdict.status}")
-    elif _near(mine, other):
-        verdict.add("wrong kind", f"{where}{show(mine)}, expected {show(other)}")
-    else:
-        fault = "invented" if mine.t < other.t else "missed"
-        verdict.add(fault, f"{where}{show(mine)}, expected {show(other)}")
-
-
-def _check_doubt(
-    verdict: Verdict, trajectory: Any, truth: OracleRun, oracle: Oracle, same: int, digits: int | None, prefix: str
-) -> None:
-    """Judge an "undecidable" end: allowed where a push of the start as small as rounding changes what comes next."""
-    detail = f"{prefix}after {same} of {len(truth.events)} events: {trajectory.message}"
-    if digits is not None:
-        verdict.add("undecidable", detail)
-    elif verdict.scene.touch or _is_open(verdict.scene, truth, oracle, same):
-        verdict.status = "doubt"
-    else:
-        verdict.add("undecidable", detail)
 
 
 def _is_open(scene: FuzzScene, truth: OracleRun, oracle: Oracle, same: int) -> bool:
