@@ -48,7 +48,7 @@ USUAL_NAMES = {
 EVENTS = "events"
 STATE_NAMES = ("y", "ys", "u", "z", "state", "states", "sol", "solution", "data")
 NONE = "none"
-MISSING: Any = object()
+MISSING: Any = object()  # in place of what an object has not
 MOST_NAMES = 12  # in a message
 
 
