@@ -17,7 +17,6 @@ ALLOWED = {
     "scenes": set(),
     "new mine.toml": set(),
     "simulate fig5": {"numpy"},
-    "simulate fig5 --json": {"numpy"},
     "grazing fig9": {"numpy"},
     "orbit fig9": {"numpy", "mpmath", "gmpy2"},
     "figure fig5 -o fig5.svg": {"numpy", "matplotlib", "fontTools"},

@@ -102,7 +102,7 @@ runpy.run_module("symosc", run_name="__main__", alter_sys=True)
 """
 
 
-@pytest.mark.parametrize("module", [1, 8, 30, 70, 150, 300, 450])
+@pytest.mark.parametrize("module", [1, 30, 150, 450])
 def test_an_interrupt_while_it_loads(module: int, tmp_path: Path) -> None:
     command = [sys.executable, "-c", INTERRUPTED, str(module), "figure", "fig5", "-o", "fig5.pdf"]
     ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
