@@ -20,7 +20,7 @@ MAPS = ("P2", "P3", "P5", "P6")
 BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
 
 
-@pytest.mark.full(2)
+@pytest.mark.full(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("mapping", MAPS)
 @sample_of(100, 2000)

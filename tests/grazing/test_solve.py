@@ -82,6 +82,7 @@ def assert_value(p: Parameters, start: GrazingStart, name: str, value: Fraction)
         assert abs(turns - mpmath.nint(turns)) < mpmath.mpf(10) ** -36
 
 
+@pytest.mark.full(4)
 @pytest.mark.slow
 @pytest.mark.parametrize("regime", REGIMES)
 def test_every_point_grazes_and_has_the_value(regime: str) -> None:
