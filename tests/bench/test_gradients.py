@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from symosc import load_scene, sensitivities
-from symosc.bench.gradients import run, solvers, table
+from symosc import load_scene, sensitivities, simulate
+from symosc.bench.gradients import heyoka_jacobian, run, solvers, table, through_events
 from symosc.bench.solvers import Solver
 from symosc.reference.cases import reference_case
+from symosc.reference.compare import FoundEvents
 from symosc.simulation.tangents import NAMES
 
 #: The error that each may have; what compiles for a minute is slow.
@@ -49,3 +50,17 @@ def test_what_is_missing_is_said_and_the_rest_is_scored(monkeypatch: pytest.Monk
     (score,) = result["scores"]
     assert score.cases[0].derivatives == score.cases[0].known_derivatives == 72
     assert "| paper" in table(result["scores"])
+
+
+@pytest.mark.slow
+def test_a_flight_goes_on_behind_a_graze() -> None:
+    """What is reported as a graze in the middle of a flight changes no derivative of later events."""
+    pytest.importorskip("heyoka")
+    scene = replace(load_scene("fig5"), t_end=5)
+    motion, jacobian = simulate(scene), heyoka_jacobian(1e-16)
+    events = [FoundEvents(event.t, event.x, event.kind, event.boundary) for event in motion.events]
+    assert [event.kind for event in events[:3]] == ["stick", "slip", "stick"]
+    middle = (events[1].t + events[2].t) / 2
+    touched = [*events[:2], FoundEvents(middle, float(motion(middle)[0]), "graze", events[2].boundary), *events[2:]]
+    plain, found = (list(through_events(scene, each, jacobian)) for each in (events, touched))
+    assert found[:2] + found[3:] == plain
