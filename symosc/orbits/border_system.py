@@ -342,7 +342,8 @@ class BorderSystem:
         found = [c._replace(value=inf) if i in self.hidden else c for i, c in enumerate(found)]
         for zero, theta in zip(self.zeros, [*phases, *[0.0] * len(self.zeros)], strict=False):
             found += self._regular(equations, points, zero, theta, size.a / size.t)
-        for c in own:  # at other extrema than the border's
+        equations.pieces = self.pieces  # at other extrema than the border's
+        for c in own:
             turns = turns_of(equations, points, c.piece, kind_of(c)) if kind_of(c) in TIMED else []
             away = [value for value, theta, _ in turns if all(abs(theta - phase) > 1e-5 for phase in phases)]
             found.append(c._replace(value=float(min(away, default=inf)), text=f"elsewhere, {c.text}"))
