@@ -218,7 +218,7 @@ def compiled() -> Record:
 
 
 def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
-    """Prepare DOP853."""
+    """Return a function that follows a scene by the compiled DOP853 and returns its events."""
     return runner(scene, compiled(), settings(problem(scene.parameters), tolerance), ONE_STEP_OFFSET)
 
 

@@ -96,7 +96,7 @@ class Judged(NamedTuple):
 
 @dataclass(frozen=True)
 class Results:
-    """The results of a run: judged claims, and a Done for each picture (with a Drawn) and chapter (with steps, HTML)."""
+    """The results of a run: judged claims, and a Done for each picture (its value: Drawn) and chapter (steps, HTML)."""
 
     plan: Plan
     judged: tuple[Judged, ...]

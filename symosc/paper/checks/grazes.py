@@ -444,7 +444,7 @@ HALF_UNIT = float(LAST_HALF_UNIT)
 
 @dataclass(frozen=True)
 class NearestGraze:
-    """The grazing start nearest to a printed start: time t_m of its contact, and differences dx, dv from the printed."""
+    """The grazing start nearest to a printed start: the time of its contact, and the differences dx, dv of the two."""
 
     t_m: float
     dx: float
