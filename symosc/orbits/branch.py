@@ -57,7 +57,7 @@ from symosc.kernels.entire import EPS
 from symosc.kernels.entire_array import basis
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits import admissibility
-from symosc.orbits.admissibility import MARGINAL, SAMPLE, Condition, conditions, failing, failures, concerns_whole_piece
+from symosc.orbits.admissibility import MARGINAL, SAMPLE, Condition, concerns_whole_piece, conditions, failing, failures
 from symosc.orbits.closing_equations import CONVERGING, ClosingEquations, OrbitPiece, solve
 from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow, largest_displacement, orbit_of, resting_text
 from symosc.orbits.floquet import NEAR_ONE, monodromy

@@ -90,7 +90,7 @@ class OrbitPiece:
 
     @property
     def zeros(self) -> int:
-        """The multiplicity of the root tau = 0 of f2: 0 from belt to belt, 1 back to one belt, 2 for that after a stick."""
+        """The multiplicity of the root tau = 0 of f2: 0 between belts, 1 back to the same belt, 2 if after a stick."""
         return 0 if self.sticks or self.start != self.end else 2 if self.after_stick else 1
 
 

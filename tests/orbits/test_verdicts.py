@@ -16,7 +16,7 @@ from units import UNITS, Units
 from symosc import Parameters, simulate
 from symosc.errors import ParameterError
 from symosc.orbits import admissibility
-from symosc.orbits.admissibility import conditions, extrema, concerns_whole_piece
+from symosc.orbits.admissibility import concerns_whole_piece, conditions, extrema
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, polish, solve
 from symosc.orbits.find import find_orbit, orbit_at
 from symosc.orbits.floquet import rest_positions
