@@ -51,7 +51,7 @@ ERROR_KEYS = ("error", "error_t", "error_x", "missed", "invented", "missed_graze
 
 @dataclass(frozen=True)
 class Span:
-    """A task: a scene with `count` events, and the first of them, those before the time `until`, in 40 digits."""
+    """A task: a scene with `count` events; `reference` has those before the time `until`, with 40 digits."""
 
     scene: Scene
     count: int

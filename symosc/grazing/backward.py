@@ -67,7 +67,7 @@ CUT = 0.4831  # where an interval is divided: not a fraction at which roots are 
 
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
-    """Return (touch, sigma) of the first root in (0, 1] of a polynomial known within `noise`; sigma None: no root."""
+    """Return (touch, sigma) for the first root sigma in (0, 1] of a polynomial known within `noise`; None: no root."""
     # `touch` says that the polynomial comes to 0 within the noise, and whether it passes is undecided.
     #
     # If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls

@@ -234,7 +234,7 @@ def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
 
 @dataclass(frozen=True)
 class Sample:
-    """A tangency at theta_m and its flow's start: `origin`, x, and unwrapped Omega t = theta_m - Omega tau."""
+    """A tangency at theta_m and where its flow starts: on which belt (`origin`), x, and theta = theta_m - Omega tau."""
 
     theta_m: float
     x_m: float

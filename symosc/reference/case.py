@@ -46,7 +46,7 @@ class KnownEvent(NamedTuple):
     Attributes
     ----------
     t, x : tuple of str
-        Between which decimals time and position are.
+        The two decimals between which the time, and the position, lies.
     kind, source, target : str
     boundary : int
         In the words of `symosc.Event`.
@@ -82,9 +82,9 @@ class KnownChange(NamedTuple):
     Attributes
     ----------
     dt, dx : tuple of str
-        Between which decimals the total derivatives of time and position are.
+        The two decimals between which the total derivative of the time, and of the position, lies.
     proven : bool
-        Whether the certificate of the case proves them; else they are of a computation with 60 digits.
+        Whether the certificate of the case proves them; if not, they were computed with 60 digits.
 
     Examples
     --------
@@ -119,7 +119,7 @@ class ReferenceCase:
     open : str
         Why its events are not proven; "" if they are.
     periods : int
-        0; or the forcing periods of a run so long that the events of the last one only are given.
+        0, or the number of forcing periods of a run that is so long that only the last one's events are given.
     quick : bool
         Whether it is one of the hard cases of `symosc bench --quick`.
 

@@ -98,7 +98,7 @@ def _parameter_sets() -> list[Parameters]:
 
 
 def _both_boundaries(seed: int) -> tuple[RationalContact, ...]:
-    """Return random contacts with both boundaries."""
+    """Return random rational contacts, CASES with each boundary."""
     return (*contacts(1, CASES, seed + 1), *contacts(2, CASES, seed + 2))
 
 

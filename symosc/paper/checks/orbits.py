@@ -426,7 +426,7 @@ def _search_parameter(scene: Scene, name: str) -> Nearest:
 
 
 def _least(miss: Callable[[float], np.ndarray], around: tuple[float, float]) -> tuple[float, np.ndarray]:
-    """Minimise the larger of |dt| and |dx| by which a motion misses its start; return place and miss."""
+    """Minimise the larger of |dt| and |dx| by which a motion misses its start; return number and miss."""
 
     def size(number: float) -> float:
         return min(float(np.abs(miss(float(number))).max()), 1e9)  # parabolas through infinite values are none

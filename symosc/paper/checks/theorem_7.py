@@ -97,7 +97,7 @@ def is_inside(cases: list[tuple[int, list[Arc]]], where: Any) -> bool:
 
 
 def zero_force_contact(mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c: Fraction) -> RationalContact:
-    """Return a contact with F = 0 of the domain of a mapping, for given gamma and B0 Omega/m."""
+    """Return a contact with F = 0 in a mapping's domain, for gamma, B0 Omega/m, and sine and cosine of the phase."""
     where = PLACES[mapping]
     m, k, Omega = Fraction(2), Fraction(3), Fraction(3, 2)
     speed = gamma * m / k
