@@ -197,7 +197,7 @@ def holds(
 
 
 def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
-    """Return the velocity extrema of a flight between two times; `at_rest`: a zero of a0 does not count."""
+    """Return the velocity extrema of a flight between two times; `at_rest`: a zero at its start does not count."""
     # They are bracketed in doubles, and then located in the arithmetic of the equations.
     coarse = equations.coarse.K
     v0, a0, s0, c0 = (float(value) for value in flight)

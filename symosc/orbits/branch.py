@@ -473,7 +473,7 @@ class Curve:
     def follow(
         self, direction: float, most: int, advance: Advance, before: int = 0
     ) -> tuple[list[BranchPoint], BranchEnd]:
-        """Follow the curve in one direction; return its points and why they end. `before`: points of the other one."""
+        """Follow the curve in one direction; return its points and why they end. `before`: number of earlier points."""
         path, length, reached = self._first_points(direction), 0.02, 0.0
         done = self.value - self.low if before else 0.0  # the other way is done, wherever it ended
 

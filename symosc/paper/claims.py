@@ -77,7 +77,7 @@ class Claim(NamedTuple):
     source: str
     says: str
     check: Callable[[], Evidence]
-    verdict: str  # the committed one
+    verdict: str  # the expected one, from claims.toml
     figures: tuple[str, ...] = ()  # keys of pictures
     derivation: str | None = None  # the key of a chapter
     correction: str | None = None  # the statement that does hold, if this one does not

@@ -90,7 +90,7 @@ class Judged(NamedTuple):
 
     @property
     def changed(self) -> bool:
-        """Whether the verdict differs from the committed one."""
+        """Whether the verdict differs from the one in claims.toml."""
         return self.verdict != self.claim.verdict
 
 
@@ -117,7 +117,7 @@ class Results:
 
     @property
     def changed(self) -> list[Judged]:
-        """Claims with a verdict that differs from the committed one."""
+        """Claims with a verdict that differs from the one in claims.toml."""
         return [each for each in self.judged if each.changed]
 
     @property
@@ -127,7 +127,7 @@ class Results:
 
     @property
     def ok(self) -> bool:
-        """Whether every verdict is the committed one and nothing failed."""
+        """Whether every verdict is the one in claims.toml and nothing failed."""
         return not self.changed and not self.failures
 
 

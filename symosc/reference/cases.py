@@ -179,7 +179,7 @@ def _peak_cases() -> Iterator[ReferenceCase]:
 
 
 def start_with_force(p: Parameters, domain: int, boundary: int, t0: str, force: str) -> tuple[str, str, str]:
-    """Return t0, x0, v0 on a belt from which F^(domain) is `force` there."""
+    """Return a start t0, x0, v0 on a belt at which the force F^(domain) has the value `force`."""
     context = mp_context(40)
     cosine = Fraction(str(context.cos(context.mpf(p.Omega.numerator) / p.Omega.denominator * context.mpf(t0))))
     speed = p.belt(boundary)

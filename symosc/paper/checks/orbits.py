@@ -331,7 +331,7 @@ def start_or_misprint(scene: Scene) -> Evidence:
 
 
 def _end_of_stick(scene: Scene) -> dict[str, str]:
-    """Return the force in domain 2 at a start on belt 2 where the stick is to end, with c v2 and without."""
+    """Return m F^(2), which is 0 where a stick ends, at a start on belt 2, with and without the damping force c v2."""
     p = scene.parameters
     if scene.v0 != p.v2:
         return {}
@@ -376,7 +376,7 @@ class Nearest:
 
     @property
     def explains(self) -> bool:
-        """Whether it is an orbit through the printed start, to half a unit of its last digit."""
+        """Whether with this value an orbit goes through the printed start, to half a unit of its last digit."""
         # With v0 free, x is compared at the printed t0, whose own rounding moves x by v times half a unit.
         allowed = float(LAST_HALF_UNIT) * (1 + abs(self.value) if self.name == "v0" else 1)
         return self.orbit and self.distance <= allowed
