@@ -23,7 +23,7 @@ from symosc.files import write_text
 from symosc.reference import score
 from symosc.reference.case import ReferenceCase
 from symosc.reference.cases import GROUPS, SET_VERSION, hard_cases, reference_cases
-from symosc.reference.compare import SCORE_TOLERANCE, FoundEvents
+from symosc.reference.compare import SCORE_TOLERANCE, FoundEvent
 from symosc.reference.folder import stored
 from symosc.reference.results import CaseResult, GivenEvent
 from symosc.reference.score import Score
@@ -88,7 +88,7 @@ def run(
     }
 
 
-def found_by(solver: Solver, case: ReferenceCase, limit: float) -> list[FoundEvents] | None:
+def found_by(solver: Solver, case: ReferenceCase, limit: float) -> list[FoundEvent] | None:
     """Return the events that a solver finds in a case; None if it takes longer than `limit`."""
     try:
         with processor_limit(limit):

@@ -24,7 +24,7 @@ from symosc.bench.solvers import LazyEvents
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import SymoscError
 from symosc.model import MODE_NAMES, Parameters
-from symosc.reference.compare import FoundEvents
+from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 
 #: This oscillator never has so many events within one period (of `Problem`).
@@ -59,7 +59,7 @@ class PeerError(SymoscError, RuntimeError):
 
 
 class Problem(NamedTuple):
-    """A parameter set: eq. (9) per mass, belt speeds, the shorter one of the periods of drive and free oscillation."""
+    """A parameter set as floats: eq. (9) per mass, belt speeds, the shorter period of drive and free oscillation."""
 
     A1: float
     A2: float
@@ -88,7 +88,7 @@ def problem(p: Parameters, origin: Fraction = Fraction(0)) -> Problem:
 
 
 def from_now(q, t):
-    """Return the parameter set with a clock that is 0 at t."""
+    """Return the parameter set with times counted from t on."""
     theta = (q.theta + q.Omega * t) % (2.0 * pi)
     return Problem(q.A1, q.A2, q.A3, q.swing, q.Omega, q.stiffness, q.damping, q.v1, q.v2, q.period, theta)
 
@@ -178,7 +178,7 @@ def root(q, mode, side, piece, a, b, fa, fb, tolerance):
 
 
 def follow(q, s, t, x, v, mode, boundary, offset, t_end):
-    """Follow a motion; return rows of t, x, kind and boundary, their count, an outcome (0: to t_end) and last mode."""
+    """Follow a motion; return rows (t, x, kind, boundary), their count, an outcome (0: t_end reached) and last mode."""
     rows = np.empty((64, 4))
     count = 0
     while t < t_end:
@@ -229,7 +229,7 @@ def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Cal
             chatters = f"chatters {where}: more than {CHATTER} events within one period"
             raise PeerError(chatters if outcome == CHATTERS else f"took too many steps {where}")
         return LazyEvents(
-            lambda: [FoundEvents(t0 + t, x, EVENT_KINDS[int(n)], int(at)) for t, x, n, at in rows[:count].tolist()]
+            lambda: [FoundEvent(t0 + t, x, EVENT_KINDS[int(n)], int(at)) for t, x, n, at in rows[:count].tolist()]
         )
 
     return run

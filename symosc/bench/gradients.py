@@ -31,7 +31,7 @@ from symosc.files import write_text
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.reference.case import ReferenceCase
 from symosc.reference.cases import SET_VERSION, reference_cases
-from symosc.reference.compare import FoundEvents
+from symosc.reference.compare import FoundEvent
 from symosc.reference.score import CaseScore, Score, as_markdown, by_group
 from symosc.scenes import Scene
 from symosc.simulation.ensemble import simulate_many
@@ -54,7 +54,7 @@ class FoundChanges(NamedTuple):
     changes: dict[str, float]
 
 
-def found_changes(event: FoundEvents, dt: Sequence[float], dx: Sequence[float]) -> FoundChanges:
+def found_changes(event: FoundEvent, dt: Sequence[float], dx: Sequence[float]) -> FoundChanges:
     """Return an event with its derivatives by parameters and start values, without those that are NaN."""
     rows = (("dt", dt), ("dx", dx))
     changes = {f"{of}_{name}": float(d) for of, row in rows for name, d in zip(NAMES, row, strict=True) if d == d}
@@ -68,7 +68,7 @@ ONE = dict(zip(NAMES, np.eye(len(NAMES)), strict=True))
 
 
 class Piece(NamedTuple):
-    """A flight or stick: its mode, its start and the boundary of that (or 0), the side where it ends, the mode then."""
+    """A flight or stick: mode, start and the boundary of the start (or 0), the side where it ends, the next mode."""
 
     mode: int
     t: float
@@ -79,8 +79,8 @@ class Piece(NamedTuple):
     after: int
 
 
-def pieces(scene: Scene, events: Iterable[FoundEvents]) -> Iterator[tuple[FoundEvents, Piece]]:
-    """Yield each event with the flight or stick before it; a flight goes on behind a graze."""
+def pieces(scene: Scene, events: Iterable[FoundEvent]) -> Iterator[tuple[FoundEvent, Piece]]:
+    """Yield each event with the flight or stick that leads to it; a graze does not end a flight."""
     q, t, x, v = problem(scene.parameters, scene.t0), float(scene.t0), float(scene.x0), float(scene.v0)
     t0, (mode, boundary) = t, start_mode(q, x, v)
     for event in events:
@@ -96,7 +96,7 @@ def pieces(scene: Scene, events: Iterable[FoundEvents]) -> Iterator[tuple[FoundE
             mode, boundary, t, x, v = after, at, event.t, event.x, speed
 
 
-def through_events(scene: Scene, events: Iterable[FoundEvents], jacobian: Jacobian) -> Iterator[FoundChanges]:
+def through_events(scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobian) -> Iterator[FoundChanges]:
     """Yield the events of a motion with their derivatives, by the chain rule from the derivatives of its flights."""
     p, q, t0 = scene.parameters, problem(scene.parameters, scene.t0), float(scene.t0)
     number = {name: float(getattr(p, name)) for name in PARAMETER_NAMES}
@@ -133,7 +133,7 @@ def through_events(scene: Scene, events: Iterable[FoundEvents], jacobian: Jacobi
 
 
 def by_flights(
-    follow: Callable[[Scene, float], Callable[[], Iterable[FoundEvents]]],
+    follow: Callable[[Scene, float], Callable[[], Iterable[FoundEvent]]],
     jacobian_of: Callable[[float], Jacobian],
     scene: Scene,
     tolerance: float,
@@ -237,10 +237,10 @@ def dop853_jacobian(tolerance: float) -> Jacobian:
 
 
 def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]:
-    """Prepare central differences of scipy's DOP853; forward ones where a number may not be less."""
+    """Prepare central differences of events found by scipy's DOP853; forward ones where a number must not decrease."""
     follow = partial(peers_scipy.prepare, "DOP853")
 
-    def moved(name: str, by: float) -> list[FoundEvents] | None:
+    def moved(name: str, by: float) -> list[FoundEvent] | None:
         start = name not in PARAMETER_NAMES
         try:
             changed = {name: getattr(scene if start else scene.parameters, name) + Fraction(by)}
@@ -359,7 +359,7 @@ def compiled(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]
     def run() -> list[FoundChanges]:
         table = simulate_many(scene.parameters, start, scene.t_end, start_error=known, wrt=NAMES)
         dt, dx = (np.where(table.regular, each, np.nan) for each in (table.dt, table.dx))
-        events = map(FoundEvents, table.t.tolist(), table.x.tolist(), table.kind.tolist(), table.boundary.tolist())
+        events = map(FoundEvent, table.t.tolist(), table.x.tolist(), table.kind.tolist(), table.boundary.tolist())
         return [found_changes(event, *rows) for event, *rows in zip(events, dt, dx, strict=True)]
 
     return run

@@ -22,12 +22,12 @@ import numpy as np
 from symosc.bench.event_logic import CHATTER, ONE_STEP_OFFSET, PeerError, Problem, problem, start_mode
 from symosc.bench.solvers import LazyEvents, Solver
 from symosc.model import NEIGHBOURS, Parameters
-from symosc.reference.compare import FoundEvents
+from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 
 
 class Tables(NamedTuple):
-    """A_alpha/m, belt speeds, the integrator's parameters by mode, and v at starts by boundary and domain."""
+    """Constants: A_alpha/m, belt speeds, parameters of the integrator by mode, start speeds by boundary and domain."""
 
     A: dict[int, float]
     belts: dict[int, float]
@@ -58,7 +58,7 @@ def equations(q: Problem) -> tuple[list[Any], tuple[Any, Any]]:
 
 
 def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
-    """Prepare an integrator for one motion."""
+    """Return a function that follows the motion of a scene and returns its events, with the integrator built before."""
     import heyoka as hy
 
     q = problem(scene.parameters, scene.t0)
@@ -120,7 +120,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
         append = item = state = p_now = None  # the integrator owns the callbacks: they must not own it
         if outcome != hy.taylor_outcome.time_limit:
             raise PeerError(f"heyoka: {outcome} after {len(rows)} events")
-        return LazyEvents(lambda: list(map(FoundEvents._make, rows)))
+        return LazyEvents(lambda: list(map(FoundEvent._make, rows)))
 
     return run
 

@@ -136,7 +136,7 @@ def state_in(step, tau):
 
 
 def margin(q, mode, side, step, tau):
-    """Return how far the dense output is from its lower or upper exit after the time tau; for side 0 the derivative."""
+    """Return the margin of the dense output to its lower or upper exit, tau after its start; for side 0 its rate."""
     x, v = state_in(step, tau)
     t = step.t + tau
     if side == 0:
@@ -146,7 +146,7 @@ def margin(q, mode, side, step, tau):
 
 
 def exit_within(q, s, mode, step, end, tolerance):
-    """Return (side, tau): where a margin becomes negative between the ends of [0, end], or side 0."""
+    """Return (side, tau) at which a margin becomes negative within [0, end]; side 0 if none does."""
     x, v = state_in(step, end)
     below, above = margins(q, mode, step.t + end, x, v)
     if below >= 0.0 and above >= 0.0:
@@ -218,7 +218,7 @@ def compiled() -> Record:
 
 
 def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
-    """Prepare DOP853."""
+    """Return a function that follows a scene by the compiled DOP853 and returns its events."""
     return runner(scene, compiled(), settings(problem(scene.parameters), tolerance), ONE_STEP_OFFSET)
 
 

@@ -147,7 +147,7 @@ def compiled() -> Record:
 
 
 def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
-    """Prepare the scan with `points` samples per period."""
+    """Return a function that follows a scene by the scan, with `points` samples per period, and returns its events."""
     return runner(scene, compiled(), scan_of(problem(scene.parameters), points, tolerance), 0.0)
 
 

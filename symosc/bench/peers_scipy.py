@@ -111,7 +111,7 @@ def integrate_by_cvode(options: Record, q: Problem, mode: int, x: float, v: floa
 
 
 def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
-    """Return a function that follows a mode to its exit, and searches again up to turns where a margin is negative."""
+    """Return a function that follows a mode to its exit, and seeks a missed one before each turn with a margin < 0."""
 
     def leave(q: Problem, s: None, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
         side, end, x_end, turns = integrate(q, mode, x, v, t_end)
@@ -126,7 +126,7 @@ def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
 
 
 def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
-    """Prepare an integrator with ``rtol = tolerance``."""
+    """Return a function that follows a scene by an integrator with ``rtol = tolerance`` and returns its events."""
     longest = problem(scene.parameters).period / STEPS_PER_PERIOD
     options = {"method": method, "rtol": tolerance, "atol": ATOL * tolerance, "max_step": longest}
     leave = leave_by(partial(integrate_by_cvode if method in CVODE_METHODS else integrate_by_scipy, options))

@@ -58,12 +58,12 @@ def write(readme: str | Path, result: Record) -> list[Path]:
         *cases.write(folder / "scores.md", result["scores"], command),
         write_text(folder / "README.md", overview(result)),
     ]
-    parts = [speed.measurement_note(result["speed"]), speed.brief(result["speed"]), said(result)]
+    parts = [speed.measurement_note(result["speed"]), speed.brief(result["speed"]), comparison(result)]
     brief = "\n\n".join(parts) + f"\n[All calls, solvers, cases, and pictures]({RESULTS_FOLDER}/README.md).\n"
     return [write_text(readme, replaced(text, "results", brief, readme)), *files]
 
 
-def said(result: Record) -> str:
+def comparison(result: Record) -> str:
     """Return the paragraph that compares symosc with heyoka, with looser accuracies and with its own error bound."""
     rows = result["work_precision"]["rows"]
     text = " ".join([_heyoka(rows), *_looser(rows), cases.our_verdict(result["scores"])])
@@ -71,7 +71,7 @@ def said(result: Record) -> str:
 
 
 def overview(result: Record) -> str:
-    """Return the page that all results begin with, as Markdown."""
+    """Return the first page of the results, an overview with links to all others, as Markdown."""
     measured = result["work_precision"]
     return f"""\
 # Results
@@ -84,7 +84,7 @@ Written by one run of `{_command_text(result)}`.
 
 {speed.table(result["speed"], "github")}
 
-{said(result)}
+{comparison(result)}
 
 ## Work and precision
 

@@ -26,7 +26,7 @@ from typing import Any
 from pebble import ProcessExpired, ProcessPool
 
 from symosc import bench
-from symosc.reference.compare import FoundEvents
+from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.simulate import ACCURACY, simulate
@@ -41,11 +41,11 @@ PROCESSES = min(2, os.cpu_count() or 1)
 
 @dataclass(frozen=True)
 class LazyEvents:
-    """Events that become Python objects when they are read, so that array solvers are timed without that."""
+    """Events that become Python objects only when they are read, so that timings of array solvers leave that out."""
 
-    make: Callable[[], Iterable[FoundEvents]]
+    make: Callable[[], Iterable[FoundEvent]]
 
-    def __iter__(self) -> Iterator[FoundEvents]:
+    def __iter__(self) -> Iterator[FoundEvent]:
         return iter(self.make())
 
 
@@ -55,7 +55,7 @@ class Solver:
 
     name: str  # in tables and plots
     # prepare(scene, tolerance) returns a function that follows the scene from its start to its end and returns its
-    # events (`FoundEvents`), `LazyEvents` where they come in arrays. It does what a user would do once (compile, build
+    # events (`FoundEvent`), `LazyEvents` where they come in arrays. It does what a user would do once (compile, build
     # the integrator).
     prepare: Callable[[Scene, float], Callable[[], Iterable[Any]]]
     tolerances: tuple[float, ...]  # of a work-precision curve, coarse to fine; 0.0 alone for a solver without one
@@ -78,18 +78,18 @@ def compiled(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
     def run() -> LazyEvents:
         table = simulate_many(scene.parameters, start, scene.t_end, accuracy=tolerance, start_error=known)
         columns = (table.t, table.x, table.kind, table.boundary)
-        return LazyEvents(lambda: map(FoundEvents, *(column.tolist() for column in columns)))
+        return LazyEvents(lambda: map(FoundEvent, *(column.tolist() for column in columns)))
 
     return run
 
 
-def multiprecision(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
-    """Prepare `simulate` with mpmath; the tolerance says how many digits."""
+def multiprecision(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
+    """Prepare `simulate` with mpmath; the tolerance sets its number of digits: 20 for 1e-20."""
     digits = max(5, len(f"{1 / tolerance:.0f}") - 1)
 
-    def run() -> list[FoundEvents]:
+    def run() -> list[FoundEvent]:
         events = simulate(scene, digits=digits, max_events=10**9).events  # as many as the time limit allows
-        return [FoundEvents(float(event.t), float(event.x), event.kind, event.boundary) for event in events]
+        return [FoundEvent(float(event.t), float(event.x), event.kind, event.boundary) for event in events]
 
     return run
 
@@ -151,7 +151,7 @@ class Worker:
         return Outcome(failure=failure)
 
     def warm(self, name: str, function: Callable[..., Any], *arguments: object) -> None:
-        """Make a first call that imports and compiles, once in each new process for a name."""
+        """Make a first call, which imports and compiles; once for each `name` in each new process."""
         if name not in self._warm:
             self.call(FIRST_LIMIT, function, *arguments)
             self._warm.add(name)

@@ -113,7 +113,7 @@ def _seconds(action: Callable[[], object], clock: Callable[[], float]) -> float:
 
 
 def groups(quick: bool = False) -> Iterator[Group]:
-    """Yield the groups of calls, prepared; with `quick` smaller ones, and only what they call is compiled."""
+    """Yield the groups of calls, ready to be measured; `quick`: smaller tasks, and not all code is compiled before."""
     if not quick:
         warm()
     yield Group("One long motion, events counted", _long_motions(100_000 if quick else 200_000))
@@ -148,7 +148,7 @@ def _starts(count: int, name: str = "fig9") -> tuple[Parameters, np.ndarray, np.
 
 
 def _ensemble(count: int) -> Iterator[Call]:
-    """Yield calls of `simulate_many` that count events or return their rows, and of others that count them."""
+    """Yield calls that count events, of `simulate_many` and other solvers, and calls that return rows of events."""
     p, starts, ends = _starts(count)
     follow = partial(simulate_many, p, starts, ends, **ONE_CORE)
     yield Call("events counted", "event", partial(follow, record=COUNTS))
@@ -203,7 +203,7 @@ def _single_motions(most: int) -> Iterator[Call]:
 
 
 def _in_mpmath(scene: Scene, digits: int) -> None:
-    """Follow a motion in mpmath's numbers, which search for its events too."""
+    """Follow a motion with mpmath's numbers throughout, also in the search for events."""
     given = dict.fromkeys(("t0", "x0", "v0", "t_end"))
     motion = Motion(read_start(scene, given, None), MpArithmetic(scene.parameters, digits, fast=False))
     while not motion.ended:
@@ -237,7 +237,7 @@ def _residuals(points: int) -> Iterator[Call]:
 
 
 def lambdified(p: Parameters, cse: bool) -> Callable[..., Any]:
-    """Return sympy's own printing of P3's residual: the closed form of the underdamped regime, with numbers put in."""
+    """Return P3's residual as sympy's lambdify compiles it: the underdamped closed form, with numbers put in."""
     import sympy
 
     from symosc.engine.flow import constants
@@ -297,7 +297,7 @@ def _sweep(motions: int, folder: str) -> Iterator[Call]:
 
 
 def _processes(quick: bool, cache: str) -> Iterator[Call]:
-    """Yield commands in new processes, without a warm cache not in a quick run: the compiler takes a minute."""
+    """Yield commands in new processes; with an empty cache only if not `quick`, since compiling takes a minute."""
     many = "import symosc; symosc.simulate_many(symosc.load_scene('fig9').parameters, (0, 0, 0), 30, use_numba=True)"
     commands: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
         ("import numpy", ("-c", "import numpy"), {}),
@@ -413,7 +413,7 @@ BRIEF = (
 
 
 def brief(result: Record) -> str:
-    """Return the README's table, of the rows BRIEF, in Markdown."""
+    """Return the README's speed table in Markdown, which has only the rows listed in BRIEF."""
     found = {(group["title"], row["what"]): row for group in result["groups"] for row in group["rows"]}
     rows = [[f"{title}: {what}", _time_text(found[title, what])] for title, what in BRIEF if (title, what) in found]
     return tabulate(rows, ["", "time"], tablefmt="github", disable_numparse=True, colalign=("left", "right"))

@@ -27,7 +27,7 @@ from symosc.bench.solvers import HANG, OURS, Outcome, Solver, Worker, all_solver
 from symosc.bench.speed import floor_s
 from symosc.exact import read_exact
 from symosc.plot.drawing import STYLE
-from symosc.reference.compare import ERRORS, REFERENCE_DIGITS, FoundEvents, compare, window_of
+from symosc.reference.compare import ERRORS, REFERENCE_DIGITS, FoundEvent, compare, window_of
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
@@ -51,7 +51,7 @@ ERROR_KEYS = ("error", "error_t", "error_x", "missed", "invented", "missed_graze
 
 @dataclass(frozen=True)
 class Span:
-    """A task: a scene with `count` events, and the first of them, those before the time `until`, in 40 digits."""
+    """A task: a scene with `count` events; `reference` has those before the time `until`, with 40 digits."""
 
     scene: Scene
     count: int
@@ -69,7 +69,7 @@ def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
 
 def measure(
     solver: Solver, scene: Scene, tolerance: float, until: float, limit: float, budget: float
-) -> tuple[list[float], list[float], list[FoundEvents]]:
+) -> tuple[list[float], list[float], list[FoundEvent]]:
     """Prepare a solver and call it once, then again until `budget` seconds are spent; return events before `until`."""
     # First the seconds of the preparation and of all calls, then those of one closed-form evaluation right after each
     # repeated call: some machines change their pace by the second. Only what the call itself does is timed: events that
@@ -219,7 +219,7 @@ def table(result: Record, markdown: bool = False) -> str:
 
 
 def _cells(row: Record, limit: float) -> list[str]:
-    """Return a row of the results as text."""
+    """Return the cells of a table's row, as text, for a row of the results."""
     times = ["" if row[name] is None else rounded(row[name], 3) for name in ("over_ours", "us_per_event")]
     error = "" if row["error"] is None else f"{row['error']:.1e}"
     counts = ["" if row[name] is None else str(row[name]) for name in ("compared", "missed", "invented")]

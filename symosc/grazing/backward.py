@@ -67,7 +67,7 @@ CUT = 0.4831  # where an interval is divided: not a fraction at which roots are 
 
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
-    """Return (touch, sigma) of the first root in (0, 1] of a polynomial known within `noise`; sigma None: no root."""
+    """Return (touch, sigma) for the first root sigma in (0, 1] of a polynomial known within `noise`; None: no root."""
     # `touch` says that the polynomial comes to 0 within the noise, and whether it passes is undecided.
     #
     # If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls
@@ -168,7 +168,7 @@ class Boundary(NamedTuple):
 
 
 class BackwardState(NamedTuple):
-    """A flight `tau` before the tangency, displaced by dx from it, with error bounds; at its end, why it ends."""
+    """The state of a flight `tau` before its tangency, dx from it, with error bounds; `kind`: why a search ends."""
 
     tau: Number
     dx: Number
@@ -186,7 +186,7 @@ BackwardHit: TypeAlias = tuple[bool, Number, Boundary]
 
 
 class BackwardStep(NamedTuple):
-    """A step of a flight: Taylor coefficients of v, bounds of them and of v, and the changes of v, a, dx."""
+    """A backward step: Taylor coefficients T of v, their remainder, bounds of v, and its end (change of v, a, dx)."""
 
     T: list[Number]
     remainder: Number
@@ -223,7 +223,7 @@ class BackwardSteps:
         self._matrix = self._linear() if functions is math else None
 
     def _linear(self) -> np.ndarray:
-        """Return the matrix that maps v, a, sine and cosine to all numbers of a step."""
+        """Return the matrix from (v, a, sin, cos) to the Taylor and Bernstein coefficients and the end of a step."""
         columns = []
         for i in range(4):
             *T, behind = self._taylor(*(float(i == j) for j in range(4)))
@@ -235,7 +235,7 @@ class BackwardSteps:
         """Return the state at the tangency, from which the steps go back."""
         return BackwardState(zero, zero, self.touched.v + zero, zero, zero, zero, zero)
 
-    def over(
+    def take(
         self, theta: Number, order: int, state: BackwardState
     ) -> tuple[BackwardHit | None, BackwardStep, BackwardState]:
         """Take a backward step from a state; return its first contact or None, the step, and the state at its end."""
@@ -282,7 +282,7 @@ class BackwardSteps:
         return BackwardState(state.tau + tau, dx, state.v + dv, a, state.v_error, x_error, state.energy_error)
 
     def contact(self, state: BackwardState, step: BackwardStep, found: BackwardHit) -> BackwardState:
-        """Return the state at the contact found in the step from a state."""
+        """Return the state at a contact that was found in the step that begins at `state`."""
         touch, sigma, boundary = found
         kind = TOUCH if touch else CONTACT
         return self.moved(state, step, sigma)._replace(v=boundary.v, kind=kind, boundary=boundary.number)
@@ -325,7 +325,7 @@ def _changes_over(T: list[Number], sigma: Number) -> tuple[Number, Number, Numbe
 
 
 class Instant(NamedTuple):
-    """A flight at the time tau before its tangency."""
+    """The state of a flight at the time tau before its tangency, with derivatives and error bounds."""
 
     # A shift of theta_m along the contacts moves the state at fixed tau by
     #
@@ -368,7 +368,7 @@ class Flights:
         return rest + self.number(self.p.B0 / self.p.k) * self.context.cos(theta)
 
     def instant(self, theta: Number, tau: Number) -> Instant:
-        """Return the flight tau before the tangency at the phase theta."""
+        """Return the state of a flight at the time tau before its tangency at the phase theta."""
         K, v0 = self.K, self.v
         s, c = self.context.sin(theta), self.context.cos(theta)
         E0, E1, E2, R2, I2, s_Om, c_Om = self._basis(-tau, K)
@@ -427,13 +427,13 @@ class Flights:
     def repeat_step(
         self, theta: Number, order: int, tau: float, step: float
     ) -> tuple[BackwardState | None, BackwardState]:
-        """Repeat a step with more digits, with a length about the one at tau; return its contact and the state."""
+        """Repeat the step at tau with more digits and the length `step`; return its contact or None, and the state."""
         if step not in self._steps:
             where, context = self.place, self.context
             self._steps[step] = BackwardSteps(self.K, where.boundary, where.domain, context, context.eps, step)
         steps, back = self._steps[step], (step - STEP) / 2 / self.K.rate
         state = self.state(theta, tau - back) if tau > back else steps.begin(0 * theta)
-        found, taken, after = steps.over(theta, order, state)
+        found, taken, after = steps.take(theta, order, state)
         if found is None:
             return None, rounded(self.state(theta, state.tau + steps.H))
         return steps.contact(after, taken, found), rounded(state)
@@ -485,15 +485,15 @@ class Origins:
         repeats: int = len(REPEATED_STEPS),
         most_steps: int = MOST_BACKWARD_STEPS,
     ) -> BackwardState:
-        """Follow the flow back from a tangency in doubles, to the first contact or over `far`."""
+        """Follow the flow back from a tangency in doubles, to the first contact or for the time `far`."""
         # `order` is that of the first G-function that does not vanish there. An undecided step is repeated with
         # `digits` (keeping them if it has the contact), then with twice as many; without `careful` it is a touch.
         steps, theta = self.steps, float(angle)
         far = SEARCH_PERIODS * self.K.period if far is None else far
-        # So many undecided steps are repeated: a flight that keeps to a boundary for longer stays undecided.
+        # At most so many undecided steps are repeated: a flight that stays near a boundary for longer stays undecided.
         state, repeats_left = steps.begin(0.0), 40
         for _ in range(most_steps):
-            found, step, state = steps.over(theta, order, state)
+            found, step, state = steps.take(theta, order, state)
             if careful and found and found[0] and state.tau <= far:
                 tau, repeats_left = state.tau, repeats_left - 1
                 for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
@@ -504,9 +504,9 @@ class Origins:
                 if arrival is None and repeats_left:
                     continue
                 arrival = arrival or state._replace(kind=LONG)
-                return arrival if arrival.tau <= far else self._reached(theta, order, state, far)
+                return arrival if arrival.tau <= far else self._state_at_limit(theta, order, state, far)
             if state.tau + (found[1] if found else 1.0) * steps.H > far:
-                return self._reached(theta, order, state, far)
+                return self._state_at_limit(theta, order, state, far)
             if found:
                 return steps.contact(state, step, found)
             if state.tau > 0 and self._never_came(theta, state):
@@ -516,9 +516,9 @@ class Origins:
                 return state._replace(kind=LARGE)
         return state._replace(kind=LONG)
 
-    def _reached(self, theta: float, order: int, state: BackwardState, far: float) -> BackwardState:
-        """Return the end of a search at the time `far`, within the step from a state."""
-        _, step, state = self.steps.over(theta, order, state)
+    def _state_at_limit(self, theta: float, order: int, state: BackwardState, far: float) -> BackwardState:
+        """Return the last state of a search that ends at the time `far`, within the step that begins at `state`."""
+        _, step, state = self.steps.take(theta, order, state)
         return self.steps.moved(state, step, (far - state.tau) / self.steps.H)._replace(kind=REACHED)
 
     def _never_came(self, theta: float, state: BackwardState) -> bool:

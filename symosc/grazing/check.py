@@ -182,11 +182,11 @@ def check_grazing(
 
     with late_bar(progress, f"check {mapping}", "phases") as advance:
         for some in np.array_split(theta, range(CHECK_PHASES, n, CHECK_PHASES)):
-            parts.append(_random(ways, some, disagree))
+            parts.append(_decide_random(ways, some, disagree))
             done += len(some)
             if advance:
                 advance(done / n, done)
-        parts.append(_adversarial(ways))
+        parts.append(_decide_special(ways))
     phases, inside, margins, offsets, finely, orders, *verdicts = map(np.concatenate, zip(*parts, strict=True))
     agreements, undecided, closest, words = {}, {}, {}, ("does not graze", "grazes")
     for way, verdict in zip(WHY_UNDECIDED, verdicts, strict=True):
@@ -222,8 +222,8 @@ def check_grazing(
 # verdicts of the three ways.
 
 
-def _random(ways: Ways, theta: np.ndarray, disagree: Callable[..., None]) -> tuple[np.ndarray, ...]:
-    """Decide phases in double precision, the undecided ones singly with more digits."""
+def _decide_random(ways: Ways, theta: np.ndarray, disagree: Callable[..., None]) -> tuple[np.ndarray, ...]:
+    """Decide in double precision which random phases graze, the undecided ones one by one with more digits."""
     inside, K = ways.window.contains(theta), ways.K
     if inside.any():  # F must vanish at the window's x_m
         drive, spring = K.f0 * np.cos(theta[inside]), -K.w0sq * ways.window.contact(theta[inside])
@@ -240,8 +240,8 @@ def _random(ways: Ways, theta: np.ndarray, disagree: Callable[..., None]) -> tup
     return *columns, signs, flow, ways.verdicts_by_solver(theta)
 
 
-def _adversarial(ways: Ways) -> tuple[np.ndarray, ...]:
-    """Decide the special phases and phases 1e-3 to 1e-14 away from them."""
+def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
+    """Decide multiples of pi/2, zeros of G^(1), and phases 1e-3 to 1e-14 away from these, all with many digits."""
     import sympy
 
     zeros: set[Expr] = set()  # where G^(1) = 0 exactly
@@ -340,7 +340,7 @@ class Ways:
         return -self.side * dv
 
     def _third_order(self, tau: float) -> float:
-        """Bound the terms of third and higher order in the gap, over tau^2 (tau * rate << 1)."""
+        """Return a bound of the terms of third and higher order in the velocity gap at a small tau, over tau^2."""
         return (abs(self.K.fB) * self.K.Om + self.K.cm * self.size + self.K.w0sq * self.size * tau) * tau / 3.0
 
     # -- DOP853 ------------------------------------------------------------------------------------------------------
@@ -376,7 +376,7 @@ class Ways:
 
 
 def _verdicts(gaps: list[np.ndarray], least: float) -> np.ndarray:
-    """Return YES where both gaps are positive, NO where one is negative, NOT_DECIDED where one is within `least`."""
+    """Return YES where the gaps before and after contact are > 0, NO where one is < 0, NOT_DECIDED within `least`."""
     decided = (np.abs(gaps[0]) > least) & (np.abs(gaps[1]) > least)
     return np.where(decided, np.where((gaps[0] > 0) & (gaps[1] > 0), YES, NO), NOT_DECIDED)
 

@@ -213,7 +213,7 @@ def grazing_curve(
 
 
 def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
-    """Return a run of samples as a piece of the curve, with PIECE_POINTS away from its ends, where samples gather."""
+    """Return a run of samples as a piece of the curve; add PIECE_POINTS if few are away from the ends."""
     samples = run.samples
     first, last = samples[0].theta_m, samples[-1].theta_m
     margin = 0.1 * (last - first)
@@ -234,7 +234,7 @@ def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
 
 @dataclass(frozen=True)
 class Sample:
-    """A tangency at theta_m and its flow's start: `origin`, x, and unwrapped Omega t = theta_m - Omega tau."""
+    """A tangency at theta_m and where its flow starts: on which belt (`origin`), x, and theta = theta_m - Omega tau."""
 
     theta_m: float
     x_m: float
@@ -308,7 +308,7 @@ class PhaseRun:
 
 
 def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) -> list[PhaseRun]:
-    """Split the samples of an arc where the origin changes or the start jumps."""
+    """Split the samples of an arc into runs where the origin of the flow changes or the start jumps."""
     low, high, closed = arc
     limit = "closed" if closed else "end of the window"
     runs: list[PhaseRun] = []
@@ -342,15 +342,15 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
 
 
 def _continuous(left: Sample, right: Sample) -> bool:
-    """Return whether Omega t_i changes between neighbours of one origin as their slopes predict, or hardly."""
+    """Return whether Omega t_i changes from one sample to the next as their slopes predict, or hardly at all."""
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
     return not abs(change) > 0.2 or abs(change - expected) <= 0.25 * abs(change)
 
 
 def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
-    """Return both sides of the first change of origin, or of a jump, between two neighbours."""
-    # That is: the samples visited behind `left`, those before `right` from it inward, and theta_m of the edge. None:
+    """Return the samples on both sides of the first change of origin, or jump, between two, and its theta_m."""
+    # The former are in order from `left` inward, the latter from `right` inward, beginning with `right`. None:
     # there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
     if left.origin == right.origin and _continuous(left, right):
         return None

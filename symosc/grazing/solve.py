@@ -186,7 +186,7 @@ def _on_curve(
 
 
 def _has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits: int) -> bool:
-    """Return whether a start has a value of x_i or theta_i (mod 2 pi), to 100 units of the last digit asked for."""
+    """Return whether x_i or theta_i (mod 2 pi) of a start is `value`, to 100 units of the last digit asked for."""
     context = mp_context(digits + 30)
     if name == "x_i":
         gap, size = number_of(Fraction(start.start["x0"]) - value, context), abs(float(value))
@@ -274,7 +274,7 @@ class Candidates:
             self._note_endless(*each, piece)
 
     def _points(self, piece: CurvePiece) -> list[Point]:
-        """Return the samples of a piece, with the end point if the curve ends in a tangency itself."""
+        """Return the samples of a piece, and its end where the flight has no duration: start and tangency meet."""
         points = [Point(*map(float, row)) for row in zip(*self._columns(piece), strict=True)]
         for end, first in ((piece.high, len(points)), (piece.low, 0)):  # from the back: an insertion moves what follows
             near = points[min(first, len(points) - 1)]
@@ -285,7 +285,7 @@ class Candidates:
         return points
 
     def _columns(self, of: CurvePiece | Sample) -> tuple[Any, Any, Any, Any]:
-        """Return theta_m, the value, its slope, and the duration of the flight, of a piece or a sample."""
+        """Return theta_m, the unknown (x_i or theta_i), its slope, and the flight's duration, of a piece or sample."""
         value, slope = (of.x, of.slope_x) if self.name == "x_i" else (of.theta, of.slope_theta)
         return of.theta_m, value, slope, (of.theta_m - of.theta) / self.K.Om
 
@@ -332,14 +332,14 @@ class Candidates:
         self.notes.append(f"near theta_m = {first.theta_m:.12g} {broken}")
 
     def _equation(self, theta: Number, tau: Number, now: Instant, target: Number) -> tuple[Number, Number, Number]:
-        """Return the value minus the target, and its derivatives by theta_m and tau."""
+        """Return x_i or theta_i of a flight minus the target, and its derivatives by theta_m and tau."""
         if self.name == "x_i":
             return self.flights.contact(theta) + now.dx - target, now.x_theta, -now.v
         Om = self.flights.K.Om
         return theta - Om * tau - target, 1, -Om
 
     def _newton(self, theta_m: float, tau: float, target: Number) -> tuple[Number, Number] | None:
-        """Solve for theta_m and tau at which the flight has the value, from a guess."""
+        """Solve for the theta_m and duration tau of the flight whose x_i or theta_i is the target, from a guess."""
         context, K = self.flights.context, self.flights.K
         theta, tau = context.mpf(theta_m), context.mpf(tau)
         settled = False
@@ -362,7 +362,7 @@ class Candidates:
         return None
 
     def _among_grazes(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
-        """Return the solution on a curve of flights that also begin with a graze, all of one duration."""
+        """Return the solution where flights begin with a graze too, so that all last as long; None if not found."""
         flights, phase = self.flights, Fraction(theta_m)
         arrival, _ = self.source.exact(phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits)
         if arrival.kind != TOUCH:

@@ -265,7 +265,7 @@ MOST_G_ORDERS = 6
 
 @dataclass(frozen=True)
 class GrazingVerdict(LatexAnswer):
-    """Theorem 6 at a state, to any order.
+    """Whether the flow grazes at a state, by Theorem 6 continued to any order.
 
     Attributes
     ----------

@@ -153,7 +153,7 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def ends(self) -> tuple[float, float]:
-        """The ends of the arc in increasing order, through 0 if wrapped."""
+        """First and last phase of the arc; the first one is the larger if the arc goes through 0."""
         if self.kind == cases.ALL_BUT_ONE:
             point = double_double.HALF_PI[0] if self.signs[0] * self.signs[1] < 0 else double_double.THREE_HALVES_PI
             return point, point
@@ -266,7 +266,7 @@ class GrazingWindow(Drawable, LatexAnswer):
         return sp.FiniteSet(theta if self.place.side * p.B0 > 0 else 2 * sp.pi - theta)
 
     def _sign_at(self, theta: NumberLike) -> int:
-        """Return the sign of side (gamma + amplitude sin theta), with the tangency counted as `order` says."""
+        """Return the sign of side (gamma + amplitude sin theta): 1 for a graze, -1 for none, 0 at a window end."""
         exact = _read_phase(theta)
         if self.kind in (EMPTY, EVERYTHING):
             return 1 if self.kind == EVERYTHING else -1

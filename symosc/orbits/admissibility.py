@@ -170,7 +170,7 @@ def _stick_margins(
 def gaps(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, tau: Number
 ) -> Iterator[tuple[Number, Number, int]]:
-    """Yield for each velocity extremum of a flight next to a belt its distance from it, its phase, and the belt."""
+    """Yield, for each velocity extremum of a flight, its distance from the belt next to it, its phase, and the belt."""
     flight = equations.start_of_flight(piece, start)
     for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations) if tau > 0 else ():
         belt = piece.mode - 1 if extremum.b > 0 else piece.mode  # a minimum is turned to the belt below
@@ -183,7 +183,7 @@ def gaps(
 def holds(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, tau: Number
 ) -> Iterator[tuple[Number, Number, int]]:
-    """Yield for each turn of the forces during a stick the smaller holding force, its phase, and its domain."""
+    """Yield, where the forces during a stick have an extremum, the smaller holding force, its phase and its domain."""
     K, belt, names = equations.K, equations.belt(piece.start), equations.arithmetic.namespace
     s0, c0 = equations.sin(start[1]), equations.cos(start[1])
     below = equations.force(piece.start, start[0], belt.v, start[1])
@@ -197,7 +197,7 @@ def holds(
 
 
 def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
-    """Return the velocity extrema of a flight between two times; `at_rest`: a zero of a0 does not count."""
+    """Return the velocity extrema of a flight between two times; `at_rest`: a zero at its start does not count."""
     # They are bracketed in doubles, and then located in the arithmetic of the equations.
     coarse = equations.coarse.K
     v0, a0, s0, c0 = (float(value) for value in flight)
@@ -247,7 +247,7 @@ def grazing_distance(equations: ClosingEquations, points: Points) -> float:
     return float(min(found, default=inf))
 
 
-def of_function(condition: Condition) -> bool:
+def concerns_whole_piece(condition: Condition) -> bool:
     """Return whether a condition concerns a whole piece, not only its end or duration."""
     return " stays in " in condition.text or " during " in condition.text
 
@@ -320,7 +320,7 @@ def _vanishing(
 
 
 def _undecided(found: list[Condition]) -> list[Condition]:
-    """Return the conditions that fail, or that may, of a root that could not be found with more digits."""
+    """Return the conditions that fail, or may fail, at a root that Newton's method did not find with more digits."""
     nearest = sorted((c for c in found if abs(c.value) < 1e-6 * c.scale), key=lambda c: c.rank)
     text = " (it cannot be decided: the equations are singular there)"
     return failing(found) or [c._replace(text=c.text + text, value=0.0) for c in nearest]

@@ -184,7 +184,7 @@ class Border(Drawable):
 
     @public
     def words_beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[str | None, str | None]:
-        """Return the words on both sides of the i-th point, in the order of `words`, as `beside` says where.
+        """Return the words on both sides of the i-th point, in the order of `words`, at the places given by `beside`.
 
         Each is the word of an orbit that the engine has followed there; None if none was found. With c > 0 it is that
         of the settled motion. "rest" is decided exactly.
@@ -201,11 +201,11 @@ class Border(Drawable):
 
     @public
     def orbit(self, i: int) -> Orbit:
-        """Return the orbit on the border at its i-th point: its word with fewer pieces, its periods, its points."""
+        """Return the orbit at the border's i-th point: the word of the two that has fewer pieces, periods, points."""
         return self._system.orbit(self._nodes[self._index(i)].z)
 
     def _index(self, i: int) -> int:
-        """Return an index that is in range, as for a list."""
+        """Return i, checked to be in range for a list as long as the border (-1 is the last point)."""
         return whole_number("i", i, -len(self), len(self) - 1)
 
     @public
@@ -228,7 +228,7 @@ class Border(Drawable):
         """Return this border and all that are connected with it by points of codimension two, followed in turn.
 
         The borders that leave such a point are found on a small circle around it, by the words of the motions there:
-        what takes less of the circle than doubles can tell is missed. `step` and `max_points` as for `continue_border`.
+        a word on too small a part of the circle for doubles is missed. `step`, `max_points`: as for `continue_border`.
         It is complete where no end is left that is not a point of codimension two from which all borders are followed,
         an end of the range, or "no convergence".
         """
@@ -317,7 +317,7 @@ class Border(Drawable):
 
 
 def between(a: Node, b: Node, part: float) -> np.ndarray:
-    """Return the point at a part of the way on the cubic through two nodes with their tangents."""
+    """Return the point at the fraction `part` of the way from a to b, on the cubic through both with their tangents."""
     length, r = float(np.linalg.norm(b.z - a.z)), part
     first, second = (1 - r) ** 2 * (1 + 2 * r), r * r * (3 - 2 * r)
     slope = length * (r * (1 - r) ** 2 * a.tangent - r * r * (1 - r) * b.tangent)
@@ -353,7 +353,7 @@ class Tracer:
         self.low, self.high = (bound / self.plane.widths for bound in (self.plane.low, self.plane.high))
 
     def border(self) -> Border:
-        """Return the border."""
+        """Follow the border both ways from the first point and return it."""
         forward, last, special = self._follow(self.first)
         if last.kind == CLOSED:
             return Border(self.system, forward, (last, last), special)
@@ -415,7 +415,7 @@ class Tracer:
             step = min(1.5 * step, self.longest)
 
     def _values(self, z: np.ndarray) -> tuple[float, float]:
-        """Return the two parameters."""
+        """Return the values of the two parameters at scaled unknowns z."""
         a, b = z[-2:] * self.system.scale[-2:]
         return float(a), float(b)
 
@@ -596,7 +596,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
 
 
 def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedForm, Node] | None:
-    """Return the border at a place of the plane beyond which the motion has no word; None if there is none."""
+    """Return the border in closed form through a place, beyond which the motion has no word; None if there is none."""
     p = plane.parameters(place.tolist())
     system = ClosedForm(plane, p, orbit)
     holds, drives = system.terms(place)
@@ -612,7 +612,7 @@ def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedFo
 
 
 def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray) -> Iterator[tuple[BorderSystem, Node]]:
-    """Yield the borders of an orbit's word next to its place in the plane, in this direction, the nearest first."""
+    """Yield the borders of an orbit's word that lie next to a place, in a direction of the plane, the nearest first."""
     equations, points = ClosingEquations(plane.parameters(place.tolist()), orbit.word, orbit.periods), orbit.points
     nearest = sorted(conditions(equations, points), key=lambda c: abs(_part(c)))[:6]
     for zero, phases in (found for c in nearest for found in zeros_of(equations, points, c)):
@@ -708,7 +708,7 @@ def borders_between(
 
 
 def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
-    """Return the place of parameters in a plane, and the orbit to which the motion settles there; None: it has none."""
+    """Return the place of parameters in the plane, and the orbit to which the motion settles there, or None."""
     place = np.array([float(getattr(p, name)) for name in plane.names])
     try:
         orbit = find_orbit(p)
@@ -740,8 +740,8 @@ def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> Any:
 def borders_leaving(border: Border, special: SpecialPoint, **how: Any) -> list[Border]:
     """Return all borders that leave one of a border's points of codimension two, that border among them.
 
-    They are found by the words of the motions on a small circle around it; a word that is on less of the circle than
-    can be told in doubles is missed. `how` is `step` and `max_points` of `continue_border`.
+    They are found by the words of the motions on a small circle around it; a word on a smaller part of the circle than
+    doubles can resolve is missed. `how` is `step` and `max_points` of `continue_border`.
     """
     plane, nearest = border._plane, np.abs(border.points - special.values).sum(axis=1).argmin()
     around = _circle(plane, special.values, border.orbit(int(nearest)))

@@ -60,12 +60,12 @@ class Zero(NamedTuple):
 
     @property
     def bend(self) -> Zero:
-        """The zero of the derivative that vanishes too where this zero is not a simple one."""
+        """The zero of the next derivative, which vanishes as well where this zero is a multiple one."""
         return self._replace(kind=AT_BEND if self.kind in TIMED else AT_FLAT)
 
 
 class Plane(NamedTuple):
-    """The plane of two parameters: the others, the names of the two, and their ranges."""
+    """A plane of two parameters: the parameter set that fixes the others, the names of the two, and their ranges."""
 
     fixed: Parameters
     names: tuple[str, str]
@@ -103,7 +103,7 @@ class Orbit(NamedTuple):
 
     @property
     def cycle(self) -> str:
-        """The word's text, all rotations made equal."""
+        """The word as text, the same text for all its rotations."""
         return cycle(str(self.word))
 
 
@@ -117,16 +117,16 @@ class Numbers:
 
 
 class QuickArithmetic(Arithmetic):
-    """Doubles for equations only: without the constants that following a motion takes."""
+    """Doubles for evaluating equations only, without the constants that the search for events needs."""
 
     def __init__(self, parameters: Numbers) -> None:
         self.K = constants(parameters)  # type: ignore[arg-type]
 
 
 class BorderSystem:
-    """The equations of a word with some zeros, in the unknowns u = (x, theta of each point; phases; two parameters).
+    """The closing equations of a word, and its vanishing margins; unknowns u: x, theta per point, phases, parameters.
 
-    With one zero they have a curve of roots, with two a point. Scaled unknowns z = u/scale are used for lengths.
+    With one vanishing margin (a `Zero`) the roots are a curve, with two a point. Lengths are measured in z = u/scale.
     """
 
     def __init__(self, plane: Plane, orbit: Orbit, zeros: Sequence[Zero]) -> None:
@@ -145,7 +145,7 @@ class BorderSystem:
         self.scale = np.array([*[size * weight, weight] * self.n, *[weight] * len(self.timed), *plane.widths])
 
     def _at_rest_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
-        """Return the pieces; flights after these crossings start with an acceleration of exactly 0."""
+        """Return the pieces, marked so that flights after these crossings start with an acceleration of exactly 0."""
         pieces = list(self.pieces)
         for i in crossings:
             j = (i + 1) % self.n
@@ -155,7 +155,7 @@ class BorderSystem:
     # -- the equations -------------------------------------------------------------------------------------------------
 
     def at(self, u: Any, digits: int | None = None) -> tuple[ClosingEquations, Any, Any]:
-        """Return the closing equations, the points and the phases at `u`."""
+        """Return the closing equations, the points and the phases for the unknowns u, in doubles or with digits."""
         changed = dict(zip(self.names, u[-2:], strict=True))
         values: Any = Numbers(self.given | changed) if digits is None else self.fixed.replace(**changed)
         arithmetic = None if digits else QuickArithmetic(values)
@@ -169,11 +169,11 @@ class BorderSystem:
         return list(zip(u[:n:2], u[1:n:2], strict=True)), u[n:-2]
 
     def orbit(self, z: np.ndarray) -> Orbit:
-        """Return the orbit on the border."""
+        """Return the orbit at a point of the border, given by its scaled unknowns z."""
         return Orbit(self.word, self.periods, (z * self.scale)[: 2 * self.n].reshape(-1, 2))
 
     def residuals(self, u: Any, digits: int | None = None) -> list[Number]:
-        """Return the closing equations and the zeros, in floats (`u` a list of them), or in digits."""
+        """Return what must be 0 at u: closing equations, then margins that vanish; in floats, or with `digits`."""
         equations, points, phases = self.at(u, digits)
         return equations.residuals(points) + self._zeros(equations, points, phases)
 
@@ -230,7 +230,7 @@ class BorderSystem:
     def correct(self, z: np.ndarray, row: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float] | None:
         """Find the root in the plane through z with the normal `row` (None: no plane is needed); None if not found.
 
-        With it the inverse of the Jacobian of all scaled equations, and an estimate of what is left to correct.
+        It comes with the inverse of the Jacobian of all scaled equations, and with an estimate of its error.
         """
         start, inverse, before = z, None, inf
         try:
@@ -317,7 +317,7 @@ class BorderSystem:
     # -- the inequalities along the border -----------------------------------------------------------------------------
 
     def hide(self, curve: Sequence[np.ndarray]) -> None:
-        """Find the inequalities that are 0 at these points of the border, by symmetry or as its own."""
+        """Set `hidden`: the inequalities that are 0 at all these points, being the border's own or by symmetry."""
         flags, shift = list[list[bool]](), 0
         for z in curve:
             equations, points, _ = self.at((z * self.scale).tolist())
@@ -341,7 +341,7 @@ class BorderSystem:
         own = [c for i, c in enumerate(found) if i in self.hidden and (kind_of(c), c.piece) in mine]
         found = [c._replace(value=inf) if i in self.hidden else c for i, c in enumerate(found)]
         for zero, theta in zip(self.zeros, [*phases, *[0.0] * len(self.zeros)], strict=False):
-            found += self._regular(equations, points, zero, theta, size.a / size.t)
+            found += self._simple_zero_margins(equations, points, zero, theta, size.a / size.t)
         equations.pieces = self.pieces  # at other extrema than the border's
         for c in own:
             turns = turns_of(equations, points, c.piece, kind_of(c)) if kind_of(c) in TIMED else []
@@ -349,10 +349,10 @@ class BorderSystem:
             found.append(c._replace(value=float(min(away, default=inf)), text=f"elsewhere, {c.text}"))
         return found
 
-    def _regular(
+    def _simple_zero_margins(
         self, equations: ClosingEquations, points: Any, zero: Zero, theta: float, size: float
     ) -> Iterator[Condition]:
-        """Yield the inequalities that make a zero a simple one."""
+        """Yield the inequalities that hold while a zero is a simple one; one that fails ends the border."""
         piece, begin, end = self.pieces[zero.piece], points[zero.piece][1], equations.ends(points)[zero.piece][1]
         (value,) = zero_values(equations, points, zero.bend, theta)
         if zero.kind == AT_FAR:
@@ -393,7 +393,7 @@ class ClosedForm(BorderSystem):
         return Numbers({name: u[0].context.mpf(q.numerator) / q.denominator for name, q in exact.items()} | changed)
 
     def terms(self, u: Any, digits: int | None = None) -> tuple[Number, Number]:
-        """Return what is equal on the border; where the first is larger the motion has no word."""
+        """Return the two terms that are equal on the border; where the first is larger the motion has no word."""
         p = self._numbers(u, digits)
         if self.rests:
             return (p.mu1 if self.belt == 1 else p.mu2) * p.FN, self.push * p.B0
@@ -401,7 +401,7 @@ class ClosedForm(BorderSystem):
         return self.up * p.belt(self.belt) * resisted**0.5, self.push * p.B0 * p.Omega
 
     def residuals(self, u: Any, digits: int | None = None) -> list[Number]:
-        """Return what is 0 on the border."""
+        """Return what is 0 on the border, as a list of one: the first term minus the second, or the belt's speed."""
         holds, drives = self.terms(u, digits)
         return [self._numbers(u, digits).belt(self.belt) if self.line else holds - drives]
 
@@ -433,7 +433,7 @@ class ClosedForm(BorderSystem):
         return [Condition(0, text, float(value), 0.0, "", -1, 1.0) for text, value in found]
 
     def orbit(self, z: np.ndarray) -> Orbit:
-        """Return what an orbit tends to: flights that last no time, or the steady motion where it grazes the belts."""
+        """Return the limit of orbits at the border: flights of no duration, or a steady motion that grazes belts."""
         p = self.fixed.replace(**dict(zip(self.names, (z * self.scale).tolist(), strict=True)))
         points = self.near.copy()
         if self.rests:
@@ -449,7 +449,7 @@ class ClosedForm(BorderSystem):
 
 
 def turns_of(equations: ClosingEquations, points: Any, i: int, kind: str) -> list[tuple[Number, Number, int]]:
-    """Return the margin, phase and place of each extremum in piece i that may make a zero of this kind."""
+    """Return (margin, phase, belt or domain) of each extremum in piece i at which a zero of this kind may appear."""
     start, end = points[i], equations.ends(points)[i]
     tau = (end[1] - start[1]) / equations.K.Om
     return list((gaps if kind == AT_TOUCH else holds)(equations, equations.pieces[i], start, tau))
@@ -500,7 +500,7 @@ def symmetrised(points: np.ndarray) -> np.ndarray:
 
 
 def kind_of(condition: Condition) -> str:
-    """Return the kind of zero of an inequality that vanishes; "" if a piece loses its length with it."""
+    """Return the kind of zero that a vanishing inequality makes; "" if it is that a piece has no duration left."""
     if condition.rank == admissibility.PASSING or " at the onset of " in condition.text:
         return AT_FAR
     if condition.rank == admissibility.HOLD:

@@ -57,7 +57,7 @@ from symosc.kernels.entire import EPS
 from symosc.kernels.entire_array import basis
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits import admissibility
-from symosc.orbits.admissibility import MARGINAL, SAMPLE, Condition, conditions, failing, failures, of_function
+from symosc.orbits.admissibility import MARGINAL, SAMPLE, Condition, concerns_whole_piece, conditions, failing, failures
 from symosc.orbits.closing_equations import CONVERGING, ClosingEquations, OrbitPiece, solve
 from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow, largest_displacement, orbit_of, resting_text
 from symosc.orbits.floquet import NEAR_ONE, monodromy
@@ -188,7 +188,7 @@ class Branch(Drawable):
         return find_orbit(self.parameters(i), self.word, self.points[self._index(i)], digits, periods=self.periods)
 
     def _index(self, i: int) -> int:
-        """Return an index that is in range, as for a list."""
+        """Return i, checked to be in range for a list as long as the branch (-1 is the last point)."""
         return whole_number("i", i, -len(self.values), len(self.values) - 1)
 
     def as_dict(self) -> Record:
@@ -473,7 +473,7 @@ class Curve:
     def follow(
         self, direction: float, most: int, advance: Advance, before: int = 0
     ) -> tuple[list[BranchPoint], BranchEnd]:
-        """Follow the curve in one direction; return its points and why they end. `before`: points of the other one."""
+        """Follow the curve in one direction; return its points and why they end. `before`: number of earlier points."""
         path, length, reached = self._first_points(direction), 0.02, 0.0
         done = self.value - self.low if before else 0.0  # the other way is done, wherever it ended
 
@@ -523,7 +523,7 @@ class Curve:
     def _scan(
         self, a: BranchPoint, b: BranchPoint, around: float = np.inf
     ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-        """Divide a piece of a branch after its point a; return its orbits, and the first point that is none or None."""
+        """Divide the branch between a and b; return orbits in between, and the first point that is no orbit or None."""
         # None if the points do not lie on one smooth curve. `around` is the length of the shortest piece around it that
         # is known to end in a change.
         length, changed = self.distance(a, b), bool(b.failures)
@@ -567,7 +567,7 @@ class Curve:
         return no_margin_vanishes(nodes, margins)
 
     def _verified(self, point: BranchPoint) -> BranchPoint:
-        """Decide the failures of a branch point anew, with more digits and by following it with the engine."""
+        """Return the point with its failing conditions decided anew, with more digits and by following the orbit."""
         return replace(point, failures=tuple(failures(self.equations(point.value), point.points)))
 
     def _located(self, good: BranchPoint, bad: BranchPoint) -> tuple[list[BranchPoint], BranchPoint]:
@@ -638,7 +638,7 @@ class Curve:
 
 
 def _begins_to_rest(p: Parameters) -> int | None:
-    """Return the belt on which the mass nearly may rest for ever, or nearly may not; None if there is none."""
+    """Return the belt at rest whose friction nearly equals |B0|, so that it just may hold the mass; None if none."""
     for belt, friction in ((1, p.mu1 * p.FN), (2, p.mu2 * p.FN)):
         if p.belt(belt) == 0 and abs(friction - abs(p.B0)) < 1e-6 * abs(p.B0):  # flights are too short for steps
             return belt
@@ -653,7 +653,7 @@ Node = tuple[ClosingEquations, np.ndarray]
 
 def no_margin_vanishes(nodes: list[Node], margins: list[tuple[Condition, ...]]) -> bool:
     """Return whether no margin reaches 0 between the first and the last of five points of a branch."""
-    if not _cells(np.array([[c.value for c in row if not of_function(c)] for row in margins])).all():
+    if not _proven_positive(np.array([[c.value for c in row if not concerns_whole_piece(c)] for row in margins])).all():
         return False
     equations, points = nodes[2]
     for i, duration in enumerate(equations.durations(points)):
@@ -664,8 +664,8 @@ def no_margin_vanishes(nodes: list[Node], margins: list[tuple[Condition, ...]]) 
     return True
 
 
-def _cells(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
-    """Return for each column of (5, n) values whether it is proven positive between the rows."""
+def _proven_positive(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
+    """Return for each column of (5, n) values, at five points of a branch, whether it stays > 0 between them too."""
     bend = np.abs(np.diff(values, 2, axis=0)).max(axis=0)
     if bend.size > 2:
         bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
@@ -676,15 +676,15 @@ def _cells(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
 
 def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
     """Return whether the margins of piece i stay positive at and between the parts u of its duration."""
-    for rows in zip(*(functions(equations, points, i, u) for equations, points in nodes), strict=True):
+    for rows in zip(*(piece_margins(equations, points, i, u) for equations, points in nodes), strict=True):
         values = np.array(rows)
         bend = np.abs(np.diff(values, 2, axis=1)).max(axis=0)
         bend = np.concatenate([bend[:1], bend, bend[-1:]])
         bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
-        good = _cells(values, MARGIN_SAFETY / 8 * bend)
+        good = _proven_positive(values, MARGIN_SAFETY / 8 * bend)
         if good.all():
             continue
-        if depth == 0 or not _cells(values)[~good].all():
+        if depth == 0 or not _proven_positive(values)[~good].all():
             return False
         edges = np.flatnonzero(np.diff(np.concatenate([[False], ~good, [False]]).astype(int)))
         for first, last in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True):  # runs that are open
@@ -695,7 +695,7 @@ def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool
     return True
 
 
-def functions(equations: ClosingEquations, points: Points, i: int, u: np.ndarray) -> list[np.ndarray]:
+def piece_margins(equations: ClosingEquations, points: Points, i: int, u: np.ndarray) -> list[np.ndarray]:
     """Return the margins of piece i (distances to belts or forces that hold) at parts u of its duration."""
     piece, start, end = equations.pieces[i], points[i], equations.ends(points)[i]
     tau = (end[1] - start[1]) / equations.K.Om

@@ -90,7 +90,7 @@ class OrbitPiece:
 
     @property
     def zeros(self) -> int:
-        """The multiplicity of the root tau = 0 of f2: 0 between belts, 1 back to the same, 2 then after a stick."""
+        """The multiplicity of the root tau = 0 of f2: 0 between belts, 1 back to the same belt, 2 if after a stick."""
         return 0 if self.sticks or self.start != self.end else 2 if self.after_stick else 1
 
 
@@ -270,7 +270,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
 
 
 def _newton_step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return the Newton correction; without damping, the nearest of many roots is wanted."""
+    """Return the Newton correction; without damping (c = 0), where roots may be a curve, to the nearest of them."""
     if equations.K.cm == 0:
         # Without damping, directions that the equations fix by less than this are left alone.
         return np.linalg.lstsq(matrix, right, rcond=1e-9)[0].reshape(-1, 2)

@@ -161,7 +161,7 @@ def _best_root(equations: ClosingEquations, guesses: Iterator[Guess]) -> tuple[C
         if not solution.converged:
             best = solution if best is None or solution.residual < best.residual else best
             continue
-        if any(_same(tried, solution, others, other) for _, others, other in roots):
+        if any(_is_same_root(tried, solution, others, other) for _, others, other in roots):
             continue
         failed = failures(tried, solution.points)
         repeats = repetitions(tried, solution.points) > 1
@@ -177,8 +177,8 @@ def _best_root(equations: ClosingEquations, guesses: Iterator[Guess]) -> tuple[C
     raise ConvergenceError(word, points, tried.periods, float(best.residual), best.reason + _instead(tried))
 
 
-def _same(equations: ClosingEquations, a: Solution, others: ClosingEquations, b: Solution) -> bool:
-    """Return whether two roots are equal up to whole turns."""
+def _is_same_root(equations: ClosingEquations, a: Solution, others: ClosingEquations, b: Solution) -> bool:
+    """Return whether two roots are equal, except for whole turns of the phase."""
     if equations.periods != others.periods:
         return False
     away = np.asarray(a.points) - np.asarray(b.points)
@@ -411,7 +411,7 @@ def rest_interval_text(positions: tuple[Number, Number]) -> str:
 
 
 def windows(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
-    """Return each run of passages that follows the word as a guess, with the error by which it does not close."""
+    """Return a guess from each run of passages that follows the word, with the error by which it does not close."""
     n = len(labels)
     done, found = mappings_between(passages), []
     for k in range(len(done) - n + 1):
@@ -436,7 +436,7 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
 
 
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[Guess]:
-    """Yield guesses from simulations started on the word's belts, of every eight the four that close best."""
+    """Yield guesses from motions simulated from the word's belts; of every eight the four that close best."""
     # They start at 7 positions, in units of the largest displacement expected, at 8 phases.
     centre, size = largest_displacement(equations)
     boundaries = sorted({piece.start for piece in equations.pieces})

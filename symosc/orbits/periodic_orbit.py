@@ -233,7 +233,7 @@ class PeriodicOrbit(Drawable):
         for name in names:
             value: Fraction = getattr(self.parameters, name)
             step = max(abs(value), Fraction(1, 1000)) / 10**15
-            up, down = (_beside(self, name, value + way * step) for way in (1, -1))
+            up, down = (_neighbour(self, name, value + way * step) for way in (1, -1))
             columns.append([complex(a - b) / (2 * float(step)) for a, b in zip(up, down, strict=True)])
         found, n = np.array(columns).T, len(self.points)
         slopes = found[2 * n :]
@@ -274,7 +274,7 @@ class PeriodicOrbit(Drawable):
         return Approach(dt, dx, float(offset[0]), float(offset[1]), reached, near)
 
     def _at(self, scene: Scene, elapsed: np.ndarray) -> np.ndarray:
-        """Return the orbit's states at times since the scene's start, shifted by whole periods to the nearest."""
+        """Return the orbit's states at times since the scene's start, shifted by the whole periods that fit best."""
         T, start = float(self.period) / self.periods, np.array([[float(scene.x0)], [float(scene.v0)]])
         choices = [self(float(scene.t0) + elapsed + shift * T) for shift in range(self.periods)]
         return min(choices, key=lambda states: float(np.abs(states[:, :1] - start).max()))
@@ -333,7 +333,7 @@ def _latex_complex(value: complex) -> str:
     return real if value.imag == 0 else rf"{real} {'-' if value.imag < 0 else '+'} {imag}\,\mathrm{{i}}"
 
 
-def _beside(orbit: PeriodicOrbit, name: str, value: Fraction) -> list[Any]:
+def _neighbour(orbit: PeriodicOrbit, name: str, value: Fraction) -> list[Any]:
     """Return times, positions and multipliers, in this order, of the same orbit for another value of a parameter."""
     parameters = orbit.parameters.replace(**{name: value})
     equations = ClosingEquations(parameters, Word(orbit.labels), orbit.periods).with_digits(50)

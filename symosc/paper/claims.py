@@ -52,17 +52,17 @@ class Evidence:
 
 
 def verdict(as_printed: object, corrected: object = False) -> str:
-    """Return the verdict on a statement that holds as printed, or only when corrected."""
+    """Return CONFIRMED if a statement holds as printed, CORRECTED if it holds when corrected, else NOT_AS_PRINTED."""
     return CONFIRMED if as_printed else CORRECTED if corrected else NOT_AS_PRINTED
 
 
 def evidence(right: object, finding: str, numbers: dict[str, Any], verdict: str = CONFIRMED) -> Evidence:
-    """Return the evidence for a verdict and its finding, or against the statement unless its numbers are right."""
+    """Return evidence with this verdict and finding if `right` is true; else evidence that the numbers refute it."""
     return Evidence(verdict, finding, numbers) if right else Evidence(NOT_AS_PRINTED, "Its numbers refute it.", numbers)
 
 
 class Refuted(Exception):
-    """The evidence of a check that does not find what its statement is about."""
+    """Raised by a check that does not find what its statement is about; has the evidence that refutes the statement."""
 
     def __init__(self, finding: str, numbers: dict[str, Any]) -> None:
         self.evidence = Evidence(NOT_AS_PRINTED, finding, numbers)
@@ -77,7 +77,7 @@ class Claim(NamedTuple):
     source: str
     says: str
     check: Callable[[], Evidence]
-    verdict: str  # the committed one
+    verdict: str  # the expected one, from claims.toml
     figures: tuple[str, ...] = ()  # keys of pictures
     derivation: str | None = None  # the key of a chapter
     correction: str | None = None  # the statement that does hold, if this one does not
@@ -122,7 +122,7 @@ def read_claims(
                 seen[kinds[target]].append(target)
             if len(seen["derivation"]) > 1:
                 raise RecordsError(where, f"see: one chapter at most, not {' and '.join(seen['derivation'])}")
-            check = _check(where, checks, table.pop("check"))
+            check = _bound_check(where, checks, table.pop("check"))
             said = {"verdict": CORRECTED if "correction" in table else CONFIRMED}
             said |= {key: one_line(value) for key, value in table.items()}
             one_of(where, "verdict", said["verdict"], VERDICTS)
@@ -136,7 +136,7 @@ def read_claims(
 
 
 def _check_texts(where: str, table: dict[str, Any]) -> None:
-    """Refuse a claim without the required texts, or with unknown ones."""
+    """Raise RecordsError if a claim's table lacks a required entry, has an unknown one, or one that is not text."""
     if not set(REQUIRED) <= set(table) <= {*REQUIRED, *OPTIONAL}:
         said = f"must have {', '.join(REQUIRED)}, and may have {', '.join(OPTIONAL)}"
         raise RecordsError(where, f"has {', '.join(table)}; {said}")
@@ -146,8 +146,8 @@ def _check_texts(where: str, table: dict[str, Any]) -> None:
             raise RecordsError(where, f"{key} = {value!r}: must be {'a list of texts' if key == 'see' else 'text'}")
 
 
-def _check(where: str, package: str, text: str) -> Callable[[], Evidence]:
-    """Return the call given by a text such as "motions.together(FIG5, 1)"; names are those of the module."""
+def _bound_check(where: str, package: str, text: str) -> Callable[[], Evidence]:
+    """Return the call that a text such as "motions.together(FIG5, 1)" stands for; FIG5 is a name in that module."""
     name, _, arguments = text.partition("(")
     module, _, function = name.rpartition(".")
     try:
@@ -173,7 +173,7 @@ KINDS = {
 
 
 def _label(kind: str, number: int) -> str:
-    """Return the name of a numbered part in texts, such as (26) or Lemma 1; a section without a number has 0."""
+    """Return what texts call a numbered part of the paper, such as (26) or Lemma 1; section 0 is the abstract."""
     if kind == "equation":
         return f"({number})"
     return "Abstract" if (kind, number) == ("section", 0) else f"{KINDS[kind][1]} {number}"
@@ -188,7 +188,7 @@ _NUMBER = r"(,? and |, | to | )[(]?(\d+)(?:[.]\d+)?[)]?"
 
 
 def items_of(source: str) -> list[str]:
-    """Return the sections, equations, lemmas, theorems and figures that a source names: "eqs. (26), (32) to (34)"."""
+    """Return the sections, equations, lemmas, theorems and figures that a text like "eqs. (26), (32) to (34)" names."""
     found = ["Abstract"] if "Abstract" in source else []
     source = _PLACE.sub("", source)
     for name, (pattern, *_) in KINDS.items():
@@ -201,7 +201,7 @@ def items_of(source: str) -> list[str]:
 
 
 def coverage(entries: Iterable[Claim | Unjudged]) -> dict[str, list[Any]]:
-    """Return the entries on each item of the paper, in the paper's order."""
+    """Return the claims and unjudged parts on each numbered part of the paper, in the paper's order."""
     found: dict[str, list[Any]] = {item: [] for item in PAPER}
     for entry in entries:
         for item in items_of(entry.source):

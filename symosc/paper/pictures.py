@@ -79,7 +79,7 @@ class Picture(NamedTuple):
 
 
 def number(value: float, digits: int = 5) -> str:
-    """Return a number as captions show it."""
+    """Return a number as captions show it: rounded to `digits` digits, with a minus sign and a power of ten."""
     mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
     mantissa = mantissa.replace("-", "−")
     if not exponent:
@@ -103,7 +103,7 @@ def parameters_and_start(name: str) -> str:
 
 
 def with_parameters(caption: str, scene: str | None = None) -> str:
-    """Return a caption of Figs. 2 to 4 with the parameters of a scene, or of Fig. 4."""
+    """Return a caption with the parameters of a scene appended; without a scene, with those of Fig. 4."""
     p = MAPPING_PARAMETERS if scene is None else load_scene(scene).parameters
     return f"{caption} {listed_parameters(p)}."
 
@@ -151,20 +151,20 @@ def start_and_period(name: str) -> tuple[float, float]:
 
 
 def printed_scene(name: str) -> str:
-    """Return the name of the scene as the paper prints it, of which scene `name` is a correction."""
+    """Return the name of the scene with the printed numbers: "fig7" for its correction "fig7-exact"."""
     return name.partition("-")[0]
 
 
 @lru_cache
 def printed_view(name: str) -> View:
-    """Return the view of Figs. 5, 6, 9 and 10 from the printed start."""
+    """Return what Figs. 5, 6, 9 and 10 show: the motion of a scene from its printed start."""
     scene, (t0, T) = load_scene(name), start_and_period(name)
     return view_of(simulate(name, t_end=t0 + 2.2 * T if scene.structure else default_end(scene)), None)
 
 
 @lru_cache
 def several_periods_view(name: str) -> View:
-    """Return the view of Fig. 7(c), (d): several periods, start and end of the first one, any contact."""
+    """Return what Fig. 7(c), (d) show: several periods, with marks at the first one's ends and at the first contact."""
     t0, T = start_and_period(name)
     view = view_of(simulate(name, t_end=t0 + SEVERAL_PERIODS * T), 1)
     marks = [Mark("start of period", ONSET_COLOR, t0), Mark("end of period", END_COLOR, t0 + T)]
@@ -175,7 +175,7 @@ def several_periods_view(name: str) -> View:
 
 @lru_cache
 def grazing_view(name: str) -> View:
-    """Return the view of Fig. 8: a red contact with belt 1, later a stick on it, which are its contacts."""
+    """Return what Fig. 8 shows: a motion with a contact with belt 1, marked red, and a later stick on belt 1."""
     view = view_of(simulate(name, t_end=default_end(load_scene(printed_scene(name)))), 1)
     contact, *_, stick = _in_order(view)
     onset, end = Mark("onset of stick", ONSET_COLOR, stick.since), Mark("end of stick", END_COLOR, stick.until)
@@ -185,7 +185,7 @@ def grazing_view(name: str) -> View:
 
 @lru_cache
 def orbit_view(name: str) -> View:
-    """Return one period of the periodic orbit (scene `name`) and a little more, around the printed start's time."""
+    """Return a view of one period of the periodic orbit of scene `name`, from a little before the printed start on."""
     t0, T = start_and_period(name)
     since = start_and_period(printed_scene(name))[0] - ORBIT_MARGIN * T
     # The orbit's own scene starts at a switching; with the period it is known at any time.
@@ -312,7 +312,7 @@ def _velocity_of_periods(ax: Axes, view: View, start: float, period: float) -> N
 
 
 def largest_velocity(view: View) -> tuple[float, float]:
-    """Return when the velocity between the ends of a view is largest, and how large."""
+    """Return the time and the value of the largest velocity in a view."""
     guess, step = view.t[np.argmax(view.v)], 2 * pi / float(view.trajectory.parameters.Omega) / 60
     bounds = max(guess - step, view.t[0]), min(guess + step, view.t[-1])
     found = minimize_scalar(lambda t: -view.trajectory(t)[1], bounds=bounds, method="bounded")
@@ -431,7 +431,7 @@ WINDOW_SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "f
 
 
 def window_parameters(mapping: str) -> tuple[Parameters, Fraction, Parameters]:
-    """Return a scene's parameters, the speed > 0 at which |gamma| = B0 Omega/m, and those with the other belt far."""
+    """Return parameters, the belt speed > 0 at which |gamma| = B0 Omega/m, and parameters with the other belt far."""
     p = load_scene(WINDOW_SCENES[mapping]).parameters
     equality = abs(p.B0) * p.Omega / p.k
     far = 2 * equality + 1  # the window is independent of the other belt's speed
@@ -439,14 +439,14 @@ def window_parameters(mapping: str) -> tuple[Parameters, Fraction, Parameters]:
 
 
 def window_graze(mapping: str) -> Event | None:
-    """Return the scene's graze, if it is one of the mapping."""
+    """Return the graze of a mapping's scene at the belt and from the domain of the mapping; None if it has none."""
     where, events = place(mapping), simulate(WINDOW_SCENES[mapping]).events
     sought = ("graze", where.boundary, f"Omega{where.domain}")
     return next((event for event in events if (event.kind, event.boundary, event.source) == sought), None)
 
 
 def window_sweep(mapping: str) -> Figure:
-    """Draw when a mapping grazes against its belt's speed, the graze of its scene, and what Theorem 7 leaves out."""
+    """Draw the phases at which a mapping grazes against the belt's speed, and which of them Theorem 7 leaves out."""
     where, (p, equality, free) = place(mapping), window_parameters(mapping)
     drawing = sweep_figure(free, mapping, f"v{where.boundary}", -2 * equality, 2 * equality, order="full")
     drawing.set_size_inches(3.6, 3.1)
@@ -501,13 +501,13 @@ def window_caption(mapping: str) -> str:
     return f"{caption}{listed_parameters(p)}."
 
 
-# What draws and what describes each form of figure: as a whole, or for a scene.
+# The functions that draw and that describe each form of figure; from STICK on they take the name of a scene.
 FIG1, FIG2 = (fig1, partial(str, MODEL)), (fig2, partial(with_parameters, FRICTION, "fig5"))
 FIG3, FIG4 = (fig3, partial(with_parameters, DOMAINS, "fig5")), (fig4, partial(with_parameters, MAPPINGS))
 STICK, MOTION = (printed_figure, stick_caption), (printed_figure, motion_caption)
 GRAZING_P2, GRAZING_P3 = (grazing_figure_P2, grazing_P2_caption), (grazing_figure_P3, grazing_P3_caption)
 ORBIT = orbit_figure, orbit_caption
-# What scenes of a figure are called: as printed, with a number corrected, with a start of many digits, on the orbit.
+# What a title says of a scene as printed, with a number corrected, with a start of many digits, or on the orbit.
 FORMS = {"": "", "corrected": ", corrected", "exact": ", exact start", "orbit": ", corrected"}
 
 Form = tuple[Callable[..., Figure], Callable[..., str]]

@@ -168,7 +168,7 @@ def write(folder: Path, texts: Mapping[str, str]) -> None:
 
 
 def render(template: str, context: Mapping[str, Any]) -> str:
-    """Return a template of the folder templates, filled in."""
+    """Return the text of a template in the folder `templates`, filled in with the values of `context`."""
     environment = Environment(
         loader=PackageLoader("symosc.paper"),
         autoescape=lambda name: name is not None and ".html" in name,

@@ -39,7 +39,7 @@ POOLS = 3
 
 
 class Done(NamedTuple):
-    """The result of a task: its value, or its error; and the processor time."""
+    """The result of a task: its value, or its error as text; and the seconds of processor time that it took."""
 
     value: Any = None
     error: str = ""
@@ -47,7 +47,7 @@ class Done(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """A picture's file, its caption, and its replacement on phones, if that is another file."""
+    """A picture as SVG text, its caption, and the SVG text for phones, "" if they show the same picture."""
 
     svg: str
     caption: str
@@ -90,13 +90,13 @@ class Judged(NamedTuple):
 
     @property
     def changed(self) -> bool:
-        """Whether the verdict differs from the committed one."""
+        """Whether the verdict differs from the one in claims.toml."""
         return self.verdict != self.claim.verdict
 
 
 @dataclass(frozen=True)
 class Results:
-    """What a run of a plan found: Done with a Drawn for each picture, with steps and HTML for each chapter."""
+    """The results of a run: judged claims, and a Done for each picture (its value: Drawn) and chapter (steps, HTML)."""
 
     plan: Plan
     judged: tuple[Judged, ...]
@@ -117,7 +117,7 @@ class Results:
 
     @property
     def changed(self) -> list[Judged]:
-        """Claims with a verdict that differs from the committed one."""
+        """Claims with a verdict that differs from the one in claims.toml."""
         return [each for each in self.judged if each.changed]
 
     @property
@@ -127,7 +127,7 @@ class Results:
 
     @property
     def ok(self) -> bool:
-        """Whether every verdict is the committed one and nothing failed."""
+        """Whether every verdict is the one in claims.toml and nothing failed."""
         return not self.changed and not self.failures
 
 
@@ -158,7 +158,7 @@ def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | N
 
 
 def _in_processes(tasks: Tasks, workers: int | None) -> Generator[tuple[tuple[str, str], Done], None, None]:
-    """Yield the result of each task; those lost by a broken pool are given to the next one."""
+    """Run tasks in worker processes; yield each key with its result. A new pool repeats what a broken one has lost."""
     for _ in range(POOLS):
         pool = ProcessPool(max_workers=min(read_workers(workers), len(tasks)), context=get_context("spawn"))
         futures: dict[Any, tuple[str, str]] = {}
@@ -208,7 +208,7 @@ def draw(picture: Picture) -> Drawn:
 
 
 def derive(subject: str) -> tuple[int, str]:
-    """Return the number of steps of a chapter of derivations, each checked, and its HTML."""
+    """Check all steps of a chapter of derivations; return their number, and the chapter as HTML."""
     from symosc.derive import document
     from symosc.derive.scope import Scope
 

@@ -46,7 +46,7 @@ class KnownEvent(NamedTuple):
     Attributes
     ----------
     t, x : tuple of str
-        Between which decimals time and position are.
+        The two decimals between which the time, and the position, lies.
     kind, source, target : str
     boundary : int
         In the words of `symosc.Event`.
@@ -82,9 +82,9 @@ class KnownChange(NamedTuple):
     Attributes
     ----------
     dt, dx : tuple of str
-        Between which decimals the total derivatives of time and position are.
+        The two decimals between which the total derivative of the time, and of the position, lies.
     proven : bool
-        Whether the certificate of the case proves them; else they are of a computation with 60 digits.
+        Whether the certificate of the case proves them; if not, they were computed with 60 digits.
 
     Examples
     --------
@@ -106,7 +106,7 @@ class ReferenceCase:
     Attributes
     ----------
     name : str
-        The case's only name: letters, digits and hyphens.
+        The case's unique name: letters, digits and hyphens.
     group : str
     scene : Scene
         Parameters, start and end, all exact.
@@ -119,7 +119,7 @@ class ReferenceCase:
     open : str
         Why its events are not proven; "" if they are.
     periods : int
-        0; or the forcing periods of a run so long that the events of the last one only are given.
+        0, or the number of forcing periods of a run that is so long that only the last one's events are given.
     quick : bool
         Whether it is one of the hard cases of `symosc bench --quick`.
 
@@ -207,7 +207,7 @@ class ReferenceCase:
 
     @cached_property
     def derivatives(self) -> tuple[dict[str, KnownChange], ...]:
-        """For each event its derivatives by parameters and by the start, those that exist; none of long runs."""
+        """For each event, the derivatives that exist by parameters and start values; none where `periods` is not 0."""
         if self.periods:
             return ({},) * len(self.events)
         names, stated = self.certificate.statement.get("wrt", ()), self.certificate.derivatives
@@ -223,14 +223,14 @@ class ReferenceCase:
 
     @property
     def count(self) -> int:
-        """The number of all events, if only the last ones are given; else of the given ones."""
+        """The number of events of the whole motion, also where only those of its last period are given."""
         return len(self.events) * max(self.periods, 1)
 
     @cached_property
     def conditions(self) -> tuple[float, ...]:
         """The condition number of each event; infinite for a graze.
 
-        Of a neighbour, contacts beside a graze are left out with the graze.
+        In the runs with changed numbers, contacts close to a graze are left out with the graze.
         """
         near = 1e-9 * 2 * pi / float(self.parameters.Omega)
         grazes = [event.middle[0] for event in self.events if event.kind == "graze"]
@@ -281,7 +281,7 @@ def last_period(scene: Scene, digits: int) -> Sequence[Event]:
 
 def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]] | None = None) -> list[float]:
     """Return the condition number of every event of a scene."""
-    # They are infinite from the first event on that changes of the input, however small, turn into others. `events`, by
+    # They are infinite from the first event on that the smallest change of the input turns into another. `events`, by
     # default those of `simulate`, is called with the scene and its neighbours, and digits.
     events = events or (lambda scene, digits: simulate(scene, digits=digits).events)
     first, least_digits = INPUT_CHANGES[0]
@@ -295,7 +295,7 @@ def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]] | N
             if digits not in exact:
                 exact[digits] = events(scene, digits)
             moved = events(shifted(scene, name, step), digits)
-            same = _same(exact[digits], moved)
+            same = _count_equal(exact[digits], moved)
             if same == len(exact[digits]) == len(moved):
                 break
         certain = min(certain, same)
@@ -317,8 +317,8 @@ def shifted(scene: Scene, name: str, step: Fraction) -> Scene:
     return replace(scene, parameters=p.replace(**{name: value}), **start)
 
 
-def _same(events: Sequence[Event], others: Sequence[Event]) -> int:
-    """Return the number of leading events with equal kind and boundary in two lists."""
+def _count_equal(events: Sequence[Event], others: Sequence[Event]) -> int:
+    """Return for how many events from the start two lists agree in kind, boundary and the mode that follows."""
     for i, (event, other) in enumerate(zip(events, others, strict=False)):
         if (event.kind, event.boundary, event.target) != (other.kind, other.boundary, other.target):
             return i

@@ -113,7 +113,7 @@ DIGITS_OF_A_NUMBER, LATE_PERIODS = 17, 100_000
 HARD_SOURCE = "a scene of the paper with numbers that make it hard"
 # Starts (t0, x0, v0) of the scenes whose parameters are changed.
 FIG5, FIG6, FIG9, FIG10 = ("0", "0", "0"), ("0", "0", "5"), ("0.1324", "4.5447", "1"), ("0.4588", "3.0837", "1")
-# Scene whose parameters, mapping that grazes, time of the peak, start, end, exponents of the distances, quick ones.
+# Scene of the parameters, grazing mapping, time of the peak, start, end, exponents of the distances, those for quick.
 PEAKS = (
     ("fig7-corrected", "P2", "3.14", "2.5", "15", (3, 5, 7, 9, 11, 13), (3, 13)),
     ("fig8", "P3", "3.14", "2.5", "4.5", (8, 13), ()),
@@ -132,7 +132,7 @@ def hard_cases() -> tuple[ReferenceCase, ...]:
 
 
 def _hard(group: str, name: str, scene: Scene, quick: bool = False, periods: int = 0) -> ReferenceCase:
-    """Return a hard case by its name within its group."""
+    """Return a hard case of a group; its full name is made of the group and `name`, which is unique in the group."""
     own, hard = _slug(f"{group} {name}"), f"{GROUPS[group]}; {name}"
     return ReferenceCase(own, group, replace(scene, name=own), hard, HARD_SOURCE, periods=periods, quick=quick)
 
@@ -179,7 +179,7 @@ def _peak_cases() -> Iterator[ReferenceCase]:
 
 
 def start_with_force(p: Parameters, domain: int, boundary: int, t0: str, force: str) -> tuple[str, str, str]:
-    """Return t0, x0, v0 on a belt from which F^(domain) is `force` there."""
+    """Return a start t0, x0, v0 on a belt at which the force F^(domain) has the value `force`."""
     context = mp_context(40)
     cosine = Fraction(str(context.cos(context.mpf(p.Omega.numerator) / p.Omega.denominator * context.mpf(t0))))
     speed = p.belt(boundary)
@@ -329,7 +329,7 @@ def _case(
 
 
 def _creeping() -> Iterator[ReferenceCase]:
-    """Yield flights that creep towards v = 0 with the gap g = -v; they meet the belt only if u = g' + r2 g < 0."""
+    """Yield flights with decay rates r1 <= r2 that creep to v = 0; the gap g = -v closes only if u = g' + r2 g < 0."""
     # Then it is at t = log(1 + (r2 - r1) g/|u|)/(r2 - r1), and at t = g/|u| if the two roots are one.
     for number, push in enumerate(("-1e-1", "-1e-9", "0", "1e-9"), 1):  # late, very late, just not, not
         for roots, (r1, r2) in (("two-roots", (1, 3)), ("one-root", (2, 2))):
@@ -348,7 +348,7 @@ def _creeping() -> Iterator[ReferenceCase]:
 
 
 def _towards_a_limit() -> Iterator[ReferenceCase]:
-    """Yield flights without spring and drive: v tends to A/c, which is `beyond` past the belt's speed 1."""
+    """Yield flights without spring and drive: v tends to A/c, which is beyond, at, or short of the belt's speed 1."""
     for number, beyond in enumerate(("1e-3", "1e-12", "0", "-1e-12"), 1):
         b = Fraction(beyond)
         p = CREEPER.replace(c=2, k=0, v1=1, A0=2 + 2 * b - Fraction("0.3"))
@@ -390,12 +390,12 @@ ORBIT_DIGITS = 60
 
 
 def wall(F: NumberLike, Omega: NumberLike, c: NumberLike = 0, P: NumberLike = 1) -> Parameters:
-    """Return the parameters of a mass on a spring that rubs on a wall."""
+    """Return the parameters of a mass on a spring that rubs on a wall: friction F, damping c, drive P cos(Omega t)."""
     return Parameters(m=1, c=c, k=1, A0=0, B0=P, Omega=Omega, v1=0, v2=10**6, mu1=F, mu2=0, FN=1)
 
 
 def _slides() -> Iterator[ReferenceCase]:
-    """Yield motions without stops from their highest point: the amplitude is Den Hartog's."""
+    """Yield motions without stops that start at their highest point; their amplitude is Den Hartog's."""
     for number, (c, F, Omega) in enumerate((("0", "0.4", "1.5"), ("0.2", "0.4", "1.5"), ("0.1", "0.25", "0.6")), 1):
         p = wall(F, Omega, c)
         orbit = find_orbit(p, "P32", guess=find_orbit(p, "P32"), digits=ORBIT_DIGITS)
@@ -423,7 +423,7 @@ def amplitude(c: str, F: str, Omega: str) -> str:
 
 
 def _borders() -> Iterator[ReferenceCase]:
-    """Yield motions on both sides of the border of those without stops, F*/P = 0.64657909 and 0.81740639."""
+    """Yield motions with friction F just below and above the F*, 0.64657909 P or 0.81740639 P, where stops begin."""
     for Omega, below, above in (("1.5", "0.64", "0.65"), ("0.8", "0.81", "0.82")):
         for side, F in (("below", below), ("above", above)):
             hard = (
@@ -434,7 +434,7 @@ def _borders() -> Iterator[ReferenceCase]:
 
 
 def _resonance() -> Iterator[ReferenceCase]:
-    """Yield motions at Omega = omega_0, c = 0, with growing turning points at pi/2 + i pi."""
+    """Yield undamped motions at resonance, with turning points at pi/2 + i pi, each farther out than the last."""
     for number, F in enumerate(("0.1", "0.4", "0.75"), 1):
         p = wall(F, 1)
         closed = [f"t[{i}] = pi/2 + {i}*pi" for i in range(12)]
@@ -459,7 +459,7 @@ OSCILLATING = (_slides, _borders, _resonance, _decay)
 
 
 def continuum() -> Iterator[ReferenceCase]:
-    """Yield motions at Omega = 1/(2 n), c = 0 that turn at d -+ x_0 for ever, x_0 = 1/(1 - Omega^2)."""
+    """Yield undamped motions, Omega = 1/(2 n), that turn at d - x_0 and d + x_0 for ever, x_0 = 1/(1 - Omega^2)."""
     # That is so for |d| < Omega^2 x_0 - F; beyond it they stop.
     members = ((1, "0.1", ("0", "0.1", "-0.2", "0.2333", "0.2334", "0.3")), (2, "0.05", ("0", "0.01", "-0.0166")))
     for n, F, middles in members:

@@ -24,13 +24,13 @@ ERRORS = "of event times relative to max(1, t - t0), of positions to max(1, |x|)
 SCORE_TOLERANCE = 1e-9
 #: The unit of errors, per condition; and how many units an error may have where that is more than the tolerance.
 ROUNDING_UNIT, UNITS_ALLOWED = 1e-16, 100.0
-#: How near, in forcing periods, an event of another kind stands for one that is not there.
+#: An event of a wrong kind stands for a missed one if it is nearer to it than this, in forcing periods.
 KIND_WINDOW = 0.005
 #: Digits of the runs that errors are measured against.
 REFERENCE_DIGITS = 40
 
 
-class FoundEvents(NamedTuple):
+class FoundEvent(NamedTuple):
     """A switching event as a solver reports it, in the words of `symosc.Event`."""
 
     t: float
@@ -41,7 +41,7 @@ class FoundEvents(NamedTuple):
 
 @dataclass(frozen=True)
 class Comparison:
-    """The comparison of a solver's events with the reference."""
+    """A solver's events against the reference: largest errors, numbers of missed and invented events, first fault."""
 
     error_t: float | None
     error_x: float | None
@@ -61,7 +61,7 @@ def window_of(scene: Scene) -> float:
     return WINDOW * 2 * pi / float(scene.parameters.Omega)
 
 
-def compare(found: Iterable[FoundEvents], reference: Sequence[Event], window: float, t0: Number = 0) -> Comparison:
+def compare(found: Iterable[FoundEvent], reference: Sequence[Event], window: float, t0: Number = 0) -> Comparison:
     """Compare a solver's events with the reference."""
     given = list(found)
     ordered = sorted((event for event in given if isfinite(event.t) and isfinite(event.x)), key=lambda event: event.t)

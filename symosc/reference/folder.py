@@ -41,7 +41,7 @@ CHANGES_FILE = "derivatives.csv"
 SAMPLE_STEPS, SHOWN_PERIODS = 400, 20
 #: Decimals that end before so many digits are written with all of them.
 MOST_DIGITS = 400
-#: So few cases are written without processes.
+#: Up to so many cases are written without worker processes.
 CASES_IN_LINE = 8
 START_AND_END = ("t0", "x0", "v0", "t_end")
 TABLE_COLUMNS = ("name", "group", *PARAMETER_NAMES, *START_AND_END, "events", "periods", "condition", "proven")
@@ -89,7 +89,7 @@ def _case_files(case: ReferenceCase) -> tuple[dict[str, str], Record]:
         for name, each in row.items()
     )
     found = {
-        CASE_FILE: _toml(case),
+        CASE_FILE: _case_toml(case),
         EVENTS_FILE: _csv_text(EVENT_COLUMNS, events),
         CHANGES_FILE: _csv_text(CHANGE_COLUMNS, changes),
         "trajectory.csv": _csv_text(("t", "x", "v", "mode"), _samples(case)),
@@ -118,8 +118,8 @@ def _csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     return text.getvalue()
 
 
-def _toml(case: ReferenceCase) -> str:
-    """Return the file of a case; JSON writes text, whole numbers and lists as TOML does."""
+def _case_toml(case: ReferenceCase) -> str:
+    """Return the text of a case's TOML file; JSON writes text, whole numbers and lists as TOML does."""
     start: Record = {name: exact_text(getattr(case, name)) for name in START_AND_END[:3]}
     if case.scene.start_error is not None:
         start["start_error"] = [show(error) for error in case.scene.start_error]
@@ -133,7 +133,7 @@ def _toml(case: ReferenceCase) -> str:
 
 
 def _samples(case: ReferenceCase) -> list[tuple[str, str, str, str]]:
-    """Return the rows of a trajectory: equal steps, and two rows at each event."""
+    """Return rows (t, x, v, mode) of a case's motion: at equal steps, and before and after each event."""
     scene = case.scene
     if case.periods:
         shown = Fraction(SHOWN_PERIODS * 2 * pi) / case.parameters.Omega
@@ -201,7 +201,7 @@ def _of_an_earlier_run(folder: Path) -> set[str]:
 
 @dataclass(frozen=True)
 class StoredCase:
-    """A case as stored in files."""
+    """A reference case as its files store it: what a score needs of it."""
 
     name: str
     group: str

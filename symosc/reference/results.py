@@ -26,7 +26,7 @@ from symosc.simulation.tangents import NAMES
 EVENT_WORDS = ("cross", "stick", "slip", "graze")
 #: The kind of a line that says how far a case was followed.
 FOLLOWED_TO = "end"
-#: Files of a set of cases that are no results; and kinds of files with a name that must be a case's, in a folder.
+#: Names of files in a folder that are no results; and endings of files whose names must be those of cases.
 NO_RESULTS, CERTAIN = ("cases", "manifest"), (".csv", ".json")
 #: Columns of derivatives: dt_mu1, dx_mu1, ...
 CHANGES = tuple(f"d{of}_{name}" for name in NAMES for of in "tx")
@@ -72,10 +72,10 @@ def read_results(path: str | Path, names: Container[str]) -> Results:
     if not source.exists():
         raise ResultError(str(source), "does not exist")
     found: Results = {}
-    for file, name in _files(source, names) if source.is_dir() else [(source, None)]:
+    for file, name in _files_of_cases(source, names) if source.is_dir() else [(source, None)]:
         if name in found:
             raise ResultError(str(file), f"is the second file with results for {name}")
-        found |= _of_file(file, name)
+        found |= _read_file(file, name)
     for name in found:
         if name not in names:
             raise ResultError(str(source), f"has results for {brief(name)!r}, which is no case of this set")
@@ -86,8 +86,8 @@ def read_results(path: str | Path, names: Container[str]) -> Results:
     return found
 
 
-def _files(folder: Path, names: Container[str]) -> Iterator[tuple[Path, str]]:
-    """Yield the files in a folder with results of a case, and its name."""
+def _files_of_cases(folder: Path, names: Container[str]) -> Iterator[tuple[Path, str]]:
+    """Yield each file of a folder that has results of a case, with the name of the case."""
     for path in sorted(folder.iterdir()):
         for file in sorted(path.glob("events.*")) if path.is_dir() else [path]:
             name, suffix = path.name if path.is_dir() else path.name.partition(".")[0], suffix_of(file)
@@ -97,24 +97,24 @@ def _files(folder: Path, names: Container[str]) -> Iterator[tuple[Path, str]]:
                 raise ResultError(str(file), f"is named {brief(name)!r}, which is no case of this set")
 
 
-def _of_file(path: Path, name: str | None) -> Results:
-    """Return the results of a file; `name` is the case it is for, None if it names them."""
+def _read_file(path: Path, name: str | None) -> Results:
+    """Return the results in a file by case; `name` is the case that it is for, None if the file itself names cases."""
     found: Results = {} if name is None else {name: CaseResult()}
     try:
         for case, where, entry in _entries(read_content(path, partial(_columns, needs_case=name is None)), name):
-            _add(where, found.setdefault(case, CaseResult()), entry)
+            _add_entry(where, found.setdefault(case, CaseResult()), entry)
     except ParameterError as error:
         raise ResultError(str(path), error.allowed if error.name == "file" else str(error)) from None
     return found
 
 
 def _wrong(what: str) -> ParameterError:
-    """Return the error for a file of results."""
+    """Return the exception to raise for a file of results, which says what is wrong with it."""
     return ParameterError("file", "", what)
 
 
 def _named(names: Iterable[str]) -> dict[str, str]:
-    """Return the column names of events by their meaning."""
+    """Return which of a file's column names mean "t", "x", "kind" and so on, as a dictionary by meaning."""
     found: dict[str, str] = {}
     there = list(map(str, names))
     for what, usual in EVENT_COLUMNS.items():
@@ -128,7 +128,7 @@ def _named(names: Iterable[str]) -> dict[str, str]:
 
 
 def _columns(names: list[str], needs_case: bool) -> dict[str, str]:
-    """Return the columns of a table of events; ParameterError if one is missing."""
+    """Return a table's column names by meaning, as `_named` does; ParameterError if a needed one is missing."""
     found = _named(names)
     enclosed = {"t_low", "t_high"} <= set(found)
     for what, needed in {"case": needs_case, "t": not enclosed, "kind": True}.items():
@@ -138,7 +138,7 @@ def _columns(names: list[str], needs_case: bool) -> dict[str, str]:
 
 
 def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]]:
-    """Yield the entries of a file: a case, a place for messages, and an event or its end; `name` as in `_of_file`."""
+    """Yield case, place for messages, and entry (an event, or the end of the run); `name` as in `_read_file`."""
     where = "" if name is None else brief(name)
     if name is not None:  # a case may be without events
         yield name, where, {"kind": FOLLOWED_TO}
@@ -175,15 +175,15 @@ def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]
 
 
 def _cell(value: Any) -> Any:
-    """Return an entry of a library's column as a Python value; None for an empty one."""
+    """Return a table cell, perhaps of numpy or bytes, as a plain Python value; None for an empty one."""
     value = value.item() if isinstance(value, np.generic | np.ndarray) and np.size(value) == 1 else value
     value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
     value = value.strip() if isinstance(value, str) else value
     return None if value is None or value == "" or value != value else value
 
 
-def _add(where: str, result: CaseResult, entry: Record) -> None:
-    """Append an event, or the end time, of a file's entry to a result."""
+def _add_entry(where: str, result: CaseResult, entry: Record) -> None:
+    """Add an entry of a file to a result: append its event, or set the end time or the seconds."""
     if "seconds" in entry:
         seconds = _number(where, entry, "seconds")
         if seconds is None or seconds < 0:

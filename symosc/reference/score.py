@@ -115,12 +115,12 @@ def read_tolerance(value: object) -> float:
 
 
 def score(name: str, cases: Sequence[StoredCase], results: Results, tolerance: float = SCORE_TOLERANCE) -> Score:
-    """Judge the results of a solver, case by case; an event may have the error `tolerance`, or 100 units if more."""
+    """Judge a solver's results case by case; errors up to `tolerance`, or 100 rounding units if more, are allowed."""
     return Score(name, tolerance, [judge_case(case, results.get(case.name), tolerance) for case in cases])
 
 
 def judge_case(case: StoredCase, result: CaseResult | None, tolerance: float) -> CaseScore:
-    """Judge the results of a case; None if there are none."""
+    """Judge a solver's results for a case; `result` is None if there are none."""
     condition = max((each for each in case.conditions if each < inf), default=0.0)
     judged = CaseScore(case.name, case.group, case.count, condition, given=result is not None and not result.note)
     judged.grazes = sum(event.kind == "graze" for event in case.events)
@@ -140,7 +140,7 @@ def judge_case(case: StoredCase, result: CaseResult | None, tolerance: float) ->
 
 
 class _Judge:
-    """The verdict on the events of a case."""
+    """Compares a solver's events with those of a case and writes errors and faults into the CaseScore `judged`."""
 
     def __init__(self, case: StoredCase, judged: CaseScore, tolerance: float) -> None:
         self.case, self.judged, self.tolerance = case, judged, tolerance
@@ -152,7 +152,7 @@ class _Judge:
         placed = [event._replace(boundary=self._boundary(event)) for event in found]
         pairs = align(placed, case.events, case.times, WINDOW * self.period)
         for i, j in pairs:
-            self._found(i, found[j])
+            self._measure(i, found[j])
         lost = sorted(set(range(len(case.events))) - {i for i, _ in pairs})
         extra = sorted(set(range(len(found))) - {j for _, j in pairs})
         # Solvers list a start on a belt, which is no event.
@@ -179,7 +179,7 @@ class _Judge:
             self._fault("invented", float(found[j].t), "", _event_text(found[j]))
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
-        """Return the events that are compared one by one; those before them only count."""
+        """Return the events that are compared one by one; those before them are only counted."""
         uncompared = self.case.count - len(self.case.events)
         if not uncompared:
             return events
@@ -199,8 +199,8 @@ class _Judge:
             return event.boundary
         return self.case.events[min(same, key=lambda i: abs(self.case.times[i] - float(event.t)))].boundary
 
-    def _found(self, i: int, event: GivenEvent) -> None:
-        """Measure the error of a matched event."""
+    def _measure(self, i: int, event: GivenEvent) -> None:
+        """Measure the errors of a solver's event against the case's event i; note a fault if one is too large."""
         known, judged = self.case.events[i], self.judged
         t, x = known.middle
         errors = [relative_error(event.t, t, self.case.t0)]
@@ -227,7 +227,7 @@ class _Judge:
             self._fault("error", float(t), what, _event_text(event))
 
     def _derivatives(self, i: int, event: GivenEvent) -> None:
-        """Judge the given derivatives of a matched event that exist."""
+        """Judge the derivatives that a solver gives of the case's event i, where the case has them too."""
         judged, known, condition = self.judged, self.case.events[i], self.case.conditions[i]
         allowed = max(self.tolerance, UNITS_ALLOWED * ROUNDING_UNIT * max(1.0, condition) ** 2)
         worst = (0.0, "")
@@ -254,7 +254,7 @@ class _Judge:
 
 
 def _event_text(event: KnownEvent | GivenEvent) -> str:
-    """Return an event as text."""
+    """Return an event as text, such as "stick at belt 1"."""
     return f"{event.kind}{f' at belt {event.boundary}' if event.boundary else ''}"
 
 
@@ -272,7 +272,7 @@ NO_RESULT = "no result"
 
 
 def case_cell(case: CaseScore) -> str:
-    """Return a solver's result for a case in a few letters."""
+    """Return a solver's result for a case as short text: its faults, or else its largest error in units."""
     if not case.given:
         return case.note or NO_RESULT
     counts = {"missed": case.missed, "invented": case.invented, "wrong kind": case.kinds}
@@ -290,7 +290,7 @@ def case_cell(case: CaseScore) -> str:
 
 
 def group_cell(cases: Sequence[CaseScore]) -> str:
-    """Return a solver's result for a group: the number of right cases, and the largest error in units of these."""
+    """Return a solver's result for a group as text: the number of right cases, and their largest error in units."""
     given, right = [case for case in cases if case.given], [case for case in cases if case.right]
     if not given:
         return next((case.note for case in cases if case.note), NO_RESULT)
@@ -301,12 +301,12 @@ def group_cell(cases: Sequence[CaseScore]) -> str:
 
 
 def short_number(value: float) -> str:
-    """Return a number of units in a few letters."""
+    """Return a number as short text: "12", or "3e+05" from 1000 on."""
     return f"{value:.2g}" if value < 1000 else f"{value:.0e}"
 
 
 def group_table(scores: Sequence[Score], form: str = "simple") -> str:
-    """Return one row per group, one for all, and rows with the numbers of faults."""
+    """Return a table with a row per group, one for all cases, and rows with the numbers of faults."""
     rows = []
     for group, cases in by_group(scores[0].cases):
         columns = [group_cell([case for case in score.cases if case.group == group]) for score in scores]
@@ -331,7 +331,7 @@ def group_table(scores: Sequence[Score], form: str = "simple") -> str:
 
 
 def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool = True) -> str:
-    """Return one row per case, perhaps without those of which nobody has results; for one solver more columns."""
+    """Return a table with a row per case (`with_absent`: also those without results); more columns for one solver."""
     heads, rows = ["case", "events", "condition", *(score.name for score in scores)], []
     alone = len(scores) == 1
     for i, case in enumerate(scores[0].cases):
@@ -345,7 +345,7 @@ def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool 
 
 
 def faults(score: Score) -> list[str]:
-    """Return the faults of a solver, one a line; of very many the first."""
+    """Return the faults of a solver as lines; of more than 40 the first 40, and how many more there are."""
     found = [f"{case.name}: {wrong}" for case in score.given for wrong in case.wrong]
     more = [f"and {len(found) - MOST_LISTED_FAULTS} more; --json has all"] if len(found) > MOST_LISTED_FAULTS else []
     return [*found[:MOST_LISTED_FAULTS], *more]
@@ -387,7 +387,7 @@ def as_text(scores: Sequence[Score]) -> str:
 def _page(
     scores: Sequence[Score], title: str, version: int, form: str, more: Sequence[str], with_faults: bool
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the parts of a page by their HTML tags: text, lists of lines, tables in a form of tabulate."""
+    """Yield the parts of a page as (HTML tag, content): text, lists of lines, tables in a format of tabulate."""
     yield "h1", title
     yield from (("p", line) for line in (f"Set of reference cases: version {version}.", *more))
     yield "ul", [verdict(score) for score in scores]

@@ -16,12 +16,12 @@ pytestmark = pytest.mark.slow
 PEERS = """
 from symosc import simulate
 from symosc.bench.solvers import Solver
-from symosc.reference.compare import FoundEvents
+from symosc.reference.compare import FoundEvent
 
 
 def prepare(scene, tolerance):
     def run():
-        return [FoundEvents(e.t + tolerance, e.x, e.kind, e.boundary) for e in simulate(scene).events]
+        return [FoundEvent(e.t + tolerance, e.x, e.kind, e.boundary) for e in simulate(scene).events]
 
     return run
 

@@ -10,7 +10,7 @@ from symosc import load_scene, sensitivities, simulate
 from symosc.bench.gradients import heyoka_jacobian, run, solvers, table, through_events
 from symosc.bench.solvers import Solver
 from symosc.reference.cases import reference_case
-from symosc.reference.compare import FoundEvents
+from symosc.reference.compare import FoundEvent
 from symosc.simulation.tangents import NAMES
 
 #: The error that each may have; what compiles for a minute is slow.
@@ -58,9 +58,9 @@ def test_a_flight_goes_on_behind_a_graze() -> None:
     pytest.importorskip("heyoka")
     scene = replace(load_scene("fig5"), t_end=5)
     motion, jacobian = simulate(scene), heyoka_jacobian(1e-16)
-    events = [FoundEvents(event.t, event.x, event.kind, event.boundary) for event in motion.events]
+    events = [FoundEvent(event.t, event.x, event.kind, event.boundary) for event in motion.events]
     assert [event.kind for event in events[:3]] == ["stick", "slip", "stick"]
     middle = (events[1].t + events[2].t) / 2
-    touched = [*events[:2], FoundEvents(middle, float(motion(middle)[0]), "graze", events[2].boundary), *events[2:]]
+    touched = [*events[:2], FoundEvent(middle, float(motion(middle)[0]), "graze", events[2].boundary), *events[2:]]
     plain, found = (list(through_events(scene, each, jacobian)) for each in (events, touched))
     assert found[:2] + found[3:] == plain

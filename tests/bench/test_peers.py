@@ -18,7 +18,7 @@ from symosc import Parameters, Scene, load_scene, simulate, simulate_many
 from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve
 from symosc.bench.peers_heyoka import count_many
 from symosc.bench.solvers import OURS, Solver, all_solvers
-from symosc.reference.compare import FoundEvents
+from symosc.reference.compare import FoundEvent
 
 SOLVERS = {solver.name: solver for solver in all_solvers()}
 PEERS = [solver for solver in all_solvers() if solver not in OURS]
@@ -39,7 +39,7 @@ DIP = Scene(
 )  # fmt: skip
 
 
-def found_by(solver: Solver, scene: Scene, tolerance: float | None = None) -> Sequence[FoundEvents]:
+def found_by(solver: Solver, scene: Scene, tolerance: float | None = None) -> Sequence[FoundEvent]:
     if solver.missing:
         pytest.skip(solver.missing)
     return list(solver.prepare(scene, solver.tolerances[-1] if tolerance is None else tolerance)())

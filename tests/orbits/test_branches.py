@@ -358,7 +358,7 @@ def test_the_forces_of_a_stick_are_those_of_the_belt(scene: str, word: str) -> N
         end = equations.ends(points)[i][1]
         before = -(1 - u) * (end - points[i][1]) / K.Om
         force = -piece.side * (belt.drift * before + K.f0 * (np.cos(end + K.Om * before) - np.cos(end)))
-        ratio, other = branches.functions(equations, points, i, u)
+        ratio, other = branches.piece_margins(equations, points, i, u)
         assert other == pytest.approx(belt.J - force, rel=1e-12)
         assert ratio[:-1] * -before[:-1] == pytest.approx(force[:-1], rel=1e-9, abs=1e-12)
         assert ratio[-1] == pytest.approx(ratio[-2], rel=0.3)
@@ -378,7 +378,7 @@ def test_functions_of_a_flight_are_its_gaps_without_their_known_roots(p: Paramet
         flights += 1
         start = equations.start_of_flight(piece, tuple(points[i]))
         tau = (equations.ends(points)[i][1] - points[i][1]) / equations.K.Om
-        found = branches.functions(equations, points, i, u)
+        found = branches.piece_margins(equations, points, i, u)
         belts = [belt for belt in (piece.mode - 1, piece.mode) if belt in (1, 2)]
         assert len(found) == len(belts)
         for belt, values in zip(belts, found, strict=True):

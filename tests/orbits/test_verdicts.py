@@ -16,7 +16,7 @@ from units import UNITS, Units
 from symosc import Parameters, simulate
 from symosc.errors import ParameterError
 from symosc.orbits import admissibility
-from symosc.orbits.admissibility import conditions, extrema, of_function
+from symosc.orbits.admissibility import concerns_whole_piece, conditions, extrema
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, polish, solve
 from symosc.orbits.find import find_orbit, orbit_at
 from symosc.orbits.floquet import rest_positions
@@ -165,7 +165,7 @@ def test_margins_are_those_of_the_equation_of_motion(word: str) -> None:
             size = 1 + max(abs(value) for value in values if abs(value) < np.inf)
             for c, value in zip(mine, values, strict=True):
                 assert c.value == pytest.approx(value, abs=2e-5 * size), (p, c)
-            (gap,) = (c for c in mine if of_function(c))
+            (gap,) = (c for c in mine if concerns_whole_piece(c))
             assert gap.t == pytest.approx(nearest, abs=1e-2) or gap.value == np.inf
             turned += gap.value < np.inf
             tau = values[0]

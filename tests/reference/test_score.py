@@ -18,7 +18,7 @@ from symosc.reference.compare import (
     KIND_WINDOW,
     SCORE_TOLERANCE,
     UNITS_ALLOWED,
-    FoundEvents,
+    FoundEvent,
     align,
     compare,
     window_of,
@@ -299,12 +299,12 @@ def test_a_graze_is_not_missed_but_a_stick_in_its_place_is_invented() -> None:
     silent = compare([], exact, window_of(scene))
     assert (silent.missed, silent.invented, silent.missed_grazes) == (0, 0, 1)
     t, x = float(exact[0].t), float(exact[0].x)
-    sticking = compare([FoundEvents(t, x, "stick", 1), FoundEvents(t + 1e-6, x, "slip", 1)], exact, window_of(scene))
+    sticking = compare([FoundEvent(t, x, "stick", 1), FoundEvent(t + 1e-6, x, "slip", 1)], exact, window_of(scene))
     assert (sticking.invented, sticking.missed, sticking.missed_grazes) == (2, 0, 1)
-    assert compare([FoundEvents(t, x, "graze", 1)], exact, window_of(scene)).missed_grazes == 0
+    assert compare([FoundEvent(t, x, "graze", 1)], exact, window_of(scene)).missed_grazes == 0
 
 
-def value_of_best(found: list[FoundEvents], reference: list[FoundEvents], window: float) -> float:
+def value_of_best(found: list[FoundEvent], reference: list[FoundEvent], window: float) -> float:
     """Return the value of the best alignment by trying all."""
 
     @lru_cache(None)
@@ -317,7 +317,7 @@ def value_of_best(found: list[FoundEvents], reference: list[FoundEvents], window
     return best(0, 0)
 
 
-def worth(one: FoundEvents, other: FoundEvents, window: float) -> float:
+def worth(one: FoundEvent, other: FoundEvent, window: float) -> float:
     if (one.kind, one.boundary) != (other.kind, other.boundary) or abs(one.t - other.t) > window:
         return -1.0
     return 1000.0 - abs(one.t - other.t)  # one more match is worth more than any distance
@@ -326,10 +326,8 @@ def worth(one: FoundEvents, other: FoundEvents, window: float) -> float:
 def test_the_alignment_is_the_best_one() -> None:
     rng = random.Random(6)
 
-    def some() -> list[FoundEvents]:
-        events = [
-            FoundEvents(rng.uniform(0, 3), 0.0, rng.choice(["stick", "slip"]), 1) for _ in range(rng.randrange(9))
-        ]
+    def some() -> list[FoundEvent]:
+        events = [FoundEvent(rng.uniform(0, 3), 0.0, rng.choice(["stick", "slip"]), 1) for _ in range(rng.randrange(9))]
         return sorted(events)
 
     for _ in range(500):

@@ -10,7 +10,7 @@ from typing import Any
 from effort import PATIENCE
 
 from symosc.bench.solvers import HANG, OURS, Outcome, Solver, Worker
-from symosc.reference.compare import FoundEvents
+from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 
@@ -43,10 +43,10 @@ class PatientWorker(Worker):
         return super().call(PATIENCE, function, *arguments)
 
 
-def careless(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
+def careless(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
     """Prepare a solver that does not see the second event, and reports all others late."""
     events = simulate(scene).events
-    found = [FoundEvents(event.t + tolerance, event.x, event.kind, event.boundary) for event in events]
+    found = [FoundEvent(event.t + tolerance, event.x, event.kind, event.boundary) for event in events]
     return lambda: found[:1] + found[2:]
 
 
@@ -54,7 +54,7 @@ def hanging(scene: Scene, tolerance: float) -> Callable[[], None]:
     return loop_for_ever
 
 
-def failing_later(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvents]]:
+def failing_later(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
     if scene.t_end > 20:
         raise ArithmeticError("too far")
     return list

@@ -104,7 +104,7 @@ class RationalContact:
 
     @property
     def goes_on(self) -> str:
-        """The continuation after the contact, as a phrase."""
+        """The continuation after the contact, as a phrase such as "goes on in Omega1"."""
         return f"goes on {'on' if self.sticks else 'in'} {self.next_mode}"
 
     @property

@@ -50,7 +50,7 @@ LATE, GRAZE_SAMPLES = 60, 8000
 
 @dataclass(frozen=True)
 class Graze:
-    """A figure of a grazing motion: as printed, with a corrected parameter if it needs one, and its mapping."""
+    """A figure of a grazing motion: its scene as printed, the scene with a corrected parameter, and its mapping."""
 
     printed: Scene
     scene: Scene
@@ -58,7 +58,7 @@ class Graze:
     half_turns: int  # the phase of the grazing point in units of pi
 
     def source(self, to_start: bool = True) -> GrazingStart:
-        """Return where the flow that grazes was at t0, or on the switching plane before."""
+        """Return the state of the grazing flow at t0, or else at its start on the switching plane."""
         theta = +mp_context(60).pi * self.half_turns
         return grazing_start(self.scene.parameters, self.mapping, theta, t0=self.scene.t0 if to_start else None)
 
@@ -119,7 +119,7 @@ def steady_square(p: Parameters) -> Fraction:
 
 
 def highest_velocity(path: Trajectory, since: float | None = None) -> tuple[float, float]:
-    """Return when the velocity of a flight in domain 1 is highest, and how high."""
+    """Return the time and the value of the highest velocity of a flight in domain 1, from the time `since` on."""
     times = np.linspace(float(path.t_start) if since is None else since, float(path.t_end), GRAZE_SAMPLES)
     i = int(np.argmax(path(times)[1]))
     top = float(times[i])
@@ -146,7 +146,7 @@ def contacts_text(path: Trajectory) -> str:
 
 
 def tangential(figure: Graze) -> Evidence:
-    """Check that the motion grazes the belt at the red point: from the printed start and the exact one."""
+    """Check that the motion grazes the belt at the figure's red point, from the printed and from the exact start."""
     printed, scene, p = motion(figure.printed), exact(figure), figure.scene.parameters
     numbers = {"contacts as printed until the first slip": contacts_text(printed)}
     if p != figure.printed.parameters:
@@ -193,7 +193,7 @@ def touches_once(figure: Graze) -> Evidence:
 
 
 def of_mapping(figure: Graze) -> Evidence:
-    """Flow back from the graze: does it come from where the mapping starts? And does the mapping follow it?"""
+    """Check whether the figure's mapping ends in the graze, by flowing back from it, or begins at the graze."""
     found, name = figure.source(to_start=False), subscripted(figure.mapping)
     word = motion(exact(figure)).word
     follows = word[:1] == [figure.mapping]
@@ -212,7 +212,7 @@ def of_mapping(figure: Graze) -> Evidence:
 
 
 def in_window(figure: Graze) -> Evidence:
-    """Check that the phase of the graze is in Theorem 7's window, as printed, whose case is decided exactly."""
+    """Check that the phase of the graze is in the printed window of Theorem 7, whose case is decided exactly."""
     p, mapping, scene = figure.scene.parameters, figure.mapping, exact(figure)
     window = grazing_window(p, mapping, "paper")
     event = next(e for e in motion(scene).events if e.kind == "graze")
@@ -236,13 +236,13 @@ def in_window(figure: Graze) -> Evidence:
 
 
 def returns(scene: Scene, periods: int) -> list[tuple[float, float]]:
-    """Return by how much x and v have changed from one blue point to the next, one period of the excitation later."""
+    """Return the changes (dx, dv) of the state over each of the first `periods` periods of the drive."""
     times = float(scene.t0) + 2 * pi / float(scene.parameters.Omega) * np.arange(periods + 1)
     return [(float(dx), float(dv)) for dx, dv in np.diff(motion(scene, LATE)(times), axis=1).T]
 
 
 def same_point(figure: Graze) -> Evidence:
-    """Compare the states at the blue point and one period later, from the exact start and from the printed one."""
+    """Compare the states at the start (blue point) and one period later, from the exact and from the printed start."""
     path, change, printed = motion(exact(figure), LATE), returns(exact(figure), 1)[0], returns(figure.printed, 1)[0]
     blue, green = path(float(path.t_start)), path(float(path.t_start) + 2 * pi / float(figure.scene.parameters.Omega))
     same, as_printed = (max(map(abs, each)) <= LAST_HALF_UNIT for each in (change, printed))
@@ -260,7 +260,7 @@ def same_point(figure: Graze) -> Evidence:
 
 
 def periodic(figure: Graze) -> Evidence:
-    """Check whether the motion is periodic, or approaches one; and whether the periodic motion can graze."""
+    """Check whether the motion is periodic or approaches a periodic one, and whether that one can graze."""
     p, scene = figure.scene.parameters, exact(figure)
     changes = [hypot(*each) for each in returns(scene, 4)]
     fixed = changes[0] <= LAST_HALF_UNIT
@@ -322,7 +322,7 @@ def sticks_later(figure: Graze) -> Evidence:
 
 
 def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:
-    """Make a check of sticks on the stick that follows the graze from the exact start."""
+    """Run a check of first sticks, given by its name, on the stick that follows the graze from the exact start."""
     checks = {"together": together, "forces_hold": forces_hold, "flight_after": flight_after}
     return checks[check](exact(figure, Fraction(10) if domains else None), figure.place.boundary, *domains)
 
@@ -388,7 +388,7 @@ def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
 
 
 def start_grazes(figure: Graze) -> Evidence:
-    """Find the start of a graze next to the printed one, of all phases of the contact: does it round to it?"""
+    """Find the grazing start nearest to the printed one, over all phases of contact; check whether it rounds to it."""
     scene, printed = figure.scene, figure.printed.parameters
     near = nearest_graze(scene, figure.mapping)
     values = {name: getattr(scene.parameters, name) for name in PARAMETER_NAMES}
@@ -444,7 +444,7 @@ HALF_UNIT = float(LAST_HALF_UNIT)
 
 @dataclass(frozen=True)
 class NearestGraze:
-    """The start of a graze next to a printed start: the time of its contact, and it minus the printed start."""
+    """The grazing start nearest to a printed start: the time of its contact, and the differences dx, dv of the two."""
 
     t_m: float
     dx: float
@@ -517,7 +517,7 @@ def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
 
 
 def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
-    """Return the values of a number of the scene, a parameter or one of the start, that graze."""
+    """Return the values of one number of the scene (a parameter, t0, x0 or v0) with which the motion grazes."""
     printed = float(getattr(scene if name in START else scene.parameters, name))
     # Times come back after a period.
     reach = pi / float(scene.parameters.Omega) if name == "t0" else REACH * max(1.0, abs(printed))
@@ -547,7 +547,7 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
 
 
 def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, float, bool]:
-    """Return by how much the flow passes the belt (< 0: short of it), when, and if it starts in its domain."""
+    """Return by how much the flow passes the belt (< 0: short of it), when, and if it was in its domain until then."""
     at = place(mapping)
     start = tuple(change.get(name, float(getattr(scene, name))) for name in START)
     exact = {name: Fraction(value) for name, value in change.items() if name not in START}

@@ -31,35 +31,35 @@ FIGURES = ("fig5", "fig6", "fig7", "fig8", "fig9", "fig10")
 
 
 def friction_force(p: Parameters, alpha: int) -> Fraction:
-    """Eq. (1) inside a domain: the force F_f that friction opposes to the motion."""
+    """Return the friction force F_f of eq. (1) inside a domain, as a resistance to the motion."""
     return {1: -(p.mu1 + p.mu2), 2: p.mu1 - p.mu2, 3: p.mu1 + p.mu2}[alpha] * p.FN
 
 
 def friction_interval(p: Parameters, boundary: int) -> tuple[Fraction, Fraction]:
-    """Eq. (1) at the speed of a belt: the interval in which F_f lies."""
+    """Return the interval of eq. (1) in which the friction force F_f lies at the speed of a belt."""
     middle, outer = (p.mu1 - p.mu2) * p.FN, (p.mu1 + p.mu2) * p.FN
     return (-outer, middle) if boundary == 1 else (middle, outer)
 
 
 def added_force(p: Parameters, alpha: int) -> Fraction:
-    """Eq. (5): the friction term added to A0 on the right."""
+    """Return the friction term of eq. (5) that is added to A0 on the right side."""
     return {1: p.mu1 + p.mu2, 2: -(p.mu1 - p.mu2), 3: -(p.mu1 + p.mu2)}[alpha] * p.FN
 
 
 def vector_field(p: Parameters, alpha: int, x: Fraction, v: Fraction, cosine: Fraction) -> Fraction:
-    """Eq. (9): the acceleration F^(alpha) in a domain."""
+    """Return the acceleration F^(alpha) of eq. (9) in a domain."""
     rest = {1: p.A0 + (p.mu1 + p.mu2) * p.FN, 2: p.A0 - (p.mu1 - p.mu2) * p.FN, 3: p.A0 - (p.mu1 + p.mu2) * p.FN}
     return -p.c / p.m * v - p.k / p.m * x + p.B0 / p.m * cosine + rest[alpha] / p.m
 
 
 def stick_force(p: Parameters, boundary: int, x: Fraction, cosine: Fraction) -> Fraction:
-    """Eq. (2), and its counterpart on belt 2: all forces but the friction of that belt."""
+    """Return the force of eq. (2), or its counterpart on belt 2: all forces but the friction of that belt."""
     other = p.mu2 * p.FN if boundary == 1 else -p.mu1 * p.FN
     return p.A0 + p.B0 * cosine - p.k * x - p.c * p.belt(boundary) + other
 
 
 def domain_of(p: Parameters, v: Fraction) -> list[int]:
-    """Eqs. (6) and (7): the open domains (1, 2, 3) and the boundaries (12, 23) that a velocity is in."""
+    """Return the open domains (1, 2, 3) and the boundaries (12, 23) of eqs. (6) and (7) that a velocity is in."""
     inside = {1: v < p.v1, 2: p.v1 < v < p.v2, 3: v > p.v2, 12: v == p.v1, 23: v == p.v2}
     return [name for name, yes in inside.items() if yes]
 
@@ -78,14 +78,14 @@ PLANES = {
 
 
 def stick_exit(p: Parameters, boundary: int, x: Any, cosine: Any) -> Any:
-    """Eqs. (52) and (53): left side minus right side of the second equation, at the end of a stick."""
+    """Return left minus right side of the second equation of (52), or (53) for belt 2: 0 where a stick ends."""
     number = (lambda value: value) if isinstance(x, Fraction) else float
     rest = number(p.A0) + number(p.B0) * cosine - number(p.k) * x - number(p.c * p.belt(boundary))
     return rest + (number(p.mu2 * p.FN) if boundary == 1 else -number(p.mu2 * p.FN)) - number(p.mu1 * p.FN)
 
 
 def printed_planes(speed: Any, delta: Any) -> tuple[Any, Any]:
-    """Eq. (49): the expressions whose limits for delta -> 0 define v^- and v^+."""
+    """Return the expressions of eq. (49) whose limits for delta -> 0 define v^- and v^+."""
     return speed - delta, speed + delta
 
 
@@ -98,7 +98,7 @@ def _parameter_sets() -> list[Parameters]:
 
 
 def _both_boundaries(seed: int) -> tuple[RationalContact, ...]:
-    """Return random contacts with both boundaries."""
+    """Return random rational contacts, CASES with each boundary."""
     return (*contacts(1, CASES, seed + 1), *contacts(2, CASES, seed + 2))
 
 
@@ -113,7 +113,7 @@ def _applied_force(contact: RationalContact) -> Fraction:
 
 
 def friction_levels() -> Evidence:
-    """Eq. (1) inside the domains, against Coulomb's law of both belts and eq. (5)."""
+    """Check eq. (1) inside the domains against Coulomb's law of both belts and against eq. (5)."""
     questions = {
         "rational parameter sets and domains": lambda of: True,
         "F_f not the sum of both belts' Coulomb friction": lambda of: -friction_force(*of) != friction_on_mass(*of),
@@ -128,7 +128,7 @@ def friction_levels() -> Evidence:
 
 
 def friction_at_the_jumps() -> Evidence:
-    """Eq. (1) at x' = v1 and v2: its intervals, and the single values whose closed intervals end there too."""
+    """Check eq. (1) at x' = v1 and v2, where it gives both an interval of forces and the single values beside it."""
     stuck = [(contact, friction_interval(contact.p, contact.boundary)) for contact in _both_boundaries(40)]
     questions = {
         "exact contacts at which the mass sticks": lambda of: True,
@@ -143,7 +143,7 @@ def friction_at_the_jumps() -> Evidence:
 
 
 def equations_of_motion() -> Evidence:
-    """Eq. (5), integrated by scipy's DOP853 over flights in each domain, against the exact motion."""
+    """Check eq. (5), integrated by scipy's DOP853 over flights in each domain, against the exact motion."""
     errors: dict[int, list[float]] = {}
     for motion in (simulate(load_scene(name), max_events=40) for name in STATES):
         p = motion.parameters
@@ -162,7 +162,7 @@ def equations_of_motion() -> Evidence:
 
 
 def stick_condition() -> Evidence:
-    """Eq. (2) with |F_s1| <= mu1 FN, its counterpart on belt 2, and Theorem 4."""
+    """Check eq. (2) with |F_s1| <= mu1 FN, and its counterpart on belt 2, against Theorem 4 and the exact flow."""
 
     def excess(contact: RationalContact) -> Fraction:
         p, b = contact.p, contact.boundary
@@ -186,7 +186,7 @@ def stick_condition() -> Evidence:
 
 
 def stick_motion() -> Evidence:
-    """Eqs. (3), (4), (11), (12): x' = v_lambda and x'' = 0 while the mass sticks."""
+    """Check eqs. (3), (4), (11), (12): x' = v_lambda, the belt's speed, and x'' = 0 while the mass sticks."""
     import sympy as sp
 
     t, speed, place = sp.symbols("t v_lambda x_i")
@@ -197,7 +197,7 @@ def stick_motion() -> Evidence:
 
 
 def friction_order() -> Evidence:
-    """The assumption mu1 >= mu2: is it needed? A mirror turns every motion into one with mu1 and mu2 exchanged."""
+    """Check whether mu1 >= mu2 must be assumed: the mirror image of a motion has mu1 and mu2 exchanged."""
     gaps, other = [0.0], 0
     for scene in map(load_scene, STATES):
         given, p = recorded(simulate(scene, max_events=12)), scene.parameters
@@ -224,7 +224,7 @@ def friction_order() -> Evidence:
 
 
 def friction_characteristics() -> Evidence:
-    """Section 2: both belts possess the same friction characteristics; and the coefficients of the figures."""
+    """Check section 2: both belts have the same friction law, with coefficients that are listed for each figure."""
     jumps = [(p, boundary, friction_interval(p, boundary)) for p in _parameter_sets() for boundary in (1, 2)]
     wrong = sum(high - low != 2 * _friction_coefficient(p, b) * p.FN for p, b, (low, high) in jumps)
     numbers: dict[str, Any] = {"jumps of (1) at a belt": len(jumps), "not 2 μ FN with the belt's own μ": wrong}
@@ -236,7 +236,7 @@ def friction_characteristics() -> Evidence:
 
 
 def frequency() -> Evidence:
-    """Section 2 calls Omega a frequency ratio: which meaning has it in (9) and (62)?"""
+    """Check what Omega, which section 2 calls a frequency ratio, means in (9) and (62)."""
     import sympy as sp
 
     t, B0, m, k, Omega = sp.symbols("t B0 m k Omega", positive=True)
@@ -252,7 +252,7 @@ def frequency() -> Evidence:
 
 
 def motion_states() -> Evidence:
-    """Section 3 counts five motion states: in three domains and on two boundaries."""
+    """Check that section 3 has five states of motion: in three domains and on two boundaries."""
     p = load_scene("fig5").parameters
     places = [domain_of(p, v) for v in (p.v1 - 1, p.v1, (p.v1 + p.v2) / 2, p.v2, p.v2 + 1)]
     domains, boundaries = (sum(place in wanted for place in places) for wanted in ([[1], [2], [3]], [[12], [23]]))
@@ -262,7 +262,7 @@ def motion_states() -> Evidence:
 
 
 def domains_and_boundaries() -> Evidence:
-    """Eqs. (6) and (7): every state is in exactly one domain or on one boundary."""
+    """Check that by eqs. (6) and (7) every state is in exactly one domain or on one boundary."""
     draw, places = random.Random(6), []
     for p in _parameter_sets():
         middle = (p.v1 + p.v2) / 2
@@ -276,7 +276,7 @@ def domains_and_boundaries() -> Evidence:
 
 
 def vector_fields() -> Evidence:
-    """Eqs. (8) to (10): the field (9) is (5) divided by the mass, and jumps by 2 mu FN/m."""
+    """Check eqs. (8) to (10): the field (9) is (5) divided by the mass, and jumps by 2 mu FN/m."""
     wrong = jumps = total = 0
     for contact in _both_boundaries(30):
         p, domains = contact.p, contact.domains
@@ -294,7 +294,7 @@ def vector_fields() -> Evidence:
 
 
 def forces_or_accelerations() -> Evidence:
-    """The quantities F that Section 6 shows as forces: m F is the right side of (5), exactly."""
+    """Check whether F, which section 6 shows as a force, is one: exactly, m F is the right side of (5)."""
     cases = [(contact, alpha) for contact in (*contacts(1), *contacts(2)) for alpha in contact.domains]
     wrong = sum(
         c.p.m * vector_field(c.p, alpha, c.x, c.speed, c.c) != _applied_force(c) + added_force(c.p, alpha)
@@ -315,7 +315,7 @@ EXIT_CASES = 300
 
 
 def switching_planes() -> Evidence:
-    """Eq. (49): three planes at each belt, by the motion that is there."""
+    """Check eq. (49): three planes at each belt, for motions below, on and above its speed."""
     names = {-1: "below", 0: "on it", 1: "above"}
     ends = Counter(end for pair in PLANES.values() for end in pair)
     numbers = {f"belt {belt}, {names[side]}: ends of mappings": count for (belt, side), count in ends.items()}
@@ -324,7 +324,7 @@ def switching_planes() -> Evidence:
 
 
 def planes_as_limits() -> Evidence:
-    """Eq. (49) as it stands: v_lambda^- and v_lambda^+ as limits."""
+    """Check eq. (49) as printed: do the limits v_lambda^- and v_lambda^+ define different planes?"""
     import sympy as sp
 
     speed, delta = sp.symbols("v_lambda delta", positive=True)
@@ -338,7 +338,7 @@ def planes_as_limits() -> Evidence:
 
 
 def basic_mappings() -> Evidence:
-    """Eqs. (50) and (51): every way from plane to plane through one domain, or on one belt, is one of the eight."""
+    """Check eqs. (50), (51): every way from plane to plane through one domain, or on one belt, is one of the eight."""
     ways = {((belt, 0), (belt, 0)) for belt in NEIGHBOURS}
     for domain in (1, 2, 3):
         # The belts at a domain, and the side of them on which it is.
@@ -356,7 +356,7 @@ def basic_mappings() -> Evidence:
 
 
 def trajectories_in_domains() -> Evidence:
-    """Fig. 4: between its ends a trajectory is in one domain or on one belt, which defines a mapping."""
+    """Check Fig. 4: between its ends each mapping's trajectory is in one domain or on one belt."""
     numbers = {}
     for label, planes in PLANES.items():
         start, end = ({NEIGHBOURS[belt][side > 0]} if side else set() for belt, side in planes)
@@ -368,7 +368,7 @@ def trajectories_in_domains() -> Evidence:
 
 
 def stick_exits(boundary: int) -> Evidence:
-    """Eqs. (52) and (53), where sticks end: against the exact flow where one of the forces vanishes, and a figure."""
+    """Check eqs. (52), (53) at exact contacts where one force vanishes and a stick ends, and in Fig. 5 or 6."""
     equation, (lo, hi) = 51 + boundary, NEIGHBOURS[boundary]
     exits: dict[int, list[bool]] = {lo: [], hi: []}
     for contact in contacts(boundary, EXIT_CASES, seed=50 + boundary):
@@ -418,7 +418,7 @@ def _first_exit(boundary: int, equation: int) -> dict[str, str]:
 
 
 def governing_equations() -> Evidence:
-    """Eq. (54): f1 and f2 of the flights vanish at the events of simulated motions; so they do for DOP853."""
+    """Check eq. (54): f1 and f2 of flights vanish at the events of simulated motions, which DOP853 reaches as well."""
     rests: dict[str, list[float]] = {label: [] for label in FLIGHTS}
     other: dict[str, list[float]] = {label: [] for label in FLIGHTS}
     motions = [simulate(load_scene(name), max_events=40) for name in MAPPED_SCENES]
@@ -445,7 +445,7 @@ def governing_equations() -> Evidence:
 
 
 def four_grazes() -> Evidence:
-    """Before Theorem 7: four cases of grazing, those of P2, P3, P5 and P6."""
+    """Check what is said before Theorem 7: grazing has four cases, those of P2, P3, P5 and P6."""
     pairs = sorted((domain, boundary) for boundary, sides in NEIGHBOURS.items() for domain in sides)
     of_maps = sorted((row.domain, row.boundary) for row in PLACES.values())
     grazes: Counter[tuple[int, int]] = Counter()
@@ -471,7 +471,7 @@ def position_bound(p: Parameters) -> float:
 
 
 def bounded_motions() -> Evidence:
-    """Section 5: three bounded motions in the three unbounded domains; and the case without a damper."""
+    """Check section 5, by which motions in the three unbounded domains are bounded; and a case without a damper."""
     within, numbers = 0, {}
     for name in STATES:
         scene = load_scene(name)

@@ -101,7 +101,7 @@ def mode_text(mode: Any) -> str:
 
 
 def force_names(*domains: int) -> str:
-    """Return F⁽¹⁾, F⁽²⁾ for 1, 2."""
+    """Return the names of the forces in domains, such as "F⁽¹⁾, F⁽²⁾" for 1 and 2."""
     return ", ".join(f"F⁽{str(domain).translate(_SUPERSCRIPTS)}⁾" for domain in domains)
 
 
@@ -129,7 +129,7 @@ def _motion(scene: Scene, t_end: Any = None) -> Trajectory:
 
 @cache
 def arithmetic(p: Parameters) -> MpArithmetic:
-    """Return the constants of a parameter set, with 40 digits."""
+    """Return the arithmetic of a parameter set with its constants, in 40 digits."""
     return MpArithmetic(p, CONTACT_DIGITS + 10)
 
 
@@ -145,7 +145,7 @@ def start_contact(scene: Scene, belt: int) -> SceneContact:
 
 
 def scene_contacts(scene: Scene, t_end: Any = None) -> list[SceneContact]:
-    """Return the places of a motion's events."""
+    """Return belt, time, position and phase of each event of a scene's motion."""
     convert = arithmetic(scene.parameters).context.convert
     return [SceneContact(e.boundary, *map(convert, (e.t, e.x, e.theta))) for e in motion(scene, t_end).events]
 
@@ -171,7 +171,7 @@ def first_stick(scene: Scene, belt: int) -> Stick:
 
 
 def forces(p: Parameters, at: SceneContact) -> Forces:
-    """Return both forces at a contact."""
+    """Return the forces of the domains below and above the belt at a contact."""
     exact = arithmetic(p)
     K, cosine, v = exact.K, exact.context.cos(at.theta), exact.number(p.belt(at.belt))
     constants = (K.A1, K.A2, K.A3)
@@ -201,7 +201,7 @@ def is_zero(force: Any) -> bool:
 
 
 def certificate_of(what: Scene | PeriodicOrbit) -> dict[str, str]:
-    """Return the statement of a motion's or orbit's certificate as an evidence's number; no verdict rests on it."""
+    """Return what the certificate of a motion or orbit states, as an entry of `numbers`; no verdict rests on it."""
     try:
         proof = certify(what)
         said = f"{'proven' if proof.proven else 'not proven'}: {proof.message}"
@@ -279,7 +279,7 @@ def field(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
 
 
 def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
-    """Return whether Theorems 4 and 5 allow this continuation from a contact; where a force is 0, both do."""
+    """Return whether Theorems 4 and 5 let a motion go on in `then` from the state `end`; a force of 0 allows both."""
     belt = 1 if abs(end[2] - float(p.v1)) < abs(end[2] - float(p.v2)) else 2
     lo, hi = NEIGHBOURS[belt]
     below, above = float(field(p, lo, *end)), float(field(p, hi, *end))
@@ -319,7 +319,7 @@ PRODUCT_SAMPLES = 2000
 
 
 def onset_later(scene: Scene, belt: int) -> Evidence:
-    """Check that the first stick starts after t0, with F F < 0 (Theorem 4)."""
+    """Check that the first stick on a belt starts after t0."""
     onset, p = first_stick(scene, belt).onset, scene.parameters
     wait = text(onset.t - number(p, scene.t0), 11)
     finding = f"The stick on belt {belt} starts {wait} after t₀ = {text(scene.t0)}, at x = {text(onset.x, 11)}."
@@ -414,7 +414,7 @@ def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
 
 
 def product_after(scene: Scene, belt: int) -> Evidence:
-    """Check the sign of the force product from the end of the first stick up to the next contact."""
+    """Check the sign of the product of both forces from the end of the first stick up to the next contact."""
     end, path, (lo, hi) = first_stick(scene, belt).end, motion(scene), NEIGHBOURS[belt]
     following = next((at for at in scene_contacts(scene) if at.t > end.t), None)
     since, until = float(end.t), float(path.t_end if following is None else following.t)
@@ -505,7 +505,7 @@ def weight(scenes: tuple[Scene, ...]) -> Evidence:
 
 
 def force_products(scenes: tuple[Scene, ...]) -> Evidence:
-    """Check F F < 0 where sticks start, and that F F = 0 where they vanish, for every stick of the scenes."""
+    """Check that the product of both forces is < 0 where each stick of the scenes starts, and 0 where it ends."""
     numbers, held, count = {}, True, 0
     for scene in scenes:
         p, name = scene.parameters, _figure(scene)

@@ -180,7 +180,7 @@ def never_sticks(scene: Scene) -> Evidence:
 
 
 def stick_parts(scene: Scene, label: str, count: int) -> Evidence:
-    """Count the sticks in one period of the periodic motion."""
+    """Count the sticks `label` (P1 or P4) in one period of the periodic motion, and measure how long they last."""
     found = orbit_of(scene)
     ends = [*[point.t for point in found.points[1:]], found.points[0].t + found.period]
     lasts = [end - point.t for each, point, end in zip(found.labels, found.points, ends, strict=True) if each == label]
@@ -195,7 +195,7 @@ def stick_parts(scene: Scene, label: str, count: int) -> Evidence:
 
 
 def onsets(scene: Scene, belt: int) -> Evidence:
-    """Check the force product where the mass begins to stick, on the printed motion up to its end."""
+    """Check that the product of both forces is negative wherever the mass begins to stick, on the printed motion."""
     found = [stick.onset for stick in sticks(scene) if stick.belt == belt]
     both = [forces(scene.parameters, at) for at in found]
     products = [each.product for each in both]
@@ -331,7 +331,7 @@ def start_or_misprint(scene: Scene) -> Evidence:
 
 
 def _end_of_stick(scene: Scene) -> dict[str, str]:
-    """Return the force in domain 2 at a start on belt 2 where the stick is to end, with c v2 and without."""
+    """Return m F^(2), which is 0 where a stick ends, at a start on belt 2, with and without the damping force c v2."""
     p = scene.parameters
     if scene.v0 != p.v2:
         return {}
@@ -353,13 +353,13 @@ def _end_of_stick(scene: Scene) -> dict[str, str]:
 REACH = 10
 # The least of a parameter that must stay positive, as a part of its printed value (k = 0 has no orbit).
 LEAST = 1e-3
-# How long is followed, in periods: the event that may be the return can be late.
+# How many periods a motion is followed: the event at which it comes back can be late.
 FOLLOWED = Fraction(5, 4)
 
 
 @dataclass(frozen=True)
 class Nearest:
-    """The smallest distance of a motion from the printed start to a periodic one when one number varies."""
+    """The value of one free number with which the motion from the printed start is nearest to a periodic one."""
 
     name: str  # the parameter, or "t0", "x0", "v0", that is left free
     value: float
@@ -376,7 +376,7 @@ class Nearest:
 
     @property
     def explains(self) -> bool:
-        """Whether it is an orbit through the printed start, to half a unit of its last digit."""
+        """Whether with this value an orbit goes through the printed start, to half a unit of its last digit."""
         # With v0 free, x is compared at the printed t0, whose own rounding moves x by v times half a unit.
         allowed = float(LAST_HALF_UNIT) * (1 + abs(self.value) if self.name == "v0" else 1)
         return self.orbit and self.distance <= allowed
@@ -426,7 +426,7 @@ def _search_parameter(scene: Scene, name: str) -> Nearest:
 
 
 def _least(miss: Callable[[float], np.ndarray], around: tuple[float, float]) -> tuple[float, np.ndarray]:
-    """Minimise the larger of |dt| and |dx| by which a motion misses its start; return place and miss."""
+    """Minimise the larger of |dt| and |dx| by which a motion misses its start; return number and miss."""
 
     def size(number: float) -> float:
         return min(float(np.abs(miss(float(number))).max()), 1e9)  # parabolas through infinite values are none

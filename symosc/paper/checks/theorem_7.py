@@ -38,7 +38,7 @@ class Arc(NamedTuple):
 
 
 def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, list[Arc]]]:
-    """Return the cases of eqs. (55) to (58) that hold, counted in the paper's order, with their phases; 2 pi is 0."""
+    """Return number and arcs of phases of each case of (55) to (58) that holds; cases are counted as in the paper."""
     g, a = gamma, amplitude
     ratio = -g / a if a and abs(g) <= abs(a) else None  # the sine of Theta_cr
     d = turn(abs(ratio), root(1 - ratio * ratio)) if ratio is not None else ZERO  # |Theta_cr|
@@ -64,7 +64,7 @@ def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, 
 
 
 def gamma_of(p: Parameters, acceleration: Fraction, velocity: Fraction) -> Fraction:
-    """Theorem 7: gamma = (c/m) x'' + (k/m) x'."""
+    """Return gamma = (c/m) x'' + (k/m) x' of Theorem 7."""
     return p.c / p.m * acceleration + p.k / p.m * velocity
 
 
@@ -97,7 +97,7 @@ def is_inside(cases: list[tuple[int, list[Arc]]], where: Any) -> bool:
 
 
 def zero_force_contact(mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c: Fraction) -> RationalContact:
-    """Return a contact with F = 0 of the domain of a mapping, for given gamma and B0 Omega/m."""
+    """Return a contact with F = 0 in a mapping's domain, for gamma, B0 Omega/m, and sine and cosine of the phase."""
     where = PLACES[mapping]
     m, k, Omega = Fraction(2), Fraction(3), Fraction(3, 2)
     speed = gamma * m / k
@@ -117,7 +117,7 @@ PAIRS = [(ratio * size, size) for size in DRIVES for ratio in RATIOS]
 
 
 class Row(NamedTuple):
-    """A contact: whether the paper's case is right that it grazes, or that it does not, by the exact flow."""
+    """A contact and a printed case: whether the flow grazes there, and whether the case says so rightly."""
 
     case: int  # of the paper's equation, 0 if none holds
     right: bool
@@ -127,7 +127,7 @@ class Row(NamedTuple):
 
 @cache
 def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, ...]:
-    """Return the rows of all exact contacts with the given B0 Omega/m."""
+    """Return a mapping's rows for all exact contacts whose B0 Omega/m is one of `drives`."""
     found, domain = [], PLACES[mapping].domain
     for amplitude in drives:
         for gamma in (ratio * (abs(amplitude) or 2) for ratio in RATIOS):
@@ -143,7 +143,7 @@ def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, .
 
 @cache
 def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
-    """Return contacts with F = 0, of all mappings and ratios and at all phases, with their domains."""
+    """Return (domain, contact) for contacts with F = 0, of all mappings and RATIOS and at all RATIONAL_PHASES."""
     return tuple(
         (where.domain, zero_force_contact(mapping, ratio * 3, Fraction(3), s, c))
         for mapping, where in PLACES.items()
@@ -153,7 +153,7 @@ def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
 
 
 def window(mapping: str, *scenes: str) -> Evidence:
-    """Eqs. (55) to (58): the printed cases by the exact flow, and computed windows by three numerical ways."""
+    """Check the printed cases (55) to (58) by the exact flow, and computed windows in three numerical ways."""
     rows = [row for row in rows_of(mapping) if row.case]
     wrong = [row for row in rows if not row.right]
     generic = sum(not row.fourth_order for row in wrong)
@@ -198,7 +198,7 @@ def _same_ends(mapping: str) -> list[bool]:
 
 
 def complete(*mappings: str) -> Evidence:
-    """Whether the printed lists of cases cover every pair (gamma, B0 Omega/m > 0), each once."""
+    """Check whether the printed lists of cases cover every pair (gamma, B0 Omega/m > 0), each once."""
     numbers: dict[str, Any] = {}
     missing: set[Fraction] = set()
     several = grazing = 0
@@ -221,7 +221,7 @@ def complete(*mappings: str) -> Evidence:
 
 
 def negative_drive() -> Evidence:
-    """The printed cases for B0 < 0 and B0 = 0, which nothing in Section 2 excludes."""
+    """Check the printed cases for B0 < 0 and B0 = 0, which nothing in section 2 excludes."""
     numbers: dict[str, Any] = {}
     wrong = without = total = 0
     for mapping, where in PLACES.items():
@@ -240,7 +240,7 @@ def negative_drive() -> Evidence:
 
 
 def equality() -> Evidence:
-    """gamma = +-B0 Omega/m: is the phase that (55.2), (56.5), (57.2) and (58.5) exclude a graze?"""
+    """Check gamma = +-B0 Omega/m: does the flow graze at the phase that (55.2), (56.5), (57.2) and (58.5) exclude?"""
     numbers: dict[str, Any] = {}
     excluded = returning = 0
     for mapping, where in PLACES.items():
@@ -269,7 +269,7 @@ TRACED = {"fig5": ("P2", "P3", "P5", "P6"), "fig8": ("P3", "P5"), "fig10": ("P5"
 
 
 def without_force() -> Evidence:
-    """The iff of Theorem 7 as it stands: "the flow reaches x_m" does not say F = 0, and gamma has x'' in it."""
+    """Check the "iff" of Theorem 7 as printed, which does not ask for F = 0 and has x'' in gamma."""
     arrivals = inside = 0
     shown: dict[str, Any] = {}
     for mapping, where in PLACES.items():
@@ -301,7 +301,7 @@ def without_force() -> Evidence:
 
 
 def grazing_inequality() -> Evidence:
-    """Eqs. (61), (62), (65), (66) and gamma: the inequality, and that it is the sign of gamma + (B0 Omega/m) sin."""
+    """Check eqs. (61), (62), (65), (66): dF/dt along the flow is -(gamma + (B0 Omega/m) sin(Omega t_m))."""
     wrong = differs = 0
     cases = _zero_force_contacts()
     for domain, contact in cases:
@@ -319,7 +319,7 @@ def grazing_inequality() -> Evidence:
 
 
 def gamma_is_fixed() -> Evidence:
-    """gamma_j = (c/m) x'' + (k/m) x' distinguishes the cases: its value at a graze, where x'' = 0."""
+    """Check that gamma, which distinguishes the cases, is k v_lambda/m at a graze, where x'' = 0."""
     grazes = [(contact, contact.force(domain)) for domain, contact in _zero_force_contacts() if contact.grazes(domain)]
     other = sum(gamma_of(c.p, force, c.speed) != c.p.k * c.speed / c.p.m for c, force in grazes)
     numbers = {"exact grazes": len(grazes), "γ not k v_λ/m": other}
@@ -328,7 +328,7 @@ def gamma_is_fixed() -> Evidence:
 
 
 def one_unknown_is_free() -> Evidence:
-    """After (62): three equations for four unknowns, so that one must be given."""
+    """Check what is said after (62): three equations have four unknowns, so that one must be given."""
     p, ranks, starts, numbers = load_scene("fig9").parameters, [], set(), {}
     for theta in (0.5, 1.5, 2.5):
         start = grazing_start(p, "P2", theta)
@@ -349,7 +349,7 @@ def one_unknown_is_free() -> Evidence:
 
 
 def mappings_that_graze() -> Evidence:
-    """Theorem 7: is the mapping that ends with a graze P2, P3, P5 or P6? Grazes are traced back, and followed again."""
+    """Trace grazes back and follow them again: are the mappings that end with them P2, P3, P5, P6 (Theorem 7)?"""
     counts: dict[str, Counter[str]] = {mapping: Counter() for mapping in PLACES}
     case = "none"
     for name, mappings in TRACED.items():

@@ -36,25 +36,25 @@ CONDITIONS: dict[str, Callable[[Fraction, Fraction], bool]] = {
 
 
 def grazing_condition(from_below: bool, force: Fraction, slope: Fraction) -> bool:
-    """Eqs. (23), (24), (38) to (43): G^(0) = F = 0, and G^(1) < 0 for the domain below, > 0 for the one above."""
+    """Return whether (23), (24), (38) to (43) hold: F = 0, and its slope G^(1) < 0 (domain below) or > 0 (above)."""
     return force == 0 and (slope < 0 if from_below else slope > 0)
 
 
 def g_functions(n: Any, difference: Any, t: Any) -> tuple[Any, Any]:
-    """Eqs. (15) and (16), with D for the derivative by t along both flows."""
+    """Return the right sides of (15) and (16), for a normal vector n and a difference of flows that depend on t."""
     first = (n.diff(t).T * difference + n.T * difference.diff(t))[0]
     second = (n.diff(t, 2).T * difference + 2 * n.diff(t).T * difference.diff(t) + n.T * difference.diff(t, 2))[0]
     return first, second
 
 
 def slope_of_field(contact: RationalContact, alpha: int) -> Fraction:
-    """Eqs. (39), (40), (47), (48): grad F . (x', F) + dF/dt, with F of eq. (9)."""
+    """Return G^(1) by eqs. (39), (40), (47), (48): grad F . (x', F) + dF/dt, with F of eq. (9)."""
     p = contact.p
     return -p.k / p.m * contact.speed - p.c / p.m * contact.force(alpha) - p.B0 * p.Omega * contact.s / p.m
 
 
 def slope_along_boundary(contact: RationalContact, alpha: int) -> Fraction:
-    """Left side of eq. (47): D F along the boundary flow, for which (x', x'') is (v_lambda, 0)."""
+    """Return the left side of (47), the derivative of F along the boundary, where (x', x'') is (v_lambda, 0)."""
     p = contact.p
     return -p.k / p.m * contact.speed - p.B0 * p.Omega * contact.s / p.m
 
@@ -68,14 +68,14 @@ def all_contacts() -> tuple[RationalContact, ...]:
 
 
 def _vector(name: str, t: Any) -> Any:
-    """Return a vector of functions of t."""
+    """Return a symbolic vector of the functions name0(t), name1(t), ..."""
     import sympy as sp
 
     return sp.Matrix([sp.Function(f"{name}{i}")(t) for i in range(DIMENSION)])
 
 
 def general_system() -> Evidence:
-    """Eq. (13) is a definition; the oscillator (10) is such a system."""
+    """Check that the oscillator (10) is a system of the kind that eq. (13) defines."""
     import sympy as sp
 
     x, v, m, c, k, A, B0, Omega, t = sp.symbols("x v m c k A B0 Omega t")
@@ -87,7 +87,7 @@ def general_system() -> Evidence:
 
 
 def general_g_functions() -> Evidence:
-    """Eqs. (15) and (16) are the first two derivatives of n . (x^(alpha) - x^(0)), by the product rule."""
+    """Check that (15) and (16) are the first two derivatives of n . (x^(alpha) - x^(0)), by the product rule."""
     import sympy as sp
 
     t = sp.Symbol("t")
@@ -102,7 +102,7 @@ def general_g_functions() -> Evidence:
 
 
 def normal_vector() -> Evidence:
-    """Eqs. (17) and (25): the gradient of phi = x' - v_lambda."""
+    """Check the normal vector of eqs. (17) and (25): the gradient of phi = x' - v_lambda."""
     import sympy as sp
 
     x, v, speed = sp.symbols("x v v_lambda")
@@ -113,7 +113,7 @@ def normal_vector() -> Evidence:
 
 
 def reduction() -> Evidence:
-    """Eqs. (15), (16) -> (18), (19): what remains at a contact with a fixed plane n . x = const."""
+    """Check that (15), (16) reduce to (18), (19) at a contact with a fixed plane n . x = const."""
     import sympy as sp
 
     t, height = sp.symbols("t h")
@@ -131,7 +131,7 @@ def reduction() -> Evidence:
 
 
 def boundary_dimension() -> Evidence:
-    """Eq. (14): in which space the boundary is, and its dimension, from contacts of (7)."""
+    """Check eq. (14): in which space the boundary is, and its dimension, from points of the boundary (7)."""
     numbers, inside = {}, True
     for boundary in (1, 2):
         points = np.array([(float(x), float(contacts(boundary)[0].speed)) for x in range(-3, 4)])
@@ -143,7 +143,7 @@ def boundary_dimension() -> Evidence:
 
 
 def time_labels() -> Evidence:
-    """The words after (19): which of t_m+ and t_m- is before the contact."""
+    """Check the words after (19): which of t_m+ and t_m- is before the contact."""
     passing = before = 0
     for contact in all_contacts():
         lo, hi = contact.domains
@@ -163,7 +163,7 @@ def time_labels() -> Evidence:
 
 
 def g_functions_are_derivatives() -> Evidence:
-    """Eqs. (25), (30), (31), (46) to (48): G^(0) = F and G^(1) = grad F . F + dF/dt, against the series of (5)."""
+    """Check G^(0) = F, G^(1) = grad F . F + dF/dt of eqs. (25), (30), (31), (46) to (48) by the power series of (5)."""
     values, slopes = [], []
     for contact in (*contacts(1)[:100], *contacts(2)[:100]):
         for alpha in contact.domains:
@@ -180,7 +180,7 @@ def g_functions_are_derivatives() -> Evidence:
 
 
 def derivative_along_the_flow() -> Evidence:
-    """Eq. (47): its left side by the definition after (16), and its result."""
+    """Check whether the left side of (47), by the definition after (16), is equal to its printed result."""
 
     def gap(contact: RationalContact) -> Fraction:
         return slope_of_field(contact, 1) - slope_along_boundary(contact, 1)
@@ -231,7 +231,7 @@ THEOREMS: dict[int, tuple[str, Test, str, str]] = {
 
 
 def lemma(which: int) -> Evidence:
-    """Lemmas 1 to 3, eqs. (20) to (24), with the normal vector either way."""
+    """Check Lemma 1, 2 or 3, eqs. (20) to (24), with the normal vector in either direction."""
     printed, true, what, zero = LEMMAS[which]
     cases = [(contact, _as_printed(contact, printed), true(contact)) for contact in all_contacts()]
     wrong = sum(said and not done for _, said, done in cases)
@@ -254,7 +254,7 @@ def lemma(which: int) -> Evidence:
 
 
 def necessary_and_sufficient() -> Evidence:
-    """The abstract: the conditions of stick, non-stick and grazing motions are necessary and sufficient."""
+    """Check the abstract: the conditions of stick, non-stick and grazing motions are necessary and sufficient."""
     numbers, verdicts = {}, []
     for which, name in enumerate(("stick (20)", "passing (21), (22)", "grazing (23), (24)"), 1):
         found = lemma(which)
@@ -266,7 +266,7 @@ def necessary_and_sufficient() -> Evidence:
 
 
 def theorem(which: int, boundary: int) -> Evidence:
-    """Theorems 4 to 6, eqs. (26), (27), (34), (35), (38) to (43): does the exact flow obey the printed "iff"?"""
+    """Check the "iff" of Theorem 4, 5 or 6, eqs. (26), (27), (34), (35), (38) to (43), against the exact flow."""
     printed, true, what, degenerate = THEOREMS[which]
     cases, simulated = contacts(boundary), _simulated(boundary)
 
@@ -308,7 +308,7 @@ def _simulated(boundary: int) -> tuple[bool, ...]:
 
 
 def both_sides_at_once() -> Evidence:
-    """Eqs. (44) and (45) as they stand: both forces 0 and both inequalities, at one contact."""
+    """Check eqs. (44) and (45) as printed: can both forces be 0 and both inequalities hold at one contact?"""
     questions = {
         "contacts that graze, with G⁽¹⁾ not 0": _grazes,
         "of them with (44) and (45) on both sides": lambda c: all(_grazes_as_printed(c)),
@@ -323,7 +323,7 @@ def both_sides_at_once() -> Evidence:
 
 
 def no_third_way() -> Evidence:
-    """Between Theorems 4 and 5 nothing is left where no force vanishes: the boundary never repels."""
+    """Check that each contact with no force 0 sticks (Theorem 4) or passes (Theorem 5): the boundary never repels."""
     stick_by_4, pass_by_5 = CONDITIONS["sticks, (26), (27)"], CONDITIONS["passes, (34), (35)"]
     questions: dict[str, Callable[[Any], Any]] = {
         "rational contacts with no force 0": lambda forces: True,
@@ -339,7 +339,7 @@ def no_third_way() -> Evidence:
 
 
 def grazing_definition() -> Evidence:
-    """Before Theorem 7: grazing is a tangency after which the flow returns; what that says where G^(1) = 0 too."""
+    """Check what the definition before Theorem 7, a tangency after which the flow returns, says where G^(1) = 0 too."""
     kinds = ("F = 0, G⁽¹⁾ ≠ 0", "F = G⁽¹⁾ = 0, G⁽²⁾ ≠ 0", "F = G⁽¹⁾ = G⁽²⁾ = 0")
     returning: list[list[bool]] = [[], [], []]
     for contact in all_contacts():
