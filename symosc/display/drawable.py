@@ -21,14 +21,14 @@ page_loaders: list[Callable[[], object]] = []
 
 
 def register(kind: type | str, show: Show, what: Literal["draw", "page", "write"] = "draw") -> None:
-    """Register what shows answers of a kind, which is a class or its qualified name."""
+    """Register a function that draws, or writes a page of, results of a class, given also by its qualified name."""
     # "draw": ``answer.plot(**options)`` returns ``show(answer, **options)``. "page": notebooks show the HTML of
     # ``show(answer)``. "write": ``answer.to_html(path)`` returns ``show(answer, path)``.
     _registered[what][kind if isinstance(kind, str) else f"{kind.__module__}.{kind.__qualname__}"] = show
 
 
 def _found(answer: object, what: str, load: list[Callable[[], object]]) -> Show | None:
-    """Return what is registered for the class of an answer, after the loaders have run; None if nothing is."""
+    """Return the function registered for a result's class, after running the loaders; None if there is none."""
     while load:
         load.pop()()
     shows, names = _registered[what], (f"{kind.__module__}.{kind.__qualname__}" for kind in type(answer).__mro__)
