@@ -20,7 +20,7 @@ from symosc.errors import ParameterError, meant
 Given = ParamSpec("Given")
 Result = TypeVar("Result")
 
-#: So many entries has a list or a range that is read at all, and so deep are lists in lists.
+#: The most entries of a list or a range that is read at all, and the greatest depth of lists in lists.
 MOST_ENTRIES, MOST_DEPTH = 10**8, 8
 
 

@@ -13,7 +13,7 @@ from symosc.errors import OutputError, ParameterError
 
 #: The file name that means standard output.
 STDOUT = "-"
-#: How the name of a folder begins that has what is not yet whole.
+#: The beginning of the name of a folder that holds unfinished files.
 DRAFT_PREFIX = ".symosc-"
 
 

@@ -130,7 +130,7 @@ class Parameters:
 
     @public
     def belt(self, boundary: int) -> Fraction:
-        """Return the speed v1 or v2 of the belt that makes `boundary` 1 or 2."""
+        """Return the speed v1 or v2 of the belt at `boundary` 1 or 2."""
         return self.v1 if whole_number("boundary", boundary, 1, 2) == 1 else self.v2
 
     def _repr_latex_(self) -> str:

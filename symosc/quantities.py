@@ -21,7 +21,7 @@ from symosc.exact import LARGEST, NOT_FINITE, NUMBER, SMALLEST, read_exact
 
 
 class Quantity(NamedTuple):
-    """A number that states the problem: its meaning, its dimension, its letter in LaTeX, and its allowed range."""
+    """A number of the problem (a parameter or of the start): meaning, dimension, letter in LaTeX, and allowed range."""
 
     meaning: str
     dimension: str
@@ -92,7 +92,7 @@ def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
 
 #: Digits to which an expression with pi is known, and bits with which it is computed.
 KNOWN_DIGITS, ENCLOSURE_BITS = 40, 400
-#: Bits of the numerator and denominator of an exact value.
+#: Most characters of an expression, largest power, and most bits of the numerator and denominator of an exact value.
 LONGEST_EXPRESSION, MOST_POWER, LARGEST_BITS = 200, 100, 4000
 FORMS = (
     "give a number such as 0.8 or '4/5', a quantity such as '3 kg', or an expression such as '3*pi/2': numbers and pi "

@@ -34,10 +34,10 @@ if TYPE_CHECKING:  # scenes are read without numpy
     import numpy as np
     from numpy.typing import ArrayLike
 
-#: Digits with which what is no fraction is computed; 40 of them count.
+#: Digits to compute irrational numbers with; 40 of them are kept.
 DIGITS = 80
 PI = Fraction("3.1415926535897932384626433832795028841971693993751058209749445923078164062862089986280348253421170680")
-#: A belt that is not there is faster, by this factor, than what the forces make of the mass in the time 1/Omega.
+#: A missing belt is replaced by one faster, by this factor, than the forces can make the mass in the time 1/Omega.
 FAR = 10**6
 #: Numbers, or half-widths, of t0, x0 and v0.
 Three = tuple[Fraction, Fraction, Fraction]

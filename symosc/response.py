@@ -48,7 +48,7 @@ POINTS, CONVERGED, SMALL_MOTION = 24, 1e-14, 1e-2
 MOST_HALVES, ROUNDING = 30, 1e-10
 
 
-#: Periods after which motions from harmonic balance are examined, and after which that from rest is given up.
+#: Periods after which a motion from harmonic balance is examined for an orbit, one after the other.
 FOLLOWED = 3, 12, 48
 
 
@@ -306,7 +306,7 @@ def _orbit(p: Parameters, word: str, points: list[tuple[float, float]]) -> Perio
 
 
 def meets_no_belt(p: Parameters) -> int | None:
-    """Return the domain in which the steady motion meets no belt and stays for ever, or None; decided exactly."""
+    """Return the domain in which the steady linear motion stays and meets no belt, or None; decided exactly."""
     stiffness = (p.k - p.m * p.Omega**2) ** 2 + (p.c * p.Omega) ** 2
     if stiffness == 0:
         return None
@@ -316,7 +316,7 @@ def meets_no_belt(p: Parameters) -> int | None:
 
 
 def harmonic_balance(p: Parameters) -> tuple[float, complex]:
-    """Return mean and first harmonic of x by harmonic balance, which keeps only these two of the friction."""
+    """Return mean and first harmonic of x by harmonic balance: of the friction too, only these two are kept."""
     # For v = -V sin(a) these are, of a belt, (2/pi) mu FN arcsin(v_lambda/V) and -(4/pi) mu FN sqrt(1 - (v_lambda/V)^2)
     # sin(a), and where V < |v_lambda| the whole force and 0. The size of both sides of the balance increases with V, so
     # that there is one solution; inf where it grows for ever.

@@ -34,13 +34,13 @@ from symosc.simulation.trajectory import Trajectory, read_times
 
 #: Numbers of the start by which a motion is differentiated, beside the parameters.
 STARTS = ("t0", "x0", "v0")
-#: Digits beside those that are asked for, and of the phase of a start in doubles.
+#: Digits beyond those that are asked for, and digits of the phase of a start in doubles.
 SPARE, PHASE_DIGITS = 10, 40
-#: Digits of derivatives that lose too many of those of doubles.
+#: Digits to compute derivatives with if double precision loses too many.
 MORE_DIGITS = 30
-#: So many events and times are worth looking for compiled code on disk.
+#: With more events or times than this, compiled code is looked for on disk.
 MANY = 2_000
-#: What a derivative does not exist for, by the reason's code.
+#: Why a derivative does not exist, by the code of the reason.
 REASONS = {
     tangent.NO_SLOPE: "the force that ends the stick at t = {t:.6g} has no slope there, up to rounding",
     tangent.FLAT_CONTACT: "the contact at t = {t:.6g} has no slope, up to rounding",
@@ -89,7 +89,7 @@ class Sensitivities:
 
     @cached_property
     def lyapunov(self) -> np.ndarray:
-        """The exponents of the distance of neighbouring motions, the larger one first."""
+        """The Lyapunov exponents: rates at which the distance of neighbouring motions grows, the larger one first."""
         return self._motion.exponents()
 
     @public
@@ -289,7 +289,7 @@ def _reasons(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: 
 
 
 def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -> str | None:
-    """Return why a motion is not differentiable at a start on a belt, and by which names; None if it is."""
+    """Return why, and by which names, a motion is not differentiable at a start on a belt; None if it is."""
     mode, _, _, _, v = columns.starts[0]
     p, number = columns.trajectory.parameters, columns.numbers.number
     on = [name for n, name in ((1, "v1"), (2, "v2")) if v == number(p.belt(n))]

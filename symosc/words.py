@@ -68,7 +68,7 @@ class Map(NamedTuple):
 
     @property
     def mode(self) -> int:
-        """The code of the motion in `symosc.model.MODE_NAMES`."""
+        """The code (see `symosc.model.MODE_NAMES`) of the domain or the belt of the mapping."""
         return self.domain or 3 + self.start.boundary
 
 
@@ -116,7 +116,7 @@ class Word(NamedTuple):
 
     @property
     def maps(self) -> tuple[Map, ...]:
-        """The rows of the table, in order of time."""
+        """The mappings of the word, as rows of `MAPS`, in order of time."""
         return tuple(MAPS[label] for label in self.labels)
 
     def exits(self) -> tuple[str | None, ...]:
@@ -141,7 +141,7 @@ def cycle(word: str) -> str:
     return "P" + max(digits[i:] + digits[:i] for i in range(len(digits))) if digits else ""
 
 
-#: A list of labels is printed whole up to this length, and a repeated part is looked for up to that one.
+#: The greatest length up to which labels are printed in full, and that of a repeated group that is looked for.
 MOST_PRINTED, LONGEST_PART = 40, 64
 
 

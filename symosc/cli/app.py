@@ -64,7 +64,7 @@ class CommandLine(click.Group):
         return command
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
-        """Return the command that the arguments name, and the others; suggest one for a mistyped name."""
+        """Return the command that the first argument names, and the other arguments; suggest one for a wrong name."""
         if not ctx.resilient_parsing and self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
             ctx.fail(f"No such command {args[0]!r}{meant(args[0], COMMANDS)}")
         return super().resolve_command(ctx, args)

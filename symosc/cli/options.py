@@ -81,7 +81,7 @@ class WholeNumber(click.IntRange):
     """A whole number in ASCII digits; Python itself also accepts 1_000 and full-width digits."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the number."""
+        """Convert a text of ASCII digits to the whole number; fail for any other text."""
         if isinstance(value, str) and not re.fullmatch(r"\s*[+-]?\d{1,1000}\s*", value, re.ASCII):
             self.fail(f"{value!r} is not a valid integer.", param, ctx)
         return super().convert(value, param, ctx)

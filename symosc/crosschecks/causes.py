@@ -1,4 +1,4 @@
-"""The causes of wrong samples: their descriptions, a guess for each wrong step, and the test case for alternatives."""
+"""The causes of wrong samples: their descriptions, a guess for each wrong step, and the samples to try them on."""
 
 from __future__ import annotations
 
@@ -236,11 +236,11 @@ def explain(
 
 # -- alternatives tried on the wrong steps -----------------------------------------------------------------------------
 
-# So many steps are tried, from shortly before the first wrong one.
+# Number of steps on which causes are tried, from shortly before the first wrong one.
 MOST_TRIED_STEPS = 3_000
-# A fitted model is followed over all steps if it leaves this part of the defects; its numbers are named at this part.
+# A fitted model is tried on all steps if it leaves this part of the defects; its numbers are reported at this part.
 LEFT_OVER, FITS = 0.1, 1e-3
-# Others that explain nearly as much as the best one are its alternatives. A change that makes all steps right is sure.
+# Causes that explain this little less than the best are its alternatives. A change that makes all steps right is sure.
 AS_GOOD = 0.02
 SURE = 1.0 + AS_GOOD
 

@@ -17,9 +17,9 @@ from symosc.crosschecks.velocities import with_velocities
 from symosc.errors import ParameterError
 from symosc.model import Parameters
 
-# In other units x must be the way that v makes, to this factor.
+# In any units x must agree with the integral of v up to this factor.
 SAME_WAY = 5.0
-# Columns are made again if all but this part of the samples agree.
+# A column counts as made from another one if all but this part of the samples agree.
 EXCEPTIONS = 0.1
 FEWEST = 8
 Columns = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -100,7 +100,7 @@ def no_motion(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Diagnosis | None:
 
 
 def velocity_column(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that v alone is wrong: differences of x, or values between the samples."""
+    """Yield the diagnosis that only v is wrong: it is made of differences of x, or taken between the samples."""
     s, h = case.steps, np.diff(case.steps.t)
     if len(s.t) < FEWEST or np.any(h <= 0.0):
         return
@@ -186,7 +186,7 @@ def frozen_positions(case: Case) -> Iterator[Candidate]:
 
 
 def resampled(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that the samples were interpolated linearly between fewer ones."""
+    """Yield the diagnosis that most samples are linear interpolations between a few others."""
     s = case.steps
 
     def bends(t: np.ndarray, *columns: np.ndarray) -> np.ndarray:
@@ -263,7 +263,7 @@ def single_times(case: Case) -> Iterator[Candidate]:
     part = case.share(np.where(within, left, np.inf), chosen, 0.2)
     largest = float(np.max(np.abs(shift[within]), initial=0.0))
     evidence = f"all are such numbers; shifts of them by up to {largest:.1e} repeat {max(part, 0.0):.0%} of the flights"
-    # Numbers of single precision in all samples are no chance.
+    # All times are numbers of single precision, which cannot be chance.
     share = 1.0 if part >= 0.7 else part
     yield Candidate(Diagnosis("columns", "t", "the times are in single precision", evidence, largest, share=share))
 

@@ -163,7 +163,7 @@ class Task:
         return usual if self.given_limit is None else self.given_limit
 
     def verdict(self) -> CrossCheck:
-        """Judge the samples, if they fail once more within their rounding, and whether they end too early."""
+        """Judge the samples (again within their rounding if they fail), and state whether they end too early."""
         samples, rounding, p = self.samples, self.rounding, self.parameters
         if rounding is None:
             samples = with_velocities(samples, self.scene, self.tolerance) if samples.lacks_v else samples
@@ -202,7 +202,7 @@ class Task:
         return None
 
     def _with_coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
-        """Add to a result that of every n-th sample, where rounding hides errors within single steps."""
+        """Judge every n-th sample too, as rounding may hide errors in single steps, and attach that to the result."""
         spans, samples = result.wrong_spans, self.samples
         # A few spans show no cause, and where most steps are wrong these show it themselves.
         if len(spans) < 6 or 2 * len(result.wrong_steps) >= np.sum(spans[:, 1] - spans[:, 0]):
@@ -238,10 +238,10 @@ class Task:
         sizes = np.max(np.abs(steps.defects) / allowed, axis=1)
         wrong = ~(sizes <= 1.0)
         spans = self._wrong_spans(loose, near, scales)
-        # While the exact motion sticks, samples so near to the belt are meant to be on it.
+        # While the exact motion sticks, samples that are this near to the belt are taken to be on it.
         label = labels(steps, near, np.maximum(near, 1e-4 * scales[1]))
         found, modes = find_events(steps, label, wrong)
-        # Of the errors of the samples so much counts as allowed; 0 after the end of the exact motion.
+        # The part of the samples' errors that is allowed; 0 after the end of the exact motion.
         within = np.where(np.isnan(errors), 0.0, np.fmin(np.abs(errors), limits))
         reach = Reach(steps, within + loose, tolerance * float(scales[1]), tolerance, listed)
         matching = self._match(trajectory, start, found, reach, label, wrong)
@@ -348,7 +348,7 @@ class Task:
     def _wrong_spans(self, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
         """Return spans (first and last sample) of several steps over which rounded samples leave the exact motion."""
         # Rounding hides a wrong model in each dense step, and not over many; the tolerances of the steps add up.
-        # Of all lengths the one is chosen of which many spans are wrong, and a great part.
+        # The length is chosen at which many spans, and a great part of all, are wrong.
         p, samples, best = self.parameters, self.samples, np.empty((0, 2), int)
         count, length, most = len(samples.t), SPAN_FACTOR, 0.0
         while length < count and np.any(loose):

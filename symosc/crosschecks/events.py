@@ -270,7 +270,7 @@ class Reach:
         return float(acceleration(x, v, cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0))
 
     def _spread(self, time: float) -> tuple[float, float]:
-        """Return bounds of the errors of x and v around a time, where one may have become the other by oscillation."""
+        """Return bounds of the errors of x and v around a time; that of v includes what an error of x may turn into."""
         j = int(np.searchsorted(self.steps.t, time))
         dx, dv = (float(value) for value in np.max(self.errors[max(j - 2, 0) : j + 2], axis=0))
         return dx, sqrt(dv * dv + self.steps.K.w0sq * dx * dx)
@@ -332,7 +332,7 @@ class Matcher:
         return int(rows[np.argmin(np.abs(events.t[rows] - time))]) if len(rows) else None
 
     def _own_time(self, i: int) -> float | None:
-        """Return the time at which the samples' own path has exact event number i; None if it has not."""
+        """Return the time of exact event number i on the path that restarts at each sample; None if it is not there."""
         return None if self.local[i] is None else float(self.steps.events.t[self.local[i]])
 
     def _pair(self) -> None:
@@ -417,7 +417,7 @@ class Matcher:
         for j in sorted(self.found_free):
             time = self.found[j].t
             width = self.reach.of_near_graze(self.trajectory, time)
-            # Next to an exact event it is that one.
+            # A contact next to an exact event belongs to that event.
             if width is None or np.any(np.abs(self.times - time) <= self.reaches + width):
                 continue
             if not self._is_wrong(time - width, time + width):

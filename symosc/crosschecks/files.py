@@ -195,7 +195,7 @@ def suffix_of(path: str | Path) -> str:
 
 # -- tables as text ----------------------------------------------------------------------------------------------------
 
-# The last is no comment: with it a spreadsheet says which delimiter it uses.
+# "sep=" begins no comment, but a line by which a spreadsheet says which delimiter it uses.
 COMMENT_SIGNS = ("#", "%", "//", "!", "sep=")
 LONGEST_LINE = MOST_EMPTY_LINES = 1_000_000
 
@@ -344,7 +344,7 @@ def _are_numbers(cells: list[str], delimiter: str | None) -> bool:
 
 
 def read_json(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the content of a JSON file; for samples it must be columns, or a list of rows or pieces."""
+    """Return the content of a JSON file; for samples it must be columns, or a list of rows or of pieces that join."""
     text = _whole(file, where).decode("utf-8-sig")
     if not text.strip():
         raise ParameterError("file", where, f"is empty; it must hold columns, such as {EXAMPLE}")
@@ -366,7 +366,7 @@ def read_json(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _read_numpy(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Read a numpy file."""
+    """Return the content of a numpy file: its array, or its arrays by name."""
     data = np.load(file)
     if isinstance(data, np.ndarray):
         return data
@@ -382,7 +382,7 @@ def _read_numpy(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _read_parquet(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Read the wanted columns of a parquet file."""
+    """Return the wanted columns of a parquet file."""
     parquet = _library("pyarrow.parquet", "a parquet file").ParquetFile(file)
     names = parquet.schema_arrow.names
     table = parquet.read(columns=[name for name in names if is_wanted(name, asked)])
@@ -390,7 +390,7 @@ def _read_parquet(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _read_feather(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Read a feather file."""
+    """Return the wanted columns of a feather file."""
     table = _library("pyarrow.feather", "a feather file").read_table(file)
     return {name: table.column(name).to_numpy() if is_wanted(name, asked) else None for name in table.column_names}
 

@@ -39,17 +39,17 @@ CURVES = {
 }
 RK4 = runge_kutta(CLASSICAL, 1 / 6, 1 / 3, 1 / 3, 1 / 6)
 # Widths that differ by less than this part are one, or friction is not smoothed by that curve. A curve that is wider
-# than so many times the distance of the belts is no smoothed sign.
+# than this many times the distance of the belts is no smoothed sign.
 SAME_WIDTH, WIDEST = 0.2, 3.0
 # Needed friction beyond this shows nothing: the curve is flat.
 FLAT_ABOVE = 0.97
-# Rates of drift that differ by less than this part are one.
+# Rates of drift that differ by less than this part are taken as one rate.
 SAME_RATE = 0.1
-# Pieces of each step through a belt, and the rest of the defects if all is of first order.
+# Pieces into which a step is cut, and the part of the defects that may be left if the effect is of first order.
 PIECES, FIRST_ORDER = 48, 0.05
 # Widths that are tried, in units of the distance of the belts.
 WIDTHS_TRIED = np.geomspace(1e-3, 1.0, 31)
-# Numbers that differ by this part from stick to stick are one.
+# Numbers that differ by less than this part from stick to stick are taken as one number.
 ONE_NUMBER = 1e-6
 
 
@@ -218,7 +218,7 @@ def smoothed_passages(case: Case) -> Iterator[Diagnosis]:
     middle, name, width, left = min(tried, key=lambda each: each[0])
     if middle <= SAME_WIDTH:
         evidence = f"to first order it leaves {middle:.0%} of the defects of {len(steps)} steps"
-        # One width for all steps says more than a delay for each.
+        # One width that fits all steps is a stronger explanation than a delay for each step.
         share = float(np.mean(left < 2.0 * SAME_WIDTH)) + 0.01
         share = share if middle <= FIRST_ORDER else share * (1.0 - middle / SAME_WIDTH)
         yield _smoothed(name, width, 2.0 * max(middle, FIRST_ORDER) * width, evidence, share)
@@ -266,7 +266,7 @@ def _effect(case: Case, time: np.ndarray, velocity: np.ndarray, width: float, cu
 
 
 class StickSteps(NamedTuple):
-    """Wrong steps with a stick: numbers of step and belt, time and position of the onset, exact end (or the step's)."""
+    """Wrong steps with a stick: numbers of step and belt, time and position of onset, exact end (or the step's end)."""
 
     step: np.ndarray
     boundary: np.ndarray
@@ -362,7 +362,7 @@ def _kept_too_long(case: Case) -> Iterator[Diagnosis]:
 
 
 def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
-    """Return the diagnosis of sticks that end too late; `held` is the friction that their ends need, over its limit."""
+    """Return the diagnosis of sticks that end too late; `held` is the friction needed at their ends, over its limit."""
     ratio, count = float(np.median(held)), len(held)
     alike = np.abs(held - ratio) <= SAME_RATE * abs(ratio - 1.0) + ONE_NUMBER
     if count >= 3 and 2 * np.sum(alike) < count:
@@ -411,7 +411,7 @@ def drift_within_steps(case: Case) -> Iterator[Diagnosis]:
     fits = (leaves <= case.limits(0.1)[sticks.step]) & (np.abs(best) * T <= 0.02 * case.scales[1])  # more is no drift
     middle, spread = _median_and_deviation(best[fits]) if np.any(fits) else (0.0, np.inf)
     if spread <= SAME_RATE * abs(middle):
-        # One number for all sticks says more than an end for each.
+        # One rate that fits all sticks is a stronger explanation than an end for each stick.
         count, surely = int(np.sum(fits)), 0.01 if spread <= ONE_NUMBER * abs(middle) else 0.0
         words = f"in a stick v drifts off the belt, by {middle:.3g} per unit of time"
         evidence, error = f"one rate explains what follows {count} sticks", spread if count > 1 else None

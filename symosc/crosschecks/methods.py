@@ -17,9 +17,9 @@ Method = Callable[[Force, Any, Any, Any, Any], State]
 MOST_REPEATED = 60
 # No weight of a Runge-Kutta method is larger, also if somebody has not divided by 6.
 LARGEST_WEIGHT = 3.0
-# Steps with events on which delays are tried, on a grid of so many points.
+# Number of steps with events on which delays are tried, and of grid points for the delay of each.
 MOST_DELAYS, DELAY_GRID = 60, 9
-# A delay explains a step if it leaves this part of the defect. Too early and too late differ by little.
+# A delay explains a step if it leaves less than this part of the defect: an event too early fits nearly as well.
 DELAY_LEAVES = 0.005
 
 
@@ -101,7 +101,7 @@ def repeated(case: Case) -> Iterator[Diagnosis]:
     flights = case.thinned(inside, MOST_REPEATED)
     # Where most steps with events have a sample on the belt at an end, the events are located.
     passed = 2 * np.sum((case.domain[at_events] > 0) & (case.domain[at_events + 1] > 0)) > len(at_events)
-    # Samples may be so many steps of the method apart.
+    # From one sample to the next the method may have made `count` steps.
     for count in (*range(1, 11), 12, 15, 16, 20, 24, 25, 30, 32, 40, 50, 64, 100):
         for name, method in FIXED_STEP_METHODS.items():
             if name in RARE and count > 10:
@@ -274,7 +274,7 @@ def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndar
     time = np.minimum(s.events.t[rows] + delay, s.t[chosen + 1])
     source, tau = s.first[chosen], time - s.t[chosen]
     speed = s.belts[s.events.boundary[rows] - 1]
-    # To the event as before, a flight on its own or on the belt.
+    # Up to the delayed end the motion is that before the event: a flight, or a stick on the belt.
     x, v = s.fly(np.minimum(source, 3), s.x[chosen], s.v[chosen], s.theta[chosen], tau).T
     held = source > 3
     x = np.where(held, s.x[chosen] + speed * tau, x)

@@ -22,11 +22,11 @@ GRAVITY = 9.81
 ENOUGH = 0.9
 # Steps that a fit through events uses, and those of a fit through flights.
 MOST_FOLLOWED, MOST_FLOWN = 80, 400
-# Derivatives are taken over this part of a coefficient.
+# Difference quotients are taken over this part of a coefficient.
 TICK = 1e-5
 # Far coefficients: the fewest flights that show one, those on which values are compared, and frequencies of the drive.
 FEWEST_FAR, FEW_FAR, MOST_FREQUENCIES = 8, 24, 4000
-# A phase so near to a quarter of a turn is one.
+# A phase this near to a quarter of a turn is taken as a quarter.
 QUARTER = 1e-4
 
 

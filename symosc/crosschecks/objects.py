@@ -489,7 +489,7 @@ def run_solver(name: str, scene: Scene) -> Any:
 
 
 def _imported(name: str) -> Any:
-    """Import a module or a file by name."""
+    """Import a module, given its name or the name of its file."""
     if not name.endswith(".py"):
         if "" not in sys.path:
             sys.path.insert(0, "")  # the folder in which the command runs

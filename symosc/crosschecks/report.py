@@ -27,7 +27,7 @@ from symosc.simulation.tables import counted
 from symosc.simulation.trajectory import Event, Trajectory
 
 EVENTS_LISTED = 5  # of a kind in a summary
-# A summary of several solutions lists so many that fail.
+# Number of failing solutions that a summary of several solutions lists.
 MOST_LISTED = 20
 EVENT_LISTS = ("matched", "missed", "invented", "unresolved")
 

@@ -192,7 +192,7 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
 
 
 def _as_neighbour(values: np.ndarray, beside: Digits | None) -> Digits | None:
-    """Return the rounding of the adjacent column if these values fit it: few numbers, such as zeros, show none."""
+    """Return the rounding `beside` of the adjacent column if these values, which show none of their own, fit it."""
     if beside is None or np.ptp(beside.units) > 0.0:
         return None
     return beside if _are_multiples(values, beside.units) else None

@@ -37,12 +37,12 @@ from symosc.kernels.entire import EPS
 from symosc.model import Parameters
 from symosc.simulation.batch import InterpretBudget, chosen_loops, follow_batch, joined, loaded_loop
 
-# So many steps, in small calls, are followed before compiled code is loaded: that takes a second.
+# Number of steps followed in small calls before compiled code is loaded, which takes a second.
 FEW_STEPS = InterpretBudget(50_000)
 MOST_STEP_EVENTS = 10_000  # in one step
 # Steps that are followed together: their data, besides the result, stay in the processor's cache.
 STEPS_TOGETHER = 1 << 16
-# A motion nearer to a belt, or to the end of a stick, than this part of the sizes there needs the event search.
+# A motion whose distance from a belt, or from a stick's end, is a smaller part of its size needs the event search.
 CLEARANCE = 1e-9
 
 

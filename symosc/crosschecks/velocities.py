@@ -30,7 +30,7 @@ from symosc.simulation.trajectory import Trajectory
 NOTE = "velocities were not given: they are those with which the exact motion leads from one position to the next"
 # Longest step, in units of 1/rate, over which a velocity is found without that of the sample before.
 LONGEST_FLIGHT = 1.0
-# A motion is looked for until it misses the positions by this many times their rounding.
+# The search for a motion ends when it misses the positions by at most this many times their rounding.
 GOOD_FIT = 1.1
 
 

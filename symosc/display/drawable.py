@@ -11,7 +11,7 @@ from typing import Any, Literal, TypeVar
 
 Show = Callable[..., Any]
 Item = TypeVar("Item")
-# Entries of a listing that are shown of more than so many.
+# Number of entries shown of a listing that has more than the second number of them.
 SHOWN, MOST_SHOWN = 3, 10
 #: The registered functions by what they do, then by the qualified name of the answers' class.
 _registered: dict[str, dict[str, Show]] = {"draw": {}, "page": {}, "write": {}}

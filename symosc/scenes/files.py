@@ -20,7 +20,7 @@ TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "parameters": (PARAMETER_NAMES, ()),
     "start": (("t0", "x0", "v0"), ("start_error",)),
 }
-#: Of a file with a table [model], which is about another model (`symosc.reductions`).
+#: The keys of a file with a table [model], which is about another model (`symosc.reductions`).
 NEEDED = ("m", "k", "Omega")
 MODEL_KEYS = tuple(name for name in MODEL_NAMES if name not in PARAMETER_NAMES)
 MODEL_TABLES = TABLES | {
@@ -29,7 +29,7 @@ MODEL_TABLES = TABLES | {
     "model": ((), MODEL_KEYS),
 }
 #: Scene files have some 500 characters, more if numbers have thousands of digits. tomllib takes minutes and gigabytes
-#: for a key of ten thousand parts. Of notes on long numbers so many digits are shown.
+#: for a key of ten thousand parts. The last number is how many characters a note shows of a long number.
 MOST_CHARACTERS, MOST_DOTS, SHOWN_PART = 100_000, 200, 24
 #: Characters that may be read to find a line: a file that takes more is no scene that somebody wrote.
 MOST_READ = 1_000_000

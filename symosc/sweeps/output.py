@@ -35,14 +35,14 @@ from symosc.sweeps.store import DRAFT, Columns, remove
 if TYPE_CHECKING:
     import xarray
 
-#: The attribute by which a Dataset has what is ours.
+#: The attribute of a Dataset under which symosc's accessor is found.
 ACCESSOR = "symosc"
 NETCDF_ENGINE: Literal["h5netcdf"] = "h5netcdf"
 #: The first line of a CSV file: the attributes and the types of the columns, as JSON.
 COMMENT = "# "
 NO_CHECKSUM = "0" * 64
 PLAN_FORM, CHECKSUM_FORM = (re.compile(name + rb'"?: "?([0-9a-f]{64})') for name in (b"plan", b"sha256"))
-#: What follows the HDF5 part of a netCDF file.
+#: The lines that symosc appends after the HDF5 part of a netCDF file.
 NETCDF_END = "\nplan: {}\nsha256: {}\n"
 SECTION_NAMES = ("period", "component")
 #: Files of a zarr group that is a sweep's.

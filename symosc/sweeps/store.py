@@ -22,10 +22,10 @@ from symosc.aliases import Record
 from symosc.errors import OutputError, SweepError
 from symosc.files import DRAFT_PREFIX, write_text, write_whole
 
-#: The folder of the chunks is beside the output, and has its name with this behind it.
+#: The folder of the chunks is beside the output, and has its name with this suffix.
 FOLDER_SUFFIX = ".parts"
 PLAN_FILE, LOCK_FILE, CHUNK_NAME = "plan.json", "lock", "{:012d}-{:012d}.npz"
-#: What a finished output is called, with its suffix, before it goes to its place.
+#: The name, before its suffix, of a finished output until it is moved to its place.
 DRAFT = "whole"
 CHUNK_FORM, DRAFT_FORM = re.compile(r"(\d{12})-(\d{12})\.npz"), re.compile(rf"({re.escape(DRAFT_PREFIX)}|{DRAFT}\.).*")
 PLAN_KEY_FORM = re.compile(r"[0-9a-f]{64}")

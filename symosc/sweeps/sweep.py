@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 #: Processor seconds that a chunk should take; less would be overhead, more would be lost when a program is killed.
 CHUNK_SECONDS = 4.0
-#: Motions of the first chunk and at most, and how much larger or smaller than the one before a chunk may be.
+#: Motions in the first and in the largest chunk, and the largest ratio of the sizes of two successive chunks.
 FIRST_CHUNK, MOST_CHUNK, MOST_GROWTH = 128, 1 << 18, 16.0
 CONNECT_SECONDS = 10
 # Chunks in flight for each processor of an executor whose size is not known.
