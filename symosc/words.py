@@ -152,7 +152,7 @@ class Labels(list[str]):
     --------
     >>> from symosc import simulate
     >>> simulate("fig5", t_end=300).word
-    <97 mappings: P1 P2 P1 P3 (P1 P2)×46 P1>
+    <98 mappings: P1 P2 P1 P3 (P1 P2)×47>
     """
 
     def __repr__(self) -> str:
