@@ -20,12 +20,12 @@ from symosc.errors import ParameterError, meant
 Given = ParamSpec("Given")
 Result = TypeVar("Result")
 
-#: So many entries has a list or a range that is read at all, and so deep are lists in lists.
+#: The most entries of a list or a range that is read at all, and the greatest depth of lists in lists.
 MOST_ENTRIES, MOST_DEPTH = 10**8, 8
 
 
 class Kind(NamedTuple):
-    """What an argument may be: `of_type` decides by its type, `of_value` by its value; the texts are for messages."""
+    """One kind of value that an argument may be, decided by its type and then its value; the texts are for messages."""
 
     text: str
     of_type: Callable[[type], bool]
@@ -39,7 +39,7 @@ class Kind(NamedTuple):
 
 
 def _inherits(*names: str) -> Callable[[type], bool]:
-    """Return a function that checks whether a type inherits from a class with one of some names."""
+    """Return a function that tells whether a type inherits from a class with one of these names."""
     return lambda kind: any(base.__name__ in names for base in kind.__mro__)
 
 
@@ -56,7 +56,7 @@ def _is_real(kind: type) -> bool:
 
 
 def _is_row(kind: type) -> bool:
-    """Return whether a type holds entries in order, and is neither text nor bytes."""
+    """Return whether a type is a sequence or array of entries, and neither text nor bytes."""
     if issubclass(kind, Sequence):
         return not issubclass(kind, str | bytes | bytearray | memoryview)
     return hasattr(kind, "dtype") and hasattr(kind, "__len__")
@@ -71,12 +71,12 @@ def _is_file_name(kind: type) -> bool:
 
 
 def _is_short(value: Any) -> bool:
-    """Return whether a row has entries, and not more than can be read."""
+    """Return whether an array has dimensions, or another sequence is not too long to be read."""
     return value.shape != () if hasattr(value, "dtype") else len(value) <= MOST_ENTRIES
 
 
 def _is_shallow(value: Any, depth: int = MOST_DEPTH) -> bool:
-    """Return whether lists in lists have an end, and not more entries than can be read."""
+    """Return whether nested lists are not too deep and have not too many entries to be read."""
     if not isinstance(value, list | tuple | range):
         return True
     if not depth or not _is_short(value):
@@ -86,7 +86,7 @@ def _is_shallow(value: Any, depth: int = MOST_DEPTH) -> bool:
 
 
 def _takes_arguments(count: int | None, value: Any) -> bool:
-    """Return whether a value can be called, with so many arguments."""
+    """Return whether a value can be called with `count` arguments (None: with any)."""
     if not callable(value) or count is None:
         return callable(value)
     try:
@@ -99,7 +99,7 @@ def _takes_arguments(count: int | None, value: Any) -> bool:
 
 
 def _class(name: str, source: str = "") -> Kind:
-    """Return the kind of the instances of a class."""
+    """Return the kind that takes instances of the class with a given name."""
     return Kind(f"{'an' if name[0] in 'AEIO' else 'a'} {name}", _inherits(name), source=source)
 
 
@@ -190,9 +190,9 @@ def _kinds(annotation: ast.expr | str) -> list[Kind] | None:
             values = values if isinstance(values, tuple) else (values,)
             return [Kind(" or ".join(map(repr, values)), _is_text, lambda value: value in values)]
         case ast.Subscript(ast.Name("tuple"), ast.Tuple(entries)):
-            return [_row([_kinds(entry) for entry in entries])]
+            return [_kind_of_row([_kinds(entry) for entry in entries])]
         case ast.Subscript(ast.Name("Sequence" | "Iterable" as name), entry):
-            return [_rows(_kinds(entry), name == "Iterable")]
+            return [_kind_of_sequence(_kinds(entry), name == "Iterable")]
         case ast.Subscript(ast.Name("Mapping"), ast.Tuple([key, value])):
             return [_mapping(_kinds(key), _kinds(value))]
         case other:
@@ -200,7 +200,7 @@ def _kinds(annotation: ast.expr | str) -> list[Kind] | None:
 
 
 def _kinds_of_name(name: str) -> list[Kind] | None:
-    """Return the kinds of a named type."""
+    """Return the kinds that a name in an annotation allows, or None for anything."""
     if name in ("Any", "object"):
         return None
     kind = KINDS.get(name) or _class(name)
@@ -213,18 +213,18 @@ def _fits(kinds: list[Kind] | None, value: object) -> bool:
 
 
 def _text(kinds: list[Kind]) -> str:
-    """Return kinds as text for a message."""
+    """Return the texts of kinds, joined by commas and "or", for a message."""
     *first, last = dict.fromkeys(kind.text for kind in kinds)
     return f"{', '.join(first)} or {last}" if first else last
 
 
 def _each(kinds: list[Kind] | None) -> str:
-    """Return the part of a message about the entries of a row, "" if they may be anything."""
+    """Return ", each ..." for a message, which says what the entries of a row may be; "" if anything."""
     return f", each {_text(kinds)}" if kinds else ""
 
 
-def _row(entries: list[list[Kind] | None]) -> Kind:
-    """Return the kind of rows of so many entries."""
+def _kind_of_row(entries: list[list[Kind] | None]) -> Kind:
+    """Return the kind of a sequence with a fixed number of entries, given the kinds of each entry."""
 
     def fits(value: Any) -> bool:
         return _is_short(value) and len(value) == len(entries) and all(map(_fits, entries, value))
@@ -233,8 +233,8 @@ def _row(entries: list[list[Kind] | None]) -> Kind:
     return Kind(f"{count}{_each(entries[0])}", _is_row, fits)
 
 
-def _rows(entry: list[Kind] | None, once: bool) -> Kind:
-    """Return the kind of rows of any length; entries that are read only `once` are not checked here."""
+def _kind_of_sequence(entry: list[Kind] | None, once: bool) -> Kind:
+    """Return the kind of a sequence of any length; with `once`, an iterator is taken without a look at its entries."""
 
     def fits(value: Any) -> bool:
         return not _is_row(type(value)) or (_is_short(value) and all(_fits(entry, each) for each in value))
@@ -243,7 +243,7 @@ def _rows(entry: list[Kind] | None, once: bool) -> Kind:
 
 
 def _mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
-    """Return the kind of mappings."""
+    """Return the kind of a mapping, given the kinds of its keys and of its values."""
 
     def fits(given: Mapping[Any, Any]) -> bool:
         return all(_fits(key, name) and _fits(value, each) for name, each in given.items())
@@ -252,7 +252,7 @@ def _mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
 
 
 class Rule:
-    """The allowed values of one parameter; `known` are types with all values allowed."""
+    """The check of one parameter's values; `known` are types of which all values have turned out to be allowed."""
 
     __slots__ = ("kinds", "known", "name")
 
@@ -260,7 +260,7 @@ class Rule:
         self.name, self.kinds, self.known = name, kinds, set[type]()
 
     def check(self, value: object) -> Any:
-        """Return a value as the function takes it; raise ParameterError unless it is allowed."""
+        """Return a value, converted if necessary; raise ParameterError unless it is allowed."""
         for kind in self.kinds:
             if kind.takes(value):
                 if kind.converted:
@@ -273,7 +273,7 @@ class Rule:
 
 
 class Rules:
-    """What a function takes: in order, those that ``*`` collects, by name, and those of ``**``."""
+    """The rules for a function's arguments: by position, for ``*``, by name, and for ``**``."""
 
     __slots__ = ("by_name", "in_order", "more", "others", "parameters", "title")
 
@@ -291,7 +291,7 @@ class Rules:
         self.in_order = [rules[each.name] for each in self.parameters if each.kind < each.VAR_POSITIONAL]
 
     def too_many(self) -> TypeError:
-        """Return the error of a call with more values without names than the function takes."""
+        """Return the error of a call with too many positional arguments."""
         named = [each for each in self.parameters if each.name != "self"]
         in_order = ", ".join(each.name for each in named if each.kind < each.VAR_POSITIONAL)
         by_name = [f"{each.name}=" for each in named if each.kind is each.KEYWORD_ONLY]
@@ -300,7 +300,7 @@ class Rules:
         return TypeError(f"{self.title} takes {f'only {in_order}' if in_order else 'nothing'} without a name{more}")
 
     def check_unknown(self, name: str, value: object) -> None:
-        """Raise an error for a value by a name that is no parameter, or that ``**`` does not allow."""
+        """Raise an error if a keyword argument is no parameter, or if its value is not allowed by ``**``."""
         if self.others is not None:
             Rule(name, self.others.kinds).check(value)
             return

@@ -9,7 +9,7 @@ LONGEST_VALUE = 80
 
 
 def shown(value: object) -> str:
-    """Return a value as a message shows it: on one line, cut if it is long, numbers without their type."""
+    """Return a value as text for a message: on one line, shortened if it is long, numbers without their type."""
     try:
         text = str(value) if isinstance(value, Number) and not isinstance(value, str) else repr(value)
     except Exception:  # an integer of thousands of digits cannot be printed; nor can what has a broken repr
@@ -18,7 +18,7 @@ def shown(value: object) -> str:
 
 
 def brief(text: str) -> str:
-    """Return text as a message shows it: on one line, cut if it is long, what cannot be printed as an escape."""
+    """Return text as a message shows it: on one line, shortened if long, with escapes for unprintable characters."""
     text = "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in " ".join(text.split()))
     return text if len(text) <= LONGEST_VALUE else f"{text[: LONGEST_VALUE - 20]}… ({len(text)} characters)"
 
@@ -173,7 +173,7 @@ class ResultError(SymoscError, ValueError):
 
 
 def meant(word: object, known: Iterable[str]) -> str:
-    """Return the end of a message about an unknown word: the most similar known ones, if they are at most three."""
+    """Return "; did you mean ...?" for a message about an unknown word, or "" if no known word is similar."""
     from difflib import SequenceMatcher
 
     likeness = {name: SequenceMatcher(None, name.lower(), str(word).lower()).ratio() for name in known}

@@ -47,7 +47,7 @@ def read_exact(name: str, value: object) -> Fraction:
 
 
 def _read(name: str, value: Any) -> Fraction:
-    """Return a value as an exact Fraction."""
+    """Convert a value of any number type, or a text, to the exact Fraction."""
     if isinstance(value, Fraction):
         return value
     # numpy takes its timedelta64 for an integer
@@ -91,7 +91,7 @@ def _read_text(name: str, text: str) -> Fraction:
 
 
 def unmasked(name: str, value: Any) -> Any:
-    """Return `value`, or raise ParameterError if it is, or has, an array of numpy.ma with something masked."""
+    """Return `value`; raise ParameterError if it contains masked entries of a numpy masked array."""
     # Most functions of numpy read what is behind the mask.
     masked = sys.modules.get("numpy.ma")
     each = value if isinstance(value, (list, tuple)) else (value,)
@@ -114,7 +114,7 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
 
 
 def read_digits(digits: object, most: int = MOST_ASKED_DIGITS) -> int | None:
-    """Return how many digits are asked for, or None for doubles; ParameterError if out of range."""
+    """Check the argument `digits`: return a whole number, or None for doubles; ParameterError if out of range."""
     return None if digits is None else whole_number("digits", digits, LEAST_ASKED_DIGITS, most)
 
 

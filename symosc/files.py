@@ -13,12 +13,12 @@ from symosc.errors import OutputError, ParameterError
 
 #: The file name that means standard output.
 STDOUT = "-"
-#: How the name of a folder begins that has what is not yet whole.
+#: The beginning of the name of a folder that holds unfinished files.
 DRAFT_PREFIX = ".symosc-"
 
 
 def write_whole(path: str | Path, write: Callable[[Path], object], suffix: str = "") -> Path:
-    """Write a draft beside `path` by `write`, then move it there; on an error nothing remains."""
+    """Let `write` write a draft beside `path`, then move it there; after an error no file remains."""
     # ``"-"`` is standard output; the draft then has the given suffix. OutputError if the folder cannot be written to.
     name = read_path(path)
     target = Path(name).resolve()  # a link stays one
@@ -49,7 +49,7 @@ def read_path(path: object) -> str:
 
 
 def check_folder_of(path: str | Path) -> None:
-    """Raise OutputError unless a file of that name can be made, so that long work is not lost at its end."""
+    """Raise OutputError unless a file of this name can be created: checked before long work."""
     folder = Path(read_path(path)).resolve().parent
     if not folder.is_dir():
         raise OutputError(str(path), "No such file or directory")
@@ -58,7 +58,7 @@ def check_folder_of(path: str | Path) -> None:
 
 
 def check_new_folder(folder: Path, wanted: str = "the output is a folder") -> None:
-    """Raise OutputError unless files can be written into a folder, which need not exist; `wanted` ends the reason."""
+    """Raise OutputError unless a folder, new or not, can be written to; `wanted` ends a message about a file there."""
     above = next(each for each in (folder, *folder.absolute().parents) if os.path.exists(each))
     if not above.is_dir():
         raise OutputError(str(folder), f"{above} is a file, and {wanted}")
@@ -76,7 +76,7 @@ def make_folder(folder: Path) -> Path:
 
 
 def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
-    """Write a draft by `write` and copy it to standard output."""
+    """Let `write` write a draft, and copy it to standard output."""
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / f"draft{suffix}"
         write(draft)
@@ -93,7 +93,7 @@ def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
 
 
 def drop_stdout() -> None:
-    """Discard further output; it would fail once more at exit."""
+    """Send further standard output to nowhere: after a closed pipe it would fail once more at exit."""
     with suppress(OSError):  # in a notebook or a test it may be something that is not a file
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
@@ -128,7 +128,7 @@ def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[
 
 
 def check_folder(path: str | Path, earlier: Callable[[Path], Container[str]]) -> Path:
-    """Return where `write_folder` would write, or raise its errors before the work."""
+    """Return the folder that `write_folder` would write; raise its errors before long work."""
     name = read_path(path)
     if name == STDOUT:
         raise ParameterError("path", name, "must be the name of a folder")

@@ -33,7 +33,7 @@ KINDS = tuple(KIND_NAMES.values())
 
 @dataclass(frozen=True)
 class Measured:
-    """Measured columns: times, and the kinds of events, or positions and perhaps velocities."""
+    """Measured data: times, and either the kinds of events or positions, perhaps with velocities."""
 
     t: np.ndarray
     kinds: np.ndarray | None
@@ -187,7 +187,7 @@ def fit(
 def _spread(
     names: tuple[str, ...], residuals: np.ndarray, slopes: np.ndarray, steps: np.ndarray, estimated: bool
 ) -> tuple[np.ndarray, np.ndarray, str, str]:
-    """Return errors and covariance from the Jacobian, and names and combinations of what is not determined."""
+    """Return standard errors and covariance from the Jacobian, and names and combinations left undetermined."""
     _, sizes, rows = np.linalg.svd(slopes * steps, full_matrices=len(residuals) < len(names))
     sizes = np.append(sizes, np.zeros(len(names) - len(sizes)))
     free = sizes <= UNDETERMINED * max(float(sizes.max(initial=0.0)), 1e-300)
@@ -206,7 +206,7 @@ def _spread(
 def _residuals(
     moved: Sensitivities, measured: Measured, scale: np.ndarray, end: float
 ) -> tuple[np.ndarray, np.ndarray, Trajectory]:
-    """Return the residuals, their derivatives, and the motion."""
+    """Return (motion - data) / sigma, its derivatives by the free numbers, and the motion."""
     trajectory, count = moved.trajectory, len(moved.wrt)
     if measured.kinds is None:
         assert measured.states is not None
@@ -228,7 +228,7 @@ def _residuals(
 
 
 def _sigma(sigma: Any) -> np.ndarray:
-    """Return the standard deviations of the columns."""
+    """Return the two standard deviations that `sigma` states: those of times or x, and of v."""
     given = sigma if isinstance(sigma, Sequence) and not isinstance(sigma, str) else [1 if sigma is None else sigma] * 2
     found = [float(read_exact("sigma", each)) for each in given]
     if len(found) != 2 or min(found) <= 0:
@@ -265,7 +265,7 @@ def _read(data: Any) -> Measured:
 
 
 def _columns(data: Any) -> dict[str, list[Any]]:
-    """Return the columns t, kind, x and v that there are, of a table or of rows."""
+    """Return those of the columns t, kind, x and v that a table or rows of data have."""
     if isinstance(data, Mapping) or hasattr(data, "columns"):
         return {name: list(unmasked(name, data[name])) for name in ("t", "kind", "x", "v") if name in data}
     if isinstance(data, str | bytes | bytearray):

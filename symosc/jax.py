@@ -116,7 +116,7 @@ def flow(parameters: Parameters | Mapping[str, Any], t: Any, *, t0: Any = 0.0, x
 
 
 def _values(parameters: Any, *start: Any) -> Any:
-    """Return parameters and start as one array in the order of NAMES."""
+    """Return parameters and start as one JAX array, in the order of NAMES."""
     if isinstance(parameters, Parameters):
         parameters = {name: float(getattr(parameters, name)) for name in PARAMETER_NAMES}
     if not isinstance(parameters, Mapping):
@@ -134,7 +134,7 @@ def _values(parameters: Any, *start: Any) -> Any:
 
 
 def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return the differentiable functions; MissingExtraError without JAX."""
+    """Return JAX functions for the events and for the flow; MissingExtraError without JAX."""
     try:
         import jax
     except ImportError:
@@ -147,11 +147,11 @@ def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 @lru_cache(maxsize=1)
 def _made() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return the differentiable functions, of events and of the flow."""
+    """Define for JAX the functions for the events and for the flow, with their derivatives, and return both."""
     import jax
 
     def computed(function: Callable[..., Any], shapes: Any, *given: Any) -> Any:
-        """Call a function of numpy, whose results have these shapes and types."""
+        """Call a numpy function from JAX, given the shapes and types of its results."""
         out = tuple(jax.ShapeDtypeStruct(shape, kind) for shape, kind in shapes)
         return jax.pure_callback(function, out, *given, vmap_method="broadcast_all")
 
@@ -188,7 +188,7 @@ def _made() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 
 def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
-    """Return t, x, kind, boundary, regular, dt and dx of motions with any leading axes."""
+    """Return t, x, kind, boundary, regular, dt and dx of the first events of a batch of motions."""
     values, lead = np.asarray(values), np.shape(values)[:-1]
     rows, ends = values.reshape(-1, len(NAMES)), np.broadcast_to(np.asarray(t_end), lead).reshape(-1)
     columns = dict(zip(NAMES, rows.T, strict=True))
@@ -208,7 +208,7 @@ def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
 
 
 def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
-    """Return [x, v], its derivatives by NAMES, and by the time, of motions with any leading axes."""
+    """Return [x, v] of a batch of motions at times, its derivatives by NAMES, and those by the time."""
     values, times = np.asarray(values), np.asarray(times)
     lead, n = values.shape[:-1], times.shape[-1]
     rows, instants = values.reshape(-1, len(NAMES)), np.broadcast_to(times, (*lead, n)).reshape(-1, n)

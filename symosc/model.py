@@ -130,7 +130,7 @@ class Parameters:
 
     @public
     def belt(self, boundary: int) -> Fraction:
-        """Return the speed v1 or v2 of the belt that makes `boundary` 1 or 2."""
+        """Return the speed v1 or v2 of the belt at `boundary` 1 or 2."""
         return self.v1 if whole_number("boundary", boundary, 1, 2) == 1 else self.v2
 
     def _repr_latex_(self) -> str:
@@ -143,7 +143,7 @@ class Parameters:
 
 
 def _source(text: str) -> str:
-    """Return the text of a number as Python source that `Parameters` reads as the same number."""
+    """Return the text of a number as Python source, quoted if `Parameters` would else not read the same number."""
     # A float is read as the decimal that it prints as; a fraction, or a decimal with more digits, stays text.
     exact = "/" not in text and Fraction(str(float(text))) == Fraction(text)
     return text if exact else repr(text)

@@ -21,7 +21,7 @@ from symosc.exact import LARGEST, NOT_FINITE, NUMBER, SMALLEST, read_exact
 
 
 class Quantity(NamedTuple):
-    """A number of the problem: its meaning, its dimension, its letter in LaTeX, and what is allowed."""
+    """A number of the problem (a parameter or of the start): meaning, dimension, letter in LaTeX, and allowed range."""
 
     meaning: str
     dimension: str
@@ -60,7 +60,7 @@ QUANTITIES = {
 
 
 def least(name: str) -> Fraction | None:
-    """Return the least value that a quantity may have, None if it may be negative."""
+    """Return the smallest value that a quantity may have; None if it may be negative."""
     return {"> 0": SMALLEST, ">= 0": Fraction(0)}.get(QUANTITIES[name].allowed)
 
 
@@ -72,7 +72,7 @@ UNITS = {
 
 
 def _quantity(name: str) -> Quantity:
-    """Return what a number is, which in a column is called such as Omega[3]."""
+    """Return the `Quantity` of a number, also of an entry of a column such as Omega[3]."""
     return QUANTITIES[name.partition("[")[0]]
 
 
@@ -82,7 +82,7 @@ def unit_of(name: str) -> str:
 
 
 def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
-    """Return a number that may be text with an expression or a quantity, and whether it is exact."""
+    """Return a number, perhaps given as text with an expression or a unit, and whether it is exact."""
     symbolic = hasattr(type(value), "free_symbols") and not isinstance(value, numbers.Real)  # of sympy, such as 2*pi
     text = str(value) if symbolic else value
     if not isinstance(text, str) or NUMBER.fullmatch(text.strip()) or NOT_FINITE.fullmatch(text.strip()):
@@ -92,7 +92,7 @@ def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
 
 #: Digits to which an expression with pi is known, and bits with which it is computed.
 KNOWN_DIGITS, ENCLOSURE_BITS = 40, 400
-#: Bits of the numerator and denominator of an exact value.
+#: Most characters of an expression, largest power, and most bits of the numerator and denominator of an exact value.
 LONGEST_EXPRESSION, MOST_POWER, LARGEST_BITS = 200, 100, 4000
 FORMS = (
     "give a number such as 0.8 or '4/5', a quantity such as '3 kg', or an expression such as '3*pi/2': numbers and pi "
@@ -116,7 +116,7 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
         return iv.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
 
     def limited(value: Any) -> Any:
-        """Return a value of limited size; raise OverflowError for one that is too expensive to compute with."""
+        """Return a value; raise OverflowError if it is too large, or too long to compute with."""
         if isinstance(value, Fraction):
             large = max(abs(value.numerator), value.denominator).bit_length() > LARGEST_BITS
         else:
@@ -126,7 +126,7 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
         return value
 
     def value(node: ast.expr) -> Any:
-        """Return the value of a part: a Fraction as long as that is exact, else an enclosure."""
+        """Return the value of a part of the expression: a Fraction if exact, else an enclosing interval."""
         match node:
             case ast.Constant():
                 return read_exact(name, ast.get_source_segment(source, node))
@@ -170,13 +170,13 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
 
 
 def rounded(value: Fraction) -> Fraction:
-    """Return a number with 40 digits."""
+    """Return a number rounded to 40 significant digits."""
     context = Context(prec=KNOWN_DIGITS, rounding=ROUND_HALF_EVEN)
     return Fraction(context.divide(Decimal(value.numerator), Decimal(value.denominator)))
 
 
 def half_unit(value: Fraction) -> Fraction:
-    """Return half a unit of the last of 40 digits of a number."""
+    """Return half a unit of the 40th significant digit of a number."""
     exponent = Decimal(value.numerator).adjusted() - Decimal(value.denominator).adjusted() + 1
     return Fraction(10) ** (exponent - KNOWN_DIGITS) / 2
 
@@ -196,7 +196,7 @@ def is_quantity(text: str) -> bool:
 
 
 def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
-    """Return a quantity as a number in the unit of its dimension, and whether it is exact."""
+    """Read a number with a unit; return it in the standard unit of its dimension, and whether it is exact."""
     parts, wanted, what = _QUANTITY.fullmatch(text), unit_of(name), _quantity(name).meaning
     plain = wanted == "1"
     allowed = "a number without a unit" if plain else f"give it in {wanted}, or in a unit of the same kind"

@@ -1,4 +1,4 @@
-"""Other oscillators of the literature that are this one in other coordinates.
+"""Other oscillators of the literature that are symosc's in other coordinates.
 
     m x'' + c (x' - y') + k (x - y) = A0 + m g sin(angle) + B0 cos(Omega t + phase) + friction of the belts
     y = Y cos(Omega t + Y_phase)             the base, to which spring and damper are joined
@@ -34,10 +34,10 @@ if TYPE_CHECKING:  # scenes are read without numpy
     import numpy as np
     from numpy.typing import ArrayLike
 
-#: Digits with which what is no fraction is computed; 40 of them count.
+#: Digits to compute irrational numbers with; 40 of them are kept.
 DIGITS = 80
 PI = Fraction("3.1415926535897932384626433832795028841971693993751058209749445923078164062862089986280348253421170680")
-#: A belt that is not there is faster, by this factor, than what the forces make of the mass in the time 1/Omega.
+#: A missing belt is replaced by one faster, by this factor, than the forces can make the mass in the time 1/Omega.
 FAR = 10**6
 #: Numbers, or half-widths, of t0, x0 and v0.
 Three = tuple[Fraction, Fraction, Fraction]
@@ -59,7 +59,7 @@ class Harmonic(NamedTuple):
         return Harmonic(Omega * self.S, -Omega * self.C, self.exact)
 
     def at(self, cos: Any, sin: Any, number: Callable[[Fraction], Any] = float) -> Any:
-        """Return the value of the harmonic, given cosine and sine of Omega t."""
+        """Return the value of the harmonic, given cos(Omega t) and sin(Omega t); `number` converts C and S."""
         return number(self.C) * cos + number(self.S) * sin
 
     def bound(self) -> Fraction:
@@ -68,13 +68,13 @@ class Harmonic(NamedTuple):
 
 
 def harmonic(size: Fraction, phase: Fraction) -> Harmonic:
-    """Return size cos(Omega t + phase)."""
+    """Return size cos(Omega t + phase) as a harmonic."""
     cos, sin, exact = cos_sin(phase)
     return Harmonic(size * cos, -size * sin, exact or size == 0)
 
 
 def cos_sin(angle: Fraction, digits: int = DIGITS) -> tuple[Fraction, Fraction, bool]:
-    """Return cosine and sine of an angle, and whether they are exact, as for 0 and for pi/2 in 40 digits."""
+    """Return cosine and sine, and whether they are exact: for 0, and for multiples of pi/2 given to 40 digits."""
     turns = round(2 * angle / PI)
     if abs(angle - turns * PI / 2) <= (half_unit(angle) if turns else 0):
         return Fraction((1, 0, -1, 0)[turns % 4]), Fraction((0, 1, 0, -1)[turns % 4]), True
@@ -111,7 +111,7 @@ def polar(sum: Harmonic) -> tuple[Fraction, Fraction, bool]:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class OtherModel:
-    """An oscillator of the literature that is this one in other coordinates: base motion, moving walls, inclines.
+    """An oscillator of the literature that is symosc's in other coordinates: base motion, moving walls, inclines.
 
     m x'' + c (x' - y') + k (x - y) = A0 + m g sin(angle) + B0 cos(Omega t + phase) + friction, with the base
     y = Y cos(Omega t + Y_phase), and belts with the speeds v1 + w' and v2 + w'. Functions that take Parameters take
@@ -205,7 +205,7 @@ class OtherModel:
 
     @cached_property
     def shift(self) -> Harmonic:
-        """The motion w of the belts beyond constant speeds: x = z + w."""
+        """The oscillation w of the belts besides their constant speeds: x = z + w, with z of symosc's oscillator."""
         rate = harmonic(self.W, self.W_phase)
         own = Harmonic(-rate.S / self.Omega, rate.C / self.Omega, rate.exact)  # its integral with mean 0
         return own.plus(self.base) if self.joined else own
@@ -217,24 +217,24 @@ class OtherModel:
 
     @cached_property
     def _drive(self) -> tuple[Fraction, Fraction, bool]:
-        """The drive of the oscillator that it is: R and psi of R cos(Omega t - psi), and whether both are exact."""
+        """The drive R cos(Omega t - psi) of the reduced oscillator: R, psi, and whether both are exact."""
         base, shift, shift_rate = self.base, self.shift, self.shift.rate(self.Omega)
         sum = self.force.plus(base.rate(self.Omega), self.c).plus(base, self.k)
         return polar(sum.plus(shift_rate.rate(self.Omega), -self.m).plus(shift_rate, -self.c).plus(shift, -self.k))
 
     @property
     def delay(self) -> Fraction:
-        """The time of the model minus that of the oscillator."""
+        """The time of this model minus that of symosc's oscillator."""
         return self._drive[1] / self.Omega
 
     @cached_property
     def exact(self) -> bool:
-        """Whether the parameters and the time of the oscillator are exact."""
+        """Whether the parameters and the time of the reduced oscillator are exact."""
         return self._drive[2] and (self.g == 0 or cos_sin(self.angle)[2])
 
     @cached_property
     def parameters(self) -> Parameters:
-        """The parameters of the oscillator that this model is."""
+        """The parameters of symosc's oscillator to which this model reduces."""
         if self.Omega <= 0:
             raise ParameterError("Omega", show(self.Omega), "must be > 0")
         cos, sin, exact = cos_sin(self.angle)
@@ -260,7 +260,7 @@ class OtherModel:
 
     @public
     def back(self, t: ArrayLike, x: ArrayLike, v: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return times, positions and velocities of this model from those of the oscillator that it is.
+        """Convert times, positions and velocities of symosc's oscillator to those of this model.
 
         Examples
         --------
@@ -277,7 +277,7 @@ class OtherModel:
 
     @public
     def forth(self, t: ArrayLike, x: ArrayLike, v: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return times, positions and velocities of the oscillator from those of this model, in doubles.
+        """Convert times, positions and velocities of this model to those of symosc's oscillator, in doubles.
 
         Examples
         --------
@@ -292,7 +292,7 @@ class OtherModel:
         return t - float(self.delay), x - w, v - rate
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what differs from the defaults, as text that reads back exactly; `joined` is true or false."""
+        """Return all numbers that are not at their defaults as text that reads back exactly; `joined` is a bool."""
         values = {each.name: getattr(self, each.name) for each in fields(self)}
         changed = {each.name: values[each.name] for each in fields(self) if values[each.name] != each.default}
         return {name: value if isinstance(value, bool) else show(value) for name, value in changed.items()}
@@ -302,7 +302,7 @@ class OtherModel:
 
 
 def motion_of_belts(model: OtherModel, t: Any) -> tuple[Any, Any]:
-    """Return w and w' at times of the model, in doubles."""
+    """Return the oscillation w of the belts and its rate w' at times of the model, in doubles."""
     import numpy as np
 
     cos, sin = np.cos(float(model.Omega) * t), np.sin(float(model.Omega) * t)
@@ -312,7 +312,7 @@ def motion_of_belts(model: OtherModel, t: Any) -> tuple[Any, Any]:
 def event_back(
     model: OtherModel, t: Number, x: Number, v: Number, theta: Number
 ) -> tuple[Number, Number, Number, Number]:
-    """Return t, x, v and phase of an event as those of a model, in the arithmetic of the event."""
+    """Convert t, x, v and phase of an event to the model's coordinates, in the arithmetic of the event."""
     number, context = number_of(t), getattr(t, "context", math)
     theta = (theta + number(model._drive[1])) % (2 * context.pi)
     cos, sin = context.cos(theta), context.sin(theta)
@@ -321,12 +321,12 @@ def event_back(
 
 
 def reduced_time(model: OtherModel, t: Fraction) -> Fraction:
-    """Return the time of the oscillator at a time of the model."""
+    """Convert a time of the model to the time of symosc's oscillator."""
     return rounded(t - model.delay) if model.delay else t
 
 
 def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -> tuple[Three, Three]:
-    """Convert a start of a model to one of its oscillator; return it and the half-widths of what is not exact."""
+    """Convert a start of a model to one of symosc's oscillator; return it, and half-widths where it is not exact."""
     p, zero, (cos, sin, exact) = model.parameters, Fraction(0), cos_sin(model.Omega * t0)
     s0, s_error = reduced_time(model, t0), half_unit(abs(t0) + abs(model.delay)) if model.delay else zero
     if model.shift.bound() == 0:
@@ -342,7 +342,7 @@ def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -
 
 
 def _read_arrays(**given: Any) -> list[np.ndarray]:
-    """Return numbers, or arrays of them, as arrays of doubles; ParameterError if they are not finite or not alike."""
+    """Return numbers or arrays as arrays of doubles; ParameterError unless they are finite and of matching shapes."""
     import numpy as np
 
     found: dict[str, np.ndarray] = {}
@@ -359,13 +359,13 @@ def _read_arrays(**given: Any) -> list[np.ndarray]:
 
 
 def number_of(value: Number) -> Callable[[Fraction], Number]:
-    """Return the function that converts Fractions to numbers like a value: floats, or mpf of its context."""
+    """Return the function that converts Fractions to the type of a value: float, or mpf of its context."""
     context = getattr(value, "context", None)
     return float if context is None else lambda exact: context.mpf(exact.numerator) / exact.denominator
 
 
 def _known(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
-    """Subtract numbers known to 40 digits: return a - b, 0 if it is only rounding, and its half-width."""
+    """Return a - b of numbers known to 40 digits (0 if only rounding is left), and its half-width."""
     size = abs(a) + abs(b)
     return rounded(a - b) if abs(a - b) * 10 ** (DIGITS - 20) > size else Fraction(0), half_unit(size)
 

@@ -48,7 +48,7 @@ POINTS, CONVERGED, SMALL_MOTION = 24, 1e-14, 1e-2
 MOST_HALVES, ROUNDING = 30, 1e-10
 
 
-#: Periods after which motions from harmonic balance are examined, and after which that from rest is given up.
+#: Periods after which a motion from harmonic balance is examined for an orbit, one after the other.
 FOLLOWED = 3, 12, 48
 
 
@@ -212,7 +212,7 @@ def frequency_response(
 
 
 def model_of(what: Any) -> OtherModel:
-    """Return the model of a scene, a scene's name, or parameters; parameters are a model that is not moved."""
+    """Return the `OtherModel` of a scene, its name, or parameters; of plain parameters one whose base is at rest."""
     if isinstance(what, OtherModel):
         return what
     if not isinstance(what, Parameters):
@@ -224,7 +224,7 @@ def model_of(what: Any) -> OtherModel:
 
 
 def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Record, PeriodicOrbit | None]:
-    """Compute the response of a model and its orbit, if it has one; `before` is an orbit for nearby parameters."""
+    """Return a row of the response of a model, and its orbit if any; `before` is an orbit for nearby parameters."""
     # The columns of `FrequencyResponse` that are known.
     p = model.parameters
     if p.k == 0:
@@ -255,7 +255,7 @@ Settled = tuple[str, tuple[Any, Any, Any], PeriodicOrbit | None]
 
 
 def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | None) -> Settled:
-    """Find the settled motion; ConvergenceError if there is none. `guess` is x and v at t = 0, approximately."""
+    """Find the settled motion; ConvergenceError if there is none. `guess` is roughly x and v on it at t = 0."""
     for boundary in (1, 2):
         rests = rest_positions(p, boundary)
         if rests is not None:
@@ -272,7 +272,7 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
 
 
 def _near(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit | None:
-    """Find the stable orbit with the word of `before`, an orbit for other parameters; None if there is none."""
+    """Find the stable orbit with the word of `before`, an orbit at other parameters; None if there is none."""
     if before is None:
         return None
     scale = float(before.parameters.Omega / p.Omega)
@@ -281,7 +281,7 @@ def _near(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit | None:
 
 
 def _followed(p: Parameters, guess: tuple[float, float]) -> PeriodicOrbit | None:
-    """Find the orbit near the last but one period of a followed motion; without a damper it may be a marginal one."""
+    """Follow a motion and find the orbit near its last but one period; without a damper it may be only marginal."""
     period = 2 * pi / float(p.Omega)
     for count in FOLLOWED:
         motion = simulate(p, t0=0, x0=guess[0], v0=guess[1], t_end=count * period)
@@ -306,7 +306,7 @@ def _orbit(p: Parameters, word: str, points: list[tuple[float, float]]) -> Perio
 
 
 def meets_no_belt(p: Parameters) -> int | None:
-    """Return the domain in which the steady motion meets no belt and stays for ever, or None; decided exactly."""
+    """Return the domain in which the steady linear motion stays and meets no belt, or None; decided exactly."""
     stiffness = (p.k - p.m * p.Omega**2) ** 2 + (p.c * p.Omega) ** 2
     if stiffness == 0:
         return None
@@ -316,7 +316,7 @@ def meets_no_belt(p: Parameters) -> int | None:
 
 
 def harmonic_balance(p: Parameters) -> tuple[float, complex]:
-    """Return mean and first harmonic of x by harmonic balance: friction is replaced by its mean and first harmonic."""
+    """Return mean and first harmonic of x by harmonic balance: of the friction too, only these two are kept."""
     # For v = -V sin(a) these are, of a belt, (2/pi) mu FN arcsin(v_lambda/V) and -(4/pi) mu FN sqrt(1 - (v_lambda/V)^2)
     # sin(a), and where V < |v_lambda| the whole force and 0. The size of both sides of the balance increases with V, so
     # that there is one solution; inf where it grows for ever.
@@ -326,7 +326,7 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
     stiffness = hypot(k / Omega - m * Omega, c)
 
     def sides(V: float) -> tuple[float, float]:
-        """Return the two parts of the drive for a velocity V: in phase with x, and with x'."""
+        """Return the two parts of the drive, in phase with x and with x', that a velocity amplitude V needs."""
         friction = sum(force * sqrt(1 - (v / V) ** 2) for force, v in belts if abs(v) < V)
         return (k / Omega - m * Omega) * V, c * V + 4 / pi * friction
 
@@ -355,14 +355,14 @@ Part = tuple[Segment, tuple[float, float], np.ndarray, np.ndarray, np.ndarray, n
 
 @cache
 def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return Gauss's points and weights, and the matrix from values there to coefficients of Legendre polynomials."""
+    """Return Gauss's points and weights, and the matrix from values at them to Legendre coefficients."""
     points, weights = legendre.leggauss(POINTS)
     degrees = np.arange(POINTS)
     return points, weights, (degrees + 0.5)[:, None] * legendre.legvander(points, POINTS - 1).T * weights
 
 
 def parts(motion: Trajectory) -> Iterator[Part]:
-    """Yield the parts of a motion, cut so short that polynomials through Gauss's points have converged."""
+    """Yield pieces of a motion, each so short that a polynomial through its values at Gauss's points is accurate."""
     p, (points, weights, coefficients) = motion.parameters, _gauss()
     # Periods of a motion without events are cut into parts of this angle of the fastest of drive and oscillator.
     longest = 2.0 / max(float(p.Omega), sqrt(p.k / p.m))
@@ -387,7 +387,7 @@ def parts(motion: Trajectory) -> Iterator[Part]:
 
 
 def turning_points(values: np.ndarray) -> np.ndarray:
-    """Return the ends of a part, -1 and 1, and where a function turns in between, from its values at Gauss's points."""
+    """Return where, in [-1, 1], a function has its ends and turning points, from its values at Gauss's points."""
     found = _gauss()[2] @ values
     slope = legendre.legder(legendre.legtrim(found, CONVERGED * np.abs(found).max()))
     roots = legendre.legroots(slope) if len(slope) > 1 else np.empty(0)

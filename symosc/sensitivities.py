@@ -34,13 +34,13 @@ from symosc.simulation.trajectory import Trajectory, read_times
 
 #: Numbers of the start by which a motion is differentiated, beside the parameters.
 STARTS = ("t0", "x0", "v0")
-#: Digits beside those that are asked for, and of the phase of a start in doubles.
+#: Digits beyond those that are asked for, and digits of the phase of a start in doubles.
 SPARE, PHASE_DIGITS = 10, 40
-#: Digits of derivatives that lose too many of those of doubles.
+#: Digits to compute derivatives with if double precision loses too many.
 MORE_DIGITS = 30
-#: So many events and times are worth looking for compiled code on disk.
+#: With more events or times than this, compiled code is looked for on disk.
 MANY = 2_000
-#: What a derivative does not exist for, by the reason's code.
+#: Why a derivative does not exist, by the code of the reason.
 REASONS = {
     tangent.NO_SLOPE: "the force that ends the stick at t = {t:.6g} has no slope there, up to rounding",
     tangent.FLAT_CONTACT: "the contact at t = {t:.6g} has no slope, up to rounding",
@@ -89,7 +89,7 @@ class Sensitivities:
 
     @cached_property
     def lyapunov(self) -> np.ndarray:
-        """The exponents of the distance of neighbouring motions, the larger one first."""
+        """The Lyapunov exponents: rates at which the distance of neighbouring motions grows, the larger one first."""
         return self._motion.exponents()
 
     @public
@@ -130,7 +130,7 @@ class Sensitivities:
 
 
 class _Columns:
-    """The columns of a motion in its arithmetic, as `symosc.engine.tangent` takes them."""
+    """The events of a motion as columns in its arithmetic, in the form that `symosc.engine.tangent` takes."""
 
     def __init__(self, trajectory: Trajectory, start: Start) -> None:
         self.trajectory, p = trajectory, trajectory.parameters
@@ -148,24 +148,24 @@ class _Columns:
 
     @property
     def context(self) -> Any:
-        """The mpmath context of the numbers, None for doubles; not kept, since a context cannot be pickled."""
+        """The mpmath context of the numbers, None for doubles; it is not stored, as a context cannot be pickled."""
         digits = self.trajectory.digits
         return None if digits is None else mp_context(digits + SPARE)
 
     @property
     def numbers(self) -> MapArithmetic:
-        """The functions and constants in this arithmetic, which cannot be pickled either."""
+        """The functions and constants in this arithmetic; they are not stored, as they cannot be pickled."""
         return map_arithmetic(self.trajectory.parameters, self.context)
 
     def loop(self, name: str, count: int) -> tuple[Callable[..., None], Any]:
-        """Return a function of `symosc.engine.tangent` for so many rows, and the constants as it takes them."""
+        """Return a function of `symosc.engine.tangent`, compiled if `count` rows are worth it, and its constants."""
         compiled = tangent_loops(count > MANY) if self.context is None else None
         if compiled:
             return compiled[name], table_of([self.numbers.K])
         return self.numbers.of[name], [self.numbers.K]
 
     def changes(self, wrt: tuple[str, ...], count: int) -> tuple[np.ndarray, ...]:
-        """Return dt, dx, marks, reasons, growth and the last state of the columns; of `count` the answers are kept."""
+        """Return dt, dx and marks by the first `count` names of `wrt`, then reasons, growth and the last state."""
         codes, events = codes_of(wrt), len(self.rows[0])
         kept = [np.zeros((events, count), self.kind) for _ in range(2)]
         out = *kept, np.zeros((events, count), np.int8), np.zeros(events, np.int8), np.zeros((1, 2))
@@ -175,14 +175,14 @@ class _Columns:
         return *out, work
 
     def pieces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the starts of all pieces, and the numbers of the events that begin all but the first."""
+        """Return the starts of all pieces between events, and the numbers of events that begin all but the first."""
         t, theta, x, v, kinds, _, targets = self.rows
         events = np.flatnonzero(kinds != GRAZE)
         rows = np.array([targets, t, theta, x, v], dtype=self.kind).T[events]
         return np.concatenate([self.starts, rows]), events
 
     def at_times(self, times: np.ndarray, wrt: tuple[str, ...], dt: np.ndarray, dx: np.ndarray) -> np.ndarray:
-        """Return the derivatives of x and v (2, times, wrt), with those of the events."""
+        """Return the derivatives of x and v at times, shape (2, times, wrt), given those of the events."""
         codes, (starts, events) = codes_of(wrt), self.pieces()
         launched = np.zeros((3, len(starts), len(wrt)), self.kind)
         launched[:, 0] = codes == tangent.T0 + np.arange(3)[:, None]
@@ -195,7 +195,7 @@ class _Columns:
     def _changes_at(
         self, loop: Any, times: np.ndarray, pieces: np.ndarray, starts: np.ndarray, launched: np.ndarray, codes: Any
     ) -> np.ndarray:
-        """Return the derivatives at times of pieces, from those at their starts."""
+        """Return the derivatives of x and v at times, each in a given piece, from those at the pieces' starts."""
         out, (function, table) = np.zeros((2, len(times), len(codes)), self.kind), loop
         work = work_space(codes, self.kind)
         function(times, pieces, starts, launched, codes, is_deep(codes), self.letters, table, out, work)
@@ -273,7 +273,7 @@ def sensitivities(
 
 
 def _reasons(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: np.ndarray) -> tuple[str | None, ...]:
-    """Return for each event what is not regular from there on; what is not at the start is said of the first one."""
+    """Return why the motion is not differentiable from each event on (first: from the start on), None where it is."""
     found: list[str | None] = [None] * len(codes)
     for n in np.flatnonzero(codes).tolist():
         event = columns.trajectory.events[n]
@@ -289,7 +289,7 @@ def _reasons(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: 
 
 
 def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -> str | None:
-    """Return by what a motion is not differentiable at its start on a belt."""
+    """Return why, and by which names, a motion is not differentiable at a start on a belt; None if it is."""
     mode, _, _, _, v = columns.starts[0]
     p, number = columns.trajectory.parameters, columns.numbers.number
     on = [name for n, name in ((1, "v1"), (2, "v2")) if v == number(p.belt(n))]

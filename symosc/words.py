@@ -54,7 +54,7 @@ class Plane(NamedTuple):
 
 
 class Map(NamedTuple):
-    """One row of the table of mappings; the domain is 0 for a stick."""
+    """One mapping of the paper: its label, the planes where it starts and ends, and its domain (0 for a stick)."""
 
     label: str
     start: Plane
@@ -68,7 +68,7 @@ class Map(NamedTuple):
 
     @property
     def mode(self) -> int:
-        """The code of the motion in `symosc.model.MODE_NAMES`."""
+        """The code (see `symosc.model.MODE_NAMES`) of the domain or the belt of the mapping."""
         return self.domain or 3 + self.start.boundary
 
 
@@ -116,11 +116,11 @@ class Word(NamedTuple):
 
     @property
     def maps(self) -> tuple[Map, ...]:
-        """The rows of the table, in order of time."""
+        """The mappings of the word, as rows of `MAPS`, in order of time."""
         return tuple(MAPS[label] for label in self.labels)
 
     def exits(self) -> tuple[str | None, ...]:
-        """Return for each map "below" or "above" if it is a stick, by where the next map moves; None if it is a flight.
+        """Return for each stick whether the next map moves "below" or "above" the belt, and None for each flight.
 
         The last map is followed by the first one, as on a periodic orbit, if they fit; its exit is None if not.
         """
@@ -136,12 +136,12 @@ class Word(NamedTuple):
 
 
 def cycle(word: str) -> str:
-    """Return the text of a word so that all rotations, such as P32 and P23, are equal: the largest in text order."""
+    """Return the text of a word so that its rotations, such as P32 and P23, are equal: the largest in text order."""
     digits = word[1:]
     return "P" + max(digits[i:] + digits[:i] for i in range(len(digits))) if digits else ""
 
 
-#: A list of labels is printed whole up to this length, and a repeated part is looked for up to that one.
+#: The greatest length up to which labels are printed in full, and that of a repeated group that is looked for.
 MOST_PRINTED, LONGEST_PART = 40, 64
 
 
@@ -152,7 +152,7 @@ class Labels(list[str]):
     --------
     >>> from symosc import simulate
     >>> simulate("fig5", t_end=300).word
-    <97 mappings: P1 P2 P1 P3 (P1 P2)×46 P1>
+    <98 mappings: P1 P2 P1 P3 (P1 P2)×47>
     """
 
     def __repr__(self) -> str:
@@ -162,7 +162,7 @@ class Labels(list[str]):
 
 
 def collapsed(labels: Sequence[str]) -> str:
-    """Return labels as text, a part that repeats to the end, or nearly, written once: P1 P3 (P1 P2)×46 P1."""
+    """Return labels as text; a group that repeats (almost) to the end is written once: P1 P3 (P1 P2)×46 P1."""
     if len(labels) <= MOST_PRINTED:
         return " ".join(labels)
     best, count = (0, 1, 0), len(labels)  # begin, length and number of the repetitions
@@ -217,7 +217,7 @@ def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> 
 
 
 def why_not(before: str, after: str, *, grazing: bool = False) -> str:
-    """Return the reason why no motion does `before` and then `after`, or "" if one can."""
+    """Return why no motion can do mapping `before` and then mapping `after`, or "" if one can."""
     first, second = MAPS[before], MAPS[after]
     ends, starts = first.end, second.start
     step = f"{after} cannot follow {before}"

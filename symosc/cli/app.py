@@ -51,11 +51,11 @@ class CommandLine(click.Group):
     """A group of commands whose errors are one line each, click's own usage errors included."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return the names of all commands."""
+        """Return the names of all commands of the program."""
         return sorted(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Return a command from its module, with --quiet and --verbose."""
+        """Import the module of a command and return the command, with the options --quiet and --verbose."""
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = getattr(import_module(f"symosc.cli.{COMMANDS[cmd_name]}"), cmd_name)
@@ -64,7 +64,7 @@ class CommandLine(click.Group):
         return command
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
-        """Return the command and its arguments; suggest one for a mistyped name."""
+        """Return the command that the first argument names, and the other arguments; suggest one for a wrong name."""
         if not ctx.resilient_parsing and self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
             ctx.fail(f"No such command {args[0]!r}{meant(args[0], COMMANDS)}")
         return super().resolve_command(ctx, args)
@@ -127,7 +127,7 @@ def _verbosity_options() -> list[click.Option]:
 
 
 def _is_interrupt(error: BaseException | None) -> bool:
-    """Return whether an error is an interrupt; one that comes while a class is made is the cause of a RuntimeError."""
+    """Return whether an error is, or comes from, an interrupt (one in a class definition becomes a RuntimeError)."""
     return isinstance(error, KeyboardInterrupt) or (error is not None and _is_interrupt(error.__cause__))
 
 
@@ -135,7 +135,7 @@ _as_python_does = warnings.showwarning
 
 
 def _warn(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
-    """Say our warnings without a file and a line of code."""
+    """Print symosc's own warnings without a file and a line of code."""
     if issubclass(category, CodeCacheWarning):
         note(str(message))
     else:

@@ -110,7 +110,7 @@ def _score(hint: str, page: str) -> int:
 
 
 def _bar(label: str, steps: Sequence[Any]) -> Iterator[Any]:
-    """Go through the steps, with a progress bar on stderr if that is a terminal."""
+    """Yield the steps one by one, and show a progress bar on stderr if that is a terminal."""
     with bar(label, len(steps)) as report:
         for done, step in enumerate(steps, 1):
             yield step

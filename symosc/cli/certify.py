@@ -86,7 +86,7 @@ def certify(
 
 
 def _proof(problem: Scene, start_error: Any, wrt: Text, word: Text, span: Text, mapping: Text) -> Certificate:
-    """Return the certificate that is asked for; the command fails if there is no such orbit."""
+    """Make the certificate that the options ask for; the command fails if there is no such orbit."""
     from symosc.certificates.certify import certify as prove
 
     if mapping is not None:
@@ -139,7 +139,7 @@ def _print_certificate(certificate: Certificate) -> None:
 
 
 def _listed(verb: str, again: bool) -> int:
-    """Prove the list of orbits that ships, or prove it again; print how many are proven, and what is not."""
+    """Prove the shipped list of orbits (or prove it `again`); print how many are proven, and which are not."""
     from symosc.certificates.orbit_list import listed_orbits, prove_list
 
     orbits = listed_orbits()

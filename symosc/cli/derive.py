@@ -170,7 +170,7 @@ def _write_chapters(subject: str, scene: Text, path: Text, form: str, pdf: bool)
 
 @contextmanager
 def _bars() -> Iterator[Callable[[str, int, int], None]]:
-    """Show a bar for each subject, one after the other; yield the progress callback."""
+    """Show a progress bar per subject; yield the callback that takes a subject, the steps done and their total."""
     with ExitStack() as stack:
         shown: dict[str, Callable[[float, float], None]] = {}
 

@@ -24,19 +24,19 @@ Completion: TypeAlias = Callable[[click.Context, click.Parameter, str], list[Com
 
 
 def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return an option from its form in --help, such as "-o, --output FILE"; `names`: of the function's argument."""
+    """Return a click option, given its form in --help, such as "-o, --output FILE", and its text there."""
     *short, long = form.split(", ")
     long, _, metavar = long.partition(" ")
     return click.option(*short, long, *names, metavar=metavar or None, help=about, **settings)
 
 
 def flag(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return an option without a value."""
+    """Return a click option that takes no value."""
     return option(form, about, *names, is_flag=True, **settings)
 
 
 def read_file(context: click.Context, given: click.Parameter, path: Text) -> Text:
-    """Return the name of a file to write; with "-", standard output, the command prints nothing else there."""
+    """Return the name of a file to write; if it is "-", standard output, the command prints nothing else there."""
     if path == "":
         hint = max(given.opts, key=len) if isinstance(given, click.Option) else given.make_metavar(context)
         raise click.BadParameter("give the name of a file; '-' is standard output", param_hint=hint)
@@ -53,17 +53,17 @@ def read_picture(context: click.Context, given: click.Parameter, path: Text) -> 
 
 
 def file_option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return an option that names a file to write."""
+    """Return a click option that names a file to write."""
     return option(form, about, *names, callback=read_file, **settings)
 
 
 def picture_option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return an option that names the file of a figure."""
+    """Return a click option that names the file of a figure."""
     return option(form, about, *names, callback=read_picture, **settings)
 
 
 def complete(names: Iterable[str], end: str = "") -> Completion:
-    """Return a completion of the last name in a list with commas."""
+    """Return a function that completes, for the shell, the last name of a list with commas."""
 
     def matching(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
         before, comma, word = text.rpartition(",")
@@ -81,13 +81,13 @@ class WholeNumber(click.IntRange):
     """A whole number in ASCII digits; Python itself also accepts 1_000 and full-width digits."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the number."""
+        """Convert a text of ASCII digits to the whole number; fail for any other text."""
         if isinstance(value, str) and not re.fullmatch(r"\s*[+-]?\d{1,1000}\s*", value, re.ASCII):
             self.fail(f"{value!r} is not a valid integer.", param, ctx)
         return super().convert(value, param, ctx)
 
     def _describe_range(self) -> str:
-        """Return the range that --help shows: nothing, not x<=None, where there is none."""
+        """Return the allowed range for --help: an empty text, not click's x<=None, where there is no limit."""
         return "" if self.min is None and self.max is None else super()._describe_range()
 
 
@@ -119,7 +119,7 @@ def folder_name(output: str, hint: str = "--output") -> str:
 
 
 def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) -> tuple[str, str]:
-    """Return the two sides of NAME=VALUE; BadParameter if one is empty or the name is in `known`."""
+    """Return name and value of NAME=VALUE; BadParameter if one is empty or the name is in `known`."""
     name, _, value = (part.strip() for part in text.partition("="))
     if not (name and value):
         raise click.BadParameter(f"{text!r} is not {form}", param_hint=hint)
@@ -129,7 +129,7 @@ def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) ->
 
 
 def read_span(text: str, hint: str) -> tuple[str, tuple[str, str]]:
-    """Return a parameter's name and two values of it."""
+    """Return the name and the two limits of NAME=LOW:HIGH; BadParameter for anything else."""
     form = "NAME=LOW:HIGH, such as Omega=3:5"
     name, limits = split_setting(text, hint, form)
     low, colon, high = limits.partition(":")
@@ -169,7 +169,7 @@ def scene_with(scene: str | Scene, settings: Settings, **start: Text) -> Scene:
 
 
 def reduced_scene(scene: Scene) -> Scene:
-    """Return the scene in the coordinates of symosc's model; a note says so of one of another model."""
+    """Return a scene in the coordinates of symosc's model; for one of another model, print a note."""
     if scene.original is not None:
         drive = scene.parameters.as_dict()["B0"]
         note(f"{scene.name}: of another model; this is about the oscillator that it is, with B0 = {drive}")
@@ -182,7 +182,7 @@ def read_duration(name: str, text: str) -> Any:
 
 
 def read_typed(name: str, text: str) -> Any:
-    """Return a number as it is typed, for the function that takes it; an expression such as 2*pi as a number."""
+    """Return the text of a number as it is; an expression such as 2*pi is turned into the number."""
     if not re.search(r"pi|π|[*^()]", text):
         return text
     number, exact = read_number(name, text)

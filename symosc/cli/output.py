@@ -28,7 +28,7 @@ _PRINTING = f"{__name__}.printing"
 
 
 def claim_stdout(context: click.Context, option: click.Parameter, value: Any) -> Any:
-    """Note an option that prints to standard output; BadParameter if that is a file, and another one prints there."""
+    """Record that an option prints to standard output; BadParameter if a file goes there and anything else too."""
     if value is True or value == STDOUT:
         printing = context.meta.setdefault(_PRINTING, {})
         printing[option.name] = option
@@ -45,7 +45,7 @@ def prints_json() -> bool:
 
 
 def report(data: Callable[[], object], show: Callable[[], object]) -> None:
-    """Print an answer: with --json its data, else by `show`, unless a file goes to standard output."""
+    """Print an answer: its data with --json, else by `show`; nothing if a file goes to standard output."""
     printing = click.get_current_context().meta.get(_PRINTING, {}).values()
     if prints_json():
         write_json(data())
@@ -54,7 +54,7 @@ def report(data: Callable[[], object], show: Callable[[], object]) -> None:
 
 
 def draw(path: str | None, plot: Callable[..., Any], *given: Any) -> None:
-    """Write the figure that `plot` returns, if a file is named."""
+    """Write the figure that `plot(*given)` returns to a file; do nothing if no file is named."""
     if path is not None:
         from symosc.plot.drawing import save
 
@@ -131,7 +131,7 @@ def _draw_table(rows: Sequence[Sequence[str]], heads: Sequence[str]) -> bool:
 
 
 def plain_table(heads: Sequence[str], rows: Sequence[Sequence[str]], decimals: Collection[str] = ()) -> str:
-    """Return a table; the columns with heads in `decimals` are aligned at their points, the others at the left."""
+    """Return a table as text; columns with heads in `decimals` are aligned at their points, others at the left."""
     # It looks like one of tabulate, which takes half as long to load as a simulation.
     columns = []
     for i, head in enumerate(heads):
@@ -151,7 +151,7 @@ def at_points(cells: Sequence[str]) -> list[str]:
 
 
 def _behind_point(cell: str) -> int:
-    """Return the number of characters after a number's decimal point, -1 without one."""
+    """Return how many characters follow the decimal point of a number; -1 if it has no point."""
     try:
         float(cell)
     except ValueError:
@@ -162,14 +162,14 @@ def _behind_point(cell: str) -> int:
 
 
 def name_files(*paths: Any) -> None:
-    """Print the names of the written files; None is none."""
+    """Print the names of the written files; None stands for no file."""
     for path in paths:
         if path is not None:
             write(f"wrote {click.format_filename(path)}")
 
 
 def undecidable(trajectory: Trajectory) -> bool:
-    """Report a trajectory that ended because its precision did not suffice."""
+    """Print an error, and return True, if a trajectory ended because its precision did not suffice."""
     if trajectory.status == "undecidable":
         complain(f"undecidable: {trajectory.message}")
     return trajectory.status == "undecidable"

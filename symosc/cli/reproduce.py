@@ -48,7 +48,7 @@ def reproduce(name: str, only: str | None) -> int:
 
 
 def carry_out(plan: Plan, folder: Path, as_json: bool = False, workers: int | None = None) -> int:
-    """Do everything in a plan, write and print the report, and return the exit code; `workers` as for `run`."""
+    """Judge the claims and draw the figures of a plan, write and print the report, and return the exit code."""
     from symosc.paper import report
     from symosc.paper.run import run
 

@@ -76,7 +76,7 @@ def _print_events(trajectory: symosc.Trajectory) -> None:
 
 
 def _cell(name: str, row: Record) -> str:
-    """Return the text of a field of an event; source and target are one."""
+    """Return the text of a column of the table for an event; source and target are one column."""
     value = row[name]
     if name == "source":
         return f"{value} -> {row['target']}"

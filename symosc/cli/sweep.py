@@ -93,7 +93,7 @@ def sweep(
 
 
 def _swept(problem: Any, over: dict[str, str], asked: Record, workers: Any, executor: Any, restart: bool) -> Any:
-    """Run the sweep; an interrupt says what is done."""
+    """Run a sweep; on an interrupt, print how much of it is done."""
     from symosc.sweeps.sweep import dask_client, sweep_status
     from symosc.sweeps.sweep import sweep as sweep_all
 

@@ -1,4 +1,4 @@
-"""The causes of wrong samples: their descriptions, a guess for each wrong step, and the test case for alternatives."""
+"""The causes of wrong samples: their descriptions, a guess for each wrong step, and the samples to try them on."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class Diagnosis:
 
 
 class Change(NamedTuple):
-    """A modification for a repeated check: other parameters, or other columns t, x, v (v None: positions only)."""
+    """A change to repeat a check with: other parameters, or a function for other t, x, v (v None: positions only)."""
 
     words: str
     parameters: Parameters | None = None
@@ -174,7 +174,7 @@ def explain(
     allowed: np.ndarray,
     near: np.ndarray,
 ) -> tuple[Fault, ...]:
-    """Return the chosen steps as faults, each with a guess at its cause."""
+    """Describe the chosen wrong steps as faults, each with a guess at its cause."""
     # `modes` are those of the samples, 0 where they only pass a belt; `sizes` the defects in units of `allowed`; `near`
     # the distances from a belt that count as on it.
     since = np.array(chosen, dtype=int)
@@ -185,7 +185,7 @@ def explain(
         misses.append(np.max(np.abs(gaps / allowed[since]), axis=2))
 
     def guess(i: int, to_next: np.ndarray, over_next: np.ndarray) -> tuple[str, str]:
-        """Return the reason of a wrong step and its text, from its misses by the force of each domain."""
+        """Return why a step is wrong, and a text, given by how much a flight with each domain's force misses."""
         if not np.isfinite(sizes[i]):
             return "undecidable", "the exact motion over the step cannot be decided in double precision"
         if steps.t[i + 1] == steps.t[i]:
@@ -236,17 +236,17 @@ def explain(
 
 # -- alternatives tried on the wrong steps -----------------------------------------------------------------------------
 
-# So many steps are tried, from shortly before the first wrong one.
+# Number of steps on which causes are tried, from shortly before the first wrong one.
 MOST_TRIED_STEPS = 3_000
-# A fitted model is followed over all steps if it leaves this part of the defects; its numbers are named at this part.
+# A fitted model is tried on all steps if it leaves this part of the defects; its numbers are reported at this part.
 LEFT_OVER, FITS = 0.1, 1e-3
-# Others that explain nearly as much as the best one are its alternatives. A change that makes all steps right is sure.
+# Causes that explain this little less than the best are its alternatives. A change that makes all steps right is sure.
 AS_GOOD = 0.02
 SURE = 1.0 + AS_GOOD
 
 
 class Fit(NamedTuple):
-    """Numbers fitted to steps, their standard deviations, and the sizes of the remaining defects."""
+    """The result of a fit to steps: the fitted numbers, their standard deviations, and the defect left in each step."""
 
     value: np.ndarray
     error: np.ndarray
@@ -254,7 +254,7 @@ class Fit(NamedTuple):
 
 
 def tried_samples(check: Any) -> slice:
-    """Return the samples of a `CrossCheck` on which alternatives are tried."""
+    """Return the range of samples of a `CrossCheck`, from before its first wrong step, on which causes are tried."""
     first = int(check.wrong_steps[0]) if len(check.wrong_steps) else 0
     low = max(0, min(first - 300, len(check.t) - MOST_TRIED_STEPS - 1))
     return slice(low, low + MOST_TRIED_STEPS + 1)
@@ -289,7 +289,7 @@ class Case:
 
     @cached_property
     def sticks(self) -> bool:
-        """Whether there is a stick: in the exact motion, or in two successive steps of the samples."""
+        """Whether the mass sticks anywhere: in the exact motion, or over two successive steps of the samples."""
         if any(part.mode.startswith("belt") and part.t_end > part.t_start for part in self.check.trajectory.segments):
             return True
         s, on = self.steps, self.domain == 0
@@ -298,11 +298,11 @@ class Case:
         return bool(np.any(np.diff(stays) == 1))
 
     def limits(self, part: float = EXPLAINS) -> np.ndarray:
-        """Return the largest defect of each step, in allowed units, with which an alternative still explains it."""
+        """Return for each step the largest defect, in allowed units, that may remain if a cause explains the step."""
         return np.maximum(1.0, part * np.nan_to_num(self.sizes, nan=0.0, posinf=0.0))
 
     def share(self, sizes: np.ndarray, of: np.ndarray | None = None, part: float = EXPLAINS) -> float:
-        """Return the fraction of the wrong steps that an alternative explains, minus that of right ones it spoils."""
+        """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong steps)."""
         # `sizes` are the defects that it leaves in the steps `of` (default: all); a step is explained if `part` is
         # left.
         chosen = slice(None) if of is None else of
@@ -311,20 +311,20 @@ class Case:
         return float((np.sum(fits & wrong) - np.sum(~fits & ~wrong)) / max(1, np.sum(wrong)))
 
     def misses(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return the ends x, v of steps minus the next samples, in units of the allowed differences."""
+        """Return x, v at the ends of some steps minus the next samples, in units of the allowed differences."""
         return np.asarray((ends - self.steps.states[steps + 1]) / self.allowed[steps])
 
     def miss_sizes(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return the larger of the two misses in x and v."""
+        """Return how far the ends x, v of steps are from the next samples, in allowed units: the larger of x and v."""
         return larger(self.misses(ends, steps))
 
     def followed(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
-        """Return the defects in allowed units if the parameters are others, or the clock is shifted by `ahead`."""
+        """Return the defects of all steps, in allowed units, with other parameters or a clock shifted by `ahead`."""
         s = self.steps
         return np.asarray(follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales).defects / self.allowed)
 
     def share_of(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
-        """Return the fraction of the wrong steps that other columns t, x, v explain; these may have fewer rows."""
+        """Return the fraction of the wrong steps that is right with other columns t, x, v, perhaps of fewer rows."""
         if len(t) < 2:
             return 0.0
         near, allowed = float(np.median(self.near)), np.median(self.allowed, axis=0)
@@ -333,19 +333,19 @@ class Case:
         limit = max(1.0, EXPLAINS * float(np.median(wrong[np.isfinite(wrong)]))) if np.isfinite(wrong).any() else 1.0
         return float(1.0 - np.mean(~(left <= limit)) / max(np.mean(self.wrong), 1e-300))
 
-    def some(self, chosen: np.ndarray, most: int) -> np.ndarray:
-        """Return at most `most` of the chosen steps, evenly spread."""
+    def thinned(self, chosen: np.ndarray, most: int) -> np.ndarray:
+        """Return at most `most` of the given step numbers, spread evenly over them."""
         if len(chosen) <= most:
             return chosen
         return chosen[np.linspace(0, len(chosen) - 1, most).astype(int)]
 
     def followed_some(self, p: Parameters, chosen: np.ndarray) -> np.ndarray:
-        """Return the defects of the chosen steps with other parameters, in allowed units, shape (steps, 2)."""
+        """Return the defects of the chosen steps with other parameters, in allowed units, of shape (steps, 2)."""
         begin = np.column_stack([self.steps.t, self.steps.states])[chosen]
-        return self.between(begin, chosen + 1, self.near[chosen], p) / self.allowed[chosen]
+        return self.defects_from(begin, chosen + 1, self.near[chosen], p) / self.allowed[chosen]
 
-    def between(self, begin: np.ndarray, until: np.ndarray, near: Any, p: Parameters | None = None) -> np.ndarray:
-        """Return the exact motion from states t, x, v (rows) minus the samples `until`; shape (rows, 2)."""
+    def defects_from(self, begin: np.ndarray, until: np.ndarray, near: Any, p: Parameters | None = None) -> np.ndarray:
+        """Follow the motion from states t, x, v (rows of `begin`) to samples `until`; return it minus these samples."""
         # No row may begin before the one before ends.
         end = np.column_stack([self.steps.t, self.steps.states])[until]
         found, moving = begin[:, 1:] - end[:, 1:], begin[:, 0] < end[:, 0]
@@ -355,20 +355,20 @@ class Case:
             found[moving] = follow_steps(p or self.parameters, t, x, v, near, self.scales).defects[::2]
         return np.asarray(found)
 
-    def flown(self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None) -> np.ndarray:
-        """Return the misses of flights inside domains with other constants or a shifted phase of the drive."""
+    def flight_misses(self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None) -> np.ndarray:
+        """Return the misses of flights inside domains with other constants, or the drive's phase shifted by `turn`."""
         chosen, s = self.inside if chosen is None else chosen, self.steps
         other = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
         return self.misses(other.flight(self.domain[chosen], chosen, chosen + 1), chosen)
 
 
 def larger(misses: np.ndarray) -> np.ndarray:
-    """Return the larger of the two misses in x and v of each step, in size."""
+    """Return for each step the larger of its misses in x and in v, without sign."""
     return np.asarray(np.max(np.abs(misses), axis=1))
 
 
 def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks: np.ndarray) -> Fit | None:
-    """Fit numbers to steps, of which some may have other faults; None if the steps do not determine them."""
+    """Fit numbers so that steps miss least, if some have other faults too; None if the steps do not determine them."""
     # `misses(numbers)` is by how much the steps miss, (steps, 2); `ticks` are changes for derivatives.
     value = np.array(start, dtype=float)
     kept, error = None, np.zeros(len(value))
@@ -394,7 +394,7 @@ def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks:
 
 
 def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the weighted median over the steps of the change of one number, and its standard deviation."""
+    """Return the change of the only fitted number, a weighted median over the steps, and its standard deviation."""
     squares = np.sum(J[..., 0] ** 2, axis=1)
     used = squares > 0.0
     if not np.any(used):
@@ -406,7 +406,7 @@ def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Fit the change of the numbers by least squares; return it with its standard deviations, or None."""
+    """Return the change of the fitted numbers by least squares, and their standard deviations; None if undetermined."""
     matrix, right = J.reshape(-1, J.shape[-1]), -here.ravel()
     units = np.sqrt(np.sum(matrix**2, axis=0))
     if not len(right) or not np.all(units > 0.0):
@@ -421,7 +421,7 @@ def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndar
 def best_between(
     misses: Callable[[np.ndarray], np.ndarray], low: np.ndarray, high: np.ndarray, points: int, enough: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the numbers in [low, high], one per step, at which the steps miss least, and what they miss there."""
+    """Find for each step the number in [low, high] at which it misses least; return the numbers and the misses."""
     # A grid of `points` is refined around the best one, at most 8 times or until all misses are <= `enough`.
     best, leaves, begin, end = low, np.full(len(low), np.inf), low, high
     for _ in range(8):

@@ -17,9 +17,9 @@ from symosc.crosschecks.velocities import with_velocities
 from symosc.errors import ParameterError
 from symosc.model import Parameters
 
-# In other units x must be the way that v makes, to this factor.
+# In any units x must agree with the integral of v up to this factor.
 SAME_WAY = 5.0
-# Columns are made again if all but this part of the samples agree.
+# A column counts as made from another one if all but this part of the samples agree.
 EXCEPTIONS = 0.1
 FEWEST = 8
 Columns = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -100,7 +100,7 @@ def no_motion(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Diagnosis | None:
 
 
 def velocity_column(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that v alone is wrong: differences of x, or values between the samples."""
+    """Yield the diagnosis that only v is wrong: it is made of differences of x, or taken between the samples."""
     s, h = case.steps, np.diff(case.steps.t)
     if len(s.t) < FEWEST or np.any(h <= 0.0):
         return
@@ -130,7 +130,7 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
 
 
 def other_velocities(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that the positions are right and v is not their velocity, whatever it is."""
+    """Yield the diagnosis that the positions are right and that v, for whatever reason, is not their velocity."""
     exact = _from_positions(case) if len(case.inside) >= 60 else None
     if exact is not None:
         share = case.share_of(case.steps.t[exact[0] :], case.steps.x[exact[0] :], exact[1])
@@ -139,7 +139,7 @@ def other_velocities(case: Case) -> Iterator[Candidate]:
 
 
 def _from_positions(case: Case) -> tuple[int, np.ndarray] | None:
-    """Return the first sample with a velocity determined by the positions, and the velocities from there on."""
+    """Return the first sample whose velocity the positions determine, and the velocities from that sample on."""
     s, tolerance = case.steps, float(case.allowed[0, 0] / case.scales[0])
     try:
         found = with_velocities(Samples(s.t, s.x, np.full(len(s.t), np.nan)), case.parameters, tolerance)
@@ -149,7 +149,7 @@ def _from_positions(case: Case) -> tuple[int, np.ndarray] | None:
 
 
 def _at_other_times(case: Case, first: int, v: np.ndarray, part: float) -> np.ndarray:
-    """Return the exact velocity a fraction of a step before each sample (negative: after it); NaN if none."""
+    """Return the exact velocity a fraction `part` of a step before each sample (after it if negative), or NaN."""
     s = case.steps
     t, x = s.t[first:], s.x[first:]
     time = (t[1:] if part > 0.0 else t[:-1]) - part * np.diff(t)
@@ -186,7 +186,7 @@ def frozen_positions(case: Case) -> Iterator[Candidate]:
 
 
 def resampled(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that the samples were interpolated linearly between fewer ones."""
+    """Yield the diagnosis that most samples are linear interpolations between a few others."""
     s = case.steps
 
     def bends(t: np.ndarray, *columns: np.ndarray) -> np.ndarray:
@@ -218,7 +218,7 @@ def resampled(case: Case) -> Iterator[Candidate]:
 
 
 def even_times(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that the times of an even grid were rounded, or added up with few digits."""
+    """Yield the diagnosis that evenly spaced times were rounded, or summed up with few digits."""
     t = case.steps.t
     h, step = np.diff(t), float((t[-1] - t[0]) / (len(t) - 1))
     if len(t) < FEWEST or np.ptp(h) == 0.0 or not np.max(np.abs(h - step)) <= 0.2 * step:
@@ -238,7 +238,7 @@ def even_times(case: Case) -> Iterator[Candidate]:
 
 
 def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
-    """Return even times like `t`, with the step rounded to `digits` digits (0: exact ends; None: rounded ends)."""
+    """Return evenly spaced times near `t`: the step has `digits` digits (0: the ends of `t`; None: rounded ends)."""
     if not digits:
         ends = (float(t[0]), float(t[-1])) if digits == 0 else (float(f"{t[0]:.6g}"), float(f"{t[-1]:.6g}"))
         return np.linspace(*ends, len(t))
@@ -247,7 +247,7 @@ def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
 
 
 def single_times(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that the times are in single precision: a small shift of each time explains its step."""
+    """Yield the diagnosis that the times are in single precision: tiny shifts of the times make the steps right."""
     s, chosen = case.steps, case.inside
     single = np.array_equal(s.t.astype(np.float32).astype(float), s.t) and not np.array_equal(s.t, np.rint(s.t))
     if len(s.t) < FEWEST or not single or not len(chosen):
@@ -263,7 +263,7 @@ def single_times(case: Case) -> Iterator[Candidate]:
     part = case.share(np.where(within, left, np.inf), chosen, 0.2)
     largest = float(np.max(np.abs(shift[within]), initial=0.0))
     evidence = f"all are such numbers; shifts of them by up to {largest:.1e} repeat {max(part, 0.0):.0%} of the flights"
-    # Numbers of single precision in all samples are no chance.
+    # All times are numbers of single precision, which cannot be chance.
     share = 1.0 if part >= 0.7 else part
     yield Candidate(Diagnosis("columns", "t", "the times are in single precision", evidence, largest, share=share))
 
@@ -272,7 +272,7 @@ def single_times(case: Case) -> Iterator[Candidate]:
 
 
 def event_list_faults(check: Any) -> Iterator[Diagnosis]:
-    """Yield the faults of a list of events where the samples are right."""
+    """Yield what is wrong with a solver's list of events although its samples are right."""
     missed, invented = check.missed, check.invented
     evidence = "the samples are right"
     if missed and len(missed) == len(invented) and [e.kind for e in missed] == [e.kind for e in invented]:
@@ -302,7 +302,7 @@ def outliers(case: Case) -> Iterator[Candidate]:
 
 
 def noise(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of noise: each defect, carried over the next step, is opposite to that step's defect."""
+    """Yield the diagnosis of noise: what one step is off, the next one takes back."""
     inside = case.inside_wrong
     pairs = inside[:-1][np.diff(inside) == 1]
     if len(pairs) < 12:
@@ -326,7 +326,7 @@ def noise(case: Case) -> Iterator[Diagnosis]:
 
 
 def few_digits(check: Any) -> Iterator[Diagnosis]:
-    """Yield the diagnosis that the columns have few digits."""
+    """Yield the diagnosis that the columns were written with few digits."""
     if check.rounded:
         columns = ", ".join(f"{name} to {text}" for name, text in check.rounded.items())
         words, evidence = f"the samples are rounded: {columns}", "all numbers of these columns fit that grid"

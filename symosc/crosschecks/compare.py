@@ -141,7 +141,7 @@ def _positive(name: str, value: object) -> float:
 
 @dataclass(frozen=True)
 class Task:
-    """Samples with their rounding, and the exact motion and the tolerances that they are compared with."""
+    """A solution to judge: its samples and their rounding, and the scene and tolerances to compare it with."""
 
     samples: Samples
     scene: Scene | Parameters
@@ -158,12 +158,12 @@ class Task:
 
     @property
     def limit(self) -> float:
-        """The global error that is allowed, relative to the sizes of x and v."""
+        """The allowed global error, relative to the sizes of x and v."""
         usual = max(self.tolerance, min(1000.0 * self.tolerance, 0.01))  # errors of steps add up
         return usual if self.given_limit is None else self.given_limit
 
     def verdict(self) -> CrossCheck:
-        """Judge the samples, again at their rounding if they fail with all digits, and whether they end too early."""
+        """Judge the samples (again within their rounding if they fail), and state whether they end too early."""
         samples, rounding, p = self.samples, self.rounding, self.parameters
         if rounding is None:
             samples = with_velocities(samples, self.scene, self.tolerance) if samples.lacks_v else samples
@@ -179,13 +179,13 @@ class Task:
             half = units * (0.5 + 1e-9)
             result = self.judge(half, listed)
             if not result.ok:
-                result = self._cut(half, listed, result) or self._coarser(half, listed, result)
+                result = self._judge_cut_off(half, listed, result) or self._with_coarser(half, listed, result)
         early = self._early_end(result.trajectory)
         if early and self.partial:
             return replace(result, notes=(*result.notes, early))
         return replace(result, ok=result.ok and not early, early_end=early)
 
-    def _cut(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck | None:
+    def _judge_cut_off(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck | None:
         """Judge the samples as if their last digits were cut off, not rounded; None if they are wrong then too."""
         samples = self.samples
         # Digits that are cut off, not rounded, make no larger errors.
@@ -201,8 +201,8 @@ class Task:
                 return replace(other, notes=(*other.notes, note))
         return None
 
-    def _coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
-        """Judge every n-th sample too, where rounding hides errors within single steps; return the result with both."""
+    def _with_coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
+        """Judge every n-th sample too, as rounding may hide errors in single steps, and attach that to the result."""
         spans, samples = result.wrong_spans, self.samples
         # A few spans show no cause, and where most steps are wrong these show it themselves.
         if len(spans) < 6 or 2 * len(result.wrong_steps) >= np.sum(spans[:, 1] - spans[:, 0]):
@@ -214,7 +214,7 @@ class Task:
         return replace(result, coarser=few.judge(half[:, kept], listed))
 
     def judge(self, rounding: np.ndarray, listed: np.ndarray) -> CrossCheck:
-        """Compare the samples with the exact motion."""
+        """Compare the samples with the exact motion, given the rounding of the samples and of the listed events."""
         samples, p, tolerance = self.samples, self.parameters, self.tolerance
         loose = sample_errors(p, samples, rounding)
         start, other_start = self._start(loose[0], rounding[:, 0])
@@ -238,10 +238,10 @@ class Task:
         sizes = np.max(np.abs(steps.defects) / allowed, axis=1)
         wrong = ~(sizes <= 1.0)
         spans = self._wrong_spans(loose, near, scales)
-        # While the exact motion sticks, samples so near to the belt are meant to be on it.
+        # While the exact motion sticks, samples that are this near to the belt are taken to be on it.
         label = labels(steps, near, np.maximum(near, 1e-4 * scales[1]))
         found, modes = find_events(steps, label, wrong)
-        # Of the errors of the samples so much counts as allowed; 0 after the end of the exact motion.
+        # The part of the samples' errors that is allowed; 0 after the end of the exact motion.
         within = np.where(np.isnan(errors), 0.0, np.fmin(np.abs(errors), limits))
         reach = Reach(steps, within + loose, tolerance * float(scales[1]), tolerance, listed)
         matching = self._match(trajectory, start, found, reach, label, wrong)
@@ -346,9 +346,9 @@ class Task:
         return f"the solution ends at t = {last:.10g}; the motion of {scene.name} goes on to t = {t_end:.10g}"
 
     def _wrong_spans(self, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
-        """Return spans of rounded samples over which the exact motion leads elsewhere, by first and last sample."""
+        """Return spans (first and last sample) of several steps over which rounded samples leave the exact motion."""
         # Rounding hides a wrong model in each dense step, and not over many; the tolerances of the steps add up.
-        # Of all lengths the one is chosen of which many spans are wrong, and a great part.
+        # The length is chosen at which many spans, and a great part of all, are wrong.
         p, samples, best = self.parameters, self.samples, np.empty((0, 2), int)
         count, length, most = len(samples.t), SPAN_FACTOR, 0.0
         while length < count and np.any(loose):
@@ -367,7 +367,7 @@ class Task:
     def _match(
         self, trajectory: Trajectory, start: Record, found: list[FoundEvent], reach: Reach, label: Any, wrong: Any
     ) -> Matcher:
-        """Match the exact events with those of the samples or the list."""
+        """Match the exact events with those of the solver's list, or without a list with those of the samples."""
         events, until, last = self.samples.events, float(trajectory.t_end), float(self.samples.t[-1])
         there = until if until < last else np.inf  # where the exact motion has ended there is nothing to match
         if events is None or (events and not any(kind for _, kind in events)):
@@ -384,7 +384,7 @@ class Task:
         return Matcher(trajectory, exact, given_events(reach.steps, pairs), True, reach, label, wrong)
 
     def _simulate(self, t_end: float, start: Record) -> Trajectory:
-        """Return the exact motion from a start to t_end; so many more events than samples cannot be meant."""
+        """Return the exact motion from a start to t_end; it stops early with far more events than there are samples."""
         return simulate(self.scene, t_end=t_end, max_events=2_000 + 10 * len(self.samples.t), **start)
 
 
@@ -396,7 +396,7 @@ def _every(n: int, count: int) -> np.ndarray:
 def _faults(
     steps: ExactSteps, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray, matching: Matcher
 ) -> tuple[Fault, ...]:
-    """Return the first wrong steps with guessed causes, and all wrong ones with a missed or invented event."""
+    """Describe the first wrong steps, and all wrong steps that miss or invent an event, with guessed causes."""
     wrong = ~(sizes <= 1.0)
     odd = {event.step for event in matching.invented}
     odd |= {int(np.searchsorted(steps.t, float(event.t))) - 1 for event in matching.missed}
@@ -406,7 +406,7 @@ def _faults(
 
 
 def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:
-    """Return the sizes of x and v: the maxima of the exact motion, at least those given by the belts."""
+    """Return the sizes of x and v: maxima of the exact motion, but at least those that the belt speeds imply."""
     reach = np.max(np.abs(exact), axis=1)
     speed = max(float(reach[1]), abs(float(p.v1)), abs(float(p.v2)))
     return np.array([max(float(reach[0]), speed / fastest_rate(p)), speed])

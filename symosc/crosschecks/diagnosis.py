@@ -66,7 +66,7 @@ def diagnose(check: Any) -> tuple[Diagnosis, ...]:
 
 
 def _best(case: Case, check: Any) -> tuple[Diagnosis, ...]:
-    """Return the candidates that explain the wrong steps; expensive stages run only if cheap ones fail."""
+    """Return the diagnosis that explains the wrong steps best; expensive causes are tried only if cheap ones fail."""
     tried: list[Candidate] = []
     named: list[Diagnosis] = []
     for number, stage in enumerate(STAGES):
@@ -88,7 +88,7 @@ def _best(case: Case, check: Any) -> tuple[Diagnosis, ...]:
 
 
 def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
-    """Return the best candidates as diagnoses after a repeated check; omit those that fail it."""
+    """Repeat the check with the changes of the best candidates; return the diagnoses that it confirms."""
     waiting = list(tried)
     while waiting and (best := waiting[0].diagnosis.share) >= NAMED:
         good = [one for one in waiting if one.diagnosis.share >= max(NAMED, best - AS_GOOD)]
@@ -108,7 +108,7 @@ def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
 
 
 def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
-    """Return a diagnosis with the result of the check repeated with its change; None if impossible."""
+    """Repeat a check with a candidate's change; return its diagnosis with the result, None if that is impossible."""
     diagnosis, change = candidate
     if change is None:
         return diagnosis
@@ -124,7 +124,7 @@ def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
 
 
 def repeated_check(check: Any, change: Change) -> Any:
-    """Repeat a check with other parameters or columns; return the new check, None if these are not allowed."""
+    """Repeat a check with other parameters or columns; return the new check, None if the model rejects these."""
     task, samples = check._task, check._task.samples
     if change.columns is not None:
         t, x, v = change.columns(samples.t, samples.x, samples.v)
@@ -139,7 +139,7 @@ def repeated_check(check: Any, change: Change) -> Any:
 
 
 def _explained(check: Any, again: Any) -> float:
-    """Return the fraction of the wrong steps whose defects a change makes nearly vanish."""
+    """Return the fraction of the wrong steps of a check whose defects nearly vanish in its repetition `again`."""
     before, after = (np.max(np.abs(one.defects) / one.allowed, axis=1) for one in (check, again))
     wrong = ~(before <= 1.0)
     if len(before) == len(after):
@@ -149,7 +149,7 @@ def _explained(check: Any, again: Any) -> float:
 
 
 def _start(check: Any) -> Iterable[Diagnosis]:
-    """Yield the diagnosis of a different start, which is stated or shown by the global error."""
+    """Yield the diagnosis that the solution has another start, which a note states or the global error shows."""
     words = "every step is right, but the motion starts elsewhere, or errors of the steps add up"
     if check.wrong_start:
         yield Diagnosis("start", "", check.wrong_start, "every step is right")

@@ -109,7 +109,7 @@ class Match:
 
 
 def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray:
-    """Return the mode code of each sample: 1 to 3 in a domain, 4 or 5 at a belt."""
+    """Return the mode code of each sample: 1 to 3 for the domain that it is in, 4 at belt 1, 5 at belt 2."""
     # A sample is at a belt within the velocity `near` of it, or within `drift` while the exact motion would stick.
     v, K = steps.v, steps.K
     label = np.int8(1) + (v > K.belt1.v) + (v > K.belt2.v)
@@ -121,7 +121,7 @@ def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray
 
 
 def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tuple[list[FoundEvent], np.ndarray]:
-    """Return the events that the labels of the samples show, in order of time, and the modes of the samples."""
+    """Find events by the mode codes `label` of the samples; return them in order, and the modes of the samples."""
     # The modes are the labels, 0 for samples that only pass or graze a belt.
     modes = label.copy()
     starts = np.flatnonzero((np.diff(label, prepend=0) != 0) | _reached_by_flight(steps, label, wrong))
@@ -129,8 +129,8 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
     found: list[FoundEvent] = []
     now, since = 0, 0  # the last mode of the samples, and the last sample in it
 
-    def go(domain: int, sample: int) -> None:
-        """Record the events by which the samples go from their last mode to a domain, reached at `sample`."""
+    def move_to(domain: int, sample: int) -> None:
+        """Record the events on the way from the last mode of the samples to a domain, reached at `sample`."""
         nonlocal now
         if now > 3:
             entered = min((now - 3, now - 2), key=lambda d: abs(d - domain))
@@ -145,11 +145,11 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
     for first, last in zip(starts.tolist(), ends.tolist(), strict=True):
         mode = int(label[first])
         if mode <= 3:
-            go(mode, first)
+            move_to(mode, first)
         elif _is_stick(steps, mode, first, last, wrong):
             if now:
                 before = now - 2.5 if now > 3 else now
-                go(min((mode - 3, mode - 2), key=lambda d: abs(d - before)), first)
+                move_to(min((mode - 3, mode - 2), key=lambda d: abs(d - before)), first)
                 found.append(_event(steps, "stick", mode - 3, now, mode, first - 1, first, first))
             now = mode
         else:
@@ -161,7 +161,7 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
             if not now:  # a start on the belt is not an event
                 source = now = target
             if {source, target} == {mode - 3, mode - 2}:
-                go(source, first)
+                move_to(source, first)
                 found.append(_event(steps, "cross", mode - 3, source, target, first - 1, last, first))
                 now = target
             elif now > 3 or target != now:
@@ -171,7 +171,7 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
 
 
 def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
-    """Return which samples at a belt come from the sample before, at the same belt, by a flight in a right step."""
+    """Mark each sample at a belt that a flight in a right step reaches from a sample at the same belt."""
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
     for i in np.flatnonzero((label[:-1] > 3) & ~held).tolist():
         held[i] = bool(np.any(steps.events.target[steps.events.rows(i, i)] == label[i]))
@@ -180,7 +180,7 @@ def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) 
 
 
 def _is_stick(steps: ExactSteps, mode: int, first: int, last: int, wrong: np.ndarray) -> bool:
-    """Return whether samples first … last at a belt stick to it, and do not only cross or graze it."""
+    """Return whether samples `first` to `last`, all at one belt, stick to it, and do not only cross or graze it."""
     inside = np.arange(first, min(last, len(wrong) - 1) + 1)
     sticks = (steps.first[inside] == mode) | (steps.last[inside] == mode)
     for i in inside[~sticks].tolist():
@@ -193,7 +193,7 @@ def _is_stick(steps: ExactSteps, mode: int, first: int, last: int, wrong: np.nda
 def _event(
     steps: ExactSteps, kind: str, boundary: int, source: int, target: int, step: int, last_step: int, sample: int | None
 ) -> FoundEvent:
-    """Return an event between two samples; its time is that of the exact event, of a sample, or interpolated."""
+    """Return an event between two samples, at the time of the exact event, of a sample, or by interpolation."""
     last_step = min(last_step, len(steps.first) - 1)
     i, j, rows = step, last_step + 1, steps.events.rows(step, last_step)
     times = steps.events.t[rows][(steps.events.kind[rows] == CODES[kind]) & (steps.events.boundary[rows] == boundary)]
@@ -210,7 +210,7 @@ def _event(
 
 
 def given_events(steps: ExactSteps, pairs: Iterable[tuple[float, str]]) -> list[FoundEvent]:
-    """Convert the pairs (t, kind) of a solver's list to events found."""
+    """Convert the pairs (t, kind) of a solver's list of events to `FoundEvent`."""
     return [FoundEvent(time, kind, 0, "", "", step, step) for time, kind in pairs for step in [steps.at(time)[0]]]
 
 
@@ -227,13 +227,13 @@ class Reach:
     tolerance: float
     listed: np.ndarray  # rounding of the times of a list
 
-    def of(self, event: Event) -> float:
-        """Return the time error bound of an exact event."""
+    def of_event(self, event: Event) -> float:
+        """Return by how much a solver's time of an exact event may be off."""
         t, x, theta = float(event.t), float(event.x), float(event.theta)
         return self._width(t, x, theta, event.boundary, MODES[event.source])
 
     def of_row(self, row: int) -> float:
-        """Return the time error bound of an event of `steps.events`."""
+        """Return by how much a solver's time of the event in a row of `steps.events` may be off."""
         events = self.steps.events
         step, boundary = int(events.step[row]), int(events.boundary[row])
         starts = row == 0 or events.step[row - 1] != step
@@ -242,12 +242,12 @@ class Reach:
         return self._width(float(events.t[row]), float(events.x[row]), float(events.theta[row]), boundary, source)
 
     def of_start(self, boundary: int) -> float:
-        """Return the largest time from the first sample at which a solver may report its start on a belt."""
+        """Return how long after the first sample a solver may list its start on a belt as an event."""
         t, x, theta = float(self.steps.t[0]), float(self.steps.x[0]), float(self.steps.theta[0])
         return max(self._width(t, x, theta, boundary, domain) for domain in NEIGHBOURS[boundary])
 
     def of_near_graze(self, trajectory: Trajectory, time: float) -> float | None:
-        """Return the duration of a near graze of the exact motion at a time, or None."""
+        """Return for how long the exact motion nearly touches a belt around a time; None if it does not."""
         inside = float(trajectory.t_start) <= time <= float(trajectory.t_end)
         mode = MODES[trajectory.mode(time)] if inside else 4
         if mode > 3:
@@ -265,18 +265,18 @@ class Reach:
         return REACH_SAFETY * sqrt(2.0 * spread / abs(b))
 
     def _acceleration(self, x: float, v: float, theta: float, domain: int) -> float:
-        """Return the acceleration in a domain."""
+        """Return the acceleration of the mass at a state x, v and phase theta, with the force of a domain."""
         K = self.steps.K
         return float(acceleration(x, v, cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0))
 
     def _spread(self, time: float) -> tuple[float, float]:
-        """Return the error bounds of x and v of the samples at a time, by the energy estimate."""
+        """Return bounds of the errors of x and v around a time; that of v includes what an error of x may turn into."""
         j = int(np.searchsorted(self.steps.t, time))
         dx, dv = (float(value) for value in np.max(self.errors[max(j - 2, 0) : j + 2], axis=0))
         return dx, sqrt(dv * dv + self.steps.K.w0sq * dx * dx)
 
     def _width(self, time: float, x: float, theta: float, boundary: int, source: int) -> float:
-        """Return the bound of the time error of an event at a boundary, where a motion leaves the mode `source`."""
+        """Return by how much the time of an event at a boundary may be off; `source` is the mode that ends there."""
         K, (dx, dv) = self.steps.K, self._spread(time)
         v, s, c = (K.belt1, K.belt2)[boundary - 1].v, sin(theta), cos(theta)
         rate = max(K.Om, sqrt(K.w0sq))
@@ -294,7 +294,7 @@ class Reach:
 
 
 class Matcher:
-    """Match exact events with those of the samples, or of a solver's list (`given`)."""
+    """Pair exact events with those of the samples or of a solver's list (`given`); judge those without a partner."""
 
     # `exact` may have events shortly after the last sample too; `label` are the codes of `labels`; `wrong` marks steps.
     # The results `matched`, `missed`, `invented`, `unresolved` and `notes` are those of `CrossCheck`.
@@ -307,7 +307,7 @@ class Matcher:
         self.reach, self.steps, self.label, self.wrong = reach, reach.steps, label, wrong
         self.window = WINDOW * self.steps.K.period
         self.times = np.array([float(event.t) for event in exact])
-        self.reaches = np.array([reach.of(event) for event in exact])
+        self.reaches = np.array([reach.of_event(event) for event in exact])
         self.local = [self._local(event) for event in exact]
         # Numbers of the exact events and of those found that have no partner yet.
         self.exact_free, self.found_free = set(range(len(exact))), set(range(len(found)))
@@ -324,7 +324,7 @@ class Matcher:
         self.matched.sort(key=lambda match: float(match.event.t))
 
     def _local(self, event: Event) -> int | None:
-        """Return the row of `steps.events` that is this exact event, found over a right step; None if there is none."""
+        """Return the row of the same event in `steps.events`, if its step is right; None if there is none."""
         events, time = self.steps.events, float(event.t)
         rows = np.arange(*np.searchsorted(events.t, [time - self.window, time + self.window]))
         same = (events.kind[rows] == CODES[event.kind]) & (events.boundary[rows] == event.boundary)
@@ -332,11 +332,11 @@ class Matcher:
         return int(rows[np.argmin(np.abs(events.t[rows] - time))]) if len(rows) else None
 
     def _own_time(self, i: int) -> float | None:
-        """Return the time of exact event i on the samples' own path; None if it has none."""
+        """Return the time of exact event number i on the path that restarts at each sample; None if it is not there."""
         return None if self.local[i] is None else float(self.steps.events.t[self.local[i]])
 
     def _pair(self) -> None:
-        """Pair events of one kind in order within their time errors, as many as possible."""
+        """Pair as many events as possible: of the same kind, in order of time, and within their time errors."""
         pairs = []
         most = float(np.max(self.reaches, initial=0.0)) + self.window
         for j, event in enumerate(self.found):
@@ -366,7 +366,7 @@ class Matcher:
             self.notes.append(f"the list's event at t = {time:.10g} is the start on belt {boundary}")
 
     def _allow_events_of_the_samples(self) -> None:
-        """Ignore listed events that occur only on the samples' own path."""
+        """Ignore listed events that happen on the path through the samples, though not in the exact motion."""
         events = self.steps.events
         used = {row for row in self.local if row is not None}
         for j in sorted(self.found_free):
@@ -385,7 +385,7 @@ class Matcher:
                     break
 
     def _allow_close_events(self) -> None:
-        """Ignore differences within the tolerance where exact events at one belt cannot be resolved."""
+        """Ignore differences where exact events at one belt are too close together for the tolerance."""
         partner = {id(match.event): match.found for match in self.matched}
         index = {id(event): j for j, event in enumerate(self.found)}
         clusters: list[list[int]] = []
@@ -412,12 +412,12 @@ class Matcher:
                 self._set_aside(loose, self.exact_free & set(cluster))
 
     def _allow_near_grazes(self) -> None:
-        """Ignore listed contacts at near grazes of the exact motion, closer than the tolerance."""
+        """Ignore listed contacts where the exact motion nearly touches a belt, closer than the tolerance."""
         runs: list[list[int]] = []
         for j in sorted(self.found_free):
             time = self.found[j].t
             width = self.reach.of_near_graze(self.trajectory, time)
-            # Next to an exact event it is that one.
+            # A contact next to an exact event belongs to that event.
             if width is None or np.any(np.abs(self.times - time) <= self.reaches + width):
                 continue
             if not self._is_wrong(time - width, time + width):
@@ -430,7 +430,7 @@ class Matcher:
                 self._set_aside(run, ())
 
     def _set_aside(self, found: Iterable[int], exact: Iterable[int]) -> None:
-        """Set found and exact events aside as unresolved: they count neither for nor against the solution."""
+        """Set events, given by their numbers, aside as unresolved: they count neither for nor against the solution."""
         exact, found = sorted(exact), sorted(found)
         self.exact_free -= set(exact)
         self.found_free -= set(found)
@@ -441,7 +441,7 @@ class Matcher:
         return bool(self.wrong[self.steps.at(low)[0] : self.steps.at(high)[1] + 1].any())
 
     def _judge_exact(self) -> None:
-        """Classify unmatched exact events: missed, inside a step, or not on the samples' path."""
+        """Classify exact events without partner: missed, inside a single step, or not on the samples' path."""
         t, slack = self.steps.t, 1e-6 * self.steps.K.period
         for i in sorted(self.exact_free):
             own, time, reach = self.exact[i], float(self.times[i]), self.reaches[i]
@@ -466,7 +466,7 @@ class Matcher:
                 self.unresolved.append(own)
 
     def _judge_found(self) -> None:
-        """Classify unmatched events of the samples: invented, or only on the samples' own path."""
+        """Classify events of the samples without partner: invented, or only on the samples' own path."""
         events = self.steps.events
         for j in sorted(self.found_free):
             event = self.found[j]

@@ -93,11 +93,11 @@ def read_content(path: str | Path, choose: Choose) -> Any:
 
 
 def _read(path: str | Path, where: str, asked: Asked | None, text: Reader) -> Any:
-    """Return the contents of a file; convert any library error into a one-line ParameterError."""
+    """Return the contents of a file, read according to its format; any error becomes a one-line ParameterError."""
     library = ""
     try:
         with _opened(path, where) as file:
-            library, read = _kind(path, file, where, text)
+            library, read = _format_of(path, file, where, text)
             if library and isinstance(file.raw, _Unpacked):  # libraries seek
                 return read(io.BytesIO(_whole(file, where)), asked, where)
             return read(file, asked, where)
@@ -150,14 +150,14 @@ def _check_size(count: int, where: str) -> None:
 
 
 def _whole(file: IO[bytes], where: str) -> bytes:
-    """Return all bytes of a file."""
+    """Return all bytes of a file; ParameterError if they are too many."""
     data = file.read(MOST_BYTES + 1)
     _check_size(len(data), where)
     return data
 
 
 def _opened(path: str | Path, where: str) -> io.BufferedReader:
-    """Open a file or standard input, decompressed; `peek` shows its beginning."""
+    """Open a file or standard input to read bytes, decompressed if it is compressed."""
     if path == STDOUT:
         data = _whole(sys.stdin.buffer, where)
         file: Any = io.BytesIO(data)
@@ -173,12 +173,12 @@ def _opened(path: str | Path, where: str) -> io.BufferedReader:
 
 
 def _suffix_of_content(beginning: bytes) -> str:
-    """Return the suffix of a file that begins in this way, ".txt" if no format does."""
+    """Return the suffix of the format whose files begin with these bytes, ".txt" if there is none."""
     return next((suffix for sign, suffix in BEGINNINGS.items() if beginning.startswith(sign)), ".txt")
 
 
-def _kind(path: str | Path, file: io.BufferedReader, where: str, text: Reader) -> tuple[str, Reader]:
-    """Return the format of a file that a library reads ("" for others), and a function that reads it."""
+def _format_of(path: str | Path, file: io.BufferedReader, where: str, text: Reader) -> tuple[str, Reader]:
+    """Return what a file is if a library reads it, "" if not, and the function that reads it."""
     suffix = "" if path == STDOUT else suffix_of(path)
     if suffix and suffix not in SUFFIXES:
         raise ParameterError("file", where, f"must end in {', '.join(SUFFIXES)}, and perhaps {', '.join(PACKED)}")
@@ -189,23 +189,23 @@ def _kind(path: str | Path, file: io.BufferedReader, where: str, text: Reader) -
 
 
 def suffix_of(path: str | Path) -> str:
-    """Return the suffix of a file in lower case, before that of a compression; "" without one."""
+    """Return the suffix of a file in lower case, without that of a compression; "" if it has none."""
     return next((each for each in map(str.lower, Path(path).suffixes[::-1]) if each not in PACKED), "")
 
 
 # -- tables as text ----------------------------------------------------------------------------------------------------
 
-# The last is no comment: with it a spreadsheet says which delimiter it uses.
+# "sep=" begins no comment, but a line by which a spreadsheet says which delimiter it uses.
 COMMENT_SIGNS = ("#", "%", "//", "!", "sep=")
 LONGEST_LINE = MOST_EMPTY_LINES = 1_000_000
 
 
 class TextColumns(dict[str, np.ndarray]):
-    """The columns of a text file, under the names t, x, v and id."""
+    """The columns of a text file, already found and renamed to t, x, v and id."""
 
 
 def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
-    """Return the columns t, x, and v and id if present."""
+    """Return the columns t and x of a text table, and v and id if it has them."""
 
     def choose(names: list[str]) -> dict[str, str]:
         if names != [str(i + 1) for i in range(len(names))] or set(asked.values()) & set(names):
@@ -232,7 +232,7 @@ def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
 
 
 def _number(cell: str, delimiter: str | None) -> float:
-    """Return a number as a float, also one with a decimal comma unless commas separate, or an exponent of Fortran."""
+    """Return a cell as a float: perhaps with a Fortran exponent, or a decimal comma unless commas separate cells."""
     try:
         return float(cell) if "_" not in cell and cell.isascii() else number_of(cell)
     except ValueError:
@@ -242,14 +242,14 @@ def _number(cell: str, delimiter: str | None) -> float:
 
 
 def plain_number(cell: str) -> str:
-    """Return a number as text with a decimal point, and with e before its exponent."""
+    """Return the text of a number with a point for a decimal comma, and with e for the d of a Fortran exponent."""
     return re.sub(r"([\d.])[dD]([+-]?\d)", r"\1e\2", cell.replace(",", "."))
 
 
 def _table(
     file: IO[bytes], choose: Choose, where: str
 ) -> tuple[str | None, dict[str, int], Iterator[tuple[int, list[str]]]]:
-    """Return the delimiter of a table, the places of the chosen columns, and its rows with their line numbers."""
+    """Return the delimiter of a text table, the positions of the chosen columns, and its rows with line numbers."""
     lines = _lines(file, where)
     head = list(islice(lines, 1000))  # lines that may hold the header
     data = [i for i, (_, _, has_data) in enumerate(head) if has_data]
@@ -298,7 +298,7 @@ def _table(
 
 
 def _lines(file: IO[bytes], where: str) -> Iterator[tuple[int, str, bool]]:
-    """Yield the lines of a text file that are not empty: number in the file, text, and whether it holds data."""
+    """Yield each line of a text file that is not empty: its number, its text, and whether it holds data."""
     empty = 0
     with io.TextIOWrapper(file, "utf-8-sig", newline=None) as text:
         for number, line in enumerate(iter(partial(text.readline, LONGEST_LINE), ""), 1):
@@ -314,7 +314,7 @@ def _lines(file: IO[bytes], where: str) -> Iterator[tuple[int, str, bool]]:
 
 
 def _delimiter(line: str) -> str | None:
-    """Return the delimiter of a line; None if its cells stand between blanks."""
+    """Return the character that separates the cells of a line; None if blanks do."""
     line = re.sub('"[^"]*"', "", line)
     if ";" in line or "\t" in line:
         return ";" if ";" in line else "\t"
@@ -323,7 +323,7 @@ def _delimiter(line: str) -> str | None:
 
 
 def _split_cells(line: str, delimiter: str | None) -> list[str]:
-    """Split a line into cells."""
+    """Split a line of a table at its delimiter into cells."""
     if delimiter is None:
         return line.replace('"', " ").split()
     if '"' not in line:
@@ -344,7 +344,7 @@ def _are_numbers(cells: list[str], delimiter: str | None) -> bool:
 
 
 def read_json(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the content of a JSON file; for samples it must be columns, or a list of rows or pieces."""
+    """Return the content of a JSON file; for samples it must be columns, or a list of rows or of pieces that join."""
     text = _whole(file, where).decode("utf-8-sig")
     if not text.strip():
         raise ParameterError("file", where, f"is empty; it must hold columns, such as {EXAMPLE}")
@@ -366,7 +366,7 @@ def read_json(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _read_numpy(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Read a numpy file."""
+    """Return the content of a numpy file: its array, or its arrays by name."""
     data = np.load(file)
     if isinstance(data, np.ndarray):
         return data
@@ -382,7 +382,7 @@ def _read_numpy(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _read_parquet(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Read the wanted columns of a parquet file."""
+    """Return the wanted columns of a parquet file."""
     parquet = _library("pyarrow.parquet", "a parquet file").ParquetFile(file)
     names = parquet.schema_arrow.names
     table = parquet.read(columns=[name for name in names if is_wanted(name, asked)])
@@ -390,13 +390,13 @@ def _read_parquet(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _read_feather(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Read a feather file."""
+    """Return the wanted columns of a feather file."""
     table = _library("pyarrow.feather", "a feather file").read_table(file)
     return {name: table.column(name).to_numpy() if is_wanted(name, asked) else None for name in table.column_names}
 
 
 def _library(name: str, what: str) -> Any:
-    """Import a package that reads `what`; MissingExtraError if it is not installed."""
+    """Import the package that reads a kind of file, named by `what`; MissingExtraError if it is not installed."""
     try:
         return import_module(name)
     except ImportError:
@@ -404,7 +404,7 @@ def _library(name: str, what: str) -> Any:
 
 
 def _unwrapped(found: Record) -> Any:
-    """Return the variables of a file; of a single one, the fields of the struct, or the array."""
+    """Return the variables of a file; if there is only one, the fields of its struct, or its array."""
     only = next(iter(found.values())) if len(found) == 1 else None
     return found if only is None or (np.ndim(only) == 0 and not isinstance(only, dict)) else only
 
@@ -418,7 +418,7 @@ def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     groups: dict[str, Record] = {}
 
     def visit(path: str, item: Any) -> None:
-        """Note a dataset by its group and name; the cells of an array of Octave as a mapping of their numbers."""
+        """Note a dataset under its group and name; those of an Octave cell array go by number into one dict."""
         # MATLAB keeps the targets of references in a group "#refs#", Octave x as x/type and x/value.
         octave = "OCTAVE_NEW_FORMAT" in item.parent.attrs
         if not isinstance(item, h5py.Dataset) or path.startswith("#") or (octave and path.endswith("/type")):
@@ -439,7 +439,7 @@ def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _hdf5_value(item: Any) -> Any:
-    """Return the value of a dataset, or the values of cells."""
+    """Return the value of an HDF5 dataset, or of a dict of numbered cells the list of their values."""
     if isinstance(item, dict):
         return [_hdf5_value(item[i]) for i in sorted(item)]
     values, octave = item[()], "OCTAVE_NEW_FORMAT" in item.parent.attrs
@@ -459,7 +459,7 @@ def _hdf5_value(item: Any) -> Any:
 
 
 def _octave_range(base: float, limit: float, increment: float, count: int) -> np.ndarray:
-    """Return the numbers of an Octave range."""
+    """Return the numbers of a range that Octave has saved by its base, limit, increment and count."""
     values = base + increment * np.arange(count)  # rounding leads none beyond the limit
     return np.minimum(values, limit) if increment > 0 else np.maximum(values, limit)
 
@@ -483,7 +483,7 @@ def read_octave(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _octave_value(kind: str, lines: Iterator[str]) -> Any:
-    """Return the next value; None if it is of an unknown kind."""
+    """Read the next value, of a named kind, from the lines of an Octave file; None if the kind is unknown."""
 
     def number(name: str, line: str = "") -> int:
         return int((line or next(lines)).removeprefix(f"# {name}: "))
@@ -542,7 +542,7 @@ def has_wrong_tags(data: bytes) -> bool:
 
 
 def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: int) -> bool:
-    """Return whether the elements between two positions have valid tags."""
+    """Return whether the data elements of a MATLAB file between two positions have valid tags."""
     if kind != 14:  # no matrix: numbers, a packed matrix, which has a checksum of its own, or text
         return kind in (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 15, 16, 17, 18)
     parts = list(_tags(data, order, begin, end, True))
@@ -555,7 +555,7 @@ def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: i
 
 
 def _tags(data: bytes, order: str, at: int, end: int, inside: bool) -> Iterator[tuple[int, int, int]]:
-    """Yield kind, begin and end of the elements between two positions; those inside a matrix are multiples of 8."""
+    """Yield kind, begin and end of the elements between two positions; `inside` a matrix they fill multiples of 8."""
     while at < end:
         kind, size = struct.unpack_from(f"{order}II", data, at)
         if kind >> 16:  # a short one, in the tag itself

@@ -17,7 +17,7 @@ from symosc.model import NEIGHBOURS
 
 
 class Curve(NamedTuple):
-    """A smoothed friction law from -1 to 1 over z = (v - v_belt)/width, its inverse, and the integral minus sign(z)."""
+    """A smooth function of z = (v - v_belt)/width in place of sign(z), its inverse, and its integral minus |z|."""
 
     of: Callable[[Any], Any]
     inverse: Callable[[Any], Any]
@@ -39,22 +39,22 @@ CURVES = {
 }
 RK4 = runge_kutta(CLASSICAL, 1 / 6, 1 / 3, 1 / 3, 1 / 6)
 # Widths that differ by less than this part are one, or friction is not smoothed by that curve. A curve that is wider
-# than so many times the distance of the belts is no smoothed sign.
+# than this many times the distance of the belts is no smoothed sign.
 SAME_WIDTH, WIDEST = 0.2, 3.0
 # Needed friction beyond this shows nothing: the curve is flat.
 FLAT_ABOVE = 0.97
-# Rates of drift that differ by less than this part are one.
+# Rates of drift that differ by less than this part are taken as one rate.
 SAME_RATE = 0.1
-# Pieces of each step through a belt, and the rest of the defects if all is of first order.
+# Pieces into which a step is cut, and the part of the defects that may be left if the effect is of first order.
 PIECES, FIRST_ORDER = 48, 0.05
 # Widths that are tried, in units of the distance of the belts.
 WIDTHS_TRIED = np.geomspace(1e-3, 1.0, 31)
-# Numbers that differ by this part from stick to stick are one.
+# Numbers that differ by less than this part from stick to stick are taken as one number.
 ONE_NUMBER = 1e-6
 
 
 def _smoothed(name: str, width: float, error: float, evidence: str, share: float) -> Diagnosis:
-    """Return the diagnosis of a smoothed friction law with its width."""
+    """Return the diagnosis that friction is smoothed by the curve `name`, with its fitted width."""
     words = f"friction is smoothed: like {name}((v - v_belt)/{rounded(width, error)}) in place of a sign"
     return Diagnosis("smoothed friction", name, words, evidence, width, error, share)
 
@@ -107,7 +107,7 @@ def at_belts(case: Case) -> Iterator[Diagnosis]:
 
 
 def _push(case: Case, x: np.ndarray, v: np.ndarray, theta: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Return the acceleration at a belt that all forces but its friction cause."""
+    """Return the acceleration that all forces but the friction of the belt give a mass at the belt."""
     K = case.steps.K
     below, above = np.array([NEIGHBOURS[b] for b in (1, 2)])[boundary - 1].T
     A = np.array([K.A1, K.A2, K.A3])
@@ -116,14 +116,14 @@ def _push(case: Case, x: np.ndarray, v: np.ndarray, theta: np.ndarray, boundary:
 
 
 def _half_jump(case: Case, boundary: np.ndarray) -> np.ndarray:
-    """Return half the jump of the acceleration at a boundary, from the belt constants."""
+    """Return half the jump of the acceleration at each of the given boundaries."""
     return np.asarray(0.5 * np.array([case.steps.K.belt1.J, case.steps.K.belt2.J])[boundary - 1])
 
 
 def _widths_in_sticks(
     case: Case, steps: np.ndarray, boundary: np.ndarray, gap: np.ndarray
 ) -> list[tuple[str, float, float, float]]:
-    """Return the width of each curve from the samples near a belt, with its error and relative spread."""
+    """Fit the width of each curve to samples near a belt; return its name, width, error and relative spread."""
     s, K, i, half = case.steps, case.steps.K, steps + 1, _half_jump(case, boundary)
     push = _push(case, s.x[i], s.v[i], s.theta[i], boundary)
     slope = -K.w0sq * s.belts[boundary - 1] - K.fB * np.sin(s.theta[i])  # of the push, in a stick
@@ -155,7 +155,7 @@ def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
     wrong = case.moving_wrong[np.isfinite(case.sizes[case.moving_wrong])]
     if len(wrong) < 2:
         return
-    few, more = case.some(wrong, 12), case.some(wrong, 60)
+    few, more = case.thinned(wrong, 12), case.thinned(wrong, 60)
     distance = float(np.diff(case.steps.belts)[0])
     tried = []
     for name, curve in CURVES.items():
@@ -179,7 +179,7 @@ def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
 
 
 def _misses_with_smoothing(case: Case, steps: np.ndarray, widths: np.ndarray, curve: Curve) -> np.ndarray:
-    """Return the misses of steps with smoothed friction, shape (widths, steps, 2)."""
+    """Return by how much steps with smoothed friction miss the next samples, shape (widths, steps, 2)."""
     s, K = case.steps, case.steps.K
     length = s.t[steps + 1] - s.t[steps]
     pull = max(K.belt1.J, K.belt2.J, 2.0 * float(np.max(np.abs(s.v[steps + 1] - s.v[steps]) / length)))
@@ -200,7 +200,7 @@ def _misses_with_smoothing(case: Case, steps: np.ndarray, widths: np.ndarray, cu
 
 
 def smoothed_passages(case: Case) -> Iterator[Diagnosis]:
-    """Yield smoothed friction found in flights and crossings by its first-order effect near the belts."""
+    """Yield the diagnosis of smoothed friction by its first-order effect on flights and crossings near belts."""
     s = case.steps
     usable = case.wrong & (s.first < 4) & (s.last < 4) & (np.diff(s.t) > 0.0) & np.isfinite(case.sizes)
     usable[s.events.step[s.events.target > 3]] = False
@@ -218,7 +218,7 @@ def smoothed_passages(case: Case) -> Iterator[Diagnosis]:
     middle, name, width, left = min(tried, key=lambda each: each[0])
     if middle <= SAME_WIDTH:
         evidence = f"to first order it leaves {middle:.0%} of the defects of {len(steps)} steps"
-        # One width for all steps says more than a delay for each.
+        # One width that fits all steps is a stronger explanation than a delay for each step.
         share = float(np.mean(left < 2.0 * SAME_WIDTH)) + 0.01
         share = share if middle <= FIRST_ORDER else share * (1.0 - middle / SAME_WIDTH)
         yield _smoothed(name, width, 2.0 * max(middle, FIRST_ORDER) * width, evidence, share)
@@ -266,7 +266,7 @@ def _effect(case: Case, time: np.ndarray, velocity: np.ndarray, width: float, cu
 
 
 class StickSteps(NamedTuple):
-    """Wrong steps with a stick: step, belt, onset time and position, exact end time (or that of the step)."""
+    """Wrong steps with a stick: numbers of step and belt, time and position of onset, exact end (or the step's end)."""
 
     step: np.ndarray
     boundary: np.ndarray
@@ -278,7 +278,7 @@ class StickSteps(NamedTuple):
 def _find_sticks(case: Case) -> StickSteps | None:
     """Return the wrong steps in which the samples stick and then fly; None if there are none."""
     s, rows = case.steps, []
-    for i in case.some(np.flatnonzero(case.wrong & (case.domain[1:] > 0)), MOST_DELAYS).tolist():
+    for i in case.thinned(np.flatnonzero(case.wrong & (case.domain[1:] > 0)), MOST_DELAYS).tolist():
         part = s.events.rows(i, i)
         times, targets = s.events.t[part], s.events.target[part]
         slips, onsets = np.flatnonzero(s.events.kind[part] == SLIP), np.flatnonzero(targets > 3)
@@ -304,7 +304,7 @@ def _nearest_belt(case: Case, samples: np.ndarray) -> np.ndarray:
 
 
 def _kept_on(case: Case, steps: np.ndarray) -> np.ndarray:
-    """Return which steps are on a belt at their beginning and move with it to their end."""
+    """Mark the steps that begin on a belt and move with it to their end."""
     s = case.steps
     speed = s.belts[_nearest_belt(case, steps) - 1]
     ends = np.column_stack([s.x[steps] + speed * (s.t[steps + 1] - s.t[steps]), speed])
@@ -348,7 +348,7 @@ def stick_ends(case: Case) -> Iterator[Diagnosis]:
 
 
 def _kept_too_long(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of sticks that end too late, where the samples show it: only steps on the belt are wrong."""
+    """Yield the diagnosis of sticks that end too late, where only steps that stay on the belt are wrong."""
     s, wrong = case.steps, np.flatnonzero(case.wrong)
     on = wrong[(case.domain[wrong] == 0) & (s.last[wrong] <= 3)]
     on = on[_kept_on(case, on)]
@@ -362,7 +362,7 @@ def _kept_too_long(case: Case) -> Iterator[Diagnosis]:
 
 
 def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
-    """Return the diagnosis of sticks that end too late, from the friction needed at their ends."""
+    """Return the diagnosis of sticks that end too late; `held` is the friction needed at their ends, over its limit."""
     ratio, count = float(np.median(held)), len(held)
     alike = np.abs(held - ratio) <= SAME_RATE * abs(ratio - 1.0) + ONE_NUMBER
     if count >= 3 and 2 * np.sum(alike) < count:
@@ -375,20 +375,20 @@ def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
 
 
 def _needed_friction(case: Case, sticks: StickSteps, time: np.ndarray) -> np.ndarray:
-    """Return the force that each stick needs at a time, as a fraction of the friction."""
+    """Return the force that keeps the mass on the belt at a time of each stick, as a fraction of the friction."""
     speed = case.steps.belts[sticks.boundary - 1]
     push = _push(case, sticks.x + speed * (time - sticks.begin), speed, _phase(case, sticks, time), sticks.boundary)
     return np.asarray(np.abs(push) / _half_jump(case, sticks.boundary))
 
 
 def _phase(case: Case, sticks: StickSteps, time: np.ndarray) -> np.ndarray:
-    """Return the phase of the drive in each stick at a time."""
+    """Return the phase of the drive at a time of each stick."""
     s = case.steps
     return np.asarray(s.theta[sticks.step] + s.K.Om * (time - s.t[sticks.step]))
 
 
 def _left_at(case: Case, sticks: StickSteps, time: np.ndarray, side: int, dx: Any = 0.0, dv: Any = 0.0) -> np.ndarray:
-    """Return the misses of steps if the stick ends at a time and a flight below (0) or above (1) the belt follows."""
+    """Return the misses if each stick ends at `time`, and a flight below (side 0) or above (1) the belt follows."""
     s, speed = case.steps, case.steps.belts[sticks.boundary - 1]
     x, tau = sticks.x + speed * (time - sticks.begin) + dx, s.t[sticks.step + 1] - time
     return case.misses(s.fly(sticks.boundary + side, x, speed + dv, _phase(case, sticks, time), tau), sticks.step)
@@ -411,7 +411,7 @@ def drift_within_steps(case: Case) -> Iterator[Diagnosis]:
     fits = (leaves <= case.limits(0.1)[sticks.step]) & (np.abs(best) * T <= 0.02 * case.scales[1])  # more is no drift
     middle, spread = _median_and_deviation(best[fits]) if np.any(fits) else (0.0, np.inf)
     if spread <= SAME_RATE * abs(middle):
-        # One number for all sticks says more than an end for each.
+        # One rate that fits all sticks is a stronger explanation than an end for each stick.
         count, surely = int(np.sum(fits)), 0.01 if spread <= ONE_NUMBER * abs(middle) else 0.0
         words = f"in a stick v drifts off the belt, by {middle:.3g} per unit of time"
         evidence, error = f"one rate explains what follows {count} sticks", spread if count > 1 else None

@@ -17,9 +17,9 @@ Method = Callable[[Force, Any, Any, Any, Any], State]
 MOST_REPEATED = 60
 # No weight of a Runge-Kutta method is larger, also if somebody has not divided by 6.
 LARGEST_WEIGHT = 3.0
-# Steps with events on which delays are tried, on a grid of so many points.
+# Number of steps with events on which delays are tried, and of grid points for the delay of each.
 MOST_DELAYS, DELAY_GRID = 60, 9
-# A delay explains a step if it leaves this part of the defect. Too early and too late differ by little.
+# A delay explains a step if it leaves less than this part of the defect: an event too early fits nearly as well.
 DELAY_LEAVES = 0.005
 
 
@@ -29,7 +29,7 @@ DELAY_LEAVES = 0.005
 def nystrom(
     stages: Sequence[tuple[float, float, Sequence[float], Sequence[float]]], x_weights: Any, v_weights: Any
 ) -> Method:
-    """Return an explicit Nyström method: each stage has its time, its part of h v, and rows of weights for x and v."""
+    """Return an explicit Nyström method; a stage has its time, the factor of h v in x, and weights for x and v."""
 
     def total(weights: Any, found: list[Any]) -> Any:
         return sum(weight * each for weight, each in zip(weights, found, strict=True))
@@ -45,14 +45,14 @@ def nystrom(
 
 
 def runge_kutta(rows: Sequence[Sequence[float]], *weights: float) -> Method:
-    """Return an explicit Runge-Kutta method from its tableau."""
+    """Return the explicit Runge-Kutta method with these rows of the tableau and these weights."""
     A = np.array([[*row, *[0.0] * (len(rows) - len(row))] for row in rows])
     stages = [(sum(row), sum(row), (A @ A)[i, :i].tolist(), row) for i, row in enumerate(rows)]
     return nystrom(stages, (np.array(weights) @ A).tolist(), weights)
 
 
 def implicit(part: float) -> Method:
-    """Return the implicit rule of order 1 (part 1) or 2 (1/2: Crank-Nicolson, Newmark)."""
+    """Return the implicit rule with weight `part` at a step's end: 1 of order 1, 1/2 of order 2 (trapezoidal rule)."""
 
     def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
         first, ahead = a(t, x, v), v
@@ -95,13 +95,13 @@ RARE = {name for name in FIXED_STEP_METHODS if name.startswith(("RK4 with", "RK3
 
 
 def repeated(case: Case) -> Iterator[Diagnosis]:
-    """Yield the method that reproduces the wrong steps, with located events or with friction by each stage's v."""
+    """Yield the diagnosis of a known method with a fixed step that reproduces the wrong steps."""
     wrong, inside = case.moving_wrong, case.inside_wrong
-    at_events = case.some(np.setdiff1d(wrong, inside), MOST_REPEATED)
-    flights = case.some(inside, MOST_REPEATED)
+    at_events = case.thinned(np.setdiff1d(wrong, inside), MOST_REPEATED)
+    flights = case.thinned(inside, MOST_REPEATED)
     # Where most steps with events have a sample on the belt at an end, the events are located.
     passed = 2 * np.sum((case.domain[at_events] > 0) & (case.domain[at_events + 1] > 0)) > len(at_events)
-    # Samples may be so many steps of the method apart.
+    # From one sample to the next the method may have made `count` steps.
     for count in (*range(1, 11), 12, 15, 16, 20, 24, 25, 30, 32, 40, 50, 64, 100):
         for name, method in FIXED_STEP_METHODS.items():
             if name in RARE and count > 10:
@@ -127,7 +127,7 @@ def repeated(case: Case) -> Iterator[Diagnosis]:
 
 
 def _other_weights(case: Case, flights: np.ndarray) -> Iterator[Diagnosis]:
-    """Yield the classical Runge-Kutta method with fitted weights."""
+    """Yield the diagnosis of the classical Runge-Kutta method with wrong weights, which are fitted."""
     if len(flights) < 8:
         return
     s, force, slopes = case.steps, _force(case, flights), list[State]()
@@ -152,7 +152,7 @@ def _other_weights(case: Case, flights: np.ndarray) -> Iterator[Diagnosis]:
 
 
 def _not_located(case: Case, name: str, h: float, share: float, unseen: bool, held: bool) -> Diagnosis:
-    """Return the diagnosis that a fixed-step method skips events; in sticks that is chatter."""
+    """Return the diagnosis that a method with a fixed step passes over events; where the mass sticks, v chatters."""
     if name == "exact" and unseen:
         words = "belts are met and left within a step, and that is not seen"
         evidence = f"the force at the beginning repeats {share:.0%} of the steps with events"
@@ -171,7 +171,7 @@ def _not_located(case: Case, name: str, h: float, share: float, unseen: bool, he
 
 
 def _share_repeated(case: Case, chosen: np.ndarray, method: Method | None, count: int, held: bool = False) -> float:
-    """Return the fraction of steps that `count` substeps of a method reproduce."""
+    """Return the fraction of the chosen steps that `count` substeps of a method reproduce."""
     # Friction is that of each stage's v; `held`: that at the beginning of each substep.
     if not len(chosen):
         return 0.0
@@ -191,7 +191,7 @@ def _share_repeated(case: Case, chosen: np.ndarray, method: Method | None, count
 
 
 def _force(case: Case, chosen: np.ndarray, domain: np.ndarray | None = None) -> Force:
-    """Return the acceleration in some steps at times since their start, in given domains or in those of each v."""
+    """Return the acceleration in the chosen steps as a function, with the force of given domains or of v's domain."""
     s, K = case.steps, case.steps.K
 
     def force(t: Any, x: Any, v: Any) -> Any:
@@ -222,7 +222,7 @@ def truncation(case: Case) -> Iterator[Diagnosis]:
 
 
 def double_roots(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of a belt met twice within a step unseen, as the signs at its ends are the same."""
+    """Yield the diagnosis that v meets a belt twice within a step, unseen as it ends on the side where it began."""
     s = case.steps
     source, target = case.domain[:-1], case.domain[1:]
     there = case.wrong & (source > 0) & (source == target) & (s.first == source)
@@ -269,12 +269,12 @@ def delays(case: Case) -> Iterator[Diagnosis]:
 
 
 def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndarray, onto: bool) -> np.ndarray:
-    """Return the misses of steps if the first event comes late; `onto`: v is then set to the belt's speed."""
+    """Return the misses of steps whose first event comes late by `delay`; `onto`: v is then set to the belt's speed."""
     s = case.steps
     time = np.minimum(s.events.t[rows] + delay, s.t[chosen + 1])
     source, tau = s.first[chosen], time - s.t[chosen]
     speed = s.belts[s.events.boundary[rows] - 1]
-    # To the event as before, a flight on its own or on the belt.
+    # Up to the delayed end the motion is that before the event: a flight, or a stick on the belt.
     x, v = s.fly(np.minimum(source, 3), s.x[chosen], s.v[chosen], s.theta[chosen], tau).T
     held = source > 3
     x = np.where(held, s.x[chosen] + speed * tau, x)
@@ -282,12 +282,12 @@ def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndar
 
 
 def _misses_from(case: Case, chosen: np.ndarray, time: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Return the misses at the ends of steps by the exact motion from states inside them."""
-    return larger(case.between(np.column_stack([time, x, v]), chosen + 1, 0.0) / case.allowed[chosen])
+    """Return by how much the exact motion from states inside steps misses the samples at their ends."""
+    return larger(case.defects_from(np.column_stack([time, x, v]), chosen + 1, 0.0) / case.allowed[chosen])
 
 
 def interpolated(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of events located by linear interpolation over a step, from which the flight goes on."""
+    """Yield the diagnosis that events are located by linear interpolation over a step."""
     s = case.steps
     chosen, rows, every = _first_events(case, s.first <= 3)
     if not len(chosen):
@@ -323,8 +323,8 @@ def interpolated(case: Case) -> Iterator[Diagnosis]:
 
 
 def _first_events(case: Case, usable: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return some wrong steps with an event, the row of the first event of each, and the number of all of them."""
+    """Return some of the `usable` wrong steps with events, the row of each one's first event, and the number of all."""
     steps = np.unique(case.steps.events.step)
     steps = steps[case.wrong[steps] & usable[steps]]
-    chosen = case.some(steps, MOST_DELAYS)
+    chosen = case.thinned(steps, MOST_DELAYS)
     return chosen, np.searchsorted(case.steps.events.step, chosen), len(steps)

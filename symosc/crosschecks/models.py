@@ -22,11 +22,11 @@ GRAVITY = 9.81
 ENOUGH = 0.9
 # Steps that a fit through events uses, and those of a fit through flights.
 MOST_FOLLOWED, MOST_FLOWN = 80, 400
-# Derivatives are taken over this part of a coefficient.
+# Difference quotients are taken over this part of a coefficient.
 TICK = 1e-5
 # Far coefficients: the fewest flights that show one, those on which values are compared, and frequencies of the drive.
 FEWEST_FAR, FEW_FAR, MOST_FREQUENCIES = 8, 24, 4000
-# A phase so near to a quarter of a turn is one.
+# A phase this near to a quarter of a turn is taken as a quarter.
 QUARTER = 1e-4
 
 
@@ -34,17 +34,17 @@ QUARTER = 1e-4
 
 
 def other_systems(case: Case) -> Iterator[Candidate]:
-    """Yield every system that people write by mistake and that explains the steps, with the change that tests it."""
+    """Yield each other system, such as people write by mistake, that explains the steps, with a change to test it."""
     p, seen = case.parameters, {case.parameters}
-    tried = case.some(case.moving_wrong, 60)
-    flights = case.some(case.inside, MOST_FLIGHTS)
+    tried = case.thinned(case.moving_wrong, 60)
+    flights = case.thinned(case.inside, MOST_FLIGHTS)
     for cause, subject, words, change, values in _systems(p):
         other = _replaced(p, **values)
         if other is None or other in seen or not len(tried):
             continue
         seen.add(other)
         if len(flights) >= LEAST_FLIGHTS and (other.v1, other.v2) == (p.v1, p.v2):
-            few, chosen = case.flown(Arithmetic(other).K, chosen=flights), flights
+            few, chosen = case.flight_misses(Arithmetic(other).K, chosen=flights), flights
         else:
             few, chosen = case.followed_some(other, tried), tried
         if np.mean(larger(few) <= case.limits()[chosen]) >= 0.5:  # else it is not followed over all steps
@@ -55,7 +55,7 @@ def other_systems(case: Case) -> Iterator[Candidate]:
 
 
 def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
-    """Yield common mistakes, the most probable first: cause, subject, words, change in words, values that change."""
+    """Yield common modelling mistakes, likely ones first: cause, subject, text, text of the change, changed values."""
     m, Om = float(p.m), float(p.Omega)
     for name in ("A0", "B0", "v1", "v2"):
         yield "sign", name, f"{name} has the wrong sign", f"-{name}", {name: -getattr(p, name)}
@@ -88,7 +88,7 @@ def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
 
 def _flights_of_no_system(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis of wrong signs that no parameters can represent, tested on flights only."""
-    p, inside, K = case.parameters, case.some(case.inside, 10 * MOST_FLIGHTS), case.steps.K
+    p, inside, K = case.parameters, case.thinned(case.inside, 10 * MOST_FLIGHTS), case.steps.K
     if len(inside) < LEAST_FLIGHTS:
         return
     from scipy.linalg import expm
@@ -120,7 +120,7 @@ def _flights_of_no_system(case: Case) -> Iterator[Candidate]:
 
 
 def coefficients(case: Case) -> Iterator[Candidate]:
-    """Yield one wrong coefficient after the other, fitted to the flights, those of belts to all steps."""
+    """Yield each parameter as a wrong coefficient, fitted to the flights; a belt's speed is fitted to all steps."""
     for name in PARAMETER_NAMES:
         if name not in ("v1", "v2"):
             yield from _coefficient(case, name, _fit_flights(case, name))
@@ -129,28 +129,28 @@ def coefficients(case: Case) -> Iterator[Candidate]:
 
 
 def far_coefficients(case: Case) -> Iterator[Candidate]:
-    """Yield coefficients too far from the right one for a direct fit: the best of a grid is fitted."""
-    flights, p = case.some(case.inside, MOST_FLOWN), case.parameters
+    """Yield wrong coefficients that are too far off for a direct fit: the fit begins at the best value of a grid."""
+    flights, p = case.thinned(case.inside, MOST_FLOWN), case.parameters
     if len(flights) < FEWEST_FAR or case.flights_wrong < 0.5:
         return
-    few = case.some(flights, FEW_FAR)
+    few = case.thinned(flights, FEW_FAR)
     for name in ("m", "c", "k", "Omega"):
         factors = np.geomspace(1e-3, 1e3, 61)
         values = _frequencies(case, flights) if name == "Omega" else (float(getattr(p, name)) or 1.0) * factors
         constants = [(K, float(value)) for value in values if (K := _constants(p, name, float(value))) is not None]
-        tried = [(_median(larger(case.flown(K, chosen=few))), value) for K, value in constants]
+        tried = [(_median(larger(case.flight_misses(K, chosen=few))), value) for K, value in constants]
         if tried:
             yield from _coefficient(case, name, _fit_flights(case, name, min(tried)[1]))
 
 
 def _median(sizes: np.ndarray) -> float:
-    """Return the median of the defect sizes that are known."""
+    """Return the median of the defect sizes that are not NaN: inf if all are NaN, 0 if there is none."""
     known = sizes[~np.isnan(sizes)]
     return float(np.median(known)) if len(known) else 0.0 if not len(sizes) else inf
 
 
 def _coefficient(case: Case, name: str, fit: Fit | None) -> Iterator[Candidate]:
-    """Yield a fitted coefficient with its significant digits."""
+    """Yield the diagnosis of a wrong coefficient, with its fitted value to the digits that are significant."""
     if fit is None:
         return
     value, error, right = float(fit.value[0]), float(fit.error[0]), float(getattr(case.parameters, name))
@@ -180,7 +180,7 @@ def _replaced(p: Parameters, **values: Any) -> Parameters | None:
 
 
 def _tick(p: Parameters, name: str) -> np.ndarray:
-    """Return the small change of a parameter for a difference quotient."""
+    """Return a small change of a parameter, to be used in a difference quotient."""
     rate = max(float(p.Omega), sqrt(float(p.k / p.m)), float(p.c / p.m))
     push = max(abs(float(p.A(alpha))) for alpha in (1, 2, 3)) + abs(float(p.B0))
     units = {"c": float(p.m) * rate, "k": float(p.m) * rate**2, "A0": push, "B0": push, "mu1": 1.0, "mu2": 1.0}
@@ -190,14 +190,14 @@ def _tick(p: Parameters, name: str) -> np.ndarray:
 
 def _fit_flights(case: Case, name: str, start: float | None = None) -> Fit | None:
     """Fit one coefficient to wrong flights; None if it leaves much of their defects."""
-    p, flights = case.parameters, case.some(case.inside, MOST_FLOWN)
+    p, flights = case.parameters, case.thinned(case.inside, MOST_FLOWN)
     before = _median(case.sizes[flights])
     if not before > 1.0:
         return None
 
     def misses(value: np.ndarray) -> np.ndarray:
         K = _constants(p, name, float(value[0]))
-        return np.full((len(flights), 2), np.nan) if K is None else case.flown(K, chosen=flights)
+        return np.full((len(flights), 2), np.nan) if K is None else case.flight_misses(K, chosen=flights)
 
     fit = fitted(misses, np.array([float(getattr(p, name)) if start is None else start]), _tick(p, name))
     return fit if fit is not None and _median(fit.sizes) <= max(1.0, LEFT_OVER * before) else None
@@ -218,7 +218,7 @@ def _constants(p: Parameters, name: str, value: float) -> Constants | None:
 def _fit_belt(case: Case, name: str) -> Fit | None:
     """Return the speed of a belt from the samples that move with it, else fitted."""
     p, s = case.parameters, case.steps
-    chosen = case.some(case.moving_wrong, MOST_FOLLOWED)
+    chosen = case.thinned(case.moving_wrong, MOST_FOLLOWED)
 
     def misses(value: np.ndarray) -> np.ndarray:
         other = _replaced(p, **{name: float(value[0])})
@@ -236,7 +236,7 @@ def _fit_belt(case: Case, name: str) -> Fit | None:
 
 
 def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
-    """Return the frequencies of the drive that best fit the mean accelerations of flights."""
+    """Return the frequencies of the drive that fit the mean accelerations of the flights best."""
     s, K, after = case.steps, case.steps.K, flights + 1
     begin, end = s.t[flights], s.t[after]
     tau = end - begin
@@ -255,17 +255,17 @@ def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
 
 def phases_of_drive(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis of a drive with another phase, or of a shifted clock; only the start distinguishes them."""
-    flights, K, fit = case.some(case.inside, MOST_FLOWN), case.steps.K, None
+    flights, K, fit = case.thinned(case.inside, MOST_FLOWN), case.steps.K, None
     if not case.parameters.B0:
         return
     turn, tick = _turn_of_flights(case, flights) if len(flights) >= FEWEST_FAR else None, np.array([1e-5])
-    chosen = case.some(case.moving_wrong, MOST_FOLLOWED)
+    chosen = case.thinned(case.moving_wrong, MOST_FOLLOWED)
 
     def misses(value: np.ndarray) -> np.ndarray:
         return case.followed(case.parameters, float(value[0]) / K.Om)[chosen]
 
     if turn is not None:
-        fit = fitted(lambda q: case.flown(K, float(q[0]), flights), np.array([turn]), tick)
+        fit = fitted(lambda q: case.flight_misses(K, float(q[0]), flights), np.array([turn]), tick)
     elif len(case.wrong) <= MOST_FLOWN and len(chosen):  # all steps, also those with events: the best of a grid
         turns = np.linspace(-pi, pi, 48, endpoint=False).reshape(-1, 1)
         fit = fitted(misses, min(turns, key=lambda turn: float(np.median(larger(misses(turn))))), tick)
@@ -274,12 +274,12 @@ def phases_of_drive(case: Case) -> Iterator[Candidate]:
 
 
 def _turn_of_flights(case: Case, flights: np.ndarray) -> float | None:
-    """Return the phase shift of the drive in flights, if they show a drive of that size."""
+    """Return the phase shift of the drive that fits the flights; None if they show no drive of that size."""
     K = case.steps.K
 
     def misses(value: np.ndarray) -> np.ndarray:
         size, turn = float(np.hypot(*value)), float(np.arctan2(value[1], value[0]))
-        return case.flown(K._replace(f0=K.f0 * size, fB=K.fB * size), turn, flights)
+        return case.flight_misses(K._replace(f0=K.f0 * size, fB=K.fB * size), turn, flights)
 
     fit = fitted(misses, np.array([1.0, 0.0]), np.array([1e-4, 1e-4]))
     if fit is None or abs(np.hypot(*fit.value) - 1.0) > max(1e-3, 10.0 * float(np.max(fit.error))):
@@ -314,7 +314,7 @@ def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
 
 def forces(case: Case) -> Iterator[Diagnosis]:
     """Yield the diagnosis of another friction law of any form, with the fitted forces of the domains."""
-    flights, K = case.some(case.inside, MOST_FLOWN), case.steps.K
+    flights, K = case.thinned(case.inside, MOST_FLOWN), case.steps.K
     visited = [d for d in (1, 2, 3) if np.sum(case.domain[flights] == d) >= 3]
     if not visited:
         return
@@ -322,7 +322,7 @@ def forces(case: Case) -> Iterator[Diagnosis]:
     start = np.array([float(getattr(K, name)) for name in names])
 
     def misses(value: np.ndarray) -> np.ndarray:
-        rows = case.flown(K._replace(**dict(zip(names, value.tolist(), strict=True))), chosen=flights)
+        rows = case.flight_misses(K._replace(**dict(zip(names, value.tolist(), strict=True))), chosen=flights)
         return np.where(np.isin(case.domain[flights], visited)[:, None], rows, 0.0)
 
     fit = fitted(misses, start, np.full(len(start), TICK * (np.max(np.abs(start)) + abs(K.f0))))

@@ -73,7 +73,7 @@ def read_column_names(columns: Mapping[str, str | None] | None) -> dict[str, str
 
 
 def plain(name: str) -> str:
-    """Return a name in lower case without units, brackets and signs: "Time (s)" is "time", "dx/dt" is "dxdt"."""
+    """Return a column name in lower case without units, brackets and signs: "Time (s)" is "time", "dx/dt" is "dxdt"."""
     text = unicodedata.normalize("NFKD", name[:200]).lower().replace("\u0307", "dot").replace("'", "prime")
     text = re.sub(r"\([^)]*\)|\[[^\]]*\]|\{[^}]*\}", "", text) or text
     return "".join(letter for letter in text if letter.isalnum())
@@ -87,7 +87,7 @@ def is_wanted(name: str, asked: Asked | None) -> bool:
 
 
 def refuse_twice(where: str, names: Iterable[str], asked: Asked | None) -> None:
-    """Raise ParameterError if a column to be read occurs twice."""
+    """Raise ParameterError if the name of a column to be read occurs twice."""
     seen: set[str] = set()
     for name in names:
         if name in seen and is_wanted(name, asked):
@@ -125,7 +125,7 @@ def find_columns(there: Sequence[str], asked: Asked, where: str) -> dict[str, st
 
 
 def names_text(names: Sequence[str]) -> str:
-    """Return the first names as text for a message."""
+    """Return the first few names, joined for a message."""
     more = [f"and {len(names) - MOST_NAMES} more"] if len(names) > MOST_NAMES else []
     return ", ".join([*map(brief, names[:MOST_NAMES]), *more]) or "none"
 
@@ -195,7 +195,7 @@ def _of_result(source: Any, problem: Problem) -> list[Samples] | None:
 
 
 def _of_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
-    """Return solutions from times and states: x and v as two rows, two columns, or a pair; or a batch."""
+    """Return solutions from times and states: x and v as two rows, two columns or a pair; or a batch of such."""
     try:
         y = np.asarray(y, dtype=float)
     except (TypeError, ValueError):
@@ -213,7 +213,7 @@ def _of_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
 
 
 def _of_list(source: Sequence[Any], asked: Asked, problem: Problem, where: str) -> list[Samples]:
-    """Return the solutions in a list: rows of one, or several, or pieces that meet."""
+    """Return the solutions in a list: the rows of one, several solutions, or pieces of one that join."""
     if not source:
         raise ParameterError("solution", source, "is empty")
     if all(
@@ -281,7 +281,7 @@ def _of_pandas(frame: Any) -> Table:
 
 
 def _of_xarray(data: Any) -> Table:
-    """Return a Dataset as a table; two dimensions are several trajectories, the shorter one the rows."""
+    """Return a Dataset as a table; if it has two dimensions, the one that is not time numbers the solutions."""
     if max((len(variable.dims) for variable in data.variables.values()), default=0) <= 1:
         return {str(name): variable for name, variable in data.variables.items()}
     frame = data.to_dataframe().reset_index()
@@ -322,7 +322,7 @@ def _array(values: Any) -> np.ndarray:
 
 
 def _of_matrices(values: Record, where: str) -> list[Samples]:
-    """Return the solutions in matrix columns: one per row or column."""
+    """Return the solutions in columns that are matrices: one solution per row, or per column."""
     arrays = {name: np.asarray(value) for name, value in values.items()}
     count = arrays["t"].shape[-1] if arrays["t"].ndim else 0
     shapes = {name: array.shape for name, array in arrays.items()}
@@ -370,7 +370,7 @@ def _grid(t0: float, t_end: float, problem: Scene | Parameters) -> np.ndarray:
 
 
 def of_function(function: Callable[..., Any], problem: Problem, times: Any = None) -> Samples:
-    """Return samples of a function t -> (x, v) at given times, over its own interval, or over the scene."""
+    """Evaluate a function t -> (x, v) at given times, or over its own interval or that of the scene; return samples."""
     if times is None:
         ends: list[Any] = [getattr(function, name, None) for name in ("t_min", "t_max")]
         if None in ends and isinstance(problem, Scene):
@@ -423,7 +423,7 @@ def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until
 
 
 def _solver_events(result: Any, problem: Problem) -> tuple[tuple[tuple[float, str], ...] | None, tuple[str, ...]]:
-    """Return the events at a belt in scipy's `t_events` with kind "", and notes on others listed."""
+    """Return the events at a belt in scipy's `t_events`, each with kind "", and notes on its other events."""
     # Two functions that vanish together, such as an event that ends a piece, are one event.
     lists, states = getattr(result, "t_events", None), getattr(result, "y_events", None)
     if lists is None or problem is None:
@@ -489,7 +489,7 @@ def run_solver(name: str, scene: Scene) -> Any:
 
 
 def _imported(name: str) -> Any:
-    """Import a module or a file by name."""
+    """Import a module, given its name or the name of its file."""
     if not name.endswith(".py"):
         if "" not in sys.path:
             sys.path.insert(0, "")  # the folder in which the command runs

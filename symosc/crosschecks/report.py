@@ -27,7 +27,7 @@ from symosc.simulation.tables import counted
 from symosc.simulation.trajectory import Event, Trajectory
 
 EVENTS_LISTED = 5  # of a kind in a summary
-# A summary of several solutions lists so many that fail.
+# Number of failing solutions that a summary of several solutions lists.
 MOST_LISTED = 20
 EVENT_LISTS = ("matched", "missed", "invented", "unresolved")
 
@@ -147,7 +147,7 @@ class CrossCheck(Drawable, Reportable):
 
     @property
     def limits_there(self) -> tuple[float, float]:
-        """Limits of the global errors of x and v at their maxima."""
+        """The limits of the global errors of x and v at the samples where these errors are largest."""
         worst = np.nanargmax(np.abs(self.errors), axis=0)
         return float(self.limits[worst[0], 0]), float(self.limits[worst[1], 1])
 
@@ -262,7 +262,7 @@ def _fault_text(fault: Fault) -> str:
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Return whether two values are equal, arrays as a whole; those with NaN are compared as they print."""
+    """Return whether two values are equal: arrays as a whole (NaN equals NaN), others by ==, or else by their repr."""
     if isinstance(one, np.ndarray):
         return np.array_equal(one, other, equal_nan=True)
     return bool(one == other) or repr(one) == repr(other)
@@ -354,7 +354,7 @@ class CrossChecks(list[CrossCheck]):
 
 
 def _judged(task: Callable[[Samples], Any], name: str, samples: Samples) -> CrossCheck:
-    """Judge one solution; a ParameterError names it."""
+    """Judge one of several solutions; a ParameterError gets the solution's name."""
     try:
         found: CrossCheck = task(samples).verdict()
     except ParameterError as error:
@@ -363,7 +363,7 @@ def _judged(task: Callable[[Samples], Any], name: str, samples: Samples) -> Cros
 
 
 def check_all(task: Callable[[Samples], Any], solutions: Sequence[Samples], workers: int, progress: Any) -> CrossChecks:
-    """Judge several solutions in some processes."""
+    """Judge several solutions, in `workers` processes; return the results in order."""
     count, total = min(workers, len(solutions)), len(solutions)
     names, found = [samples.name or str(i) for i, samples in enumerate(solutions)], list[CrossCheck]()
     with reporting(progress or False, 0, total, "check", "solutions") as report, ExitStack() as stack:

@@ -21,7 +21,7 @@ LARGEST_SAMPLE = 1e50
 
 @dataclass(frozen=True)
 class Samples:
-    """A solution at times; `v` is NaN for positions only, until it is computed with error `v_off`."""
+    """A solution as columns; if only positions are given, `v` is NaN until it is computed, with errors `v_off`."""
 
     t: np.ndarray
     x: np.ndarray
@@ -44,7 +44,7 @@ def fastest_rate(p: Parameters) -> float:
 
 
 def checked(t: object, x: object, v: object = None, events: object = None) -> Samples:
-    """Return samples as float arrays; without `v`, positions only."""
+    """Check columns and return them as samples of floats; without `v` these have positions only."""
     # ParameterError unless all are finite real numbers, one-dimensional, of one length >= 2, and t never decreases.
     arrays = {name: _column(name, values) for name, values in (("t", t), ("x", x), ("v", t if v is None else v))}
     lengths = {name: len(array) for name, array in arrays.items()}
@@ -127,7 +127,7 @@ def number_of(value: Any) -> float:
 
 
 def checked_events(events: object) -> tuple[tuple[float, str], ...]:
-    """Return a list of events as pairs (t, kind)."""
+    """Check a list of events and return it as pairs (t, kind)."""
     if isinstance(events, (str, bytes)) or not isinstance(events, Iterable) or getattr(events, "shape", None) == ():
         raise ParameterError("events", events, "must be pairs (t, kind)")
     pairs: list[tuple[float, str]] = []
@@ -153,7 +153,7 @@ DOUBLE_ROUNDING = 4.0 * np.finfo(float).eps
 
 
 class Digits(NamedTuple):
-    """The rounding of a column ("6 decimals"), and one unit in the last digit of each number."""
+    """The rounding of a column as text ("6 decimals"), and one unit in the last digit of each of its numbers."""
 
     text: str
     units: np.ndarray
@@ -179,7 +179,7 @@ def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None
 
 
 def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN) -> Digits | None:
-    """Return the rounding of `values`, or None if they have all digits or fewer than `least` show it."""
+    """Return the rounding of `values`; None if they have all digits, or fewer than `least` of them show it."""
     # Fixed decimals and significant digits are tried. Rounded numbers fit both, one of them with more digits than were
     # written; the coarser unit is the right one for every number. Numbers that are 0 or `natural` show nothing.
     numbers = values[(values != 0.0) & ~np.isin(values, list(natural))]
@@ -192,14 +192,14 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
 
 
 def _as_neighbour(values: np.ndarray, beside: Digits | None) -> Digits | None:
-    """Return the rounding of the adjacent column if it fits: few numbers, such as zeros, show none."""
+    """Return the rounding `beside` of the adjacent column if these values, which show none of their own, fit it."""
     if beside is None or np.ptp(beside.units) > 0.0:
         return None
     return beside if _are_multiples(values, beside.units) else None
 
 
 def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the number of decimals or significant digits of rounded numbers, or None."""
+    """Return the rounding to decimals or to significant digits that numbers show, or None."""
     exponents = _exponents(numbers)
     # Hardly a double has at most 13 significant digits by chance (one of a thousand).
     significant = next((n for n in range(1, 14) if _fits(numbers, n - 1 - exponents)), None)
@@ -217,7 +217,7 @@ def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 
 
 def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the digits of numbers in single or half precision."""
+    """Return the rounding of numbers that are all in single, or in half, precision, or None."""
     for kind, name in ((np.float16, "half"), (np.float32, "single")):
         with np.errstate(over="ignore"):
             fits = np.array_equal(numbers.astype(kind), numbers)
@@ -268,7 +268,7 @@ def _exponents(values: np.ndarray) -> np.ndarray:
 
 
 def _fits(values: np.ndarray, places: np.ndarray) -> bool:
-    """Return whether all values are multiples of 10^-places; the first few mostly decide."""
+    """Return whether all values are multiples of 10^-places; if the first few are not, the others are not tried."""
     if len(values) > FEW_VALUES and not _fits(values[:FEW_VALUES], places[:FEW_VALUES]):
         return False
     with np.errstate(over="ignore", invalid="ignore"):
@@ -276,5 +276,5 @@ def _fits(values: np.ndarray, places: np.ndarray) -> bool:
 
 
 def _are_multiples(values: np.ndarray, units: np.ndarray) -> bool:
-    """Return whether all values are multiples of units but for their rounding."""
+    """Return whether all values are multiples of `units`, up to the rounding of doubles."""
     return bool(np.all(np.abs(np.rint(values / units) * units - values) <= DOUBLE_ROUNDING * np.abs(values)))

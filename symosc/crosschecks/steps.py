@@ -37,12 +37,12 @@ from symosc.kernels.entire import EPS
 from symosc.model import Parameters
 from symosc.simulation.batch import InterpretBudget, chosen_loops, follow_batch, joined, loaded_loop
 
-# So many steps, in small calls, are followed before compiled code is loaded: that takes a second.
+# Number of steps followed in small calls before compiled code is loaded, which takes a second.
 FEW_STEPS = InterpretBudget(50_000)
 MOST_STEP_EVENTS = 10_000  # in one step
 # Steps that are followed together: their data, besides the result, stay in the processor's cache.
 STEPS_TOGETHER = 1 << 16
-# A motion nearer to a belt, or to the end of a stick, than this part of the sizes there needs the event search.
+# A motion whose distance from a belt, or from a stick's end, is a smaller part of its size needs the event search.
 CLEARANCE = 1e-9
 
 
@@ -50,7 +50,7 @@ CLEARANCE = 1e-9
 
 
 def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
-    """Bound |x| and |v| of the difference of two exact motions that starts as `off` (n, 2) or (2,), after `tau`."""
+    """Bound the difference in x and v of two exact motions after `tau`, if it begins as `off`, (n, 2) or (2,)."""
     if not np.any(off):
         return np.zeros(2)
     x, v = off[..., 0], off[..., 1]
@@ -66,26 +66,26 @@ def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
 
 
 def double_rounding(p: Parameters, t: np.ndarray, scales: np.ndarray) -> np.ndarray:
-    """Return the error of x and v over the steps from rounding to doubles, shape (n - 1, 2)."""
+    """Bound the errors of x and v over the steps by the rounding of doubles, shape (n - 1, 2)."""
     ticks = 2.0 * np.spacing(np.maximum(np.abs(t[1:]), np.abs(t[:-1])))
-    return np.outer(ticks, [scales[1], float(_push(p, *scales))]) + 8.0 * np.finfo(float).eps * scales
+    return np.outer(ticks, [scales[1], float(_push_bound(p, *scales))]) + 8.0 * np.finfo(float).eps * scales
 
 
-def _push(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> Any:
-    """Bound the acceleration at given |x| and |v|."""
+def _push_bound(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> Any:
+    """Return the largest possible acceleration at given |x| and |v|, whatever the phase and the domain."""
     forces = max(abs(p.A(alpha)) for alpha in (1, 2, 3)) + abs(p.B0)
     return float(forces / p.m) + float(p.k / p.m) * np.abs(x) + float(p.c / p.m) * np.abs(v)
 
 
 def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.ndarray:
-    """Bound the errors of x and v of each sample from the rounding of t, x and v, (3, n); shape (n, 2)."""
+    """Bound the errors of x and v of each sample, (n, 2), given the rounding of its t, x and v, (3, n)."""
     if samples.v_off is None and not np.any(rounding):
         return np.broadcast_to(0.0, (len(samples.t), 2))
     t, x, v = rounding
     v = v if samples.v_off is None else np.maximum(v, samples.v_off)
     # While the clock is off by t the velocity changes too.
-    fastest = np.abs(samples.v) + v + _push(p, np.abs(samples.x) + x, np.abs(samples.v) + v) * t
-    return np.column_stack([x + fastest * t, v + _push(p, np.abs(samples.x) + x + fastest * t, fastest) * t])
+    fastest = np.abs(samples.v) + v + _push_bound(p, np.abs(samples.x) + x, np.abs(samples.v) + v) * t
+    return np.column_stack([x + fastest * t, v + _push_bound(p, np.abs(samples.x) + x + fastest * t, fastest) * t])
 
 
 # -- the exact motion over the steps -----------------------------------------------------------------------------------
@@ -133,13 +133,13 @@ class ExactSteps:
         return np.array([self.K.belt1.v, self.K.belt2.v])
 
     def at(self, time: float, slack: float = 0.0) -> tuple[int, int]:
-        """Return the first and the last step within `slack` of a time."""
+        """Return the first and the last step that come within `slack` of a time."""
         low, high = np.searchsorted(self.t, [time - slack, time + slack], "right") - 1
         last = len(self.first) - 1
         return min(max(int(low), 0), last), min(max(int(high), 0), last)
 
     def flight(self, domain: Any, since: Any, until: Any) -> np.ndarray:
-        """Return x, v at samples `until` with the force of `domain` alone since samples `since`."""
+        """Return x, v at samples `until` after flights from samples `since` with the force of `domain` alone."""
         return self.fly(domain, self.x[since], self.v[since], self.theta[since], self.t[until] - self.t[since])
 
     def fly(self, domain: Any, x: np.ndarray, v: np.ndarray, theta: np.ndarray, tau: np.ndarray) -> np.ndarray:
@@ -196,10 +196,10 @@ class SampleBlock:
         defects = np.column_stack([self.x[:-1] - self.x[1:], v - self.v[1:]])
         modes, size = np.zeros((2, len(v)), np.int8), np.zeros(len(v))
         on = np.where(beside == 0.0, closest, 0)  # the boundary of a sample that is exactly on a belt
-        defects[moving], modes[:, moving], size[moving], events = self.of(moving, on[moving])
+        defects[moving], modes[:, moving], size[moving], events = self.follow_from(moving, on[moving])
         either = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
         if len(either):
-            others = self.of(either, closest[either])
+            others = self.follow_from(either, closest[either])
             # On a belt both agree up to rounding: then it is on the belt.
             better = ~(others[2] > size[either] * (1.0 + 1e-6) + EPS)
             chosen = either[better]
@@ -207,8 +207,8 @@ class SampleBlock:
             events = _merged(events, others[3], chosen)
         return defects, modes, events
 
-    def of(self, steps: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, StepEvents]:
-        """Follow some steps from belt `on` (0: from the sample itself); return defects, modes, sizes and events."""
+    def follow_from(self, steps: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, StepEvents]:
+        """Follow steps from belt `on` (0: from the sample itself); return defects, modes, defect sizes and events."""
         belts, left = np.array([self.K.belt1.v, self.K.belt2.v]), self.t[steps + 1] - self.t[steps]
         start_v = np.where(on > 0, belts[on - 1], self.v[steps])
         rows, _ = start_rows(on, self.theta[steps], self.x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), self.K)
@@ -239,7 +239,7 @@ def phases(parameters: Parameters, t: Any) -> np.ndarray:
 
 
 def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return which rows of `start_rows` have no event in the time `left`, and their final states [x, v]."""
+    """Return which of the starts `rows` surely have no event in the time `left`, and their final states [x, v]."""
     numbers = np.flatnonzero(K.rate * left < 0.5)  # the bounds say nothing of longer steps
     tau = left[numbers]
     mode, _, _, theta, x, v, below, above = rows[numbers, :8].T
@@ -269,7 +269,7 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
 
 
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow every row event by event; return the final modes, states [x, v] and events, from time 0."""
+    """Follow each start event by event; return final modes, final states [x, v], and events with times from 0."""
     batch = batch_of(rows.copy())
     few = len(rows) < 4000 and FEW_STEPS.events > 0 and loaded_loop() is None
     follow = chosen_loops(False if few else None).follow

@@ -1,4 +1,4 @@
-"""Velocities for positions given without: those with which the exact motion leads from one position to the next.
+"""Velocities for positions given without them: those with which the exact motion leads from one position to the next.
 
 In one domain the displacement over a step is linear in the velocity at its start, so each step has one velocity for
 each domain, and on a belt that of the belt. Where two steps agree about the sample between them, that is its velocity.
@@ -30,7 +30,7 @@ from symosc.simulation.trajectory import Trajectory
 NOTE = "velocities were not given: they are those with which the exact motion leads from one position to the next"
 # Longest step, in units of 1/rate, over which a velocity is found without that of the sample before.
 LONGEST_FLIGHT = 1.0
-# A motion is looked for until it misses the positions by this many times their rounding.
+# The search for a motion ends when it misses the positions by at most this many times their rounding.
 GOOD_FIT = 1.1
 
 
@@ -50,7 +50,7 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
         found = _of_motion(samples, scene, (0.5 + 1e-9) * rounded, tolerance * size)
         if found is not None:
             return found
-    starts, ends = _flown(t, x, theta, K)
+    starts, ends = _flight_velocities(t, x, theta, K)
     allowed = per_x * (tolerance * size + rounded)
     gaps = _nearest(starts, ends)[0]
     fly = gaps <= 4.0 * allowed[1:-1]
@@ -80,7 +80,7 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
 
 
 def _of_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float) -> Samples | None:
-    """Return samples with the velocities of an exact motion through their positions, or None."""
+    """Return samples with the velocities of one exact motion through all positions; None if none is found."""
     t, x = samples.t, samples.x
     p = scene if isinstance(scene, Parameters) else scene.parameters
     digits = find_digits(t, t[:1])
@@ -110,7 +110,7 @@ def _of_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, of
 
 
 def _motion(scene: Scene | Parameters, t_end: float, *start: float) -> Trajectory | None:
-    """Return the exact motion of a scene, or from a start t0, x0, v0; None if it is not allowed."""
+    """Return the exact motion of a scene, or from a start t0, x0, v0; None if the model does not allow it."""
     given: Record = dict(zip(("t0", "x0", "v0"), map(float, start), strict=False))
     try:
         return simulate(scene, t_end=float(t_end), max_events=20_000, **given)
@@ -139,7 +139,7 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
 
 
 def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajectory | None:
-    """Return the exact motion with a start fitted to positions, over increasing times."""
+    """Fit a start to positions, over longer and longer times; return the exact motion, None if that fails."""
     start, span = np.array([x[0], v0]), 1.0 / fastest_rate(p)
     tick = 1e-4 * np.array([1.0, fastest_rate(p)]) * max(float(np.ptp(x)), 1e-300)
     while True:
@@ -172,8 +172,8 @@ def _is_start(scene: Scene | Parameters, samples: Samples, off: float, clock: fl
     return near and bool(np.isclose(samples.t[0], float(scene.t0), rtol=1e-14, atol=1e-14 + clock))
 
 
-def _flown(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocities at both ends of flights over the steps in domains 1 to 3, (3, n - 1); NaN if impossible."""
+def _flight_velocities(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
+    """Return velocities at both ends of a flight over each step, for domains 1 to 3, (3, n - 1); NaN if impossible."""
     tau, s, c = np.diff(t), np.sin(theta[:-1]), np.cos(theta[:-1])
     usable = (tau > 0.0) & (K.rate * tau < LONGEST_FLIGHT)
     E0, E1, E2, R2, I2, _, _ = entire_array.basis(np.where(usable, tau, 0.5 * LONGEST_FLIGHT / K.rate), K)
@@ -196,7 +196,7 @@ def _flown(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tup
 
 
 def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the best agreement of the two steps at each inner sample, and the two candidates."""
+    """Return how well the flights before and after each inner sample can agree in v, and which two agree best."""
     inner = starts.shape[1] - 1
     best, left, right = np.full(inner, np.inf), np.zeros(inner, np.int8), np.zeros(inner, np.int8)
     for i in range(len(ends)):
@@ -208,7 +208,7 @@ def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.ndarray, sure: np.ndarray) -> np.ndarray:
-    """Return the velocities of samples where two steps agree, and at the other ends of these steps; else NaN."""
+    """Return velocities at the samples `sure`, where two steps agree, and at the far ends of these steps; else NaN."""
     v = np.full(starts.shape[1] + 1, np.nan)
     left, right = left[sure], right[sure]
     v[sure], v[sure + 2] = starts[left, sure], ends[right, sure + 1]
@@ -219,14 +219,14 @@ def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.nd
 
 
 def _continued(K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray) -> np.ndarray:
-    """Return all velocities, unknown ones by the exact motion from the sample before, or a guess."""
+    """Fill in unknown velocities by the exact motion from the sample before, or else by interpolation."""
     for _ in range(100):
         steps = np.flatnonzero(np.isnan(v[1:]) & ~np.isnan(v[:-1]))
         if not len(steps):
             break
         on = (v[steps] == K.belt1.v) + 2 * (v[steps] == K.belt2.v)
         some = SampleBlock(K, t, x, np.where(np.isnan(v), 0.0, v), theta, np.zeros(len(t)), np.ones((len(t) - 1, 2)))
-        found = some.of(steps, on)[0][:, 1]
+        found = some.follow_from(steps, on)[0][:, 1]
         v[steps + 1] = np.where(np.isnan(found), v[steps], found)
     rest = np.flatnonzero(np.isnan(v))
     if len(rest):

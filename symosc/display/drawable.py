@@ -11,7 +11,7 @@ from typing import Any, Literal, TypeVar
 
 Show = Callable[..., Any]
 Item = TypeVar("Item")
-# Entries of a listing that are shown of more than so many.
+# Number of entries shown of a listing that has more than the second number of them.
 SHOWN, MOST_SHOWN = 3, 10
 #: The registered functions by what they do, then by the qualified name of the answers' class.
 _registered: dict[str, dict[str, Show]] = {"draw": {}, "page": {}, "write": {}}
@@ -21,14 +21,14 @@ page_loaders: list[Callable[[], object]] = []
 
 
 def register(kind: type | str, show: Show, what: Literal["draw", "page", "write"] = "draw") -> None:
-    """Register what shows answers of a kind, which is a class or its qualified name."""
+    """Register a function that draws, or writes a page of, results of a class, given also by its qualified name."""
     # "draw": ``answer.plot(**options)`` returns ``show(answer, **options)``. "page": notebooks show the HTML of
     # ``show(answer)``. "write": ``answer.to_html(path)`` returns ``show(answer, path)``.
     _registered[what][kind if isinstance(kind, str) else f"{kind.__module__}.{kind.__qualname__}"] = show
 
 
 def _found(answer: object, what: str, load: list[Callable[[], object]]) -> Show | None:
-    """Return what is registered for the class of an answer, after the loaders have run; None if nothing is."""
+    """Return the function registered for a result's class, after running the loaders; None if there is none."""
     while load:
         load.pop()()
     shows, names = _registered[what], (f"{kind.__module__}.{kind.__qualname__}" for kind in type(answer).__mro__)

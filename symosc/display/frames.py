@@ -9,7 +9,7 @@ from symosc.errors import MissingExtraError
 
 
 def imported(name: str) -> Any:
-    """Import pandas or xarray; raise MissingExtraError if it is not installed."""
+    """Import and return pandas or xarray; raise MissingExtraError if it is not installed."""
     try:
         return import_module(name)
     except ImportError:

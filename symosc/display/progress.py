@@ -29,23 +29,23 @@ _level = NORMAL
 
 
 def set_level(level: int) -> None:
-    """Set the verbosity."""
+    """Set the verbosity of messages: QUIET, NORMAL or VERBOSE."""
     global _level
     _level = level
 
 
 def level() -> int:
-    """Return the verbosity."""
+    """Return the verbosity of messages: QUIET, NORMAL or VERBOSE."""
     return _level
 
 
 def shows_bars() -> bool:
-    """Return whether to show bars: on a terminal, unless quiet."""
+    """Return whether progress bars are shown: on a terminal, unless quiet."""
     return _level > QUIET and sys.stderr is not None and sys.stderr.isatty()
 
 
 def delay() -> float:
-    """Return the seconds until a bar appears, at most a day."""
+    """Return after how many seconds of work a progress bar appears, at most a day."""
     try:
         seconds = float(os.environ.get("SYMOSC_PROGRESS_DELAY", USUAL_DELAY))
     except ValueError:
@@ -57,40 +57,40 @@ def delay() -> float:
 def reporting(
     progress: Any, there: float, total: float, label: str = "sweep", unit: str = "motions"
 ) -> Iterator[Report]:
-    """Yield a report function: `progress` itself if it is callable, else that of a bar, which begins at `there`."""
+    """Yield a function to report progress to: `progress` if callable, else a bar's, which begins at `there`."""
     if callable(progress):
         yield progress
     elif not (progress and shows_bars()):
         yield lambda done, total: None
     else:
-        with _drawn(label, unit, total, there, counted=bool(unit)) as show:
+        with _bar_drawer(label, unit, total, there, counted=bool(unit)) as show:
             yield lambda done, of: show(done, of, done - there)
 
 
 @contextmanager
 def bar(label: str, total: float, unit: str = "steps") -> Iterator[Report]:
-    """Show a bar; yield its report function."""
+    """Show a progress bar; yield the function that takes what is done and the total."""
     with reporting(True, 0, total, label, unit) as report:
         yield report
 
 
 @contextmanager
 def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
-    """Yield a function that takes the part done and a count of `unit`, None if there is no one to report to."""
+    """Yield a function that takes the fraction done and a count of `unit`; None if no progress is shown."""
     if callable(progress):
         yield lambda part, count: progress(part, 1.0)
     elif not (progress and shows_bars()):
         yield None
     else:
-        with _drawn(label, unit) as show:
+        with _bar_drawer(label, unit) as show:
             yield lambda part, count: show(part, 1.0, count)
 
 
 @contextmanager
-def _drawn(
+def _bar_drawer(
     label: str, unit: str, total: float = 1.0, there: float = 0.0, counted: bool = False
 ) -> Iterator[Callable[[float, float, float], None]]:
-    """Yield a function that draws a bar from a while on: of the amount done, the total, and the count for the rate."""
+    """Yield a function that draws a bar after a delay, given the amount done, the total, and a count for the rate."""
     begin = since = monotonic()
     last, drawn = there, -LEAST_PAUSE
     with ExitStack() as stack:
@@ -117,7 +117,7 @@ def _drawn(
 
 
 def _rich_bar(counted: bool) -> Any:
-    """Return a bar with label, numbers or percents, and pace."""
+    """Return a progress bar of rich: label, bar, numbers (if `counted`) or percents, and pace."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
@@ -129,7 +129,7 @@ def _rich_bar(counted: bool) -> Any:
 
 
 class _Working:
-    """A line with a spinner that appears after a while."""
+    """A spinner on a line of the terminal, shown once work has taken a while."""
 
     def __init__(self, label: str) -> None:
         self.label, self.lock, self.over, self.shown = label, Lock(), False, ExitStack()
@@ -174,7 +174,7 @@ def working(label: str) -> Iterator[None]:
 
 
 def pause_working() -> None:
-    """End the spinner: a bar takes its place, or a result is printed."""
+    """Remove the spinner, if one is shown: a bar takes its place, or a result is printed."""
     global _working
     if _working is not None:
         _working.end()

@@ -34,7 +34,7 @@ START_NAMES = ("t0", "x0", "v0", "t_end")
 
 
 class Original(NamedTuple):
-    """A start of another model that is this one in other coordinates, in the coordinates of the model.
+    """A start of an `OtherModel`, in the coordinates of that model.
 
     Attributes
     ----------
@@ -66,8 +66,8 @@ class Scene(Drawable):
     ----------
     name : str
     parameters : Parameters or OtherModel
-        Of an OtherModel the start and the end are in its coordinates. The scene then has those of the oscillator that
-        the model is, and as `original` what was given; `simulate` gives the motion of the model.
+        With an OtherModel, give start and end in its coordinates. The scene converts all to symosc's oscillator, and
+        keeps as `original` what was given; `simulate` gives the motion of the model.
     t0, x0, v0 : number
         Start time, position and velocity, read exactly like parameters.
     t_end : number
@@ -172,18 +172,18 @@ class Scene(Drawable):
         return replace(self, parameters=self.parameters.replace(**changes))
 
     def reduced(self) -> Scene:
-        """Return the scene without its model: the problem of the oscillator that the model is."""
+        """Return the scene in the coordinates of symosc's oscillator, no longer as a scene of another model."""
         return replace(self, original=None)
 
 
 def moved_scene(scene: Scene, original: Original, **changes: Any) -> Scene:
-    """Return a copy of a problem of another model with changes, which are in the coordinates of the model."""
+    """Return a copy of another model's scene with some values changed, given in that model's coordinates."""
     start = original._asdict()
     return replace(scene, **{"parameters": start.pop("model")} | start | changes)
 
 
 def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
-    """Convert start and end of another model to the coordinates of symosc; return them and the start's half-widths."""
+    """Convert start and end of another model to symosc's coordinates; return them and the start's half-widths."""
     model, t0, x0, v0, t_end, error = given
     start, known = reduced_start(model, t0, x0, v0)
     if error is not None:  # an error of t0 moves the belts
@@ -195,7 +195,7 @@ def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors 
 
 
 def not_reduced_error(scene: Any) -> ParameterError:
-    """Return the error for a scene of another model where a function needs one in the coordinates of symosc."""
+    """Return the error of a function that cannot turn its results back into the coordinates of another model."""
     allowed = "is of another model, and this does not turn results back into its coordinates; give scene.reduced()"
     return ParameterError("scene", scene.name if isinstance(scene, Scene) else str(scene), allowed)
 
@@ -213,7 +213,7 @@ def start_numbers(given: Mapping[str, Any], p: Parameters) -> tuple[dict[str, Fr
 
 
 def parameters_of(what: Parameters | OtherModel | Scene | SceneName) -> Parameters:
-    """Return parameters, or those of a model, of a Scene, or of the scene with a name or in a file."""
+    """Return the parameters of a model or a scene (or its name or file); parameters as they are."""
     if isinstance(what, Parameters):
         return what
     return (what if isinstance(what, Scene | OtherModel) else load_scene(what)).parameters
@@ -223,7 +223,7 @@ CONVERTERS["parameters"] = parameters_of
 
 
 def end_time(given: Any, p: Parameters, t0: Any) -> Any:
-    """Return an end time; text such as "10T" is so many periods of the drive after t0."""
+    """Return an end time; text such as "10T" means that many periods of the drive after t0."""
     periods = forcing_periods("t_end", given)
     if periods is None:
         return given
@@ -241,7 +241,7 @@ def forcing_periods(name: str, given: Any) -> Fraction | None:
 
 
 def from_rest(p: Parameters, t_end: NumberLike) -> Scene:
-    """Return the motion of parameters from rest at x = 0 and t = 0."""
+    """Return a scene with these parameters that starts from rest at x = 0 and t = 0."""
     zero = Fraction(0)
     return Scene("parameters", p, zero, zero, zero, end_time(t_end, p, zero))
 
@@ -270,7 +270,7 @@ def _shipped(name: str) -> Scene:
 
 
 def figure_of(name: str) -> int | None:
-    """Return the number of the paper's figure that a scene shows, by its name; None: it is not from the paper."""
+    """Return the number of the paper's figure in a scene's name; None if the scene is not from the paper."""
     found = re.match(r"fig(\d+)(-|$)", name, re.ASCII)
     return int(found[1]) if found else None
 

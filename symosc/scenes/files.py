@@ -20,7 +20,7 @@ TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "parameters": (PARAMETER_NAMES, ()),
     "start": (("t0", "x0", "v0"), ("start_error",)),
 }
-#: Of a file with a table [model], which is about another model (`symosc.reductions`).
+#: The keys of a file with a table [model], which is about another model (`symosc.reductions`).
 NEEDED = ("m", "k", "Omega")
 MODEL_KEYS = tuple(name for name in MODEL_NAMES if name not in PARAMETER_NAMES)
 MODEL_TABLES = TABLES | {
@@ -29,7 +29,7 @@ MODEL_TABLES = TABLES | {
     "model": ((), MODEL_KEYS),
 }
 #: Scene files have some 500 characters, more if numbers have thousands of digits. tomllib takes minutes and gigabytes
-#: for a key of ten thousand parts. Of notes on long numbers so many digits are shown.
+#: for a key of ten thousand parts. The last number is how many characters a note shows of a long number.
 MOST_CHARACTERS, MOST_DOTS, SHOWN_PART = 100_000, 200, 24
 #: Characters that may be read to find a line: a file that takes more is no scene that somebody wrote.
 MOST_READ = 1_000_000
@@ -45,16 +45,16 @@ class SceneFile(NamedTuple):
 
     @property
     def tables(self) -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]]:
-        """The tables that the file may have, and their keys."""
+        """The tables that the file may have, each with its required and its optional keys."""
         return MODEL_TABLES if "model" in self.data else TABLES
 
     def place(self, *path: str) -> str:
-        """Return the place of a key as text."""
+        """Return the line and the table of a key as text for a message."""
         line = line_of(self.text, path)
         return ", ".join(filter(None, [f"line {line}" if line else "", f"[{path[0]}]" if len(path) > 1 else ""]))
 
     def located(self, error: ParameterError) -> SymoscError:
-        """Return an error of a number with the place of that number."""
+        """Return a copy of an error that also says where in the file the number is."""
         where = self.where
         for name, (required, optional) in self.tables.items():
             if error.name in (*required, *optional):
@@ -64,7 +64,7 @@ class SceneFile(NamedTuple):
 
 
 def line_of(text: str, path: Sequence[str]) -> int | None:
-    """Return the line on which a key or table of a TOML text is complete (tomllib does not tell), or None."""
+    """Return the line of a TOML text on which a key or table ends (tomllib does not tell), or None."""
     # The lines up to it are the first ones that are TOML and have it: so strings of several lines, inline tables and
     # dotted keys are all read by the same rules as the file itself.
     begin, read = "", 0
@@ -140,7 +140,7 @@ def _check_keys(file: SceneFile, name: str) -> None:
 
 
 def _read_number(file: SceneFile, table: Record, name: str) -> None:
-    """Check the text of an expression or a quantity; `Parameters` and `Scene` read it, and everything else."""
+    """Check a number that is given as an expression or with a unit, and note it if it is not exact."""
     if isinstance(table[name], str):
         try:
             number, exact = read_number(name, table[name])

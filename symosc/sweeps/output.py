@@ -35,14 +35,14 @@ from symosc.sweeps.store import DRAFT, Columns, remove
 if TYPE_CHECKING:
     import xarray
 
-#: The attribute by which a Dataset has what is ours.
+#: The attribute of a Dataset under which symosc's accessor is found.
 ACCESSOR = "symosc"
 NETCDF_ENGINE: Literal["h5netcdf"] = "h5netcdf"
 #: The first line of a CSV file: the attributes and the types of the columns, as JSON.
 COMMENT = "# "
 NO_CHECKSUM = "0" * 64
 PLAN_FORM, CHECKSUM_FORM = (re.compile(name + rb'"?: "?([0-9a-f]{64})') for name in (b"plan", b"sha256"))
-#: What follows the HDF5 part of a netCDF file.
+#: The lines that symosc appends after the HDF5 part of a netCDF file.
 NETCDF_END = "\nplan: {}\nsha256: {}\n"
 SECTION_NAMES = ("period", "component")
 #: Files of a zarr group that is a sweep's.
@@ -82,7 +82,7 @@ class SweptDataset(Drawable):
 
 
 def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
-    """Return the result from columns over all cells, in C order."""
+    """Return the result of a sweep from columns with a row for each cell, in C order of the dimensions."""
 
     def about(name: str, dimension: str) -> dict[str, str]:
         units = {"units": "1"} if dimension == "1" else {"dimension": dimension} if dimension else {}
@@ -109,7 +109,7 @@ def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
 
 
 def _call_text(plan: SweepPlan) -> str:
-    """Return the call of `sweep` that gives this result again, as Python source; large inputs stand by their names."""
+    """Return the call of `sweep` that gives this result again, as Python source; long axes refer to the dataset."""
     over = {name: each for name, each in plan.coordinates.items() if each.dimension != START_AXIS}
     if SET_AXIS in plan.sizes:
         written = f"[{{name: float(dataset[name][i]) for name in {[*over]}}} for i in range(dataset.sizes['set'])]"
@@ -141,7 +141,7 @@ def _scene_text(scene: Scene) -> str:
 
 
 def output_path(path: Any) -> Path:
-    """Return the output file of a sweep; OutputError if it cannot be written, or a package for it is missing."""
+    """Check the name of a sweep's output file; OutputError if it cannot be written, or a package for it is missing."""
     name = read_path(path)
     target = Path(name)
     if name == STDOUT:
@@ -157,7 +157,7 @@ def output_path(path: Any) -> Path:
 
 
 def plan_of(path: Path, to_replace: bool = False) -> str | None:
-    """Return the name of the plan that a finished output belongs to; None if there is no output."""
+    """Return the key of the plan whose finished result is in an output file; None if there is no such file."""
     # SweepError if there is something else. The libraries, which do not fail well, are not asked.
     if not os.path.lexists(path):
         return None
@@ -174,18 +174,18 @@ def plan_of(path: Path, to_replace: bool = False) -> str | None:
 
 
 def _text_file(path: Path) -> Path:
-    """Return the file that holds the plan and the checksum."""
+    """Return the file of an output (itself, or in its folder) that holds the plan and the checksum."""
     return path / "zarr.json" if path.is_dir() else path
 
 
 def _files_in(path: Path) -> dict[str, Path]:
-    """Return the files of a folder, by their names in it, in order; there are none in a file."""
+    """Return the files of a folder under their relative names, in order; nothing if the path is a file."""
     found = (each for each in path.rglob("*") if each.is_symlink() or not each.is_dir())
     return dict(sorted((each.relative_to(path).as_posix(), each) for each in found))
 
 
 def read_columns(path: Path) -> Columns:
-    """Return the columns of a finished output, over all cells; SweepError if it is not as it was written."""
+    """Return the columns of a finished output, over all cells; SweepError if the file was damaged or changed."""
     found, stated, _ = _checksum(path)
     if found != stated:
         raise SweepError(f"{path} is damaged, or was changed after it was written: start anew, or name another file")
@@ -193,7 +193,7 @@ def read_columns(path: Path) -> Columns:
 
 
 def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
-    """Write a result atomically: first into `folder`, next to it, then move it to its place."""
+    """Write a result atomically: into `folder` next to its place first, and then move it there."""
     # OutputError if it cannot be written, SweepError if there is something else in its place.
     suffix = path.suffix.lower()
     draft = folder / f"{DRAFT}{suffix}"
@@ -218,7 +218,7 @@ def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
 
 
 def _to_disk(path: Path) -> None:
-    """Flush a file, or the names in a folder, to the disk, before the chunks are removed."""
+    """Force a file, or the list of names in a folder, onto the disk, before the chunks are removed."""
     with suppress(OSError) if path.is_dir() else nullcontext():  # not every system does it for folders
         handle = os.open(path, os.O_RDONLY)
         try:
@@ -228,7 +228,7 @@ def _to_disk(path: Path) -> None:
 
 
 def _checksum(path: Path) -> tuple[str, str, int]:
-    """Return the checksum of a file or a folder, the one that it has ("" if none), and where in its file that is."""
+    """Return the checksum of an output, the one stated in it ("" if none), and the position of that in its file."""
     place, stated, begin, found = _text_file(path), "", 0, sha256()
     for name, file in (_files_in(path) or {"": path}).items():
         content = memoryview(file.read_bytes())
@@ -247,7 +247,7 @@ def _checksum(path: Path) -> tuple[str, str, int]:
 
 
 def _write_netcdf(dataset: xarray.Dataset, draft: Path) -> None:
-    """Write a netCDF file, made in memory: on a full disk HDF5 ends the program with a segmentation fault."""
+    """Write a netCDF file that is built in memory: on a full disk HDF5 would crash the program."""
     import h5netcdf
 
     content = BytesIO()
@@ -278,7 +278,7 @@ def _write_zarr(dataset: xarray.Dataset, draft: Path) -> None:
 
 
 def _write_csv(dataset: xarray.Dataset, draft: Path) -> None:
-    """Write a row for each cell; each point of a section is two columns."""
+    """Write a CSV file with a row for each cell; a point of a Poincaré section takes two columns."""
     kinds = {str(name): "U" if each.dtype.kind == "U" else str(each.dtype) for name, each in dataset.items()}
     flat = dataset.drop_vars(["section", *SECTION_NAMES], errors="ignore")
     for i in range(dataset.sizes.get("period", 0)):

@@ -46,7 +46,7 @@ DECISIVE = ("kernels", "engine", "simulation", "exact.py", "model.py")
 
 
 class Coordinate(NamedTuple):
-    """Values of one parameter or start value along one dimension, and the text "LO:HI:N" if they were given so."""
+    """The values of one parameter or start value along a dimension, and their text "LO:HI:N" if given so."""
 
     dimension: str
     values: np.ndarray
@@ -58,7 +58,7 @@ Coordinates = dict[str, Coordinate]
 
 @dataclass(frozen=True)
 class Duration:
-    """A time: a number, or whole or fractional periods of the forcing, which are another time for each Omega."""
+    """A time: in units of time, or in periods of the drive, whose length depends on the Omega of each motion."""
 
     value: Fraction
     periods: bool = False
@@ -67,7 +67,7 @@ class Duration:
         return f"{show(self.value)}{'T' * self.periods}"
 
     def times(self, period: Any) -> Any:
-        """Return the duration as a time for each period."""
+        """Return the duration in units of time for each of the given periods of the drive."""
         return float(self.value) * period if self.periods else self.value
 
 
@@ -88,7 +88,7 @@ class SweepPlan:
 
     @cached_property
     def sizes(self) -> dict[str, int]:
-        """The dimensions and their lengths."""
+        """The names of the sweep's dimensions and their lengths."""
         return {each.dimension: len(each.values) for each in self.coordinates.values()}
 
     def __len__(self) -> int:
@@ -102,12 +102,12 @@ class SweepPlan:
 
     @property
     def column_names(self) -> tuple[str, ...]:
-        """The columns of a chunk: those that are recorded, and always the status."""
+        """The names of the columns of a chunk: those that are recorded, and always the status."""
         return tuple(dict.fromkeys((*self.record, "status")))
 
     @cached_property
     def content(self) -> Record:
-        """Everything that the numbers depend on, as plain data; of the swept values a hash."""
+        """Everything that decides the numbers of the sweep, as plain data; swept values are replaced by a hash."""
         swept = [  # in order, which is that of the dimensions
             [name, each.dimension, len(each.values), hashlib.sha256(each.values.tobytes()).hexdigest()]
             for name, each in self.coordinates.items()
@@ -150,7 +150,7 @@ class SweepPlan:
 
 
 def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
-    """Make the call of a chunk, in any process; return its columns and the processor seconds."""
+    """Compute a chunk, perhaps in another process, by its call; return its columns and the processor seconds."""
     # SweepError unless the sources here have the hash `kernels`: a worker with another version of symosc.
     if kernels != kernels_hash():
         raise SweepError("a worker has another version of symosc than this program")
@@ -164,7 +164,7 @@ def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[s
 
 
 def cycles(words: np.ndarray) -> np.ndarray:
-    """Return words with all rotations of a cycle, such as P32 and P23, made equal: the largest in text order."""
+    """Return words so that rotations of one cycle, such as P32 and P23, are equal: the largest in text order."""
     # Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
     # shows borders only where the cycle itself changes.
     texts, places = np.unique(words, return_inverse=True)
@@ -173,7 +173,7 @@ def cycles(words: np.ndarray) -> np.ndarray:
 
 @cache
 def kernels_hash() -> str:
-    """Return a hash of the sources that decide the numbers of a motion."""
+    """Return a hash of the source files that decide the numbers of a motion."""
     root, digest = Path(symosc.__file__).parent, hashlib.sha256()
     for path in map(root.joinpath, DECISIVE):
         for source in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
@@ -185,7 +185,7 @@ def kernels_hash() -> str:
 
 
 def read_plan(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: Any = None) -> SweepPlan:
-    """Return the plan of a call of `sweep`."""
+    """Check the arguments of `sweep` and return them as a plan."""
     if isinstance(scene, Parameters):
         if t_end is None:
             raise ParameterError("t_end", None, "is needed with parameters")
@@ -206,7 +206,7 @@ def read_plan(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts:
 
 
 def read_coordinates(scene: Scene, over: Any, starts: Any = None) -> Coordinates:
-    """Return what is swept: axes by name, or the columns of a table, each from every row of `starts`."""
+    """Return the swept values: axes by name, or columns of a table; with `starts` each is combined with every start."""
     table = _table_columns(over)
     found = _axes(over) if table is None else {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
     if starts is not None:
@@ -221,7 +221,7 @@ def read_coordinates(scene: Scene, over: Any, starts: Any = None) -> Coordinates
 
 
 def _axes(over: Any) -> Coordinates:
-    """Read the swept axes by name."""
+    """Check the swept axes and return them by name."""
     if not isinstance(over, Mapping):
         raise ParameterError("over", over, OVER_FORM)
     if not 1 <= len(over) <= MOST_AXES:
@@ -233,7 +233,7 @@ def _axes(over: Any) -> Coordinates:
 
 
 def _known_name(name: Any) -> str:
-    """Return the name of what is swept; ParameterError if it cannot be."""
+    """Return the name of a swept number; ParameterError if it cannot be swept."""
     if name not in SWEPT_NAMES:
         known = f"cannot be swept; what can be is {', '.join(SWEPT_NAMES)}"
         raise ParameterError("over", name, known + meant(name, SWEPT_NAMES))
@@ -253,7 +253,7 @@ def read_axis(name: str, values: Any) -> np.ndarray:
 
 
 def _whole(name: str, text: str, least: int) -> int:
-    """Return a whole number from text."""
+    """Return the whole number, at least `least`, that a text states."""
     text = text.strip()
     return whole_number(name, int(text) if text.isascii() and text.isdigit() else None, least)
 
@@ -274,7 +274,7 @@ def _evenly_spaced(name: str, text: str) -> np.ndarray:
 
 
 def _numbers(name: str, values: Any) -> np.ndarray:
-    """Return a row of numbers as doubles."""
+    """Return a one-dimensional row of numbers as an array of doubles."""
     unmasked(name, values)
     if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
         raise ParameterError(name, values, AXIS_FORM)
@@ -305,7 +305,7 @@ def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
 
 
 def _start_rows(starts: Any) -> Any:
-    """Return starts as rows of t0, x0 and v0, one alone as a row; columns with names are put in this order."""
+    """Return starts as rows t0, x0, v0, a single one as one row, from rows or from columns with these names."""
     columns = named("starts", starts, SWEPT_STARTS)
     if not isinstance(columns, Mapping):
         return starts
@@ -319,7 +319,7 @@ def _start_rows(starts: Any) -> Any:
 
 
 def _start_columns(starts: Any) -> Coordinates:
-    """Return the columns of swept starts by name."""
+    """Return swept starts, given as rows t0, x0, v0, as columns by name."""
     unmasked("starts", starts)
     try:
         rows = np.atleast_2d(np.asarray(starts, dtype=object))
@@ -331,7 +331,7 @@ def _start_columns(starts: Any) -> Coordinates:
 
 
 def _check_values(scene: Scene, coordinates: Coordinates) -> None:
-    """Check the extreme values by Parameters: its ranges are intervals, and belt 1 must be the slower one."""
+    """Check that `Parameters` accepts the extreme swept values: then it accepts all values between them."""
     swept = {name: each.values for name, each in coordinates.items() if name in PARAMETER_NAMES}
     belts = {name: swept.pop(name) for name in ("v1", "v2") if name in swept}
     for name, values in swept.items():
@@ -356,7 +356,7 @@ def read_duration(name: str, given: Any) -> Duration:
 
 
 def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
-    """Return the names of columns and the number of points of a section, from names such as "word" and "section:64"."""
+    """Return the columns to record and the points of a section, from names such as "word" and "section:64"."""
     columns, sections = list[str](), 0
     for name in [record] if isinstance(record, str) else record:
         column, colon, count = name.partition(":")

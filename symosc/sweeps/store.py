@@ -22,10 +22,10 @@ from symosc.aliases import Record
 from symosc.errors import OutputError, SweepError
 from symosc.files import DRAFT_PREFIX, write_text, write_whole
 
-#: The folder of the chunks is beside the output, and has its name with this behind it.
+#: The folder of the chunks is beside the output, and has its name with this suffix.
 FOLDER_SUFFIX = ".parts"
 PLAN_FILE, LOCK_FILE, CHUNK_NAME = "plan.json", "lock", "{:012d}-{:012d}.npz"
-#: What a finished output is called, with its suffix, before it goes to its place.
+#: The name, before its suffix, of a finished output until it is moved to its place.
 DRAFT = "whole"
 CHUNK_FORM, DRAFT_FORM = re.compile(r"(\d{12})-(\d{12})\.npz"), re.compile(rf"({re.escape(DRAFT_PREFIX)}|{DRAFT}\.).*")
 PLAN_KEY_FORM = re.compile(r"[0-9a-f]{64}")
@@ -43,7 +43,7 @@ class Store:
         self._key = ""
 
     def key(self) -> str | None:
-        """Return the name of the plan to which the chunks belong; None without a plan, "" if it cannot be read."""
+        """Return the key of the plan to which the chunks belong; None if none is saved, "" if it cannot be read."""
         try:
             found = json.loads((self.folder / PLAN_FILE).read_text(encoding="utf-8"))["key"]
         except (FileNotFoundError, NotADirectoryError):
@@ -53,7 +53,7 @@ class Store:
         return found if isinstance(found, str) and PLAN_KEY_FORM.fullmatch(found) else ""
 
     def open(self, key: str, content: Record, resume: bool = True) -> None:
-        """Create or reopen the folder and lock it; without `resume` remove its chunks."""
+        """Create or reopen the folder of chunks and lock it; without `resume`, remove the chunks in it."""
         # SweepError if it belongs to another plan, is no folder of a sweep, or another program works in it.
         try:
             self.folder.mkdir(exist_ok=True)
@@ -78,11 +78,11 @@ class Store:
         self._key = key
 
     def strange(self) -> SweepError:
-        """Return the error for a folder whose chunks belong to another plan."""
+        """Return the error for a folder whose chunks belong to another sweep."""
         return SweepError(f"{self.folder} has the chunks of another sweep: name another output, or start anew")
 
     def _clear(self, whole: bool) -> None:
-        """Remove the unfinished files of a killed program, and if `whole` the chunks and their plan."""
+        """Remove the drafts that a killed program has left, and if `whole` also the chunks and their plan."""
         for path in self.folder.iterdir():
             if DRAFT_FORM.fullmatch(path.name) or (
                 whole and (path.name == PLAN_FILE or CHUNK_FORM.fullmatch(path.name))
@@ -114,7 +114,7 @@ class Store:
             self._lock = None
 
     def write(self, begin: int, end: int, columns: Columns) -> None:
-        """Save a chunk."""
+        """Save the columns of the cells from `begin` up to `end`."""
 
         def fill(draft: Path) -> None:
             content = BytesIO()
@@ -124,16 +124,16 @@ class Store:
         write_whole(self.folder / CHUNK_NAME.format(begin, end), fill)
 
     def _checksum(self, begin: int, end: int, content: bytes) -> bytes:
-        """Return the checksum of a chunk of this plan."""
+        """Return the checksum of a chunk's bytes, which depends on its cells and on the plan too."""
         return sha256(f"{self._key} {begin} {end}\n".encode() + content).digest()
 
     def ranges(self) -> list[tuple[int, int]]:
-        """Return the ranges of cells that are saved."""
+        """Return the ranges (begin, end) of the cells whose chunks are saved."""
         names = os.listdir(self.folder) if self.folder.is_dir() else []
         return sorted((int(match[1]), int(match[2])) for name in names if (match := CHUNK_FORM.fullmatch(name)))
 
     def chunks(self, names: Collection[str]) -> Iterator[tuple[int, int, Columns]]:
-        """Yield the chunks with these columns; remove damaged or changed ones."""
+        """Yield begin, end and columns of each saved chunk with these columns; remove damaged or changed ones."""
         for begin, end in self.ranges():
             path = self.folder / CHUNK_NAME.format(begin, end)
             columns = self._read(path, begin, end)
@@ -144,7 +144,7 @@ class Store:
                     path.unlink()
 
     def _read(self, path: Path, begin: int, end: int) -> Columns:
-        """Return the columns of a chunk; none if it is not as it was written."""
+        """Return the columns of a saved chunk; no columns if it was damaged or changed."""
         try:
             whole = path.read_bytes()
         except OSError:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 #: Processor seconds that a chunk should take; less would be overhead, more would be lost when a program is killed.
 CHUNK_SECONDS = 4.0
-#: Motions of the first chunk and at most, and how much larger or smaller than the one before a chunk may be.
+#: Motions in the first and in the largest chunk, and the largest ratio of the sizes of two successive chunks.
 FIRST_CHUNK, MOST_CHUNK, MOST_GROWTH = 128, 1 << 18, 16.0
 CONNECT_SECONDS = 10
 # Chunks in flight for each processor of an executor whose size is not known.
@@ -126,7 +126,7 @@ def sweep(
 
 
 def _fill(columns: Columns, count: int, begin: int, end: int, chunk: Columns) -> None:
-    """Put the columns of a chunk into their place among `count` cells."""
+    """Copy the columns of a chunk, which begins at cell `begin`, into columns of `count` cells."""
     for name, values in chunk.items():
         if name not in columns:
             columns[name] = np.zeros((count, *values.shape[1:]), values.dtype)
@@ -136,7 +136,7 @@ def _fill(columns: Columns, count: int, begin: int, end: int, chunk: Columns) ->
 
 
 def _is_finished(plan: SweepPlan, target: Path, resume: bool) -> bool:
-    """Return whether the output exists and can be used."""
+    """Return whether the output file exists and holds the result of this plan."""
     there = output.plan_of(target, to_replace=not resume)
     if resume and there not in (None, plan.key):
         raise SweepError(f"{target} is the output of another sweep: name another file, or start anew")
@@ -144,7 +144,7 @@ def _is_finished(plan: SweepPlan, target: Path, resume: bool) -> bool:
 
 
 class Here(Executor):
-    """An executor that computes in this process, on all threads, when a chunk is submitted."""
+    """An executor that computes each submitted chunk at once, in this process, on all threads."""
 
     def __init__(self, workers: int | None) -> None:
         self.workers = workers
@@ -160,7 +160,7 @@ class Here(Executor):
 
 
 def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
-    """Return the executor (None: this process), and the number of chunks submitted at a time."""
+    """Return an executor (for None one in this process), and how many chunks are submitted to it at a time."""
     # `workers` are threads of this process (default: all cores), or chunks under way in an executor.
     count = None if workers is None else whole_number("workers", workers, 1)
     if executor is None:
@@ -193,13 +193,13 @@ def dask_client(address: str) -> Any:
 def _carried_out(
     plan: SweepPlan, gaps: list[Range], executor: Executor, under_way: int
 ) -> Iterator[tuple[int, int, Columns]]:
-    """Compute the cells in `gaps` and yield chunks in order of completion."""
+    """Compute the cells in the ranges `gaps` in chunks, and yield each chunk as soon as it is complete."""
     # SweepError if a worker fails; the chunks that were yielded stand.
     todo, size, pending = gaps[::-1], FIRST_CHUNK, dict[Future[tuple[Columns, float]], Range]()
     try:
         while todo or pending:
             while todo and len(pending) < under_way:
-                begin, end = _cut(todo, size, under_way)
+                begin, end = _next_chunk(todo, size, under_way)
                 with _worker_errors():
                     future = executor.submit(partial(compute, plan.call(begin, end), kernels_hash()))
                 pending[future] = begin, end
@@ -216,8 +216,8 @@ def _carried_out(
             future.cancel()
 
 
-def _cut(todo: list[Range], size: int, under_way: int) -> Range:
-    """Take the next chunk from the remaining cells; near the end they are divided among the running ones."""
+def _next_chunk(todo: list[Range], size: int, under_way: int) -> Range:
+    """Take the next chunk off the cells still to do; near the end these are shared among the `under_way` workers."""
     left = sum(end - begin for begin, end in todo)
     begin, end = todo.pop()
     middle = min(end, begin + max(min(size, -(-left // under_way)), 1))
@@ -230,7 +230,7 @@ def _cut(todo: list[Range], size: int, under_way: int) -> Range:
 
 @contextmanager
 def _worker_errors() -> Iterator[None]:
-    """Raise SweepError for errors of a worker or a broken pool, except symosc's own and a lack of memory."""
+    """Turn an error of a worker or its pool into SweepError, except symosc's own errors and a lack of memory."""
     try:
         yield
     except (SymoscError, MemoryError):
