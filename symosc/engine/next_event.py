@@ -437,7 +437,7 @@ def advance_phase(n, theta, theta_low, tau, K):
 
 
 def phase_after(theta, theta_low, tau, K):
-    """Advance a phase by the time `tau`; return it in two parts, with whole turns not taken away."""
+    """Advance a phase by the time `tau`; return it in two parts, not reduced modulo 2 pi."""
     turn = K.Om * tau
     total = theta + turn
     part = total - theta
@@ -447,7 +447,7 @@ def phase_after(theta, theta_low, tau, K):
 
 
 def in_two_parts(theta, theta_low):
-    """Normalise a phase in two parts: the nearest number and the rest; one slightly below 0 becomes 0 and the rest."""
+    """Return a phase theta + theta_low as the nearest number and the rest; below 0, as 0 and the rest."""
     total = theta + theta_low
     theta_low = theta_low - (total - theta)
     return select(total < 0.0, 0.0 * total, total), select(total < 0.0, theta_low + total, theta_low)

@@ -117,7 +117,7 @@ def simulate(
 
 
 def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any) -> Start:
-    """Return the initial value problem from a scene or keyword arguments; refuse one of another model."""
+    """Return the initial value problem of a scene or of keyword arguments; refuse one of another model."""
     start, original = read_problem(scene, given, start_error)
     if original is not None:
         raise not_reduced_error(scene)
@@ -125,7 +125,7 @@ def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], sta
 
 
 def read_problem(scene: Any, given: dict[str, Any], start_error: Any) -> tuple[Start, Original | None]:
-    """Return the initial value problem from a scene or keyword arguments, and what it is in another model."""
+    """Return the initial value problem of a scene or of keyword arguments, and the model from which it was reduced."""
     if not isinstance(scene, Scene | Parameters | OtherModel):
         scene = load_scene(scene)
     if isinstance(scene, OtherModel):
@@ -167,14 +167,14 @@ def read_accuracy(value: Any) -> float:
 
 
 def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction] | None) -> float:
-    """Return the best accuracy that the errors of the start allow."""
+    """Return the accuracy that events can be held to: `accuracy`, or inf if the errors of the start exceed it."""
     return inf if start_error and max(start_error) > accuracy else accuracy
 
 
 def in_doubles(
     start: Start, most: int, accuracy: float, advance: Advance = None, loops: PairLoops | None = None
 ) -> Trajectory:
-    """Follow a motion in doubles, with more digits from an event on that these cannot decide; return a Trajectory."""
+    """Follow a motion in doubles, and with more digits where doubles cannot decide an event; return a Trajectory."""
     # Given `loops` in pairs, these come first whatever is loaded, with the noise that `simulate_many` allows.
     needed = attainable(accuracy, start.start_error)
     limits = Limits(most, needed, PAIR_NOISE) if loops else Limits(most, needed)
@@ -188,27 +188,31 @@ def in_doubles(
             decided = finer.reach(motion.count + (motion.code == UNDECIDED))
             motion.take_over(finer)
             if not decided:
-                return _in_columns(motion, "undecidable", _open_contact(finer.open_at, finer.open_in), finer.open_at)
+                return _doubles_trajectory(
+                    motion, "undecidable", _undecided_message(finer.open_at, finer.open_in), finer.open_at
+                )
         if advance:
             advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
     if motion.code == FULL:
         last = float(motion.events().floats[0, -1])  # the time of the last event, by the clock
-        return _in_columns(motion, "max_events", f"stopped after max_events = {most} events, at t = {last!r}", last)
-    return _in_columns(motion, *_ended(start, motion.code, motion.state), float(start.t_end))
+        return _doubles_trajectory(
+            motion, "max_events", f"stopped after max_events = {most} events, at t = {last!r}", last
+        )
+    return _doubles_trajectory(motion, *_status_at_end(start, motion.code, motion.state), float(start.t_end))
 
 
 def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:
-    """Return the completed part of a motion, in time or in events, whichever is larger."""
+    """Return the completed part of a motion, from 0 to 1, by its time or by its events, whichever is larger."""
     return min(1.0, max(float(elapsed) / float(start.t_end - start.t0), count / most))
 
 
 def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) -> Trajectory:
-    """Raise the working precision until every contact is decided and every event has `digits` digits."""
+    """Follow a motion in ever more digits until all contacts are decided and every event has `digits` digits."""
     working = digits + 10 + start.spare_digits
     if settles(start):
         motion = Motion(start, working)
         last = motion.arithmetic.number(start.t_end)
-        return _in_digits(motion, *_ended(start, REST, motion.state), last, digits)
+        return _digits_trajectory(motion, *_status_at_end(start, REST, motion.state), last, digits)
     asked_at = inf  # the number of the event before a contact that took more digits
     while True:
         motion, limit, undecided = Motion(start, working), MOST_WORKING * (digits + start.spare_digits), False
@@ -229,13 +233,17 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
         if not undecided and missing <= 0:
             break
         if working >= limit:
-            last, message = motion.time, _open_contact(float(motion.time), working, digits)
+            last, message = motion.time, _undecided_message(float(motion.time), working, digits)
             motion.undo()
-            return _in_digits(motion, "undecidable", message, last, digits)
+            return _digits_trajectory(motion, "undecidable", message, last, digits)
         working = min(limit, 3 * working if undecided else working + missing + 2)
     if not motion.ended:
-        return _in_digits(motion, "max_events", f"stopped after max_events = {most} events", motion.time, digits)
-    return _in_digits(motion, *_ended(start, motion.code, motion.state), motion.arithmetic.number(start.t_end), digits)
+        return _digits_trajectory(
+            motion, "max_events", f"stopped after max_events = {most} events", motion.time, digits
+        )
+    return _digits_trajectory(
+        motion, *_status_at_end(start, motion.code, motion.state), motion.arithmetic.number(start.t_end), digits
+    )
 
 
 def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
@@ -246,7 +254,7 @@ def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
     return "equilibrium" if settles else "t_end"
 
 
-def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
+def _status_at_end(start: Start, code: int, state: State) -> tuple[str, str]:
     """Return status and message of a motion that reached its end."""
     if code != REST:
         check_reached(start, state.n)
@@ -258,20 +266,20 @@ def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
     return status, message
 
 
-def _open_contact(t: float, used: int, asked: int | None = None) -> str:
-    """Return the message about a contact that is open with all digits that were used."""
+def _undecided_message(t: float, used: int, asked: int | None = None) -> str:
+    """Return the message about a contact near `t` that `used` digits do not decide."""
     hint = f"ask for more digits, such as digits={2 * (asked or used)}"
     return f"the contact near t = {t!r} cannot be decided with {used} digits; {hint}"
 
 
-def _in_columns(motion: MotionInDoubles, status: str, message: str, last: float) -> Trajectory:
-    """Return a motion in doubles as a Trajectory that ends at a time."""
+def _doubles_trajectory(motion: MotionInDoubles, status: str, message: str, last: float) -> Trajectory:
+    """Return the Trajectory of a motion in doubles that ends at the time `last`."""
     found = motion.events(), motion.pieces(), status, message
     return Trajectory(motion.start.parameters, *found, (float(motion.start.t0), last), motion.first_at)
 
 
-def _in_digits(motion: Motion, status: str, message: str, last: Number, digits: int) -> Trajectory:
-    """Return a motion with many digits, which ends at a time, as a Trajectory with fewer."""
+def _digits_trajectory(motion: Motion, status: str, message: str, last: Number, digits: int) -> Trajectory:
+    """Return the Trajectory, with `digits` digits, of a motion in more digits that ends at the time `last`."""
     context = mp_context(digits)
     found = partial(motion.events_in, context), motion.columns(), status, message
     span = context.convert(motion.t0), context.convert(last)
