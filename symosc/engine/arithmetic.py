@@ -85,7 +85,7 @@ def bind(
     wrap: Callable[[Any], Any] | None = None,
     literal: Callable[[float], Any] | None = None,
 ) -> dict[str, Any]:
-    """Copy the functions of `modules`; the copies call each other, and find what `replaced` has for the names in it."""
+    """Copy the functions of `modules`; the copies call each other, and take the names in `replaced` from there."""
     # `wrap` is applied to every copy, such as numba.njit; `literal` converts the floats in the source once, such as 0.5
     # and the limits with a name. A name in `replaced` must be one that the functions could see.
     modules = tuple(modules)

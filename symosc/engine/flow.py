@@ -218,7 +218,7 @@ def march_constants(step, functions, K):
 
 
 def _period_rest(period: float, Om: float) -> Fraction:
-    """Return 2 pi/Om - period, what rounding took from the period; Om and period are doubles."""
+    """Return the rounding error of a period, 2 pi/Om - period, where Om and period are doubles."""
     two_pi = Fraction(2.0 * pi) + Fraction(2.4492935982947064e-16)
     return (two_pi - exactly(Om) * exactly(period)) / exactly(Om)
 

@@ -50,7 +50,7 @@ MOST_WORKERS = 256
 
 @dataclass
 class InterpretBudget:
-    """How many events a program still interprets before it compiles a loop: at first what compiling costs."""
+    """How many events a program may still interpret before it compiles a loop; at first as many as take equal time."""
 
     events: int
 
@@ -176,7 +176,7 @@ def in_chunks(
     workers: int,
     progress: Callable[[int, int], object],
 ) -> list[Result]:
-    """Return in order what `work` returns for all chunks of `count` rows; each call has an event buffer to itself."""
+    """Call `work` for chunks of `count` rows, each with an event buffer to itself; return the results in order."""
     # An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`, and is raised.
     least = LEAST_IN_CHUNK if workers > 1 else LEAST_ALONE
     size = max(least, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))

@@ -255,7 +255,7 @@ class Chunk:
         return found
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
-        """Follow motions of one parameter set, by turns, in pairs past what doubles leave undecided, and in doubles."""
+        """Follow motions of one parameter set by turns in pairs, past undecided events, and in doubles; yield events."""
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         most, K = self.task.most, pair_constants(parameters)
         pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)

@@ -95,7 +95,7 @@ class NumberColumn:
         return len(self._given)
 
     def called(self, row: int) -> str:
-        """Return what messages call a row's number, such as x0[3]."""
+        """Return the name of a row's number for messages, such as x0[3]."""
         return self.name if self.single else f"{self.name}[{row}]"
 
     def exact(self, row: int) -> Fraction:

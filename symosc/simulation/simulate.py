@@ -188,17 +188,13 @@ def in_doubles(
             decided = finer.reach(motion.count + (motion.code == UNDECIDED))
             motion.take_over(finer)
             if not decided:
-                return _doubles_trajectory(
-                    motion, "undecidable", _undecided_message(finer.open_at, finer.open_in), finer.open_at
-                )
+                return _in_columns(motion, "undecidable", _open_contact(finer.open_at, finer.open_in), finer.open_at)
         if advance:
             advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
     if motion.code == FULL:
         last = float(motion.events().floats[0, -1])  # the time of the last event, by the clock
-        return _doubles_trajectory(
-            motion, "max_events", f"stopped after max_events = {most} events, at t = {last!r}", last
-        )
-    return _doubles_trajectory(motion, *_status_at_end(start, motion.code, motion.state), float(start.t_end))
+        return _in_columns(motion, "max_events", f"stopped after max_events = {most} events, at t = {last!r}", last)
+    return _in_columns(motion, *_ended(start, motion.code, motion.state), float(start.t_end))
 
 
 def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:
@@ -212,7 +208,7 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
     if settles(start):
         motion = Motion(start, working)
         last = motion.arithmetic.number(start.t_end)
-        return _digits_trajectory(motion, *_status_at_end(start, REST, motion.state), last, digits)
+        return _in_digits(motion, *_ended(start, REST, motion.state), last, digits)
     asked_at = inf  # the number of the event before a contact that took more digits
     while True:
         motion, limit, undecided = Motion(start, working), MOST_WORKING * (digits + start.spare_digits), False
@@ -233,17 +229,13 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
         if not undecided and missing <= 0:
             break
         if working >= limit:
-            last, message = motion.time, _undecided_message(float(motion.time), working, digits)
+            last, message = motion.time, _open_contact(float(motion.time), working, digits)
             motion.undo()
-            return _digits_trajectory(motion, "undecidable", message, last, digits)
+            return _in_digits(motion, "undecidable", message, last, digits)
         working = min(limit, 3 * working if undecided else working + missing + 2)
     if not motion.ended:
-        return _digits_trajectory(
-            motion, "max_events", f"stopped after max_events = {most} events", motion.time, digits
-        )
-    return _digits_trajectory(
-        motion, *_status_at_end(start, motion.code, motion.state), motion.arithmetic.number(start.t_end), digits
-    )
+        return _in_digits(motion, "max_events", f"stopped after max_events = {most} events", motion.time, digits)
+    return _in_digits(motion, *_ended(start, motion.code, motion.state), motion.arithmetic.number(start.t_end), digits)
 
 
 def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
@@ -254,7 +246,7 @@ def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
     return "equilibrium" if settles else "t_end"
 
 
-def _status_at_end(start: Start, code: int, state: State) -> tuple[str, str]:
+def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
     """Return status and message of a motion that reached its end."""
     if code != REST:
         check_reached(start, state.n)
@@ -266,19 +258,19 @@ def _status_at_end(start: Start, code: int, state: State) -> tuple[str, str]:
     return status, message
 
 
-def _undecided_message(t: float, used: int, asked: int | None = None) -> str:
+def _open_contact(t: float, used: int, asked: int | None = None) -> str:
     """Return the message about a contact near `t` that `used` digits do not decide."""
     hint = f"ask for more digits, such as digits={2 * (asked or used)}"
     return f"the contact near t = {t!r} cannot be decided with {used} digits; {hint}"
 
 
-def _doubles_trajectory(motion: MotionInDoubles, status: str, message: str, last: float) -> Trajectory:
+def _in_columns(motion: MotionInDoubles, status: str, message: str, last: float) -> Trajectory:
     """Return the Trajectory of a motion in doubles that ends at the time `last`."""
     found = motion.events(), motion.pieces(), status, message
     return Trajectory(motion.start.parameters, *found, (float(motion.start.t0), last), motion.first_at)
 
 
-def _digits_trajectory(motion: Motion, status: str, message: str, last: Number, digits: int) -> Trajectory:
+def _in_digits(motion: Motion, status: str, message: str, last: Number, digits: int) -> Trajectory:
     """Return the Trajectory, with `digits` digits, of a motion in more digits that ends at the time `last`."""
     context = mp_context(digits)
     found = partial(motion.events_in, context), motion.columns(), status, message
