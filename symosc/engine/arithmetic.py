@@ -125,9 +125,9 @@ def compile_modules(
     beside: Iterable[types.ModuleType] = (),
 ) -> dict[str, Any]:
     """Compile the functions of `modules` by numba, each when it is first called; the code is kept on disk."""
-    # Not every caller gets a copy of its own of the functions `outlined`, None for all. `callees` are compiled
-    # functions that stand for those of the same name; those that no module sees are left out. `replaced` and `literal`
-    # are as in `bind`. The modules `beside` are compiled too, such as operators of a type. MissingExtraError without
+    # All functions but those in `outlined` (None: all) are inlined into each caller. `callees` are compiled functions
+    # that replace those of the same name; those that no module sees are left out. `replaced` and `literal` are as in
+    # `bind`. The modules `beside` are compiled too, such as operators of a type. Raise MissingExtraError without
     # numba.
     try:
         import numba

@@ -71,7 +71,7 @@ class PairLimits(NamedTuple):
 
     most: int  # events after which a trajectory is FULL
     accuracy: float
-    more: int  # events that the buffer holds for each motion beside those that are wanted
+    more: int  # for how many events per motion the buffer has room beyond those that are wanted
     noise: float  # errors of an event that pairs may have, as a part of the rounding to doubles
     table: np.ndarray  # as `follow_all` takes it
     careful: np.ndarray  # the same, for decisions that exceed the errors of a state whatever accuracy is asked for
@@ -319,7 +319,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
     # Doubles search for each event as far as they are sure (`advance_near`). A motion that doubles could soon not
     # decide again is followed farther, as long as the buffer holds its events.
     #   chosen : (m,) numbers of the trajectories to follow, in order.
-    #   wanted : (n,) events to come to, in all; for a motion that has filled `pieces` those to go on to.
+    #   wanted : (n,) number of events to reach, with those so far; updated for a motion that has filled `pieces`.
     #   pairs : (n, STATE_WIDTH) complex array, updated: states in pairs.
     #   batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING,
     #     END, REST, or UNDECIDED before a contact that pairs cannot decide, or an event that they know worse than

@@ -1,6 +1,6 @@
 """The disk cache of numba's compiled code, with checksums; a damaged or unwritable cache never raises.
 
-numba itself raises where no folder can be written, and where a file is damaged; changed code it would run.
+numba itself raises if no folder is writable or a file is damaged, and runs code whose bytes have changed.
 """
 
 from __future__ import annotations

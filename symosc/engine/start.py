@@ -60,7 +60,7 @@ class Start:
 
 
 class BeltStart(NamedTuple):
-    """The continuation of a motion from a point of a belt (Theorems 4 and 5)."""
+    """How a motion goes on from a point of a belt (Theorems 4 and 5): its mode, and both accelerations."""
 
     boundary: int
     mode: int  # that it goes on in

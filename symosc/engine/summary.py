@@ -358,7 +358,7 @@ def flown(x, start, tau, s_Om, c_Om, K):
 
 
 def settle(tally, sets, table, sections, repeats):
-    """Write the last sections of motions, and the number of periods after which they repeat."""
+    """Write the last sections of motions into `sections`, and after how many periods they repeat into `repeats`."""
     # `sets` (n,) are the parameter sets of the motions, `table` their constants. `sections` (n, m, 2) is filled with x
     # and v at the last m sections in order of time, as far as they were reached, and `repeats`, (n,) or (0,), with the
     # periods, 0 for a motion that does not repeat.
@@ -409,7 +409,7 @@ def same_sections(i, m, tally, K):
 
 
 def section(i, n, tally, K):
-    """Return the Poincaré section of a number in the ring buffer; compute its x and v if that was not done yet."""
+    """Return Poincaré section number n from the ring buffer; compute its x and v if this is the first time."""
     kept = tally.sections[i, n % tally.words.shape[1]]
     x, v, tau, theta = kept[FROM_X], kept[FROM_V], kept[SINCE], kept[FROM_THETA]
     if kept[FLIES] > 0.0:
@@ -425,7 +425,7 @@ def section(i, n, tally, K):
 
 
 def widened(seen, x, v):
-    """Extend the extremes so that they include a point (x, v)."""
+    """Return the extremes extended to include a point (x, v)."""
     return Extremes(
         x if x < seen.x_min else seen.x_min,
         x if x > seen.x_max else seen.x_max,

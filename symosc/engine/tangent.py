@@ -153,7 +153,7 @@ def vanishes(domain, now, K):
 
 
 def force_changes(domain, now, codes, letters, K, work):
-    """Write the derivatives of the acceleration of a domain at a fixed time into row SIZE; return its rate there."""
+    """Write derivatives of a domain's acceleration at a fixed time into row SIZE; return its rates by x and phase."""
     # Rows END_X and END_V have the derivatives of x and v at this time.
     F, rounding = force(domain, now, K)
     F = 0.0 * F if abs(F) <= VANISHES * rounding else F

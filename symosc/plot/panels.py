@@ -107,7 +107,7 @@ class View:
 
 
 class Sampling(NamedTuple):
-    """The number of points of curves: per period, at least per segment, and at most in all."""
+    """How many points the curves have: per period of the drive, at least per segment, and at most in all."""
 
     per_period: int
     least: int
@@ -177,7 +177,7 @@ def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
 
 
 def _force_panel(ax: Axes, view: View, across: str) -> None:
-    """Draw the forces on both sides of the boundary, over time with sticks shaded, or over v with the belts."""
+    """Draw the forces on both sides of the boundary over t (with sticks shaded), x, or v (with the belts)."""
     force, marks, (below, above) = view.trajectory.force, _marks_of_forces(view), view.domains
     if across == "t":
         _shade_sticks(ax, view)
@@ -200,7 +200,7 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
 
 
 def _product_panel(ax: Axes, view: View) -> None:
-    """Draw the product of the forces, > 0 where the mass crosses the belt, < 0 where it sticks."""
+    """Draw the product of both forces at the boundary: > 0 where the mass would cross it, < 0 where it would stick."""
     force, (below, above) = view.trajectory.force, view.domains
 
     def product(t: Any) -> Any:
@@ -252,7 +252,7 @@ def _belt_points(ax: Axes, view: View) -> None:
 
 
 def _belt_speeds(ax: Axes, view: View) -> None:
-    """Draw lines at the belt speeds."""
+    """Draw lines at the speeds of the belts, with their names on the right."""
     # Above the mass, but thinner: in a stick both are seen.
     p = view.trajectory.parameters
     low, high = ax.get_ylim()
@@ -274,7 +274,7 @@ def _marks_of_forces(view: View) -> list[Mark]:
 
 
 def _shade_sticks(ax: Axes, view: View) -> None:
-    """Shade the intervals of sticks."""
+    """Shade the times at which the mass sticks to the belt of the forces."""
     for stick in _sticks(view.trajectory):
         if stick.belt == view.boundary:
             ax.axvspan(stick.since, stick.until, color="0.92", lw=0, zorder=-1)
@@ -304,7 +304,7 @@ def _sticks(trajectory: Trajectory) -> list[Contact]:
 
 
 def _outstanding(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
-    """Choose the sticks to magnify: those too short to be seen, if few, or much shorter than the others."""
+    """Choose the sticks to magnify: those too short to be seen, if few, else those far shorter than most."""
     longest, finest = SHORT_STICK * (t[-1] - t[0]), 1e-10 * np.abs(t).max()  # a shorter one would show rounding errors
     short = [each for each in contacts if finest < each.until - each.since < longest and each.until < t[-1]]
     if len(short) > MOST_INSETS:
@@ -325,7 +325,7 @@ INSET_FONT = 7.5
 
 
 def draw_insets(ax: Axes, view: View) -> None:
-    """Draw magnified parts of a view as insets above axes, if there is space."""
+    """Draw the contacts to be magnified as insets above axes."""
     for contact, (left, width) in zip(view.magnified, INSET_BOXES.get(len(view.magnified), ()), strict=True):
         _inset(ax, view, contact, (left, 1.16, width, 0.5))
 

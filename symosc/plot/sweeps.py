@@ -61,7 +61,7 @@ def read_column(dataset: Any, name: Any) -> Any:
 
 
 def axes_of(column: Any) -> list[str]:
-    """Return the names of a column's dimensions over which was swept."""
+    """Return the names of the dimensions over which a column was swept."""
     return [str(each) for each in column.dims if each not in ("period", "component")]
 
 
@@ -195,7 +195,7 @@ def _limit_axis(axes: Axes, values: Any) -> None:
 
 
 def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
-    """Draw points, smaller ones where there are many."""
+    """Draw points, the smaller the more there are."""
     size = max(6.0 * min(1.0, 500 / max(len(x), 1)), 0.3)
     axes.scatter(x, y, s=size, color="black", linewidths=0, rasterized=True)
 
@@ -271,7 +271,7 @@ def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
 
 
 def classes_of(values: np.ndarray, undecidable: np.ndarray) -> Classes:
-    """Return the classes of cells: numbers in their order, words from the most frequent to the rarest."""
+    """Return the cells of a map as `Classes`: numbers in their order, words from the most frequent to the rarest."""
     words = values.dtype.kind in "UO"
     texts = np.where(values == "", "no event", values).astype(str) if words else values
     kinds, codes, counts = np.unique(texts, return_inverse=True, return_counts=True)
@@ -349,7 +349,7 @@ def _draw_shades(axes: Axes, edges: tuple[np.ndarray, np.ndarray], values: np.nd
 
 
 def _edges(values: np.ndarray) -> np.ndarray:
-    """Return the edges of cells whose centres are about these increasing values."""
+    """Return the edges between cells, halfway between their increasing values, and those outside."""
     if len(values) == 1:
         return values[0] + np.array([-0.5, 0.5])
     middles = (values[1:] + values[:-1]) / 2

@@ -133,7 +133,7 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
 
 
 def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
-    """Return Theta_cr and pi - Theta_cr modulo 2 pi (one if equal), each with whether the window includes it."""
+    """Return Theta_cr and pi - Theta_cr modulo 2 pi (one if equal), each with whether it is in the window."""
     gamma_sign, amplitude_sign, excess_sign = window.signs
     if amplitude_sign == 0 or excess_sign > 0:
         return []
@@ -144,7 +144,7 @@ def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
 
 
 def draw_dot(axes: Axes, x: float, y: float, belongs: bool, label: str | None = None) -> None:
-    """Draw a full dot for a point inside a window, an open one for a point outside."""
+    """Draw a point, filled if it belongs to a window, else open."""
     style: Record = {"color": INSIDE_COLOR, "markerfacecolor": INSIDE_COLOR if belongs else "white", "markersize": 4.5}
     axes.plot([x], [y], "o", zorder=4, clip_on=False, linestyle="none", label=label, **style)
 
@@ -344,7 +344,7 @@ class _Margin(NamedTuple):
 
 
 def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarray) -> _Margin:
-    """Return by how much a condition (sympy) on the two parameters `letters` holds at the points (x, y)."""
+    """Return by how much a sympy condition on the two symbols `letters` holds at the points (x, y)."""
     import sympy as sp
 
     if condition in (sp.true, sp.false):
@@ -363,7 +363,7 @@ def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarr
 
 
 def _axis_range(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]:
-    """Return the range of an axis; by default past the given value and, for a belt, past the other belt."""
+    """Return the given range of an axis; by default one that includes the given value and, for a belt, the other's."""
     p = region.parameters
     if given is not None:
         low, high = (float(read_exact(name, end)) for end in given)

@@ -68,7 +68,7 @@ class Loops(NamedTuple):
 
 
 def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap a function of the engine, run by CPython, so that it takes constants as a table."""
+    """Wrap an interpreted function of the engine so that it accepts tables of constants, as compiled ones do."""
 
     def call(*arguments: Any) -> Any:
         return function(*(ConstantRows(each) if getattr(each, "dtype", None) == ROW else each for each in arguments))
@@ -109,7 +109,7 @@ def loaded_loop() -> dict[str, Any] | None:
 
 
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
-    """Return an event loop interpreted in blocks of TURN rows until the budget DOUBLES is used up."""
+    """Return an event loop that is interpreted, TURN rows at a time, until DOUBLES is used up, then compiled."""
 
     def follow(begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, *others: Any) -> Any:
         if DOUBLES.events <= 0 or is_compiled(compiled_one):
@@ -155,7 +155,7 @@ class Stopped(Exception):
 
 
 class CancelToken(Event):
-    """A flag that threads check regularly: whether the caller was interrupted."""
+    """A flag that threads check regularly: it is set when the caller has been interrupted."""
 
     def check(self) -> None:
         """Raise Stopped if the caller was interrupted."""

@@ -237,7 +237,7 @@ class Chunk:
             yield rows
 
     def _in_pairs(self, members: list[int]) -> dict[int, EventRows]:
-        """Follow motions in pairs of doubles where these suffice; return their events by the motion's number."""
+        """Follow motions in pairs of doubles where these suffice; return their events by motion number."""
         found: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
         apart = self.task.problems.are_apart(numbers, self._starts[members, 1], FAR_OFF)
@@ -255,7 +255,7 @@ class Chunk:
         return found
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
-        """Follow motions of one parameter set by turns in pairs, past undecided events, and in doubles; yield events."""
+        """Follow motions of one parameter set by turns in pairs, past undecided events, and in doubles; yield rows."""
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         most, K = self.task.most, pair_constants(parameters)
         pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)

@@ -99,15 +99,15 @@ def single_loop(count: int) -> tuple[Callable[..., tuple[int, int, int]], int]:
 
 
 def fits_pairs(start: Start) -> bool:
-    """Return whether pairs of doubles follow a motion with the same results as many digits."""
+    """Return whether pairs of doubles are precise enough for a start, to follow it as many digits would."""
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
 class SearchInDoubles:
     """The search in doubles for the next events of one motion, compiled if that is loaded; not thread-safe."""
 
-    # `K` are the constants by which doubles are in doubt. What they find for others exceeds the errors of a state
-    # always.
+    # `K` are the constants with which doubles are tested for doubt (`next_doubt`). The decisions of `next_event`, for
+    # more precise numbers, always exceed the errors of a state.
 
     def __init__(self, start: Start, K: Constants) -> None:
         arithmetic, functions = Arithmetic(start.parameters), loaded_loop() or {}
@@ -373,13 +373,13 @@ class Limits(NamedTuple):
 
     most: int  # events
     accuracy: float  # what doubles are asked for
-    noise: float = NEGLIGIBLE  # the errors of an event beside its rounding to doubles, as a part of that
+    noise: float = NEGLIGIBLE  # the largest error of an event, as a part of the error of rounding it to doubles
 
 
 class MotionInPairs:
     """A motion in pairs of doubles, compiled, followed only until doubles suffice again."""
 
-    # Before an event that pairs do not decide, or know too little of, it stops.
+    # It stops before an event that pairs do not decide, or do not know accurately enough.
 
     def __init__(self, doubles: MotionInDoubles, limits: Limits, loops: PairLoops) -> None:
         start, exact = doubles.start, many_digits(doubles.start.parameters, ROUNDED_FROM)
@@ -430,7 +430,7 @@ class MotionInPairs:
 class MotionInDigits(Motion):
     """A motion with many digits that records events as doubles; it may go on from where `other` stopped."""
 
-    # One that did is not sure of an event that it knows worse than the limits say.
+    # If it does, an event that it knows less accurately than the limits allow counts as undecided.
 
     def __init__(
         self, doubles: MotionInDoubles, limits: Limits, digits: int, other: MotionInPairs | MotionInDigits | None = None
@@ -488,10 +488,10 @@ class MotionInDigits(Motion):
 class FinerMotion:
     """The motion of a `MotionInDoubles` in more precise numbers, followed until doubles suffice again."""
 
-    # Pairs follow it, by `loops` or where this process has their loop, else FINER_DIGITS digits. Past a contact that
-    # they leave open as many go on as confirm a graze (`digits_to_confirm_graze`): from the state before it with its
-    # error, or, if that is what leaves it open, from t0. They decide it, or it is a graze. Where they did decide, the
-    # next one takes twice as many: where sticks get shorter, so do gaps.
+    # Pairs follow it, if `loops` are given or this process has them compiled, else FINER_DIGITS digits. Past a contact
+    # that these leave undecided it goes on with as many digits as confirm a graze (`digits_to_confirm_graze`): from the
+    # state before it with its error, or from t0 if that error is why. If they do not decide the contact, it is a graze.
+    # If they do, the next such contact takes twice as many digits: where sticks get shorter, so do gaps.
 
     def __init__(self, doubles: MotionInDoubles, limits: Limits, loops: PairLoops | None = None) -> None:
         self.start, self._doubles, self._limits = doubles.start, doubles, limits

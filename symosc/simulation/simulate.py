@@ -224,7 +224,7 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
                 asked_at = before if undecided else inf if before >= asked_at else asked_at
                 limit = max(limit, needed or 0)
         undecided = undecided or motion.code == FAILED
-        # The error of a start that is known to so much only stays whatever the digits.
+        # The error of an inexact start stays, whatever the digits.
         missing = 0 if undecided or start.start_error else motion.missing_digits(digits)
         if not undecided and missing <= 0:
             break

@@ -51,7 +51,7 @@ def work_space(codes: np.ndarray, kind: Any = float) -> np.ndarray:
 def event_changes(
     events: EventRows, launches: tuple[np.ndarray, ...], wrt: tuple[str, ...], loop: Callable[..., None]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the derivatives dt, dx and whether they are regular, (events, wrt), for events in order of motion."""
+    """Return dt and dx by the names `wrt`, and whether each is regular, (events, wrt); events in order of motion."""
     (starts, sets, letters, table), codes, shape = launches, codes_of(wrt), (events.floats.shape[1], len(wrt))
     cuts = np.searchsorted(events.ints[0], np.arange(len(starts) + 1))
     dt, dx, marks, why = large_array(shape), large_array(shape), np.zeros(shape, np.int8), np.zeros(shape[0], np.int8)

@@ -115,7 +115,7 @@ def link_of(state: dict[str, str]) -> str:
 
 
 def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
-    """Read a scene from the explorer's fields; return it with {}, or None with what is allowed in each wrong field."""
+    """Read a scene from the fields' texts; return it with {}, or None with what is allowed, by wrong field."""
     sound, numbers, errors = shipped_scenes()["fig5"], {}, {}
     for name in FIELDS:
         try:
@@ -201,7 +201,7 @@ def answer(link: str, default: Scene) -> Record:
 
 
 def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
-    """Return notes on the scene and its motion."""
+    """Return sentences for the user: how well the start is known, a motion cut short, a start in a stick."""
     notes, first = [], trajectory.segments[0].mode
     if scene.start_error is not None and any(scene.start_error):
         known = ", ".join(f"±{float(each):.3g}" for each in scene.start_error)

@@ -84,7 +84,7 @@ class ExplorerServer(ThreadingHTTPServer):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """The request handler of the page."""
+    """The handler of the browser's requests: for the page, its data and scripts, and scene files."""
 
     server: ExplorerServer
     protocol_version = "HTTP/1.1"
@@ -242,7 +242,7 @@ def pictures() -> dict[str, Any]:
 
 
 def _plot(x_label: str, y_label: str, x_range: Range1d, y_range: Range1d, height: int, name: str) -> Any:
-    """Return an empty plot, without a drag tool at first, so that a finger scrolls the page."""
+    """Return an empty plot; no drag tool is active at first, so that a finger scrolls the page."""
     tools = [PanTool(), BoxZoomTool(), WheelZoomTool(), ResetTool(), SaveTool()]
     ranges: Record = {"x_range": x_range, "y_range": y_range, "x_axis_label": x_label, "y_axis_label": y_label}
     # With this room beside the plots their time axes are one below the other.
