@@ -153,8 +153,8 @@ def compile_modules(
     def wrap(function: Any) -> Any:
         # numba's disk cache sees changes in the function's own file only. The name of the entry says the rest.
         function.__qualname__ = f"{function.__name__}-{version}"
-        # Inlined ones are called by compiled code alone: what Python would call them by is never made. Each function
-        # says all three: one that did not would take forceinline from the function that calls it first.
+        # Inlined functions are called by compiled code only and need no wrappers for Python and C. Each function sets
+        # all three options: without them it would take forceinline from the function that calls it first.
         inline = function.__name__ in inlined
         options: dict[str, Any] = {"forceinline": inline, "no_cpython_wrapper": inline, "no_cfunc_wrapper": inline}
         return keep_on_disk(numba.njit(error_model="numpy", nogil=True, **options)(function))

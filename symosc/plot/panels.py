@@ -228,7 +228,7 @@ PANELS: dict[str, Panel] = {
 }
 
 
-# --- what they are made of ---
+# --- parts of panels ---
 
 
 def _horizontal_axis(ax: Axes, view: View, across: str) -> None:

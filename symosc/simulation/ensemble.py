@@ -463,6 +463,6 @@ def _state_of_piece(n: float, theta: float, mode: float, x: float, v: float, a: 
 
 
 def _agrees_with(state: State, event: Any) -> bool:
-    """Return whether a state agrees with an event in position and phase, to about nine digits."""
+    """Return whether a state is at the position and the phase of an event, within 1e-9 and 5e-5 of them."""
     near = 1e-9
     return abs(state.x - event.x) <= near * (1.0 + abs(event.x)) and abs(1.0 - cos(state.theta - event.theta)) <= near
