@@ -85,7 +85,7 @@ def bind(
     wrap: Callable[[Any], Any] | None = None,
     literal: Callable[[float], Any] | None = None,
 ) -> dict[str, Any]:
-    """Copy the functions of `modules` so that they use `replaced` and each other in place of their modules' globals."""
+    """Copy the functions of `modules`; the copies call each other, and take the names in `replaced` from there."""
     # `wrap` is applied to every copy, such as numba.njit; `literal` converts the floats in the source once, such as 0.5
     # and the limits with a name. A name in `replaced` must be one that the functions could see.
     modules = tuple(modules)
@@ -125,9 +125,9 @@ def compile_modules(
     beside: Iterable[types.ModuleType] = (),
 ) -> dict[str, Any]:
     """Compile the functions of `modules` by numba, each when it is first called; the code is kept on disk."""
-    # Not every caller gets a copy of its own of the functions `outlined`, None for all. `callees` are compiled
-    # functions that stand for those of the same name; those that no module sees are left out. `replaced` and `literal`
-    # are as in `bind`. The modules `beside` are compiled too, such as operators of a type. MissingExtraError without
+    # All functions but those in `outlined` (None: all) are inlined into each caller. `callees` are compiled functions
+    # that replace those of the same name; those that no module sees are left out. `replaced` and `literal` are as in
+    # `bind`. The modules `beside` are compiled too, such as operators of a type. Raise MissingExtraError without
     # numba.
     try:
         import numba
@@ -153,8 +153,8 @@ def compile_modules(
     def wrap(function: Any) -> Any:
         # numba's disk cache sees changes in the function's own file only. The name of the entry says the rest.
         function.__qualname__ = f"{function.__name__}-{version}"
-        # Inlined ones are called by compiled code alone: what Python would call them by is never made. Each function
-        # says all three: one that did not would take forceinline from the function that calls it first.
+        # Inlined functions are called by compiled code only and need no wrappers for Python and C. Each function sets
+        # all three options: without them it would take forceinline from the function that calls it first.
         inline = function.__name__ in inlined
         options: dict[str, Any] = {"forceinline": inline, "no_cpython_wrapper": inline, "no_cfunc_wrapper": inline}
         return keep_on_disk(numba.njit(error_model="numpy", nogil=True, **options)(function))
@@ -163,7 +163,7 @@ def compile_modules(
 
 
 def is_compiled(function: Any) -> bool:
-    """Return whether numba has compiled a function of `compile_modules`, or finds it on disk."""
+    """Return whether the compiled code of a function of `compile_modules` is in memory or on disk."""
     if not hasattr(function, "py_func") or function.overloads:
         return True
     folder, name = function.stats.cache_path, function.py_func.__qualname__
@@ -188,7 +188,7 @@ def converted(value: Any, number: Callable[[Any], Any]) -> Any:
 
 
 def product_and_zero(a, b):
-    """Return a b and the rounding error 0, in place of the exact product of doubles (`two_product`)."""
+    """Return a b and 0: stands in for `two_product`, the exact product of doubles, in other arithmetics."""
     return a * b, 0.0 * a
 
 
@@ -230,17 +230,17 @@ class Arithmetic:
         return float(value)
 
     def enter(self) -> Any:
-        """Make this precision the current one; return the argument of `leave`."""
+        """Make this precision the current one; return what `leave` needs to restore the one before."""
 
     def leave(self, before: Any) -> None:
         """Restore the precision that was current before `enter`."""
 
     def inward(self, value: Any) -> Any:
-        """Convert a number, or the numbers in a tuple, to those of the event loop."""
+        """Convert a number, or the numbers in a tuple, to the type in which the event loop computes."""
         return value
 
     def outward(self, value: Any) -> Any:
-        """Convert back what `inward` converted."""
+        """Convert numbers of the event loop back to those of this arithmetic (see `inward`)."""
         return value
 
 
@@ -252,7 +252,7 @@ def _float_constants(parameters: Parameters) -> Constants:
 
 @lru_cache(maxsize=256)
 def _reduced(angle: Fraction, digits: int) -> Any:
-    """Return an angle modulo 2 pi, None for the angle 0; cached, as many starts have the same angle."""
+    """Return an angle modulo 2 pi to `digits` digits (None for the angle 0), cached: many starts have the same one."""
     if angle == 0:
         return None
     context = mp_context(digits + 20 + len(str(abs(int(angle)))))
@@ -262,7 +262,7 @@ def _reduced(angle: Fraction, digits: int) -> Any:
 
 @cache
 def compiled(width: int = 0) -> dict[str, Any]:
-    """Return the source for doubles compiled by numba, with `width` lanes side by side (0: as the processor likes)."""
+    """Return the engine's functions for doubles, compiled; `width` motions go side by side (0: the fastest number)."""
     try:
         from symosc.kernels import lane_types
     except ImportError:
@@ -280,7 +280,7 @@ def compiled(width: int = 0) -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def compiled_tangents() -> dict[str, Any]:
-    """Return the source of derivatives compiled by numba; raise MissingExtraError if numba is not installed."""
+    """Return the compiled functions that differentiate motions; raise MissingExtraError if numba is not installed."""
     outlined = {"tangents", "changes_at", "divided_difference", "difference_by_series", "repeated"}
     callees = {name: function for name, function in compiled().items() if name != "exp"}  # theirs is of complex numbers
     return compile_modules((mapping, tangent), outlined, callees)
@@ -291,7 +291,7 @@ def compiled_tangents() -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def column_functions() -> dict[str, Any]:
-    """Return `elementary` and `entire_array` for columns: the same bits on every processor, as numpy's have not."""
+    """Return the functions of `elementary` and `entire_array` for arrays, with the same bits on every processor."""
     powers = {"select": np.where, "power_of_two": lambda n: np.ldexp(1.0, n.astype(np.int64))}
     own = bind((elementary,), powers)
     short_sin, short_cos, widest = own["short_sin"], own["short_cos"], elementary.WIDEST
@@ -335,7 +335,7 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def namespace(self) -> dict[str, Any]:  # type: ignore[override]
-        """The engine's source bound to these numbers."""
+        """The engine's functions for these numbers, by name."""
         return bind(SOURCES, self._replaced, literal=self.context.mpf)
 
     def number(self, value: Fraction) -> Number:
@@ -366,7 +366,7 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def following(self) -> dict[str, Any]:
-        """The engine's source bound to the numbers of the event loop."""
+        """The engine's functions for the numbers of the event loop, by name."""
         if self._mpfr is None:
             return self.namespace
         from symosc.kernels.multiprecision import BasisMP
@@ -412,7 +412,7 @@ class MpArithmetic(Arithmetic):
 
 @lru_cache(maxsize=64)
 def many_digits(parameters: Parameters, digits: int) -> MpArithmetic:
-    """Return the arithmetic with that many digits, cached: its constants take a while."""
+    """Return the arithmetic with that many digits, cached: its constants take long to derive."""
     return MpArithmetic(parameters, digits)
 
 
@@ -425,7 +425,7 @@ def mp_context(digits: int) -> Any:
 
 # --- double-double numbers ---
 
-# What the loops of pairs do in doubles, by the name that it has there.
+# What the loops of pairs compute in doubles: the name that they call, and the function for doubles that it stands for.
 PLAIN_IN_PAIRS = {
     f"{name}_in_doubles": name
     for name in ("end_by_phase", "next_undecided", "open_free_time", "searched", "write_event", "write_piece")
@@ -507,13 +507,13 @@ def pairs_are_compiled() -> bool:
 
 
 def pairs_are_loaded() -> bool:
-    """Return whether the loops of pairs are compiled, in a process that has already used those of doubles."""
+    """Return whether the loops of pairs are compiled and this process has already used those of doubles."""
     used = compiled.cache_info().currsize and compiled()["follow_all"].overloads
     return bool(used) and pairs_are_compiled()
 
 
 def pairs_as_complex(value: Any) -> Any:
-    """Convert mpf entries, in tuples of any depth, to complex numbers hi + i lo; keep other entries."""
+    """Convert the mpf numbers in a tuple of any depth to pairs, as complex numbers hi + i lo; keep other entries."""
 
     def number(entry: Any) -> Any:
         if not hasattr(entry, "_mpf_"):
@@ -527,11 +527,11 @@ def pairs_as_complex(value: Any) -> Any:
 
 @lru_cache(maxsize=1024)
 def pair_constants(parameters: Parameters) -> Constants:
-    """Return the constants as complex numbers hi + i lo, each rounded once."""
+    """Return the constants as pairs, stored as complex numbers hi + i lo, each rounded once."""
     return pairs_as_complex(many_digits(parameters, ROUNDED_FROM).K)
 
 
 def pair_phase(parameters: Parameters, t: Fraction) -> complex:
-    """Return the phase at a time, rounded once."""
+    """Return the phase at a time as a pair, stored as the complex number hi + i lo, rounded once."""
     found: complex = pairs_as_complex(many_digits(parameters, ROUNDED_FROM).phase(t))
     return found

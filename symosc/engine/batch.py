@@ -55,7 +55,7 @@ class Batch(NamedTuple):
 
 
 class EventRows(NamedTuple):
-    """A buffer of events: FLOAT_COLUMNS, the trajectory's number, and CODE_COLUMNS; each contiguous."""
+    """A buffer of events in contiguous columns: FLOAT_COLUMNS, then the trajectory's number and CODE_COLUMNS."""
 
     floats: np.ndarray  # (columns, rows)
     ints: np.ndarray
@@ -71,7 +71,7 @@ class PairLimits(NamedTuple):
 
     most: int  # events after which a trajectory is FULL
     accuracy: float
-    more: int  # events that the buffer holds for each motion beside those that are wanted
+    more: int  # for how many events per motion the buffer has room beyond those that are wanted
     noise: float  # errors of an event that pairs may have, as a part of the rounding to doubles
     table: np.ndarray  # as `follow_all` takes it
     careful: np.ndarray  # the same, for decisions that exceed the errors of a state whatever accuracy is asked for
@@ -111,7 +111,7 @@ def batch_of(states: np.ndarray, sets: np.ndarray | None = None) -> Batch:
 
 
 def event_buffer(events: int) -> EventRows:
-    """Return an empty buffer for `count` events."""
+    """Return a buffer with room for this many events."""
     return EventRows(large_array((len(FLOAT_COLUMNS), events)), large_array((1 + len(CODE_COLUMNS), events), np.int32))
 
 
@@ -126,7 +126,7 @@ def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
 
 
 def borrowed(arrays):
-    """Return an array or a tuple of them; compiled code gets views whose references numba does not count."""
+    """Return arrays as they are; compiled code instead gets views whose references numba does not count."""
     return arrays
 
 
@@ -154,7 +154,7 @@ def keep_state(states, i, state):
 
 
 def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectories until all have ended or a buffer is full; return the next one, and rows and pieces filled."""
+    """Follow trajectories until all end or a buffer is full; return the next one, and the rows and pieces filled."""
     #   begin : first trajectory to follow; it may have been begun before.
     #   batch : Batch, updated.
     #   most : events after which a trajectory is FULL.
@@ -172,7 +172,7 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
 
 
 def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectory i until it ends or a buffer is full, or `once`: for one step, as `follow_all` does all."""
+    """Follow trajectory i as `follow_all` does, until it ends or a buffer is full; if `once`, for one step only."""
     batch, out, pieces, tally, table = borrowed((batch, out, pieces, tally, table))
     states, sets, counts, codes = batch
     recorded, tallied = pieces.shape[1] > 0, tally.floats.shape[0] > 0
@@ -219,7 +219,7 @@ def is_inexact(t, t_error, x, x_error, t0, accuracy):
 
 
 def end_by_phase(row, K):
-    """Return t_end in two parts, as doubles count the time by the phase, and t0, from a batch row."""
+    """Return t_end (high and low part) and t0 of a batch row, t_end by the clock of doubles: phase/rounded Omega."""
     t_end, t0 = float(row[13]), float(row[15])
     return t_end, float(row[14]) - (t_end - t0) * K.Om_gain, t0
 
@@ -239,12 +239,12 @@ def search_row(states, table):
 
 
 def open_free_time(found, state, K):
-    """Return how long a flight surely meets no wall, if the contact found is undecided; else 0."""
+    """Return for how long a flight surely meets no wall, if the contact found is undecided; else 0."""
     return free_time(state, K) if found.boundary > 0 and not found.decided else 0.0
 
 
 def doubt_row(states, count, most, accuracy, table):
-    """Return the number of the next event that doubles cannot decide, from the state in the first row; 0: none soon."""
+    """Return the number of the next event after the state in row 0 that doubles cannot decide; 0 if none is near."""
     return next_undecided(state_of(states, 0), count, states[0], most, accuracy, table[0])
 
 
@@ -278,7 +278,7 @@ def write_event(out, row, i, before, found, clock, K):
 
 
 def write_piece(pieces, row, state, elapsed):
-    """Write the piece that begins with a state into a column."""
+    """Write the piece of a motion that begins at a state (its PIECE_COLUMNS) into column `row` of the buffer."""
     pieces[0, row], pieces[1, row], pieces[2, row] = state.n, state.theta, state.mode
     pieces[3, row], pieces[4, row] = state.x, state.v
     pieces[5, row], pieces[6, row] = (state.Fb if state.mode <= ON_BELT else 0.0), elapsed
@@ -292,12 +292,12 @@ open_free_time_in_doubles, write_event_in_doubles, write_piece_in_doubles = open
 
 
 def from_complex(value):
-    """Convert complex numbers, also in a named tuple, to pairs hi + lo; doubles have no low part."""
+    """Return a value as it is; loops of pairs instead convert its complex numbers hi + i lo to pairs."""
     return value
 
 
 def first_pairs(pairs, K):
-    """Fill in forces, velocity, sine and cosine, and errors of starts in pairs; no force on a belt may be 0."""
+    """Complete the rows of starts in pairs: velocity, forces, sine, cosine, errors; no force on a belt may be 0."""
     K = from_complex(K)
     for i in range(pairs.shape[0]):
         mode, at, theta = int(pairs[i, 0]), int(pairs[i, 1]), float(pairs[i, 3])
@@ -315,11 +315,11 @@ def first_pairs(pairs, K):
 
 
 def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
-    """Follow trajectories in pairs to a number of events, or to their end; return (rows, parts) filled."""
+    """Follow trajectories in pairs to a number of events, or to their end; return how many rows and pieces it fills."""
     # Doubles search for each event as far as they are sure (`advance_near`). A motion that doubles could soon not
     # decide again is followed farther, as long as the buffer holds its events.
     #   chosen : (m,) numbers of the trajectories to follow, in order.
-    #   wanted : (n,) events to come to, in all; for a motion that has filled `pieces` those to go on to.
+    #   wanted : (n,) number of events to reach, with those so far; updated for a motion that has filled `pieces`.
     #   pairs : (n, STATE_WIDTH) complex array, updated: states in pairs.
     #   batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING,
     #     END, REST, or UNDECIDED before a contact that pairs cannot decide, or an event that they know worse than
@@ -395,12 +395,12 @@ def in_doubles(state, t0, K):
 
 
 def is_below(part, error, value):
-    """Return whether the error of a value is at most a part of its rounding to a double."""
+    """Return whether the error of a value is at most `part` times the error of rounding it to a double."""
     return error <= part * (EPS * abs(value))
 
 
 def rounding_error(error, value):
-    """Return the error made by rounding a value to a double."""
+    """Return the error of a value after rounding to a double; its error before that counts unless negligible."""
     rounding = EPS * abs(value)
     return rounding if is_below(NEGLIGIBLE, error, value) else error + rounding
 

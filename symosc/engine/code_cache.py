@@ -1,6 +1,6 @@
 """The disk cache of numba's compiled code, with checksums; a damaged or unwritable cache never raises.
 
-numba itself raises where no folder can be written, and where a file is damaged; changed code it would run.
+numba itself raises if no folder is writable or a file is damaged, and runs code whose bytes have changed.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _warned: set[str] = set()
 
 
 def _warn(problem: str, reason: str) -> None:
-    """Warn once per program, not once for each of dozens of functions."""
+    """Warn of a problem of the cache, only once per program although it concerns dozens of functions."""
     if problem not in _warned:
         _warned.add(problem)
         advice = "; each program compiles it; NUMBA_CACHE_DIR names another folder" if problem == NOT_KEPT else ""
@@ -33,7 +33,7 @@ def _warn(problem: str, reason: str) -> None:
 
 
 class _CheckedFiles(IndexDataCacheFile):
-    """Index and data files with a checksum at the end, which pickle does not read."""
+    """numba's index and data files with a checksum appended; pickle stops reading before it."""
 
     @contextmanager
     def _open_for_write(self, filepath: str) -> Iterator[Any]:
@@ -60,7 +60,7 @@ def _check(path: str) -> None:
 
 
 class _BesideSource(InTreeCacheLocator):
-    """The cache folder next to the source, read-only too: it may hold code compiled for all users."""
+    """The cache folder next to the source, used even if it is read-only: it may hold code compiled for all users."""
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> Any:

@@ -31,7 +31,7 @@ ROW = _row_type(Constants)
 
 
 class ConstantRows(Sequence[Constants]):
-    """A table for CPython: indexing converts a row to a tuple of floats."""
+    """A table of constants for interpreted code: indexing returns a row as `Constants` with Python's floats."""
 
     def __init__(self, table: np.ndarray) -> None:
         self.table = table
@@ -50,7 +50,7 @@ class ConstantRows(Sequence[Constants]):
 
 
 class ParameterColumns:
-    """Parameters as columns of pairs; the forces are those of `Parameters`."""
+    """The parameters of many sets, a column of pairs for each; forces are computed as in `Parameters`."""
 
     A, belt = Parameters.A, Parameters.belt
 
@@ -66,7 +66,7 @@ def table_of(rows: Iterable[Constants]) -> np.ndarray:
 def constant_table(
     columns: dict[str, PairColumn], count: int, alone: Callable[[int], Constants], march_rows: Callable[..., None]
 ) -> np.ndarray:
-    """Return the constants of `count` parameter sets; `alone` computes single sets in exact arithmetic."""
+    """Return the constants of `count` parameter sets; `alone` computes, exactly, those that columns may get wrong."""
     doubts = np.zeros(count, dtype=bool)
     given = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
     for column in given.values():
@@ -87,7 +87,7 @@ def constant_table(
 
 
 def _fill(table: np.ndarray, values: Any) -> None:
-    """Write values, columns or nested tuples of them, into the table."""
+    """Write the fields of a named tuple of columns, and of the tuples in it, into the fields of the same names."""
     for name, value in zip(values._fields, values, strict=True):
         if name in NESTED:
             _fill(table[name], value)

@@ -57,7 +57,7 @@ class Event:
 
 
 def event_numbers(before, found, clock, K):
-    """Return the numbers of an event, Number and float fields in the order of `Event`."""
+    """Return the fields of an event that are numbers, in the order of `Event`."""
     # From the state before the search, the NextEvent found, and (t, t_error, x_error) of `time_with_errors`.
     state = found.state
     t, t_error, x_error = clock
@@ -65,7 +65,7 @@ def event_numbers(before, found, clock, K):
 
 
 def event_codes(before, found):
-    """Return the codes of an event, int and str fields in the order of `Event`."""
+    """Return the fields of an event that are integers or text, as codes, in the order of `Event`."""
     return found.code, found.boundary, before.mode, found.state.mode
 
 

@@ -87,7 +87,7 @@ def fourth_derivative_bound(G2, G3, s, c, K):
 
 
 def positive_on(s, P):
-    """Return whether p0 + p1 s + ... + p4 s^4 > 0 on [0, s], which positive Bernstein coefficients prove."""
+    """Return whether P = p0 + p1 r + ... + p4 r^4 is proven positive for r in [0, s], by its Bernstein coefficients."""
     p0, p1, p2, p3, p4 = P
     t1, t2, t3 = p1 * s, p2 * s * s, p3 * s * s * s
     if p0 <= 0.0 or p0 + 0.25 * t1 <= 0.0 or p0 + 0.5 * t1 + SIXTH * t2 <= 0.0:
@@ -96,7 +96,7 @@ def positive_on(s, P):
 
 
 def safe_step(cap, P):
-    """Return (s, root): P > 0 on [0, s], s <= cap; `root` estimates the first root of P (cap if none is earlier)."""
+    """Return (s, root): P > 0 on [0, s], s <= cap; `root`: about the first root of the polynomial P, at most cap."""
     # First the root of the quadratic, then Halley's method; the result is checked before it is used.
     p0, p1, p2, p3, p4 = P
     if p0 <= 0.0:
@@ -137,7 +137,7 @@ def gap_to(side, now, walls):
 
 
 def gap_bound(side, now, M4, margin, walls):
-    """Return the coefficients and the degree of the bound P of the gap to the wall on a side, from `now` on."""
+    """Return coefficients and degree of the polynomial P that bounds the gap to the wall on a side, from `now` on."""
     # The margin for the error of the start is held back from the gap, or half the gap if that is not much larger. At a
     # start on the wall P is divided by its root there.
     g, g1, g2, g3 = gap_to(side, now, walls), -side * now.F, -side * now.G1, -side * now.G2
@@ -154,7 +154,7 @@ def gap_bound(side, now, M4, margin, walls):
 
 
 def is_near(root, P, degree, M4, size, K):
-    """Return three flags of a root: it is isolated, within NEAR/rate, and the gap is clearly negative after it."""
+    """Return whether a root of P is isolated, known to within NEAR/rate, and followed by a clearly negative gap."""
     # One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its
     # sign up to there and over what makes up for `missing` (Kantorovich).
     p0, p1, p2, p3, p4 = P
@@ -224,7 +224,7 @@ class Marched(NamedTuple):
 
 
 def march(tau_max, v0, now, walls, margin, K):
-    """Go ahead in fixed steps that certainly meet no wall, without evaluating exp, sin or cos."""
+    """Follow a flight by fixed steps that surely meet no wall and cost no exp, sin or cos; return a `Marched`."""
     # Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
     # so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
     # Strides are tried where the gaps look wide enough.
@@ -271,7 +271,7 @@ def march(tau_max, v0, now, walls, margin, K):
 
 
 def free_motion(v0, now, walls, margin, K):
-    """Return v and acceleration of the transient, the slack that gaps must exceed, and which walls it cannot reach."""
+    """Return v and acceleration of the transient, the slack that gaps must exceed, and if a wall is out of reach."""
     v_free, F_free = v0 - (K.Ss * now.s + K.Sc * now.c), now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
     # The steady amplitude and the energy of the transient bound v: walls beyond that do not count.
@@ -325,7 +325,7 @@ def is_free(side, now, there, lift, slack, walls):
 
 
 def stays_open(g0, d0, g1, d1, lift, slack):
-    """Return whether a gap is positive all over a step, by its values and slopes at both ends (see `is_free`)."""
+    """Return whether a gap is positive throughout a step, given its values and slopes at both ends (see `is_free`)."""
     ends = (g0 > slack) & (g0 + 0.25 * d0 > slack) & (g1 > slack) & (g1 - 0.25 * d1 > slack)
     return ends & (0.5 * (g0 + g1) + SIXTH * (d0 - d1) > lift)
 
@@ -355,7 +355,7 @@ def meets_once(side, now, there, M4, slack, walls):
 
 
 def tolerance(side, now, start, walls, S, K):
-    """Return the error bound of a gap at a point of a flight: rounding, and the launch error S carried along."""
+    """Return the error bound of a gap at a point of a flight: rounding, and the effect of the launch error S."""
     start_gap = walls.below if side < 0 else walls.above
     pull = -K.w0sq * now.E1
     variance = pull * pull * S.S11 + 2.0 * pull * now.E0 * S.S12 + now.E0 * now.E0 * S.S22
@@ -364,7 +364,7 @@ def tolerance(side, now, start, walls, S, K):
 
 
 def closest_approach(tau, earliest, side, M4, start, walls, S, K):
-    """Find the minimum of a gap near `tau`, after `earliest`, by Newton's method; return its verdict and time."""
+    """Find the minimum of a gap near `tau`, after `earliest`, by Newton's method; return a code and its time."""
     # NOTHING: the gap is positive up to tau_min. HIT: it is negative at tau_min. TANGENCY: it is 0 there within its
     # error, and not for good; LOST: for good. STALLED: no minimum was found nearby, or the way to it is not proven
     # free.
@@ -447,7 +447,7 @@ def first_exit(tau_max, start, walls, S, K):
 
 
 def search_begin(tau_max, start, walls, S, K):
-    """Return where the search of a flight begins, whether its start is flat, the limit of thin gaps, and the margin."""
+    """Return the point where the search of a flight begins, if its gap starts flat, and the limits thin and margin."""
     # A gap whose square is below `thin` is compared with its error. The margin is what the error of the start can do to
     # a gap; where that is less than rounding, `tolerance` includes it.
     v0, F0, s0, c0 = start
@@ -556,7 +556,7 @@ def nearest_root(cap, now, M4, margin, walls):
 
 
 def graze_ahead(now, side, step, M4, start, walls, S, K):
-    """Find the next minimum of the gap to one wall, with its verdict; STALLED if the other wall may be met earlier."""
+    """Return code and time of the next minimum of the gap to a wall; STALLED if the other wall may come first."""
     verdict, tau_min = closest_approach(now.tau, now.tau, side, M4, start, walls, S, K)
     reach = tau_min - now.tau
     if walls.has_below and walls.has_above and verdict != STALLED and reach > step:
@@ -566,7 +566,7 @@ def graze_ahead(now, side, step, M4, start, walls, S, K):
 
 
 def part_to_root(now, there, side, walls):
-    """Estimate at which part of the way between two points a gap vanishes, from its values and slopes at both."""
+    """Estimate after which fraction of the time between two points a gap vanishes, by its values and slopes there."""
     h, gap, beyond = there.tau - now.tau, gap_to(side, now, walls), -gap_to(side, there, walls)
     inverse = 1.0 / (gap + beyond)
     part = gap * inverse
@@ -635,7 +635,7 @@ def force_gain(tau, s0, c0, belt, K):
 
 
 def force_gain_at(tau, s, c, s0, c0, belt, K):
-    """Return the gain Delta of the forces, and sine and cosine of the phase, given those of half the phase gained."""
+    """Return what `force_gain` does, given s and c: sine and cosine of half the phase gained."""
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
     Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
     s_Om, c_Om = 2.0 * s * c, 1.0 - 2.0 * s * s
@@ -655,7 +655,7 @@ def wrap_phase(angle):
 
 
 def phase_ahead(angle):
-    """Return the distance in [0, 2 pi) to a phase ahead; a phase that is reached within rounding counts as passed."""
+    """Return a difference of phases moved into [0, 2 pi), and 0 for a whole turn within rounding."""
     angle = wrap_phase(angle)
     return select((angle < SAME_PHASE * EPS) | (2.0 * PI - angle < SAME_PHASE * EPS), 0.0 * angle, angle)
 

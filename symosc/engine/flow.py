@@ -41,7 +41,7 @@ SLOW_STRIDE, SLOW = 4.0, 5.0
 
 
 class BeltConstants(NamedTuple):
-    """What a stick on one belt needs; along it m dF/dt = -(k v + B0 Omega sin(theta)) for both forces."""
+    """Constants of a stick on one belt; along it both forces F obey m dF/dt = -(k v + B0 Omega sin(theta))."""
 
     v: Number  # speed of the belt
     J: Number  # F^(below) - F^(above) = 2 mu FN/m
@@ -55,7 +55,7 @@ class BeltConstants(NamedTuple):
 
 
 class MarchConstants(NamedTuple):
-    """Constants of motion over one fixed step, for the transient and the steady state."""
+    """The coefficients that carry the transient and the steady state of a flight over one fixed step."""
 
     step: Number
     C: Number  # transient velocity from transient velocity: 1 - (k/m) E2
@@ -190,13 +190,13 @@ def constants(
 
 
 def with_march(K: Constants, basis: Callable[[Number, Constants], tuple[Number, ...]]) -> Constants:
-    """Return the constants K with those for fixed steps, from the entire functions at one step and at one stride."""
+    """Return K completed by the constants of fixed steps: `march` for the usual step, `stride` for a longer one."""
     march, stride = (MarchConstants(*march_constants(step, basis(step, K), K)) for step in march_steps(K))
     return K._replace(march=march, stride=stride)
 
 
 def march_steps(K):
-    """Return the lengths of the fixed steps along a flight: of a usual step and of a stride, a longer one."""
+    """Return the lengths of both fixed steps along a flight: the usual step, and the longer stride."""
     return MARCH_STEP / K.rate, (SLOW_STRIDE if K.rate > SLOW * K.Om else STRIDE) / K.rate
 
 
@@ -218,7 +218,7 @@ def march_constants(step, functions, K):
 
 
 def _period_rest(period: float, Om: float) -> Fraction:
-    """Return 2 pi/Om - period, the rounding of the period, for two doubles."""
+    """Return the rounding error of a period, 2 pi/Om - period, where Om and period are doubles."""
     two_pi = Fraction(2.0 * pi) + Fraction(2.4492935982947064e-16)
     return (two_pi - exactly(Om) * exactly(period)) / exactly(Om)
 
@@ -245,7 +245,7 @@ def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: An
 
 
 def clock_time(t, t_low, t0, K):
-    """Return the time of a state: doubles count t + t_low by the phase, with the rounding of Omega since t0."""
+    """Return the time of a state: t + t_low is the phase over the rounded Omega, which is corrected here since t0."""
     return t + (t_low + (t - t0) * K.Om_gain)
 
 
@@ -296,7 +296,7 @@ def derivatives(v, F, s, c, K):
 
 
 def stiff_derivatives(tau, start, s, c, K):
-    """Return the second to fourth derivative of v from the shares of both roots and of the steady motion."""
+    """Return v'', v''' and v'''' as sums over the fast and the slow decaying term and the steady motion."""
     # `derivatives` multiplies what rounding left of F by the fast root once per order; here it has died away.
     v0, F0, s0, c0 = start
     Om2 = K.Om * K.Om

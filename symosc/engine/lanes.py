@@ -98,7 +98,7 @@ def suits_lanes(K):
 
 
 def end_of_group(begin, sets, table):
-    """Return the end of the motions from `begin` on that may go side by side, and whether they have one set."""
+    """Return where the motions end that may go side by side from `begin` on, and whether all have one parameter set."""
     end, count, K = begin + 1, sets.shape[0], table[sets[begin]]
     if not suits_lanes(K):
         return end, True
@@ -115,7 +115,7 @@ def end_of_group(begin, sets, table):
 
 
 def fly(state, remaining, K):
-    """Return (good, code, boundary, t_error, state) at the next event of flights, as `advance` does; see the module."""
+    """Advance lanes in flight; return (good, code, boundary, t_error, state), `good` where `advance` surely agrees."""
     mode, at, n, theta, x, v0, F0, _, S, t, t_low, s0, c0, theta_low = state
     tau_max = select(remaining <= K.chunk, remaining + PAST_END * remaining, K.chunk)
     lower = select(mode == 1, -inf, select(mode == 2, K.belt1.v, K.belt2.v))
@@ -234,7 +234,7 @@ def chosen(which, one, other):
 
 
 def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
-    """Return (good, point): the contacts between two points (`between`, `polish`)."""
+    """Return (good, point): the contacts with a wall between the points `now` and `there` (see `polish`)."""
     low, high = now.tau, there.tau
     slack, h = 4.0 * EPS * high, high - low
     part = part_to_root(now, there, side, walls)
@@ -274,7 +274,7 @@ def flown_side_by_side(tau, v0, F0, s0, c0, K):
 
 
 def advance_phases(n, theta, theta_low, s, c, tau, K):
-    """Return (late, n, theta, theta_low, s, c) of phases after `tau` (`advance_phase`); late: not in the next turn."""
+    """Return (late, n, theta, theta_low, s, c) of phases after `tau` (`advance_phase`); late: beyond the next turn."""
     theta, theta_low = phase_after(theta, theta_low, tau, K)
     turned = theta >= TWO_PI
     theta, theta_low = select(turned, theta - TWO_PI, theta), select(turned, theta_low - TWO_PI_REST, theta_low)
@@ -408,17 +408,17 @@ def force_gain_in_lanes(tau, s0, c0, belt, K):
 
 
 def block(flights, given, found, accuracy, K):
-    """Advance the states in the columns of `given` to their next events, in `found`; return which results hold."""
+    """Advance the states in the columns of `given`, write the results to `found`; return as bits which of them hold."""
     return advance_side_by_side(flights, given, found, accuracy, K)
 
 
 def block_of_sets(flights, given, found, accuracy, constants):
-    """Return what `block` does, with the constants of each lane in a column."""
+    """Return what `block` does, where each lane has its own parameter set, a column of `constants`."""
     return advance_side_by_side(flights, given, found, accuracy, load_constants(constants))
 
 
 def advance_side_by_side(flights, given, found, accuracy, K):
-    """Return what `block` does, with constants that are the same for all lanes, or lanes."""
+    """Return what `block` does; the constants in K are the same for all lanes, or one for each lane."""
     S = Covariance(load(given, 8), load(given, 9), load(given, 10))
     mode, at, n, theta = load(given, 0), load(given, 1), load(given, 2), load(given, 3)
     x, v, Fb, Fa = load(given, 4), load(given, 5), load(given, 6), load(given, 7)
@@ -440,7 +440,7 @@ def advance_side_by_side(flights, given, found, accuracy, K):
 
 
 def keep_lanes(found, state):
-    """Store states in columns."""
+    """Store the states of all lanes in the columns of `found`."""
     store(found, 0, state.mode)
     store(found, 1, state.at)
     store(found, 2, state.n)
@@ -484,7 +484,7 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
 
 
 def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, space):
-    """Follow the trajectories from `begin` to `end`, `alike` where they have one set; return the number of rows."""
+    """Follow the trajectories from `begin` to `end` (`alike`: all of one parameter set); return the rows filled."""
     out, pieces, tally, table, batch, space = borrowed((out, pieces, tally, table, batch, space))
     queue, given, constants, found = space
     states, sets, counts, codes = batch
@@ -546,7 +546,7 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
 
 
 def tally_lanes(good, taken, members, found, batch, most, tally, table):
-    """Count the steps of lanes whose results hold, from the states in a batch."""
+    """Add the steps of those lanes whose results hold to the tally; `good` has a bit for each lane."""
     members, found, table, batch, tally = borrowed((members, found, table, batch, tally))
     states, sets, counts, _ = batch
     for lane in range(taken):

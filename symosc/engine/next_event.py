@@ -147,7 +147,7 @@ def past_end(tau_max, remaining):
 
 
 def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
-    """Continue the search along a flight until it ends apart from all walls; return its end."""
+    """Continue the search along a flight while it ends so near a wall that a graze is possible; return its end."""
     # Two searches must not meet where a belt is: each would leave a touch there to the other.
     while end.code == NOTHING and tau_max < remaining and tau_max <= 1.5 * K.chunk:
         if not ends_beside_wall(state, end.now, K):
@@ -289,7 +289,7 @@ def carried_error(S, now, x_noise, v_noise, K):
 
 
 def meet_belt(there, end, v_noise, remaining, K):
-    """Return the event where a flight meets a belt: a graze, or a stick or crossing (Theorems 4 and 5)."""
+    """Return the NextEvent where a flight meets a belt: a graze, or a stick or crossing (Theorems 4 and 5)."""
     # `there` is the State at the contact, in the domain that the flight comes from, `end` its FlightEnd, v_noise the
     # rounding error of the velocity, and `remaining` the time to the end from the start of the flight. A vague contact
     # that is no touch is a triple root: the velocity goes on through that of the belt, as far as friction lets it.
@@ -437,7 +437,7 @@ def advance_phase(n, theta, theta_low, tau, K):
 
 
 def phase_after(theta, theta_low, tau, K):
-    """Advance a phase by the time `tau`; return it in two parts, with whole turns not taken away."""
+    """Advance a phase by the time `tau`; return it in two parts, not reduced modulo 2 pi."""
     turn = K.Om * tau
     total = theta + turn
     part = total - theta
@@ -447,7 +447,7 @@ def phase_after(theta, theta_low, tau, K):
 
 
 def in_two_parts(theta, theta_low):
-    """Normalise a phase in two parts: the nearest number and the rest; one slightly below 0 becomes 0 and the rest."""
+    """Return a phase theta + theta_low as the nearest number and the rest; below 0, as 0 and the rest."""
     total = theta + theta_low
     theta_low = theta_low - (total - theta)
     return select(total < 0.0, 0.0 * total, total), select(total < 0.0, theta_low + total, theta_low)

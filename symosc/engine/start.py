@@ -60,7 +60,7 @@ class Start:
 
 
 class BeltStart(NamedTuple):
-    """The continuation of a motion from a point of a belt (Theorems 4 and 5)."""
+    """How a motion goes on from a point of a belt (Theorems 4 and 5): its mode, and both accelerations."""
 
     boundary: int
     mode: int  # that it goes on in
@@ -69,7 +69,7 @@ class BeltStart(NamedTuple):
 
     @property
     def forces(self) -> tuple[Number, Number]:
-        """The accelerations of the initial state: both sides on the belt, else twice that of its domain."""
+        """Both accelerations of the initial state: F^(below) and F^(above) in a stick, else its domain's, twice."""
         if self.mode > ON_BELT:
             return self.below, self.above
         force = self.above if self.mode > self.boundary else self.below
@@ -93,7 +93,7 @@ def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, a
 def belt_state(
     start: BeltStart, clock: tuple[int, Number], phase: Phase, x: Number, S: Covariance, K: Constants
 ) -> State:
-    """Return the state at time 0 for a start on a belt; `clock` is the number of periods and the angle."""
+    """Return the state at time 0 for a start on a belt; `clock`: the number of whole periods, and the phase."""
     v, zero = (K.belt1 if start.boundary == 1 else K.belt2).v, 0 * x
     return State(start.mode, start.boundary, *clock, x, v, *start.forces, S, zero, zero, *phase, zero)
 
@@ -101,7 +101,7 @@ def belt_state(
 def start_rows(
     at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, times: Sequence[Any], K: Any
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return batch rows for many starts, some on a belt (`at` > 0), where the forces decide how each goes on."""
+    """Return batch rows of many starts, on belt `at` if that is > 0, and where doubles do not decide the forces."""
     # `times` are t, t_low, t_end, t_end_low and t0, and K may be columns of constants by name. Also return where a
     # force on the belt is so small that doubles do not decide.
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
@@ -139,7 +139,7 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
         begun = belt_start(at, x, phase, arithmetic)
         clear = CLEAR_FORCE * force_terms(at, x, K) + reach_of_error(start, arithmetic)
         if min(abs(begun.below), abs(begun.above)) <= clear:
-            exact = _decided(start, at)
+            exact = _decided_start(start, at)
             below, above = arithmetic.rounded(exact.below), arithmetic.rounded(exact.above)
             begun = exact._replace(below=below, above=above)
         mode, (Fb, Fa) = begun.mode, begun.forces
@@ -167,7 +167,7 @@ def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
     return K.w0sq * (dx + abs(number(start.v0)) * dt) + K.cm * dv + abs(K.fB) * dt
 
 
-def _decided(start: Start, boundary: int) -> BeltStart:
+def _decided_start(start: Start, boundary: int) -> BeltStart:
     """Decide how a motion goes on from a start on a belt, with enough digits to distinguish a force from 0."""
     p = start.parameters
     numbers = [start.t0, start.x0, start.v0, *(getattr(p, name) for name in PARAMETER_NAMES)]

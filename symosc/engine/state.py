@@ -32,7 +32,7 @@ class Covariance(NamedTuple):
 
 
 class State(NamedTuple):
-    """The state at an event or between events."""
+    """The state of a motion at an event or between events: mode, phase, x, v, accelerations, error and time."""
 
     # Phase and time are both carried, each in two parts: Omega t loses no digits however large t becomes, and t none
     # however slow the drive is. Sine and cosine of the phase come from the search, and anew from theta in each forcing
@@ -91,7 +91,7 @@ class Flown(NamedTuple):
 
 
 class Walls(NamedTuple):
-    """The belts around a domain, relative to a flight at its launch."""
+    """The gaps from a flight to the belts around its domain, at its launch."""
 
     below: Number  # v minus the lower belt's speed; exact 0 at a launch from it
     above: Number  # the upper belt's speed minus v

@@ -68,7 +68,7 @@ MAP_OF = np.array([_MAP_CODES.get((at, mode, to), 0) for at in range(3) for mode
 
 
 class Kept(NamedTuple):
-    """The optional parts of a tally: time on belts, extremes, sections and words."""
+    """The optional parts of a tally that are kept: time on belts, extremes, sections and words."""
 
     stuck: bool  # the time on belts
     extent: bool  # the extremes of the ends of steps
@@ -99,7 +99,7 @@ class Extremes(NamedTuple):
 
 
 class Open(NamedTuple):
-    """Which extremes a flight may widen: those of v, and that of x if its velocity may change its sign."""
+    """Which extremes a flight may exceed: those of v, and those of x if its velocity may change its sign."""
 
     v_min: bool
     v_max: bool
@@ -108,7 +108,7 @@ class Open(NamedTuple):
 
 @cache
 def no_tally() -> Tally:
-    """Return an empty tally: events are recorded instead."""
+    """Return a tally of no motion, with which the event loop records events instead."""
     return new_tally(np.zeros((0, 16)), np.zeros(0), Kept(False, False, False, 0, 0))
 
 
@@ -213,7 +213,7 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
 
 
 def keep_flight(i, state, tau, own, tally):
-    """Keep a flight from a state, and its own extremes."""
+    """Store a flight that was searched (launch, duration, own extremes), to compare later flights with it."""
     flights, n = tally.flights, tally.ints[i, SEARCHED] % KEPT_FLIGHTS
     tally.ints[i, SEARCHED] += 1
     flights[i, n, MODE], flights[i, n, THETA], flights[i, n, X] = state.mode, state.theta, state.x
@@ -222,7 +222,7 @@ def keep_flight(i, state, tau, own, tally):
 
 
 def lies_within(i, state, tau, seen, open_ends, tally, K):
-    """Return whether a flight lies within the extremes, within half their slack, by the own extremes of one like it.
+    """Return whether a flight stays within the extremes so far (with slack), by comparison with a searched flight.
 
     Two flights in one domain differ, at equal times since their launch, by a steady motion, whose drive is the
     difference of theirs, and an unforced one, whose energy dv^2 + (k/m) dx^2 never grows. Where these are not separated
@@ -358,7 +358,7 @@ def flown(x, start, tau, s_Om, c_Om, K):
 
 
 def settle(tally, sets, table, sections, repeats):
-    """Write the last sections of motions, and the number of periods after which they repeat."""
+    """Write the last sections of motions into `sections`, and after how many periods they repeat into `repeats`."""
     # `sets` (n,) are the parameter sets of the motions, `table` their constants. `sections` (n, m, 2) is filled with x
     # and v at the last m sections in order of time, as far as they were reached, and `repeats`, (n,) or (0,), with the
     # periods, 0 for a motion that does not repeat.
@@ -409,7 +409,7 @@ def same_sections(i, m, tally, K):
 
 
 def section(i, n, tally, K):
-    """Return the Poincaré section of a number in the ring buffer; compute its x and v if that was not done yet."""
+    """Return Poincaré section number n from the ring buffer; compute its x and v if this is the first time."""
     kept = tally.sections[i, n % tally.words.shape[1]]
     x, v, tau, theta = kept[FROM_X], kept[FROM_V], kept[SINCE], kept[FROM_THETA]
     if kept[FLIES] > 0.0:
@@ -425,7 +425,7 @@ def section(i, n, tally, K):
 
 
 def widened(seen, x, v):
-    """Extend the extremes so that they include a point (x, v)."""
+    """Return the extremes extended to include a point (x, v)."""
     return Extremes(
         x if x < seen.x_min else seen.x_min,
         x if x > seen.x_max else seen.x_max,
@@ -435,7 +435,7 @@ def widened(seen, x, v):
 
 
 def flight_extremes(begin, last, start, x0, own, open_ends, K):
-    """Extend the extremes of the ends of a flight, at `begin` and `last` (Flown), to its own, where they are open.
+    """Extend `own`, the extremes of a flight's ends at `begin` and `last` (Flown), to those of the whole flight.
 
     `start` is its Launch, x0 the position there.
     """
@@ -457,7 +457,7 @@ def flight_extremes(begin, last, start, x0, own, open_ends, K):
 
 
 def end_of_flight(before, after, tau, K):
-    """Return the end of a flight between two states (Flown): from the state behind it, without the entire functions."""
+    """Return the end of a flight as `Flown`, from the states before and after it, without the entire functions."""
     if K.stiff:
         return state_at(tau, launch_of(before), K)
     F = acceleration(after.x, after.v, after.c, constant_force(before.mode, K), K.cm, K.w0sq, K.f0)
@@ -465,14 +465,14 @@ def end_of_flight(before, after, tau, K):
 
 
 def point(tau, dx, dv, there, K):
-    """Return the point of a flight at a state `there`, given as a Launch; without the entire functions."""
+    """Return a point of a flight as `Flown`: its gains dx, dv and its Launch `there`; without the entire functions."""
     v, F, s, c = there
     G1, G2, G3 = derivatives(v, F, s, c, K)
     return Flown(tau, dx, dv, F, G1, G2, G3, s, c, 1.0, 0.0, 0.0)
 
 
 def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
-    """Extend the extremes so that they include a flight between two of its points, which they include."""
+    """Extend the extremes `own`, which include two points of a flight, by the flight between these points."""
     while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not cell_within(now, then, M4, start.v, x0, own, open_ends):
         middle = cut_at(now, then, start, open_ends, K)
         own = widened(own, x0 + middle.dx, start.v + middle.dv)
@@ -482,7 +482,7 @@ def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
 
 
 def cell_within(now, then, M4, v0, x0, seen, open_ends):
-    """Return whether bounds from both ends of a cell prove that the flight stays within the extremes."""
+    """Return whether bounds from both ends of a cell, a part of a flight, prove it to lie within the extremes."""
     half = 0.5 * (then.tau - now.tau)
     return within(half, 1.0, now, M4, v0, x0, seen, open_ends) and within(half, -1.0, then, M4, v0, x0, seen, open_ends)
 
@@ -568,7 +568,7 @@ def stationary(now, then, of_v, start, K):
 
 
 def parabola_root(f0, slope, f1, width):
-    """Return the root in (0, width) of the parabola with f0 and a slope at 0 and f1, of the other sign, at `width`."""
+    """Return the root in (0, width) of the parabola that is f0 at 0, with this slope, and f1 at `width`; f0 f1 < 0."""
     bend = (f1 - f0 - slope * width) / (width * width)
     square = slope * slope - 4.0 * bend * f0
     root = sqrt(square) if square > 0.0 else 0.0

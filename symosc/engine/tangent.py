@@ -52,7 +52,7 @@ DT, DX, DV, END_X, END_V, SIZE, BY_X, BY_V = range(8)
 
 
 class Launch(NamedTuple):
-    """The start of a piece: its mode, time, phase, sine and cosine of that, position and velocity."""
+    """The start of a piece of a motion: its mode, time, phase, sine and cosine of that, position and velocity."""
 
     mode: int
     t: Number
@@ -73,12 +73,12 @@ class Letters(NamedTuple):
 
 
 def launch_at(mode, t, theta, x, v):
-    """Return the start of a piece."""
+    """Return the start of a piece of a motion as a `Launch`."""
     return Launch(int(mode), t, theta, sin(theta), cos(theta), x, v)
 
 
 def letters_of(row):
-    """Return a row of letters as a named tuple."""
+    """Return a row of the parameters m, mu1, mu2, FN as `Letters`."""
     return Letters(row[0], row[1], row[2], row[3])
 
 
@@ -153,7 +153,7 @@ def vanishes(domain, now, K):
 
 
 def force_changes(domain, now, codes, letters, K, work):
-    """Write the derivatives of the acceleration of a domain at a fixed time into row SIZE; return its rate there."""
+    """Write derivatives of a domain's acceleration at a fixed time into row SIZE; return its rates by x and phase."""
     # Rows END_X and END_V have the derivatives of x and v at this time.
     F, rounding = force(domain, now, K)
     F = 0.0 * F if abs(F) <= VANISHES * rounding else F
@@ -170,7 +170,7 @@ def force_changes(domain, now, codes, letters, K, work):
 
 
 def vanishing_times(domain, now, codes, letters, K, work):
-    """Write the derivatives of the time at which a domain's force vanishes into row DT; return how regular they are."""
+    """Write derivatives of the time at which a domain's force is 0 into row DT; return REGULAR, ROUGH or NO_SLOPE."""
     # Rows END_X and END_V have the derivatives of x and v at this fixed time.
     of_way, of_drive = force_changes(domain, now, codes, letters, K, work)
     rate, rounding = of_way + of_drive, EPS * (abs(of_way) + abs(K.f0 * K.Om))
@@ -181,7 +181,7 @@ def vanishing_times(domain, now, codes, letters, K, work):
 
 
 def contact_times(domain, other, belt, now, a, codes, K, work):
-    """Write the derivatives of the time at which a flight meets a belt into row DT; return how regular they are."""
+    """Write derivatives of the time at which a flight meets a belt into row DT; return a code, REGULAR and so on."""
     # `a` is the acceleration that the flight arrives with: the balance of forces at a rounded point may know it worse.
     for j in range(len(codes)):
         own = 1.0 if codes[j] == belt else 0.0
@@ -193,7 +193,7 @@ def contact_times(domain, other, belt, now, a, codes, K, work):
 
 
 def kinks(above, belt, codes, marks, n, regular, before, work):
-    """Mark the numbers that move a graze off the belt, by the side on which the gap opens; return whether any does."""
+    """Mark the numbers (parameters, start) that move a graze off its belt, by direction; return whether any does."""
     found = False
     for j in range(len(regular)):
         own = 1.0 if codes[j] == belt else 0.0
@@ -294,7 +294,7 @@ def begin(start, codes, count, letters, K, work):
 
 
 def grow(i, start, now, kind, turn, growth, count, columns, K, work):
-    """Scale the last columns to size 1; add the logarithms of this factor and of the change of areas to `growth`."""
+    """Scale the columns from `count` on to size 1; add the logarithms of that and of the areas' change to `growth`."""
     size = 0.0
     for row in range(DV + 1):
         for j in range(count, columns):

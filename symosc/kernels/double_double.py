@@ -34,7 +34,7 @@ def two_sum(a, b):
 
 
 def fast_sum(a, b):
-    """Return two_sum for |a| >= |b| (Dekker)."""
+    """Return (s, e) as `two_sum` does, in fewer operations, if |a| >= |b| (Dekker)."""
     s = a + b
     return s, b - (s - a)
 
@@ -51,7 +51,7 @@ def two_product(a, b):
 
 
 def pair_sum(ah, al, bh, bl):
-    """Return a + b for pairs; the error is relative to the result, cancellation or not, when a and b are exact."""
+    """Return a + b for pairs; if a and b are exact the error is relative to the result, even after cancellation."""
     s, e = two_sum(ah, bh)
     t, f = two_sum(al, bl)
     s, e = fast_sum(s, e + t)

@@ -55,13 +55,13 @@ def basis_with_drive(tau, s, c, K):
 
 
 def closed_form(tau, s, c, K):
-    """Return E0, E1, E2, R2, I2 where the roots and the drive are apart, with s, c = sin, cos(Omega tau)."""
+    """Return the basis E0, E1, E2, R2, I2 for roots far from i Omega, with s, c = sin, cos(Omega tau)."""
     w_tau = K.omega_d * tau
     return basis_apart(exp(-K.h * tau), sin(w_tau), cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
 
 
 def series(tau, cm, w0sq, Om):
-    """Return E0, E1, E2, R2, I2 from their Taylor series."""
+    """Return the basis E0, E1, E2, R2, I2 from its Taylor series; cm is c/m, w0sq is k/m, Om is Omega."""
     # The n-th derivatives at 0 obey s[n+1] = -cm s[n] - w0sq s[n-1] (for S) and z[n+1] = s[n] + i Omega z[n] (for Z).
     before, term = 0.0, tau  # s[n] tau^n / n! for n = 0 and 1: the terms of E1
     E0, E1, E2 = 1.0, tau, 0.5 * tau * tau
@@ -87,7 +87,7 @@ def series(tau, cm, w0sq, Om):
 
 
 def careful(tau, s, c, K):
-    """Return E0, E1, E2, R2, I2 by divided differences over the farthest pair of nodes."""
+    """Return the basis E0, E1, E2, R2, I2 by divided differences, for times at which the closed form would cancel."""
     if K.rate0 * tau < SERIES_BELOW:  # a fast drive on a slow oscillator: only Z needs divided differences
         E0, E1, E2, _, _ = series(tau, K.cm, K.w0sq, 0.0)
     else:
@@ -120,7 +120,7 @@ def impulse_integral(tau, E1, K):
 
 
 def wave_integrals(tau, s, c, E1, K):
-    """Return R2, I2, the integrals with the drive, by divided differences; s, c are sin, cos(Omega tau)."""
+    """Return R2, I2, the response to the drive, by divided differences; s, c are sin, cos(Omega tau)."""
     real1, _, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, K.detuning, tau)  # over l1 - i Om
     top_real, top_imag = c * real - s * imag - E1, c * imag + s * real

@@ -55,7 +55,7 @@ def series(tau: np.ndarray, cm: float, w0sq: float, Om: float) -> tuple[np.ndarr
 
 
 def careful(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
-    """Return E0, E1, E2, R2, I2 by divided differences over the two nodes that are farthest apart."""
+    """Return E0, E1, E2, R2, I2 for an array of times by divided differences, where the closed form would cancel."""
     if K.under:
         l1, l2 = complex(-K.h, K.omega_d), complex(-K.h, -K.omega_d)
         decay = np.exp(-K.h * tau)

@@ -21,7 +21,7 @@ def by_closed_form(tau, K):
 
 
 def by_division(tau, K):
-    """Return E0, E1, E2, R2, I2, s, c where neither the oscillator nor the drive is slow for tau."""
+    """Return E0, E1, E2, R2, I2, s, c for a tau that is short neither for the oscillator nor for the drive."""
     s, c = sin(K.Om * tau), cos(K.Om * tau)
     E0, E1 = impulse(tau, K)
     R2, I2 = wave_integrals(tau, s, c, E1, K)
@@ -29,7 +29,7 @@ def by_division(tau, K):
 
 
 def by_division_and_series(tau, K):
-    """Return E0, E1, E2, R2, I2, s, c where the oscillator is slow for tau and the drive is not."""
+    """Return E0, E1, E2, R2, I2, s, c for a tau that is short for the oscillator but not for the drive."""
     s, c = sin(K.Om * tau), cos(K.Om * tau)
     E0, E1, E2, _, _ = all_terms(tau, K.cm, K.w0sq, 0.0)
     R2, I2 = wave_integrals(tau, s, c, E1, K)
@@ -37,6 +37,6 @@ def by_division_and_series(tau, K):
 
 
 def by_series(tau, K):
-    """Return E0, E1, E2, R2, I2, s, c where tau is short for the oscillator and for the drive."""
+    """Return E0, E1, E2, R2, I2, s, c for a tau that is short for the oscillator and for the drive."""
     E0, E1, E2, R2, I2 = all_terms(tau, K.cm, K.w0sq, K.Om)
     return E0, E1, E2, R2, I2, sin(K.Om * tau), cos(K.Om * tau)

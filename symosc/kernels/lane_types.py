@@ -236,8 +236,8 @@ def number_in(typingctx: Any, table: Any, row: Any, n: Any) -> Any:
 
 
 def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset[str]) -> Any:
-    """Return the function that loads a NamedTuple of lanes, or a nested one, from the rows of an array."""
-    # Of the fields that are `alike` in all lanes it is a number.
+    """Return the function that loads a NamedTuple of lanes from an array with a row for each of its numbers."""
+    # A field in `alike`, which is the same in all lanes, is loaded as a single number.
 
     def typed(of: Any, outer: bool = True) -> Any:
         def entry(name: str) -> Any:

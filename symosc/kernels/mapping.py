@@ -73,7 +73,7 @@ def flight_slopes(x_i, theta_i, theta_j, v_i, A, K):
 
 
 def flight_by_parameters(x_i, theta_i, theta_j, v_i, A, m, K):
-    """Return the derivatives of x and v - v_i at the end by m, c, k, A_alpha, B0, Omega and v_i, in pairs."""
+    """Return, for each of m, c, k, A_alpha, B0, Omega and v_i, the derivatives of x and of v - v_i at the end by it."""
     s0, c0, tau = sin(theta_i), cos(theta_i), (theta_j - theta_i) / K.Om
     E0, E1, E2, R2, I2, s, c = basis(tau, K)
     U0, U1, U2, V, W, P, Q = repeated(tau, E0, E1, E2, R2, I2, s, c, K)
@@ -124,7 +124,7 @@ def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
 
 
 def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
-    """Return the divided difference of z -> exp(z tau) over the four `nodes`, the first one n0 times, and so on."""
+    """Return the divided difference of z -> exp(z tau) over the four `nodes`, taken n0, n1, n2 and n3 times."""
     # `known` keeps the differences at this `tau`, `there` says which. A stack, since numba keeps no recursion on disk.
     stack = [(n0, n1, n2, n3)]
     key = key_of(stack[0])
@@ -172,7 +172,7 @@ def farthest(counts, nodes):
 
 
 def difference_by_series(counts, nodes, tau):
-    """Return the divided difference over nodes near each other: sum of h_j / (n + j)! about their centre."""
+    """Return the divided difference of exp(z tau) over nodes near each other, by a series about their centre."""
     # h_j is the complete homogeneous symmetric polynomial of degree j of the nodes, which are n + 1.
     size, largest, total = 0, 0.0 * tau, 0.0 * nodes[0]
     for i in range(4):
@@ -231,7 +231,7 @@ def kinds_of(theta_i, theta_j, K, kinds):
 
 
 def load(block, points, begin):
-    """Copy points into the first four rows of the block; return how many. The rest of a row repeats one of them."""
+    """Copy up to BLOCK points into rows 0 to 3 of a block; return how many. The first of them fills the rest."""
     count = min(BLOCK, len(points[0]) - begin)
     for row in range(4):
         column = points[row]

@@ -36,7 +36,7 @@ class PairColumn:
         return PairColumn(np.asarray(other, dtype=float))
 
     def _made(self, other: PairColumn, hi: Any, lo: Any) -> PairColumn:
-        """Return a column hi + lo that keeps the doubts of both operands."""
+        """Return the column hi + lo that an operation with `other` has computed; it keeps the doubts."""
         return PairColumn(hi, lo, self.doubts if other.doubts is None else other.doubts)
 
     def __neg__(self) -> PairColumn:
@@ -96,12 +96,12 @@ class PairColumn:
 
 
 def as_double(value: Any) -> Any:
-    """Convert a fraction, or a column, to doubles."""
+    """Convert a Fraction, or a column of pairs, to doubles."""
     return value.hi if isinstance(value, PairColumn) else float(value)
 
 
 def exactly(value: Any) -> Any:
-    """Convert a double, or an array of doubles, to a fraction or a column."""
+    """Convert a double to a Fraction, or an array of doubles to a column of pairs, without rounding."""
     return PairColumn(value) if isinstance(value, np.ndarray) else Fraction(value)
 
 
@@ -122,7 +122,7 @@ def larger(a: Any, b: Any) -> Any:
 
 
 def each(function: Callable[..., float]) -> Callable[..., Any]:
-    """Apply a scalar function to each entry: numpy's own differs in the last bits on some processors."""
+    """Return a function that applies a scalar one to each entry: numpy's differ in the last bits on some processors."""
 
     def of_arrays(*columns: Number) -> Any:
         given = np.broadcast_arrays(*columns)

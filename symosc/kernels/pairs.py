@@ -234,7 +234,7 @@ def _quotient(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> tuple[Any, Any]:
 
 
 def _comparison(sign: str) -> Callable[..., Any]:
-    """Return LLVM code that compares the high parts and, where they are equal, the low parts."""
+    """Return a function that builds LLVM code to compare high parts and, where they are equal, low parts."""
 
     def code(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> Any:
         low = b.fcmp_ordered(sign, xl, yl)
@@ -328,7 +328,7 @@ to_complex: Any = intrinsic(_to_complex)
 
 
 def as_pair(z):
-    """Return the pair stored in a complex number; compiled code uses it for `float`."""
+    """Return the pair stored in a complex number; in compiled loops of pairs this is what `float` does."""
     return from_complex(z)
 
 
@@ -446,13 +446,13 @@ def turned_sine(x, quarters):
 
 @register_jitable
 def sine(x):
-    """Return the sine, see `turned_sine`."""
+    """Return the sine of an angle; for the error see `turned_sine`."""
     return turned_sine(x, 0)
 
 
 @register_jitable
 def cosine(x):
-    """Return the cosine, see `turned_sine`."""
+    """Return the cosine of an angle; for the error see `turned_sine`."""
     return turned_sine(x, 1)
 
 

@@ -48,12 +48,12 @@ DRAWN_BY = {
 
 
 def _draw(figure_name: str, answer: object, /, *given: Any, **options: Any) -> Any:
-    """Draw a result by the plot function of this name."""
+    """Draw a result with the function of `symosc.plot` that has this name; return the figure."""
     return __getattr__(figure_name)(answer, *given, **options)
 
 
 def _write(answer: Any, path: Any) -> Any:
-    """Write the page of a cross-check."""
+    """Write the page of a cross-check to a file; return what `write_page` does."""
     from symosc.plot.judged import write_page
 
     return write_page(answer, path)

@@ -65,7 +65,7 @@ class Drawing(Figure):
             super().draw(renderer)
 
     def _repr_png_(self) -> bytes:
-        """Return the figure as a notebook shows it."""
+        """Return the figure as the bytes of a PNG picture, which notebooks show."""
         picture = BytesIO()
         with own_style():
             self.savefig(picture, format="png", dpi=120.0)
@@ -74,7 +74,7 @@ class Drawing(Figure):
 
 @contextmanager
 def own_style() -> Iterator[None]:
-    """Set the style of new figures: STYLE, except for what the user has set in rcParams."""
+    """Apply STYLE to figures made in a block, except for what the user has set in rcParams."""
     with rc_context({name: value for name, value in STYLE.items() if rcParams[name] == rcParamsDefault[name]}):
         yield
 
@@ -83,7 +83,7 @@ def own_style() -> Iterator[None]:
 def axes_for(
     ax: Any, size: tuple[float, float], panels: str = "a", *, columns: int | None = None, letter_at: float | None = None
 ) -> Iterator[tuple[Figure, Any]]:
-    """Yield a figure and the axes of its panels: the user's own in their style, or new ones in that of symosc."""
+    """Yield a figure and the axes of its panels: given axes in their own style, or new ones in that of symosc."""
     # New ones stand in one row, or in `columns` over one horizontal axis; `size` of the figure is in inches. Panels of
     # several have their letters at `letter_at`, None for none.
     if ax is not None:
@@ -113,7 +113,7 @@ def typeset(word: str) -> str:
 
 
 def read_style(style: Any) -> Record:
-    """Return keyword arguments of a line by their long names; ParameterError for what lines do not have."""
+    """Return options of a line by their long names, such as linewidth for lw; ParameterError for unknown ones."""
     try:
         named = normalize_kwargs(style, Line2D)
     except TypeError as error:
@@ -138,7 +138,7 @@ def figure_of(ax: Any) -> Figure:
 
 
 def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
-    """Return the handles of a legend for several axes by their labels."""
+    """Return what several axes show in a legend: the drawn objects by their labels, each label once."""
     entries: dict[str, Any] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
@@ -173,7 +173,7 @@ def read_panels(panels: Any, known: Iterable[str], ax: Any = None, alone: str = 
 
 
 def check_suffix(path: str | Path) -> str:
-    """Return the suffix of a figure's file; standard output gets SVG. OutputError if figures have no such files."""
+    """Return the suffix of a figure's file name (.svg for "-"); OutputError if figures have no such format."""
     name = read_path(path)
     suffix = ".svg" if name == STDOUT else Path(name).suffix.lower()
     if suffix not in (".pdf", ".svg", ".png"):

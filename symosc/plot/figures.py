@@ -298,7 +298,7 @@ BRANCH_PANELS = {"a": _positions, "b": _multipliers}
 
 
 def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return many parameter values along a part of a branch, and both moduli there, the larger one first."""
+    """Return many parameter values along part of a branch, and there both multipliers' moduli, larger first."""
     # Trace and determinant of the monodromy matrix are smooth along a branch and are interpolated; the multipliers are
     # not where a real pair turns complex, and follow from them.
     trace, determinant = multipliers.sum(axis=1).real, multipliers.prod(axis=1).real
@@ -318,7 +318,7 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
 
 
 def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> None:
-    """Draw marks for the kinds of the branch's two ends at these heights."""
+    """Mark both ends of the branch at these heights, with a symbol for the kind of each end."""
     style: Record = {"ms": 5.0, "mfc": color, "mec": "white", "mew": 0.5, "zorder": 5, "clip_on": False}
     for end, places in zip(branch.ends, heights, strict=True):
         for height in places if end.kind in END_MARKERS else ():
@@ -338,7 +338,7 @@ def _name_words(ax: Axes, branch: Branch) -> None:
 
 
 def stability(branch: Branch) -> np.ndarray:
-    """Return a key of `STABILITY_STYLES` for each orbit of a branch."""
+    """Return for each orbit of a branch "stable", "marginal" or "not stable", the keys of `STABILITY_STYLES`."""
     # What is not stable is marginal if no multiplier is outside the unit circle by more than rounding.
     from symosc.orbits.floquet import NEAR_ONE
 
@@ -347,7 +347,7 @@ def stability(branch: Branch) -> np.ndarray:
 
 
 def _runs(branch: Branch) -> list[tuple[slice, Any]]:
-    """Return the intervals of equal stability, each including the first point of the next, and their line styles."""
+    """Return stretches of equal stability, each up to the first point of the next one, and their line styles."""
     states = stability(branch)
     cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), len(states)]
     return [(slice(a, min(b + 1, len(states))), STABILITY_STYLES[str(states[a])]) for a, b in pairwise(cuts)]
@@ -415,7 +415,7 @@ def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, 
 
 
 def _words_beside(ax: Axes, border: Border) -> None:
-    """Write the two words beside that of a few points of a border which is farthest from the frame."""
+    """Write the words of both sides beside a border, where it is farthest from the frame of the axes."""
 
     def room(i: int) -> float:
         within = ax.transAxes.inverted().transform(ax.transData.transform(border.points[i]))

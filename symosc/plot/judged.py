@@ -84,7 +84,7 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
 
 
 def _errors(ax: Axes, check: CrossCheck, of_steps: bool) -> None:
-    """Draw the global errors or the defects of the steps, and their limits, against time."""
+    """Draw the global errors (or the defects `of_steps`) against time, with the limits that they may not exceed."""
     if of_steps:
         t, errors, limits = check.t[1:], check.defects, check.allowed
     else:
@@ -165,7 +165,7 @@ def _residuals(ax: Axes, found: Fit) -> None:
 
 
 def _measured_points(found: Fit) -> Iterator[tuple[str, np.ndarray, np.ndarray, str]]:
-    """Yield the name of measured points, their times, positions (of events: those of the motion) and marker."""
+    """Yield each kind of measured points: name, times, positions (of events: those of the fitted motion), marker."""
     measured, motion = found._measured, found.trajectory
     if measured.states is not None:
         yield "measured", measured.t, measured.states[0], "."
@@ -270,7 +270,7 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
 
 
 def _verdict(check: CrossCheck) -> str:
-    """Return the verdict as text."""
+    """Return a sentence that says whether the solution is right, and what is wrong with it."""
     if check.ok:
         return f"Right: every step agrees with the exact motion, to a tolerance of {check.tolerance:g}."
     wrong = f"wrong steps: {len(check.wrong_steps)} of {len(check.defects)}"
@@ -280,7 +280,7 @@ def _verdict(check: CrossCheck) -> str:
 
 
 def _facts(check: CrossCheck) -> dict[str, str]:
-    """Return the findings as texts by their names."""
+    """Return texts for the page by their headings: samples, largest errors, events and digits."""
     counts = {"right": check.matched, "missed": check.missed, "invented": check.invented}
     counts["not decided"] = check.unresolved
     return {
@@ -293,7 +293,7 @@ def _facts(check: CrossCheck) -> dict[str, str]:
 
 
 def _events(check: CrossCheck) -> list[tuple[Any, ...]]:
-    """Return the rows of the events in order of time, each with its partner in the solution."""
+    """Return the rows of the page's table of events in order of time: verdicts, and the errors of right events."""
     rows: list[tuple[str, str, Any]] = [("right", f"{match.error:+.1e}", match.event) for match in check.matched]
     others: Record = {"missed": check.missed, "invented": check.invented, "not decided": check.unresolved}
     rows += [(verdict, "", event) for verdict, events in others.items() for event in events]
@@ -319,7 +319,7 @@ CAPTIONS = (
 
 
 def _pictures(check: CrossCheck) -> Iterator[Record]:
-    """Yield the pictures of the page as values for it."""
+    """Yield for each picture of the page what its template needs."""
     first, many = check.first_wrong, len(check.t) > 4_000  # as lines they would be megabytes
     if first:
         said = f"The step from sample {first.step} (t = {first.t:.8g}) to the next one. The line is the exact motion "
@@ -331,7 +331,7 @@ def _pictures(check: CrossCheck) -> Iterator[Record]:
 
 @rc_context(STYLE)
 def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
-    """Return a figure as values for the page."""
+    """Return a figure with its title and caption as the values that the page's template needs."""
     width, height = drawing.get_size_inches()
     for legend in drawing.legends:  # two columns fit the width
         handles = [handle for handle in legend.legend_handles if handle is not None]
@@ -437,7 +437,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
 
 
 def _height(case: CaseScore) -> float | None:
-    """Return the height at which a case is drawn; None if it has no event and none is reported."""
+    """Return the height at which a case is drawn; None if there is nothing to measure: no event, none reported."""
     if not case.given:
         return ABSENT
     if not case.right:
@@ -446,7 +446,7 @@ def _height(case: CaseScore) -> float | None:
 
 
 def _label_groups(ax: Axes, cases: Sequence[CaseScore]) -> None:
-    """Write the names of the groups of cases."""
+    """Write the names of the groups of cases below the axis, and shade every second group."""
     from symosc.reference.score import by_group
 
     begin, ticks, names = 0, [], []

@@ -50,7 +50,7 @@ CELL = "text-align:left;padding:1px 12px 1px 0;white-space:nowrap"
 
 
 def page(kind: str, line: str, *parts: str) -> Markup:
-    """Return a page: a title, a line, and its tables and pictures side by side."""
+    """Return the HTML of a notebook page: a title, a line of text, then tables and pictures side by side."""
     shown = Markup("").join(Markup("<div>{}</div>").format(part) for part in parts if part)
     head = Markup('<div style="margin-bottom:4px"><strong>{}</strong> {}</div>').format(kind, line)
     row = Markup('<div style="display:flex;flex-wrap:wrap;gap:8px 24px;align-items:flex-start">{}</div>').format(shown)
@@ -58,7 +58,7 @@ def page(kind: str, line: str, *parts: str) -> Markup:
 
 
 def table(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]]) -> Markup:
-    """Return a table of rows by number, the middle of a long one left out; "" if there is none."""
+    """Return an HTML table of `count` rows, without the middle ones if these are many; "" if there are no rows."""
     some = ends(count)
     rows = [_table_row("td", map(shown, row(i))) for i in some]
     if len(some) < count:
@@ -80,21 +80,21 @@ def _table_row(tag: str, cells: Iterable[Any]) -> Markup:
 
 
 def shown(value: Any) -> Any:
-    """Return a value as text for a cell: numbers with ten digits."""
+    """Return a value as the text of a cell: floats with ten digits, None as ""."""
     if isinstance(value, (float, np.floating)):
         return f"{float(value):.10g}"
     return "" if value is None else value
 
 
 def facts(values: dict[str, Any]) -> Markup:
-    """Return a table of names and values, without those that are None."""
+    """Return an HTML table of names and values, without those that are None."""
     line = Markup('<tr><th style="{}">{}</th><td style="{}">{}</td></tr>')
     lines = (line.format(CELL, name, CELL, shown(value)) for name, value in values.items() if value is not None)
     return Markup("<table><tbody>{}</tbody></table>").format(Markup("").join(lines))
 
 
 def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) -> Markup:
-    """Return a small picture of a curve with a dot at each of `marks`, "" if it has no two points; NaN breaks it."""
+    """Return a small SVG picture of a curve, interrupted at NaN, with dots at `marks`; "" for fewer than two points."""
     # `says` is what the picture shows, in words: for who cannot see it, and when the mouse is over it.
     x, y = (np.asarray(each, dtype=float) for each in (x, y))
     if len(x) > MOST_POINTS:
@@ -122,7 +122,7 @@ def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) 
 
 
 def _scale(values: np.ndarray, size: int) -> Any:
-    """Return the function that puts values into a picture."""
+    """Return the function that maps values to coordinates in a picture of this size, with room at its edges."""
     low, high = float(values.min()), float(values.max())
     middle, extent = low / 2 + high / 2, high - low
     gain = (size - 2 * PICTURE_MARGIN) / extent if extent > 0 else 0.0
@@ -208,7 +208,7 @@ def orbit_page(orbit: PeriodicOrbit) -> str:
 
 
 def complex_text(value: complex) -> str:
-    """Return a complex number with six digits, a real one without imaginary part."""
+    """Return a complex number as text with six digits, a real one without imaginary part."""
     imaginary = f" {'-' if value.imag < 0 else '+'} {abs(value.imag):.6g} i" if value.imag else ""
     return f"{value.real:.6g}{imaginary}"
 
@@ -328,7 +328,7 @@ def scene_page(scene: Scene) -> str:
 
 
 def listing_page(listing: Listing[Any]) -> str | None:
-    """Return the page of a long tuple of records, such as events: a row each; None for other entries."""
+    """Return the page of a long tuple of records, such as events, a row for each; None if it holds other things."""
     if not (listing and is_dataclass(listing[0])):
         return None
     heads = [each.name for each in fields(listing[0])]

@@ -49,7 +49,7 @@ MOST_INSETS = 2
 
 
 class Mark(NamedTuple):
-    """A mark: its kind, its time, and the belt of its event (None: none)."""
+    """A mark on the curves: its label and colour, its time, and the belt of its event (None if it has none)."""
 
     label: str
     color: str
@@ -58,7 +58,7 @@ class Mark(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """A stick on a belt from `since` to `until`, or a point of contact (both are equal)."""
+    """A contact with a belt: a stick from `since` to `until`, or one at a point, for which both are equal."""
 
     since: float
     until: float
@@ -67,7 +67,7 @@ class Contact(NamedTuple):
 
 @dataclass(frozen=True)
 class View:
-    """The data that the panels draw: samples t, x, v of the curves, and the forces at one boundary."""
+    """What the panels draw: samples t, x, v of a trajectory, its marks and contacts, and the boundary of the forces."""
 
     # Panel (a) shows the displacement of a point of a belt at the `contacts`, and beyond them by the fractions
     # `belt_reach` of both axes; panel (b) shows at most two `magnified` ones in insets.
@@ -85,12 +85,12 @@ class View:
 
     @property
     def scale(self) -> float:
-        """The relative size of marks and lines, 1 if there is space: many marks cover no more of the curves than 16."""
+        """The relative size of marks and lines, 1 for up to 16 marks; more get smaller, to cover no more in total."""
         return max(min(1.0, sqrt(16 / max(len(self.marks), 1))), 0.2)
 
     @property
     def domains(self) -> tuple[int, int]:
-        """The domains below and above the boundary."""
+        """The domains below and above the boundary whose forces are drawn."""
         return NEIGHBOURS[self.boundary]
 
     @property
@@ -107,7 +107,7 @@ class View:
 
 
 class Sampling(NamedTuple):
-    """The number of points of curves: per period, at least per segment, and at most in all."""
+    """How many points the curves have: per period of the drive, at least per segment, and at most in all."""
 
     per_period: int
     least: int
@@ -164,7 +164,7 @@ AXIS_LABELS = {"t": "time $t$", "x": "displacement $x$", "v": r"velocity $\dot{x
 
 
 def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
-    """Draw the motion, with the belt points to which the mass sticks or which it grazes, or with the belts' speeds."""
+    """Draw x or v, named by `up`, over `across`, with marks and the paths or speeds of the belts."""
     style: Record = {"color": MASS_COLOR, "linewidth": 1.3 * max(view.scale, 0.5), "label": "mass"} | view.style
     ax.plot(getattr(view, across), getattr(view, up), **style)
     ax.set_ylabel(AXIS_LABELS[up])
@@ -172,12 +172,12 @@ def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
         _belt_points(ax, view)
     elif across == "t" or not view.belts_move:
         _belt_speeds(ax, view)
-    _dots(ax, view, view.marks, across, lambda t: view.trajectory(t)[int(up == "v")])
+    _draw_marks(ax, view, view.marks, across, lambda t: view.trajectory(t)[int(up == "v")])
     _horizontal_axis(ax, view, across)
 
 
 def _force_panel(ax: Axes, view: View, across: str) -> None:
-    """Draw both forces of the boundary, with shaded sticks against time and the belts against the velocity."""
+    """Draw the forces on both sides of the boundary over t (with sticks shaded), x, or v (with the belts)."""
     force, marks, (below, above) = view.trajectory.force, _marks_of_forces(view), view.domains
     if across == "t":
         _shade_sticks(ax, view)
@@ -187,7 +187,7 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
         line: Record = {"color": color, "linestyle": style, "linewidth": max(view.scale, 0.5)} | given
         ax.plot(getattr(view, across), force(domain, view.t), label=f"$F^{{({domain})}}$", **line)
     for domain in (below, above):
-        _dots(ax, view, marks, across, partial(force, domain))
+        _draw_marks(ax, view, marks, across, partial(force, domain))
     ax.set_ylabel(f"forces per mass $F^{{({below})}}$, $F^{{({above})}}$")
     if across == "t":
         crossings = [mark.t for mark in marks if mark.label == "crossing"]
@@ -200,7 +200,7 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
 
 
 def _product_panel(ax: Axes, view: View) -> None:
-    """Draw the product of the forces, > 0 where the mass crosses the belt, < 0 where it sticks."""
+    """Draw the product of both forces at the boundary: > 0 where the mass would cross it, < 0 where it would stick."""
     force, (below, above) = view.trajectory.force, view.domains
 
     def product(t: Any) -> Any:
@@ -210,7 +210,7 @@ def _product_panel(ax: Axes, view: View) -> None:
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
     style: Record = {"color": "black", "linewidth": max(view.scale, 0.5)} | view.style
     ax.plot(view.t, product(view.t), **style)
-    _dots(ax, view, _marks_of_forces(view), "t", product)
+    _draw_marks(ax, view, _marks_of_forces(view), "t", product)
     ax.set_ylabel(f"product $F^{{({below})}}\\, F^{{({above})}}$")
     _horizontal_axis(ax, view, "t")
 
@@ -228,18 +228,18 @@ PANELS: dict[str, Panel] = {
 }
 
 
-# --- what they are made of ---
+# --- parts of panels ---
 
 
 def _horizontal_axis(ax: Axes, view: View, across: str) -> None:
-    """Set up the horizontal axis."""
+    """Label the horizontal axis with the quantity `across`, and limit a time axis to the samples."""
     if across == "t":
         ax.set_xlim(view.t[0], view.t[-1])
     ax.set_xlabel(AXIS_LABELS[across])
 
 
 def _belt_points(ax: Axes, view: View) -> None:
-    """Draw the displacement of the belt points at the contacts."""
+    """Draw the path of a point of the belt through each contact, over time."""
     low, high = ax.get_ylim()
     reaches = view.belt_reach[0] * (view.t[-1] - view.t[0]), view.belt_reach[1] * (high - low)
     for contact in view.contacts:
@@ -252,7 +252,7 @@ def _belt_points(ax: Axes, view: View) -> None:
 
 
 def _belt_speeds(ax: Axes, view: View) -> None:
-    """Draw lines at the belt speeds."""
+    """Draw lines at the speeds of the belts, with their names on the right."""
     # Above the mass, but thinner: in a stick both are seen.
     p = view.trajectory.parameters
     low, high = ax.get_ylim()
@@ -269,19 +269,19 @@ def _belt_speeds(ax: Axes, view: View) -> None:
 
 
 def _marks_of_forces(view: View) -> list[Mark]:
-    """Return the marks at the boundary of the forces."""
+    """Return the marks for the panels of forces: those at their belt, or at none, except for the start."""
     return [mark for mark in view.marks if mark.label != "start" and mark.belt in (view.boundary, None)]
 
 
 def _shade_sticks(ax: Axes, view: View) -> None:
-    """Shade the intervals of sticks."""
+    """Shade the times at which the mass sticks to the belt of the forces."""
     for stick in _sticks(view.trajectory):
         if stick.belt == view.boundary:
             ax.axvspan(stick.since, stick.until, color="0.92", lw=0, zorder=-1)
 
 
-def _dots(ax: Axes, view: View, marks: Sequence[Mark], across: str, up: Callable[[Any], Any]) -> None:
-    """Draw marks on a curve, whose height at times is `up`."""
+def _draw_marks(ax: Axes, view: View, marks: Sequence[Mark], across: str, up: Callable[[Any], Any]) -> None:
+    """Draw marks on a curve; `up` returns the height of the curve at given times."""
     for label, color in dict.fromkeys((mark.label, mark.color) for mark in marks):
         t = np.array([mark.t for mark in marks if mark.label == label])
         place = t if across == "t" else view.trajectory(t)[int(across == "v")]
@@ -290,7 +290,7 @@ def _dots(ax: Axes, view: View, marks: Sequence[Mark], across: str, up: Callable
 
 
 def mark_style(label: str, color: str, scale: float = 1.0) -> Record:
-    """Return shape, colour and size of a mark."""
+    """Return shape, colours and size of a mark as matplotlib's options of a line."""
     marker, size = SHAPES[label]
     edge, width, level = ("black", 0.8, 4) if label == "start" else ("white", 0.4, 5)
     level += color == END_COLOR
@@ -298,13 +298,13 @@ def mark_style(label: str, color: str, scale: float = 1.0) -> Record:
 
 
 def _sticks(trajectory: Trajectory) -> list[Contact]:
-    """Return the sticks of a trajectory."""
+    """Return the sticks of a trajectory as contacts."""
     sticks = [segment for segment in trajectory.segments if segment.mode.startswith("belt")]
     return [Contact(float(stick.t_start), float(stick.t_end), int(stick.mode[-1])) for stick in sticks]
 
 
 def _outstanding(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
-    """Choose the sticks to magnify: those too short to be seen, if few, or much shorter than the others."""
+    """Choose the sticks to magnify: those too short to be seen, if few, else those far shorter than most."""
     longest, finest = SHORT_STICK * (t[-1] - t[0]), 1e-10 * np.abs(t).max()  # a shorter one would show rounding errors
     short = [each for each in contacts if finest < each.until - each.since < longest and each.until < t[-1]]
     if len(short) > MOST_INSETS:
@@ -325,13 +325,13 @@ INSET_FONT = 7.5
 
 
 def draw_insets(ax: Axes, view: View) -> None:
-    """Draw magnified parts of a view as insets above axes, if there is space."""
+    """Draw the contacts to be magnified as insets above axes."""
     for contact, (left, width) in zip(view.magnified, INSET_BOXES.get(len(view.magnified), ()), strict=True):
         _inset(ax, view, contact, (left, 1.16, width, 0.5))
 
 
 def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, float, float]) -> None:
-    """Draw one inset of a contact."""
+    """Draw an inset in the rectangle `box`: the velocity relative to the belt, shortly before and after a contact."""
     since, until, belt = contact
     path = partial(belt_path, view.trajectory, belt)
     length = until - since or SHORT_STICK * (view.t[-1] - view.t[0])

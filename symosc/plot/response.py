@@ -45,7 +45,7 @@ def response_figure(found: FrequencyResponse, panels: str | None = None, *, ax: 
     with axes_for(ax, size, panels, columns=columns, letter_at=-0.12) as (drawing, row):
         for axes, letter in zip(row, panels, strict=True):
             PANELS[letter](axes, found)
-            _changes(axes, found, named=axes is row[0])
+            _mark_changes(axes, found, named=axes is row[0])
             axes.set_xlim(found.values.min(), found.values.max())
         for axes in row[-columns:]:
             axes.set_xlabel(PARAMETER_LABELS[found.name])
@@ -55,14 +55,14 @@ def response_figure(found: FrequencyResponse, panels: str | None = None, *, ax: 
 
 
 def _curve(axes: Axes, found: FrequencyResponse, column: np.ndarray, color: str = EXACT, **style: Any) -> None:
-    """Draw a column in the order of the parameter; what is infinite is left out."""
+    """Draw a column over the parameter, in its order, with gaps where the column is infinite."""
     order = np.argsort(found.values)
     shown = np.where(np.isfinite(column), column, np.nan)
     axes.plot(found.values[order], shown[order], color=color, lw=1.2, **style)
 
 
 def _from_zero(axes: Axes, column: np.ndarray) -> None:
-    """Let a panel begin at 0, and cut a resonance that would leave nothing of the rest to be seen."""
+    """Let the vertical axis begin at 0, and cut off a resonance that would make all else look flat."""
     known = column[np.isfinite(column)]
     if len(known):
         top = min(float(known.max()), HIGHEST * float(np.quantile(known, 0.8))) or float(known.max()) or 1.0
@@ -113,8 +113,8 @@ PANELS: dict[str, Callable[[Axes, FrequencyResponse], None]] = dict(
 )
 
 
-def _changes(axes: Axes, found: FrequencyResponse, named: bool) -> None:
-    """Mark where the word changes, halfway between the two values, and name the words above the panel."""
+def _mark_changes(axes: Axes, found: FrequencyResponse, named: bool) -> None:
+    """Mark where the word changes, halfway between two values, and if `named` write the words above the panel."""
     order = np.argsort(found.values)
     words = [_rotated(found.word[i]) or ("rest" if found.status[i] == "rest" else "") for i in order]
     values, last = found.values[order], -inf
@@ -130,6 +130,6 @@ def _changes(axes: Axes, found: FrequencyResponse, named: bool) -> None:
 
 
 def _rotated(word: str) -> str:
-    """Return a word begun with the same mapping wherever it is begun."""
+    """Return one and the same word for all words that differ only in the mapping with which they begin."""
     letters = word.removeprefix("P")
     return "P" + max(letters[i:] + letters[:i] for i in range(len(letters))) if letters else ""

@@ -61,7 +61,7 @@ def read_column(dataset: Any, name: Any) -> Any:
 
 
 def axes_of(column: Any) -> list[str]:
-    """Return the swept dimensions of a column."""
+    """Return the names of the dimensions over which a column was swept."""
     return [str(each) for each in column.dims if each not in ("period", "component")]
 
 
@@ -140,7 +140,7 @@ def bifurcation_figure(
     with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
         _scatter(axes, np.repeat(values, points.shape[1]), points.ravel())
         axes.set(xlabel=label(name), ylabel=COMPONENT_LABELS[component])
-        _span(axes, values)
+        _limit_axis(axes, values)
         if "word" in dataset:
             words = dataset["word"].isel(start=0) if "start" in dataset["word"].dims else dataset["word"]
             _mark_changes(axes, words.squeeze([each for each in words.dims if each != name]).sortby(name), name)
@@ -148,7 +148,7 @@ def bifurcation_figure(
 
 
 def _mark_changes(axes: Axes, words: Any, name: str) -> None:
-    """Mark where the word changes along an axis, and name the words that have room."""
+    """Mark where the word changes along an axis, and write each word above its stretch if that is wide enough."""
     values, texts = words[name].values, words.values.astype(str)
     cuts = [0, *(np.flatnonzero(texts[1:] != texts[:-1]) + 1), len(texts)]
     low, high = axes.get_xlim()
@@ -184,18 +184,18 @@ def curve_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
         else:
             axes.plot(values, shown, color="black", lw=0.8, drawstyle="steps-mid" if shown.dtype.kind in "iu" else None)
         axes.set(xlabel=label(axis), ylabel=label(str(column.name)))
-        _span(axes, values)
+        _limit_axis(axes, values)
     return drawing
 
 
-def _span(axes: Axes, values: Any) -> None:
-    """Set the range of the horizontal axis."""
+def _limit_axis(axes: Axes, values: Any) -> None:
+    """Limit the horizontal axis to the range of these values."""
     if values.min() < values.max():
         axes.set_xlim(values.min(), values.max())
 
 
 def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
-    """Draw points, smaller ones where there are many."""
+    """Draw points, the smaller the more there are."""
     size = max(6.0 * min(1.0, 500 / max(len(x), 1)), 0.3)
     axes.scatter(x, y, s=size, color="black", linewidths=0, rasterized=True)
 
@@ -204,7 +204,7 @@ def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
 
 
 class Classes(NamedTuple):
-    """Cells by class: a number for each cell, and the name, colour and hatch of each number."""
+    """The cells of a map by class: a number for each cell, and for each number its name, colour and hatch."""
 
     codes: np.ndarray
     looks: list[tuple[str, Any, str]]
@@ -271,7 +271,7 @@ def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
 
 
 def classes_of(values: np.ndarray, undecidable: np.ndarray) -> Classes:
-    """Return the classes of cells: numbers in their order, words from the most frequent to the rarest."""
+    """Return the cells of a map as `Classes`: numbers in their order, words from the most frequent to the rarest."""
     words = values.dtype.kind in "UO"
     texts = np.where(values == "", "no event", values).astype(str) if words else values
     kinds, codes, counts = np.unique(texts, return_inverse=True, return_counts=True)
@@ -295,7 +295,7 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> Classes:
 
 
 def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], classes: Classes, new: bool) -> None:
-    """Draw a map of classes."""
+    """Draw a map of classes: coloured or hatched cells, borders, names in large areas, and a legend."""
     (x, y), (codes, looks) = edges, classes
     colors = ListedColormap([color for _, color, _ in looks])
     axes.pcolormesh(x, y, codes.T, cmap=colors, vmin=-0.5, vmax=len(looks) - 0.5, rasterized=True)
@@ -317,7 +317,7 @@ def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], classes: Cla
 
 
 def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: Any) -> None:
-    """Write the name of a class at its point farthest from its border."""
+    """Write the name of a class into its area, at the point farthest from the border, if there is room."""
     from scipy.ndimage import distance_transform_edt  # takes longer to load than most figures to draw
 
     depth = distance_transform_edt(np.pad(inside, 1), sampling=[1 / length for length in inside.shape])[1:-1, 1:-1]
@@ -337,7 +337,7 @@ def borders(x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[list[tuple[
 
 
 def _draw_shades(axes: Axes, edges: tuple[np.ndarray, np.ndarray], values: np.ndarray, name: str) -> None:
-    """Draw a map of numbers."""
+    """Draw a map of numbers as shades, with lines of equal value and a colour bar."""
     shown = np.ma.masked_invalid(values).T
     axes.set_facecolor(UNDECIDED_COLOR)
     mesh = axes.pcolormesh(*edges, shown, cmap=SHADES, rasterized=True)
@@ -349,7 +349,7 @@ def _draw_shades(axes: Axes, edges: tuple[np.ndarray, np.ndarray], values: np.nd
 
 
 def _edges(values: np.ndarray) -> np.ndarray:
-    """Return the edges of cells around values in increasing order."""
+    """Return the edges between cells, halfway between their increasing values, and those outside."""
     if len(values) == 1:
         return values[0] + np.array([-0.5, 0.5])
     middles = (values[1:] + values[:-1]) / 2
@@ -428,7 +428,7 @@ def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None
 
 
 def _bars(axes: Axes, values: np.ndarray, name: str) -> None:
-    """Draw the counts of values as bars, the most frequent on top; rare ones as one bar."""
+    """Draw how often each value occurs as bars, the most frequent on top, the rare ones together in one bar."""
     kinds, counts = np.unique(values, return_counts=True)
     order = np.argsort(-counts, kind="stable")
     names = [typeset(str(kinds[i])) if name == "word" else str(kinds[i]) for i in order]
@@ -494,6 +494,6 @@ def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
 
 
 def corners(box: Rectangle) -> list[tuple[float, float]]:
-    """Return the corners of a rectangle in order."""
+    """Return the four corners of a rectangle, counterclockwise from the lower left."""
     (a, b), (c, d) = ((float(low), float(high)) for low, high in box)
     return [(a, c), (b, c), (b, d), (a, d)]

@@ -96,12 +96,12 @@ def window_figure(
 
 
 def tex(mapping: str) -> str:
-    """Return the name of a map as LaTeX."""
+    """Return the label of a mapping, such as P3, as LaTeX."""
     return f"P_{mapping.removeprefix('P')}"
 
 
 def _circle(axes: Axes, window: GrazingWindow) -> None:
-    """Draw a window on the circle of phases."""
+    """Draw the circle of phases, on it the window as a thick arc, and the phases Theta_cr and pi - Theta_cr."""
 
     def arc(low: float, high: float, **style: Any) -> None:
         theta = np.linspace(low, high, max(2, int(CIRCLE_POINTS * (high - low) / TURN)))
@@ -133,7 +133,7 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
 
 
 def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
-    """Return Theta_cr and pi - Theta_cr mod 2 pi (one phase at equality) with whether they are in the window."""
+    """Return Theta_cr and pi - Theta_cr modulo 2 pi (one if equal), each with whether it is in the window."""
     gamma_sign, amplitude_sign, excess_sign = window.signs
     if amplitude_sign == 0 or excess_sign > 0:
         return []
@@ -144,13 +144,13 @@ def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
 
 
 def draw_dot(axes: Axes, x: float, y: float, belongs: bool, label: str | None = None) -> None:
-    """Draw a full dot for a point inside a window, an open one for a point outside."""
+    """Draw a point, filled if it belongs to a window, else open."""
     style: Record = {"color": INSIDE_COLOR, "markerfacecolor": INSIDE_COLOR if belongs else "white", "markersize": 4.5}
     axes.plot([x], [y], "o", zorder=4, clip_on=False, linestyle="none", label=label, **style)
 
 
 def _contacts(axes: Axes, window: GrazingWindow) -> None:
-    """Draw the contact positions (A_alpha + B0 cos theta - c v_lambda)/k against the phase."""
+    """Draw the positions of possible grazes, (A_alpha + B0 cos theta - c v_lambda)/k, over the phase theta."""
     p, where = window.parameters, window.place
     axes.set(xlim=(0, TURN), xlabel=PHASE_LABEL, ylabel="$x_m$")
     axes.set_xticks(np.arange(5) * pi / 2, PHASE_TICKS)
@@ -241,7 +241,7 @@ def sweep_figure(
 
 
 def _sweep_range(p: Parameters, mapping: str, name: str, low: Any, high: Any) -> tuple[float, float]:
-    """Return the range of a parameter to draw."""
+    """Return the range of a parameter to draw, by default one that shows where the window changes its kind."""
     names = ("Omega", "B0", "k", f"v{place(mapping).boundary}")
     if name not in names:
         raise ParameterError("name", name, f"the window of {mapping} depends on {', '.join(names)} only")
@@ -276,7 +276,7 @@ def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
 
 
 def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: Any) -> None:
-    """Shade the window; the arc outside it ends at 3 pi/2 where `above` > 0, else at pi/2."""
+    """Shade the window; where it is the full circle, it begins and ends at 3 pi/2 if `above` > 0, else at pi/2."""
     if np.all(found.kind == EMPTY):
         axes.text(0.5, 0.5, "the window is empty", transform=axes.transAxes, ha="center")
     everything = np.isin(found.kind, (EVERYTHING, ALL_BUT_ONE))
@@ -323,13 +323,13 @@ def region_figure(
     ['inside', 'border, not inside', 'given values, outside']
     """
     names = region.question.names
-    spans = [_span(region, name, given) for name, given in zip(names, (first, second), strict=True)]
+    spans = [_axis_range(region, name, given) for name, given in zip(names, (first, second), strict=True)]
     x, y = np.meshgrid(*(np.linspace(*span, 401) for span in spans))
     allowed = _margin(region.allowed, region.letters, x, y)
     inside = _margin(region.condition, region.letters, x, y)
     with axes_for(ax, (4.6, 3.9)) as (drawing, (axes,)):
         shown = [*_region_areas(axes, x, y, inside, allowed), *_region_borders(axes, x, y, inside, allowed)]
-        shown += _given(axes, region, spans)
+        shown += _mark_given(axes, region, spans)
         axes.set(xlabel=PARAMETER_LABELS[names[0]], ylabel=PARAMETER_LABELS[names[1]], xlim=spans[0], ylim=spans[1])
         axes.set_title(f"${region.question.latex()}$")
         add_legend(drawing, ax, {each.get_label(): each for each in shown}, 3)
@@ -344,7 +344,7 @@ class _Margin(NamedTuple):
 
 
 def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarray) -> _Margin:
-    """Return the margin of a condition at points."""
+    """Return by how much a sympy condition on the two symbols `letters` holds at the points (x, y)."""
     import sympy as sp
 
     if condition in (sp.true, sp.false):
@@ -362,8 +362,8 @@ def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarr
     return _Margin(np.asarray(np.broadcast_to(found, x.shape), dtype=float), closed)
 
 
-def _span(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]:
-    """Return the range of an axis; by default past the given value and, for a belt, past the other belt."""
+def _axis_range(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]:
+    """Return the given range of an axis; by default one that includes the given value and, for a belt, the other's."""
     p = region.parameters
     if given is not None:
         low, high = (float(read_exact(name, end)) for end in given)
@@ -410,8 +410,8 @@ def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, a
     return shown
 
 
-def _given(axes: Axes, region: ParameterRegion, spans: list[tuple[float, float]]) -> list[Any]:
-    """Mark the given values of the parameters if they are on the axes."""
+def _mark_given(axes: Axes, region: ParameterRegion, spans: list[tuple[float, float]]) -> list[Any]:
+    """Mark the point of the given parameter values if it is within the axes; return it for the legend."""
     names = region.question.names
     at = [float(getattr(region.parameters, name)) for name in names]
     if not all(low <= value <= high for value, (low, high) in zip(at, spans, strict=True)):
@@ -458,10 +458,10 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: 
 
 
 def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
-    """Draw the flights of a grazing curve against the phase."""
+    """Draw the durations of the flights of a grazing curve, in phase, over the phase of the graze."""
     for piece in curve.pieces:
         axes.plot(piece.theta_m, piece.theta_m - piece.theta, color=START_COLOR, linewidth=1.2)
-        _ends(axes, piece, lambda end: (end.theta_m, end.theta_m - end.theta))
+        _draw_ends(axes, piece, lambda end: (end.theta_m, end.theta_m - end.theta))
     for low, high, origin in curve.gaps:
         axes.axvspan(low, high, color="0.85", linewidth=0, label=f"from: {origin}")
     axes.set(xlabel=r"$\theta_m$", ylabel=r"$\theta_m - \Omega t_i$", title="flight to the grazing point")
@@ -476,7 +476,7 @@ def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
     for piece in curve.pieces:
         _line(axes, piece.theta, piece.x, color=START_COLOR, label="start")
         _line(axes, piece.theta_m, piece.x_m, color="#1f3fd6", label="grazing point", linestyle=(0, (4, 1.6)))
-        _ends(axes, piece, lambda end: (end.theta % TURN, end.x))
+        _draw_ends(axes, piece, lambda end: (end.theta % TURN, end.x))
     belt = place(curve.mapping).boundary
     title = rf"${tex(curve.mapping)}$ on the plane $\dot x = v_{belt}$"
     axes.set(xlabel=r"$\mathrm{mod}(\Omega t, 2\pi)$", ylabel="$x$", title=title)
@@ -487,7 +487,7 @@ CURVE_PANELS = {"a": draw_plane, "b": _draw_flight}
 
 
 def _finish(axes: Axes, curve: GrazingCurve, span: tuple[float, float]) -> None:
-    """Set the span of phases, ticks at quarters of a turn and the legend; write why nothing is drawn."""
+    """Set the range of phases, ticks at quarters of a turn and the legend; say why if nothing is drawn."""
     if not curve.pieces:
         why = "no start on this plane grazes" if curve.windows else "the window is empty"
         axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center")
@@ -503,14 +503,14 @@ def _finish(axes: Axes, curve: GrazingCurve, span: tuple[float, float]) -> None:
 
 
 def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, **style: Any) -> None:
-    """Draw a curve against its phase mod 2 pi, interrupted at jumps."""
+    """Draw a curve over its phase modulo 2 pi, interrupted where that jumps back to 0."""
     turns = np.floor(theta / TURN)
     for part in np.split(np.arange(len(theta)), np.nonzero(np.diff(turns))[0] + 1):
         axes.plot(theta[part] - TURN * turns[part], x[part], linewidth=1.2, **style)
 
 
-def _ends(axes: Axes, piece: CurvePiece, at: Callable[[Any], tuple[float, float]]) -> None:
-    """Draw the ends of a piece of the curve, open ones at an end of the window."""
+def _draw_ends(axes: Axes, piece: CurvePiece, at: Callable[[Any], tuple[float, float]]) -> None:
+    """Draw both ends of a piece of a grazing curve, open if an end of the window; `at` returns an end's place."""
     for end in (piece.low, piece.high):
         if end.reason != "closed":
             shape = next((shape for start, shape in END_SHAPES.items() if end.reason.startswith(start)), "D")

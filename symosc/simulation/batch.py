@@ -50,7 +50,7 @@ MOST_WORKERS = 256
 
 @dataclass
 class InterpretBudget:
-    """The number of events that a program interprets before it compiles a loop, equal in cost to the compilation."""
+    """How many events a program may still interpret before it compiles a loop; at first as many as take equal time."""
 
     events: int
 
@@ -59,7 +59,7 @@ DOUBLES, PAIRS = InterpretBudget(250_000), InterpretBudget(25_000)
 
 
 class Loops(NamedTuple):
-    """The functions that start, follow and finish motions, compiled or not; each takes constants as a table."""
+    """The functions that start, follow and finish motions, compiled or not; constants are given as a table."""
 
     march_rows: Callable[..., None]
     follow: Callable[..., tuple[int, int, int]]
@@ -68,7 +68,7 @@ class Loops(NamedTuple):
 
 
 def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap a function of the engine, run by CPython, so that it takes constants as a table."""
+    """Wrap an interpreted function of the engine so that it accepts tables of constants, as compiled ones do."""
 
     def call(*arguments: Any) -> Any:
         return function(*(ConstantRows(each) if getattr(each, "dtype", None) == ROW else each for each in arguments))
@@ -101,7 +101,7 @@ def chosen_loops(use_numba: Any) -> Loops:
 
 
 def loaded_loop() -> dict[str, Any] | None:
-    """Return the compiled functions of the engine if this process has called its loop, else None."""
+    """Return the engine's compiled functions if this process has already run its compiled loop, else None."""
     if not compiled.cache_info().currsize:
         return None
     functions = compiled()
@@ -109,7 +109,7 @@ def loaded_loop() -> dict[str, Any] | None:
 
 
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
-    """Return an event loop interpreted in blocks of TURN rows until the budget DOUBLES is used up."""
+    """Return an event loop that is interpreted, TURN rows at a time, until DOUBLES is used up, then compiled."""
 
     def follow(begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, *others: Any) -> Any:
         if DOUBLES.events <= 0 or is_compiled(compiled_one):
@@ -131,7 +131,7 @@ def follow_batch(
     buffer: EventRows | None = None,
     tally: Tally | None = None,
 ) -> Iterator[EventRows]:
-    """Follow a batch to its end; yield copies of its event rows from the reused `buffer`."""
+    """Follow a batch to its end; yield copies of its event rows, as often as the reused `buffer` is full."""
     buffer, tally, begin = buffer or event_buffer(4 * len(batch.states) + 64), tally or no_tally(), 0
     while begin < len(batch.states):
         begin, filled, _ = follow(begin, batch, most, accuracy, buffer, NO_PIECES, tally, table)
@@ -140,7 +140,7 @@ def follow_batch(
 
 
 def joined(parts: Iterable[EventRows]) -> EventRows:
-    """Concatenate rows in contiguous memory."""
+    """Concatenate blocks of event rows in contiguous memory."""
     rows = list(parts) or [event_buffer(0)]
     return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))
 
@@ -155,7 +155,7 @@ class Stopped(Exception):
 
 
 class CancelToken(Event):
-    """A flag that threads check regularly: whether the caller was interrupted."""
+    """A flag that threads check regularly: it is set when the caller has been interrupted."""
 
     def check(self) -> None:
         """Raise Stopped if the caller was interrupted."""
@@ -164,7 +164,7 @@ class CancelToken(Event):
 
 
 def read_workers(workers: Any) -> int:
-    """Return the number of threads; None: the number of cores available to this process."""
+    """Return the number of threads asked for; if None, the number of cores available to this process."""
     if workers is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return whole_number("workers", workers, 1)
@@ -176,7 +176,7 @@ def in_chunks(
     workers: int,
     progress: Callable[[int, int], object],
 ) -> list[Result]:
-    """Return the results of all chunks of `count` rows in order; each has an event buffer to itself meanwhile."""
+    """Call `work` for chunks of `count` rows, each with an event buffer to itself; return the results in order."""
     # An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`, and is raised.
     least = LEAST_IN_CHUNK if workers > 1 else LEAST_ALONE
     size = max(least, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))

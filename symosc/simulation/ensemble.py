@@ -183,7 +183,7 @@ class Task(NamedTuple):
 
 
 class Chunk:
-    """A part of many motions, followed to their ends and numbered from 0."""
+    """Some of many motions, numbered from 0 and followed to their ends when this object is made."""
 
     # `buffer` is used meanwhile. `keep`, if given, returns the tally of motions from their numbers and their rows at
     # the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
@@ -215,7 +215,7 @@ class Chunk:
         return self.task.problems[self._first + i]
 
     def launches(self) -> tuple[np.ndarray, ...]:
-        """Return the starts of the motions, their parameter sets, and letters and constants of those (`tangents`)."""
+        """Return starts, parameter set numbers, `Letters` and constants of the motions, as `tangents` takes them."""
         starts, sets = self._starts[:, [0, 0, 3, 4, 5]], self.task.problems.sets
         rows = slice(self._first, self._first + len(starts))
         starts[:, 1] = self.task.problems.t0.pairs(rows).hi
@@ -223,7 +223,7 @@ class Chunk:
         return starts, self.batch.sets, letters, self.table
 
     def _remove_undecided(self) -> list[int]:
-        """Return the motions that ended undecided, and remove their tally."""
+        """Return the numbers of the motions that ended undecided, and begin their tallies anew."""
         members: list[int] = np.flatnonzero(self.batch.codes <= UNDECIDED).tolist()
         if self._keep and members:
             store_tallies(self.tally, members, self._keep(self._first + np.array(members), self._starts[members]))
@@ -237,7 +237,7 @@ class Chunk:
             yield rows
 
     def _in_pairs(self, members: list[int]) -> dict[int, EventRows]:
-        """Follow motions in pairs of doubles as far as these decide; return their events by motion number."""
+        """Follow motions in pairs of doubles where these suffice; return their events by motion number."""
         found: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
         apart = self.task.problems.are_apart(numbers, self._starts[members, 1], FAR_OFF)
@@ -255,7 +255,7 @@ class Chunk:
         return found
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
-        """Follow motions of one parameter set in pairs past an event undecided in doubles, then in doubles."""
+        """Follow motions of one parameter set by turns in pairs, past undecided events, and in doubles; yield rows."""
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         most, K = self.task.most, pair_constants(parameters)
         pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
@@ -330,7 +330,7 @@ def with_replaced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> li
 
 
 def careful_table(table: np.ndarray) -> np.ndarray:
-    """Return a table of constants whose decisions exceed the errors of a state, whatever accuracy is asked for."""
+    """Return a table of constants with which decisions exceed the errors of the state, whatever the accuracy."""
     if len(table) and (table["sigmas"] == 0.0).any():
         table = table.copy()
         table["sigmas"] = float(SIGMAS)
@@ -338,7 +338,7 @@ def careful_table(table: np.ndarray) -> np.ndarray:
 
 
 def pair_loops(events: int) -> PairLoops:
-    """Return the loops in pairs for so many events: compiled, unless few enough to interpret."""
+    """Return the loops in pairs for this many events: compiled, or interpreted if that is quicker."""
     return compiled_pairs() if events > PAIRS.events or pairs_are_compiled() else interpreted_pairs()
 
 
@@ -380,7 +380,7 @@ class SummaryRequest:
         return name in self.names
 
     def begun(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
-        """Return the tally of some motions (a slice, or numbers) at their starts."""
+        """Return the tally of some motions (a slice, or numbers) at their starts, for words up to `longest`."""
         repeats, extremes = "multiplicity" in self, not EXTREMES.keys().isdisjoint(self.names)
         ring = 2 * kept.LONGEST_REPEAT if repeats else kept.LEAST_RING if "word" in self or "section" in self else 0
         ring = max(ring, self.sections) if "section" in self else ring
@@ -434,16 +434,16 @@ def words_of(tally: Tally) -> np.ndarray:
 
 
 def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> int:
-    """Count a motion that was followed singly, from its trajectory's pieces and events; return its last mode."""
+    """Fill in the tally of motion i, followed alone, from its trajectory's pieces and events; return its last mode."""
     K, t0 = ConstantRows(table)[set_]._replace(Om_gain=0.0), float(trajectory.t_start)  # pieces have true times
-    states = [_state(*piece) for piece in trajectory._pieces.T.tolist()]
+    states = [_state_of_piece(*piece) for piece in trajectory._pieces.T.tolist()]
     codes = {name: code for code, name in KIND_NAMES.items()}
     events, number, last = trajectory.events, 0, states[0]
     for before, after in pairwise(states):
         if number == len(events) and trajectory.status not in ("t_end", "equilibrium"):
             break
         found = NextEvent(MOVED, 0, True, 0.0, after)
-        if number < len(events) and _is_at(after, events[number]):
+        if number < len(events) and _agrees_with(after, events[number]):
             event = events[number]
             found = NextEvent(codes[event.kind], event.boundary, True, event.t_error, after)
             number += 1
@@ -455,14 +455,14 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
     return last.mode
 
 
-def _state(n: float, theta: float, mode: float, x: float, v: float, a: float, elapsed: float) -> State:
-    """Return the state at the start of a piece, as the tally takes it."""
+def _state_of_piece(n: float, theta: float, mode: float, x: float, v: float, a: float, elapsed: float) -> State:
+    """Return the state at the start of a piece, given its PIECE_COLUMNS, as the tally needs it."""
     at = int(mode) - ON_BELT if mode > ON_BELT else 0
     exact = Covariance(0.0, 0.0, 0.0)
     return State(int(mode), at, int(n), theta, x, v, a, a, exact, elapsed, 0.0, sin(theta), cos(theta), 0.0)
 
 
-def _is_at(state: State, event: Any) -> bool:
-    """Return whether a state is at an event."""
+def _agrees_with(state: State, event: Any) -> bool:
+    """Return whether a state is at the position and the phase of an event, within 1e-9 and 5e-5 of them."""
     near = 1e-9
     return abs(state.x - event.x) <= near * (1.0 + abs(event.x)) and abs(1.0 - cos(state.theta - event.theta)) <= near

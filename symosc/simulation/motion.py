@@ -90,7 +90,7 @@ def check_reached(start: Start, periods: int) -> None:
 
 
 def single_loop(count: int) -> tuple[Callable[..., tuple[int, int, int]], int]:
-    """Return the event loop for one motion after `count` events, compiled if that pays, and its largest block."""
+    """Return the event loop of one motion that had `count` events, compiled if that pays, and its largest block."""
     functions = loaded_loop()
     if functions:
         return functions["follow_all"], LARGEST_BLOCK
@@ -99,15 +99,15 @@ def single_loop(count: int) -> tuple[Callable[..., tuple[int, int, int]], int]:
 
 
 def fits_pairs(start: Start) -> bool:
-    """Return whether pairs of doubles follow a motion with the same results as many digits."""
+    """Return whether pairs of doubles are precise enough for a start, to follow it as many digits would."""
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
 class SearchInDoubles:
-    """The search for the next events of one motion in doubles, compiled where that is loaded; not thread-safe."""
+    """The search in doubles for the next events of one motion, compiled if that is loaded; not thread-safe."""
 
-    # `K` are the constants by which doubles are in doubt. What they find for others exceeds the errors of a state
-    # always.
+    # `K` are the constants with which doubles are tested for doubt (`next_doubt`). The decisions of `next_event`, for
+    # more precise numbers, always exceed the errors of a state.
 
     def __init__(self, start: Start, K: Constants) -> None:
         arithmetic, functions = Arithmetic(start.parameters), loaded_loop() or {}
@@ -120,7 +120,7 @@ class SearchInDoubles:
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (arithmetic.K, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
-        """Return the next event and, if it is undecided, for how long the flight meets no wall; None on overflow."""
+        """Return the next event, and if undecided for how long the flight surely meets no wall; None on overflow."""
         keep_state(self._rows, 0, state)
         SEARCHES.events -= 1
         try:
@@ -142,7 +142,7 @@ class SearchInDoubles:
 
 
 class MotionInDoubles:
-    """A motion in doubles: a batch of one, its events and pieces in columns."""
+    """A motion in doubles, followed as a batch of one; its events and pieces are stored in columns."""
 
     # `code` is RUNNING, or what the motion ended with (`symosc.engine.batch.follow_all`). With `bare` decisions exceed
     # their own rounding only, not the errors of the state.
@@ -200,20 +200,20 @@ class MotionInDoubles:
         self._pieces.append(pieces[:, :parts])
 
     def take_over(self, finer: FinerMotion) -> None:
-        """Go on from the last state of a motion with more digits, whose events and pieces replace those found here."""
+        """Replace the events and pieces by those of a motion with more digits, and go on from its last state."""
         self._events, self._pieces = list(finer.rows), [self._pieces[0], *finer.pieces]
         self._batch.states[0] = self.batch_row(finer.state)
         self._batch.counts[0], self.code = finer.count, finer.code
 
     def batch_row(self, state: State) -> list[Number]:
-        """Return the row of a batch with which this motion goes on from a state, to its own end and with its own t0."""
+        """Return the row of a batch for going on from a state, with the end and the t0 of this motion."""
         row = row_of(state, *self._end)
         row[15] = float(self.start.t0)
         return row
 
 
 class Motion:
-    """The states and events of one initial value problem so far, with many digits."""
+    """One initial value problem followed with many digits: its state, and its events so far."""
 
     # `code` is what the last step ended with, and `decided` whether the numbers at hand decide that; `first_at` is the
     # belt on which the start is, or 0. `begin` is a state from which the motion goes on, known in all digits, and `K`
@@ -241,7 +241,7 @@ class Motion:
         self._record_piece(0.0)
 
     def missing_digits(self, digits: int) -> int:
-        """Return how many of `digits` digits the least accurate event lacks, relative to max(1, |value|)."""
+        """Return how many digits the least accurate event has too few for `digits`, relative to max(1, |value|)."""
         if self._worst == 0:
             return 0
         context = mp_context(15)
@@ -278,7 +278,7 @@ class Motion:
         return found
 
     def undo(self) -> None:
-        """Go back to before the last step."""
+        """Take back the last step: its state, its piece and its event."""
         self._state, self._rough = self._before, None
         del self._columns[-1]
         if self.code <= GRAZE:
@@ -301,7 +301,7 @@ class Motion:
         entered = own.enter()
         try:
             before = self._before = self._state
-            found = self._next(before)
+            found = self._next_event(before)
             self.code, self.decided, self._state = found.code, found.decided, found.state
             if found.code in (END, REST):
                 return
@@ -315,13 +315,13 @@ class Motion:
             own.leave(entered)
 
     def _record_event(self, before: State, found: NextEvent, clock: tuple[Number, ...]) -> None:
-        """Store an event, given its time with the errors of time and position."""
+        """Store an event; `clock` is its time, and the errors of its time and position."""
         t, t_error, x_error = clock
         self._worst = max(self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(found.state.x)))
         numbers = self.arithmetic.event_numbers(before, found, clock, self.K)
         self._events.append((numbers, event_codes(before, found)))
 
-    def _next(self, state: State) -> NextEvent:
+    def _next_event(self, state: State) -> NextEvent:
         """Return the next event with many digits, searched in doubles where possible."""
         rough = self.rounded_state() if self._search else None
         ahead = self._search.next_event(rough) if self._search and rough else None
@@ -339,7 +339,7 @@ class Motion:
         return since + ((self._state.t_low - before) + since * self.K.Om_gain)
 
     def rounded_state(self) -> State:
-        """Return the current state in doubles."""
+        """Return the current state rounded to doubles."""
         if self._rough is None:
             entered = self.arithmetic.enter()
             try:
@@ -369,17 +369,17 @@ class Motion:
 
 
 class Limits(NamedTuple):
-    """Accuracy and limits of a motion with more digits."""
+    """What is asked of a motion in more precise numbers: the accuracy, and the largest number of events."""
 
     most: int  # events
     accuracy: float  # what doubles are asked for
-    noise: float = NEGLIGIBLE  # the errors of an event beside its rounding to doubles, as a part of that
+    noise: float = NEGLIGIBLE  # the largest error of an event, as a part of the error of rounding it to doubles
 
 
 class MotionInPairs:
-    """A motion in pairs of doubles, compiled, followed only as far as doubles require."""
+    """A motion in pairs of doubles, compiled, followed only until doubles suffice again."""
 
-    # Before an event that pairs do not decide, or know too little of, it stops.
+    # It stops before an event that pairs do not decide, or do not know accurately enough.
 
     def __init__(self, doubles: MotionInDoubles, limits: Limits, loops: PairLoops) -> None:
         start, exact = doubles.start, many_digits(doubles.start.parameters, ROUNDED_FROM)
@@ -400,14 +400,14 @@ class MotionInPairs:
         return state_of(self._batch.states, 0)
 
     def last_sure(self, arithmetic: MpArithmetic) -> State:
-        """Return the current state in an arithmetic of more digits."""
+        """Return the last state that pairs are sure of, converted to an arithmetic of more digits."""
         number = arithmetic.context.mpf
         row = [number(z.real) + number(z.imag) for z in self._pairs[0].tolist()]
         numbers: tuple[Any, ...] = (*map(int, row[:3]), *row[3:8], Covariance(*row[8:11]), *row[11:13], *row[16:])
         return continued(State(*numbers), PAIR_EPS, arithmetic)
 
     def reach(self, count: int) -> bool:
-        """Follow the motion to `count` events or to its end, and on while doubles are in doubt; False if pairs are."""
+        """Follow to `count` events, and on while doubles are undecided; return False if pairs are undecided too."""
         first, wanted = np.arange(1), np.array([count])
         while True:
             size = 2 * (max(count - self.count, 0) + MOST_MORE)
@@ -421,16 +421,16 @@ class MotionInPairs:
                 return self.code != UNDECIDED
 
     def take(self) -> tuple[EventRows, np.ndarray]:
-        """Return the events and pieces since they were last taken."""
+        """Return the events and pieces found since the last call."""
         found = joined(self._rows), np.concatenate(self._pieces, axis=1)
         self._rows, self._pieces = [], []
         return found
 
 
 class MotionInDigits(Motion):
-    """A motion with many digits whose events are recorded in doubles; it may go on from where `other` stopped."""
+    """A motion with many digits that records events as doubles; it may go on from where `other` stopped."""
 
-    # One that did is not sure of an event that it knows worse than the limits say.
+    # If it does, an event that it knows less accurately than the limits allow counts as undecided.
 
     def __init__(
         self, doubles: MotionInDoubles, limits: Limits, digits: int, other: MotionInPairs | MotionInDigits | None = None
@@ -443,7 +443,7 @@ class MotionInDigits(Motion):
 
     @property
     def count(self) -> int:
-        """The number of events so far, with those of other motions before it."""
+        """The number of events so far, including those of the motions from which it went on."""
         return self._skipped + len(self._events)
 
     def reach(self, count: int) -> bool:
@@ -462,7 +462,7 @@ class MotionInDigits(Motion):
         return True
 
     def _record_event(self, before: State, found: NextEvent, clock: tuple[Number, ...]) -> None:
-        """Store an event in doubles."""
+        """Store an event rounded to doubles, with its errors; note whether it is known well enough."""
         t, t_error, x_error = map(float, clock)
         x = float(found.state.x)
         noise = self._limits.noise
@@ -472,11 +472,11 @@ class MotionInDigits(Motion):
         self._events.append((tuple(map(float, numbers)), event_codes(before, found)))
 
     def last_sure(self, arithmetic: MpArithmetic) -> State:
-        """Return the current state in an arithmetic of more digits."""
+        """Return the current state converted to an arithmetic of more digits."""
         return continued(self.state, Fraction(1, 1 << self.arithmetic.context.prec), arithmetic)
 
     def take(self) -> tuple[EventRows, np.ndarray]:
-        """Return the events and pieces since they were last taken."""
+        """Return the events and pieces found since the last call."""
         rows, pieces = event_buffer(len(self._events)), self.columns()[:, 1:]
         for n, (numbers, codes) in enumerate(self._events):
             rows.floats[:, n], rows.ints[:, n] = numbers, (0, *codes)
@@ -486,12 +486,12 @@ class MotionInDigits(Motion):
 
 
 class FinerMotion:
-    """The same problem in more precise numbers, followed only as far as doubles require, and handed out in doubles."""
+    """The motion of a `MotionInDoubles` in more precise numbers, followed until doubles suffice again."""
 
-    # Pairs follow it, by `loops` or where this process has their loop, else FINER_DIGITS digits. Past a contact that
-    # they leave open as many go on as confirm a graze (`digits_to_confirm_graze`): from the state before it with its
-    # error, or, if that is what leaves it open, from t0. They decide it, or it is a graze. Where they did decide, the
-    # next one takes twice as many: where sticks get shorter, so do gaps.
+    # Pairs follow it, if `loops` are given or this process has them compiled, else FINER_DIGITS digits. Past a contact
+    # that these leave undecided it goes on with as many digits as confirm a graze (`digits_to_confirm_graze`): from the
+    # state before it with its error, or from t0 if that error is why. If they do not decide the contact, it is a graze.
+    # If they do, the next such contact takes twice as many digits: where sticks get shorter, so do gaps.
 
     def __init__(self, doubles: MotionInDoubles, limits: Limits, loops: PairLoops | None = None) -> None:
         self.start, self._doubles, self._limits = doubles.start, doubles, limits
@@ -520,7 +520,7 @@ class FinerMotion:
         return self._now.rounded_state()
 
     def reach(self, count: int) -> bool:
-        """Follow the motion to `count` events or its end, and on while doubles are in doubt; False if undecidable."""
+        """Follow to `count` events, and on while doubles are undecided; return False if no precision decides."""
         reached, count = self._now.reach(count), self._now.goal
         while not reached and self._settle():
             reached, count = self._now.reach(count), self._now.goal
@@ -528,13 +528,13 @@ class FinerMotion:
         return reached
 
     def _take(self) -> None:
-        """Take over the events and pieces that the motion in pairs or digits has found."""
+        """Append the events and pieces that the motion in pairs or digits has found to `rows` and `pieces`."""
         rows, pieces = self._now.take()
         self.rows.append(rows)
         self.pieces.append(pieces)
 
     def _settle(self) -> bool:
-        """Go on with more digits at an undecided contact, or take it for a graze; False if neither is possible."""
+        """Go on with more digits at an undecided contact, or call it a graze; return False if neither is possible."""
         now = self._now
         if isinstance(now, MotionInPairs):
             return self._go_on(self._least, now)
@@ -554,7 +554,7 @@ class FinerMotion:
         return self._go_on(int(max(needed, most)), now)
 
     def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
-        """Follow the motion with `digits` digits, from where `other` stopped, or from t0 to where it is now."""
+        """Go on with these digits where `other` stopped, or repeat the way from t0; return whether that succeeds."""
         self._take()
         before, count = self._now, self.count
         self._now = now = MotionInDigits(self._doubles, self._limits, digits, other)
@@ -571,7 +571,7 @@ class FinerMotion:
 
 
 def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int, least: int = 0) -> int | None:
-    """Return the precision, at least `least`, at which an undecided contact counts as a graze; None: too high."""
+    """Return with how many digits (`least` or more) an open contact counts as a graze; None if too many."""
     # A motion that tends to one that grazes has gaps that shrink like exp(-rate t), and each of them is a near miss or
     # a crossing. The rate is the larger one of the free motion, or, where that takes too many digits, the smaller one:
     # only starts without any share of the slow decay are fooled by that. A start that is on the steady motion has none

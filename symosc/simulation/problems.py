@@ -41,7 +41,7 @@ DECIMAL_CONTEXT = Context(prec=800)
 
 
 class NumberColumn:
-    """One number for all rows or one per row: double `hi`, remainder `lo`, and the exact numbers."""
+    """Numbers given for all rows at once or one per row: exact, and as doubles `hi` with remainders `lo`."""
 
     def __init__(self, name: str, given: Any) -> None:
         given = _as_given(name, given)
@@ -57,11 +57,11 @@ class NumberColumn:
         self.name, self._exact = name, dict[int, Fraction]()
         self._given: Any = given if getattr(given, "shape", ()) else [given]
         plain = not self.single and given.dtype == np.float64
-        self.hi, self.lo = self._of_doubles(given) if plain else self._of_any(self._given)
+        self.hi, self.lo = self._split_doubles(given) if plain else self._split_numbers(self._given)
         self.is_plain = plain or self.single  # then equal doubles are equal numbers
 
-    def _of_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Read an array of doubles."""
+    def _split_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return an array of doubles, and the remainders: their printed decimals minus the doubles, rounded."""
         largest = f"must be at most {float(LARGEST):g} in size"
         for bad, reason in ((~np.isfinite(given), "must be finite"), (abs(given) > float(LARGEST), largest)):
             if bad.any():
@@ -73,8 +73,8 @@ class NumberColumn:
             lo[row] = float(DECIMAL_CONTEXT.subtract(Decimal(repr(value)), Decimal(value)))
         return np.array(given), lo
 
-    def _of_any(self, given: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Read numbers of any kind exactly."""
+    def _split_numbers(self, given: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Read numbers of any kind exactly; return them rounded to doubles hi, and the remainders lo."""
         known: dict[Any, tuple[float, float]] = {}
         parts = np.empty((2, len(given)))
         for row, value in enumerate(given):
@@ -95,7 +95,7 @@ class NumberColumn:
         return len(self._given)
 
     def called(self, row: int) -> str:
-        """Return the name of a row's number in messages."""
+        """Return the name of a row's number for messages, such as x0[3]."""
         return self.name if self.single else f"{self.name}[{row}]"
 
     def exact(self, row: int) -> Fraction:
@@ -122,7 +122,7 @@ def _as_given(name: str, value: Any) -> Any:
 
 
 def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
-    """Return named columns (of a mapping, table or record array) in the order of `wanted`; data without names as is."""
+    """Return columns given by name (mapping, table, record array) in the order of `wanted`; other data unchanged."""
     names = getattr(getattr(given, "dtype", None), "names", None)
     if isinstance(given, Mapping):
         names = list(given)
@@ -139,7 +139,7 @@ def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
 
 
 def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the shortest printed decimals minus the doubles, rounded once, and where that is certain."""
+    """Return the shortest printed decimals minus the doubles, rounded once, and for which rows that is certain."""
     # The shortest decimal has 15, 16 or 17 digits: the first of them that is within half a unit of the double. Scaled
     # by a power of ten that is exact as a double, its distance from the double is exact.
     size = abs(values)
@@ -163,7 +163,7 @@ def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class ParameterSets:
-    """Parameter sets from Parameters, a sequence of them, or a mapping of all names to numbers or (n,) arrays."""
+    """Parameter sets, read from Parameters, a sequence of them, or a mapping of all names to numbers or arrays."""
 
     def __init__(self, given: Any) -> None:
         self._known, self.columns, self._is_object = dict[int, Parameters](), dict[str, NumberColumn](), False
@@ -180,7 +180,7 @@ class ParameterSets:
         self._known, self.count, self._is_object = dict(enumerate(sets)), len(sets), len(sets) == 1
 
     def _read_mapping(self, given: Mapping[str, Any]) -> None:
-        """Read a mapping of all names to numbers or columns."""
+        """Read a mapping of all parameters' names to numbers or columns."""
         for name in given:
             if name not in PARAMETER_NAMES:
                 raise ParameterError(str(name), given[name], f"is no parameter; they are {', '.join(PARAMETER_NAMES)}")
@@ -196,7 +196,7 @@ class ParameterSets:
                 self._checked(row)
 
     def _checked(self, row: int) -> Parameters:
-        """Return the parameters of a row; error messages include its number."""
+        """Return the parameters of a row; the message of an error includes the row's number."""
         try:
             return Parameters(**{name: column.exact(row) for name, column in self.columns.items()})
         except ParameterError as error:
@@ -212,13 +212,13 @@ class ParameterSets:
         return self._known[i]
 
     def column(self, name: str) -> NumberColumn:
-        """Return the numbers of one name."""
+        """Return the column of the parameter of this name."""
         if name not in self.columns:
             self.columns[name] = NumberColumn(name, [getattr(p, name) for p in self._known.values()])
         return self.columns[name]
 
     def doubles(self, names: Sequence[str], rows: slice) -> np.ndarray:
-        """Return the numbers of some names as doubles, a row for each of some sets."""
+        """Return parameters of some names as doubles, a row for each of some sets."""
         columns = [np.broadcast_to(self.column(name).pairs(rows).hi, rows.stop - rows.start) for name in names]
         return np.stack(columns, axis=1)
 
@@ -274,7 +274,7 @@ class Problems:
         return batch_of(states, sets), table
 
     def _start_rows(self, rows: slice, table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the initial states of some rows, and where doubles do not decide them."""
+        """Return the initial states of some rows, and which of them need more than doubles."""
         size = rows.stop - rows.start
         unclear, at = np.zeros(size, dtype=bool), np.zeros(size, np.int64)
         t0, t_end, x0, v0 = (column.pairs(rows) for column in (self.t0, self.t_end, self.x0, self.v0))
@@ -296,7 +296,7 @@ class Problems:
         return states, unclear | small_force | bool(self.start_error)
 
     def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:
-        """Return which rows start exactly on a belt, and which start off it although v0 is the same double."""
+        """Return which rows start exactly on a belt, and which only round to its speed in doubles."""
         speed = self.sets.column(f"v{boundary}")
         v, belt = self.v0.pairs(rows), speed.pairs(rows)
         near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
@@ -306,7 +306,7 @@ class Problems:
         return near[on_belt], near[~on_belt]
 
     def are_apart(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
-        """Return which motions have an exact start, a drive, and a distance > `gap` to every belt but their own."""
+        """Return which motions have a drive, an exact start, and v0 more than `gap` from every belt but their own."""
         v, B0 = self.v0.pairs(rows).hi, self.sets.column("B0").pairs(rows).hi
         apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
         for boundary in (1, 2):
@@ -351,7 +351,7 @@ def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColum
 
 
 def common_length(lengths: dict[str, int]) -> int:
-    """Return the common number of rows of columns of these lengths; single numbers serve all rows."""
+    """Return the number of rows that columns have in common, given their lengths by name; length 1 suits all."""
     count = max(lengths.values(), key=lambda length: (length != 1, length))
     for name, length in lengths.items():
         if length not in (1, count):

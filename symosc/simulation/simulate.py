@@ -117,7 +117,7 @@ def simulate(
 
 
 def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any) -> Start:
-    """Return the initial value problem from a scene or keyword arguments; refuse one of another model."""
+    """Return the initial value problem of a scene or of keyword arguments; refuse one of another model."""
     start, original = read_problem(scene, given, start_error)
     if original is not None:
         raise not_reduced_error(scene)
@@ -125,7 +125,7 @@ def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], sta
 
 
 def read_problem(scene: Any, given: dict[str, Any], start_error: Any) -> tuple[Start, Original | None]:
-    """Return the initial value problem from a scene or keyword arguments, and what it is in another model."""
+    """Return the initial value problem of a scene or of keyword arguments, and the model from which it was reduced."""
     if not isinstance(scene, Scene | Parameters | OtherModel):
         scene = load_scene(scene)
     if isinstance(scene, OtherModel):
@@ -167,14 +167,14 @@ def read_accuracy(value: Any) -> float:
 
 
 def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction] | None) -> float:
-    """Return the best accuracy that the errors of the start allow."""
+    """Return the accuracy that events can be held to: `accuracy`, or inf if the errors of the start exceed it."""
     return inf if start_error and max(start_error) > accuracy else accuracy
 
 
 def in_doubles(
     start: Start, most: int, accuracy: float, advance: Advance = None, loops: PairLoops | None = None
 ) -> Trajectory:
-    """Follow a motion in doubles, with more digits from an event on that these cannot decide; return a Trajectory."""
+    """Follow a motion in doubles, and with more digits where doubles cannot decide an event; return a Trajectory."""
     # Given `loops` in pairs, these come first whatever is loaded, with the noise that `simulate_many` allows.
     needed = attainable(accuracy, start.start_error)
     limits = Limits(most, needed, PAIR_NOISE) if loops else Limits(most, needed)
@@ -198,12 +198,12 @@ def in_doubles(
 
 
 def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:
-    """Return the completed part of a motion, in time or in events, whichever is larger."""
+    """Return the completed part of a motion, from 0 to 1, by its time or by its events, whichever is larger."""
     return min(1.0, max(float(elapsed) / float(start.t_end - start.t0), count / most))
 
 
 def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) -> Trajectory:
-    """Raise the working precision until every contact is decided and every event has `digits` digits."""
+    """Follow a motion in ever more digits until all contacts are decided and every event has `digits` digits."""
     working = digits + 10 + start.spare_digits
     if settles(start):
         motion = Motion(start, working)
@@ -224,7 +224,7 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
                 asked_at = before if undecided else inf if before >= asked_at else asked_at
                 limit = max(limit, needed or 0)
         undecided = undecided or motion.code == FAILED
-        # The error of a start that is known to so much only stays whatever the digits.
+        # The error of an inexact start stays, whatever the digits.
         missing = 0 if undecided or start.start_error else motion.missing_digits(digits)
         if not undecided and missing <= 0:
             break
@@ -259,19 +259,19 @@ def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
 
 
 def _open_contact(t: float, used: int, asked: int | None = None) -> str:
-    """Return the message about a contact that is open with all digits that were used."""
+    """Return the message about a contact near `t` that `used` digits do not decide."""
     hint = f"ask for more digits, such as digits={2 * (asked or used)}"
     return f"the contact near t = {t!r} cannot be decided with {used} digits; {hint}"
 
 
 def _in_columns(motion: MotionInDoubles, status: str, message: str, last: float) -> Trajectory:
-    """Return a motion in doubles as a Trajectory that ends at a time."""
+    """Return the Trajectory of a motion in doubles that ends at the time `last`."""
     found = motion.events(), motion.pieces(), status, message
     return Trajectory(motion.start.parameters, *found, (float(motion.start.t0), last), motion.first_at)
 
 
 def _in_digits(motion: Motion, status: str, message: str, last: Number, digits: int) -> Trajectory:
-    """Return a motion with many digits, which ends at a time, as a Trajectory with fewer."""
+    """Return the Trajectory, with `digits` digits, of a motion in more digits that ends at the time `last`."""
     context = mp_context(digits)
     found = partial(motion.events_in, context), motion.columns(), status, message
     span = context.convert(motion.t0), context.convert(last)

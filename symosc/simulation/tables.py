@@ -99,7 +99,7 @@ class EventTable(Columns):
         return f"<EventTable of {counted(len(self), 'event')} of {motions}>"
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return the columns by name, names instead of codes; derivatives are dt_mu1, dx_mu1 and so on."""
+        """Return the columns by name, with names for codes; derivatives are dt_mu1, dx_mu1 and so on."""
         columns = {name: getattr(self, name) for name in ("trajectory", *EVENT_COLUMNS)}
         for change in CHANGES if self.wrt else ():
             columns |= {f"{change}_{name}": getattr(self, change)[:, n] for n, name in enumerate(self.wrt)}
@@ -135,7 +135,7 @@ def select_rows(table: EventTable, rows: Any, status: list[str]) -> EventTable:
 
 
 def table_from(parts: Sequence[EventRows], status: list[str], wrt: tuple[str, ...] = (), **changes: Any) -> EventTable:
-    """Return rows of events, and dt, dx and regular by `wrt`, as a table with contiguous columns."""
+    """Return blocks of event rows, and the derivatives dt, dx and marks `regular` by `wrt`, as one table."""
     parts, columns = parts or [event_buffer(0)], dict[str, Any]()
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):
@@ -144,7 +144,7 @@ def table_from(parts: Sequence[EventRows], status: list[str], wrt: tuple[str, ..
 
 
 def rows_of(i: int, events: Sequence[Event]) -> EventRows:
-    """Return the events of one trajectory as rows."""
+    """Return the events of trajectory number i as rows of doubles and codes."""
     codes = {name: {each: code for code, each in names.items()} for name, names in CODE_NAMES.items()}
     rows = event_buffer(len(events))
     for n, event in enumerate(events):
@@ -160,7 +160,7 @@ def counted(count: int, what: str) -> str:
 
 
 def statuses(status: Any) -> str:
-    """Return a short text: how many motions ended with each status."""
+    """Return how many motions ended with each status, as a short text."""
     names, counts = np.unique(np.asarray(status, dtype=str), return_counts=True)
     return ", ".join(f"{count:,} {name}" for name, count in zip(names.tolist(), counts.tolist(), strict=True)) or "none"
 

@@ -23,7 +23,7 @@ NAMES = (*PARAMETER_NAMES, "t0", "x0", "v0")
 
 
 def read_wrt(wrt: Any) -> tuple[str, ...]:
-    """Return the names by which is differentiated; ParameterError for one that is unknown or given twice."""
+    """Return the names by which to differentiate; ParameterError for one that is unknown or given twice."""
     names = (wrt,) if isinstance(wrt, str) else tuple(wrt) if isinstance(wrt, Sequence) else (wrt,)
     for name in names:
         if name not in NAMES:
@@ -34,24 +34,24 @@ def read_wrt(wrt: Any) -> tuple[str, ...]:
 
 
 def codes_of(wrt: Sequence[str]) -> np.ndarray:
-    """Return the code of each name by which is differentiated."""
+    """Return the engine's code for each name by which to differentiate."""
     return np.array([NAMES.index(name) for name in wrt], dtype=np.int64)
 
 
 def is_deep(codes: np.ndarray) -> bool:
-    """Return whether any column needs the functions of repeated roots."""
+    """Return whether a code is among those (m, c, k, Omega) that need divided differences over repeated roots."""
     return bool(np.isin(codes, (M, C, K_, OMEGA)).any())
 
 
 def work_space(codes: np.ndarray, kind: Any = float) -> np.ndarray:
-    """Return an array for the linearised state of one motion after another."""
+    """Return an array in which the engine keeps the derivatives of one motion after another."""
     return np.zeros((SIZE + 3, max(len(codes), PARAMETERS)), dtype=kind)
 
 
 def event_changes(
     events: EventRows, launches: tuple[np.ndarray, ...], wrt: tuple[str, ...], loop: Callable[..., None]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return dt, dx and whether they are regular, (events, wrt), for motions in the order of their events."""
+    """Return dt and dx by the names `wrt`, and whether each is regular, (events, wrt); events in order of motion."""
     (starts, sets, letters, table), codes, shape = launches, codes_of(wrt), (events.floats.shape[1], len(wrt))
     cuts = np.searchsorted(events.ints[0], np.arange(len(starts) + 1))
     dt, dx, marks, why = large_array(shape), large_array(shape), np.zeros(shape, np.int8), np.zeros(shape[0], np.int8)
@@ -61,14 +61,14 @@ def event_changes(
 
 
 def columns_of(events: EventRows) -> tuple[np.ndarray, ...]:
-    """Return t, theta, x, v, kind, boundary and target of events, as the loop takes them."""
+    """Return t, theta, x, v, kind, boundary and target of events as columns, as the loop `tangents` takes them."""
     floats = [events.floats[FLOAT_COLUMNS.index(name)] for name in ("t", "theta", "x", "v")]
     codes = [events.ints[1 + CODE_COLUMNS.index(name)].astype(np.int64) for name in ("kind", "boundary", "target")]
     return *floats, *codes
 
 
 def tangent_loops(wanted: bool) -> dict[str, Any] | None:
-    """Return the compiled loops if they are on disk, and numba is loaded or `wanted`; else None."""
+    """Return the compiled loops of derivatives if on disk, and if numba is loaded or `wanted`; else None."""
     if not wanted and loaded_loop() is None:
         return None
     try:

@@ -148,7 +148,7 @@ class Trajectory(Drawable):
 
     @cached_property
     def _starts(self) -> Any:
-        """Times of the pieces since t0."""
+        """The times at which the pieces begin, counted from t0."""
         return self._pieces[-1].tolist()
 
     @property
@@ -170,7 +170,7 @@ class Trajectory(Drawable):
 
     @public
     def mode(self, t: ArrayLike) -> Any:
-        """Return the mode ("Omega1" … "belt2") at a time, or an array of them; at an event the one after it."""
+        """Return the mode ("Omega1" … "belt2") at a time, or an array of them; at an event the one that follows."""
         times = read_times(t)
         names = [MODE_NAMES[int(self._piece(time)[0][2])] for time in times.ravel()]
         return names[0] if times.ndim == 0 else np.array(names).reshape(times.shape)
@@ -191,7 +191,7 @@ class Trajectory(Drawable):
             raise ParameterError("t", float(outside), f"must be within [{low!r}, {high!r}]")
 
     def _piece(self, t: float) -> tuple[list[float], float]:
-        """Return the piece at a time (PIECE_COLUMNS), and the time since its start."""
+        """Return the PIECE_COLUMNS of the piece to which a time belongs, and the time since its start."""
         if not float(self.t_start) <= t <= float(self.t_end):
             self._check_times(np.array([t]))
         piece = self._pieces[:, max(bisect_right(self._starts, t - self._t0) - 1, 0)].tolist()
@@ -211,7 +211,7 @@ class Trajectory(Drawable):
         return x + dx, v + dv, c
 
     def _states(self, times: np.ndarray) -> np.ndarray:
-        """Return what `_state` does at times of any shape, (3, n); many together, which is equal up to rounding."""
+        """Return x, v and cosine of the phase at times, (3, n); many times are evaluated together, in numpy."""
         times = times.ravel()
         if len(times) < MANY_TIMES:
             return np.array([self._state(time) for time in times.tolist()], dtype=float).reshape(-1, 3).T
@@ -241,7 +241,7 @@ class Trajectory(Drawable):
         return [{name: self._plain(getattr(event, name)) for name in EVENT_COLUMNS} for event in self.events]
 
     def _plain(self, value: Any) -> Any:
-        """Return a number as a plain value."""
+        """Return a number as it is if it is an int, a float or text, else as text with all digits."""
         return value if isinstance(value, (int, float, str)) else value.context.nstr(value, self.digits)
 
     def to_csv(self, path: str | Path) -> None:
@@ -335,13 +335,13 @@ def read_times(t: Any) -> np.ndarray:
 
 
 class MovedTrajectory(Trajectory):
-    """The motion of another model that is this one in other coordinates; a `Trajectory` in those of the model.
+    """The motion of another model, computed as that of the oscillator to which a change of coordinates reduces it.
 
     Attributes
     ----------
     model : OtherModel
     reduced : Trajectory
-        The motion of the oscillator that the model is.
+        The motion of the oscillator to which the model is reduced, in its own coordinates.
 
     Examples
     --------
@@ -362,13 +362,13 @@ class MovedTrajectory(Trajectory):
         super().__init__(reduced.parameters, lambda: [self._event(event) for event in reduced.events], *found)
 
     def _event(self, event: Event) -> Event:
-        """Return an event in the coordinates of the model."""
+        """Return an event of the oscillator in the coordinates of the model."""
         t, x, v, theta = event_back(self.model, event.t, event.x, event.v, event.theta)
         x_error = event.x_error + float(abs(v - event.v)) * event.t_error
         return replace(event, t=t, x=x, v=v, theta=theta, x_error=x_error)
 
     def _times(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Return times of the model, and those of the oscillator; ParameterError for one that is out of range."""
+        """Return the times t of the model, and the oscillator's; ParameterError for one that is out of range."""
         times = read_times(t)
         self._check_times(times)
         ends = float(self.reduced.t_start), float(self.reduced.t_end)
@@ -387,7 +387,7 @@ class MovedTrajectory(Trajectory):
 
     @public
     def force(self, alpha: int, t: ArrayLike) -> Any:
-        """Return F^(alpha) of eq. (9): the acceleration in a domain less that of the belts, whose sign decides."""
+        """Return F^(alpha) of eq. (9): the acceleration in domain `alpha` minus that of the belts."""
         return self.reduced.force(alpha, self._times(t)[1])
 
     def as_dict(self) -> dict[str, Any]:
@@ -399,7 +399,7 @@ class MovedTrajectory(Trajectory):
 
 
 def belt_path(trajectory: Trajectory, boundary: int, t: np.ndarray) -> np.ndarray:
-    """Return displacement and velocity of a point of a belt at some times, (2, n), in the coordinates of a motion."""
+    """Return displacement and velocity, (2, n), of a point of a belt at times t, in the trajectory's coordinates."""
     speed = float(trajectory.parameters.belt(boundary))
     path = np.stack([speed * t, np.full(t.shape, speed)])
     return path + np.stack(motion_of_belts(trajectory.model, t)) if isinstance(trajectory, MovedTrajectory) else path

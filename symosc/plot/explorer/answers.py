@@ -41,7 +41,7 @@ CHANGED, SOURCE = ", changed", "symosc explore"
 
 
 class Field(NamedTuple):
-    """A number on the page: its name, and the range of its slider until a number outside is typed."""
+    """An input field of a number on the page: its name, and its slider's range, which a typed number may exceed."""
 
     name: str
     symbol: str
@@ -53,7 +53,7 @@ class Field(NamedTuple):
 
 
 def _fields(*rows: tuple[str, str, float, float, float]) -> tuple[Field, ...]:
-    """Return the fields of numbers with these symbols and ranges (low, high, step)."""
+    """Return the input fields of these quantities, with their symbols and ranges (low, high, step)."""
     units = {"1": ""}
     return tuple(
         Field(name, symbol, QUANTITIES[name].meaning, units.get(unit_of(name), unit_of(name)), low, high, step)
@@ -99,7 +99,7 @@ def state_of(scene: Scene) -> dict[str, str]:
 
 
 def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
-    """Return the texts of a link, and its errors; the scene that it names, or `default`, gives missing ones."""
+    """Return the fields' texts in a link's query, and errors; missing texts are those of its scene or `default`."""
     texts = parse_qsl(query, keep_blank_values=True)
     given = {name: text for name, text in texts if name in FIELDS or name in OTHER_KEYS}
     notes = [f"the link has an unknown name {name!r}, which is left out" for name, _ in texts if name not in given]
@@ -110,12 +110,12 @@ def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
 
 
 def link_of(state: dict[str, str]) -> str:
-    """Return the texts as the query of a link."""
+    """Return the texts of the fields as the query of a link."""
     return urlencode(state)
 
 
 def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
-    """Read a scene from the explorer's fields; return it with {}, or None with what is allowed in each wrong field."""
+    """Read a scene from the fields' texts; return it with {}, or None with what is allowed, by wrong field."""
     sound, numbers, errors = shipped_scenes()["fig5"], {}, {}
     for name in FIELDS:
         try:
@@ -135,7 +135,7 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
                 numbers[name] = getattr(sound.parameters, name)
     if errors:
         return None, errors
-    t_end = _end(numbers["t0"], numbers["periods"], parameters.Omega)
+    t_end = _end_time(numbers["t0"], numbers["periods"], parameters.Omega)
     start: dict[str, Any] = {name: numbers[name] for name in STARTS} | {"t_end": t_end}
     name, known = state.get("scene", "").strip() or "explored", state.get("start_error")
     try:
@@ -155,8 +155,8 @@ def _periods_text(t0: Fraction, t_end: Fraction, Omega: Fraction) -> str:
     return f"{float((t_end - t0) * Omega) / tau:.{PERIODS_DIGITS}g}"
 
 
-def _end(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
-    """Return the shortest decimal that is so many periods after t0, to the precision of the given digits."""
+def _end_time(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
+    """Return t0 plus this many periods as the shortest decimal that has the precision of the given digits."""
     wanted = f"{float(periods):.{PERIODS_DIGITS}g}"
     exact = t0 + Fraction(wanted) * Fraction(tau) / Omega
     for decimals in range(PERIODS_DIGITS + 4 + len(str(int(Omega)))):
@@ -192,7 +192,7 @@ def answer(link: str, default: Scene) -> Record:
     try:
         # No picture and no number of the page shows more.
         trajectory = simulate(scene, max_events=MOST_SHOWN_EVENTS, accuracy=1e-9)
-        return content | {"notes": notes + _notes(scene, trajectory)} | _shown(scene, trajectory)
+        return content | {"notes": notes + _notes(scene, trajectory)} | _page_data(scene, trajectory)
     except ParameterError as error:
         errors[error.name if error.name in FIELDS else ""] = error.allowed
     except (SymoscError, ArithmeticError) as error:
@@ -201,7 +201,7 @@ def answer(link: str, default: Scene) -> Record:
 
 
 def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
-    """Return notes on the scene and its motion."""
+    """Return sentences for the user: how well the start is known, a motion cut short, a start in a stick."""
     notes, first = [], trajectory.segments[0].mode
     if scene.start_error is not None and any(scene.start_error):
         known = ", ".join(f"±{float(each):.3g}" for each in scene.start_error)
@@ -213,8 +213,8 @@ def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
     return notes
 
 
-def _shown(scene: Scene, trajectory: Trajectory) -> Record:
-    """Return the values for plots, texts and table."""
+def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
+    """Return what the page shows of a motion: data of the plots, texts, and rows of the table."""
     view = view_of(trajectory, None, SAMPLING)
     F1, begin = np.asarray(trajectory.force(1, view.t)), trajectory.t_start
     # F^(1) - F^(domain) is the same in every state.
@@ -274,7 +274,7 @@ def settled(link: str, default: Scene) -> Record:
 
 
 def _rounded(values: np.ndarray) -> list[float]:
-    """Return the values of a curve with as many decimals as a plot of their range resolves."""
+    """Return the values of a curve, rounded to the decimals that can be seen in a plot of their range."""
     span = float(np.ptp(values)) or float(np.abs(values).max())
     decimals = DRAWN_DIGITS - floor(log10(span)) if span > 0 else DRAWN_DIGITS
     rounded: list[float] = np.round(values, max(min(decimals, 300), -300)).tolist()
@@ -282,14 +282,14 @@ def _rounded(values: np.ndarray) -> list[float]:
 
 
 def _shapes(labels: Sequence[str], scale: float) -> Record:
-    """Return the names, shapes and sizes of marks with these labels."""
+    """Return the names, shapes and sizes of the marks with these labels, as columns for bokeh."""
     shapes = [SHAPES[label] for label in labels]
     sizes = [scale * size for _, size in shapes]
     return {"marker": [MARKERS[shape] for shape, _ in shapes], "size": sizes, "label": list(labels)}
 
 
 def _marks(view: View) -> Record:
-    """Return the plotted marks of the events."""
+    """Return the marks of the events as columns for the plots: places, colours, belts and shapes."""
     times = np.array([mark.t for mark in view.marks])
     x, v = view.trajectory(times)
     return {
@@ -303,7 +303,7 @@ def _marks(view: View) -> Record:
 
 
 def _ranges(view: View, curves: dict[str, np.ndarray]) -> dict[str, tuple[float, float]]:
-    """Return the range of each axis: the curve, the belts nearby, and zero for forces, with a margin."""
+    """Return the ranges of the axes t, x, v and F, with a margin; v includes belts nearby, F includes zero."""
     speeds = [float(view.trajectory.parameters.belt(belt)) for belt in view.belts()]
     forces = np.concatenate([[0.0], curves["F1"], curves["F3"]])
     ranges = {"t": (float(view.t[0]), float(view.t[-1]))}
@@ -333,7 +333,7 @@ def _belts(view: View, v_range: tuple[float, float]) -> Record:
 
 
 def _window(window: GrazingWindow) -> Record:
-    """Return a grazing window as plain values."""
+    """Return what the page's table says of a grazing window."""
     arcs = [f"{'(['[a]}{low:.4f}, {high:.4f}{')]'[b]}" for low, high, a, b in window.intervals]
     return {
         "map": window.mapping,
@@ -345,7 +345,7 @@ def _window(window: GrazingWindow) -> Record:
 
 
 def _arcs(windows: Sequence[GrazingWindow]) -> Record:
-    """Return the windows as arcs of the rings: dark from below, light from above."""
+    """Return the windows as arcs on the rings of their belts, dark for contacts from below, light from above."""
     rows = []
     for window in windows:
         radius = RINGS[window.place.boundary]
@@ -365,7 +365,7 @@ def _from_below(window: GrazingWindow) -> bool:
 
 
 def _contacts(view: View) -> Record:
-    """Return the events as marks on the dial, at their phases, inside the ring of their belt."""
+    """Return the events as marks on the circle of phases, inside the ring of their belt."""
     events = view.trajectory.events
     places = [(RINGS[event.boundary] - INSIDE, event.theta) for event in events]
     return {
@@ -378,7 +378,7 @@ def _contacts(view: View) -> Record:
 
 
 def _row(event: Event) -> list[str]:
-    """Return an event as a row of the table."""
+    """Return the texts of an event's row in the table."""
     numbers = [f"{value:.8g}" for value in (event.t, event.x, event.v, event.theta)]
     modes = [
         f"Ω{'₁₂₃'[int(mode[-1]) - 1]}" if mode.startswith("Omega") else f"belt {mode[-1]}"

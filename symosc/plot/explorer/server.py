@@ -62,7 +62,7 @@ POLICY = "default-src 'self' 'unsafe-inline'; img-src 'self' data: blob:"
 
 
 class ExplorerServer(ThreadingHTTPServer):
-    """The server of the page; `scene` is shown for a link without data, port 0 is any free one."""
+    """The server of the page; a link without data shows `scene`; with port 0 it takes any free port."""
 
     daemon_threads = True
 
@@ -84,7 +84,7 @@ class ExplorerServer(ThreadingHTTPServer):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """The request handler of the page."""
+    """The handler of the browser's requests: for the page, its data and scripts, and scene files."""
 
     server: ExplorerServer
     protocol_version = "HTTP/1.1"
@@ -92,7 +92,7 @@ class _Handler(BaseHTTPRequestHandler):
     disable_nagle_algorithm = True  # else the kernel holds the text back until the headers are acknowledged
 
     def do_GET(self) -> None:
-        """Send the page, an answer, a scene file, or a static file."""
+        """Send the page, the data for a link, a scene file, or a static file."""
         url, scene = urlsplit(self.path), self.server.scene
         if not self._is_for_us():
             self.send_error(HTTPStatus.FORBIDDEN)
@@ -114,7 +114,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_error(HTTPStatus.NOT_FOUND)
 
     def do_POST(self) -> None:
-        """Read a scene file, and return the link of its page."""
+        """Read an uploaded scene file, and answer with the texts for the page's fields."""
         if not self._is_for_us():
             self.send_error(HTTPStatus.FORBIDDEN)
         elif urlsplit(self.path).path == "/scene":
@@ -126,7 +126,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Do not log requests."""
 
     def _is_for_us(self) -> bool:
-        """Return whether a request is for this machine, and from our page, a link, or no browser."""
+        """Return whether a request names this machine as its host and comes from our page, a link, or no browser."""
         host = self.headers.get("Host", "").lower()
         if host.partition(":")[0] not in (HOST, "localhost"):
             return False  # a page of another site may point a name of its own here
@@ -136,7 +136,7 @@ class _Handler(BaseHTTPRequestHandler):
         return site in (None, "same-origin", "none") or mode == "navigate"
 
     def _send(self, text: str, kind: str, keep: str = "no-store", **headers: str) -> None:
-        """Send a text with its headers."""
+        """Send a text as the answer; `kind` is its media type, `keep` says how long browsers may keep it."""
         content = text.encode()
         self.send_response(HTTPStatus.OK)
         about = {"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(content)), "Cache-Control": keep}
@@ -160,7 +160,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._send(as_toml(scene) + "\n", "application/toml", Content_Disposition='attachment; filename="scene.toml"')
 
     def _read_file(self) -> None:
-        """Send the texts and notes of an uploaded scene file, or its error."""
+        """Send the fields' texts and the notes that follow from an uploaded scene file, or its error."""
         length = self.headers.get("Content-Length", "")
         if not (length.isascii() and length.isdecimal()):
             self.send_error(HTTPStatus.BAD_REQUEST, explain="Content-Length is no number")
@@ -181,7 +181,7 @@ class _Handler(BaseHTTPRequestHandler):
 
 
 def page(state: dict[str, str]) -> str:
-    """Return the page's HTML with these texts in its fields."""
+    """Return the page's HTML with these texts in its input fields."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     loader = PackageLoader("symosc.plot.explorer", "page")
@@ -194,7 +194,7 @@ def page(state: dict[str, str]) -> str:
 
 @cache
 def _plots() -> tuple[str, Any]:
-    """Return the script that creates the plots, and the HTML element of each; the same for all pages."""
+    """Return the script that creates the plots, and the HTML elements that hold them, the same for all pages."""
     return components(pictures())
 
 
@@ -242,7 +242,7 @@ def pictures() -> dict[str, Any]:
 
 
 def _plot(x_label: str, y_label: str, x_range: Range1d, y_range: Range1d, height: int, name: str) -> Any:
-    """Return an empty plot, without a drag tool at first, so that a finger scrolls the page."""
+    """Return an empty plot; no drag tool is active at first, so that a finger scrolls the page."""
     tools = [PanTool(), BoxZoomTool(), WheelZoomTool(), ResetTool(), SaveTool()]
     ranges: Record = {"x_range": x_range, "y_range": y_range, "x_axis_label": x_label, "y_axis_label": y_label}
     # With this room beside the plots their time axes are one below the other.
@@ -258,7 +258,7 @@ def _plot(x_label: str, y_label: str, x_range: Range1d, y_range: Range1d, height
 
 
 def _marks(plot: Any, sources: dict[str, ColumnDataSource], x: str, y: str) -> None:
-    """Draw the marks of events, and where the mass is while the motion is played."""
+    """Draw the marks of events, and a dot for the mass that moves while the motion is played."""
     marks = plot.scatter(x, y, source=sources["marks"], level="overlay", **MARKS)
     place = [("t", "@t{0.000000}"), ("x", "@x{0.000000}"), ("v", "@v{0.000000}")]
     plot.add_tools(HoverTool(renderers=[marks], tooltips=[("", "@label @belt"), *place]))
@@ -266,7 +266,7 @@ def _marks(plot: Any, sources: dict[str, ColumnDataSource], x: str, y: str) -> N
 
 
 def _belts(plot: Any) -> None:
-    """Draw lines for both belts, and their names on an axis on the right; the browser moves them."""
+    """Draw lines for both belts and their names on an axis to the right; the browser moves them to the speeds."""
     for belt, dash in ((1, "solid"), (2, "dashed")):
         style = {"line_color": BELT_COLOR, "line_width": 1.4, "line_dash": dash}
         plot.add_layout(Span(dimension="width", location=0, tags=[f"belt-{belt}"], **style))
@@ -289,7 +289,7 @@ def _plane(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> 
 
 
 def _in_time(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], name: str, label: str) -> Any:
-    """Return the plot of x, v or the forces F against time, with the sticks shaded, darker on belt 2."""
+    """Return the plot of x, v or the forces F over time, with sticks shaded, those on belt 2 darker."""
     height = 230 if name == "F" else 190
     plot = _plot("time t [s]", label, ranges["t"], ranges[name], height, f"{name}-of-t")
     style = {"fill_color": "shade", "line_color": None, "level": "underlay"}
@@ -308,7 +308,7 @@ def _in_time(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], n
 
 
 def _dial(sources: dict[str, ColumnDataSource]) -> Any:
-    """Return the phases on a circle: a ring for each belt with windows as arcs and events inside."""
+    """Return the plot of phases on a circle: a ring for each belt, with windows as arcs and events inside."""
     ranges: Record = {name: Range1d(start=-1.45, end=1.45) for name in ("x_range", "y_range")}
     size: Record = {"width": 300, "height": 300, "match_aspect": True, "tools": "save", "toolbar_location": None}
     plot = figure(name="dial", **ranges, **size)
