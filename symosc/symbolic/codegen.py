@@ -101,13 +101,13 @@ def kernels() -> list[Kernel]:
 
 
 def _kernel(head: str, doc: str, steps: dict[str, Expr], own: dict[str, Expr] | None = None) -> Kernel:
-    """Make a kernel that returns all its steps from its name and arguments."""
+    """Make a kernel that returns all its steps; `head` is its name and its arguments, separated by blanks."""
     name, *arguments = head.split()
     return Kernel(name, doc, {each: (MEANING | (own or {}))[each] for each in arguments}, steps, tuple(steps))
 
 
 def _basis_apart() -> Kernel:
-    """Return the underdamped basis functions from linear relations valid in every regime."""
+    """Return the kernel of the underdamped basis functions, computed by linear relations valid in every regime."""
     # Cheap, but u and z lose digits in short flights, and R2 and I2 near undamped resonance, where p = q = 0.
     e, s, c, w, p, q = sp.symbols("e s c w p q")
     ec, C, D, u, z = sp.symbols("ec C D u z")
@@ -133,7 +133,7 @@ def _basis_apart() -> Kernel:
 
 
 def _repeated_apart() -> Kernel:
-    """Return the functions that parameter derivatives need, underdamped and far from resonance."""
+    """Return the kernel of the extra functions that parameter derivatives need, underdamped and far from resonance."""
     names = {omega_d: sp.Symbol("w"), sp.sin(Omega * tau): sp.Symbol("sO"), sp.cos(Omega * tau): sp.Symbol("cO")}
     return _kernel(
         "repeated_apart tau h w cm w0sq Om p q E0 E1 E2 R2 I2 sO cO",
@@ -164,7 +164,7 @@ def write() -> Path:
 
 
 def function_source(kernel: Kernel) -> str:
-    """Return the source of one kernel, with a final line break."""
+    """Return the Python source of one kernel's function, with a final line break."""
     lines = list(_assignments(kernel))
     lines = [("return ", lines[0][1])] if len(lines) == 1 else [*lines, ("return ", ", ".join(kernel.returns))]
     head = _wrapped(f"def {kernel.name}", ", ".join(kernel.arguments), indent="", always=True) + ":"
@@ -173,7 +173,7 @@ def function_source(kernel: Kernel) -> str:
 
 
 def _wrapped(start: str, text: str, indent: str, always: bool = False) -> str:
-    """Return start and text on one line, or in parentheses (always if `always`) over several lines."""
+    """Return start and text on one line, or the text in parentheses on several if it is too long, or `always`."""
     line = f"{start}({text})" if always else f"{start}{text}"
     if len(line) < KERNEL_WIDTH:
         return line
@@ -261,7 +261,7 @@ class ArithmeticPrinter:
         return " * ".join(f"({self.text(f)})" if f.is_Add else self.text(f) for f in ordered) or "1"
 
     def _sum(self, terms: list[Expr]) -> str:
-        """Print names first and the sum of the products in parentheses: x0 + (v0 * E1 + a0 * E2)."""
+        """Return the source of a sum: names first, then the products in parentheses: x0 + (v0 * E1 + a0 * E2)."""
         # After a short flight the start value is by far the largest term: so the sum is rounded once at its size.
         if all(_is_negative(term) for term in terms):
             return f"-({self._sum([-term for term in terms])})"
@@ -275,7 +275,7 @@ class ArithmeticPrinter:
         return f"{self._join(plain)} + ({self._join(products)})"
 
     def _join(self, terms: list[Expr]) -> str:
-        """Join terms by + and -."""
+        """Return the source of terms joined by + and -."""
         head = next((term for term in terms if not _is_negative(term)), terms[0])
         tail = [term for term in terms if term is not head]
         signed = (f" - {self.text(-term)}" if _is_negative(term) else f" + {self.text(term)}" for term in tail)
@@ -287,7 +287,7 @@ class ArithmeticPrinter:
         return symbol.is_Integer or (symbol in self.names and symbol not in self.scratch)
 
     def _key(self, expr: Expr) -> tuple[list[int], str]:
-        """Return the sort key of an expression."""
+        """Return the key by which terms and factors are sorted: the order of their symbols, then their text."""
         return sorted(self.rank[symbol] for symbol in expr.free_symbols), self.text(expr)
 
 

@@ -103,7 +103,7 @@ def write_export(folder: str | Path, *arguments: Any, force: bool = False, **opt
 
 
 def _holds(path: Path, text: str) -> bool:
-    """Return whether a file has this text."""
+    """Return whether a file exists and contains exactly this text."""
     try:
         return path.read_bytes() == text.encode()
     except OSError as error:
@@ -150,7 +150,7 @@ def flat(*given):
 
 
 class _Program(NamedTuple):
-    """The functions and constants to be printed."""
+    """The functions and constants of a word, to be printed in any of the languages."""
 
     word: Word
     functions: dict[str, ast.FunctionDef]  # each after those that it calls
@@ -162,11 +162,11 @@ class _Program(NamedTuple):
 
     @property
     def passed(self) -> list[str]:
-        """The argument with the constants, unless they are fixed."""
+        """The parameter "K" that holds the constants, in a list; an empty list if they are fixed numbers."""
         return [] if self.parameters else ["K"]
 
     def calls(self, first: int) -> list[tuple[str, str, str]]:
-        """Return for each mapping of the word its function, and its arguments in z, also for the Jacobian."""
+        """Return for each mapping its function's name and the text of its arguments, then of those of its Jacobian."""
         found = []
         for n, label in enumerate(self.maps):
             z = {name: f"z[{2 * n + i + first}]" for i, name in enumerate(("x_i", "theta_i", "x_j", "theta_j"))}
@@ -175,7 +175,7 @@ class _Program(NamedTuple):
         return found
 
     def about(self, mark: str, run: str) -> str:
-        """Return the comment at the top of the source; `run` says how to run its caller."""
+        """Return the comment at the top of the source; `run` is the text that says how to run its example."""
         maps = self.word.maps
         flight = (
             "  flight: f1 = x(tau) - x_j, > 0 if the mass comes out beyond x_j; f2 = v(tau) - v_j of the belt reached."
@@ -200,14 +200,14 @@ jacobian gives the 2 x 4 derivatives of f1, f2 of each map by its x_i, theta_i, 
         return "\n".join(f"{mark}{line}".rstrip() for line in text.split("\n"))
 
     def example(self) -> tuple[list[float], dict[str, float]]:
-        """Return switching points, no root, and parameters with which the source's own caller calls it."""
+        """Return switching points (not an orbit) and parameters for the example call at the end of the source."""
         p = self.parameters or load_scene(EXAMPLE).parameters
         z = [each for n in range(len(self.maps) + 1) for each in (round(0.5 - 0.3 * n, 1), round(0.4 + 0.7 * n, 1))]
         return z, {name: float(value) for name, value in p.as_dict().items()}
 
 
 def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
-    """Collect the functions that a word needs; for numpy arrays or for numbers, with or without fixed parameters."""
+    """Collect the functions that a word's residual needs: for numpy arrays or numbers; parameters fixed or not."""
     from symosc.engine.flow import APART, constants  # late: `symosc codegen --help` needs none of these
     from symosc.kernels import _generated, entire, entire_array, mapping
 
@@ -266,7 +266,7 @@ def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
 
 
 def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
-    """Return the name of a mapping's function, and the source of it and of its Jacobian."""
+    """Return the name of the function for a mapping, and the Python source of it and of its Jacobian."""
     # For arrays, the arguments are made flat and of one length, and all results get their shape.
     begin, end = f"K.v{row.start.boundary}", f"K.v{row.end.boundary}"
     if row.sticks:
@@ -300,18 +300,18 @@ def {label}{MATRIX}({arguments}, K):
 
 
 def _names(node: ast.AST) -> set[str]:
-    """Return the names in a syntax tree."""
+    """Return all variable and function names that occur in a syntax tree."""
     return {leaf.id for leaf in ast.walk(node) if isinstance(leaf, ast.Name)}
 
 
 class _Fold(ast.NodeTransformer):
-    """A transformer that replaces known conditions by their truth and, if `fixed`, constants by names (K_cm)."""
+    """Transform a syntax tree: known conditions become True or False and, if `fixed`, constants K.cm become K_cm."""
 
     def __init__(self, known: dict[str, bool], fixed: bool) -> None:
         self.known, self.fixed = known, fixed
 
     def function(self, node: ast.FunctionDef) -> ast.FunctionDef:
-        """Fold a function, without annotations; its docstring is cut to the first paragraph."""
+        """Simplify a function by what is known, drop its annotations, and cut its docstring to the first paragraph."""
         node = self.visit(node)
         for argument in node.args.args:
             argument.annotation = None
@@ -324,7 +324,7 @@ class _Fold(ast.NodeTransformer):
         return ast.fix_missing_locations(node)
 
     def visit(self, node: ast.AST) -> Any:
-        """Return what is left of a node: a known condition is its truth, and leaves the branch that is taken."""
+        """Return a node with known conditions replaced by True or False, and only the branches that are taken."""
         if isinstance(node, ast.expr) and ast.unparse(node) in self.known:
             return ast.Constant(self.known[ast.unparse(node)])
         node = self.generic_visit(node)
@@ -364,12 +364,12 @@ class _Julia(ast.NodeTransformer):
             self.returns[name] = len(value.elts) if isinstance(value, ast.Tuple) else self.returns.get(called, 1)
 
     def expression(self, node: ast.expr) -> str:
-        """Return the source of an expression."""
+        """Return the source of a Python expression in the target language."""
         text = ast.unparse(self.visit(deepcopy(node)))
         return text[1:-1] if isinstance(node, ast.IfExp) else text
 
     def visit(self, node: ast.AST) -> Any:
-        """Return a node in which the source of what differs from Python stands as a name."""
+        """Return a node whose parts that differ from Python are replaced by names spelled as the target's source."""
         match node:
             case ast.BoolOp(op, values):
                 texts = [f"({self.expression(v)})" if isinstance(v, ast.BoolOp) else self.expression(v) for v in values]
@@ -383,7 +383,7 @@ class _Julia(ast.NodeTransformer):
         return self.generic_visit(node)
 
     def block(self, body: list[ast.stmt]) -> Iterator[str]:
-        """Yield the lines of a block."""
+        """Yield the source lines of a list of statements."""
         for node in body:
             match node:
                 case ast.Expr(ast.Constant()):
@@ -419,7 +419,7 @@ class _Julia(ast.NodeTransformer):
         return "\n".join([*note, head, *_indented(self.block(node.body)), "end"])
 
     def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
-        """Yield the assignment of several results."""
+        """Yield the source lines that assign several results to several targets."""
         yield f"{', '.join(map(self.expression, targets))} = {self._listed(value)}"
 
     def give_back(self, value: ast.expr) -> Iterator[str]:
@@ -427,7 +427,7 @@ class _Julia(ast.NodeTransformer):
         yield f"return {self._listed(value)}"
 
     def _listed(self, value: ast.expr) -> str:
-        """Return an expression, or the elements of a tuple without parentheses."""
+        """Return the source of an expression; of a tuple, its elements joined by commas, without parentheses."""
         return ", ".join(map(self.expression, value.elts if isinstance(value, ast.Tuple) else [value]))
 
 
@@ -442,7 +442,7 @@ class _C(_Julia):
         self.base, self.current, self.count = name, "", 0
 
     def visit(self, node: ast.AST) -> Any:
-        """Return a node with flags as 0 or 1, and every other number as a double."""
+        """Return a node in which True and False are written as 1 and 0, and every other number as a double."""
         match node:
             case ast.Name("abs"):
                 return ast.Name("fabs")
@@ -451,7 +451,7 @@ class _C(_Julia):
         return super().visit(node)
 
     def head(self, node: ast.FunctionDef) -> str:
-        """Return the declaration of a function without the semicolon; those of mappings are public."""
+        """Return the head of a C function, "type name(arguments)"; functions of mappings get the public prefix."""
         count, names = self.returns[node.name], [argument.arg for argument in node.args.args]
         arguments = [f"const {self.base}_constants *K" if name == "K" else f"double {name}" for name in names]
         if count > 1:
@@ -497,7 +497,7 @@ class _C(_Julia):
             yield from (f"{name} = {self.expression(each)};" for name, each in zip(names, value.elts, strict=True))
 
     def give_back(self, value: ast.expr) -> Iterator[str]:
-        """Return the result, or write the results to `out`."""
+        """Yield the C lines that return one result, or write several results to the array `out`."""
         if isinstance(value, ast.Tuple):
             columns = len(value.elts) // 2 if self.current.endswith(MATRIX) and _is_map(self.current) else 0
             for n, each in enumerate(value.elts):
@@ -511,17 +511,17 @@ class _C(_Julia):
             yield f"return {self.expression(value)};"
 
     def _call_into(self, call: ast.Call, target: str) -> str:
-        """Return a call that writes its results to an array."""
+        """Return a C call of a function with several results, which it writes to the array `target`."""
         return f"{self.expression(call)[:-1]}{', ' if call.args else ''}{target});"
 
 
 def _is_map(name: str) -> bool:
-    """Return whether a function is that of a mapping or of its Jacobian."""
+    """Return whether a name is that of a mapping's function or of its Jacobian."""
     return re.match(r"P[1-8]", name) is not None
 
 
 def _kinds(node: ast.FunctionDef) -> dict[str, str]:
-    """Return "double" or "int" (a flag) for each local variable of a function."""
+    """Return the C type of each local variable of a function: "double", or "int" for a flag."""
     kinds: dict[str, str] = {}
     given = {argument.arg for argument in node.args.args} | {"_"}
     for leaf in (each for each in ast.walk(node) if isinstance(each, ast.Assign)):
@@ -685,7 +685,7 @@ int main(void)
 
 
 def _wrapped(text: str) -> str:
-    """Return C source with long lines wrapped at blanks."""
+    """Return C source with its long lines broken at blanks."""
     lines = []
     for line in text.splitlines():
         indent = line[: len(line) - len(line.lstrip())]

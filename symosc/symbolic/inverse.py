@@ -65,7 +65,7 @@ class PhaseInterval(NamedTuple):
     high_open: bool = False
 
     def deciding(self, signs: Sequence[int]) -> list[Extreme]:
-        """Return the phases that decide: of the smallest (sign -1) and largest (1) sine, and one between open ends."""
+        """Return the phases of smallest (sign -1) and largest (1) sine; if one is excluded, also one in between."""
         extremes = [self._extreme(sign) for sign in signs]
         if not all(attained for _, attained in extremes):
             inside = (self.low + (self.high - self.low) / parts for parts in (2, 3, 5))  # not all three are extreme
@@ -136,7 +136,7 @@ class GrazingQuestion(NamedTuple):
     theta: Any = None
 
     def text(self) -> str:
-        """Return the property as text."""
+        """Return the property asked for, such as that a window contains a phase, as text."""
         if self.asked != "contains":
             return f"{self.mapping} grazes at {'no' if self.asked == 'empty' else 'every'} phase"
         if isinstance(self.theta, PhaseInterval):
@@ -465,7 +465,7 @@ def values_everything(p: ParametersLike | None, mapping: str, name: str | Sequen
 
 
 def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
-    """Return the names of one parameter or two; the belt is "v" among symbols, v1 or v2 among numbers."""
+    """Return the one or two parameter names asked for; "v" is the belt speed for symbols, v1 or v2 with numbers."""
     belt = f"v{place(mapping).boundary}"
     asked = tuple(given) if isinstance(given, tuple | list) else (given,)
     own = "v" if p is None else belt
@@ -480,7 +480,7 @@ def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
 
 
 def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
-    """Return the region of two parameters, or the answers for one, restricted to its allowed values."""
+    """Answer a question: the region of two parameters, or the values of one, restricted to what is allowed."""
     where, name = place(question.mapping), question.names[0]
     if len(question.names) == 2:
         return _region(p, where, question, full)
@@ -524,7 +524,7 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
 def _containing(
     name: str, values: dict[str, Expr], domain: Expr, side: int, extreme: Extreme, full: bool
 ) -> Iterator[Answer]:
-    """Solve side (k v + B0 Omega sin theta) > 0, or >= 0 at a phase that is not attained, for k, v, B0 or Omega."""
+    """Solve side (k v + B0 Omega sin theta) > 0 for k, v, B0 or Omega; >= 0 if theta is the open end of an interval."""
     theta, attained = extreme
     k, v, B0, Omega, sine = *(values[each] for each in ("k", "v", "B0", "Omega")), sp.sin(theta)
     # The left side is start + slope * parameter; level is side k v at its root.
@@ -545,7 +545,7 @@ def _containing(
 
 
 def _quartic(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield, with its condition, whether equality at theta makes a tangency of fourth order from the map's domain."""
+    """Yield True or False, whether equality at theta is a tangency that grazes, each with its condition."""
     cosine = sp.cos(theta)
     if not cosine.free_symbols:
         yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]
@@ -560,7 +560,7 @@ def _quartic(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
 def _solve_for_all_phases(
     name: str, values: dict[str, Expr], domain: Expr, direction: int, closed: bool, at_zero: bool
 ) -> Iterator[Answer]:
-    """Solve direction k v >= |B0| Omega, or > unless `closed`; `at_zero`: whether 0 = 0 counts."""
+    """Solve direction k v >= |B0| Omega (> unless `closed`) for a parameter; `at_zero`: 0 = 0 counts as a solution."""
     k, v, B0, Omega = (values[each] for each in ("k", "v", "B0", "Omega"))
     if name in ("Omega", "B0"):
         # |B0| Omega <= level
@@ -598,7 +598,7 @@ def _half_line(end: Expr, direction: int, closed: bool) -> Expr:
 
 
 def _signs(expr: Expr) -> Iterator[tuple[int, Expr]]:
-    """Yield the possible signs of an expression, each with its condition."""
+    """Yield each possible sign of an expression, with the condition under which it has this sign."""
     if not expr.free_symbols:
         yield sign_of(expr), sp.true
         return
@@ -611,7 +611,7 @@ def _signs(expr: Expr) -> Iterator[tuple[int, Expr]]:
 
 
 def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield True and False, each with the condition under which the expression is > 0 or not."""
+    """Yield True with the condition under which an expression is > 0, and False with that under which it is not."""
     if not expr.free_symbols:
         yield sign_of(expr) > 0, sp.true
         return
@@ -625,7 +625,7 @@ def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
 
 
 def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full: bool) -> ParameterRegion:
-    """Return the region of two parameters in which a map's window is as the question asks."""
+    """Return the region of two parameters in which a map's window has the property that the question asks for."""
     if p is None:
         raise ParameterError("p", p, "must be Parameters where a region of two parameters is asked for")
     belt = f"v{where.boundary}"
@@ -651,7 +651,7 @@ def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full:
 
 
 def _region_at(level: Expr, drive: Expr, extreme: Extreme, full: bool) -> Expr:
-    """Return the condition under which a phase grazes; a phase that is not attained may also end the window."""
+    """Return the condition that a contact at a phase grazes; at an open end of an interval equality is enough."""
     theta, attained = extreme
     left, right = level, -drive * sp.sin(theta)
     if not attained:

@@ -161,7 +161,7 @@ def critical_phase(gamma: Expr, amplitude: Expr) -> Expr | None:
 def window_phases(
     where: cases.Place, gamma: Expr, amplitude: Expr, full: bool, of: tuple[int, int, int] | None = None
 ) -> Expr:
-    """Return the set of phases at which a contact grazes (Theorem 7); `of` are the signs of letters as in `signs`."""
+    """Return the set of phases at which a contact grazes (Theorem 7); `of`: the result of `signs`, if known."""
     of = of or signs(gamma, amplitude)
     kind = cases.window_kind(where.side, *of, full)
     if kind in (cases.EMPTY, cases.EVERYTHING):
@@ -178,13 +178,13 @@ def window_phases(
 
 
 def _through_zero(first: Expr, last: Expr) -> Expr:
-    """Return the open arc from `last` through 0 to `first`."""
+    """Return the phases from `last` through 0 to `first` as a set in [0, 2 pi), without these two ends."""
     # Known to be disjoint, which sympy finds out slowly, and with symbols not at all.
     return sp.Union(_interval(sp.S.Zero, first, closed=True), _interval(last, 2 * sp.pi), evaluate=False)
 
 
 def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
-    """Return the interval [low, high), without `low` unless `closed`; low < high is known."""
+    """Return the interval from `low` (excluded unless `closed`) to `high` (excluded); low < high must be known."""
     # What sp.Interval returns, without its comparison of the ends by many digits.
     return sp.Basic.__new__(sp.Interval, low, high, sp.false if closed else sp.true, sp.true)
 
@@ -304,7 +304,7 @@ class AnswerPrinter(LatexPrinter):
 
 
 def _from_both_sides(one: Expr, other: Expr) -> bool:
-    """Return whether two conditions are a lower and an upper bound of one expression."""
+    """Return whether one condition bounds an expression from below and the other bounds the same one from above."""
     both = isinstance(one, INEQUALITIES) and isinstance(other, INEQUALITIES) and one.lhs == other.lhs
     return both and (one.lhs == one.gts) != (other.lhs == other.gts)
 
