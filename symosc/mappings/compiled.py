@@ -134,7 +134,7 @@ class CompiledResidual:
         return _scalar(self._rows[0], self._K, self.jacobian, self.exit)
 
     def _fill(self, row: Map, points: Any) -> tuple[np.ndarray, np.ndarray | None]:
-        """Return f (2, n), and J (2, 4, n) or None, of one map."""
+        """Return one map's residuals as an array (2, n), and its Jacobians (2, 4, n) if wanted, else None."""
         n, K = len(points[0]), self._K
         f, J = np.empty((2, n)), np.empty((2, 4, n)) if self.jacobian else None
         results = (f,) if J is None else (f, J)
@@ -165,7 +165,7 @@ class CompiledResidual:
 
 
 def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> tuple[np.ndarray, ...]:
-    """Return arrays of one shape, without a check of their entries."""
+    """Return the given columns as arrays of floats, checked for equal shapes but not for finite entries."""
     if len(columns) != len(names):
         raise ParameterError("points", f"{len(columns)} arrays", f"must be {', '.join(names)}")
     given = [unmasked(name, column) for name, column in zip(names, columns, strict=True)]
@@ -190,7 +190,7 @@ def _belt_and_sides(row: Map, K: Constants, exit: str | None) -> tuple[float, tu
 
 @lru_cache(maxsize=KINDS)
 def _loops(kind: int) -> dict[str, Any]:
-    """Return the loops compiled with one kind of formula."""
+    """Return the functions over arrays by name, compiled with one kind of closed form."""
     outlined = {"flights", "flights_and_slopes", "sticks", "sticks_and_slopes", "load", "store", "kinds_of"}
     if kind == WIDE:
         return compile_modules((mapping,), outlined | {"flight", "flight_slopes"}, compiled())
@@ -204,7 +204,7 @@ def _loops(kind: int) -> dict[str, Any]:
 
 
 def _scalar(row: Map, K: Constants, jacobian: bool, exit: str | None) -> Any:
-    """Return the compiled residual of one pair of points."""
+    """Return a compiled function for the residual (and Jacobian) of a map at one pair of switching points."""
     import numba
 
     functions = _loops(WIDE)

@@ -118,7 +118,7 @@ def time_derivative(expr: Expr) -> Expr:
 
 @cache
 def relations() -> tuple[Expr, Expr, Expr]:
-    """Return three expressions, 0 in every regime: L E2 - 1; real and imaginary part of L (R2 + i I2) - exp(i w t)."""
+    """Return three expressions that are always 0: L E2 - 1 and Re, Im of L (R2 + i I2) - exp(i Omega tau)."""
 
     def relation(response: Expr, force: Expr) -> Expr:
         first = time_derivative(response)
