@@ -108,7 +108,7 @@ def _fragment(name: str, title: str, tags: dict[str, str] | None = None) -> Call
 
 
 def _taken(items: Items, label: str) -> list[Step]:
-    """Return the steps of a section of a chapter, with other labels."""
+    """Return the steps among some items of a chapter, relabelled as `label` followed by 1, 2, ..."""
     steps = [item for item in flat(items) if isinstance(item, Step)]
     return [replace(each, label=f"{label}{n}") for n, each in enumerate(steps, 1)]
 
@@ -259,7 +259,7 @@ def _saltation(scope: FragmentScope) -> Items:
 
 
 def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
-    """Yield the window of each mapping for which the scope has all numbers."""
+    """Yield the window of each mapping whose parameters are all given as numbers in the scope."""
     given = {name for name, _ in scope.values}
     for mapping, place in PLACES.items():
         if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= given:
@@ -273,7 +273,7 @@ def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
 
 
 def _motion(scope: FragmentScope) -> Items:
-    """Return the motion from x_i, in the form that is wanted."""
+    """Return the items that state the motion from (x_i, v_i) at t_i, in the form that the scope asks for."""
     regime, start = scope.regimes[0], named(r"\ddot{x}_i")
     name, condition = domains.REGIME_WORDS[regime.name]
     letters = {letter: domains.true_letters()[letter] for letter in regime.letters}

@@ -100,7 +100,7 @@ def title_page() -> str:
 
 
 def scene_numbers(scope: Scope) -> str:
-    """Return a sentence with the numbers of the scope's scene, or nothing."""
+    """Return a sentence that lists the parameters of the scope's scene, or "" without a scene."""
     if scope.scene is None:
         return ""
     numbers = ", ".join(f"${name} = {value}$" for name, value in scope.table())

@@ -44,12 +44,12 @@ PARAMETERS |= {r"\mu_\lambda", "a", r"\gamma", r"\kappa", "F"}
 
 
 def named(latex: str, **assumptions: Any) -> Expr:
-    """Return a real letter that prints as the given LaTeX."""
+    """Return a symbol, real unless said otherwise, that prints as the given LaTeX."""
     return sp.Symbol(latex, **({"real": True} | assumptions))
 
 
 def _rank(term: Expr) -> tuple[float, bool, Any]:
-    """Return the sort key of a term of a sum."""
+    """Return the key by which the terms of a sum are sorted: the paper's order of their letters."""
     outside = [factor for factor in sp.Mul.make_args(term) if not factor.is_Add and not isinstance(factor, sp.exp)]
     letters = {symbol.name for factor in outside or [term] for symbol in factor.free_symbols}
     letters = letters or {symbol.name for symbol in term.free_symbols}
@@ -210,7 +210,7 @@ class PaperPrinter(LatexPrinter):
 
 
 def _factor_key(factor: Expr) -> tuple[int, int, Any]:
-    """Return the sort key of a factor: numbers, parameters, other symbols, functions, sums."""
+    """Return the key by which factors are sorted: numbers, parameters, other symbols, functions, sums."""
     base = factor.as_base_exp()[0]
     if factor.is_Rational:
         return 0, 0, sp.default_sort_key(factor)
@@ -232,7 +232,7 @@ def _factor_key(factor: Expr) -> tuple[int, int, Any]:
 
 
 def _drag_in_front(expr: Expr) -> tuple[Expr, bool]:
-    """Write -(mu_1 - mu_2) for a factor (-mu_1 + mu_2), as the paper does; return also whether it was done."""
+    """Turn a factor (-mu_1 + mu_2) into (mu_1 - mu_2), as the paper writes it; return also if the sign changed."""
     for factor in sp.Mul.make_args(expr):
         letters = {symbol.name for symbol in factor.free_symbols}
         mu_1 = next((symbol for symbol in factor.free_symbols if symbol.name == "mu_1"), sp.S.One)
@@ -243,7 +243,7 @@ def _drag_in_front(expr: Expr) -> tuple[Expr, bool]:
 
 
 def _one_root(expr: Expr) -> Expr:
-    """Write the root of k/m for the quotient of the roots."""
+    """Write a quotient of roots, such as sqrt(k)/sqrt(m), as one root sqrt(k/m)."""
     halves = [f for f in sp.Mul.make_args(expr) if f.is_Pow and f.exp in (sp.S.Half, -sp.S.Half) and f.base.is_Symbol]
     if not any(f.exp < 0 for f in halves):
         return expr
@@ -254,7 +254,7 @@ def _one_root(expr: Expr) -> Expr:
 
 
 def _parentheses(text: str) -> str:
-    """Return text in parentheses of sufficient size."""
+    """Return LaTeX in parentheses, large ones if it contains a fraction."""
     return rf"\left({text}\right)" if r"\frac" in text else f"({text})"
 
 
@@ -309,7 +309,7 @@ def lines(statement: Step, decimals: bool = False, left_width: float | None = No
 
 
 def _broken(expr: Expr, decimals: bool, room: float) -> list[str]:
-    """Break a sum into rows before its terms; a product with a long sum is broken inside its parentheses."""
+    """Return the LaTeX of an expression in rows as wide as `room`, broken before terms, if need be in parentheses."""
     whole = latex(expr, decimals)
     if not isinstance(expr, sp.Expr) or width(whole) <= room:
         return [whole]
@@ -323,7 +323,7 @@ def _broken(expr: Expr, decimals: bool, room: float) -> list[str]:
 
 
 def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
-    """Return the terms of a sum, with their signs, each in pieces."""
+    """Return the LaTeX of a sum in pieces between which a row may end: its terms with their signs, or parts of them."""
     found: list[str] = []
     for term in terms(expr):
         found += _term_pieces(term, decimals, room, not found)
@@ -348,5 +348,5 @@ def _term_pieces(term: Expr, decimals: bool, room: float, first: bool) -> list[s
 
 
 def _signed(text: str, first: bool) -> str:
-    """Return text with a leading sign, except for the first positive term."""
+    """Return the LaTeX of a term with its sign in front, but no "+" if it is the first term."""
     return text if first or text.startswith("-") else f"+ {text}"

@@ -144,7 +144,7 @@ EXAMPLES: tuple[tuple[str, Parameters, str, str, tuple[str, str], int, int, str,
 
 
 def _examples_table() -> Table:
-    """Return ends of branches of the package, with the rate at the contact that decides."""
+    """Return the table of examples: ends of branches that the package finds, and the rate of the force that decides."""
     rows, signs = [], []
     for where, p, word, name, ends, which, belt, border, negative in EXAMPLES:
         end = continue_orbit(p, word, name, ends).ends[which]
