@@ -121,7 +121,7 @@ class Flown:
             Y = (turned - (other * complexed(tau)).exp()) / (imaginary(o.Omega) - other)
             quotient = imaginary(2 * o.omega_d)
             Z, Z1 = (X - Y) / quotient, (root * X - other * Y) / quotient
-            self.E, self.E1 = part(free, 1) / o.omega_d, part(root * free, 1) / o.omega_d
+            self.E, self.E1 = component(free, 1) / o.omega_d, component(root * free, 1) / o.omega_d
         else:
             self.E, self.E1, _ = o.entire(tau)
             pull = complexed(o.km - o.Omega * o.Omega) + imaginary(o.cm * o.Omega)
@@ -129,7 +129,7 @@ class Flown:
             Z = (turned - E1 - (complexed(o.cm) + Omega) * E) / pull
             Z1 = (Omega * turned + complexed(o.km) * E - Omega * E1) / pull
         self.phi, Z, Z1 = self.E1 + o.cm * self.E, begins * Z, begins * Z1
-        sine, self.cosine, sine1, self.cosine1 = part(Z, 1), part(Z, 0), part(Z1, 1), part(Z1, 0)
+        sine, self.cosine, sine1, self.cosine1 = component(Z, 1), component(Z, 0), component(Z1, 1), component(Z1, 0)
         if leg.piece.after_stick:  # the force says the position
             self.x0, self.a0 = (A + o.B0 * phase.cos() - o.c * speed) / o.k, arb(0)
         else:
@@ -137,7 +137,7 @@ class Flown:
             self.a0 = (A + o.B0 * phase.cos() - o.k * self.x0 - o.c * speed) / o.m
         self.v = speed * self.phi + self.a0 * self.E - o.drive * sine
         self.a = self.a0 * self.E1 - speed * o.km * self.E - o.drive * sine1
-        change = part(begins * (turned - 1), 0)  # of cos(theta)
+        change = component(begins * (turned - 1), 0)  # of cos(theta)
         self.x = self.x0 + (o.B0 * change - o.c * (self.v - speed) - o.m * (self.a - self.a0)) / o.k
 
     def jerk(self, o: Oscillator, sine: Ball) -> Ball:
@@ -425,7 +425,7 @@ def imaginary(value: Ball) -> Ball:
     return acb_series(value) * acb_series([acb(0, 1)]) if isinstance(value, arb_series) else acb(0, value)
 
 
-def part(value: Ball, imaginary: int) -> Ball:
+def component(value: Ball, imaginary: int) -> Ball:
     """Return the real or the imaginary part."""
     if not isinstance(value, acb_series):
         return value.imag if imaginary else value.real
@@ -565,7 +565,7 @@ class Surface:
             o, u = self.directed(d, [surface, *self._derivatives(d, place)], 4, True)
             flown, r = flights.residuals(o, u)
             cubes.append(self._solved([each[3] for each in r]))
-            curves.append([_part(value, 2) for _, value, _ in flights.margins(o, u, flown, plan)])
+            curves.append([_coefficient(value, 2) for _, value, _ in flights.margins(o, u, flown, plan)])
         A, D = cubes[:2]
         B = [(s - m) / 2 - d for s, m, d in zip(*cubes[2:], D, strict=True)]
         C = [(s + m) / 2 - a for s, m, a in zip(*cubes[2:], A, strict=True)]
@@ -600,8 +600,8 @@ class Surface:
         """Return the least values of the margins without their second derivatives, and where each falls most."""
         low, rises = list[Ball](), list[int]()
         for (what, one, _), (_, other, _) in zip(*pairs, strict=True):
-            a, b = (abs(_part(each, 1)) for each in (one, other))
-            low.append(_part(one, 0) - a - b)
+            a, b = (abs(_coefficient(each, 1)) for each in (one, other))
+            low.append(_coefficient(one, 0) - a - b)
             rises.append(int(b > a))
             if low[-1] < 0:
                 raise NotInBox(what, rises[-1])
@@ -618,7 +618,7 @@ class Surface:
             for d in DIRECTIONS[:2]:
                 o, u = self.directed(d, [around, self._derivatives(d, arb(0, 1))[0]], 2, True)
                 slopes, rows = flights.jacobian(o, u)
-                parts.append(self.Y * arb_mat([[_part(each, 1) for each in row] for row in rows]))
+                parts.append(self.Y * arb_mat([[_coefficient(each, 1) for each in row] for row in rows]))
             apart = [
                 [sum(map(abs, each), arb(0)) for each in zip(*rows, strict=True)]
                 for rows in zip(*(each.tolist() for each in parts), strict=True)
@@ -628,7 +628,7 @@ class Surface:
                 for p, row in zip(pushed, apart, strict=True)
             ]
             if all(each < r for each, r in zip(image, tube, strict=True)):
-                return tube, [{name: [_part(each, 0) for each in row] for name, row in by.items()} for by in slopes]
+                return tube, [{name: [_coefficient(z, 0) for z in row] for name, row in by.items()} for by in slopes]
             excess = max(
                 sum(float(e) * float(r) for e, r in zip(row, pushed, strict=True)) / float(p)
                 for row, p in zip(apart, pushed, strict=True)
@@ -644,7 +644,7 @@ class Surface:
         return entries
 
 
-def _part(value: Ball, order: int) -> Ball:
+def _coefficient(value: Ball, order: int) -> Ball:
     """Return a coefficient of a series; a ball is a constant."""
     return value[order] if isinstance(value, arb_series) else value if order == 0 else arb(0)
 

@@ -172,7 +172,7 @@ def _values(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
 
 
 def _orbit(scope: Scope, word: str, figure: str) -> Items:
-    """Yield the section of an orbit: its equations, its switching points, and what happens between them."""
+    """Yield the items of the section on one orbit: its equations, switching points, and checks in between."""
     assert scope.parameters is not None
     p, found, points = scope.parameters, pieces(scope, word), root(scope.parameters, word)
     equations: list[Any] = []
