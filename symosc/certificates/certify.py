@@ -118,7 +118,7 @@ def certify(
 
 
 def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[str, ...]) -> Certificate:
-    """Prove the motion of a scene, by its orbit where it settles on one."""
+    """Prove the motion of a scene, event by event or, if it settles on an orbit, by this orbit."""
     from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_settled, prove_trajectory
 
     if t_end is not None:

@@ -36,7 +36,7 @@ def prove_window(window: GrazingWindow) -> Certificate:
 
 
 def _positive_phases(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple[Ball, Fraction, int]]]:
-    """Return on which phases s = bias + swing sin(theta) is > 0, and each end: phase, sine, sign of the cosine."""
+    """Return where s = bias + swing sin(theta) > 0, in words, and the ends: phase, sine, sign of the cosine."""
     # An arc goes up from its first end to its second.
     if abs(bias) > abs(swing) or swing == 0:
         return (ALL_PHASES if bias > 0 else NO_PHASE), []
