@@ -36,13 +36,13 @@ from symosc.scenes import Scene, load_scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.words import Word, cycle, read_word
 
-#: Boxes that are tried between two looks at the clock, and in one call of a worker.
+#: How many boxes are tried before the time is checked again, and in one call of a worker.
 BATCH, CHUNK = 64, 8
-#: Orbits of other words that are kept for the parts of a rectangle.
+#: How many likely orbits are passed on to the parts of a rectangle.
 MOST_NEAR = 3
-#: Boxes whose sides are a smaller part of the ranges are not divided further.
+#: The least side of a box that is tried, as a part of the range.
 LEAST_SIDE = Fraction(1, 1 << 24)
-#: So often it is tried to find a border between two words; the part of the plane beside a border at which it is found.
+#: How often to try to find a border between two words; how far beside a border to look, as a part of the plane.
 MOST_FAILED, BESIDE = 3, 1e-4
 #: Points of the grid along each side; so far inside of the plane's edge a place is looked at; the step along a border.
 GRID, EDGE, BORDER_STEP = 12, 1e-6, 0.005
@@ -232,7 +232,7 @@ class Plane(NamedTuple):
                 yield a, b
 
     def across(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the middle point of a border, and the direction at a right angle to it (both scaled by the ranges)."""
+        """Return the middle of a border, and a vector at a right angle to it there, as long as the plane is wide."""
         middle, size = len(points) // 2, np.array([float(high - low) for low, high in self.range])
         along = (points[middle] - points[middle - 1]) / size
         return points[middle], np.array([along[1], -along[0]]) / np.hypot(*along) * size

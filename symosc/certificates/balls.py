@@ -84,8 +84,8 @@ def exact_ends(value: Ball) -> tuple[Fraction, Fraction]:
 
 def outward(value: Ball, digits: int) -> tuple[str, str]:
     """Return both ends of a ball as decimal texts, the lower one rounded down and the upper one up."""
-    # They are one unit of the last digit further apart than necessary: a checker that knows the number only a little
-    # better can prove them.
+    # The ends are one unit of the last digit further apart than necessary, so that a checker can prove them whose ball
+    # is about as wide as this one.
     low, high = exact_ends(value)
     scale = max(abs(low), abs(high), Fraction(1))
     unit = Fraction(10) ** (len(str(int(scale))) - digits)

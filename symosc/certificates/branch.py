@@ -38,9 +38,9 @@ MOST_INFLATIONS, INFLATION = 8, 1.2
 #: How much wider the balls are in which a root is the only one: those that are stated; those that are proven, so that
 #: a checker whose balls are a little wider proves the others.
 STATED_WIDTH, PROVEN_WIDTH = 1.2, 1.5
-#: Half-width of the enclosure of an end, as a part of its value or of the range.
+#: How far `inside` and `outside` are from a branch's end, as a part of its value or of the range.
 END_WIDTH = Fraction(1, 10**11)
-#: The first interval, as a part of the range; by how much the next one is wider.
+#: The width of the first interval, as a part of the range; the factor by which the next one is wider.
 FIRST_WIDTH, GROWTH = Fraction(1, 50), Fraction(8, 5)
 MOST_BOXES, LEAST_WIDTH = 100_000, Fraction(1, 10**16)
 END_OF_RANGE = "end of the range"
@@ -48,7 +48,7 @@ END_OF_RANGE = "end of the range"
 #: by which the others are off its start or end.
 LOW_SAMPLES, MOST_LOW_STEPS, NEAR_POWERS = 96, 12, range(8, 60)
 
-#: The kind of an end of a branch, the parameter's value there, and t_0, x_0, ... of the orbit, nearly.
+#: The kind of an end of a branch, the parameter's value there, and t_0, x_0, ... of the orbit, approximately.
 GivenEnd = tuple[str, Fraction, Values]
 
 
@@ -72,7 +72,7 @@ class Family:
         for order in range(2, ORDER + 1):
             rest = self._coefficients(self.middle, [*self.curve, [arb(0)] * len(start)], order)[-1]
             self.curve.append([(-each).mid() for each in (Y * column(rest)).entries()])
-        # The coefficients of f of order ORDER along the curve are those about all values of the parameter.
+        # The remainder: the coefficients of order ORDER of the residuals, about all values of the parameter at once.
         shifted = [
             _horner([[comb(k, j) * each for each in self.curve[k]] for k in range(j, ORDER)], change)
             for j in range(ORDER)

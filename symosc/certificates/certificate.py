@@ -14,7 +14,7 @@ from symosc.display.drawable import Drawable
 from symosc.files import write_text
 from symosc.model import PARAMETER_NAMES, Parameters
 
-#: What a certificate file says that it is.
+#: The format that every certificate file names.
 FORMAT = "symosc certificate 1"
 #: Digits of an enclosure's middle that are shown.
 SHOWN_DIGITS = 17
@@ -22,7 +22,7 @@ STARTS = ("t0", "x0", "v0")
 
 
 def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
-    """Return the names of parameters and start values with respect to which derivatives of the events can be proven."""
+    """Return the parameters and start values whose derivatives of events can be proven, if no event is a graze."""
     left_out = [name for n in (1, 2) if v0 == p.belt(n) for name in (f"v{n}", "v0")]
     if p.k == 0:
         left_out += ["k", "c"] if p.c == 0 else ["k"]

@@ -22,7 +22,7 @@ from flint import arb, arb_series
 from symosc.certificates.balls import Ball, Undecided, ball, sure_sign
 from symosc.model import PARAMETER_NAMES, Parameters
 
-#: A family is treated as nearly critical where the frequency is not known to this part.
+#: A family counts as critically damped unless its frequency is at least so many times its error.
 ROUGH = 32
 
 
@@ -254,7 +254,7 @@ class Turns:
         return (angle + 2 * turn * arb.pi()) / self.Omega
 
     def after(self, t: Ball) -> Iterator[tuple[Ball | None, int]]:
-        """Yield the times of all turns after t (None: there is none), each with the sign of the drift before it."""
+        """Yield each turn after t (not at t): its time, None for never, and the sign of the drift before it."""
         if self.constant is not None:
             yield None, self.constant
             return

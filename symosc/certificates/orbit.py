@@ -42,7 +42,7 @@ POINT_DIGITS, MULTIPLIER_PLACES = 25, 16
 ACCURATE = 10.0 ** (-POINT_DIGITS - 2)
 #: This part of the box in which an orbit is proven to be alone is stated: a checker with wider balls needs a margin.
 STATED = arb(2) ** -24
-#: By how much a hint is more than the first-order value; the least radius in a hint.
+#: How many times the first-order value a hint for the checker is; the least radius in a hint.
 SPARE, LEAST_RADIUS = 32, Fraction(1, 10**60)
 
 Values = list[Ball]
@@ -71,9 +71,9 @@ def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Valu
 
 
 class Margin(NamedTuple):
-    """A number, or a function of time during a piece, that must be positive; and the end of a branch where it is not.
+    """A number, or a function of time on a piece, that must be positive; `kind` is the end of a branch where it fails.
 
-    The function is known to be 0 where the piece ends if `at_end`, and so are `at_start` of g, g' where it starts.
+    If `at_end`, the function g is known to be 0 where the piece ends; where it starts, `at_start` of g, g' are 0.
     """
 
     what: str
@@ -191,7 +191,7 @@ class ClosingBalls:
     def margins(self, i: int, values: Values) -> list[Margin]:
         """Return the margins of piece i: its duration, the forces that Theorems 4 and 5 need at its start, its course.
 
-        Where a stick ends one force is 0, and that the other one holds is part of the stick.
+        The end of a stick adds none: one force is 0 there, and that the other one holds is a margin of the stick.
         """
         o, piece, before, (t, x) = self.oscillator, self.pieces[i], self.pieces[i - 1], values[2 * i : 2 * i + 2]
         kind = "stick" if piece.sticks else "slip" if piece.after_stick else "flight"
@@ -410,7 +410,7 @@ def _certificate(
     pieces, n = closing.pieces, len(closing.pieces)
     # It begins at the end of a flight: there the forces say how the motion goes on.
     begin = next(i for i in range(n) if not pieces[i - 1].sticks)
-    # How far apart in time motions from the box meet each event is a hint for the checker, and no proof: many times
+    # A hint for the checker, not a proof: how far apart in time motions from the box meet each event, many times
     # the first-order value, as the checker uses balls that are wider than the set.
     wide, middle = [STATED * value.rad() for value in box[2 * begin : 2 * begin + 2]], [each.mid() for each in root]
     moved = arb_mat([[wide[0].mid(), 0], [0, wide[1].mid()]])

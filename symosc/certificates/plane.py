@@ -46,7 +46,7 @@ from symosc.words import Word
 BOX_BITS = 64
 MOST_NEWTON, CONVERGED = 12, 1e-13
 MOST_INFLATIONS, INFLATION = 5, 1.1
-#: The part of half a period of the free motion that a cut flight's parts may have.
+#: The longest part of a flight between two cuts, as a part of half a period of the free motion.
 SHORTER, MOST_CUTS = 0.95, 12
 #: The directions in a box in which series are computed.
 DIRECTIONS = ((1, 0), (0, 1), (1, 1), (1, -1))
@@ -58,11 +58,11 @@ EXP_OVER = [[term / (n + k + 1) for n, term in enumerate(EXP_TERMS)] for k in ra
 _kept: deque[tuple[Ball, list[Ball]]] = deque(maxlen=4)
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
-#: Where a flight is cut: a part of it with a gap > 0, and for how long before and after free motion from there has one.
+#: A cut: a share of a flight after which the gap is > 0, and for how long before and after the free motion's is too.
 Cut = tuple[float, float]
 #: The turns in the stick after each flight, and the cuts of each flight (None: short steps).
 Plan = tuple[list[list[int]], list[list[Cut] | None]]
-#: A quantity that must be positive, as text; its value, and its derivatives by the unknowns.
+#: A quantity that must be positive: what it is, its value, and its derivatives with respect to the unknowns.
 Inequality = tuple[str, Ball, Values]
 
 
@@ -90,7 +90,7 @@ class Leg(NamedTuple):
 
 def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
     """Return the mirror image of each mode of an oscillator that is symmetric about A0/k, else {}."""
-    # It is if both belts are alike, or if one of them is transparent and the speed of the other one is 0; the
+    # It is symmetric if the belts are alike with opposite speeds, or if one has no friction and the other no speed; the
     # parameters in `names` may have any values.
     free = set(names)
     if not free & {"v1", "v2", "mu1", "mu2"} and p.v1 == -p.v2 and p.mu1 == p.mu2:
@@ -104,7 +104,7 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
 class Flown:
     """A flight followed for a time tau from its unknowns u; balls, or power series.
 
-    The response to the drive is E * sin(theta) and E * cos(theta) from the phase on. With lambda = -h + i omega_d and
+    The response to the drive is E convolved with sin(theta) and cos(theta). With lambda = -h + i omega_d and
     X(lambda) = int exp(lambda (tau - s) + i Omega s) ds the response to exp(i Omega s) is the difference quotient of X
     at lambda and its conjugate. Near resonance the first X is an entire function.
     """
@@ -148,7 +148,7 @@ class Flown:
 class Flights:
     """The closing equations of a word, for few unknowns: each flight's phase, x (not after a stick), and duration."""
 
-    # `labels` begin with a flight, and with the half whose mirror image is the rest if there is one.
+    # `labels` begin with a flight; if their second half is the mirror image of the first, only the first is followed.
 
     def __init__(self, labels: tuple[str, ...], mirror: dict[int, int]) -> None:
         self.pieces = pieces_of(Word(labels))
@@ -484,7 +484,7 @@ def box_arithmetic() -> Iterator[None]:
 class Surface:
     """Approximate roots for all parameters of a box: quadratic polynomials u(a, b) of the place, a and b in [-1, 1]."""
 
-    # NotInBox if the orbit near the unknowns `near` at the middle does not have the word.
+    # Raises NotInBox if the orbit found from `near` at the middle of the box does not have the word.
 
     def __init__(
         self, p: Parameters, names: Sequence[str], box: Rectangle, flights: Flights, near: Sequence[float]

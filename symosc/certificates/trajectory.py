@@ -52,21 +52,21 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.words import Word
 
 FIRST_BITS, MOST_BITS = 128, 8192
-#: More bits do not help a start that is known to an error; they are raised this often only.
+#: How often the bits are doubled for a start with an error, which they hardly help.
 RAISES_WITH_ERROR = 1
 MOST_PROVEN_EVENTS = 20_000
 #: Enclosures of events have this many digits, and more where events are closer to each other.
 DIGITS, DIGITS_BEYOND = 25, 8
 EXACT = (Fraction(0),) * 3
 WIDE = "the digits of a derivative"
-#: Numbers of the start that may be left free, in this order: the first one that is known to an error.
+#: Which start value is varied for a graze: the first one of these that has an error.
 FREE = (("x0", 1), ("v0", 2), ("t0", 0))
 MOST_SECANTS, MOST_NARROWINGS = 12, 60
 MODE_NUMBERS = {name: mode for mode, name in MODE_NAMES.items()}
 SETTLED_BITS = 320
 #: How many events a motion may take to come near the orbit, and how near that is (of t, and of x).
 MOST_EVENTS_BEFORE, NEAR_ARRIVAL = 2000, 1e-6
-#: A box is this many times larger than the set that comes into it; the least one; the largest factor q.
+#: How many times larger the box is than the set that comes into it; its least size; the largest factor q.
 BOX_MARGIN, LEAST_BOX, MOST_Q, MOST_TURNS = 8, Fraction(1, 10**22), 0.9, 8
 #: dt and dx of an event.
 Change: TypeAlias = tuple[Ball, Ball]
@@ -315,8 +315,8 @@ def _one_touches(
     high: Ball,
 ) -> bool:
     """Return whether exactly one start value between low and high lets the flight graze near tau (Krawczyk)."""
-    # `flight` and `state` are of all these starts, `thin` of the middle one, `tau` is when their gap is lowest, `place`
-    # that of the free number.
+    # `flight` and `state` are those of all these starts, `thin` that of the middle one; `tau` encloses when the gap is
+    # least; `place` is the index of the start value that varies.
     side, lowest, free = flight.side(boundary), flight.t0 + tau, low.union(high)
     times, one = around(lowest.mid(), 4 * lowest.rad()), thin.flight(o, thin.states.hull())
     there = one.at(times.mid() - one.t0)

@@ -51,7 +51,7 @@ MODES = ("", "Omega1", "Omega2", "Omega3", "belt1", "belt2")
 LIMITS = {"bytes": 10**7, "events": 50_000, "steps": 2_000_000}
 ORDERS, TINY, TOO_NEAR, WIDENINGS = 12, fmpq(1, 10**100), 2.0**-20, 40
 OPEN, FALSE, BAD = range(3)
-#: Held while the precision of flint, which all threads share, is not that of the caller.
+#: Held while the precision of flint, which all threads share, is changed.
 LOCK = RLock()
 
 
@@ -227,9 +227,9 @@ class Mode:
 
 
 class Motion:
-    """A motion in one mode from starts t, x, v in a set: centre + columns [-1, 1] + rest [-1, 1]."""
+    """The motions in one mode from starts (t, x, v) in a set: centre + columns times [-1, 1] + rest times [-1, 1]."""
 
-    # `columns` contain the derivatives by the numbers that it began with; or, if there is a `rest`, exact numbers near
+    # `columns` contain the derivatives with respect to the first start; or, if there is a `rest`, exact numbers near
     # them, so that the set of a long motion does not grow by what is not known of the derivatives. `leaves` are the
     # ends whose f is 0 at the start, and the order of the first derivative that is not. `amplitude` is v^2 + v'^2 m/k,
     # where that is constant and known.
@@ -325,7 +325,7 @@ class Motion:
         return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
 
     def around(self, end, row, turn):
-        """Return a ball of times around an event; f at its start (> 0), at its end (turn * f > 0), and over it."""
+        """Return a ball of times around an event; f, f', f'' at its start (f > 0), its end (turn * f > 0), over it."""
         low, high = arb(row["t"][0]).lower(), arb(row["t"][1]).upper()
         for _ in range(WIDENINGS):
             first, last = self.f(end, low), self.f(end, high)
@@ -396,7 +396,7 @@ class Motion:
         return self
 
     def from_centre(self, parts):
-        """Return t and x of the start that lies at `parts` of the columns from the centre."""
+        """Return t and x of one start in the set: centre + the sum of all columns, each times its factor in `parts`."""
         moved = [[part * each for each in column] for part, column in zip(parts, self.columns, strict=True)]
         return [sum((column[i] for column in moved), c) for i, c in enumerate(self.centre[:2])]
 
@@ -413,7 +413,7 @@ def frame(sides):
 
 
 def begin(problem, start, errors, rest=None):
-    """Return the motion from a start. A rational F that is 0 is decided by its first nonzero derivative."""
+    """Return the motion from a start and its errors; if F is exactly 0, its first nonzero derivative decides."""
     (t0, x0, v0), p, centre = start, problem.p, [arb(value) for value in start]
     columns = [[arb(error) if i == j else arb(0) for j in range(3)] for i, error in enumerate(errors) if error]
     z = fmpq_mat([[x0], [v0], [1], [1], [0]])  # where t0 or B0 is 0
@@ -448,7 +448,7 @@ def leave(problem, start, errors, until):
     check(v0 in (p["v1"], p["v2"]) and errors[2] == 0 and after > 0, "a start on a belt, and a time after it")
 
     def motion(mode, t, x, leaves=None):
-        """Return the motion from all starts within t and x of the given start."""
+        """Return the motion from all starts that differ from the given one by at most t in time and x in position."""
         columns = [(arb(t), arb(0), arb(0)), (arb(0), arb(x), arb(0))]
         return Motion(problem, mode, at, [arb(value) for value in start], columns, leaves)
 
@@ -492,7 +492,7 @@ def question(data, source):
 
 
 def varied(problem, number, name):
-    """Return the derivatives of M and of the rows of f of a mode with respect to the parameter `name`."""
+    """Return the derivatives of a mode's M and rows with respect to `name`, in which (m: in 1/m) both are affine."""
     if name in START:
         return fmpq_mat(5, 5), fmpq_mat(2, 5)
     p = problem.p
@@ -599,7 +599,7 @@ def fixed_point(motions, box, turn):
 
 
 def settled(data, source, limits):
-    """Prove the first events of a motion, that it then comes back into a box forever, and its last events."""
+    """Prove the first events of a motion, that it returns to a box forever after these, and its last events."""
     problem, until = Problem(data["parameters"], limits), data["may_stick_until"]
     start, errors, shown = question(data, source)
     events, cycle, last = data["events"], data["cycle"], data["last"]

@@ -181,7 +181,7 @@ def eigenvalues(T, d):
     return (T / 2 + root, zero), (T / 2 - root, zero)
 
 
-#: A motion of which it is known that nothing happens between its events: it is one of more that are proven.
+#: A motion from a smaller set of starts than one already proven to have no events in between: this is not proven again.
 Within = type("Within", (base.Motion,), {"positive": lambda motion, *until: None})
 
 
@@ -336,7 +336,7 @@ class Oscillator:
 
         first, second, difference, S = X(first_root, drive), X(other, drive), first_root - other, X(first_root, other)
         S1 = (first_root * s).exp() + other * S
-        # The derivative of X(a, b) by s is exp(b s) + a X(a, b).
+        # The derivative of X(a, b) with respect to s is exp(b s) + a X(a, b).
         return real(S), real(S1), (first - second) / difference, (first_root * first - other * second) / difference
 
     def longest_part(self):

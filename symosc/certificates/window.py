@@ -37,7 +37,7 @@ def prove_window(window: GrazingWindow) -> Certificate:
 
 def _positive_phases(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple[Ball, Fraction, int]]]:
     """Return where s = bias + swing sin(theta) > 0, in words, and the ends: phase, sine, sign of the cosine."""
-    # An arc goes up from its first end to its second.
+    # An arc reaches from its first end, with growing theta, to its second.
     if abs(bias) > abs(swing) or swing == 0:
         return (ALL_PHASES if bias > 0 else NO_PHASE), []
     sine = -bias / swing

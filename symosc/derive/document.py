@@ -358,7 +358,7 @@ def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
             left, _, right = line.partition("&")
             sides = [formula(side, display=True) if side.strip() else "" for side in (left, right)]
             body.append(f"<tr><td>{sides[0]}</td><td>{sides[1]}</td><td></td></tr>")
-        # The last line has the note and the number.
+        # Only the last line of a step has its note and its number.
         remark = f' <span class="remark">{html(note)}</span>' if note else ""
         label = f'<td title="{each.evidence[0].kind}">({each.number}&nbsp;{each.marks})</td>'
         body[-1] = f'<tr id="step-{each.number}"><td>{sides[0]}</td><td>{sides[1]}{remark}</td>{label}</tr>'

@@ -62,7 +62,7 @@ def as_latex(
     fragment: Checked, scope: FragmentScope, prefix: str = PREFIX, paper_tags: bool = False, alone: bool = False
 ) -> str:
     """Return a fragment as LaTeX, with labels that begin with `prefix` (symosc:P3-f1)."""
-    # `paper_tags` gives equations of the paper their numbers as hard tags; `alone` makes a document of its own.
+    # `paper_tags` gives equations their numbers in the paper (LaTeX tags); `alone` makes a complete document.
     if not re.fullmatch(r"[A-Za-z0-9.:_-]*", prefix):
         raise ParameterError("prefix", prefix, "may have letters, digits and . : _ - only")
     tags = FRAGMENTS[fragment.key].tags if paper_tags else {}

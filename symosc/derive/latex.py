@@ -265,7 +265,7 @@ def latex(expr: Expr, decimals: bool = False) -> str:
 
 # --- lines that fit the page ---
 
-# Width of a line of mathematics, in units of a digit; the text is 16 cm wide and a number stands behind.
+# Width of a line of mathematics, in units of a digit; the text is 16 cm wide, and a number follows the formula.
 LINE_WIDTH = 70.0
 #: Widths of tokens; other commands and small letters have 1.1, capital letters and m 1.7.
 _WIDTHS = dict.fromkeys((r"\left", r"\right", r"\bigl", r"\bigr", r"\biggl", r"\biggr"), 0.3)

@@ -146,14 +146,14 @@ def _turning_points(parameters: Parameters, x0: Any, t_end: int, digits: int | N
 
 def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
     """Return the rise of the highest points per cycle at Omega = 1, c = 0."""
-    # Turning points are at theta = pi/2 + n pi from x = (P/2 - F)/k at t = 0, with any velocity that is large enough.
+    # From x = (P/2 - F)/k at t = 0, with any velocity that is large enough, turning points are at theta = pi/2 + n pi.
     highest = _turning_points(wall(F, 1, P=P), Fraction(P) / 2 - Fraction(F), 40, digits)[::2]
     return [after - before for before, after in pairwise(highest)]
 
 
 def one_sided_orbit(F: Any, n: int, middle: Fraction) -> PeriodicOrbit:
     """Return the orbit without stops at Omega = 1/(2 n), c = 0 whose turning points have the given middle."""
-    # In doubles: its neighbours are orbits too, so that equations of more digits are singular there.
+    # In doubles only: neighbouring motions are orbits too, so the equations are singular, which more digits would show.
     guess = [(0, float(middle + _free_amplitude(n))), (2 * pi * n, float(middle - _free_amplitude(n)))]
     return find_orbit(wall(F, Fraction(1, 2 * n)), "P32", guess=guess)
 

@@ -119,7 +119,7 @@ class FragmentScope(Scope):
     values: tuple[tuple[str, Any], ...] = ()
     form: str = "entire"  # "entire" (the five basis functions) or "paper" (e^{-ct/2m} cos omega_d t)
     digits: int | None = None  # to which numbers are rounded
-    # what letters are in this fragment, such as the velocity at the start
+    # what letters stand for in this fragment, such as the belt's speed for the velocity at the start
     instances: dict[Expr, Expr] = field(default_factory=dict, hash=False, compare=False)
 
     def shown(self, expr: Expr) -> Expr:
@@ -143,7 +143,7 @@ def fragment_scope(
     settings: dict[str, str], scene: Scene | None = None, form: str = "entire", digits: int | None = None
 ) -> FragmentScope:
     """Return the scope of a fragment for parameters given as text; a scene supplies the others."""
-    # Any allowed parameters check the given ones; so does a speed of the other belt if only one is given.
+    # To check the given parameters, the others get any allowed values, and so does the speed of the other belt.
     base = scene.parameters if scene else Parameters(**dict.fromkeys(PARAMETER_NAMES, 1) | {"v1": -1, "v2": 1})
     given = {name: read_exact(name, settings[name]) for name in ("v1", "v2") if name in settings and not scene}
     other = {"v2": given["v1"] + 1} if "v1" in given else {"v1": given["v2"] - 1} if given else {}

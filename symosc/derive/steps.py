@@ -248,7 +248,7 @@ def modes(expr: Expr) -> Expr:
     """Simplify a sum of modes (products of tau, exp, sin, ...) to 0 if it vanishes, else collect its modes."""
     expr = sp.expand_trig(expr)
     found = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
-    # What vanishes for all values of its modes needs no more than its numerator.
+    # Modes count as independent symbols here: the expression vanishes for all their values if its numerator does.
     above, _ = sp.fraction(sp.together(expr.xreplace(dict(zip(found, (sp.Dummy() for _ in found), strict=True)))))
     return sp.S.Zero if sp.expand(above) == 0 else solution.collect_modes(expr)
 

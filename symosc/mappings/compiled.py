@@ -150,7 +150,7 @@ class CompiledResidual:
             raise ParameterError("theta_j", "array", UNWRAPPED)
         v_i, v_j, A = flight_arguments(row, K)
         arguments = (v_i, v_j), A, K
-        # The most frequent formula runs over all points, which need not be picked out; the others then correct theirs.
+        # The most frequent formula runs over all points, without selecting them; the others then overwrite theirs.
         order = sorted((kind for kind in range(KINDS) if counts[kind]), key=lambda kind: -counts[kind])
         for kind in order:
             if kind == order[0]:

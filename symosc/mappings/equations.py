@@ -412,7 +412,7 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> t
     two_pi, eps = names["TWO_PI"], names["EPS"]
     turns = int(theta / two_pi) - (theta < 0)
     phase = (theta - turns * two_pi) - turns * names["TWO_PI_REST"]
-    # After a stick one force is 0, up to the rounding of the stick's end.
+    # After a stick one force is 0, up to the rounding errors of its end.
     allowed = ROUNDING * eps * (force_terms(belt, x, K) + abs(K.f0 * theta))
     start = belt_start(belt, x, (names["sin"](phase), names["cos"](phase)), arithmetic, allowed)
     if start.mode != row.mode:

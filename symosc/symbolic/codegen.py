@@ -54,7 +54,7 @@ MEANING |= {str(symbol): symbol for symbol in maps.REPEATED}
 def kernels() -> list[Kernel]:
     """Return all kernels, in the order in which they are printed."""
     flow, forces = solution.flow(), sp.symbols("y1 y0 forcing")
-    # Name and arguments, what it computes, the results; `own` arguments mean something else than in MEANING.
+    # Each row: name and arguments, what it computes, results, and `own` arguments, whose meaning is not in MEANING.
     own = dict(zip(("y1", "y0", "forcing"), forces, strict=True)) | {"v": solution.v, "dc": sp.Symbol("dc")}
     belt = {"v": solution.v_i}
     here = {"x": solution.x, "v": solution.v, "c": sp.cos(solution.theta)}

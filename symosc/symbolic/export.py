@@ -35,9 +35,9 @@ from symosc.words import Map, Word, WordLike, read_word
 LANGUAGES = ("python", "numpy", "c", "julia")
 EXPORT_WIDTH = 112
 MATH = ("cos", "exp", "expm1", "sin", "sqrt")
-#: What the Jacobian of a mapping's function adds to its name. It returns two rows.
+#: What is appended to the name of a mapping's function for that of its Jacobian, which returns two rows.
 MATRIX = "_jacobian"
-#: A scene whose parameters the callers take where none are fixed.
+#: The scene that gives the parameters of the example calls if none are fixed.
 EXAMPLE = "fig9"
 
 _C_WORDS = """
@@ -52,7 +52,7 @@ import in isa let local macro module mutable outer primitive public quote return
 Base Core Main
 """
 _PYTHON = {*keyword.kwlist, *keyword.softkwlist, *sys.stdlib_module_names, "numpy"}
-#: Names that a file cannot have: words of the language, and what the source or the compiler would find in its place.
+#: Names that a file cannot have: keywords of the language, and names that the source or the compiler uses.
 RESERVED = {
     "python": _PYTHON,
     "numpy": _PYTHON,
@@ -267,7 +267,7 @@ def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
 
 def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
     """Return the name of the function for a mapping, and the Python source of it and of its Jacobian."""
-    # For arrays, the arguments are made flat and of one length, and all results get their shape.
+    # For arrays, the arguments are flattened and broadcast to one length, and results get the arguments' shape back.
     begin, end = f"K.v{row.start.boundary}", f"K.v{row.end.boundary}"
     if row.sticks:
         domain = NEIGHBOURS[row.start.boundary][exit == "above"]

@@ -35,7 +35,7 @@ from symosc.model import Parameters
 from symosc.scenes import ParametersLike
 from symosc.symbolic.theorem7 import latex, rational, real, sign_of
 
-#: The letters of questions without numbers. v_lambda is the belt of the map, v_1 and v_2 stand in its range only.
+#: The letters of questions without numbers: v_lambda is the map's belt speed; v_1 and v_2 only bound its range.
 QUERY_LETTERS = {
     "k": sp.Symbol("k", nonnegative=True),
     "v": sp.Symbol("v_lambda", real=True),
@@ -49,7 +49,7 @@ THETA = sp.Symbol("theta", real=True)
 
 #: Booleans `a > b` and `a >= b` that sympy keeps as they are written.
 OPEN_REGION, CLOSED_REGION = sp.StrictGreaterThan, sp.GreaterThan
-#: A phase where the sine over an interval is extreme, and whether it is attained: not at an open end.
+#: A phase at which the sine over an interval is extreme, and whether the interval contains it (no open end).
 Extreme = tuple[Expr, bool]
 
 
@@ -76,14 +76,14 @@ class PhaseInterval(NamedTuple):
 
     def _extreme(self, sign: int) -> Extreme:
         """Return the phase of the interval where sin(theta) is largest (sign 1) or smallest (-1)."""
-        # Tops of sign sin are at sign pi/2 + 2 pi n. The first one after the low end may be inside.
+        # sign * sin is largest at sign pi/2 + 2 pi n; the first of these phases after the low end may be inside.
         top = sign * sp.pi / 2
         first = top + 2 * sp.pi * sp.ceiling((self.low - top) / (2 * sp.pi))
         if sign_of(first - self.low) > 0 and sign_of(self.high - first) > 0:
             return first, True
         low, high = (self.low, not self.low_open), (self.high, not self.high_open)
         difference = sign_of(sign * (sp.sin(self.high) - sp.sin(self.low)))
-        # Of two that are as good as each other an attained one is wanted.
+        # If both ends are equally extreme, prefer one that the interval contains.
         return high if difference > 0 or (difference == 0 and high[1] > low[1]) else low
 
 

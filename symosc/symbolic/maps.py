@@ -57,7 +57,7 @@ def convolve(expr: Expr) -> Expr:
 
 def repeated_apart() -> dict[str, Expr]:
     """Return the functions of repeated roots where all roots are apart, as steps; D, u and z are between them."""
-    # U1 = S*S is explicit; the others follow from D f = g, which their rates make an equation without derivatives. With
+    # U1 = S*S is explicit; the others solve D f = g, which by their known rates has no derivatives left. With
     # p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
     first = (E1 - tau * (E0 + h * E1)) / (2 * solution.omega_d**2)
     found = {"U1": first, "U0": sp.factor(solution.time_derivative(first).subs(cm, 2 * h))}
@@ -89,7 +89,7 @@ def by_start() -> dict[str, Expr]:
 
 def flight_jacobian() -> dict[str, Expr]:
     """Return the derivatives of f1 (names x_*) and f2 (v_*) with respect to x_i, theta_i and theta_j."""
-    # The others are constants: f1 has the derivative -1 by x_j, f2 has none.
+    # The others are constants: with respect to x_j, f1 has the derivative -1 and f2 the derivative 0.
     start = by_start()
     found = {}
     for name, end in (("x", v_end), ("v", a_end)):

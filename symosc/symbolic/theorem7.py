@@ -179,7 +179,7 @@ def window_phases(
 
 def _through_zero(first: Expr, last: Expr) -> Expr:
     """Return the phases from `last` through 0 to `first` as a set in [0, 2 pi), without these two ends."""
-    # Known to be disjoint, which sympy finds out slowly, and with symbols not at all.
+    # The two are disjoint, which sympy finds out slowly, and with symbols not at all: hence no evaluation.
     return sp.Union(_interval(sp.S.Zero, first, closed=True), _interval(last, 2 * sp.pi), evaluate=False)
 
 
@@ -299,7 +299,7 @@ class AnswerPrinter(LatexPrinter):
         return r",\ ".join(text for _, text in sorted(texts))
 
     def _print_Or(self, expr: Expr, char: Any = None) -> str:
-        # A chain has commas, so that alternatives are words.
+        # A chain of conditions has commas, so alternatives are joined by words.
         return r"\ \text{or}\ ".join(sorted(self._print(each) for each in expr.args))
 
 

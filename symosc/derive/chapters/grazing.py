@@ -231,7 +231,7 @@ def _with_name(phases: Any) -> Any:
 class Window(Check):
     """Check that the set on the right has exactly the phases theta with side (gamma + amplitude sin theta) > 0."""
 
-    # Exact: the function has at most two zeros, and between them its sign is decided where the sine is 1, 0 or -1.
+    # This is exact: the function has at most two zeros, and where the sine is 1, 0 or -1 its sign is decided.
 
     side: int
     gamma: Any

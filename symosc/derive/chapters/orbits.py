@@ -287,7 +287,7 @@ def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, 
             def slope(at: Any, value: Any = value, step: Any = step) -> Any:
                 return value(at + step) - value(at)
 
-            # The end, where one of them vanishes, is left out.
+            # The end of the stick, where one of both forces is 0, is left out.
             places = [CONTEXT.mpf(0), *_zeros(slope, duration), duration * CONTEXT.mpf("0.9")]
             what = rf"{words} $F^{{({alpha})}}$ on $[0, 0.9\tau]$"
             yield what, best(value(at) for at in places), f"${op} 0$", [(op, 0)]
