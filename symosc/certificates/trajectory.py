@@ -383,7 +383,7 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
     if proof.changes:
 
         def decimals(value: Ball) -> list[str]:
-            return list(outward(value, _known(value, task.digits)))
+            return list(outward(value, _known_digits(value, task.digits)))
 
         statement |= {"wrt": list(task.wrt), "derivatives": []}
         for of_event in zip(*proof.changes, strict=True):
@@ -414,10 +414,10 @@ def question(task: ToProve, bits: int) -> Record:
 def event_row(event: ProvenEvent, digits: int) -> Record:
     """Return an event as a row of the file, with at most `digits` digits."""
     row: Record = event._asdict()
-    return row | {name: list(outward(row[name], _known(row[name], digits))) for name in "tx"}
+    return row | {name: list(outward(row[name], _known_digits(row[name], digits))) for name in "tx"}
 
 
-def _known(value: Ball, digits: int) -> int:
+def _known_digits(value: Ball, digits: int) -> int:
     """Return how many digits of a ball are known, at most `digits`."""
     low, high = exact_ends(value)
     scale = max(abs(low), abs(high), Fraction(1))
@@ -498,7 +498,7 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
     for j in range(i, i + n):  # the derivative of the map from point i to itself, approximately
         once = (closing.end_by_start(j % n, points) * once).mid()
     D = once
-    while (shape := _shape(D)) is None:
+    while (shape := _contracted_box(D)) is None:
         turns, D = turns + 1, D * once
         if turns > MOST_TURNS:
             raise Undecided("a norm in which the orbit attracts")
@@ -523,7 +523,7 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
     return Cycle(middle, widths, turns, events, states) if inside and same else None
 
 
-def _shape(D: arb_mat) -> tuple[Fraction, Fraction] | None:
+def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
     """Return sides of a box (the larger is 1) that D maps into itself shrunk by a factor below MOST_Q, or None."""
     sizes = [[abs(float(D[i, j])) for j in (0, 1)] for i in (0, 1)]
     e = [1.0, 1.0]

@@ -64,7 +64,7 @@ class Checked(NamedTuple):
         return [pair for part in self.parts for pair in zip(steps_of(part.item), part.evidence, strict=True)]
 
     def displays(self) -> Iterator[Part | list[Part]]:
-        """Yield the parts of the chapter; steps that follow each other come as one list, which is one display."""
+        """Yield the parts of the chapter, with consecutive steps as one list, which is set as one display."""
         for displayed, parts in groupby(self.parts, lambda part: isinstance(part.item, Step)):
             if displayed:
                 yield list(parts)
@@ -83,7 +83,7 @@ class Checked(NamedTuple):
 
 
 def chapter_items(key: str, scope: Scope) -> tuple[str, list[Any]]:
-    """Return the title and the unchecked items of a chapter."""
+    """Return a chapter's title and its items, whose steps are not checked yet."""
     module = import_module(f"symosc.derive.chapters.{key}")
     return module.TITLE, flat(module.items(scope))
 
@@ -172,7 +172,7 @@ def shown(step: Step, scope: Scope) -> Step:
     return replace(step, left=scope.shown(step.left), right=scope.shown(step.right))
 
 
-def _rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
+def _latex_rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
     """Return for each step of a display its LaTeX rows (the first is `left &= right`) and the step."""
     decimals = scope.decimal or any(each.item.decimals for each in display)
     statements = [shown(each.item, scope) for each in display]
@@ -192,7 +192,7 @@ def _rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
 def align(display: list[Part], scope: Scope, end: Callable[[Part], str]) -> str:
     """Return consecutive steps as an align environment; `end` returns what ends a step's row, such as its label."""
     body = []
-    for printed, each in _rows(display, scope):
+    for printed, each in _latex_rows(display, scope):
         body += [*(rf"{line} \notag" for line in printed[:-1]), f"{printed[-1]} {end(each)}"]
     return "\\begin{align}\n" + " \\\\\n".join(body) + "\n\\end{align}"
 
@@ -350,7 +350,7 @@ def _converter(numbers: dict[str, str]) -> ToHtml:
 
 def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
     body = []
-    for printed_rows, each in _rows(display, scope):
+    for printed_rows, each in _latex_rows(display, scope):
         note = each.item.note
         for line in printed_rows:
             if note:

@@ -34,7 +34,7 @@ class Erratum:
     shown: str = ""  # what of the supplement shows it (LaTeX, may be empty)
 
     def in_unicode(self) -> Erratum:
-        """Return the erratum with texts that need no LaTeX, for the report and the letter."""
+        """Return the erratum with its texts as Unicode instead of LaTeX, for the report and the letter."""
         texts: dict[str, Any] = {name: latex_to_unicode(getattr(self, name)) for name in TEXTS}
         return replace(self, **texts)
 

@@ -39,7 +39,7 @@ BASIS_TEXT = (
 
 
 class Fragment(NamedTuple):
-    """A fragment: its title, its function, and the paper's numbers of its equations by their labels."""
+    """A fragment: its title, the function that returns its items, and equations' numbers in the paper by label."""
 
     title: str
     items: Callable[[FragmentScope], Items]
@@ -103,11 +103,11 @@ FRAGMENTS: dict[str, Fragment] = {}
 
 
 def _fragment(name: str, title: str, tags: dict[str, str] | None = None) -> Callable[..., Any]:
-    """Return the decorator that registers the function of a fragment."""
+    """Return the decorator that registers a function as the one that returns a fragment's items."""
     return lambda items: FRAGMENTS.setdefault(name, Fragment(title, items, tags or {})).items
 
 
-def _taken(items: Items, label: str) -> list[Step]:
+def _relabelled(items: Items, label: str) -> list[Step]:
     """Return the steps among some items of a chapter, relabelled as `label` followed by 1, 2, ..."""
     steps = [item for item in flat(items) if isinstance(item, Step)]
     return [replace(each, label=f"{label}{n}") for n, each in enumerate(steps, 1)]
@@ -178,7 +178,7 @@ def _g_functions(scope: FragmentScope) -> Items:
     return (
         r"The G-functions of the domain $\Omega_\alpha$ at a boundary $\dot{x} = v_\lambda$ are the derivatives of the "
         r"acceleration $F^{(\alpha)}$ along its flow; $\theta = \Omega t$ is the phase:",
-        _taken(switching.g_functions(), "G"),
+        _relabelled(switching.g_functions(), "G"),
     )
 
 
@@ -250,10 +250,10 @@ def _saltation(scope: FragmentScope) -> Items:
         r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ before and $F^{+} \ne 0$ "
         r"after, a small change $(\delta x, \delta\dot{x})$ of its state is multiplied by the saltation matrix "
         r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, where",
-        _taken(ratios, "ratio"),
+        _relabelled(ratios, "ratio"),
         r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end the identity. Between events "
         r"it is multiplied by $\Phi(\tau)$ with the entries",
-        _taken(jacobians.perturbations(), "phi")[:4],
+        _relabelled(jacobians.perturbations(), "phi")[:4],
         BASIS_TEXT + ".",
     )
 

@@ -85,7 +85,7 @@ def how_to_cite() -> str:
 
 
 def title_page() -> str:
-    """Return the title with author, version and how to cite."""
+    """Return the LaTeX of the document's title with author, version and how to cite."""
     author, title = SYMOSC["author"].strip("{}"), TITLE.replace(": ", r":\\ ")
     return rf"""\title{{{title}}}
 \author{{{author}}}

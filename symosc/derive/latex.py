@@ -48,7 +48,7 @@ def named(latex: str, **assumptions: Any) -> Expr:
     return sp.Symbol(latex, **({"real": True} | assumptions))
 
 
-def _rank(term: Expr) -> tuple[float, bool, Any]:
+def _term_key(term: Expr) -> tuple[float, bool, Any]:
     """Return the key by which the terms of a sum are sorted: the paper's order of their letters."""
     outside = [factor for factor in sp.Mul.make_args(term) if not factor.is_Add and not isinstance(factor, sp.exp)]
     letters = {symbol.name for factor in outside or [term] for symbol in factor.free_symbols}
@@ -65,7 +65,7 @@ def _rank(term: Expr) -> tuple[float, bool, Any]:
 
 def terms(expr: Expr) -> list[Expr]:
     """Return the terms of a sum in the order of printing, a positive one first."""
-    found = sorted(sp.Add.make_args(expr), key=_rank)
+    found = sorted(sp.Add.make_args(expr), key=_term_key)
     first = next((term for term in found if not term.could_extract_minus_sign()), found[0])
     return [first, *(term for term in found if term is not first)]
 
@@ -127,7 +127,7 @@ class PaperPrinter(LatexPrinter):
         return f"{sign}{self._fraction(front_above, front_below)} {self._product(rest_above, alone=False)}"
 
     def _fraction(self, above: list[Expr], below: list[Expr]) -> str:
-        """Print a quotient of products, without fractions in fractions."""
+        """Return the LaTeX of a quotient of two products of factors, without fractions in fractions."""
         if not below:
             return self._product(above)
         top, bottom = (self._print(part[0]) if len(part) == 1 else self._product(part) for part in (above, below))
@@ -136,7 +136,7 @@ class PaperPrinter(LatexPrinter):
         return rf"\frac{{{top}}}{{{bottom}}}"
 
     def _product(self, factors: list[Expr], alone: bool = True) -> str:
-        """Print the factors of a product in order."""
+        """Return the LaTeX of the factors of a product in the paper's order; `alone`: nothing else is multiplied."""
         if not factors:
             return "1"
         parts: list[str] = []

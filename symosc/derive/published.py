@@ -134,7 +134,7 @@ def _slide_bounds(regime: solution.Regime) -> tuple[Callable[..., Any], list[Any
 
 @cache
 def slide_orbit(parameters: Parameters, digits: int | None = None) -> PeriodicOrbit:
-    """Return the motion without stops as the periodic orbit P32."""
+    """Return the motion without stops as the periodic orbit P32 that the package finds."""
     return find_orbit(parameters, "P32", digits=digits)
 
 
@@ -193,7 +193,7 @@ def _largest(motion: Callable[[Fraction], tuple[Any, int, Fraction]]) -> float:
 
 
 def meeting_point(c: Any, guess: tuple[float, float]) -> tuple[Any, Any]:
-    """Return (Omega, F) where the motion without stops turns at a peak of the drive and begins to stick there."""
+    """Return (Omega, F) with which the motion without stops turns at a peak of the drive and begins to stick there."""
 
     def conditions(Omega: Any, F: Any) -> tuple[Any, Any]:
         formulas = Formulas(wall(MP.nstr(F, 55), MP.nstr(Omega, 55), c))
@@ -216,7 +216,7 @@ def meeting_point_by_running(c: Any, guess: tuple[float, float]) -> tuple[float,
 
 
 def end_without_stops(c: Any, P: Any, near: float) -> tuple[Any, Any]:
-    """Return the Omega near a value at which the motion without stops begins to stop for F = 1, and its amplitude."""
+    """Return the Omega near a value at which the motion without stops ceases to exist for F = 1, and its amplitude."""
 
     def formulas(Omega: Any) -> Formulas:
         return Formulas(wall(1, MP.nstr(Omega, 55), c, P=P))
@@ -288,7 +288,7 @@ def stops(parameters: Parameters) -> int | None:
 
 
 def from_rest(p: Parameters, cycles: int) -> Trajectory:
-    """Return the first `cycles` cycles of the motion from rest at 0."""
+    """Simulate the first `cycles` cycles of the motion from rest at x = 0."""
     return simulate(p, t0=0, x0=0, v0=0, t_end=Fraction(cycles * (2 * pi / float(p.Omega))), accuracy=1e-6)
 
 
@@ -409,7 +409,7 @@ def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, fl
 
 
 def largest_exponent(count: int, seed: int = 0) -> float:
-    """Return the largest Lyapunov exponent of random oscillators over 60 periods; m = k = 1, where it is never > 0."""
+    """Return the largest Lyapunov exponent of `count` random oscillators (m = k = 1) over 60 periods; none is > 0."""
     dice, largest = random.Random(seed), -np.inf
     for _ in range(count):
         F, Omega = f"{dice.uniform(0.01, 1):.3f}", f"{dice.uniform(0.05, 3):.3f}"
@@ -467,7 +467,7 @@ TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], Iterator[Value]]]] = 
 
 
 def _compared(key: str, title: str, *sources: str) -> Callable[..., Any]:
-    """Return the decorator that registers the function of a table."""
+    """Return the decorator that registers a function as the one that yields the rows of a table."""
     return lambda rows: TABLES.setdefault(key, (title, sources, rows))
 
 
@@ -516,7 +516,7 @@ def _points() -> Iterator[Value]:
 
 @_compared("ends", "The ends of a branch", "iklodi2024")
 def _ends() -> Iterator[Value]:
-    """Yield where the branch of motions without stops ends in the frequency, and its highest points there."""
+    """Yield the frequencies at which the branch of motions without stops ends, and its highest points there."""
     for end in continue_orbit(wall(1, 1, "0.1", P="1.5"), "P32", "Omega", ("0.6", "1.5")).ends:
         Omega, amplitude = end_without_stops("0.1", "1.5", end.value)
         yield Value(r"\Omega", "", Omega, end.value, 12, 1e-12, end.kind)

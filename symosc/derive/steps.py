@@ -106,7 +106,7 @@ _MARKUP = re.compile(
 
 
 class Markup(NamedTuple):
-    """The title of a subsection, or the begin (with title and label) or end of an environment of `KINDS`."""
+    """A LaTeX command: a subsection with its title, or the beginning or end of an environment such as a theorem."""
 
     command: str
     name: str
@@ -115,7 +115,7 @@ class Markup(NamedTuple):
 
 
 class Prose(NamedTuple):
-    """A paragraph, with checks of the facts that it states in words."""
+    """A paragraph, with steps that check the facts that it states in words."""
 
     text: str
     facts: tuple[Step, ...] = ()

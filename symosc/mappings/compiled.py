@@ -128,7 +128,7 @@ class CompiledResidual:
 
     @cached_property
     def scalar(self) -> Any:
-        """The residual of one pair of points, callable from compiled user code."""
+        """The compiled function for the residual at one pair of points, which other compiled code can call."""
         if len(self._rows) > 1:
             raise ParameterError("map", self.maps, "is a word; `scalar` is of one map")
         return _scalar(self._rows[0], self._K, self.jacobian, self.exit)

@@ -160,7 +160,7 @@ def _residual(row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit:
         return numbers.of["flight"](*points, *flight_arguments(row, K), K)
     v, *beside = stick_arguments(row, K)
     (f1, below), (_, above) = (numbers.of["stick"](*points, v, A, K) for A in beside)
-    return f1, _chosen(exit, below, above, below, above)
+    return f1, _by_exit(exit, below, above, below, above)
 
 
 def _jacobian(row: Map, numbers: MapArithmetic, points: Sequence[Numbers]) -> Any:
@@ -186,8 +186,8 @@ def _parameter_jacobian(
     if row.sticks:
         v_i, _, _ = stick_arguments(row, K)
         below, above = (_residual(row, numbers, points, way)[1] for way in EXITS)
-        domain = _chosen(exit, below, above, *NEIGHBOURS[row.start.boundary])
-        F = _chosen(exit, below, above, below, above)
+        domain = _by_exit(exit, below, above, *NEIGHBOURS[row.start.boundary])
+        F = _by_exit(exit, below, above, below, above)
         found = numbers.of["stick_by_parameters"](x_j, theta_i, theta_j, v_i, F, m, K)
         v_c, v_k, v_A, v_B, v_v0, v_m, x_Om, x_v0 = found
         by_letter = [(zero, v_m), (zero, v_c), (zero, v_k), (zero, v_A), (zero, v_B), (x_Om, zero)]
@@ -206,7 +206,7 @@ def _parameter_jacobian(
     return tuple(tuple(columns[name][equation] for name in PARAMETER_NAMES) for equation in (0, 1))
 
 
-def _chosen(exit: str | None, force_below: Numbers, force_above: Numbers, below: Any, above: Any) -> Any:
+def _by_exit(exit: str | None, force_below: Numbers, force_above: Numbers, below: Any, above: Any) -> Any:
     """Return `below` or `above`: the one that `exit` names or, if it is None, the one with the smaller force."""
     if exit is not None:
         return below if exit == "below" else above

@@ -37,7 +37,7 @@ def is_array(value: Any) -> bool:
 
 
 def scalar(name: str, value: Any, convert: Callable[[Any], Number]) -> Number:
-    """Return a number converted to one arithmetic by `convert`."""
+    """Convert a number by `convert`, and check that it is a finite real number."""
     if isinstance(unmasked(name, value), np.ndarray) and value.ndim == 0:
         value = value.item()
     if isinstance(value, bool | np.bool_ | str | bytes | complex | None) or is_array(value):
@@ -278,7 +278,7 @@ def latex_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 class LatexAnswer:
-    """A result that notebooks show as the formula returned by `latex`."""
+    """Base class of results that notebooks show as a formula, the one that `latex` returns."""
 
     __slots__ = ()
 

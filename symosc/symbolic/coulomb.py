@@ -81,7 +81,7 @@ def amplitude() -> Expr:
 
 
 def turning_acceleration(after: bool) -> Expr:
-    """Return x'' just after or just before the highest point; friction changes its sign there."""
+    """Return the acceleration just after (or before) the highest point, where friction changes its sign."""
     return -(Omega**2) * p_0 + cm * Omega * q_0 - w0sq * (x_0 - p_0 - (x_f if after else -x_f))
 
 
@@ -126,7 +126,7 @@ def largest_force_ratio(largest: Expr) -> Expr:
 
 
 def _steady(expr: Expr) -> Expr:
-    """Substitute p_0 and q_0 of the steady part, and expand."""
+    """Substitute p_0 = x_0 + G x_f and q_0 = H x_f in an expression, and expand it."""
     return sp.expand(expr.subs({p_0: x_0 + G * x_f, q_0: H * x_f}))
 
 

@@ -96,13 +96,13 @@ def write_export(folder: str | Path, *arguments: Any, force: bool = False, **opt
     for path, text in texts.items():  # before the first of them is written
         if isdir(path):
             raise OutputError(str(path), "is a folder")
-        if not force and isfile(path) and not _holds(path, text):
+        if not force and isfile(path) and not _has_text(path, text):
             raise OutputError(str(path), "is there with another content; give another name, or force it")
     make_folder(folder)
     return [write_text(path, text) for path, text in texts.items()]
 
 
-def _holds(path: Path, text: str) -> bool:
+def _has_text(path: Path, text: str) -> bool:
     """Return whether a file exists and contains exactly this text."""
     try:
         return path.read_bytes() == text.encode()
@@ -351,7 +351,7 @@ class _Fold(ast.NodeTransformer):
 
 
 class _Julia(ast.NodeTransformer):
-    """The printer of functions for Julia 1.x; `returns` says how many numbers each function returns."""
+    """A printer of Python functions as Julia 1.x; `returns` says how many numbers each function returns."""
 
     member, end, condition, otherwise, close = ".", "", "if {}", "else", "end"
     loop = "for {0} in {1}:{3}"
@@ -423,7 +423,7 @@ class _Julia(ast.NodeTransformer):
         yield f"{', '.join(map(self.expression, targets))} = {self._listed(value)}"
 
     def give_back(self, value: ast.expr) -> Iterator[str]:
-        """Yield the return statement."""
+        """Yield the source line that returns a value."""
         yield f"return {self._listed(value)}"
 
     def _listed(self, value: ast.expr) -> str:
@@ -432,7 +432,7 @@ class _Julia(ast.NodeTransformer):
 
 
 class _C(_Julia):
-    """The printer of functions for C99; one with several results writes them to the array `out`."""
+    """A printer of Python functions as C99; a function with several results writes them to an array `out`."""
 
     member, end, condition, otherwise, close = "->", ";", "if ({}) {{", "} else {", "}"
     loop = "for (int {0} = {1}; {0} < {2}; {0}++) {{"
@@ -466,7 +466,7 @@ class _C(_Julia):
         body = list(self.block(node.body))
         if body[-1] == "return;":
             body.pop()
-        kinds = _kinds(node)
+        kinds = _c_types(node)
         first = _first_paragraph(node)
         lines = [f" * {line}" for line in textwrap.wrap(first, EXPORT_WIDTH - 3)]
         lines = [f"/* {first} */"] if len(lines) == 1 else ["/*", *lines, " */"] if lines else []
@@ -478,7 +478,7 @@ class _C(_Julia):
         return "\n".join([*lines, *_indented(body), "}"])
 
     def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
-        """Assign results one by one, through copies if a value uses an earlier target."""
+        """Yield C lines that assign several results one by one, through copies if a value uses an earlier target."""
         names = [self.expression(target) for target in targets]
         if isinstance(value, ast.Call):
             self.count += 1
@@ -520,7 +520,7 @@ def _is_map(name: str) -> bool:
     return re.match(r"P[1-8]", name) is not None
 
 
-def _kinds(node: ast.FunctionDef) -> dict[str, str]:
+def _c_types(node: ast.FunctionDef) -> dict[str, str]:
     """Return the C type of each local variable of a function: "double", or "int" for a flag."""
     kinds: dict[str, str] = {}
     given = {argument.arg for argument in node.args.args} | {"_"}
@@ -585,7 +585,7 @@ if __name__ == "__main__":
 
 
 def _python_whole(program: _Program, arrays: bool) -> list[str]:
-    """Return the functions of the whole word, for numbers or for broadcasting arrays."""
+    """Return the Python source of residual and Jacobian of the whole word, for numbers or for arrays."""
     calls, arguments = program.calls(0), ", ".join(["z", *program.passed])
     rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
     blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)

@@ -57,7 +57,7 @@ Extreme = tuple[Expr, bool]
 
 
 class PhaseInterval(NamedTuple):
-    """An interval of phases of length up to 2 pi, with arbitrary ends."""
+    """An interval of phases from `low` to `high`, at most 2 pi long; either end may be excluded (open)."""
 
     low: Expr
     high: Expr
@@ -369,7 +369,7 @@ class ParameterRegion(Drawable, LatexAnswer):
 
 
 def holds(condition: Expr, numbers: dict[Expr, Expr]) -> bool:
-    """Return whether a condition holds for numbers; each comparison is decided exactly."""
+    """Return whether a condition holds with numbers put in; each comparison is decided exactly."""
     if condition in (sp.true, sp.false):
         return bool(condition)
     if isinstance(condition, sp.And | sp.Or):

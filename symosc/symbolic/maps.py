@@ -56,7 +56,7 @@ def convolve(expr: Expr) -> Expr:
 
 
 def repeated_apart() -> dict[str, Expr]:
-    """Return the functions of repeated roots where all roots are apart, as steps; D, u and z are between them."""
+    """Return U0, U1, U2, V, W, P, Q for roots that are not close, as formulas in steps; D, u, z, y, n are auxiliary."""
     # U1 = S*S is explicit; the others solve D f = g, which by their known rates has no derivatives left. With
     # p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
     first = (E1 - tau * (E0 + h * E1)) / (2 * solution.omega_d**2)
@@ -74,7 +74,7 @@ def repeated_apart() -> dict[str, Expr]:
 
 @cache
 def flight_residual() -> dict[str, Expr]:
-    """Return f1 and f2, summed so that neither loses digits when start and end are close."""
+    """Return f1 and f2 of a flight, summed so that neither loses digits when start and end are close."""
     flow = solution.flow()
     return {"f1": flow.x - x_j, "f2": flow.v - v_j}
 
@@ -88,7 +88,7 @@ def by_start() -> dict[str, Expr]:
 
 
 def flight_jacobian() -> dict[str, Expr]:
-    """Return the derivatives of f1 (names x_*) and f2 (v_*) with respect to x_i, theta_i and theta_j."""
+    """Return the derivatives of a flight's f1 (names x_*) and f2 (v_*) with respect to x_i, theta_i and theta_j."""
     # The others are constants: with respect to x_j, f1 has the derivative -1 and f2 the derivative 0.
     start = by_start()
     found = {}

@@ -107,7 +107,7 @@ def rates() -> dict[Expr, Expr]:
 
 
 def start_values() -> dict[Expr, Expr]:
-    """Return the basis functions at tau = 0: S(0) = 0, S'(0) = 1 and the integrals vanish."""
+    """Return the values of the basis functions at tau = 0: E0 = S'(0) = 1, and all others are 0."""
     return {symbol: sp.Integer(symbol == E0) for symbol in BASIS}
 
 
@@ -187,7 +187,7 @@ class Regime:
 
     @cache  # noqa: B019 (the table of regimes lives as long as the program)
     def basis(self) -> dict[Expr, Expr]:
-        """Return E0, E1, E2, R2, I2 as functions of tau."""
+        """Return the closed forms of E0, E1, E2, R2, I2 as functions of tau, by their symbols."""
         roots = self.centre + self.offset, self.centre - self.offset
         S = collect_modes(divided_difference(*roots))
         # Omega -> -Omega conjugates the response to exp(i Omega tau), since the operator is real.

@@ -275,7 +275,7 @@ class AnswerPrinter(LatexPrinter):
         super().__init__({"inv_trig_style": "full"})
 
     def _as_ordered_terms(self, expr: Expr, order: Any = None) -> Sequence[Expr]:
-        """Return multiples of pi first if arcsines follow."""
+        """Return the terms of a sum with those that contain arcsines last."""
         terms: Sequence[Expr] = super()._as_ordered_terms(expr, order)
         arcs = [term for term in terms if term.has(sp.asin, sp.acos)]
         return [term for term in terms if term not in arcs] + arcs

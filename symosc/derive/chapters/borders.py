@@ -114,7 +114,7 @@ def items(scope: Scope) -> Items:
 
 
 def _names_table() -> Table:
-    """Return the table of the names that the package gives to borders, seen from each of their sides."""
+    """Return the table of the kinds of borders: the package's names for them, seen from either side."""
     graze = "grazing", "grazing, or vanishing of a stick"
     rows = (
         (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", r"$\sqrt{\epsilon}$", *graze),

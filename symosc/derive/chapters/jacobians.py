@@ -112,7 +112,7 @@ def items(scope: Scope) -> Items:
 
 
 def perturbations() -> Items:
-    """Return the lemma on perturbations in a domain."""
+    """Return the items of the lemma on perturbations in a domain."""
     flow = solution.flow()
     entries = {
         "11": (flow.x, x_i, 1 - w0sq * E2),
@@ -143,7 +143,7 @@ def perturbations() -> Items:
 
 
 def saltation() -> Items:
-    """Return the theorem on saltation."""
+    """Return the items of the theorem on saltation."""
     speed, delta = named(r"v_\lambda"), named(r"\delta\dot{x}^{-}")
     shift, result = named(r"\delta t"), named(r"\delta\dot{x}^{+}")
     delay = {shift: sp.solve(delta + BEFORE * named("s"), named("s"))[0]}

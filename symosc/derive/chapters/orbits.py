@@ -128,7 +128,7 @@ def root(parameters: Parameters, word: str) -> tuple[tuple[Any, Any], ...]:
 
 @cache
 def pieces(scope: Scope, word: str) -> tuple[Piece, ...]:
-    """Return the maps of an orbit, with the scene's numbers."""
+    """Return the maps of an orbit with a word as Pieces, with the scene's numbers put in."""
     rows, basis = read_word(word).maps, scope.regimes[0].basis()
     found = []
     for i, (row, leaves) in enumerate(zip(rows, read_word(word).exits(), strict=True)):
