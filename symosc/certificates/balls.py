@@ -30,7 +30,7 @@ Matrix: TypeAlias = Sequence[Sequence[Ball]]
 
 
 class Undecided(Exception):
-    """Raised if balls cannot decide a sign; more bits, or a more accurate start, may."""
+    """Raised if balls cannot decide a sign; a higher precision, or a more accurate start, may do so."""
 
     # `near` is a time nearby. If a graze is possible, `graze` has the belt and the time after the start of the flight.
 
@@ -39,7 +39,7 @@ class Undecided(Exception):
         super().__init__(what)
 
     def place(self) -> str:
-        """Return " near t = ...", or ""."""
+        """Return the text " near t = ..." for a message; "" if no time is known."""
         return "" if self.near is None else f" near t = {self.near.mid().str(15, radius=False)}"
 
 

@@ -128,7 +128,7 @@ class Family:
 
 
 def _horner(coefficients: list[Values], at: Ball) -> Values:
-    """Evaluate polynomials, given by rows of coefficients, by Horner's scheme."""
+    """Evaluate polynomials at `at` by Horner's scheme; row i has the i-th coefficient of each."""
     total = coefficients[-1]
     for row in reversed(coefficients[:-1]):
         total = [a + at * b for a, b in zip(row, total, strict=True)]

@@ -248,7 +248,7 @@ class Turns:
             self.angle = ball(ratio).asin()
 
     def time(self, index: int) -> Ball:
-        """Return the time of the turn with this index; sin(Omega t) rises through a turn of even index."""
+        """Return the time of the turn with an index; sin(Omega t) rises there if the index is even, else it falls."""
         turn, odd = divmod(index, 2)
         angle = arb.pi() - self.angle if odd else self.angle
         return (angle + 2 * turn * arb.pi()) / self.Omega

@@ -227,7 +227,7 @@ def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> 
 
 
 class Moving(NamedTuple):
-    """A set of states in one mode: (t, x), or (t, x, v) before the first event of a start off the belts."""
+    """A set of states (t, x) in one mode; before the first event (t, x, v), unless the start is on a belt."""
 
     mode: int  # a code of `symosc.model.MODE_NAMES`
     boundary: int  # the belt that it is on or leaves just now (into its mode, which is proven), or 0

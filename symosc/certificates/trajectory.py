@@ -402,7 +402,7 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
 
 
 def question(task: ToProve, bits: int) -> Record:
-    """Return the header of a motion's file: the program, and the exact input as rational numbers."""
+    """Return the first entries of a motion's file: the program, and the input as exact rational numbers."""
     return made_by(bits) | {
         "parameters": task.p.as_dict(),
         "start": {name: show(value) for name, value in zip(STARTS, task.start, strict=True)},

@@ -212,7 +212,7 @@ def orbit(data, source, limits):
         inside(x, row["x"])
 
     def apart(i, earlier):
-        """Return whether event i surely differs from the first one after that many forcing periods."""
+        """Return whether event i surely differs from event 0 moved by `earlier` forcing periods, in t or in x."""
         (t, x), (t0, x0) = points[i], points[0]
         return not ((t - t0) * periods).overlaps(earlier * turn) or not x.overlaps(x0)
 
@@ -557,7 +557,7 @@ class Family:
                 inside(value, ends)
 
     def apart(self, i, earlier):
-        """Return whether event i surely differs from the first one after that many forcing periods, for all values."""
+        """Return whether event i surely differs from event 0 moved by `earlier` forcing periods, for all values."""
         (t, x), (t0, x0) = self.points[2 * i : 2 * i + 2], self.points[:2]
         return not (t - t0).overlaps(earlier * self.all.forcing) or not x.overlaps(x0)
 
@@ -1012,7 +1012,7 @@ def apart(boxes):
 
 
 def clear(boxes, points, whole):
-    """Check that no point of a border is inside a box, by more than rounding errors."""
+    """Check that no point of a border lies inside a proven box, by more than rounding errors."""
     away = [1e-12 * float(high - low) for low, high in whole]
     for box in boxes:
         (left, right), (low, high) = ((float(a) + by, float(b) - by) for (a, b), by in zip(box, away, strict=True))
