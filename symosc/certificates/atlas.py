@@ -36,13 +36,13 @@ from symosc.scenes import Scene, load_scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.words import Word, cycle, read_word
 
-#: Boxes that are tried between two looks at the clock, and in one call of a worker.
+#: How many boxes are tried before the time is checked again, and in one call of a worker.
 BATCH, CHUNK = 64, 8
-#: Orbits of other words that are kept for the parts of a rectangle.
+#: How many likely orbits are passed on to the parts of a rectangle.
 MOST_NEAR = 3
-#: Boxes whose sides are a smaller part of the ranges are not divided further.
+#: The least side of a box that is tried, as a part of the range.
 LEAST_SIDE = Fraction(1, 1 << 24)
-#: So often it is tried to find a border between two words; the part of the plane beside a border at which it is found.
+#: How often to try to find a border between two words; how far beside a border to look, as a part of the plane.
 MOST_FAILED, BESIDE = 3, 1e-4
 #: Points of the grid along each side; so far inside of the plane's edge a place is looked at; the step along a border.
 GRID, EDGE, BORDER_STEP = 12, 1e-6, 0.005
@@ -91,7 +91,7 @@ class Region(NamedTuple):
 
 
 class Task(NamedTuple):
-    """A rectangle to prove, and orbits that may be near, the more probable ones first; `divide`: it is too large."""
+    """A rectangle to prove, likely orbits in it (most likely first), and how often to divide it before trying."""
 
     box: Rectangle
     near: tuple[Candidate, ...] = ()
@@ -113,7 +113,7 @@ def middle_of(box: Rectangle) -> tuple[float, float]:
 
 
 def divided(box: Rectangle, along: int, at: Fraction | None = None) -> list[Rectangle]:
-    """Return the halves of a rectangle, or its parts on both sides of a value."""
+    """Return both parts of a rectangle cut across side `along`, in its middle or at the value `at`."""
     (low, high), other = box[along], box[1 - along]
     middle = (low + high) / 2 if at is None else at
     if not low < middle < high:
@@ -122,7 +122,7 @@ def divided(box: Rectangle, along: int, at: Fraction | None = None) -> list[Rect
 
 
 def canonical(labels: Sequence[str]) -> str:
-    """Return the text of a word, the same for all its rotations."""
+    """Return the text of a word, rotated so that words which differ only in their first label give the same text."""
     return cycle(str(Word(tuple(labels))))
 
 
@@ -134,18 +134,18 @@ def flight_first(word: str) -> tuple[str, ...]:
 
 
 class Plane(NamedTuple):
-    """Two parameters and their ranges; the other nine are those of `p`."""
+    """A plane of two parameters: their names and ranges; the other nine parameters are those of `p`."""
 
     p: Parameters
     names: tuple[str, str]
     range: Rectangle
 
     def at(self, point: Sequence[Any]) -> Parameters:
-        """Return the parameters at a point."""
+        """Return the oscillator's parameters at a point of the plane."""
         return self.p.replace(**dict(zip(self.names, point, strict=True)))
 
     def rests(self, box: Rectangle) -> bool | None:
-        """Return whether the mass may rest on a belt for all parameters of a box; None: for some of them."""
+        """Return whether the mass may rest on a belt for all parameters of a box; None if only for some of them."""
         ends = {name: (getattr(self.p, name),) * 2 for name in PARAMETER_NAMES}
         ends.update(zip(self.names, box, strict=True))
         low, high = sorted(map(abs, ends["B0"]))
@@ -155,7 +155,7 @@ class Plane(NamedTuple):
         return any(least >= high for least, _ in holds) or (None if any(most > low for _, most in holds) else False)
 
     def cut_at_rest(self) -> list[Rectangle]:
-        """Return the parts of the plane between the borders of rest that are parallel to a side."""
+        """Return the plane divided at those borders of the parameters with a rest that are parallel to a side."""
         parts, p = [self.range], self.p
         for belt in "12":
             mu = getattr(p, "mu" + belt)
@@ -169,7 +169,7 @@ class Plane(NamedTuple):
         return parts
 
     def word(self, point: Sequence[Any]) -> str:
-        """Return the word at a point; "" if it is not found."""
+        """Return the word of the settled motion at a point, "rest" if the mass may rest; "" if it is not found."""
         x, y = map(Fraction, point)
         if self.rests(((x, x), (y, y))):
             return REST
@@ -201,7 +201,7 @@ class Plane(NamedTuple):
     # -- borders -------------------------------------------------------------------------------------------------------
 
     def borders(self, pairs: Sequence[tuple[Place, Place]], known: Sequence[Border] = ()) -> list[Border]:
-        """Return known borders, those between places with different words, and all that are connected with these."""
+        """Return the known borders, those between places with different words, and all that meet these."""
         found, failed, looked, waiting = list(known), Counter[frozenset[str]](), len(known), deque(pairs)
         while waiting:
             a, b = waiting.popleft()
@@ -221,7 +221,7 @@ class Plane(NamedTuple):
         return found
 
     def beyond(self, border: Border) -> Iterator[tuple[Place, Place]]:
-        """Yield a place beside the middle of a border and one straight ahead at the edge, on both sides of it."""
+        """Yield, for both sides of a border, a place beside its middle and one straight ahead at the edge."""
         middle, way = self.across(border.points)
         for step in (way, -way):
             sides = zip(np.array(self.range, dtype=float), middle, step, strict=True)
@@ -232,7 +232,7 @@ class Plane(NamedTuple):
                 yield a, b
 
     def across(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the middle of a border, and the direction at a right angle to it, in units of the ranges."""
+        """Return the middle of a border, and a vector at a right angle to it there, as long as the plane is wide."""
         middle, size = len(points) // 2, np.array([float(high - low) for low, high in self.range])
         along = (points[middle] - points[middle - 1]) / size
         return points[middle], np.array([along[1], -along[0]]) / np.hypot(*along) * size
@@ -240,7 +240,7 @@ class Plane(NamedTuple):
     # -- boxes ---------------------------------------------------------------------------------------------------------
 
     def orbit_near(self, box: Rectangle) -> Candidate | None:
-        """Return the orbit to which the motion at the middle of a box settles; None if it is not found."""
+        """Return labels and unknowns of the orbit on which the motion at a box's middle settles, or None."""
         middle = self.at([(low + high) / 2 for low, high in box])
         try:
             orbit = find_orbit(middle)
@@ -254,7 +254,7 @@ class Plane(NamedTuple):
         return wanted, tuple(_flights(wanted, self.p, self.names).unknowns(Omega, points))
 
     def attempt(self, task: Task) -> tuple[str, ProvenBox | None, list[Task]]:
-        """Try to prove a rectangle with the orbits near its middle: the word there, what is proven, or parts to try."""
+        """Try to prove a rectangle with likely orbits; return the word, what is proven or None, and parts to try."""
         from symosc.certificates.plane import NotInBox, Surface, box_arithmetic
 
         box, found, surface, labels = task.box, list(task.near), None, tuple[str, ...]()
@@ -297,24 +297,24 @@ def _flights(labels: tuple[str, ...], p: Parameters, names: tuple[str, str]) -> 
 
 
 def _longer(box: Rectangle) -> int:
-    """Return the side of a box that is the longer part of its middle."""
+    """Return the longer side of a box (0 or 1), each relative to the size of its parameter."""
     sizes = [(high - low) / max(abs(high), abs(low)) for low, high in box]
     return int(sizes[1] > sizes[0])
 
 
 def explained(found: Sequence[Border], a: Place, b: Place) -> bool:
-    """Return whether the borders that cross the segment between two places have both words."""
+    """Return whether found borders that cross the segment between two places have the words of both places."""
     words = {word or "" for each in found if crosses(each.points, a[:2], b[:2]) for word in each.words}
     return {a[2], b[2]} <= words
 
 
 def _among(border: Border, found: Sequence[Border]) -> bool:
-    """Return whether a border is one of those found."""
+    """Return whether a border is one of those already found: one of these passes its middle, with its words."""
     return any(passes(each, border.points[len(border) // 2], border.words) for each in found)
 
 
 def crosses(points: np.ndarray, a: Any, b: Any) -> bool:
-    """Return whether a line through points crosses the segment from a to b."""
+    """Return whether the polygonal line through points crosses the segment from a to b."""
 
     def sides(of: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         along, to = end - start, of - start
@@ -325,14 +325,14 @@ def crosses(points: np.ndarray, a: Any, b: Any) -> bool:
 
 
 def neighbours(grid: Sequence[Place]) -> list[tuple[Place, Place]]:
-    """Return the pairs of neighbours on a grid."""
+    """Return all pairs of neighbouring places, side by side or one above the other, of a square grid."""
     side = GRID + 2
     ends = ((i, j) for i in range(len(grid)) for j in (i + 1, i + side) if j < len(grid) and (j != i + 1 or j % side))
     return [(grid[i], grid[j]) for i, j in ends]
 
 
 class Cover:
-    """Boxes of the plane: those that are proven, and those that are not, the larger ones first."""
+    """A division of the plane into boxes: proven ones, and a queue of those to prove, the larger ones first."""
 
     def __init__(self, plane: Plane) -> None:
         self.plane, self.count, self.area = plane, 0, Fraction(0)
@@ -341,7 +341,7 @@ class Cover:
         self.changes = list[tuple[Place, Place]]()
 
     def add(self, *tasks: Task) -> None:
-        """Add rectangles to prove; what rests there is known at once."""
+        """Add rectangles to prove; one where the mass may rest everywhere counts as proven at once."""
         for task in tasks:
             sides = zip(task.box, self.plane.range, strict=True)
             if self.plane.rests(task.box):
@@ -358,11 +358,11 @@ class Cover:
         self.area += sum((area(box.range) for box in boxes), Fraction(0)) / area(self.plane.range)
 
     def open(self) -> list[Rectangle]:
-        """Return what is not proven."""
+        """Return the rectangles that are not proven."""
         return [*(task.box for _, _, task in sorted(self.heap)), *self.small]
 
     def run(self, share: Fraction, until: float, pool: Executor | None, report: Any) -> None:
-        """Prove boxes until a part of the area is proven, or until a time."""
+        """Prove boxes until the proven part of the area is `share`, or until the time `until` (monotonic clock)."""
         work = self.plane.attempt
         while self.heap and self.area < share and monotonic() < until:
             tasks = [heapq.heappop(self.heap)[2] for _ in range(min(BATCH, len(self.heap)))]
@@ -377,7 +377,7 @@ class Cover:
             report(min(float(self.area), float(share)), float(share))
 
     def take_up(self, boxes: Sequence[ProvenBox], left: Sequence[Rectangle]) -> None:
-        """Take up the boxes of an earlier run: the orbits near an open one are those of the nearest proven ones."""
+        """Add the boxes of an earlier run; for open ones the orbits of the nearest proven boxes are tried first."""
         self.prove(*boxes)
         orbits, plane = [each for each in boxes if each.points], self.plane
         sizes = np.array([float(high - low) for low, high in plane.range])
@@ -508,17 +508,17 @@ class Atlas(Drawable):
 
     @cached_property
     def _ends(self) -> np.ndarray:
-        """The ends of the boxes, a row for each side."""
+        """The lower and upper ends of all boxes in both parameters, an array with a row for each."""
         rows = [[float(end) for side in box.range for end in side] for box in self.boxes]
         return np.array(rows).reshape(-1, 4).T
 
     def _around(self, x: float, y: float) -> np.ndarray:
-        """Return the indices of the boxes with a point."""
+        """Return the indices of the boxes that contain a point."""
         low_x, high_x, low_y, high_y = self._ends
         return np.flatnonzero((low_x <= x) & (x <= high_x) & (low_y <= y) & (y <= high_y))
 
     def statement(self) -> Record:
-        """Return what the file states: the boxes, and beside them what was found and is not proven."""
+        """Return the contents of the file: the proven boxes, and what was found without proof (grid, borders)."""
 
         def pairs(box: Rectangle) -> list[list[str]]:
             return [[show(low), show(high)] for low, high in box]
@@ -634,7 +634,7 @@ def atlas(
 
 
 def _read_plane(p: Parameters, over: Mapping[str, Any]) -> Plane:
-    """Return the plane of two parameters and their ranges."""
+    """Check the arguments of `atlas`; return the plane of two parameters and their ranges."""
     if len(over) != 2 or not set(over) <= set(PARAMETER_NAMES):
         names = ", ".join(PARAMETER_NAMES)
         raise ParameterError("over", ", ".join(map(str, over)), f"give two parameters out of {names}")
@@ -655,7 +655,7 @@ def _read_plane(p: Parameters, over: Mapping[str, Any]) -> Plane:
 
 
 def _read_file(path: Any) -> tuple[Plane, list[ProvenBox], list[Rectangle], tuple[Place, ...], list[Any]]:
-    """Read the file of an atlas: its plane, boxes, open boxes and grid; pairs of places beside its borders."""
+    """Read the file of an atlas; return its plane, boxes, open boxes, grid, and pairs of places beside its borders."""
 
     def box(sides: Any) -> Rectangle:
         (a, b), (c, d) = ([Fraction(end) for end in side] for side in sides)

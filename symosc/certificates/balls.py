@@ -30,7 +30,7 @@ Matrix: TypeAlias = Sequence[Sequence[Ball]]
 
 
 class Undecided(Exception):
-    """Raised if balls cannot decide a sign; more bits, or a more accurate start, may."""
+    """Raised if balls cannot decide a sign; a higher precision, or a more accurate start, may do so."""
 
     # `near` is a time nearby. If a graze is possible, `graze` has the belt and the time after the start of the flight.
 
@@ -39,12 +39,12 @@ class Undecided(Exception):
         super().__init__(what)
 
     def place(self) -> str:
-        """Return " near t = ...", or ""."""
+        """Return the text " near t = ..." for a message; "" if no time is known."""
         return "" if self.near is None else f" near t = {self.near.mid().str(15, radius=False)}"
 
 
 def made_by(bits: int) -> dict[str, Any]:
-    """Return the entry of a file that names the program and its version."""
+    """Return the entry of a file that says which program and versions made it, with how many bits."""
     return {"made_by": f"symosc, python-flint {FLINT_VERSION}, {bits} bits"}
 
 
@@ -83,9 +83,9 @@ def exact_ends(value: Ball) -> tuple[Fraction, Fraction]:
 
 
 def outward(value: Ball, digits: int) -> tuple[str, str]:
-    """Return the ends of a ball as decimals, the lower one rounded down and the higher one up."""
-    # They are one unit of the last digit further apart than necessary: a checker that knows the number only a little
-    # better can prove them.
+    """Return both ends of a ball as decimal texts, the lower one rounded down and the upper one up."""
+    # The ends are one unit of the last digit further apart than necessary, so that a checker can prove them whose ball
+    # is about as wide as this one.
     low, high = exact_ends(value)
     scale = max(abs(low), abs(high), Fraction(1))
     unit = Fraction(10) ** (len(str(int(scale))) - digits)
@@ -129,7 +129,7 @@ class StateSet:
         return [c + _dot(row, self.box) for c, row in zip(self.centre, self.matrix, strict=True)]
 
     def image(self, value: Sequence[Ball], jacobian: Matrix) -> StateSet:
-        """Return a set that contains the image; `value` encloses the map at the centre, `jacobian` its derivative."""
+        """Return a set that contains the image under a map, given its `value` at the centre and its `jacobian`."""
         carried, slopes = (
             [[_dot(row, column) for column in zip(*each, strict=True)] for row in jacobian]
             for each in (self.matrix, self.slopes)
@@ -153,7 +153,7 @@ def _dot(row: Sequence[Ball], column: Sequence[Ball]) -> Ball:
 
 
 def _direction(carried: Matrix, box: Sequence[Ball]) -> tuple[Ball, Ball]:
-    """Return the direction of the longest side of a set's image, as two exact numbers."""
+    """Return the direction of the longest side of a set's image as two numbers (balls of radius 0)."""
     sides = [(a.mid() * y.rad(), b.mid() * y.rad()) for a, b, y in zip(*carried, box, strict=True)]
     a, b = max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).mid())
     length = (abs(a) + abs(b)).mid()

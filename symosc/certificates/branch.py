@@ -38,9 +38,9 @@ MOST_INFLATIONS, INFLATION = 8, 1.2
 #: How much wider the balls are in which a root is the only one: those that are stated; those that are proven, so that
 #: a checker whose balls are a little wider proves the others.
 STATED_WIDTH, PROVEN_WIDTH = 1.2, 1.5
-#: Half-width of the enclosure of an end, as a part of its value or of the range.
+#: How far `inside` and `outside` are from a branch's end, as a part of its value or of the range.
 END_WIDTH = Fraction(1, 10**11)
-#: The first interval, as a part of the range; by how much the next one is wider.
+#: The width of the first interval, as a part of the range; the factor by which the next one is wider.
 FIRST_WIDTH, GROWTH = Fraction(1, 50), Fraction(8, 5)
 MOST_BOXES, LEAST_WIDTH = 100_000, Fraction(1, 10**16)
 END_OF_RANGE = "end of the range"
@@ -48,7 +48,7 @@ END_OF_RANGE = "end of the range"
 #: by which the others are off its start or end.
 LOW_SAMPLES, MOST_LOW_STEPS, NEAR_POWERS = 96, 12, range(8, 60)
 
-#: The kind of an end of a branch, the parameter's value there, and t_0, x_0, ... of the orbit, nearly.
+#: The kind of an end of a branch, the parameter's value there, and t_0, x_0, ... of the orbit, approximately.
 GivenEnd = tuple[str, Fraction, Values]
 
 
@@ -72,7 +72,7 @@ class Family:
         for order in range(2, ORDER + 1):
             rest = self._coefficients(self.middle, [*self.curve, [arb(0)] * len(start)], order)[-1]
             self.curve.append([(-each).mid() for each in (Y * column(rest)).entries()])
-        # The coefficients of f of order ORDER along the curve are those about all values of the parameter.
+        # The remainder: the coefficients of order ORDER of the residuals, about all values of the parameter at once.
         shifted = [
             _horner([[comb(k, j) * each for each in self.curve[k]] for k in range(j, ORDER)], change)
             for j in range(ORDER)
@@ -103,7 +103,7 @@ class Family:
         raise Undecided("one root for every value of the parameter")
 
     def _coefficients(self, value: Ball, curve: list[Values], order: int) -> list[Values]:
-        """Return the first `order` Taylor coefficients of f along a curve, about a value of the parameter."""
+        """Return the first `order` Taylor coefficients of the residuals along a curve, about a parameter value."""
         ctx.cap, wide = max(ctx.cap, order), self.wide
         series = Oscillator(wide.oscillator.p, {self.prover.name: arb_series([value, 1], prec=order)})
         values = [arb_series(list(each), prec=order) for each in zip(*curve, strict=True)]
@@ -111,11 +111,11 @@ class Family:
         return [[each[j] for each in found] for j in range(order)]
 
     def near(self, value: Fraction) -> Values:
-        """Return the points of the polynomial curve at a value of the parameter, possibly outside the interval."""
+        """Return the approximate root by the polynomial curve at a parameter value, even outside the interval."""
         return _horner(self.curve, ball(value) - self.middle)
 
     def holds(self, value: Fraction, points: Values) -> bool:
-        """Return whether points at a value of the parameter are all in the box with the unique root."""
+        """Return whether points at a value of the parameter lie in the box that has just one root."""
         return all((c + r).contains(each) for c, r, each in zip(self.near(value), self.tube, points, strict=True))
 
     def root(self, value: Fraction) -> tuple[ClosingBalls, Values]:
@@ -128,7 +128,7 @@ class Family:
 
 
 def _horner(coefficients: list[Values], at: Ball) -> Values:
-    """Evaluate polynomials, given by rows of coefficients, by Horner's scheme."""
+    """Evaluate polynomials at `at` by Horner's scheme; row i has the i-th coefficient of each."""
     total = coefficients[-1]
     for row in reversed(coefficients[:-1]):
         total = [a + at * b for a, b in zip(row, total, strict=True)]
@@ -141,7 +141,7 @@ def _scaled(value: Ball, factor: float) -> Ball:
 
 
 def violated(closing: ClosingBalls, values: Values) -> tuple[str, Ball, str] | None:
-    """Return an inequality that certainly fails for a root: its text, a time, and the kind of branch end; or None."""
+    """Return an inequality that certainly fails for a root: its text, a time, the kind of branch end; None if none."""
     margins = [closing.margins(i, values) for i in range(len(closing.pieces))]
     durations = [(i, span) for i, (span, *_) in enumerate(margins)]
     for i, margin in durations + [(i, margin) for i, (_, *others) in enumerate(margins) for margin in others]:
@@ -230,7 +230,7 @@ class BranchProver:
         return confirmed("branch", statement)
 
     def _end(self, kind: str, value: Fraction, near: Values, side: int) -> Record:
-        """Prove an end: one root for all values around it, an inequality that fails for it beyond; return its row."""
+        """Prove an end: the root goes on past it, where an inequality fails; return its row of the file."""
         if kind == END_OF_RANGE:
             return {"kind": kind, "inside": show(value), "outside": show(value)}
         width = Fraction(10) ** floor(log10(END_WIDTH * max(abs(value), self.ends[1][1] - self.ends[0][1])))
@@ -247,7 +247,7 @@ class BranchProver:
         return row | {"at": t.mid().str(BRANCH_DIGITS, radius=False)} | family.row
 
     def _cover(self, low: Fraction, high: Fraction, progress: Callable[[float], None] | None) -> None:
-        """Prove the orbits for all values from low to high, by intervals of adapted widths that share roots."""
+        """Prove the orbits for all values from low to high, interval by interval; neighbours share a root."""
         whole, (kind, value, near), at = high - low, self.ends[0], low
         width = FIRST_WIDTH * whole if kind == END_OF_RANGE else (low - value) / 2
         while at < high:

@@ -14,7 +14,7 @@ from symosc.display.drawable import Drawable
 from symosc.files import write_text
 from symosc.model import PARAMETER_NAMES, Parameters
 
-#: What a certificate file says that it is.
+#: The format that every certificate file names.
 FORMAT = "symosc certificate 1"
 #: Digits of an enclosure's middle that are shown.
 SHOWN_DIGITS = 17
@@ -22,7 +22,7 @@ STARTS = ("t0", "x0", "v0")
 
 
 def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
-    """Return the numbers by which derivatives can be enclosed, if no event is a graze and no force 0 at the start."""
+    """Return the parameters and start values whose derivatives of events can be proven, if no event is a graze."""
     left_out = [name for n in (1, 2) if v0 == p.belt(n) for name in (f"v{n}", "v0")]
     if p.k == 0:
         left_out += ["k", "c"] if p.c == 0 else ["k"]
@@ -91,7 +91,7 @@ class Certificate(Drawable):
 
 
 def stated(kind: str, proven: bool, message: str, statement: Record, points: tuple[Any, ...] = ()) -> Certificate:
-    """Return the certificate of a statement; its events and enclosures are those of the file as tuples."""
+    """Return a certificate with this statement as the contents of its file, and its events as tuples."""
     ends = [tuple(tuple(row[name]) for name in "tx" if name in row) for row in proven_rows(statement)]
     names = [(row["kind"], row["source"], row["target"]) for row in proven_rows(statement)]
     events = tuple((*name, *end) for name, end in zip(names, ends, strict=True))
@@ -102,7 +102,7 @@ def stated(kind: str, proven: bool, message: str, statement: Record, points: tup
 
 
 def confirmed(kind: str, statement: Record, points: tuple[Any, ...] = ()) -> Certificate:
-    """Give a statement to the independent checker; return its certificate with the checker's message, or not proven."""
+    """Let the independent checker prove a statement; return the certificate, proven or not, with its message."""
     from symosc.certificates.verify_orbits import judge
 
     code, answer = judge({"format": FORMAT, "kind": kind, "proven": True} | statement)
@@ -112,7 +112,7 @@ def confirmed(kind: str, statement: Record, points: tuple[Any, ...] = ()) -> Cer
 
 
 def proven_rows(statement: Record) -> list[Record]:
-    """Return the event rows in a statement; of a settled motion only the last ones."""
+    """Return the rows of the events in a statement; for a settled motion, only those of its last events."""
     return list(statement.get("last") or statement.get("events") or ())
 
 
@@ -126,6 +126,6 @@ def common_digits(low: str, high: str) -> str:
 
 
 def common_complex(re: tuple[str, str], im: tuple[str, str]) -> str:
-    """Return the common digits of a complex number's enclosure; a real one as such."""
+    """Return the digits common to the ends of a complex number's enclosure; one real number if it is real."""
     imaginary = "" if im == ("0", "0") else f" + {common_digits(*im)} i".replace("+ -", "- ")
     return common_digits(*re) + imaginary

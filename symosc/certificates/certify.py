@@ -118,7 +118,7 @@ def certify(
 
 
 def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[str, ...]) -> Certificate:
-    """Prove the motion of a scene, by its orbit where it settles on one."""
+    """Prove the motion of a scene, event by event or, if it settles on an orbit, by this orbit."""
     from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_settled, prove_trajectory
 
     if t_end is not None:
@@ -130,7 +130,7 @@ def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[
     if wrt and any(errors):
         raise ParameterError("wrt", wrt, "is for a start that is known exactly")
     task = ToProve(scene.parameters, (scene.t0, scene.x0, scene.v0), errors, scene.t_end, wanted, wrt)
-    # A motion of a scene with a structure that lasts longer, in radians of the drive, may settle on the orbit.
+    # A motion that lasts longer than this (Omega t), in a scene with a word, may settle on the orbit of this word.
     if not wrt and scene.structure and scene.parameters.Omega * (scene.t_end - scene.t0) > 6000:
         with suppress(ConvergenceError):  # there is no such orbit
             settled = prove_settled(task, find_orbit(scene.parameters, scene.structure))

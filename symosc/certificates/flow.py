@@ -22,17 +22,17 @@ from flint import arb, arb_series
 from symosc.certificates.balls import Ball, Undecided, ball, sure_sign
 from symosc.model import PARAMETER_NAMES, Parameters
 
-#: A family is treated as nearly critical where the frequency is not known to this part.
+#: A family counts as critically damped unless its frequency is at least so many times its error.
 ROUGH = 32
 
 
 def first_coefficient(value: Ball) -> Ball:
-    """Return a ball itself, or the first coefficient of a power series."""
+    """Return the first coefficient of a power series, and a ball unchanged."""
     return value[0] if isinstance(value, arb_series) else value
 
 
 def entire_0f1(b: Ball, z: Ball) -> Ball:
-    """Return 0F1(b; z), an entire function of a ball or a power series."""
+    """Return the hypergeometric function 0F1(b; z) of a ball or a power series z."""
     # 0F1(1/2; w^2/4) is cosh w, and 0F1(3/2; w^2/4) is sinh w/w, where w^2 may have any sign. The derivative is 0F1(b +
     # 1; z)/b, which gives the Taylor series.
     if not isinstance(z, arb_series):
@@ -45,7 +45,7 @@ def entire_0f1(b: Ball, z: Ball) -> Ball:
 
 
 class Oscillator:
-    """The constants of an oscillator as balls of the working precision, with its exactly known properties."""
+    """The constants of an oscillator as balls, with its damping regime and whether it is at resonance."""
 
     # `ranges` replaces parameters of `p` by a ball, or by a power series in a change of one parameter (arb_series),
     # whose first coefficient may be a ball: a family of oscillators. Undecided if it may be at resonance without
@@ -97,7 +97,7 @@ class Oscillator:
         self.turns = cache(lambda boundary: Turns(p, boundary))
 
     def entire(self, tau: Ball) -> tuple[Ball, Ball, Ball]:
-        """Return E, E' and phi at tau."""
+        """Return the basis functions E, E' and phi = E' + (c/m) E at the time tau."""
         if self.damping > 0:
             fast, slow, width = (self.fast * tau).exp(), (self.slow * tau).exp(), 2 * self.omega_d
             E, E1 = (slow - fast) / width, (self.slow * slow - self.fast * fast) / width
@@ -114,7 +114,7 @@ class Oscillator:
         return E, E1, E1 + self.cm * E
 
     def steady(self, tau: Ball, s: Ball, c: Ball) -> tuple[Ball, Ball]:
-        """Return velocity and acceleration of the steady motion; at resonance of one growing from tau = 0."""
+        """Return v and a of the steady motion (at resonance: a growing one); s, c are sine, cosine of the phase."""
         if self.resonant:
             turn = self.Omega * tau
             return self.growth * (s + turn * c), self.growth * self.Omega * (2 * c - turn * s)
@@ -127,7 +127,7 @@ class Oscillator:
 
 
 class Jet(NamedTuple):
-    """A time after a start, and a function of time with its first two derivatives there."""
+    """The value g of a function at a time tau after a start, with its first two derivatives dg and ddg."""
 
     tau: Ball
     g: Ball
@@ -139,7 +139,7 @@ Curve = Callable[[Ball], Jet]
 
 
 class FlightPoint(NamedTuple):
-    """A point of a flight, `tau` after its start: the quantities common to both belts."""
+    """A point of a flight, a time tau after its start: v, a, the drive's sine s and cosine c, and E, E1 = E', phi."""
 
     tau: Ball
     v: Ball
@@ -162,7 +162,7 @@ class Flight:
         self.free_v, self.free_a = v - steady_v, self.a0 - steady_a
 
     def at(self, tau: Ball) -> FlightPoint:
-        """Return the point `tau` after the start."""
+        """Return the point of the flight a time tau after its start."""
         o = self.oscillator
         s, c = (o.Omega * (self.t0 + tau)).sin_cos()
         E, E1, phi = o.entire(tau)
@@ -171,12 +171,12 @@ class Flight:
         return FlightPoint(tau, v, a, s, c, E, E1, phi)
 
     def jerk(self, there: FlightPoint) -> Ball:
-        """Return the derivative of the acceleration."""
+        """Return the derivative of the acceleration at a point of the flight."""
         o = self.oscillator
         return -o.cm * there.a - o.km * there.v - o.drive * there.s
 
     def x(self, there: FlightPoint) -> Ball:
-        """Return the position from the balance of forces, or of momentum without a spring."""
+        """Return the position at a point, from the balance of forces or (without a spring) of momentum."""
         o, p = self.oscillator, self.oscillator.p
         if p.k > 0:
             change = o.B0 * (there.c - self.c0) - o.c * (there.v - self.v0) - o.m * (there.a - self.a0)
@@ -189,14 +189,14 @@ class Flight:
         return self.x0 + self.v0 * there.tau + way / o.m
 
     def moved(self, there: FlightPoint, start: Sequence[Ball]) -> tuple[Ball, Ball]:
-        """Return the derivatives of x and v at a fixed time by t, x (and v) at the start."""
+        """Return how x and v at a fixed time change if t, x (and v) at the start change by `start`."""
         # A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
         dt, dx, *rest = start
         x, v = dx - self.v0 * dt, (rest[0] if rest else arb(0)) - self.a0 * dt
         return there.phi * x + there.E * v, there.E1 * v - self.oscillator.km * there.E * x
 
     def stays_within(self, there: FlightPoint) -> Ball:
-        """Return a bound of |v| from this point on forever, or infinity."""
+        """Return a bound of |v| for all times after a point of the flight, by energy; infinity if there is none."""
         # The free motion y loses energy: y^2 + (m/k) y'^2 never grows.
         o = self.oscillator
         if o.resonant or o.p.k == 0:
@@ -207,11 +207,11 @@ class Flight:
         return free + (o.steady_c * o.steady_c + o.steady_s * o.steady_s).sqrt()
 
     def side(self, boundary: int) -> int:
-        """Return the side of a belt on which the flight is."""
+        """Return 1 if the flight is above a belt's speed, -1 if it is below."""
         return 1 if self.domain > boundary else -1
 
     def gap(self, boundary: int) -> Curve:
-        """Return the gap between the flight and a belt, positive on the side of the flight."""
+        """Return the gap to a belt, side * (v - v_belt), as a function of time that returns a jet."""
         speed, side = self.oscillator.speed[boundary], self.side(boundary)
 
         def gap(tau: Ball) -> Jet:
@@ -234,7 +234,7 @@ def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -
 
 
 class Turns:
-    """The extrema of the drift of one belt; `constant` is its sign if it never changes, else None."""
+    """The turns of a belt: where its drift changes sign; `constant` is the drift's sign if it never does, else None."""
 
     def __init__(self, p: Parameters, boundary: int) -> None:
         bias, amplitude = p.k * p.belt(boundary), p.B0 * p.Omega
@@ -248,13 +248,13 @@ class Turns:
             self.angle = ball(ratio).asin()
 
     def time(self, index: int) -> Ball:
-        """Return the time of the turn with this index; sin(Omega t) rises through a turn of even index."""
+        """Return the time of the turn with an index; sin(Omega t) rises there if the index is even, else it falls."""
         turn, odd = divmod(index, 2)
         angle = arb.pi() - self.angle if odd else self.angle
         return (angle + 2 * turn * arb.pi()) / self.Omega
 
     def after(self, t: Ball) -> Iterator[tuple[Ball | None, int]]:
-        """Yield the turns after t (None: never) and the drift's sign before each; one exactly at t counts as past."""
+        """Yield each turn after t (not at t): its time, None for never, and the sign of the drift before it."""
         if self.constant is not None:
             yield None, self.constant
             return

@@ -40,7 +40,7 @@ MOST_PIECES = 20_000
 
 
 def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[Jet, Jet] | None:
-    """Find a piece of a flight, before `stop`, in which the gap to a belt has its first zero and no other, or None."""
+    """Return both ends of a piece with only the first zero of a flight's gap to a belt; None if none until `stop`."""
     # `on_it`: the flight starts on that belt, from where it is known to leave it.
     gap = flight.gap(boundary)
     low = gap(arb(0))
@@ -70,7 +70,7 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
 
 
 def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple[Ball, bool, bool]]:
-    """Yield ends of pieces of a flight up to `stop`, with whether H is convex and whether it is concave on each."""
+    """Yield (end of a piece of the flight, whether H is convex on it, whether it is concave); H: the scaled gap."""
     o, begin, at = flight.oscillator, flight.t0, arb(0)
     # Pieces are at most this long, in units of 1/omega_d: less than pi.
     longest = (arb(2.8) / o.omega_d).mid() if o.damping < 0 else None
@@ -92,7 +92,7 @@ def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple
 
 
 def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tuple[Jet, Jet] | None:
-    """Divide a piece with convex H and a gap > 0 at both ends until its first zero is isolated or excluded."""
+    """Divide a piece (H convex, gap > 0 at its ends) until the first zero is between two jets, or excluded (None)."""
     o, pending = flight.oscillator, [high]
     for cut in range(200):
         high = pending[-1]
@@ -142,7 +142,7 @@ def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball
 
 
 def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
-    """Enclose the only zero of a gap between two times, at the first of which the gap is > 0 and at the second < 0."""
+    """Enclose the only zero of a gap between two times; the gap is > 0 at the first and < 0 at the second."""
     # Newton's method finds it, kept between points where the sign is known; two signs prove the enclosure. The slope
     # has one sign on it.
     ends, here = (low, high), high.mid()
@@ -167,7 +167,7 @@ def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
 
 
 def fenced(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: str, t: Ball) -> Ball:
-    """Return a ball of times around a sample; the gap is > 0 at its start, < 0 at its end, and falls all the way."""
+    """Return a ball of times around a sample in which the gap falls from > 0 to < 0, so that it has just one zero."""
     (low, high), here = ends, sample.tau
     width = 2 * abs(sample.g).upper() / max(abs(sample.dg).lower(), arb(2) ** -10000) + spare
     for _ in range(40):
@@ -227,7 +227,7 @@ def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> 
 
 
 class Moving(NamedTuple):
-    """A set of states in one mode: (t, x), or (t, x, v) before the first event of a start off the belts."""
+    """A set of states (t, x) in one mode; before the first event (t, x, v), unless the start is on a belt."""
 
     mode: int  # a code of `symosc.model.MODE_NAMES`
     boundary: int  # the belt that it is on or leaves just now (into its mode, which is proven), or 0
@@ -236,7 +236,7 @@ class Moving(NamedTuple):
     circle: tuple[Fraction, Fraction] | None = None
 
     def flight(self, o: Oscillator, values: list[Ball]) -> Flight:
-        """Return the flight from t, x and v; on a belt v is the belt's and is not given."""
+        """Return the flight from values t, x and v, or t and x on a belt, whose speed is then v."""
         return Flight(o, self.mode, values[0], values[1], values[2] if len(values) == 3 else o.speed[self.boundary])
 
 
@@ -252,7 +252,7 @@ class ProvenEvent(NamedTuple):
 
 
 def goes_round(p: Parameters) -> bool:
-    """Return whether (v, a/omega_0) moves on circles: without damping and drive, with a spring."""
+    """Return whether (v, a/omega_0) moves on a circle in a flight: no damping, no drive, a spring."""
     return p.c == 0 and p.B0 == 0 and p.k > 0
 
 
@@ -321,7 +321,7 @@ def _first_contact(flight: Flight, belts: list[int], on: int, t_end: Ball) -> tu
 
 
 def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
-    """Return the event at the first contact of a flight and the states after it."""
+    """Return the event at the first contact of a flight and the states after it; None if none until t_end."""
     flight, belts = state.flight(o, state.states.hull()), belts_around(state.mode)
     grazes = {} if state.circle is None else _exact_grazes(o.p, *state.circle, belts)
     met = _first_contact(flight, [belt for belt in belts if belt not in grazes], state.boundary, t_end)
@@ -363,7 +363,7 @@ def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Mo
 
 
 def _exact_grazes(p: Parameters, v0: Fraction, a0: Fraction, belts: list[int]) -> dict[int, Ball]:
-    """Return the belts that a flight on a circle touches at its extreme speed, a graze, with the first time of each."""
+    """Return the belts that a flight on a circle just touches (grazes), each with the time of the first touch."""
     square, found = v0**2 + a0**2 * p.m / p.k, {}
     for boundary in belts:
         speed = p.belt(boundary)
@@ -381,7 +381,7 @@ def _exact_grazes(p: Parameters, v0: Fraction, a0: Fraction, belts: list[int]) -
 
 
 def _slip(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
-    """Return the event at the end of a stick and the states after it."""
+    """Return the event at the end of a stick and the states after it; None if it lasts until t_end."""
     boundary, speed, (t, x) = state.boundary, o.speed[state.boundary], state.states.hull()
     slip = end_of_stick(o, boundary, t, x, t_end - t)
     if slip is None:

@@ -42,7 +42,7 @@ POINT_DIGITS, MULTIPLIER_PLACES = 25, 16
 ACCURATE = 10.0 ** (-POINT_DIGITS - 2)
 #: This part of the box in which an orbit is proven to be alone is stated: a checker with wider balls needs a margin.
 STATED = arb(2) ** -24
-#: By how much a hint is more than the first-order value; the least radius in a hint.
+#: How many times the first-order value a hint for the checker is; the least radius in a hint.
 SPARE, LEAST_RADIUS = 32, Fraction(1, 10**60)
 
 Values = list[Ball]
@@ -54,12 +54,12 @@ def unit_matrix(count: int) -> arb_mat:
 
 
 def column(values: Sequence[Ball]) -> arb_mat:
-    """Return a matrix with one column."""
+    """Return a vector as a matrix with one column."""
     return arb_mat([[value] for value in values])
 
 
 def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Values | None:
-    """Return the Krawczyk image K(box) if it lies inside the box, which proves one root there; else None."""
+    """Return the image of a box under Krawczyk's operator if it is inside, which proves just one root; else None."""
     try:
         Y = J.mid().inv().mid()
     except ZeroDivisionError:
@@ -71,9 +71,9 @@ def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Valu
 
 
 class Margin(NamedTuple):
-    """A number, or a function of time during a piece, that must be positive; and the end of a branch where it is not.
+    """A number, or a function of time on a piece, that must be positive; `kind` is the end of a branch where it fails.
 
-    The function is known to be 0 where the piece ends if `at_end`, and so are `at_start` of g, g' where it starts.
+    If `at_end`, the function g is known to be 0 where the piece ends; where it starts, `at_start` of g, g' are 0.
     """
 
     what: str
@@ -84,14 +84,14 @@ class Margin(NamedTuple):
 
 
 class ClosingBalls:
-    """The closing equations of one word, for one set of constants or a family of them."""
+    """The closing equations of an orbit with a word, for one oscillator or all of a family (constants as balls)."""
 
     def __init__(self, oscillator: Oscillator, pieces: tuple[OrbitPiece, ...], periods: int) -> None:
         self.oscillator, self.pieces = oscillator, pieces
         self.periods, self.turn = periods, 2 * periods * arb.pi() / oscillator.Omega
 
     def ends(self, values: Values) -> Values:
-        """Return the points on which the pieces end: each one's next point, and the first point a period later."""
+        """Return t and x at the end of each piece: of the next point or, for the last, the first a period later."""
         return [*values[2:], values[0] + self.turn, values[1]]
 
     def flight(self, i: int, values: Values) -> Flight:
@@ -118,7 +118,7 @@ class ClosingBalls:
         return found
 
     def _slopes(self, i: int, values: Values) -> tuple[Sequence[Ball], Sequence[Ball]]:
-        """Return the derivatives of the two residuals of piece i by t and x at its start and t and x at its end."""
+        """Return the derivatives of both residuals of piece i with respect to t, x at its start and t, x at its end."""
         o, piece = self.oscillator, self.pieces[i]
         t0, t1, v0, one, zero = values[2 * i], self.ends(values)[2 * i], o.speed[piece.start], arb(1), arb(0)
         if piece.sticks:
@@ -129,7 +129,7 @@ class ClosingBalls:
         return (-v0 * phi - a0 * E, phi, there.v, -one), (o.km * E * v0 - a0 * E1, -o.km * E, there.a, zero)
 
     def jacobian(self, values: Values) -> arb_mat:
-        """Return the Jacobian of the residuals by all t and x."""
+        """Return the Jacobian of the residuals with respect to t and x of all points."""
         n = len(self.pieces)
         rows = [[arb(0)] * (2 * n) for _ in range(2 * n)]
         for i in range(n):
@@ -139,14 +139,14 @@ class ClosingBalls:
         return arb_mat(rows)
 
     def end_by_start(self, i: int, values: Values) -> arb_mat:
-        """Return the derivatives of t and x at the end of piece i by those at its start, approximately."""
+        """Return the derivatives of t, x at the end of piece i with respect to those at its start, approximately."""
         rows = self._slopes(i, values)
         return -arb_mat([list(row[2:]) for row in rows]).solve(arb_mat([list(row[:2]) for row in rows]))
 
     # -- roots ---------------------------------------------------------------------------------------------------------
 
     def polished(self, values: Values) -> Values:
-        """Return exact numbers near a root by Newton's method, without proof; Undecided if it does not converge."""
+        """Return numbers (exact balls) near a root, by Newton's method without proof; may raise Undecided."""
         values = [value.mid() for value in values]
         for _ in range(12):
             try:
@@ -167,7 +167,7 @@ class ClosingBalls:
         return krawczyk(box, middle, self.residuals(middle), self.jacobian(box))
 
     def roots(self, middle: Values) -> Iterator[tuple[Values, Values]]:
-        """Yield boxes near exact numbers with exactly one root, the widest first, and narrow enclosures of it."""
+        """Yield boxes around `middle` with exactly one root, the widest first, each with an enclosure of the root."""
         sizes = self.turn.mid(), max((abs(value) for value in middle[1::2]), key=float) + 1
         for part in BOXES:
             box = [value + arb(0, (part * sizes[j % 2]).mid()) for j, value in enumerate(middle)]
@@ -191,7 +191,7 @@ class ClosingBalls:
     def margins(self, i: int, values: Values) -> list[Margin]:
         """Return the margins of piece i: its duration, the forces that Theorems 4 and 5 need at its start, its course.
 
-        Where a stick ends one force is 0, and that the other one holds is part of the stick.
+        The end of a stick adds none: one force is 0 there, and that the other one holds is a margin of the stick.
         """
         o, piece, before, (t, x) = self.oscillator, self.pieces[i], self.pieces[i - 1], values[2 * i : 2 * i + 2]
         kind = "stick" if piece.sticks else "slip" if piece.after_stick else "flight"
@@ -278,7 +278,7 @@ def prove_positive(margin: Margin, span: Ball) -> None:
 
 
 def _positive_on_step(margin: Margin, begin: Ball, end: Ball, first: bool, final: bool) -> bool:
-    """Return whether the margin is certainly positive on a step; its end counts unless the margin is 0 there."""
+    """Return whether the margin is certainly positive from begin to end of a step, except where it is known to be 0."""
     over = begin.union(end)
     whole, middle = margin.curve(over), over.mid()
     there, off = margin.curve(middle), over - middle
@@ -299,7 +299,7 @@ class Stability(NamedTuple):
 
     @property
     def stable(self) -> bool | None:
-        """Whether both multipliers are certainly inside the unit circle; False: one is outside; None: undecided."""
+        """True if both multipliers are certainly inside the unit circle, False if one is outside, None if undecided."""
         T, D = self.trace, self.determinant
         if abs(D) < 1 and abs(T) < 1 + D:
             return True
@@ -332,7 +332,7 @@ class Stability(NamedTuple):
 def certify_orbit(
     p: Parameters, labels: tuple[str, ...], periods: int, points: Sequence[tuple[Number, Number]]
 ) -> Certificate:
-    """Prove an orbit near the given points (t, x), raising the precision as needed; labels in order of time."""
+    """Prove an orbit near points (t, x) with labels in order of time; raise the precision as needed."""
     word, bits = Word(labels), LEAST_ORBIT_BITS
     near = [_exact(each) for point in points for each in point]
     while True:
@@ -357,7 +357,7 @@ def _exact(number: Number) -> Ball:
 
 
 def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Values, Values]:
-    """Prove a root near the given points and that it follows its word; return the box in which it is alone, and it."""
+    """Prove that a root near the given points follows its word; return a box with no other root, and the root."""
     reason = Undecided("the closing equations: no box in which their root is the only one")
     for box, root in closing.roots(closing.polished(near)):
         try:
@@ -372,7 +372,7 @@ def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Values, Value
 
 
 def _marginal(closing: ClosingBalls, near: Values) -> str:
-    """Return the message that an orbit is marginal, if the given points have a multiplier of 1 to many digits."""
+    """Return a message if the orbit is marginal (a multiplier is 1 to many digits), else ""."""
     try:
         T, D = closing.stability(near)
     except Undecided:
@@ -386,7 +386,7 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
 
 
 def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[str, int, str, str, Ball, Ball]]:
-    """Return the orbit's events from number `begin` up to its repetition: kind, boundary, source, target, t and x."""
+    """Return the events of a period from number `begin` to its repetition: kind, boundary, source, target, t, x."""
     pieces, n, rows = closing.pieces, len(closing.pieces), []
     for j in range(begin, begin + n + 1):
         (before, piece), (t, x) = (pieces[j % n - 1], pieces[j % n]), values[2 * (j % n) : 2 * (j % n) + 2]
@@ -397,7 +397,7 @@ def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[
 
 
 def one_digit(radius: Ball) -> str:
-    """Return a decimal of one digit that is certainly slightly less than a radius."""
+    """Return a decimal with one digit, such as 3e-12, that is certainly less than a radius."""
     most = max(exact_ends(radius)[0], LEAST_RADIUS) * Fraction(99, 100)
     power = floor(log10(most))
     return f"{most // Fraction(10) ** power}e{power}"
@@ -410,7 +410,7 @@ def _certificate(
     pieces, n = closing.pieces, len(closing.pieces)
     # It begins at the end of a flight: there the forces say how the motion goes on.
     begin = next(i for i in range(n) if not pieces[i - 1].sticks)
-    # How far apart in time motions from the box meet each event is a hint for the checker, and no proof: many times
+    # A hint for the checker, not a proof: how far apart in time motions from the box meet each event, many times
     # the first-order value, as the checker uses balls that are wider than the set.
     wide, middle = [STATED * value.rad() for value in box[2 * begin : 2 * begin + 2]], [each.mid() for each in root]
     moved = arb_mat([[wide[0].mid(), 0], [0, wide[1].mid()]])

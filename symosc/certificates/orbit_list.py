@@ -24,7 +24,7 @@ from symosc.words import MAPS, cycle, read_word
 
 
 class ListedOrbit(NamedTuple):
-    """A line of the list: parameters, word, t and x at its first event."""
+    """An orbit in the list: parameters, word, and approximate t and x of its first event."""
 
     p: Parameters
     word: str
@@ -41,11 +41,11 @@ class ListedOrbit(NamedTuple):
 
     @property
     def cycle(self) -> str:
-        """The word, started so that rotated words are equal."""
+        """The word, rotated so that it does not depend on which event is the first."""
         return cycle(self.word)
 
     def points(self) -> list[tuple[float, float]]:
-        """Return approximate switching points (t, x), simulated from the first one."""
+        """Return the approximate switching points (t, x) of one period, simulated from the first one."""
         labels, p = read_word(self.word).labels, self.p
         v0 = p.belt(MAPS[labels[0]].start.boundary)
         end = self.t + 2.02 * math.pi / float(p.Omega)  # a little more than a period
@@ -91,7 +91,7 @@ def prove_list(
 
 
 def _reason(again: bool, orbit: ListedOrbit) -> str:
-    """Prove an orbit; return "" or the reason of failure."""
+    """Prove an orbit of the list, or `again` check what its file says; return "" or why it failed."""
     proof = orbit.prove()
     if not again:
         return "" if proof.proven else proof.message

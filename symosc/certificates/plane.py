@@ -46,7 +46,7 @@ from symosc.words import Word
 BOX_BITS = 64
 MOST_NEWTON, CONVERGED = 12, 1e-13
 MOST_INFLATIONS, INFLATION = 5, 1.1
-#: The part of half a period of the free motion that a cut flight's parts may have.
+#: The longest part of a flight between two cuts, as a part of half a period of the free motion.
 SHORTER, MOST_CUTS = 0.95, 12
 #: The directions in a box in which series are computed.
 DIRECTIONS = ((1, 0), (0, 1), (1, 1), (1, -1))
@@ -58,16 +58,16 @@ EXP_OVER = [[term / (n + k + 1) for n, term in enumerate(EXP_TERMS)] for k in ra
 _kept: deque[tuple[Ball, list[Ball]]] = deque(maxlen=4)
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
-#: Where a flight is cut: a part of it with a gap > 0, and for how long before and after free motion from there has one.
+#: A cut: a share of a flight after which the gap is > 0, and for how long before and after the free motion's is too.
 Cut = tuple[float, float]
 #: The turns in the stick after each flight, and the cuts of each flight (None: short steps).
 Plan = tuple[list[list[int]], list[list[Cut] | None]]
-#: A quantity that must be positive, as text; its value, and its derivatives by the unknowns.
+#: A quantity that must be positive: what it is, its value, and its derivatives with respect to the unknowns.
 Inequality = tuple[str, Ball, Values]
 
 
 class NotInBox(Exception):
-    """Raised if a box cannot be proven: along which side to divide it, and how many times too large it is."""
+    """Raised if a box cannot be proven; says along which side to divide it, and how many times too large it is."""
 
     def __init__(self, what: str, along: int | None = None, excess: float = 1) -> None:
         self.along, self.excess = along, excess
@@ -75,7 +75,7 @@ class NotInBox(Exception):
 
 
 class Leg(NamedTuple):
-    """A flight of a word: its piece, the indices of its phase and its duration, and the stick after it."""
+    """A flight of a word: its piece, where its phase and duration stand among the unknowns, and the next stick."""
 
     piece: OrbitPiece
     at: int
@@ -84,13 +84,13 @@ class Leg(NamedTuple):
 
     @property
     def side(self) -> int:
-        """The side of the belt at its end on which the flight is."""
+        """The side on which the flight is of the belt where it ends: 1 above it, -1 below it."""
         return 1 if self.piece.mode > self.piece.end else -1
 
 
 def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
-    """Return the modes' mirror images in an oscillator that is symmetric about A0/k, or nothing."""
-    # It is if both belts are alike, or if one of them is transparent and the speed of the other one is 0; the
+    """Return the mirror image of each mode of an oscillator that is symmetric about A0/k, else {}."""
+    # It is symmetric if the belts are alike with opposite speeds, or if one has no friction and the other no speed; the
     # parameters in `names` may have any values.
     free = set(names)
     if not free & {"v1", "v2", "mu1", "mu2"} and p.v1 == -p.v2 and p.mu1 == p.mu2:
@@ -104,7 +104,7 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
 class Flown:
     """A flight followed for a time tau from its unknowns u; balls, or power series.
 
-    The response to the drive is E * sin(theta) and E * cos(theta) from the phase on. With lambda = -h + i omega_d and
+    The response to the drive is E convolved with sin(theta) and cos(theta). With lambda = -h + i omega_d and
     X(lambda) = int exp(lambda (tau - s) + i Omega s) ds the response to exp(i Omega s) is the difference quotient of X
     at lambda and its conjugate. Near resonance the first X is an entire function.
     """
@@ -121,7 +121,7 @@ class Flown:
             Y = (turned - (other * complexed(tau)).exp()) / (imaginary(o.Omega) - other)
             quotient = imaginary(2 * o.omega_d)
             Z, Z1 = (X - Y) / quotient, (root * X - other * Y) / quotient
-            self.E, self.E1 = part(free, 1) / o.omega_d, part(root * free, 1) / o.omega_d
+            self.E, self.E1 = component(free, 1) / o.omega_d, component(root * free, 1) / o.omega_d
         else:
             self.E, self.E1, _ = o.entire(tau)
             pull = complexed(o.km - o.Omega * o.Omega) + imaginary(o.cm * o.Omega)
@@ -129,7 +129,7 @@ class Flown:
             Z = (turned - E1 - (complexed(o.cm) + Omega) * E) / pull
             Z1 = (Omega * turned + complexed(o.km) * E - Omega * E1) / pull
         self.phi, Z, Z1 = self.E1 + o.cm * self.E, begins * Z, begins * Z1
-        sine, self.cosine, sine1, self.cosine1 = part(Z, 1), part(Z, 0), part(Z1, 1), part(Z1, 0)
+        sine, self.cosine, sine1, self.cosine1 = component(Z, 1), component(Z, 0), component(Z1, 1), component(Z1, 0)
         if leg.piece.after_stick:  # the force says the position
             self.x0, self.a0 = (A + o.B0 * phase.cos() - o.c * speed) / o.k, arb(0)
         else:
@@ -137,18 +137,18 @@ class Flown:
             self.a0 = (A + o.B0 * phase.cos() - o.k * self.x0 - o.c * speed) / o.m
         self.v = speed * self.phi + self.a0 * self.E - o.drive * sine
         self.a = self.a0 * self.E1 - speed * o.km * self.E - o.drive * sine1
-        change = part(begins * (turned - 1), 0)  # of cos(theta)
+        change = component(begins * (turned - 1), 0)  # of cos(theta)
         self.x = self.x0 + (o.B0 * change - o.c * (self.v - speed) - o.m * (self.a - self.a0)) / o.k
 
     def jerk(self, o: Oscillator, sine: Ball) -> Ball:
-        """Return the derivative of the acceleration where the drive has this sine."""
+        """Return the derivative of the acceleration at the end; `sine` is that of the drive's phase there."""
         return -o.cm * self.a - o.km * self.v - o.drive * sine
 
 
 class Flights:
-    """The closing equations of a word in few unknowns: phase, duration and, after a crossing, x of each flight."""
+    """The closing equations of a word, for few unknowns: each flight's phase, x (not after a stick), and duration."""
 
-    # `labels` begin with a flight, and with the half whose mirror image is the rest if there is one.
+    # `labels` begin with a flight; if their second half is the mirror image of the first, only the first is followed.
 
     def __init__(self, labels: tuple[str, ...], mirror: dict[int, int]) -> None:
         self.pieces = pieces_of(Word(labels))
@@ -166,7 +166,7 @@ class Flights:
                 self.count = tau + 1
 
     def unknowns(self, Omega: float, points: Sequence[tuple[float, float]]) -> list[float]:
-        """Return the unknowns of an orbit by its switching points (phase, x), those of the labels."""
+        """Return the unknowns of an orbit from its switching points (phase, x), one for each label of the word."""
         times, found, period = [phase for phase, _ in points], list[float](), 2 * float(arb.pi())
         times = [*(each + period * (each < times[0]) for each in times), times[0] + period]
         flights = [i for i, piece in enumerate(self.pieces) if not piece.sticks][: len(self.legs)]
@@ -175,7 +175,7 @@ class Flights:
         return found
 
     def points(self, o: Oscillator, u: Values) -> list[tuple[float, float]]:
-        """Return phase and position at the switchings of the labels."""
+        """Return phase and position of the switching point at which each label of the word begins."""
         found = list[tuple[float, float]]()
         for leg in self.legs:
             there = Flown(o, leg, u, u[leg.tau])
@@ -188,14 +188,14 @@ class Flights:
         return found
 
     def onto(self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]) -> tuple[Ball, Ball]:
-        """Return phase and position at the start of the flight after flight i."""
+        """Return phase and position at the start of the flight after flight i (after the last: the first, later)."""
         if i + 1 < len(self.legs):
             return u[self.legs[i + 1].at], flown[i + 1].x0
         x = flown[0].x0
         return u[0] + (2 - self.mirrored) * arb.pi(), (o.A[1] + o.A[3]) / o.k - x if self.mirrored else x
 
     def residuals(self, o: Oscillator, u: Values) -> tuple[list[Flown], Values]:
-        """Return the flights, and the residuals of the closing equations."""
+        """Return the flights followed to their ends, and the residuals of the closing equations."""
         flown, found = [Flown(o, leg, u, u[leg.tau]) for leg in self.legs], list[Ball]()
         for i, (leg, there) in enumerate(zip(self.legs, flown, strict=True)):
             speed, (phase, x), start, tau = o.speed[leg.piece.end], self.onto(o, i, u, flown), u[leg.at], u[leg.tau]
@@ -206,7 +206,7 @@ class Flights:
         return flown, found
 
     def slopes(self, o: Oscillator, leg: Leg, u: Values, share: float = 1) -> dict[str, Values]:
-        """Return the derivatives of x0, x, v and a by the unknowns of a flight, followed for a share of it."""
+        """Return the derivatives of x0, x, v, a with respect to a flight's unknowns, after a share of its duration."""
         tau = u[leg.tau] * share
         d, s0, s1 = Flown(o, leg, u, tau), u[leg.at].sin(), (u[leg.at] + o.Omega * tau).sin()
         crossed = not leg.piece.after_stick
@@ -219,7 +219,7 @@ class Flights:
         return {name: [by[name] for by in (by_phase, by_x, by_tau) if by] for name in by_tau}
 
     def jacobian(self, o: Oscillator, u: Values) -> tuple[list[dict[str, Values]], list[Values]]:
-        """Return the slopes of the flights, and the derivatives of the residuals; balls, or power series."""
+        """Return the flights' derivatives as `slopes` gives them, and the Jacobian of the residuals (rows)."""
         slopes = [self.slopes(o, leg, u) for leg in self.legs]
         rows = list[Values]()
         for i, (leg, by) in enumerate(zip(self.legs, slopes, strict=True)):
@@ -243,7 +243,7 @@ class Flights:
     # -- the inequalities ----------------------------------------------------------------------------------------------
 
     def turn(self, o: Oscillator, belt: int, index: int) -> Ball:
-        """Return the phase of a turn of the forces on a belt; B0 sin theta rises through one of even index."""
+        """Return the phase of the index-th turn of the forces on a belt; sin theta rises there for even indices."""
         if isinstance(o.speed[belt], arb) and o.speed[belt].is_zero():
             return index * arb.pi()
         angle = (-o.k * o.speed[belt] / o.drive / o.m).asin()
@@ -261,11 +261,11 @@ class Flights:
         return [index for index, phase in turns if not phase < low and not phase > high]
 
     def drift(self, o: Oscillator, belt: int, phase: Ball) -> Ball:
-        """Return the drift k v + B0 Omega sin(theta) of a belt: -m times the derivative of both forces on it."""
+        """Return k v + B0 Omega sin(theta), v the belt's speed: -m times the rate of both forces on the belt."""
         return o.k * o.speed[belt] + o.B0 * o.Omega * phase.sin()
 
     def sections(self, o: Oscillator, leg: Leg, u: Values) -> list[tuple[int, Ball, Ball]] | None:
-        """Return the sign of L g on each section of a flight back to its belt, and its two ends; None: unknown."""
+        """Split a flight back to its belt where L g changes sign: (sign, begin, end) each; None if undecided."""
         phase, belt, found = u[leg.at], leg.piece.start, []
         end = phase + o.Omega * u[leg.tau]
         turns = [self.turn(o, belt, index) for index in self.turns_between(o, belt, phase, end)]
@@ -280,7 +280,7 @@ class Flights:
         return found
 
     def plan(self, o: Oscillator, u: Values) -> Plan:
-        """Return the turns in each stick, and where each flight is cut; balls that contain all unknowns in a box."""
+        """Return the turns in each stick and the cuts of each flight, for all unknowns u in a box (as balls)."""
         flown = [Flown(o, leg, u, u[leg.tau]) for leg in self.legs]
         turns, cuts = list[list[int]](), list[list[Cut] | None]()
         for i, leg in enumerate(self.legs):
@@ -290,7 +290,7 @@ class Flights:
         return turns, cuts
 
     def cuts(self, o: Oscillator, leg: Leg, u: Values) -> list[Cut] | None:
-        """Return where the gap of a flight back to its belt is evaluated; None: in short steps instead."""
+        """Return where to evaluate the gap of a flight back to its belt; None if it needs a proof by short steps."""
         found, longest = self.sections(o, leg, u), longest_part(o)
         if found is None:
             return None
@@ -313,7 +313,7 @@ class Flights:
         return None if len(cuts) > MOST_CUTS else [(round(at / tau * 1024) / 1024, reach) for at, reach in cuts]
 
     def stays(self, o: Oscillator, leg: Leg, u: Values, cuts: list[Cut]) -> bool:
-        """Return whether a flight with a positive gap at the cuts has one all the time, by the signs of L g."""
+        """Return whether a gap that is positive at the cuts is so during a whole flight, by the signs of L g."""
         found, longest, tau, left = self.sections(o, leg, u), longest_part(o), u[leg.tau], list(cuts)
         if found is None:
             return False
@@ -337,7 +337,7 @@ class Flights:
     def margins(
         self, o: Oscillator, u: Values, flown: Sequence[Flown], plan: Plan, slopes: Sequence[dict[str, Values]] = ()
     ) -> list[Inequality]:
-        """Return the quantities that must be positive, with derivatives if those of the flights are given."""
+        """Return what must be positive for the word: text, value, and (given `slopes`) its derivatives."""
         found = list[Inequality]()
 
         def add(text: str, value: Ball, *parts: tuple[int, Values]) -> None:
@@ -397,7 +397,7 @@ class Flights:
                 prove_positive(Margin(piece.label, gap, zeros, belt == piece.end), u[leg.tau])
 
     def far(self, o: Oscillator, leg: Leg, u: Values, least: Ball) -> bool:
-        """Return whether the energy of its free motion keeps a flight from a belt."""
+        """Return whether a flight's free motion has too little energy to reach a belt; `least`: side * belt speed."""
         s0, c0 = u[leg.at].sin_cos()
         v = o.speed[leg.piece.start] - o.steady_c * c0 - o.steady_s * s0
         a = Flown(o, leg, u, arb(0)).a0 - o.Omega * (o.steady_s * c0 - o.steady_c * s0)
@@ -405,7 +405,7 @@ class Flights:
         return bool((v * v + a * a / o.km).upper().sqrt() + steady < -least)
 
     def gap(self, o: Oscillator, leg: Leg, u: Values, side: int, speed: Ball) -> Callable[[Ball], Jet]:
-        """Return the gap of a flight from a velocity, above it (side 1) or below it (-1)."""
+        """Return as a function of time how far a flight is above (side 1) or below (-1) a velocity `speed`."""
 
         def gap(tau: Ball) -> Jet:
             there = Flown(o, leg, u, tau)
@@ -425,15 +425,15 @@ def imaginary(value: Ball) -> Ball:
     return acb_series(value) * acb_series([acb(0, 1)]) if isinstance(value, arb_series) else acb(0, value)
 
 
-def part(value: Ball, imaginary: int) -> Ball:
-    """Return the real or the imaginary part."""
+def component(value: Ball, imaginary: int) -> Ball:
+    """Return the real part of a complex ball or series or, if `imaginary`, its imaginary part."""
     if not isinstance(value, acb_series):
         return value.imag if imaginary else value.real
     return arb_series([each.imag if imaginary else each.real for each in value], prec=value.prec)
 
 
 def slope_of_exp(z: Ball) -> Ball:
-    """Return (exp(z) - 1)/z, an entire function, of a complex ball or series whose size is less than NEAR."""
+    """Return (exp(z) - 1)/z for a complex ball or series z with |z| < NEAR, where z may be 0."""
     if not isinstance(z, acb_series):
         return _derivatives_of_slope(z, 1)[0]
     found = _derivatives_of_slope(z[0], z.prec)
@@ -445,7 +445,7 @@ def slope_of_exp(z: Ball) -> Ball:
 
 
 def _derivatives_of_slope(z: Ball, count: int) -> list[Ball]:
-    """Return the first derivatives of (exp(z) - 1)/z; what was computed last is kept."""
+    """Return (exp(z) - 1)/z and its first derivatives, `count` numbers; the last results are remembered."""
     for known, found in _kept:
         if len(found) >= count and known.contains(z) and z.contains(known):
             return found
@@ -470,7 +470,7 @@ def longest_part(o: Oscillator) -> float:
 
 @contextmanager
 def box_arithmetic() -> Iterator[None]:
-    """Work with the precision for boxes; what cannot be decided is NotInBox."""
+    """Set the precision for boxes; turn Undecided and divisions by what may be 0 into NotInBox."""
     before = ctx.cap
     try:
         with ctx.workprec(BOX_BITS):
@@ -482,9 +482,9 @@ def box_arithmetic() -> Iterator[None]:
 
 
 class Surface:
-    """Approximate roots for all parameters of a box: polynomials of degree 2 in the place in the box."""
+    """Approximate roots for all parameters of a box: quadratic polynomials u(a, b) of the place, a and b in [-1, 1]."""
 
-    # NotInBox if the orbit near the unknowns `near` at the middle does not have the word.
+    # Raises NotInBox if the orbit found from `near` at the middle of the box does not have the word.
 
     def __init__(
         self, p: Parameters, names: Sequence[str], box: Rectangle, flights: Flights, near: Sequence[float]
@@ -515,31 +515,31 @@ class Surface:
         raise NotInBox("a root of the closing equations")
 
     def oscillator(self, values: Sequence[Ball]) -> Oscillator:
-        """Return the oscillator with values of both parameters."""
+        """Return the oscillator with the given values of both parameters of the plane."""
         return Oscillator(self.p, self.fixed | dict(zip(self.names, values, strict=True)))
 
     def directed(self, d: tuple[int, int], rows: Sequence[Values], count: int, wide: bool) -> tuple[Oscillator, Values]:
-        """Return oscillator and unknowns as series from the middle, or from all of the box, in one direction."""
+        """Return oscillator and unknowns as power series along d, from the box's middle or (`wide`) from all of it."""
         ctx.cap = count
         base = zip(self.range if wide else self.middle, self.half, d, strict=True)
         o = self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in base])
         return o, [arb_series(list(each), prec=count) for each in zip(*rows, strict=True)]
 
     def near(self, a: float, b: float) -> tuple[float, ...]:
-        """Return approximate unknowns at a place in the box."""
+        """Return approximate unknowns at a place (a, b) in the box as floats."""
         return tuple(float(each) for each in (self.at(arb(a), arb(b)) if self.slopes else self.u))
 
     def points(self) -> list[tuple[float, float]]:
-        """Return phase and position of the switchings at the middle of the box."""
+        """Return phase and position of all switching points for the parameters at the middle of the box."""
         return self.flights.points(self.oscillator(self.middle), self.u)
 
     def at(self, a: Ball, b: Ball) -> Values:
-        """Return the unknowns at a place in the box."""
+        """Evaluate the polynomials for the unknowns at a place (a, b) in the box."""
         rows = zip(self.u, *self.slopes, *self.squares, strict=True)
         return [u + a * (da + a * aa + b * ab) + b * (db + b * bb) for u, da, db, aa, ab, bb in rows]
 
     def prove(self) -> None:
-        """Prove that there is an orbit for all parameters of the box, and that it has the word; NotInBox if not."""
+        """Prove that an orbit with the word exists for all parameters of the box; NotInBox if that fails."""
         flights, place, first = self.flights, arb(0, 1), list[Values]()
         for d in DIRECTIONS[:2]:
             _, r = flights.residuals(*self.directed(d, [self.u], 2, False))
@@ -565,7 +565,7 @@ class Surface:
             o, u = self.directed(d, [surface, *self._derivatives(d, place)], 4, True)
             flown, r = flights.residuals(o, u)
             cubes.append(self._solved([each[3] for each in r]))
-            curves.append([_part(value, 2) for _, value, _ in flights.margins(o, u, flown, plan)])
+            curves.append([_coefficient(value, 2) for _, value, _ in flights.margins(o, u, flown, plan)])
         A, D = cubes[:2]
         B = [(s - m) / 2 - d for s, m, d in zip(*cubes[2:], D, strict=True)]
         C = [(s + m) / 2 - a for s, m, a in zip(*cubes[2:], A, strict=True)]
@@ -588,7 +588,7 @@ class Surface:
         flights.prove_flights(wide, whole, plan)
 
     def _derivatives(self, d: tuple[int, int], place: Ball) -> tuple[Values, Values]:
-        """Return the coefficients of the surface from anywhere in the box in a direction."""
+        """Return first and second Taylor coefficients of the polynomials along d, from anywhere at `place`."""
         rows, (i, j) = list(zip(*self.slopes, *self.squares, strict=True)), d
         slopes = [
             i * (da + place * (2 * aa) + place * ab) + j * (db + place * (2 * bb) + place * ab)
@@ -597,18 +597,18 @@ class Surface:
         return slopes, [i * i * aa + i * j * ab + j * j * bb for _, _, aa, ab, bb in rows]
 
     def _linear(self, pairs: Sequence[list[Inequality]]) -> tuple[Values, list[int]]:
-        """Return the least values of the margins without their second derivatives, and where each falls most."""
+        """Return the least values of the margins' linear parts, and along which side each changes most."""
         low, rises = list[Ball](), list[int]()
         for (what, one, _), (_, other, _) in zip(*pairs, strict=True):
-            a, b = (abs(_part(each, 1)) for each in (one, other))
-            low.append(_part(one, 0) - a - b)
+            a, b = (abs(_coefficient(each, 1)) for each in (one, other))
+            low.append(_coefficient(one, 0) - a - b)
             rises.append(int(b > a))
             if low[-1] < 0:
                 raise NotInBox(what, rises[-1])
         return low, rises
 
     def _tube(self, surface: Values, pushed: Values, along: int) -> tuple[Values, list[dict[str, Values]]]:
-        """Return how far from the surface the roots may be, and the slopes of the flights there (Krawczyk)."""
+        """Return how far from the polynomials the roots may be (Krawczyk), and the flights' derivatives there."""
         flights, tube = self.flights, [INFLATION * each for each in pushed]
         for _ in range(MOST_INFLATIONS):
             tube = [(INFLATION * each).mid() for each in tube]
@@ -618,7 +618,7 @@ class Surface:
             for d in DIRECTIONS[:2]:
                 o, u = self.directed(d, [around, self._derivatives(d, arb(0, 1))[0]], 2, True)
                 slopes, rows = flights.jacobian(o, u)
-                parts.append(self.Y * arb_mat([[_part(each, 1) for each in row] for row in rows]))
+                parts.append(self.Y * arb_mat([[_coefficient(each, 1) for each in row] for row in rows]))
             apart = [
                 [sum(map(abs, each), arb(0)) for each in zip(*rows, strict=True)]
                 for rows in zip(*(each.tolist() for each in parts), strict=True)
@@ -628,7 +628,7 @@ class Surface:
                 for p, row in zip(pushed, apart, strict=True)
             ]
             if all(each < r for each, r in zip(image, tube, strict=True)):
-                return tube, [{name: [_part(each, 0) for each in row] for name, row in by.items()} for by in slopes]
+                return tube, [{name: [_coefficient(z, 0) for z in row] for name, row in by.items()} for by in slopes]
             excess = max(
                 sum(float(e) * float(r) for e, r in zip(row, pushed, strict=True)) / float(p)
                 for row, p in zip(apart, pushed, strict=True)
@@ -639,13 +639,13 @@ class Surface:
         raise NotInBox("one root for all parameters", along, excess)
 
     def _solved(self, values: Values) -> Values:
-        """Return Y times a vector."""
+        """Multiply a vector by Y, the approximate inverse of the Jacobian J at the middle of the box."""
         entries: Values = (self.Y * column(values)).entries()
         return entries
 
 
-def _part(value: Ball, order: int) -> Ball:
-    """Return a coefficient of a series; a ball is a constant."""
+def _coefficient(value: Ball, order: int) -> Ball:
+    """Return a coefficient of a power series; a ball counts as a constant series."""
     return value[order] if isinstance(value, arb_series) else value if order == 0 else arb(0)
 
 

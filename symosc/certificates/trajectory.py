@@ -52,28 +52,28 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.words import Word
 
 FIRST_BITS, MOST_BITS = 128, 8192
-#: More bits do not help a start that is known to an error; they are raised this often only.
+#: How often the bits are doubled for a start with an error, which they hardly help.
 RAISES_WITH_ERROR = 1
 MOST_PROVEN_EVENTS = 20_000
 #: Enclosures of events have this many digits, and more where events are closer to each other.
 DIGITS, DIGITS_BEYOND = 25, 8
 EXACT = (Fraction(0),) * 3
 WIDE = "the digits of a derivative"
-#: Numbers of the start that may be left free, in this order: the first one that is known to an error.
+#: Which start value is varied for a graze: the first one of these that has an error.
 FREE = (("x0", 1), ("v0", 2), ("t0", 0))
 MOST_SECANTS, MOST_NARROWINGS = 12, 60
 MODE_NUMBERS = {name: mode for mode, name in MODE_NAMES.items()}
 SETTLED_BITS = 320
 #: How many events a motion may take to come near the orbit, and how near that is (of t, and of x).
 MOST_EVENTS_BEFORE, NEAR_ARRIVAL = 2000, 1e-6
-#: A box is this many times larger than the set that comes into it; the least one; the largest factor q.
+#: How many times larger the box is than the set that comes into it; its least size; the largest factor q.
 BOX_MARGIN, LEAST_BOX, MOST_Q, MOST_TURNS = 8, Fraction(1, 10**22), 0.9, 8
 #: dt and dx of an event.
 Change: TypeAlias = tuple[Ball, Ball]
 
 
 class ToProve(NamedTuple):
-    """The motion to prove: parameters, t0, x0, v0, their errors, t_end, the digits of the enclosures, and `wrt`."""
+    """The motion to prove: parameters, start (t0, x0, v0), errors, t_end, digits, and names for derivatives (`wrt`)."""
 
     p: Parameters
     start: tuple[Fraction, Fraction, Fraction]
@@ -88,12 +88,12 @@ class ToProve(NamedTuple):
         return not any(self.errors)
 
     def precise(self, *values: Ball) -> bool:
-        """Return whether balls are known to the digits asked for."""
+        """Return whether the radii of balls are small enough for the number of digits asked for."""
         return all(size(each.rad()) < 10.0 ** (-self.digits - 1) * max(1.0, size(each)) for each in values)
 
 
 class Proof(NamedTuple):
-    """The initial mode, proven events, the undecided question, and the free number of a start that grazes."""
+    """The first mode, the proven events, the undecided question, and a start value (`free`) that grazes."""
 
     mode: str
     events: list[ProvenEvent]
@@ -124,7 +124,7 @@ def prove_trajectory(task: ToProve) -> Certificate:
 
 
 def _first_bits(task: ToProve) -> int:
-    """Return the bits to begin with: more for an accurate start and for late times."""
+    """Return the binary precision to begin with: more for an accurate start and for late times."""
     p, (t0, _, v0) = task.p, task.start
     small = [each for each in (*task.errors, abs(v0 - p.v1), abs(v0 - p.v2)) if each]
     turns = abs(p.Omega * t0) + p.Omega * (task.t_end - t0)
@@ -178,7 +178,7 @@ def _followed(o: Oscillator, state: Moving, t_end: Ball, most: int) -> Iterator[
 
 
 def _differentiated(task: ToProve, proof: Proof) -> Proof:
-    """Return a proof with the derivatives asked for, or with the reason why one of them is undecided."""
+    """Return a proof with the derivatives in `wrt` added, or with the reason why one of them is undecided."""
     changes = []
     try:
         for name in task.wrt:
@@ -193,7 +193,7 @@ def _differentiated(task: ToProve, proof: Proof) -> Proof:
 def event_changes(
     p: Parameters, start: Sequence[Fraction], mode: int, events: Sequence[ProvenEvent], name: str
 ) -> list[Change]:
-    """Enclose the derivatives of t and x at all events by one parameter or start value, or raise Undecided."""
+    """Enclose the derivatives of t and x of all events with respect to one number of the input, or raise Undecided."""
     if name not in provable(p, start[2]):
         on_belt = start[2] in (p.v1, p.v2) and name[0] == "v"
         where = "of a start on a belt" if on_belt else "at resonance or where it is 0"
@@ -211,7 +211,7 @@ def event_changes(
 def _changes(
     p: Parameters, start: Sequence[Fraction], mode: int, events: Sequence[ProvenEvent], name: str
 ) -> list[Change]:
-    """Return the derivatives of t and x of all events by a number, as coefficients of power series in it."""
+    """Return the derivatives of t and x of all events with respect to `name`, by power series in it."""
 
     def series(value: Ball, slope: Ball) -> Ball:
         return arb_series([value, slope], prec=2)
@@ -244,13 +244,13 @@ def _changes(
 
 
 def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof:
-    """Prove that some start within the error grazes, where a graze of all starts is undecided; return the new proof."""
+    """Return a proof that some start within the error grazes, where it cannot be decided that all or none do."""
     o, before, (boundary, near) = Oscillator(task.p), len(proof.events), graze
     name, place = next((name, place) for name, place in FREE if task.errors[place])
     events: list[ProvenEvent] = []
 
     def arrive(value: Ball) -> Moving:
-        """Return the states after the last event before the graze, if the free number of the start lies in a ball."""
+        """Return the states just before the flight that grazes, for all values in a ball of one start value."""
         events.clear()
         low, high = exact_ends(value)
         start, errors = list(task.start), list(EXACT)
@@ -282,7 +282,7 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
 def _grazing_interval(
     o: Oscillator, arrive: Callable[[Ball], Moving], boundary: int, given: Fraction, error: Fraction, near: Ball
 ) -> tuple[Fraction, Fraction]:
-    """Estimate, by secants, two fractions with the free number's value for a graze between them; proves nothing."""
+    """Estimate two fractions between which the start value that grazes lies, by the secant method; no proof."""
     start, reach, points = ball(given), ball(error), list[tuple[Ball, Ball]]()
     for count in range(2 + MOST_SECANTS):
         if count < 2:
@@ -314,9 +314,9 @@ def _one_touches(
     low: Ball,
     high: Ball,
 ) -> bool:
-    """Return whether for exactly one free number between low and high a flight grazes in a box of times (Krawczyk)."""
-    # `flight` and `state` are of all these starts, `thin` of the middle one, `tau` is when their gap is lowest, `place`
-    # that of the free number.
+    """Return whether exactly one start value between low and high lets the flight graze near tau (Krawczyk)."""
+    # `flight` and `state` are those of all these starts, `thin` that of the middle one; `tau` encloses when the gap is
+    # least; `place` is the index of the start value that varies.
     side, lowest, free = flight.side(boundary), flight.t0 + tau, low.union(high)
     times, one = around(lowest.mid(), 4 * lowest.rad()), thin.flight(o, thin.states.hull())
     there = one.at(times.mid() - one.t0)
@@ -329,7 +329,7 @@ def _one_touches(
 
 
 def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Flight, Jet]:
-    """Return the flight and its smallest gap near a time, proven to be the only zero of the derivative there."""
+    """Return the flight and its least gap near a time, proven to be where the gap turns, just once."""
     flight = state.flight(o, state.states.hull())
     gap = flight.gap(boundary)
 
@@ -351,7 +351,7 @@ def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Fl
 
 
 def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boundary: int) -> None:
-    """Prove that there is no other contact up to and near a graze, or raise Undecided."""
+    """Prove that a flight has no contact before its graze, or raise Undecided."""
     width = there.tau.mid() / 4
     for _ in range(MOST_NARROWINGS):
         if abs(flight.jerk(flight.at(around(there.tau, width)))) > 0:
@@ -383,7 +383,7 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
     if proof.changes:
 
         def decimals(value: Ball) -> list[str]:
-            return list(outward(value, _known(value, task.digits)))
+            return list(outward(value, _known_digits(value, task.digits)))
 
         statement |= {"wrt": list(task.wrt), "derivatives": []}
         for of_event in zip(*proof.changes, strict=True):
@@ -402,7 +402,7 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
 
 
 def question(task: ToProve, bits: int) -> Record:
-    """Return the header of a motion's file: the program, and the exact input as rational numbers."""
+    """Return the first entries of a motion's file: the program, and the input as exact rational numbers."""
     return made_by(bits) | {
         "parameters": task.p.as_dict(),
         "start": {name: show(value) for name, value in zip(STARTS, task.start, strict=True)},
@@ -414,11 +414,11 @@ def question(task: ToProve, bits: int) -> Record:
 def event_row(event: ProvenEvent, digits: int) -> Record:
     """Return an event as a row of the file, with at most `digits` digits."""
     row: Record = event._asdict()
-    return row | {name: list(outward(row[name], _known(row[name], digits))) for name in "tx"}
+    return row | {name: list(outward(row[name], _known_digits(row[name], digits))) for name in "tx"}
 
 
-def _known(value: Ball, digits: int) -> int:
-    """Return the number of digits of a ball, at most the given one."""
+def _known_digits(value: Ball, digits: int) -> int:
+    """Return how many digits of a ball are known, at most `digits`."""
     low, high = exact_ends(value)
     scale = max(abs(low), abs(high), Fraction(1))
     return digits if low == high else min(digits, 2 + int((_log2(scale) - _log2(high - low)) * log10(2)))
@@ -428,7 +428,7 @@ def _known(value: Ball, digits: int) -> int:
 
 
 class Cycle(NamedTuple):
-    """A box of (t, x) that `turns` rounds of the orbit map into itself, with its events and the sets after them."""
+    """A box of (t, x) that the motion over `turns` periods of an orbit maps into itself, with the events on the way."""
 
     middle: list[Fraction]
     widths: list[Fraction]  # half-widths
@@ -438,7 +438,7 @@ class Cycle(NamedTuple):
 
 
 def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
-    """Prove all events of a motion until t_end that repeat from some event on as it approaches an orbit."""
+    """Prove all events until t_end of a motion that settles on an orbit, whose events repeat from some event on."""
     with ctx.workprec(SETTLED_BITS):
         closing = ClosingBalls(Oscillator(task.p), pieces_of(Word(orbit.labels)), orbit.periods)
         before: list[ProvenEvent] = []
@@ -462,7 +462,7 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
 
 
 def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
-    """Return the initial states and, for a start at the end of a stick, the time until which some of them may stick."""
+    """Return the initial states and, if the start is at the end of a stick, until when some of them may stick."""
     p, (t0, x0, v0) = task.p, task.start
     try:
         return begin(o, task.start, task.errors), None
@@ -483,7 +483,7 @@ def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
 
 
 def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int | None:
-    """Return the number of the orbit's switching point, the end of a flight, that is near an event; None if none is."""
+    """Return the index of the orbit's switching point (after a flight) that is near an event; None if none is."""
     for i, row in enumerate(switchings(closing, points, 0)[:-1]):
         turns = float((event.t - row[4]) / closing.turn)
         near = abs(turns - round(turns)) < NEAR_ARRIVAL and abs(float(event.x - row[5])) < NEAR_ARRIVAL
@@ -493,12 +493,12 @@ def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int |
 
 
 def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving) -> Cycle | None:
-    """Find a box around the orbit's point i that contains the states and is mapped into itself; None if too large."""
+    """Return a box around the orbit's point i that contains the states and maps into itself; None if too large."""
     n, turns, once = len(closing.pieces), 1, unit_matrix(2)
     for j in range(i, i + n):  # the derivative of the map from point i to itself, approximately
         once = (closing.end_by_start(j % n, points) * once).mid()
     D = once
-    while (shape := _shape(D)) is None:
+    while (shape := _contracted_box(D)) is None:
         turns, D = turns + 1, D * once
         if turns > MOST_TURNS:
             raise Undecided("a norm in which the orbit attracts")
@@ -523,8 +523,8 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
     return Cycle(middle, widths, turns, events, states) if inside and same else None
 
 
-def _shape(D: arb_mat) -> tuple[Fraction, Fraction] | None:
-    """Return the sides of a box, the larger one 1, that the matrix D contracts by a factor below MOST_Q; or None."""
+def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
+    """Return sides of a box (the larger is 1) that D maps into itself shrunk by a factor below MOST_Q, or None."""
     sizes = [[abs(float(D[i, j])) for j in (0, 1)] for i in (0, 1)]
     e = [1.0, 1.0]
     for _ in range(60):  # towards the eigenvector of |D|

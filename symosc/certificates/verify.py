@@ -51,27 +51,27 @@ MODES = ("", "Omega1", "Omega2", "Omega3", "belt1", "belt2")
 LIMITS = {"bytes": 10**7, "events": 50_000, "steps": 2_000_000}
 ORDERS, TINY, TOO_NEAR, WIDENINGS = 12, fmpq(1, 10**100), 2.0**-20, 40
 OPEN, FALSE, BAD = range(3)
-#: Held while the precision of flint, which all threads share, is not that of the caller.
+#: Held while the precision of flint, which all threads share, is changed.
 LOCK = RLock()
 
 
 class Stop(Exception):
-    """An end without a proof: OPEN (more bits may decide it), FALSE (or not proven here), BAD (no certificate)."""
+    """Raised if no proof is found; its code: OPEN (more bits may decide), FALSE (false or unproven), BAD (bad file)."""
 
 
 def check(good, what, code=FALSE):
-    """Raise Stop unless a statement is true."""
+    """Raise Stop with the text `what` unless a condition holds."""
     if not good:
         raise Stop(code, what)
 
 
 def require(value, what):
-    """Raise Stop unless all numbers in a ball are > 0."""
+    """Raise Stop unless all numbers in a ball are > 0: FALSE if all are < 0, else OPEN."""
     check(value > 0, what, FALSE if value < 0 else OPEN)
 
 
 def inside(value, ends):
-    """Prove that a number lies between two stated ones; both 0 state that it is 0."""
+    """Prove that a number lies between the two ends stated in a file; both 0 state that it is exactly 0."""
     if not (ends[0] == ends[1] == 0 and value.is_zero()):
         require(value - arb(ends[0]), "a number is not above the lower end stated")
         require(arb(ends[1]) - value, "a number is not below the upper end stated")
@@ -96,7 +96,7 @@ def interval(value, where):
 
 
 def read(value, shape, where):
-    """Read a part of a file of a given form: exact keys, one of some values, a list, or a number."""
+    """Read a part of a file by its `shape`: a dict of keys, a set of allowed values, a list, or a function."""
     if isinstance(shape, dict):
         check(type(value) is dict, f"{where} is no object", BAD)
         wrong = sorted(value.keys() ^ shape.keys(), key=str)
@@ -122,7 +122,7 @@ def mode_number(value, where):
 
 
 def optional(value, where):
-    """Read a number or null."""
+    """Read a number, or null as None."""
     return None if value is None else number(value, where)
 
 
@@ -146,7 +146,7 @@ SHAPES["derivatives"] = SHAPES["trajectory"] | CHANGES
 
 
 class Problem:
-    """An oscillator: its parameters, its modes, and the work limits."""
+    """An oscillator: its parameters `p`, its modes by their number, and the limits of the work spent on a proof."""
 
     def __init__(self, p, limits):
         least = min(p[each] for each in ("c", "k", "mu1", "mu2", "FN"))
@@ -161,7 +161,7 @@ class Problem:
 
 
 class Mode:
-    """One mode of an oscillator: z' = M z, and for each f that ends it rows with f = rows[0] z, f' = rows[1] z, ..."""
+    """One mode of an oscillator: z' = M z; rows[n] z are the n-th derivatives of the f that are 0 where it ends."""
 
     steady = None  # a bound of the steady velocity, if there is one; `free` is then the row of v less the steady one
 
@@ -188,7 +188,7 @@ class Mode:
             self.free = arb_mat(fmpq_mat([[0, 1, 0, -B0 * Om * drag / square, B0 * Om * pull / square]]))
 
     def bound(self, z, n, h):
-        """Return a bound of |f^(n)| of each end for a time h after a state z, where n > 1 (2 above)."""
+        """Return a bound of |f^(n)|, n > 1, of each f for a time h after a state z (module docstring, 2)."""
         u, w = (abs((rows * z)[0, 0]).upper() for rows in self.rows[n : n + 2])
         D, lag = self.drive[n + 1], h.min(self.lag)
         if not self.flies:
@@ -199,7 +199,7 @@ class Mode:
         return energy.min((u + h * w + h * lag * D) / near) if near > 0 else energy
 
     def settles(self, z):
-        """Return whether all f of a flight are certainly > 0 forever after a state z (2 above)."""
+        """Return whether all f of a flight (distances from belts) certainly stay > 0 forever after a state z."""
         if self.steady is None:
             return False
         w, rate = (abs((row * z)[0, 0]).upper() for row in (self.free, self.free * self.M))
@@ -207,7 +207,7 @@ class Mode:
         return all(arb(self.row[i, 2]) - most > 0 for i in range(len(self.ends)))
 
     def stays(self, z, h, orders, after=None):
-        """Return whether all f are certainly > 0 for a time h after z (2 above); `after`: final state, if known."""
+        """Return whether all f certainly stay > 0 for a time h after a state z; `after` is the state then, if known."""
         half = h if after is None else h / 2
         for i, end in enumerate(self.ends):
             n = orders.get(end, 0)  # f, or its first derivative that is not 0
@@ -227,9 +227,9 @@ class Mode:
 
 
 class Motion:
-    """A motion in one mode from starts t, x, v in a set: centre + columns [-1, 1] + rest [-1, 1]."""
+    """The motions in one mode from starts (t, x, v) in a set: centre + columns times [-1, 1] + rest times [-1, 1]."""
 
-    # `columns` contain the derivatives by the numbers that it began with; or, if there is a `rest`, exact numbers near
+    # `columns` contain the derivatives with respect to the first start; or, if there is a `rest`, exact numbers near
     # them, so that the set of a long motion does not grow by what is not known of the derivatives. `leaves` are the
     # ends whose f is 0 at the start, and the order of the first derivative that is not. `amplitude` is v^2 + v'^2 m/k,
     # where that is constant and known.
@@ -254,7 +254,7 @@ class Motion:
         return z if t.is_exact() else (self.mode.M * (t - t.mid())).exp() * z
 
     def f(self, end, t):
-        """Return f, f' and f'' of an end at a time; at all times of a ball by Taylor's theorem about its middle."""
+        """Return f, f' and f'' of an end of the mode, at a time or (by Taylor's theorem) at all times of a ball."""
         i, z, change = self.mode.ends.index(end), self.at(t.mid()), t - t.mid()
         f = [(row * z)[i, 0] for row in self.mode.rows[:4]]
         if t.is_exact():
@@ -266,7 +266,7 @@ class Motion:
         return [f[n] + f[n + 1] * change + bend[n] for n in range(3)]
 
     def positive(self, until):
-        """Prove that all f are > 0 after the start, up to a time (2 above)."""
+        """Prove that all f are > 0 from the start up to a time, so that nothing ends the mode before."""
         require(until - self.t, "an event or the end is not after the event before it")
         a, orders, last, h = self.origin, self.leaves, self.at(until), until - self.origin
         while True:
@@ -295,13 +295,13 @@ class Motion:
                 return found
 
     def moved(self, t, sides):
-        """Return how z at a fixed time changes with the start, along the sides of a set of starts (5 above)."""
+        """Return how z at a fixed time changes if the start moves along each side (dt, dx, dv) of a set of starts."""
         e, rate = (self.mode.M * (t - self.t)).exp(), self.mode.M * self.first
         # A later start is one at the same time with another x and v.
         return [e * arb_mat([[x - rate[0, 0] * s], [v - rate[1, 0] * s], [0], [0], [0]]) for s, x, v in sides]
 
     def behind(self, row, limits=()):
-        """Prove that the next event is that of a row (3 above); return the motion after it."""
+        """Prove that the next event is the one stated in a row of the file; return the motion after it."""
         if row["kind"] == "graze":
             return self.graze(row, limits)
         p, mode, flies = self.problem.p, self.mode, self.mode.flies
@@ -325,7 +325,7 @@ class Motion:
         return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
 
     def around(self, end, row, turn):
-        """Return a ball of times around an event; f at its start (> 0), at its end (turn * f > 0), and over it."""
+        """Return a ball of times around an event; f, f', f'' at its start (f > 0), its end (turn * f > 0), over it."""
         low, high = arb(row["t"][0]).lower(), arb(row["t"][1]).upper()
         for _ in range(WIDENINGS):
             first, last = self.f(end, low), self.f(end, high)
@@ -338,7 +338,7 @@ class Motion:
         return low.union(high), first, last, self.f(end, low.union(high))
 
     def arrive(self, end, belt, when):
-        """Return centre, columns and rest of the states after the zero of f at a time (5 above)."""
+        """Return centre, columns and rest of the set of states (t, x, v) at the zero of f that lies in `when`."""
         v, sides = arb(self.problem.p[f"v{belt}"]), []
         slope, i, count = self.f(end, when)[1], self.mode.ends.index(end), len(self.columns)
         for dz in self.moved(when, [*self.columns, *(self.rest or ())]):
@@ -354,7 +354,7 @@ class Motion:
         return [t.mid(), centre[1].mid(), v], [[each.mid() for each in side] for side in sides[:count]], frame(rest)
 
     def graze(self, row, limits):
-        """Prove that a flight grazes a belt next, for one start between two limits, or exactly (4 above)."""
+        """Prove that a flight grazes a belt next: for one start between two `limits`, else for every start."""
         end, mode = row["boundary"], self.mode
         check(mode.flies and end in mode.ends, "a graze of a belt that is not beside the domain")
         speed = self.problem.p[f"v{end}"]
@@ -385,24 +385,24 @@ class Motion:
         return self.f(end, found.mid())[0] + self.f(end, found)[1] * (found - found.mid())
 
     def made(self, row, kind, then):
-        """Raise Stop unless the event stated in a row has this kind and leads from this mode to the mode `then`."""
+        """Raise Stop unless a row of the file states an event of this kind, from this mode to the mode `then`."""
         found = row["kind"], row["source"], row["target"]
         check(found == (kind, self.mode.number, then), f"{kind}: {MODES[self.mode.number]} to {MODES[then]}")
 
     def within(self, row):
-        """Prove that the start lies within the times and positions of a row."""
+        """Prove that t and x of the start lie within those stated in a row of the file; return the motion."""
         inside(self.t, row["t"])
         inside(self.x, row["x"])
         return self
 
     def from_centre(self, parts):
-        """Return t and x of the start that lies at `parts` of the columns from the centre."""
+        """Return t and x of one start in the set: centre + the sum of all columns, each times its factor in `parts`."""
         moved = [[part * each for each in column] for part, column in zip(parts, self.columns, strict=True)]
         return [sum((column[i] for column in moved), c) for i, c in enumerate(self.centre[:2])]
 
 
 def frame(sides):
-    """Return two sides of a rectangle, along the longest of the given sides, that contains the sum of all of them."""
+    """Return both sides of a rectangle, one along the longest given side, that contains all sums of the given sides."""
     p, q, _ = (each.mid() for each in max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).upper()))
     if p == q == 0:
         p = arb(1)
@@ -413,7 +413,7 @@ def frame(sides):
 
 
 def begin(problem, start, errors, rest=None):
-    """Return the motion from a start. A rational F that is 0 is decided by its first nonzero derivative."""
+    """Return the motion from a start and its errors; if F is exactly 0, its first nonzero derivative decides."""
     (t0, x0, v0), p, centre = start, problem.p, [arb(value) for value in start]
     columns = [[arb(error) if i == j else arb(0) for j in range(3)] for i, error in enumerate(errors) if error]
     z = fmpq_mat([[x0], [v0], [1], [1], [0]])  # where t0 or B0 is 0
@@ -442,13 +442,13 @@ def begin(problem, start, errors, rest=None):
 
 
 def leave(problem, start, errors, until):
-    """Return the flights from a belt for starts that may stick until a time (6 above)."""
+    """Return the flight from a belt that encloses the motions of all starts that may stick there until a time."""
     (t0, _, v0), p = start, problem.p
     at, after = 1 if v0 == p["v1"] else 2, until - t0 - errors[0]
     check(v0 in (p["v1"], p["v2"]) and errors[2] == 0 and after > 0, "a start on a belt, and a time after it")
 
     def motion(mode, t, x, leaves=None):
-        """Return motions from starts around the given one."""
+        """Return the motion from all starts that differ from the given one by at most t in time and x in position."""
         columns = [(arb(t), arb(0), arb(0)), (arb(0), arb(x), arb(0))]
         return Motion(problem, mode, at, [arb(value) for value in start], columns, leaves)
 
@@ -466,24 +466,24 @@ def leave(problem, start, errors, until):
 
 
 def about(p, *more):
-    """Return the parameters, and more facts, as the line that says what a proof is about."""
+    """Return the line of the answer that says what a proof is about: the parameters `p`, and further texts."""
     return ", ".join([f"{name} = {p[name]}" for name in NAMES] + list(more))
 
 
 def what(row):
-    """Return the kind of an event, its belt, and the modes before and after it."""
+    """Return kind, belt, source and target mode of an event, given its row of the file."""
     return [row[name] for name in WHAT]
 
 
 def table(rows):
-    """Return rows of events as a table of text."""
+    """Yield each event of a file as a line of text: kind, belt, modes, ends of t and x."""
     for i, row in enumerate(rows, 1):
         ends = [f"{row[name][0]} < {name} < {row[name][1]}" for name in "tx" if name in row]
         yield "; ".join(["{}: {} at belt {}, {} to {}".format(i, *what(row)), *ends])
 
 
 def question(data, source):
-    """Return start and errors of a motion, and the question as text."""
+    """Return the start of a motion, its errors, and a line that says what was to be proven."""
     start, errors = [data["start"][name] for name in START], data["start_error"]
     check(min(errors) >= 0, "start_error: a negative number", BAD)
     check(data["t_end"] - start[0] - errors[0] > 0, "t_end is not after the start", BAD)
@@ -492,7 +492,7 @@ def question(data, source):
 
 
 def varied(problem, number, name):
-    """Return the derivatives of M and of the rows of a mode by a number; all are affine in each but m, and in 1/m."""
+    """Return the derivatives of a mode's M and rows with respect to `name`, in which (m: in 1/m) both are affine."""
     if name in START:
         return fmpq_mat(5, 5), fmpq_mat(2, 5)
     p = problem.p
@@ -502,7 +502,7 @@ def varied(problem, number, name):
 
 
 def changes(problem, motions, rows, name):
-    """Return enclosures of dt and dx of all events by a number (7 above)."""
+    """Return enclosures of the derivatives dt and dx of all events with respect to the parameter or start `name`."""
     dt, dx, dv = (arb(int(name == each)) for each in START)
     found = []
     for motion, row, after in zip(motions, rows, motions[1:], strict=False):
@@ -526,7 +526,7 @@ def changes(problem, motions, rows, name):
 
 
 def differentiated(problem, data, motions):
-    """Prove the stated derivatives of all events (7 above)."""
+    """Prove the derivatives of all events that a file states (point 7 of the module docstring)."""
     first, names, stated = motions[0], data["wrt"], data["derivatives"]
     check(not any(data["start_error"]), "derivatives of a start that is not exact", BAD)
     check(names and len({*names}) == len(names), "wrt: no names, or one twice", BAD)
@@ -576,7 +576,7 @@ def trajectory(data, source, limits):
 
 
 def follow(problem, rows, box, kind=Motion):
-    """Return the motions after each event, from a box (middles and half-widths) of t and x at the first event."""
+    """Return the motions after all events, from a box (middles, half-widths) of t and x at the first event."""
     (t, x), (dt, dx) = box
     belt, mode = rows[0]["boundary"], rows[0]["target"]
     columns, leaves = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))], {belt: 1} if mode < 4 else {}
@@ -587,7 +587,7 @@ def follow(problem, rows, box, kind=Motion):
 
 
 def fixed_point(motions, box, turn):
-    """Return the enclosure of the only fixed point, minus the middle (6 above), and the matrix D."""
+    """Return an enclosure of the only fixed point of P in a box, minus its middle, and D, the derivatives of P."""
     (centre, widths), last = box, motions[-1]
     D = arb_mat([[last.columns[j][i] / widths[j] for j in (0, 1)] for i in (0, 1)])
     moved = arb_mat([[last.centre[0] - turn - centre[0]], [last.centre[1] - centre[1]]])
@@ -599,7 +599,7 @@ def fixed_point(motions, box, turn):
 
 
 def settled(data, source, limits):
-    """Prove the first events of a motion, that it stays in a box forever, and its last events."""
+    """Prove the first events of a motion, that it returns to a box forever after these, and its last events."""
     problem, until = Problem(data["parameters"], limits), data["may_stick_until"]
     start, errors, shown = question(data, source)
     events, cycle, last = data["events"], data["cycle"], data["last"]
@@ -658,7 +658,7 @@ def keeps(bias, swing, low, high, problem):
 
 
 def window(data, source, limits):
-    """Prove at which phases a contact with F = 0 grazes (8 above)."""
+    """Prove at which phases a contact with F = 0 grazes, as stated (point 8 of the module docstring)."""
     problem, where, ends = Problem(data["parameters"], limits), data["grazes"], data["ends"]
     p, (belt, side) = problem.p, {"P2": (1, 1), "P3": (1, -1), "P5": (2, 1), "P6": (2, -1)}[data["map"]]
     bias, swing, circle = side * p["k"] * p[f"v{belt}"], side * p["B0"] * p["Omega"], (arb(0), 2 * arb.pi())
@@ -709,13 +709,13 @@ BESIDE = ("orbit", "branch", "atlas")
 
 
 def unique(pairs):
-    """Return a JSON object of a file; raise Stop if a key occurs twice."""
+    """Return the dict of a JSON object's (key, value) pairs; raise Stop if a key occurs twice."""
     check(len(dict(pairs)) == len(pairs), "a key that is twice in an object", BAD)
     return dict(pairs)
 
 
 def prove(data, limits):
-    """Return the proven statement of a certificate, as lines."""
+    """Prove a certificate and return what is proven, as lines of text."""
     check(type(data) is dict and data.get("format") == FORMAT, "an unknown format", BAD)
     kind, proven, author = data.get("kind"), data.get("proven"), data.get("made_by", "")
     check(type(author) is str and len(author) <= 200, "made_by is no text of 200 characters at most", BAD)
@@ -775,7 +775,7 @@ def verify(path, **limits):
 
 
 def main():
-    """Print the answer on the command line."""
+    """Run the program: read the command line, print the answer, and exit with its code."""
     parser = argparse.ArgumentParser(description="Prove a certificate once more.")
     parser.add_argument("file")
     for name, most in LIMITS.items():

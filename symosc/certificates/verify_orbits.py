@@ -85,7 +85,7 @@ SIDES = ((1, 0), (0, 1), (1, 1), (1, -1))
 
 
 def end_of_branch(value, where):
-    """Read an end of a branch."""
+    """Read an end of a branch: its kind, the values inside and outside of it, and what fails outside."""
     shape = {"kind": {RANGE_END}, "inside": number, "outside": number}
     if not (type(value) is dict and value.get("kind") == RANGE_END):
         shape |= POINTS | {"kind": str, "inequality": str, "at": number}
@@ -93,7 +93,7 @@ def end_of_branch(value, where):
 
 
 def curves(value, where):
-    """Read the points of all borders that were found, in order; the rest is not looked at."""
+    """Read the points of all borders in an atlas, and sort them; ignore what else is said of the borders."""
     try:
         points = [tuple(map(float, point)) for border in value.get("borders", ()) for point in border["points"]]
     except (AttributeError, LookupError, TypeError, ValueError):
@@ -138,7 +138,7 @@ base.SHAPES["atlas"] = {
 
 
 def course(data):
-    """Prove that the events follow each other, return to the first, and have the stated word."""
+    """Prove that an orbit's events can follow each other, close, and have the stated word; return them as tuples."""
     rows = data["events"]
     check(0 < data["periods"] < 10_000 and len(rows) > 2, "a number of periods, and three events at least", BAD)
     found = [tuple(base.what(row)) for row in rows]
@@ -155,7 +155,7 @@ def course(data):
 
 
 def least(events, periods, apart):
-    """Prove that no smaller number of forcing periods is a period (3 above)."""
+    """Prove that no smaller number of forcing periods is a period of the orbit (point 3 of the module docstring)."""
     # `apart` says whether t or x of an event surely differs from the first one's, that many forcing periods earlier.
     n = len(events) - 1
     for q in range(2, periods + 1):
@@ -181,7 +181,7 @@ def eigenvalues(T, d):
     return (T / 2 + root, zero), (T / 2 - root, zero)
 
 
-#: A motion of which it is known that nothing happens between its events: it is one of more that are proven.
+#: A motion from a smaller set of starts than one already proven to have no events in between: this is not proven again.
 Within = type("Within", (base.Motion,), {"positive": lambda motion, *until: None})
 
 
@@ -212,7 +212,7 @@ def orbit(data, source, limits):
         inside(x, row["x"])
 
     def apart(i, earlier):
-        """Return whether event i surely differs from the first one after that many forcing periods."""
+        """Return whether event i surely differs from event 0 moved by `earlier` forcing periods, in t or in x."""
         (t, x), (t0, x0) = points[i], points[0]
         return not ((t - t0) * periods).overlaps(earlier * turn) or not x.overlaps(x0)
 
@@ -239,12 +239,12 @@ def orbit(data, source, limits):
 
 
 def column(values):
-    """Return a matrix with one column."""
+    """Return a vector as a matrix with one column."""
     return arb_mat(len(values), 1, values)
 
 
 def horner(rows, at):
-    """Return the values of polynomials given by rows of coefficients."""
+    """Return the values of polynomials at `at`; row i has the i-th coefficient of each."""
     total = rows[-1]
     for row in reversed(rows[:-1]):
         total = [a + at * b for a, b in zip(row, total, strict=True)]
@@ -252,7 +252,7 @@ def horner(rows, at):
 
 
 def coefficient(value, order=0):
-    """Return a coefficient of a series; a ball is a constant."""
+    """Return a coefficient of a power series; a ball counts as a constant series."""
     return value[order] if isinstance(value, arb_series) else arb(0) if order else value
 
 
@@ -294,20 +294,20 @@ class Oscillator:
 
     @cached_property
     def steady(self):
-        """Return a and b (4 above)."""
+        """Return a and b of the steady motion x = A/k + a cos(Omega t) + b sin(Omega t)."""
         pull, drag = self.k - self.m * self.Om * self.Om, self.c * self.Om
         size = pull * pull + drag * drag
         return self.B0 * pull / size, self.B0 * drag / size
 
     @cached_property
     def frequency(self):
-        """Return whether w^2 > 0, w or its twin, and whether it is critical or nearly so."""
+        """Return whether w^2 = h^2 - k/m > 0, the root of |w^2|, and whether this is too near 0 to divide by."""
         over = coefficient(self.square) > 0
         w = (self.square if over else -self.square).sqrt()
         return over, w, not coefficient(w) > 32 * coefficient(w).rad()
 
     def free(self, s):
-        """Return C and S, the free motions from position 1 and from velocity 1, after a time s (4 above)."""
+        """Return C and S after a time s: y(s) = y(0) C + (y'(0) + h y(0)) S is the motion without drive."""
         decay, (over, w, critical) = (-self.h * s).exp(), self.frequency
         if critical:
             z = self.square * s * s / 4
@@ -319,16 +319,16 @@ class Oscillator:
 
     @cached_property
     def roots(self):
-        """Return l and l' (8 above)."""
+        """Return the characteristic roots l and l', complex, of l^2 + (c/m) l + k/m."""
         root = lifted(self.square).sqrt()
         return root - lifted(self.h), -root - lifted(self.h)
 
     def driven(self, s):
-        """Return S, S', and Z and its derivative (8 above)."""
+        """Return S, S', Z, Z' at a time s: the responses to a unit of velocity and to the drive exp(i Omega s)/m."""
         (first_root, other), s, drive = self.roots, lifted(s), times_i(self.Om)
 
         def X(a, b):
-            """Return X(a, b)."""
+            """Return X(a, b) = (exp(a s) - exp(b s))/(a - b), also where a and b are close."""
             half = (a - b) * s / 2
             if abs(half[0] if isinstance(half, acb_series) else half) > 1:
                 return ((a * s).exp() - (b * s).exp()) / (a - b)
@@ -336,17 +336,17 @@ class Oscillator:
 
         first, second, difference, S = X(first_root, drive), X(other, drive), first_root - other, X(first_root, other)
         S1 = (first_root * s).exp() + other * S
-        # The derivative of X(a, b) by s is exp(b s) + a X(a, b).
+        # The derivative of X(a, b) with respect to s is exp(b s) + a X(a, b).
         return real(S), real(S1), (first - second) / difference, (first_root * first - other * second) / difference
 
-    def part(self):
+    def longest_part(self):
         """Return a time that is surely shorter than half a period of the free motion."""
         most = (-coefficient(self.square)).upper()
         return (arb.pi() / most.sqrt()).lower() if most > 0 else arb.pos_inf()
 
 
 class Margin(NamedTuple):
-    """A function that must be > 0 on a piece: its text, the kind of branch end where it fails, and f."""
+    """A function f that must be > 0 on a piece of an orbit: its text, and the kind of a branch end where it fails."""
 
     text: str
     kind: str
@@ -357,7 +357,7 @@ class Margin(NamedTuple):
 
 
 def positive(margin, until, problem):
-    """Prove that f > 0 between 0 and a time, by Taylor's theorem about the middles of steps."""
+    """Prove that a margin's f > 0 between the times 0 and `until`, step by step with Taylor's theorem."""
     a, step, order = arb(0), until / 8, margin.order
     while True:
         problem.step()
@@ -380,7 +380,7 @@ def positive(margin, until, problem):
 
 
 def in_parts(prove, whole, halves, most, what):
-    """Prove something for a whole, or else for parts of it; return the last result."""
+    """Call `prove` for a whole or, where it fails, for its `halves` and so on; return the last result."""
     parts, count, found = [whole], 0, None
     while parts:
         part, count = parts.pop(), count + 1
@@ -397,7 +397,7 @@ def in_parts(prove, whole, halves, most, what):
 
 
 class Piece:
-    """The motion in one mode from t and x at a belt on, and the functions f that are > 0 during it."""
+    """The motion in one mode that starts on a belt at t and x, and the functions f that are > 0 while it lasts."""
 
     def __init__(self, e, mode, belt, t, x, late):
         self.e, self.mode, self.t, self.x, self.v, self.ends = e, mode, t, x, e.belts[belt], {belt: 1, belt + 1: -1}
@@ -411,7 +411,7 @@ class Piece:
             self.ddy = force + e.Om * e.Om * (a * cosine + b * sine)
 
     def at(self, s, t):
-        """Return x, v, v' and v'' after a time s of a flight, which is the time t."""
+        """Return x, v, v' and v'' of a flight a time s after its start; t is the time then."""
         e, (C, S), (a, b) = self.e, self.e.free(s), self.e.steady
         sine, cosine = (e.Om * t).sin_cos()
         u, w, square = a * cosine + b * sine, e.Om * (b * cosine - a * sine), e.Om * e.Om
@@ -420,19 +420,19 @@ class Piece:
         return e.A[self.mode] / e.k + u + y, w + dy, ddy - square * u, -2 * e.h * ddy - e.km * dy - square * w
 
     def force(self, domain, s, t):
-        """Return F of a domain on the belt after a time s, which is the time t, and its first two derivatives."""
+        """Return a domain's force F on the belt, F' and F'', a time s after the start; t is the time then."""
         e, (sine, cosine) = self.e, (self.e.Om * t).sin_cos()
         F = (e.A[domain] + e.B0 * cosine - e.k * (self.x + self.v * s) - e.c * self.v) / e.m
         return F, -e.drive * sine - e.km * self.v, -e.drive * e.Om * cosine
 
     def f(self, end, s):
-        """Return f, f' and f'' of an end after a time s."""
+        """Return f, f' and f'' a time s after the start; f = 0 is an `end` of the mode, a belt or a domain."""
         first, *others = self.force(end, s, self.t + s) if self.mode > 3 else self.at(s, self.t + s)[1:]
         return [self.ends[end] * each for each in (first if self.mode > 3 else first - self.e.belts[end], *others)]
 
 
 class Course:
-    """The equations r of an orbit with these events, and the inequalities that make a root an orbit."""
+    """The equations r = 0 that an orbit with given events solves, and the inequalities that make a root an orbit."""
 
     def __init__(self, events, periods, e):
         self.events, self.e, self.count, self.forcing = events, e, len(events) - 1, 2 * arb.pi() / e.Om
@@ -443,29 +443,29 @@ class Course:
         until, t = u[2 * i + 2] if i + 1 < self.count else u[0] + self.turn, u[2 * i]
         return Piece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late), until - t, until
 
-    def left(self, i, u, late=0):
-        """Return both residuals r of the motion from event i to the next: of position, and of velocity or force."""
+    def residual(self, i, u, late=0):
+        """Return both residuals between event i and the next: of the position, and of the velocity or the force."""
         (piece, s, until), (_, belt, _, target) = self.piece(i, u, late), self.events[i + 1]
         sticks, onto = piece.mode > 3, u[(2 * i + 3) % len(u)]
         x, f = (piece.x + piece.v * s, piece.force(target, s, until)[0]) if sticks else piece.at(s, until)[:2]
         return x - onto, f if sticks else f - self.e.belts[belt]
 
     def r(self, u):
-        """Return the residuals r of all pieces, whose root is an orbit."""
-        return [each for i in range(self.count) for each in self.left(i, u)]
+        """Return the residuals of all pieces at the unknowns u = (t_0, x_0, t_1, ...); they are 0 on an orbit."""
+        return [each for i in range(self.count) for each in self.residual(i, u)]
 
     def jacobian(self, u):
-        """Return the derivatives of r: the first coefficients of series."""
+        """Return the derivatives of r with respect to u, as the first coefficients of power series."""
         J = arb_mat(len(u), len(u))
         for i in range(self.count):
             for j in (j % len(u) for j in range(2 * i, 2 * i + 4)):
                 moved = u if j == 2 * i else [*u[:j], arb_series([u[j], 1], prec=2), *u[j + 1 :]]
-                parts = self.left(i, moved, arb_series([0, 1], prec=2) if j == 2 * i else 0)
+                parts = self.residual(i, moved, arb_series([0, 1], prec=2) if j == 2 * i else 0)
                 J[2 * i, j], J[2 * i + 1, j] = (coefficient(each, 1) for each in parts)
         return J
 
     def margins(self, i, u):
-        """Return the functions that must be > 0 after event i."""
+        """Return the margins after event i: the functions that must be > 0 there, or until the next event."""
         ((made, belt, source, mode), after), (piece, s, _) = self.events[i : i + 2], self.piece(i, u)
         around = pairwise([self.events[i - 1 - (not i)], *self.events[i : i + 2]])
         previous, label = (f"P{LABELS[a[1], a[3], b[1]]}" for a, b in around)
@@ -492,7 +492,7 @@ class Course:
         return found
 
     def prove(self, u, stable, problem):
-        """Prove all margins (6 above) for all roots in u, and, if `stable`, that both multipliers are inside 1 (2)."""
+        """Prove all margins for all roots in u and, if `stable`, that both multipliers are inside the unit circle."""
         period, D, J = arb_mat([[1, 0], [0, 1]]), arb(1), self.jacobian(u)
         for i in range(self.count):
             piece, s, until = self.piece(i, u)
@@ -507,7 +507,7 @@ class Course:
 
 
 class Family:
-    """The roots of r in the box of a row, one for each value of the parameter from low to high (5 above)."""
+    """The roots of r in a row's box, proven to be one for each parameter value from low to high (interval Newton)."""
 
     def __init__(self, problem, data, events, row, low, high):
         problem.step((2 * len(events)) ** 3 // 256)  # the work, and by it the size, of the matrices
@@ -540,33 +540,33 @@ class Family:
         return [[each[j] for each in r] for j in range(count)]
 
     def newton(self, c, r):
-        """Enclose the root by a Newton step, c - J^-1 r(c), and prove that c lies in the box."""
+        """Prove that c lies in the box; return c - J^-1 r(c), which contains the root (interval Newton)."""
         for each, whole in zip(c, self.box, strict=True):
             require(arb(whole.rad()) - abs(each - whole.mid()), "a curve in the box")
         return (column(c) - self.YJ.solve(self.Y * column(r))).entries()
 
     def root(self, value):
-        """Return the root at one value of the parameter, and the equations there."""
+        """Return an enclosure of the root at one value of the parameter, and the equations (a Course) there."""
         c, course = [each.mid() for each in horner(self.curve, arb(value) - self.middle)], self.course(arb(value))
         return self.newton(c, course.r(c)), course
 
     def within(self, row, u, course):
-        """Prove that all points in u lie in a row of the file."""
+        """Prove that all points in u lie within the t and x stated in a row of the file."""
         for name, values in (("t", [*u[::2], u[0] + course.turn]), ("x", [*u[1::2], u[1]])):
             for value, ends in zip(values, row[name], strict=True):
                 inside(value, ends)
 
     def apart(self, i, earlier):
-        """Return whether event i surely differs from the first one after that many forcing periods, for all values."""
+        """Return whether event i surely differs from event 0 moved by `earlier` forcing periods, for all values."""
         (t, x), (t0, x0) = self.points[2 * i : 2 * i + 2], self.points[:2]
         return not (t - t0).overlaps(earlier * self.all.forcing) or not x.overlaps(x0)
 
 
 def family(problem, data, events, row):
-    """Prove the orbits of a row for all values of its interval, in parts; return the family of the last part."""
+    """Prove the orbits of a row of a branch for all values of its interval; return the Family of its last part."""
 
     def prove(part):
-        """Prove the orbits for all values of a part."""
+        """Prove the orbits for all parameter values of a part of the interval; return their Family."""
         found = Family(problem, data, events, row, *part)
         found.all.prove(found.points, data["stable"], problem)
         return found
@@ -577,7 +577,7 @@ def family(problem, data, events, row):
 
 
 def fails(problem, data, events, end, row):
-    """Prove that an end's inequality fails at its outer value, for the root in a row at the inner one."""
+    """Prove that the inequality named by a branch's end fails at its outer value, on the same family of roots."""
     found = Family(problem, data, events, end, *sorted((end["inside"], end["outside"])))
     found.within(row, *found.root(end["inside"]))
     (u, course), at, kind = found.root(end["outside"]), arb(end["at"]), end["kind"]
@@ -591,7 +591,7 @@ def fails(problem, data, events, end, row):
 
 
 def branch(data, source, limits):
-    """Prove a branch: every row, that they join, and both ends."""
+    """Prove a branch: every row, that the rows join, and both ends; return what is proven as lines."""
     name, rows, span, periods = data["parameter"], data["boxes"], data["range"], data["periods"]
     values, events, tried = [row["value"] for row in rows], course(data), list[Any]()
     right = values and span == [values[0][0], values[-1][1]] and all(a[1] == b[0] for a, b in pairwise(values))
@@ -625,7 +625,7 @@ def branch(data, source, limits):
 
 
 def pairs(row):
-    """Return t and x of the events in a row of a branch, as text."""
+    """Return the ends of t and x of the events in a row of a branch as text."""
     return "; ".join(
         f"{low} < {name}{i} < {high}"
         for i, both in enumerate(zip(row["t"], row["x"], strict=True), 1)
@@ -637,14 +637,14 @@ def pairs(row):
 
 
 class Flight:
-    """A flight: mode, belts at its start and end, if it follows a stick, the domain in which the next stick ends."""
+    """A flight of a word: mode, belts at both ends, whether it follows a stick, the domain after the next stick."""
 
     def __init__(self, piece, at, slips, stick):
         (self.belt, self.mode, self.onto), self.at, self.slips, self.stick = piece, at, slips, stick
         self.tau, self.side = at + 2 - slips, 1 if self.mode > self.onto else -1
 
     def start(self, e, u):
-        """Return x at the start of the flight, from the unknowns u."""
+        """Return x at the start of the flight: one of the unknowns u or, after a stick, where F = 0."""
         if not self.slips:
             return u[self.at + 1]
         return (e.A[self.mode] + e.B0 * u[self.at].cos() - e.c * e.belts[self.belt]) / e.k
@@ -662,7 +662,7 @@ class Flight:
         return u[self.at] + e.Om * u[self.tau]
 
     def parts(self, e, u):
-        """Return if q > 0 on the parts of a flight back to its belt, and their ends (12 above); None: unknown."""
+        """Split a flight back to its belt where q changes sign: (q > 0, begin, end) of each part; None if undecided."""
         phase, end, found = u[self.at], self.end(e, u), []
         turns = [turning(e, self.belt, n) for n in between(e, self.belt, phase, end)]
         if not all(phase < turn < end for turn in turns):
@@ -677,8 +677,8 @@ class Flight:
         return found
 
     def short(self, e, u, cuts):
-        """Return whether g > 0 at the cuts proves it for a whole flight (12 above)."""
-        found, most, at = self.parts(e, u), e.part(), [(u[self.tau] * part, reach) for part, reach in cuts]
+        """Return whether the distance g > 0 at the cuts proves g > 0 for the whole flight (module docstring, 12)."""
+        found, most, at = self.parts(e, u), e.longest_part(), [(u[self.tau] * part, reach) for part, reach in cuts]
         if found is None:
             return False
         for i, (up, a, b) in enumerate(found):
@@ -700,7 +700,7 @@ class Flight:
         return not at
 
     def far(self, e, u, least):
-        """Return whether the velocity never comes to a belt: a steady motion, and a free one that loses energy."""
+        """Return whether the steady motion plus the energy of the free one are too slow to reach a belt."""
         phase, (a, b) = u[self.at], e.steady
         y = self.start(e, u) - e.A[self.mode] / e.k - a * phase.cos() - b * phase.sin()
         dy = e.belts[self.belt] - e.Om * (b * phase.cos() - a * phase.sin())
@@ -710,7 +710,7 @@ class Flight:
 
 
 def turning(e, belt, n):
-    """Return the phase of a turn of the forces on a belt."""
+    """Return the n-th phase at which the forces on a belt turn from rising to falling or back."""
     v = e.belts[belt]
     if isinstance(v, arb) and v.is_zero():
         return n * arb.pi()
@@ -718,7 +718,7 @@ def turning(e, belt, n):
 
 
 def between(e, belt, low, high):
-    """Return the turns that may be between two phases."""
+    """Return the numbers n of all turns of a belt's forces that may lie between two phases."""
     bias, swing = abs(e.k * e.belts[belt]), abs(e.B0 * e.Om)
     if bias > swing:
         return []
@@ -730,7 +730,7 @@ def between(e, belt, low, high):
 
 
 def marks(parts, most):
-    """Choose at which parts of a flight to evaluate g, and for how long before and after; this proves nothing."""
+    """Choose where to check that g > 0: (share of the flight, for how long around it g > 0 follows); proves nothing."""
     most, tau, found = 0.95 * float(most), float(parts[-1][2]), []
     spare = 2 * max(float(b.rad()) for _, _, b in parts) + tau / 500
     for i, (up, *ends) in enumerate(parts):
@@ -744,7 +744,7 @@ def marks(parts, most):
 
 
 class Word:
-    """The flights of a word, and r (9 above)."""
+    """A word's flights, and the equations r = 0 for the unknowns u of its orbit (module docstring, 9)."""
 
     def __init__(self, text, mirror):
         digits, what = text[1:], f"the word {text[:40]!r}"
@@ -768,7 +768,7 @@ class Word:
                 self.size += 3 - slips
 
     def unknowns(self, row, Om):
-        """Return u approximately, from the phases and positions of a row."""
+        """Return approximate unknowns u from the phases and positions in a row of the file."""
         check(len(row["phases"]) == len(row["x"]) == self.count, "a phase and an x at each event", BAD)
         phases, found = [float(arb(each)) for each in row["phases"]], []
         phases.append(phases[0] + 2 * float(arb.pi()))
@@ -778,14 +778,14 @@ class Word:
         return [arb(each) for each in found]
 
     def next(self, e, i, u):
-        """Return phase and x at the start of the flight after flight i; after the last, of flight 0 a turn later."""
+        """Return phase and x at the start of the flight after flight i; after the last, of flight 0 a period later."""
         if i + 1 < len(self.flights):
             return u[self.flights[i + 1].at], self.flights[i + 1].start(e, u)
         x = self.flights[0].start(e, u)
         return (u[0] + arb.pi(), (e.A[1] + e.A[3]) / e.k - x) if self.half else (u[0] + 2 * arb.pi(), x)
 
     def r(self, e, u, plan=None):
-        """Return the residuals r of the word, and its margins, which have to be > 0 (9 and 11 above)."""
+        """Return the residuals r of the word and, given a plan, the margins, which have to be > 0."""
         found, margins, self.looks = [], [], {}  # the margins by which a flight is looked at, and its number
         for i, flight in enumerate(self.flights):
             s, (phase, x), v, end = u[flight.tau], self.next(e, i, u), e.belts[flight.onto], flight.end(e, u)
@@ -814,19 +814,19 @@ class Word:
         return found, margins
 
     def plan(self, e, u):
-        """Return which turns may be in each stick, and where to evaluate each g (12 above); None: short steps."""
+        """Return the turns that may be in each stick, the cuts of each flight, and if it needs short steps instead."""
         turns, cuts, steps = list[Any](), list[Any](), []
         for i, flight in enumerate(self.flights):
             after = self.next(e, i, u)[0]
             turns.append(between(e, flight.onto, flight.end(e, u), after) if flight.stick else [])
             found = flight.parts(e, u) if flight.belt == flight.onto else None
-            chosen = marks(found, e.part()) if found else []
+            chosen = marks(found, e.longest_part()) if found else []
             steps.append(found is None or len(chosen) > MOST_CUTS)
             cuts.append([] if steps[-1] else chosen)
         return turns, cuts, steps
 
     def stays(self, e, u, plan, problem):
-        """Prove for all u in a box, where the margins are > 0, that no flight meets a belt before its end (12)."""
+        """Prove for all unknowns u in a box, given margins > 0, that no flight meets a belt before its end."""
         for flight, cuts, steps in zip(self.flights, *plan[1:], strict=True):
             near = {flight.mode - 1, flight.mode} & {1, 2}
             sides = {belt: (1 if flight.mode > belt else -1, e.belts[belt]) for belt in near}
@@ -840,7 +840,7 @@ class Word:
                     continue
 
                 def f(s, flight=flight, side=side, speed=speed):
-                    """Return the distance from a belt and its derivatives."""
+                    """Return the distance of v from a belt a time s after the start, and its first two derivatives."""
                     _, v, a = flight.after(e, u, s)
                     jerk = -2 * e.h * a - e.km * v - e.drive * (u[flight.at] + e.Om * s).sin()
                     return side * (v - speed), side * a, side * jerk
@@ -851,7 +851,7 @@ class Word:
 
 
 class Box:
-    """A word for all parameters of a box (10 above)."""
+    """The proof that a word has one orbit for all parameters of a box (module docstring, 10)."""
 
     def __init__(self, p, over, word, box, u, problem):
         self.p, self.over, self.word, self.u, self.problem = p, over, word, u, problem
@@ -863,18 +863,18 @@ class Box:
         self.surface()
 
     def plane(self, values):
-        """Return the oscillator with values of both parameters."""
+        """Return the oscillator with the given values of both parameters of the plane."""
         return Oscillator(self.p | dict(zip(self.over, values, strict=True)))
 
     def series(self, side, rows, count, wide=False, plan=None):
-        """Return r and the margins as power series in one direction, from the middle or from all places of the box."""
+        """Return r and margins as power series in the direction `side`, from the middle or (`wide`) all of the box."""
         ctx.cap = count
         start = self.wide if wide else self.middle
         e = self.plane([arb_series([b, h * i], prec=count) for b, h, i in zip(start, self.half, side, strict=True)])
         return self.word.r(e, [arb_series(list(each), prec=count) for each in zip(*rows, strict=True)], plan)
 
     def columns(self, e, u, plan=None):
-        """Return the derivatives of r and of the margins by each unknown; balls."""
+        """Return for each unknown the derivatives of r and of the margins with respect to it, as balls."""
         found, ctx.cap = [], 2
         self.problem.step(len(u) * len(self.word.flights) // 2)
         for j in range(len(u)):
@@ -883,38 +883,38 @@ class Box:
         return found
 
     def newton(self):
-        """Find the root at the middle; it proves nothing."""
+        """Find unknowns u near the root at the box's middle, the Jacobian J there, and Y near its inverse; no proof."""
         e = self.plane(self.middle)
         for _ in range(BOX_NEWTON_STEPS):
             self.J = arb_mat([column[0] for column in self.columns(e, self.u)]).transpose()
             self.Y = self.J.mid().inv().mid()
-            step = self.by([each.mid() for each in self.word.r(e, self.u)[0]])
+            step = self.solved([each.mid() for each in self.word.r(e, self.u)[0]])
             if all(abs(each) < NEAR for each in step):
                 return  # J is that at u
             self.u = [(each - change).mid() for each, change in zip(self.u, step, strict=True)]
             check(all(abs(each) < 10 for each in step), "a root at the middle of a box", OPEN)
         raise Stop(OPEN, "a root at the middle of a box")
 
-    def by(self, values):
-        """Return Y times a vector."""
+    def solved(self, values):
+        """Multiply a vector by Y, the approximate inverse of the Jacobian J at the middle of the box."""
         return (self.Y * column(values)).entries()
 
     def surface(self):
-        """Prove that for all parameters of the box the word has one orbit."""
+        """Prove with a polynomial surface u(d) that the word has one orbit for all parameters d of the box."""
         word, size, second, thin, d = self.word, self.word.size, [], [], arb(0, 1)
         p = [arb(0)] * size
         a, b = (
-            [-each.mid() for each in self.by([r[1] for r in self.series(side, [self.u], 2)[0]])] for side in SIDES[:2]
+            [-z.mid() for z in self.solved([r[1] for r in self.series(side, [self.u], 2)[0]])] for side in SIDES[:2]
         )
         for i, j in SIDES[:3]:
             rows = [self.u, [i * each + j * other for each, other in zip(a, b, strict=True)]]
             r, _ = self.series((i, j), rows, 3)
-            second.append([-each.mid() for each in self.by([each[2] for each in r])])
+            second.append([-each.mid() for each in self.solved([each[2] for each in r])])
             bend = (self.J * column(second[-1])).entries()
             thin.append(rows)
             last = [each[2] + more for each, more in zip(r, bend, strict=True)]
             for part in ([each[0] for each in r], [each[1] for each in r], last):
-                p = [each + 3 * abs(more) for each, more in zip(p, self.by(part), strict=True)]
+                p = [each + 3 * abs(more) for each, more in zip(p, self.solved(part), strict=True)]
         aa, bb, ab = second[0], second[1], [z - x - y for x, y, z in zip(*second, strict=True)]
         u = [
             u + d * (a + d * aa + d * ab) + d * (b + d * bb)
@@ -922,7 +922,7 @@ class Box:
         ]
 
         def slopes(i, j):
-            """Return the first and second coefficients of u(d) in a direction, somewhere in the box."""
+            """Return the first and second coefficients of u(d) along the direction (i, j), from anywhere in the box."""
             rows = [
                 (i * (p + 2 * d * pp + d * pq) + j * (q + 2 * d * qq + d * pq), i * i * pp + j * j * qq + i * j * pq)
                 for p, q, pp, qq, pq in zip(a, b, aa, bb, ab, strict=True)
@@ -933,7 +933,7 @@ class Box:
         plan = word.plan(e, u)
         for side in SIDES:
             r, margins = self.series(side, [u, *slopes(*side)], 4, True, plan)
-            cubes.append(self.by([each[3] for each in r]))
+            cubes.append(self.solved([each[3] for each in r]))
             bends.append([coefficient(each, 2) for each in margins])
         A, D, both, apart = cubes
         for j in range(size):
@@ -957,7 +957,7 @@ class Box:
         word.stays(e, around, plan, self.problem)
 
     def contract(self, p, u, slopes):
-        """Return e with p + N e < e (10 above)."""
+        """Return e with p + N e < e, so that a root lies within e of u(d) by Krawczyk (module docstring, 10)."""
         size, tube = self.word.size, [arb(1.1) * each for each in p]
         scales = [
             max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in zip(*slopes, tube, strict=True)
@@ -965,7 +965,7 @@ class Box:
         for _ in range(4):
             tube = [(arb(1.15) * each).mid() for each in tube]
             middle, around = ([x + arb(0, by) for x, by in zip(each, tube, strict=True)] for each in (self.u, u))
-            at = [self.by(column[0]) for column in self.columns(self.plane(self.middle), middle)]
+            at = [self.solved(column[0]) for column in self.columns(self.plane(self.middle), middle)]
             N = [[abs(arb(int(i == j)) - each) for i, each in enumerate(row)] for j, row in enumerate(at)]
             units = [[scales[j] if i == j else arb(0) for i in range(size)] for j in range(size)]
             alone = [self.squares((0, 0), around, unit) for unit in units]
@@ -973,7 +973,7 @@ class Box:
                 own = self.squares(side, around, slope)
                 for j, unit in enumerate(units):
                     both = self.squares(side, around, [x + y for x, y in zip(slope, unit, strict=True)])
-                    mixed = self.by([x - y - z for x, y, z in zip(both, own, alone[j], strict=True)])
+                    mixed = self.solved([x - y - z for x, y, z in zip(both, own, alone[j], strict=True)])
                     N[j] = [x + abs(y) / scales[j] for x, y in zip(N[j], mixed, strict=True)]
             image = [p[i] + sum((N[j][i] * tube[j] for j in range(size)), arb(0)) for i in range(size)]
             if all(each < by for each, by in zip(image, tube, strict=True)):
@@ -984,12 +984,12 @@ class Box:
         raise Stop(OPEN, "one root for all parameters of a box")
 
     def squares(self, side, u, slope):
-        """Return the second coefficients of r in a direction, from everywhere in the box."""
+        """Return the second Taylor coefficients of r in a direction, enclosed for all of the box."""
         return [coefficient(each, 2) for each in self.series(side, [u, slope, [arb(0)] * len(u)], 3, True)[0]]
 
 
 def rests(p, over, box):
-    """Prove that the mass may rest on a belt for all parameters of a box (13 above)."""
+    """Prove that the mass may rest on a belt for all parameters of a box: v = 0 and mu FN >= |B0|."""
     ends = {name: (p[name], p[name]) for name in base.NAMES} | dict(zip(over, box, strict=True))
     drive = max(abs(each) for each in ends["B0"])
     holds = (ends["v" + belt] == (0, 0) and ends["mu" + belt][0] * ends["FN"][0] >= drive for belt in "12")
@@ -997,7 +997,7 @@ def rests(p, over, box):
 
 
 def apart(boxes):
-    """Prove that no two boxes overlap: from left to right, those at one place in order."""
+    """Prove that no two boxes overlap, by a sweep from left to right over the boxes cut by a vertical line."""
     events = sorted((box[0][side], side == 0, i) for i, box in enumerate(boxes) for side in (0, 1))
     there = list[Any]()
     for _, begins, i in events:
@@ -1012,7 +1012,7 @@ def apart(boxes):
 
 
 def clear(boxes, points, whole):
-    """Check that no point of a border is inside a box, by more than rounding errors."""
+    """Check that no point of a border lies inside a proven box, by more than rounding errors."""
     away = [1e-12 * float(high - low) for low, high in whole]
     for box in boxes:
         (left, right), (low, high) = ((float(a) + by, float(b) - by) for (a, b), by in zip(box, away, strict=True))
@@ -1021,7 +1021,7 @@ def clear(boxes, points, whole):
 
 
 def mirror_of(p, over):
-    """Return the mirror images of the modes of a symmetric oscillator (9 above)."""
+    """Return the mirror image of each mode of an oscillator that is symmetric about A0/k, else {}."""
     if not {"v1", "v2", "mu1", "mu2"} & set(over) and p["v1"] == -p["v2"] and p["mu1"] == p["mu2"]:
         return {1: 3, 2: 2, 3: 1, 4: 5, 5: 4}
     for belt, other in ((1, 2), (2, 1)):
@@ -1032,7 +1032,7 @@ def mirror_of(p, over):
 
 
 def halved(whole):
-    """Return how a box is halved across its side that is the longer part of that of the whole."""
+    """Return the function that halves a box across its longer side, measured by the sides of the whole."""
 
     def halves(part):
         """Return both halves of a box, the upper one last."""

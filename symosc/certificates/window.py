@@ -27,7 +27,7 @@ def prove_window(window: GrazingWindow) -> Certificate:
     bias, swing = place.side * p.k * p.belt(place.boundary), place.side * p.B0 * p.Omega
     statement = made_by(WINDOW_BITS) | {"parameters": p.as_dict(), "map": window.mapping, "order": window.order}
     with ctx.workprec(WINDOW_BITS):
-        statement["grazes"], ends = _where(bias, swing, window.order == "full")
+        statement["grazes"], ends = _positive_phases(bias, swing, window.order == "full")
         statement["ends"] = [
             {"phase": list(outward(phase, WINDOW_PLACES)), "sine": show(sine), "cosine": cosine}
             for phase, sine, cosine in ends
@@ -35,9 +35,9 @@ def prove_window(window: GrazingWindow) -> Certificate:
     return confirmed("window", statement)
 
 
-def _where(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple[Ball, Fraction, int]]]:
-    """Return on which phases s = bias + swing sin(theta) is > 0, and each end: phase, sine, sign of the cosine."""
-    # An arc goes up from its first end to its second.
+def _positive_phases(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple[Ball, Fraction, int]]]:
+    """Return where s = bias + swing sin(theta) > 0, in words, and the ends: phase, sine, sign of the cosine."""
+    # An arc reaches from its first end, with growing theta, to its second.
     if abs(bias) > abs(swing) or swing == 0:
         return (ALL_PHASES if bias > 0 else NO_PHASE), []
     sine = -bias / swing

@@ -30,13 +30,13 @@ def bibtex() -> str:
 
 
 def paper_reference(title: str = "{}", space: str = " ", dash: str = "\N{EN DASH}") -> str:
-    r"""Return the paper as a line of a list of references; `title` is around the title, such as ``r"\emph{{{}}}"``."""
+    r"""Return the paper's entry for a list of references; `title` is a format for its title, as ``r"\emph{{{}}}"``."""
     line = reference_line("chen2016").removesuffix(".").replace("~", space).replace("--", dash)
     return re.sub(r"\\emph\{(.*)\}", lambda found: title.format(found[1]), line)
 
 
 class Reference(NamedTuple):
-    """An entry: its kind, its key, its fields."""
+    """A BibTeX entry: its kind (such as "article"), its key, and its fields by name."""
 
     kind: str
     key: str
@@ -51,7 +51,7 @@ def entries() -> dict[str, Reference]:
 
 
 def cited(text: str) -> list[str]:
-    """Return the keys that a LaTeX text cites, in the order of the list; KeyError for one that is unknown."""
+    """Return the keys that a LaTeX text cites, sorted by author and year; KeyError for an unknown key."""
 
     def place(key: str) -> tuple[str, str]:
         fields = entries()[key].fields
@@ -69,7 +69,7 @@ PLACES = {
 
 
 def reference_line(key: str) -> str:
-    """Return an entry as a line of LaTeX."""
+    """Return a reference as a line of LaTeX: authors, title, place, doi."""
     kind, _, fields = entries()[key]
     doi = f", doi:{fields['doi']}" if "doi" in fields else ""
     place = PLACES[kind].format_map(fields)
@@ -95,12 +95,12 @@ def reference_list(keys: list[str]) -> str:
 
 
 def plain_line(key: str) -> str:
-    """Return an entry for HTML and Markdown: LaTeX text without accents as commands."""
+    """Return a reference for HTML and Markdown: its LaTeX line with accented letters instead of accent commands."""
     return re.sub(r"\{([A-Z])\}", r"\1", plain_text(reference_line(key)))
 
 
 def plain_text(text: str) -> str:
-    """Return LaTeX text with letters in place of the commands of accents."""
+    """Return LaTeX text in which accented letters replace the commands for accents."""
     for accent, letter in _ACCENTS.items():
         text = text.replace(accent, letter)
     return text

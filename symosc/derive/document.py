@@ -38,7 +38,7 @@ MARKS = {"exact": "e", "sign": "s", "numeric": "n"}
 
 
 class Part(NamedTuple):
-    """An item of a chapter with the evidence of its steps; formulas, statements and tables have number and label."""
+    """An item of a chapter with its steps' evidence, and number and label if it is a formula, statement or table."""
 
     item: Any
     evidence: tuple[StepEvidence, ...]
@@ -47,12 +47,12 @@ class Part(NamedTuple):
 
     @property
     def marks(self) -> str:
-        """The letters of the checks, each once, such as "e,n"."""
+        """The letters for how the steps were checked, each once: e (exact), s (sign), n (numeric), as in "e,n"."""
         return ",".join(dict.fromkeys(MARKS[evidence.kind] for evidence in self.evidence))
 
 
 class Checked(NamedTuple):
-    """A chapter with all steps passed; a fragment has the number 0."""
+    """A chapter all of whose steps passed their checks; or a fragment, which has the number 0."""
 
     key: str
     title: str
@@ -60,11 +60,11 @@ class Checked(NamedTuple):
     parts: list[Part]
 
     def steps(self) -> list[tuple[Step, StepEvidence]]:
-        """Return every step with its evidence, those of sentences and tables included."""
+        """Return every step with its evidence, including the steps that belong to sentences and tables."""
         return [pair for part in self.parts for pair in zip(steps_of(part.item), part.evidence, strict=True)]
 
     def displays(self) -> Iterator[Part | list[Part]]:
-        """Yield the parts of the chapter; steps that follow each other come as one list, which is one display."""
+        """Yield the parts of the chapter, with consecutive steps as one list, which is set as one display."""
         for displayed, parts in groupby(self.parts, lambda part: isinstance(part.item, Step)):
             if displayed:
                 yield list(parts)
@@ -72,7 +72,7 @@ class Checked(NamedTuple):
                 yield from parts
 
     def log(self) -> list[dict[str, Any]]:
-        """Return the statement (LaTeX) and evidence of each step; steps that are not displayed have no number."""
+        """Return a record of each step: number ("" unless displayed), statement (LaTeX) and evidence."""
         rows = []
         for part in self.parts:
             number = part.number if isinstance(part.item, Step) else ""
@@ -83,7 +83,7 @@ class Checked(NamedTuple):
 
 
 def chapter_items(key: str, scope: Scope) -> tuple[str, list[Any]]:
-    """Return the title and the unchecked items of a chapter."""
+    """Return a chapter's title and its items, whose steps are not checked yet."""
     module = import_module(f"symosc.derive.chapters.{key}")
     return module.TITLE, flat(module.items(scope))
 
@@ -141,7 +141,7 @@ def _chapter_number(key: str) -> int:
 
 
 def numbers_of(chapters: Iterable[Checked]) -> dict[str, str]:
-    """Return the number of every label in some chapters, such as "eq:motion-newton" -> "1.2"."""
+    """Return the numbers of all labels in the given chapters by label, such as {"eq:motion-newton": "1.2"}."""
     found = {}
     for chapter in chapters:
         found[f"sec:{chapter.key}"] = str(chapter.number)
@@ -150,7 +150,7 @@ def numbers_of(chapters: Iterable[Checked]) -> dict[str, str]:
 
 
 def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str] | None = None) -> str:
-    """Name the chapter in references to other documents; with `link`, replace the others by link(label, shown)."""
+    """Replace references to other documents by "Chapter n" and, if `link` is given, the rest by link(label, shown)."""
 
     def replace(found: re.Match[str]) -> str:
         word, command, label = found.groups()
@@ -168,12 +168,12 @@ def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str]
 
 
 def shown(step: Step, scope: Scope) -> Step:
-    """Return a step with the numbers and symbols with which it is printed in a scope."""
+    """Return a step with the numbers or symbols put in with which a scope prints it."""
     return replace(step, left=scope.shown(step.left), right=scope.shown(step.right))
 
 
-def _rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
-    """Return for each step of a display the rows of LaTeX that it takes, `left &= right` first."""
+def _latex_rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
+    """Return for each step of a display its LaTeX rows (the first is `left &= right`) and the step."""
     decimals = scope.decimal or any(each.item.decimals for each in display)
     statements = [shown(each.item, scope) for each in display]
     left = max(width(latex(statement.left, decimals)) for statement in statements)
@@ -190,9 +190,9 @@ def _rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
 
 
 def align(display: list[Part], scope: Scope, end: Callable[[Part], str]) -> str:
-    """Return a display as LaTeX; `end` is what stands at the end of a step, such as its label."""
+    """Return consecutive steps as an align environment; `end` returns what ends a step's row, such as its label."""
     body = []
-    for printed, each in _rows(display, scope):
+    for printed, each in _latex_rows(display, scope):
         body += [*(rf"{line} \notag" for line in printed[:-1]), f"{printed[-1]} {end(each)}"]
     return "\\begin{align}\n" + " \\\\\n".join(body) + "\n\\end{align}"
 
@@ -205,7 +205,7 @@ def cell(value: Any, scope: Scope) -> str:
 
 
 def as_latex(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = None) -> str:
-    """Return a chapter as LaTeX, to be read in by the main document."""
+    """Return a chapter as the text of a LaTeX file that the main document includes."""
     out = [HEADER + rf"\section{{{chapter.title}}}" + rf"\label{{sec:{chapter.key}}}"]
     for part in chapter.displays():
         piece = _piece_latex(part, scope)
@@ -240,7 +240,7 @@ def _piece_latex(part: Part | list[Part], scope: Scope) -> str:
 
 
 def main_document(chapters: list[Checked], scope: Scope) -> str:
-    """Return the document that reads the chapters in; they keep the numbers that they have in the whole book."""
+    """Return the main LaTeX document that includes the chapters, which keep their numbers in the whole book."""
     head, notation = front.title_page(), ""
     out = [HEADER + front.PREAMBLE + head, *([front.scene_numbers(scope)] if scope.scene else [])]
     if len(chapters) > 1:
@@ -254,7 +254,7 @@ def main_document(chapters: list[Checked], scope: Scope) -> str:
 
 
 def _texts(chapters: list[Checked]) -> str:
-    """Return all texts of chapters, in which citations are searched."""
+    """Return all texts of chapters as one string, in which citations can be searched."""
     return "".join(str(part.item) for chapter in chapters for part in chapter.parts)
 
 
@@ -276,7 +276,7 @@ sup.checked { font-variant: small-caps; color: #555; } .tight { white-space: now
 
 
 def as_page(chapters: list[Checked], scope: Scope) -> str:
-    """Return chapters as one HTML file that needs no other."""
+    """Return chapters as one self-contained HTML page."""
     numbers = numbers_of(chapters)
     html = _converter(numbers)
     title = html(front.TITLE)
@@ -303,7 +303,7 @@ def as_page(chapters: list[Checked], scope: Scope) -> str:
 
 
 def as_html(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = None, level: int = 2) -> str:
-    """Return a chapter without its title; `level` is that of its headings. Formula 4.2 has the anchor step-4.2."""
+    """Return a chapter as HTML without its title; its headings are <h2> for `level` 2. Formula 4.2: anchor step-4.2."""
     html = _converter(numbers_of([chapter]) if numbers is None else numbers)
     return "\n".join(_html_piece(part, scope, html, level) for part in chapter.displays())
 
@@ -350,7 +350,7 @@ def _converter(numbers: dict[str, str]) -> ToHtml:
 
 def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
     body = []
-    for printed_rows, each in _rows(display, scope):
+    for printed_rows, each in _latex_rows(display, scope):
         note = each.item.note
         for line in printed_rows:
             if note:
@@ -358,7 +358,7 @@ def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
             left, _, right = line.partition("&")
             sides = [formula(side, display=True) if side.strip() else "" for side in (left, right)]
             body.append(f"<tr><td>{sides[0]}</td><td>{sides[1]}</td><td></td></tr>")
-        # The last line has the note and the number.
+        # Only the last line of a step has its note and its number.
         remark = f' <span class="remark">{html(note)}</span>' if note else ""
         label = f'<td title="{each.evidence[0].kind}">({each.number}&nbsp;{each.marks})</td>'
         body[-1] = f'<tr id="step-{each.number}"><td>{sides[0]}</td><td>{sides[1]}{remark}</td>{label}</tr>'
@@ -373,7 +373,7 @@ def _cells(heads: Sequence[str], body: Iterable[Sequence[str]], html: ToHtml) ->
 
 
 def _paragraph(text: str) -> str:
-    """Return a paragraph; one with formulas scrolls where the window is narrower than a formula."""
+    """Return an HTML paragraph; one with formulas can be scrolled if the window is too narrow for them."""
     return f'<p class="wide">{text}</p>' if "<math" in text else f"<p>{text}</p>"
 
 
@@ -396,7 +396,7 @@ def write_document(chapters: list[Checked], scope: Scope, folder: Path, form: st
 
 
 def printed(chapters: list[Checked], scope: Scope, form: str) -> str:
-    """Return what goes to standard output: the chapters, for HTML as one page."""
+    """Return the chapters as text for standard output: LaTeX one after the other, or one HTML page."""
     if form == "html":
         return as_page(chapters, scope)
     return "\n".join(as_latex(chapter, scope, numbers_of(chapters)) for chapter in chapters)

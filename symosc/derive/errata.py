@@ -22,7 +22,7 @@ TEXTS = ("where", "printed", "holds", "proof")
 
 @dataclass(frozen=True)
 class Erratum:
-    """An error or gap of the paper, counted once however many claims it shows in."""
+    """An error or gap of the paper, counted once even if several claims of the paper show it."""
 
     number: int
     id: str  # how claims name it
@@ -34,13 +34,13 @@ class Erratum:
     shown: str = ""  # what of the supplement shows it (LaTeX, may be empty)
 
     def in_unicode(self) -> Erratum:
-        """Return the erratum with texts that need no LaTeX, for the report and the letter."""
+        """Return the erratum with its texts as Unicode instead of LaTeX, for the report and the letter."""
         texts: dict[str, Any] = {name: latex_to_unicode(getattr(self, name)) for name in TEXTS}
         return replace(self, **texts)
 
 
 def read_errata(path: Path = ERRATA_FILE) -> tuple[Erratum, ...]:
-    """Read the errata, with texts in LaTeX, in the order of the paper; RecordsError for a file that is not complete."""
+    """Read the errata (texts are LaTeX) in the order of the paper; RecordsError if the file is incomplete."""
     found, needed = [], {"severity", *TEXTS}
     for number, (name, row) in enumerate(read_toml(path).items(), 1):
         where = f"{path.name}, {name}"
@@ -56,7 +56,7 @@ def read_errata(path: Path = ERRATA_FILE) -> tuple[Erratum, ...]:
 
 
 class RecordsError(SymoscError, ValueError):
-    """A file of records that cannot be used; `where` is the file, and the record in it."""
+    """Raised for a TOML file that cannot be used; `where` names the file, and the record in it."""
 
     def __init__(self, where: str, reason: str) -> None:
         self.where, self.reason = where, reason
@@ -75,13 +75,13 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def kebab(where: str, name: str) -> None:
-    """Refuse a name that is not in kebab case."""
+    """Raise RecordsError unless a name is in kebab case, such as "wrong-sign"."""
     if not re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name):
         raise RecordsError(where, f"id = {name!r}: must be kebab case")
 
 
 def one_of(where: str, what: str, value: str, allowed: Collection[str]) -> None:
-    """Refuse a value that is not allowed."""
+    """Raise RecordsError unless a value is one of those allowed."""
     if value not in allowed:
         raise RecordsError(where, f"{what} = {value!r}: must be one of {', '.join(allowed)}")
 
@@ -108,7 +108,7 @@ _TOKEN = re.compile(rf"(\\sqrt|[_^]){_GROUP}|\\([a-zA-Z]+)( (?=[a-zA-Z]))?|\\[, 
 
 
 def latex_to_unicode(text: str) -> str:
-    """Return LaTeX text, with formulas between dollars, as Unicode; ValueError for a command that it does not know."""
+    """Return LaTeX text, with formulas between dollars, as Unicode; ValueError for an unknown command."""
     parts = text.split("$")
     for prose in parts[::2]:
         if "\\" in prose:
@@ -117,7 +117,7 @@ def latex_to_unicode(text: str) -> str:
 
 
 def _unicode(text: str) -> str:
-    """Write a LaTeX formula in Unicode."""
+    """Return a LaTeX formula (without dollars) as Unicode."""
 
     def plain(found: re.Match[str]) -> str:
         sign, group, single, command, space = found.groups()
@@ -143,7 +143,7 @@ def _unicode(text: str) -> str:
 
 
 def _script(place: str, script: str) -> str:
-    """Return an index or power by raised or lowered characters, or with its sign where Unicode lacks one."""
+    """Return an index or power in lowered or raised characters or, if Unicode lacks one, behind "_" or "^"."""
     table = _RAISED if place == "^" else _LOWERED
     if script == r"\mathrm{cr}":
         return "cr"

@@ -39,7 +39,7 @@ BASIS_TEXT = (
 
 
 class Fragment(NamedTuple):
-    """A fragment: its title, its function, and the paper's numbers of its equations by their labels."""
+    """A fragment: its title, the function that returns its items, and equations' numbers in the paper by label."""
 
     title: str
     items: Callable[[FragmentScope], Items]
@@ -62,7 +62,7 @@ def as_latex(
     fragment: Checked, scope: FragmentScope, prefix: str = PREFIX, paper_tags: bool = False, alone: bool = False
 ) -> str:
     """Return a fragment as LaTeX, with labels that begin with `prefix` (symosc:P3-f1)."""
-    # `paper_tags` gives equations of the paper their numbers as hard tags; `alone` makes a document of its own.
+    # `paper_tags` gives equations their numbers in the paper (LaTeX tags); `alone` makes a complete document.
     if not re.fullmatch(r"[A-Za-z0-9.:_-]*", prefix):
         raise ParameterError("prefix", prefix, "may have letters, digits and . : _ - only")
     tags = FRAGMENTS[fragment.key].tags if paper_tags else {}
@@ -103,12 +103,12 @@ FRAGMENTS: dict[str, Fragment] = {}
 
 
 def _fragment(name: str, title: str, tags: dict[str, str] | None = None) -> Callable[..., Any]:
-    """Return the decorator that registers the function of a fragment."""
+    """Return the decorator that registers a function as the one that returns a fragment's items."""
     return lambda items: FRAGMENTS.setdefault(name, Fragment(title, items, tags or {})).items
 
 
-def _taken(items: Items, label: str) -> list[Step]:
-    """Return the steps of a section of a chapter, with other labels."""
+def _relabelled(items: Items, label: str) -> list[Step]:
+    """Return the steps among some items of a chapter, relabelled as `label` followed by 1, 2, ..."""
     steps = [item for item in flat(items) if isinstance(item, Step)]
     return [replace(each, label=f"{label}{n}") for n, each in enumerate(steps, 1)]
 
@@ -178,7 +178,7 @@ def _g_functions(scope: FragmentScope) -> Items:
     return (
         r"The G-functions of the domain $\Omega_\alpha$ at a boundary $\dot{x} = v_\lambda$ are the derivatives of the "
         r"acceleration $F^{(\alpha)}$ along its flow; $\theta = \Omega t$ is the phase:",
-        _taken(switching.g_functions(), "G"),
+        _relabelled(switching.g_functions(), "G"),
     )
 
 
@@ -250,16 +250,16 @@ def _saltation(scope: FragmentScope) -> Items:
         r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ before and $F^{+} \ne 0$ "
         r"after, a small change $(\delta x, \delta\dot{x})$ of its state is multiplied by the saltation matrix "
         r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, where",
-        _taken(ratios, "ratio"),
+        _relabelled(ratios, "ratio"),
         r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end the identity. Between events "
         r"it is multiplied by $\Phi(\tau)$ with the entries",
-        _taken(jacobians.perturbations(), "phi")[:4],
+        _relabelled(jacobians.perturbations(), "phi")[:4],
         BASIS_TEXT + ".",
     )
 
 
 def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
-    """Yield the window of each mapping for which the scope has all numbers."""
+    """Yield the window of each mapping whose parameters are all given as numbers in the scope."""
     given = {name for name, _ in scope.values}
     for mapping, place in PLACES.items():
         if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= given:
@@ -273,7 +273,7 @@ def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
 
 
 def _motion(scope: FragmentScope) -> Items:
-    """Return the motion from x_i, in the form that is wanted."""
+    """Return the items that state the motion from (x_i, v_i) at t_i, in the form that the scope asks for."""
     regime, start = scope.regimes[0], named(r"\ddot{x}_i")
     name, condition = domains.REGIME_WORDS[regime.name]
     letters = {letter: domains.true_letters()[letter] for letter in regime.letters}

@@ -85,7 +85,7 @@ def how_to_cite() -> str:
 
 
 def title_page() -> str:
-    """Return the title with author, version and how to cite."""
+    """Return the LaTeX of the document's title with author, version and how to cite."""
     author, title = SYMOSC["author"].strip("{}"), TITLE.replace(": ", r":\\ ")
     return rf"""\title{{{title}}}
 \author{{{author}}}
@@ -100,7 +100,7 @@ def title_page() -> str:
 
 
 def scene_numbers(scope: Scope) -> str:
-    """Return a sentence with the numbers of the scope's scene, or nothing."""
+    """Return a sentence that lists the parameters of the scope's scene, or "" without a scene."""
     if scope.scene is None:
         return ""
     numbers = ", ".join(f"${name} = {value}$" for name, value in scope.table())

@@ -44,12 +44,12 @@ PARAMETERS |= {r"\mu_\lambda", "a", r"\gamma", r"\kappa", "F"}
 
 
 def named(latex: str, **assumptions: Any) -> Expr:
-    """Return a real letter that prints as the given LaTeX."""
+    """Return a symbol, real unless said otherwise, that prints as the given LaTeX."""
     return sp.Symbol(latex, **({"real": True} | assumptions))
 
 
-def _rank(term: Expr) -> tuple[float, bool, Any]:
-    """Return the sort key of a term of a sum."""
+def _term_key(term: Expr) -> tuple[float, bool, Any]:
+    """Return the key by which the terms of a sum are sorted: the paper's order of their letters."""
     outside = [factor for factor in sp.Mul.make_args(term) if not factor.is_Add and not isinstance(factor, sp.exp)]
     letters = {symbol.name for factor in outside or [term] for symbol in factor.free_symbols}
     letters = letters or {symbol.name for symbol in term.free_symbols}
@@ -65,7 +65,7 @@ def _rank(term: Expr) -> tuple[float, bool, Any]:
 
 def terms(expr: Expr) -> list[Expr]:
     """Return the terms of a sum in the order of printing, a positive one first."""
-    found = sorted(sp.Add.make_args(expr), key=_rank)
+    found = sorted(sp.Add.make_args(expr), key=_term_key)
     first = next((term for term in found if not term.could_extract_minus_sign()), found[0])
     return [first, *(term for term in found if term is not first)]
 
@@ -127,7 +127,7 @@ class PaperPrinter(LatexPrinter):
         return f"{sign}{self._fraction(front_above, front_below)} {self._product(rest_above, alone=False)}"
 
     def _fraction(self, above: list[Expr], below: list[Expr]) -> str:
-        """Print a quotient of products, without fractions in fractions."""
+        """Return the LaTeX of a quotient of two products of factors, without fractions in fractions."""
         if not below:
             return self._product(above)
         top, bottom = (self._print(part[0]) if len(part) == 1 else self._product(part) for part in (above, below))
@@ -136,7 +136,7 @@ class PaperPrinter(LatexPrinter):
         return rf"\frac{{{top}}}{{{bottom}}}"
 
     def _product(self, factors: list[Expr], alone: bool = True) -> str:
-        """Print the factors of a product in order."""
+        """Return the LaTeX of the factors of a product in the paper's order; `alone`: nothing else is multiplied."""
         if not factors:
             return "1"
         parts: list[str] = []
@@ -210,7 +210,7 @@ class PaperPrinter(LatexPrinter):
 
 
 def _factor_key(factor: Expr) -> tuple[int, int, Any]:
-    """Return the sort key of a factor: numbers, parameters, other symbols, functions, sums."""
+    """Return the key by which factors are sorted: numbers, parameters, other symbols, functions, sums."""
     base = factor.as_base_exp()[0]
     if factor.is_Rational:
         return 0, 0, sp.default_sort_key(factor)
@@ -232,7 +232,7 @@ def _factor_key(factor: Expr) -> tuple[int, int, Any]:
 
 
 def _drag_in_front(expr: Expr) -> tuple[Expr, bool]:
-    """Write -(mu_1 - mu_2) for a factor (-mu_1 + mu_2), as the paper does; return also whether it was done."""
+    """Turn a factor (-mu_1 + mu_2) into (mu_1 - mu_2), as the paper writes it; return also if the sign changed."""
     for factor in sp.Mul.make_args(expr):
         letters = {symbol.name for symbol in factor.free_symbols}
         mu_1 = next((symbol for symbol in factor.free_symbols if symbol.name == "mu_1"), sp.S.One)
@@ -243,7 +243,7 @@ def _drag_in_front(expr: Expr) -> tuple[Expr, bool]:
 
 
 def _one_root(expr: Expr) -> Expr:
-    """Write the root of k/m for the quotient of the roots."""
+    """Write a quotient of roots, such as sqrt(k)/sqrt(m), as one root sqrt(k/m)."""
     halves = [f for f in sp.Mul.make_args(expr) if f.is_Pow and f.exp in (sp.S.Half, -sp.S.Half) and f.base.is_Symbol]
     if not any(f.exp < 0 for f in halves):
         return expr
@@ -254,7 +254,7 @@ def _one_root(expr: Expr) -> Expr:
 
 
 def _parentheses(text: str) -> str:
-    """Return text in parentheses of sufficient size."""
+    """Return LaTeX in parentheses, large ones if it contains a fraction."""
     return rf"\left({text}\right)" if r"\frac" in text else f"({text})"
 
 
@@ -265,7 +265,7 @@ def latex(expr: Expr, decimals: bool = False) -> str:
 
 # --- lines that fit the page ---
 
-# Width of a line of mathematics, in units of a digit; the text is 16 cm wide and a number stands behind.
+# Width of a line of mathematics, in units of a digit; the text is 16 cm wide, and a number follows the formula.
 LINE_WIDTH = 70.0
 #: Widths of tokens; other commands and small letters have 1.1, capital letters and m 1.7.
 _WIDTHS = dict.fromkeys((r"\left", r"\right", r"\bigl", r"\bigr", r"\biggl", r"\biggr"), 0.3)
@@ -309,7 +309,7 @@ def lines(statement: Step, decimals: bool = False, left_width: float | None = No
 
 
 def _broken(expr: Expr, decimals: bool, room: float) -> list[str]:
-    """Break a sum into rows before its terms; a product with a long sum is broken inside its parentheses."""
+    """Return the LaTeX of an expression in rows as wide as `room`, broken before terms, if need be in parentheses."""
     whole = latex(expr, decimals)
     if not isinstance(expr, sp.Expr) or width(whole) <= room:
         return [whole]
@@ -323,7 +323,7 @@ def _broken(expr: Expr, decimals: bool, room: float) -> list[str]:
 
 
 def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
-    """Return the terms of a sum, with their signs, each in pieces."""
+    """Return the LaTeX of a sum in pieces between which a row may end: its terms with their signs, or parts of them."""
     found: list[str] = []
     for term in terms(expr):
         found += _term_pieces(term, decimals, room, not found)
@@ -348,5 +348,5 @@ def _term_pieces(term: Expr, decimals: bool, room: float, first: bool) -> list[s
 
 
 def _signed(text: str, first: bool) -> str:
-    """Return text with a leading sign, except for the first positive term."""
+    """Return the LaTeX of a term with its sign in front, but no "+" if it is the first term."""
     return text if first or text.startswith("-") else f"+ {text}"

@@ -29,7 +29,7 @@ FONT_FILE = Path(__file__).parent / "fonts" / "symosc-math.woff2"
 
 @cache
 def font_style() -> str:
-    """Return CSS that gives formulas the font that is shipped; the page needs no other file."""
+    """Return CSS that embeds the math font shipped with the package, so that a page needs no other file."""
     data = b64encode(FONT_FILE.read_bytes()).decode()
     face = f'font-family: "{FONT_NAME}"; src: url("data:font/woff2;base64,{data}") format("woff2");'
     return f'@font-face {{ {face} }}\nmath {{ font-family: "{FONT_NAME}", math; font-size: 1.15em; }}\n'
@@ -44,7 +44,7 @@ def words(text: str) -> str:
 
 
 def formula(latex: str, display: bool = False) -> str:
-    """Return a formula as MathML."""
+    """Return a LaTeX formula as MathML, displayed or inside a line."""
     # A bar that stands for "taken at" has no partner; the converter would look for one.
     latex = SIZES.sub("", latex.strip().replace(r"\,|_", r"\vert_").replace("}|_", r"}\vert_"))
     mathml: str = convert(latex)

@@ -17,7 +17,7 @@ def has_latex() -> bool:
 
 
 def make_pdf(main: Path) -> Path:
-    """Compile a LaTeX document and return the PDF's path; SymoscError for errors, warnings, boxes 5 pt too wide."""
+    """Compile a LaTeX document; return the PDF's path; SymoscError for errors, warnings, lines 5 pt too wide."""
     with tempfile.TemporaryDirectory() as scratch:
         work = Path(scratch)
         shutil.copy(main, work)
@@ -37,7 +37,7 @@ def make_pdf(main: Path) -> Path:
 
 
 def complaints_of(log: str) -> tuple[str, ...]:
-    """Return the errors, the warnings and the overfull boxes of a LaTeX log."""
+    """Return the errors, warnings and overfull boxes reported in the text of a LaTeX log."""
     found = []
     for line in log.splitlines():
         box = re.match(r"Overfull \\[hv]box \(([\d.]+)pt", line)

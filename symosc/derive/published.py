@@ -44,7 +44,7 @@ number: Callable[[Any], Any] = MP.convert
 
 
 class Flight:
-    """The closed forms of a flight with the numbers of one problem, in mpmath numbers of 60 digits."""
+    """The closed forms of a flight for one set of parameters, evaluated with 60 digits."""
 
     def __init__(self, p: Parameters) -> None:
         s = solution
@@ -55,13 +55,13 @@ class Flight:
         self.numbers |= {letter: self.value(meaning) for letter, meaning in self.regime.letters.items()}
 
     def value(self, expr: Any, more: dict[Any, Any] | None = None) -> Any:
-        """Return an expression in the symbols as a number."""
+        """Evaluate an expression with the known numbers of its symbols, and `more` of them."""
         known = self.numbers | (more or {})
         letters = tuple(sorted(sp.sympify(expr).free_symbols, key=str))
         return _as_function(expr, letters)(*(known[letter] for letter in letters))
 
     def basis(self, time: Any) -> dict[Any, Any]:
-        """Return E0, E1 and E2 at a time after the start."""
+        """Return the values of the basis functions E0, E1 and E2 at a time after the start."""
         return {name: self.value(self.regime.basis()[name], {tau: time}) for name in BASIS[:3]}
 
 
@@ -83,18 +83,18 @@ class Formulas(Flight):
         self.steady = known[x_0] + known[G] * known[x_f], known[H] * known[x_f]  # p_0 and q_0
 
     def trace_and_determinant(self) -> tuple[Any, Any]:
-        """Return trace and determinant of one period's matrix, the square of the half period's."""
+        """Return trace and determinant of the monodromy matrix, the square of the matrix of half a period."""
         matrix = coulomb.half_period_matrix(coulomb.ratio())
         trace, determinant = (self.value(part, self.half) for part in (matrix.trace(), matrix.det()))
         return trace**2 - 2 * determinant, determinant**2
 
     def slide_bound(self, angle: Any) -> Any:
-        """Return B at an angle after the highest point; the mass moves down there if and only if p_0 > B x_f."""
+        """Return B at an angle after the highest point; the mass moves down there if and only if p_0 > B F/k."""
         angle = MP.mpf(angle)
         return self.value(coulomb.slide_function(), self.basis(angle / self.numbers[solution.Omega]) | {phi: angle})
 
     def largest_slide_bound(self) -> tuple[Any, Any]:
-        """Return the supremum of B over (0, pi) and its angle, 0 for the limit at the turning point."""
+        """Return the supremum of the slide bound B over (0, pi) and its angle, 0 if it is the limit at the left end."""
         # A maximum inside counts if it is above that limit by 1e-10, relative to it: far above rounding errors.
         slope, limit = partial(MP.diff, self.slide_bound), self.value(coulomb.slide_limit())
         angles = np.linspace(0, pi, 4001)[1:-1]
@@ -123,7 +123,7 @@ def _as_function(expr: Any, letters: tuple[Any, ...]) -> Callable[..., Any]:
 
 @cache
 def _slide_bounds(regime: solution.Regime) -> tuple[Callable[..., Any], list[Any]]:
-    """Return B for arrays of angles in double precision, and the symbols of its further arguments."""
+    """Return the slide bound B as a numpy function of angles and further arguments, and the symbols of the latter."""
     closed = coulomb.closed(coulomb.slide_function(), regime, phi / solution.Omega)
     letters = sorted(closed.free_symbols - {phi}, key=str)
     return sp.lambdify([phi, *letters], closed, "numpy"), letters
@@ -134,53 +134,53 @@ def _slide_bounds(regime: solution.Regime) -> tuple[Callable[..., Any], list[Any
 
 @cache
 def slide_orbit(parameters: Parameters, digits: int | None = None) -> PeriodicOrbit:
-    """Return the motion without stops as the periodic orbit P32."""
+    """Return the motion without stops as the periodic orbit P32 that the package finds."""
     return find_orbit(parameters, "P32", digits=digits)
 
 
 def _turning_points(parameters: Parameters, x0: Any, t_end: int, digits: int | None = None) -> list[Any]:
-    """Return the x at which a motion from rest turns or stops, in order of time."""
+    """Return the positions at which a motion turns or stops, in order of time."""
     path = simulate(parameters, t0=0, x0=x0, v0=5 if parameters.B0 else 0, t_end=t_end, digits=digits)
     return [event.x for event in path.events if event.kind in ("cross", "stick")]
 
 
 def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
     """Return the rise of the highest points per cycle at Omega = 1, c = 0."""
-    # Turning points are at theta = pi/2 + n pi from x = (P/2 - F)/k at t = 0, with any velocity that is large enough.
+    # From x = (P/2 - F)/k at t = 0, with any velocity that is large enough, turning points are at theta = pi/2 + n pi.
     highest = _turning_points(wall(F, 1, P=P), Fraction(P) / 2 - Fraction(F), 40, digits)[::2]
     return [after - before for before, after in pairwise(highest)]
 
 
 def one_sided_orbit(F: Any, n: int, middle: Fraction) -> PeriodicOrbit:
-    """Return the orbit without stops at Omega = 1/(2 n), c = 0 whose turning points lie around a middle."""
-    # In doubles: its neighbours are orbits too, so that equations of more digits are singular there.
+    """Return the orbit without stops at Omega = 1/(2 n), c = 0 whose turning points have the given middle."""
+    # In doubles only: neighbouring motions are orbits too, so the equations are singular, which more digits would show.
     guess = [(0, float(middle + _free_amplitude(n))), (2 * pi * n, float(middle - _free_amplitude(n)))]
     return find_orbit(wall(F, Fraction(1, 2 * n)), "P32", guess=guess)
 
 
 def _free_amplitude(n: int) -> Fraction:
-    """Return |V| P/k, the amplitude at Omega = 1/(2 n), on which friction has no influence."""
+    """Return the amplitude at Omega = 1/(2 n), P = k = 1, which does not depend on friction."""
     return 1 / (1 - Fraction(1, 4 * n * n))
 
 
 def one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajectory:
-    """Simulate from the highest point of the orbit whose turning points would lie around a middle."""
+    """Simulate some cycles from the highest point that an orbit without stops would have around a middle."""
     t_end = cycles * Fraction(4 * pi * n)
     return simulate(wall(F, Fraction(1, 2 * n)), t0=0, x0=middle + _free_amplitude(n), v0=0, t_end=t_end, accuracy=1e-6)
 
 
 def one_sided_end(F: Any, n: int) -> float:
-    """Bisect for the largest middle whose motion neither stops nor turns more than twice per cycle."""
+    """Return the largest middle of turning points for which the motion has no stops or further turns, by bisection."""
     return _largest(lambda middle: (F, n, middle))
 
 
 def last_friction(n: int) -> float:
-    """Bisect for the largest friction with which the symmetric motion at Omega = 1/(2 n), c = 0 has no stops."""
+    """Return the largest friction F with which the symmetric motion at Omega = 1/(2 n), c = 0 has no stops."""
     return _largest(lambda F: (F, n, Fraction(0)))
 
 
 def _largest(motion: Callable[[Fraction], tuple[Any, int, Fraction]]) -> float:
-    """Bisect for the largest number whose one-sided path crosses four times and does nothing else."""
+    """Bisect in (0, 1) for the largest argument of `motion` with which a run has four crossings and no other event."""
     low, high = Fraction(0), Fraction(1)
     while high - low > 1e-9:
         middle = (low + high) / 2
@@ -193,7 +193,7 @@ def _largest(motion: Callable[[Fraction], tuple[Any, int, Fraction]]) -> float:
 
 
 def meeting_point(c: Any, guess: tuple[float, float]) -> tuple[Any, Any]:
-    """Return (Omega, F) where the motion without stops turns at a peak of the drive and begins to stick there."""
+    """Return (Omega, F) with which the motion without stops turns at a peak of the drive and begins to stick there."""
 
     def conditions(Omega: Any, F: Any) -> tuple[Any, Any]:
         formulas = Formulas(wall(MP.nstr(F, 55), MP.nstr(Omega, 55), c))
@@ -216,7 +216,7 @@ def meeting_point_by_running(c: Any, guess: tuple[float, float]) -> tuple[float,
 
 
 def end_without_stops(c: Any, P: Any, near: float) -> tuple[Any, Any]:
-    """Return the Omega near a value at which the motion without stops begins to stop for F = 1, and its amplitude."""
+    """Return the Omega near a value at which the motion without stops ceases to exist for F = 1, and its amplitude."""
 
     def formulas(Omega: Any) -> Formulas:
         return Formulas(wall(1, MP.nstr(Omega, 55), c, P=P))
@@ -237,7 +237,7 @@ def base_and_wall(F: Any, Omega: Any) -> Parameters:
 
 
 def transmissibility(F: Any, Omega: Any) -> Any:
-    """Return the largest absolute |x| by Den Hartog's motion of x - y, c = 0: y is (1 - r^2)/r^2 of its steady part."""
+    """Return the mass's largest |x| by Den Hartog's formula for x - y, c = 0, where y is the motion of the base."""
     formulas = Formulas(base_and_wall(F, Omega))
     known, r, (p, q) = formulas.numbers, formulas.numbers[solution.Omega], formulas.steady
 
@@ -251,7 +251,7 @@ def transmissibility(F: Any, Omega: Any) -> Any:
 
 
 def transmissibility_by_running(F: Any, Omega: Any) -> float:
-    """Return the largest absolute |x| by running the package: from the orbit P32 and its motion over a period."""
+    """Return the mass's largest |x| by running the package: it is y + (x - y), with x - y on the orbit P32."""
     p = base_and_wall(F, Omega)
     (t0, x0), _ = slide_orbit(p).points
     path = simulate(p, t0=Fraction(t0), x0=Fraction(x0), v0=0, t_end=Fraction(t0) + Fraction(slide_orbit(p).period))
@@ -267,7 +267,7 @@ def transmissibility_by_running(F: Any, Omega: Any) -> float:
 
 
 def inversion(F: Any, height: Callable[[Any, Any], Any]) -> float:
-    """Return the r at which friction leaves the absolute amplitude as it is without friction, 1/(r^2 - 1)."""
+    """Return the frequency ratio r at which friction does not change the amplitude `height`: it is 1/(r^2 - 1)."""
     return float(optimize.brentq(lambda r: float(height(F, Fraction(r))) * (r * r - 1) - 1, 1.38, 1.6, xtol=1e-13))
 
 
@@ -288,12 +288,12 @@ def stops(parameters: Parameters) -> int | None:
 
 
 def from_rest(p: Parameters, cycles: int) -> Trajectory:
-    """Return the first `cycles` cycles of the motion from rest at 0."""
+    """Simulate the first `cycles` cycles of the motion from rest at x = 0."""
     return simulate(p, t0=0, x0=0, v0=0, t_end=Fraction(cycles * (2 * pi / float(p.Omega))), accuracy=1e-6)
 
 
 class Border(NamedTuple):
-    """A border between two numbers of stops per cycle: F/P on both of its sides and halfway, and the numbers."""
+    """A border where the number of stops per cycle changes: F/P just below, above and halfway, and both numbers."""
 
     low: float
     high: float
@@ -304,7 +304,7 @@ class Border(NamedTuple):
 
 @cache
 def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
-    """Bisect the forced amplitude between two values of F/P with different numbers of stops."""
+    """Return a border between two values of F/P with different numbers of stops per cycle, found by bisection."""
 
     def count(ratio: Fraction) -> int:
         found = stops(wall(1, Omega, c, P=1 / ratio))
@@ -330,7 +330,7 @@ def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
 
 
 def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
-    """Solve for the F/P near a border (c = 0) at which a stop, or a slide, is born; return it and which of the two."""
+    """Solve for F/P at a border (c = 0); return also what happens there, "graze" (a new stop) or "birth" (a slide)."""
     # With P = k = 1 half a cycle is n slides down. Each starts where a stop ends, x = cos(theta) + F, and ends at rest,
     # the last one at minus the first one's start: 2 n equations for n phases and n durations. The border is where
     # "graze": a slide comes to rest on the way without staying, v = x'' = 0: a stop of no length (with its time, two
@@ -354,7 +354,7 @@ def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
 
 
 def solve_stop_positions(p: Parameters) -> list[Any]:
-    """Solve for the stops of the mass in half a settled cycle, from the highest down; m = k = P = 1, any damping."""
+    """Return the positions of the stops in half a settled cycle, by equations, highest first; m = k = P = 1, any c."""
     slides, _ = _slides_near_border(p, (stops(p) or 0) // 2)
     n, F = len(slides), number(p.mu1)
     guess = [*(phase for phase, _ in slides), *(time for _, time in slides)]
@@ -362,7 +362,7 @@ def solve_stop_positions(p: Parameters) -> list[Any]:
 
 
 def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
-    """Return the residuals of half a cycle: they vanish if each slide ends at rest where the next one starts."""
+    """Return the residuals of half a cycle: all are 0 if each slide ends at rest where the next one starts."""
     x, v, _ = _slide(p)
     rows = list(zip(phases, times, _slide_ends(F, phases), strict=True))
     at_rest = [v(phase, time) for phase, time, _ in rows]
@@ -370,7 +370,7 @@ def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
 
 
 def _slide_ends(F: Any, phases: Any) -> list[Any]:
-    """Return the x at which each slide ends: the next one's start, cos(theta) + F, or minus the first one's."""
+    """Return where each slide has to end: where the next starts, cos(theta) + F; the last at minus the first start."""
     starts = [MP.cos(phase) + F for phase in phases]
     return [*starts[1:], -starts[0]]
 
@@ -391,7 +391,7 @@ def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
 
 
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:
-    """Return (phase, duration) of each slide down in half a settled cycle, and grazes and births nearby."""
+    """Return phase and duration of each slide down in half a settled cycle, and which grazes or births are near."""
     path = from_rest(p, 22)
     late = [event for event in path.events if event.t > 40 * pi / float(p.Omega)]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
@@ -409,7 +409,7 @@ def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, fl
 
 
 def largest_exponent(count: int, seed: int = 0) -> float:
-    """Return the largest Lyapunov exponent of random oscillators over 60 periods; m = k = 1, where it is never > 0."""
+    """Return the largest Lyapunov exponent of `count` random oscillators (m = k = 1) over 60 periods; none is > 0."""
     dice, largest = random.Random(seed), -np.inf
     for _ in range(count):
         F, Omega = f"{dice.uniform(0.01, 1):.3f}", f"{dice.uniform(0.05, 3):.3f}"
@@ -467,7 +467,7 @@ TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], Iterator[Value]]]] = 
 
 
 def _compared(key: str, title: str, *sources: str) -> Callable[..., Any]:
-    """Return the decorator that registers the function of a table."""
+    """Return the decorator that registers a function as the one that yields the rows of a table."""
     return lambda rows: TABLES.setdefault(key, (title, sources, rows))
 
 
@@ -489,7 +489,7 @@ def _multipliers() -> Iterator[Value]:
 
 
 def _border(case: str, formula: Any, border: Border) -> Value:
-    """Return the value of F/P at a border, by formula and by bisection of simulations."""
+    """Return a table row for F/P at a border: its value by formula, and by bisection of simulations."""
     return Value("F/P", case, formula, border.middle, 7, 1e-7, f"{border.below} stops below, {border.above} above")
 
 
@@ -516,7 +516,7 @@ def _points() -> Iterator[Value]:
 
 @_compared("ends", "The ends of a branch", "iklodi2024")
 def _ends() -> Iterator[Value]:
-    """Yield where the branch of motions without stops ends in the frequency, and its highest points there."""
+    """Yield the frequencies at which the branch of motions without stops ends, and its highest points there."""
     for end in continue_orbit(wall(1, 1, "0.1", P="1.5"), "P32", "Omega", ("0.6", "1.5")).ends:
         Omega, amplitude = end_without_stops("0.1", "1.5", end.value)
         yield Value(r"\Omega", "", Omega, end.value, 12, 1e-12, end.kind)
@@ -525,7 +525,7 @@ def _ends() -> Iterator[Value]:
 
 @_compared("resonance", "Growth per cycle at resonance", "denhartog1930", "butikov2015")
 def _growth() -> Iterator[Value]:
-    """Yield the rise per cycle that differs most from the formula."""
+    """Yield, for each case, the rise per cycle in a simulation that differs most from the formula."""
     for F, P in (("0.5", "1"), ("0.3", "0.5")):
         formula, rises = MP.pi * MP.mpf(P) - 4 * MP.mpf(F), resonance_growth(F, P)
         _, worst = max((abs(MP.mpf(rise) - formula), rise) for rise in rises)
@@ -534,7 +534,7 @@ def _growth() -> Iterator[Value]:
 
 @_compared("decay", "Turning points of a free motion", "denhartog1930", "butikov2015")
 def _decay() -> Iterator[Value]:
-    """Yield the turning points of a free motion that starts at rest, the last one where it stays."""
+    """Yield the turning points of a free motion that starts at rest; at the last one the mass stays."""
     F, formula = Fraction(1, 10), Fraction(19, 20)
     for i, x in enumerate(_turning_points(wall(F, 1, P=0), formula, 40), 1):
         formula = -formula + (2 * F if formula > 0 else -2 * F)
@@ -581,7 +581,7 @@ def _cycles() -> Iterator[Value]:
 
 @_compared("continuum", r"Motions around a middle $\bar{x}$", "csernak2007", "butikov2015")
 def _continuum() -> Iterator[Value]:
-    """Yield turning points and second multipliers of members of the continua."""
+    """Yield turning points and the second multiplier of some orbits of each continuum at Omega = 1/(2 n), c = 0."""
     for n, F, middles in CONTINUA:
         half, x_f, case = _free_amplitude(n), Fraction(F), rf"$\Omega = 1/{2 * n}$, $F = {F}$"
         end = half / (4 * n * n) - x_f
@@ -607,7 +607,7 @@ def _inversions() -> Iterator[Value]:
 
 @_compared("rests", "Rest positions on a belt at rest")
 def _rests() -> Iterator[Value]:
-    """Yield the ends of the interval of rests, and where motions from inside of it are after 60 units of time."""
+    """Yield the ends of the interval of rests, and the positions at t = 60 of motions that start inside it."""
     p, ends = RESTING, rest_positions(RESTING, 1)
     assert ends is not None
     yield Value("x_-", "", (p.A(2) + abs(p.B0)) / p.k, ends[0])
@@ -618,5 +618,5 @@ def _rests() -> Iterator[Value]:
 
 @cache
 def table(key: str) -> tuple[Value, ...]:
-    """Return the rows of a table: its numbers, each computed by formula and by the package."""
+    """Return the rows of the table with a key: numbers, each computed by a formula and by this package."""
     return tuple(TABLES[key][2]())

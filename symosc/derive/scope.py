@@ -46,7 +46,7 @@ def G(order: int | str, alpha: int | str = r"\alpha") -> Expr:
 
 @dataclass(frozen=True)
 class Scope:
-    """The scene of a derivation, or None for the general case."""
+    """What a derivation is about: a scene, or (None) the general oscillator with symbols for all parameters."""
 
     scene: Scene | None = None
 
@@ -62,7 +62,7 @@ class Scope:
 
     @property
     def decimal(self) -> bool:
-        """Whether numbers are printed as decimals where they end."""
+        """Whether to print a number as a decimal if it has finitely many decimals."""
         return bool(self.values)
 
     @cached_property
@@ -76,7 +76,7 @@ class Scope:
 
     @cached_property
     def domains(self) -> tuple[int, ...]:
-        """The domains that occur: on both sides of the belts."""
+        """The domains that occur: those on both sides of the boundaries that occur."""
         return tuple(sorted({side for boundary in self.boundaries for side in NEIGHBOURS[boundary]}))
 
     @cached_property
@@ -86,29 +86,29 @@ class Scope:
 
     @cached_property
     def regimes(self) -> tuple[solution.Regime, ...]:
-        """The damping regime that the numbers decide; if they leave several, these."""
+        """The damping regimes that the known numbers leave possible; just one if they decide it."""
         return solution.possible_regimes(self.numbers)
 
     @cached_property
     def numbers(self) -> dict[Expr, Expr]:
-        """The numbers by their symbols; those of a scene also for the quantities divided by m."""
+        """The known numbers by their symbols; for a scene also those of cm, w0sq and f0, quantities divided by m."""
         found = {LETTERS[name]: rational(value) for name, value in self.values}
         derived = list(PAPER_LETTERS)[:3] if self.scene else []
         return found | {name: PAPER_LETTERS[name].xreplace(found) for name in derived}
 
     @cached_property
     def display(self) -> dict[Expr, Expr]:
-        """The substitutions before printing: numbers, or the paper's symbols for the quantities divided by m."""
+        """What to substitute before printing: numbers or, in the general case, the paper's symbols, as c/m for cm."""
         if self.parameters is None:
             return PAPER_LETTERS
         return self.numbers | {name: value.subs(self.numbers) for name, value in self.regimes[0].letters.items()}
 
     def shown(self, expr: Expr) -> Expr:
-        """Return an expression as it is printed."""
+        """Return an expression in the form to be printed, with `display` substituted."""
         return sp.sympify(expr).xreplace(self.display)
 
     def table(self) -> list[tuple[str, str]]:
-        """Return the numbers as (LaTeX name, value)."""
+        """Return the numbers as pairs of a parameter's LaTeX name and its value as text."""
         return [(latex(LETTERS[name]), show(value)) for name, value in self.values]
 
 
@@ -119,11 +119,11 @@ class FragmentScope(Scope):
     values: tuple[tuple[str, Any], ...] = ()
     form: str = "entire"  # "entire" (the five basis functions) or "paper" (e^{-ct/2m} cos omega_d t)
     digits: int | None = None  # to which numbers are rounded
-    # what letters are in this fragment, such as the velocity at the start
+    # what letters stand for in this fragment, such as the belt's speed for the velocity at the start
     instances: dict[Expr, Expr] = field(default_factory=dict, hash=False, compare=False)
 
     def shown(self, expr: Expr) -> Expr:
-        """Return an expression as it is printed: instances and numbers put in, and rounded if wanted."""
+        """Return an expression in the form to be printed: `instances` and numbers put in, rounded if wanted."""
         expr = sp.sympify(expr).xreplace(self.instances).xreplace(PAPER_LETTERS).xreplace(self.instances)
         expr = expr.xreplace(self.numbers)
         return expr if self.digits is None or not self.values else _rounded(expr, self.digits)
@@ -142,8 +142,8 @@ def _rounded(expr: Expr, digits: int) -> Expr:
 def fragment_scope(
     settings: dict[str, str], scene: Scene | None = None, form: str = "entire", digits: int | None = None
 ) -> FragmentScope:
-    """Return the scope for numbers as text; a scene gives all numbers that are not set."""
-    # Any allowed parameters check the given ones; so does a speed of the other belt if only one is given.
+    """Return the scope of a fragment for parameters given as text; a scene supplies the others."""
+    # To check the given parameters, the others get any allowed values, and so does the speed of the other belt.
     base = scene.parameters if scene else Parameters(**dict.fromkeys(PARAMETER_NAMES, 1) | {"v1": -1, "v2": 1})
     given = {name: read_exact(name, settings[name]) for name in ("v1", "v2") if name in settings and not scene}
     other = {"v2": given["v1"] + 1} if "v1" in given else {"v1": given["v2"] - 1} if given else {}

@@ -37,7 +37,7 @@ KNOWN = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.sign, sp.asin, sp.Abs)
 
 
 class StepError(SymoscError):
-    """Raised if the check of a step fails or is undecided; `statement` is the statement not shown."""
+    """Raised if the check of a step fails or cannot decide; `statement` is what was to be shown."""
 
     def __init__(self, statement: str, reason: str) -> None:
         self.statement, self.reason = statement, reason
@@ -48,7 +48,7 @@ class StepError(SymoscError):
 
 
 class StepEvidence(NamedTuple):
-    """The evidence of a step: exact, sign or numeric; the largest difference or what decided; points (0: a proof)."""
+    """The evidence of a step: "exact", "sign" or "numeric"; the difference or the reason; points tried (0: proof)."""
 
     kind: str
     margin: str
@@ -56,7 +56,7 @@ class StepEvidence(NamedTuple):
 
 
 class Check:
-    """Base class of the checks: called with a statement they return the evidence, or raise StepError."""
+    """Base class of the checks: calling one with a step returns the evidence for it, or raises StepError."""
 
     def __call__(self, statement: Step) -> StepEvidence:
         raise NotImplementedError
@@ -78,12 +78,12 @@ class Step:
         return f"{self.left} {self.op} {self.right}"
 
     def verify(self) -> StepEvidence:
-        """Run the check."""
+        """Check the step and return the evidence; StepError if it fails."""
         return self.check(self)
 
 
 def step(left: Expr, op: str, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
-    """Return a step; the check may be the value of `left`, or a dictionary of the values of the symbols."""
+    """Return a step; `check` may be a Check, the value of `left`, or a dictionary of the values of symbols."""
     if not isinstance(check, Check):
         check = Exact({} if check is None else check if isinstance(check, dict) else {left: check})
     return Step(sp.sympify(left), op, sp.sympify(right), check, label, **options)
@@ -106,7 +106,7 @@ _MARKUP = re.compile(
 
 
 class Markup(NamedTuple):
-    """The title of a subsection, or the begin (with title and label) or end of an environment of `KINDS`."""
+    """A LaTeX command: a subsection with its title, or the beginning or end of an environment such as a theorem."""
 
     command: str
     name: str
@@ -115,19 +115,19 @@ class Markup(NamedTuple):
 
 
 class Prose(NamedTuple):
-    """A paragraph, with checks of the facts that it states in words."""
+    """A paragraph, with steps that check the facts that it states in words."""
 
     text: str
     facts: tuple[Step, ...] = ()
 
 
 def facts(*steps: Step) -> Prose:
-    """Return checks of the facts that the preceding paragraph states, to be attached to it."""
+    """Return an item that attaches steps to the preceding paragraph, as checks of what it states in words."""
     return Prose("", steps)
 
 
 class Table(NamedTuple):
-    """A table; a cell is LaTeX text, or a step, which shows its right side. `columns`: LaTeX's letters for them."""
+    """A table; a cell is LaTeX text, or a step that shows its right side; `columns` is LaTeX's, such as "lrr"."""
 
     label: str
     caption: str
@@ -138,7 +138,7 @@ class Table(NamedTuple):
 
 
 class Illustration(NamedTuple):
-    """A figure: a key of `symosc.derive.figures.FIGURES`, its label, its caption and how wide it is (1: the text)."""
+    """A figure: its key in `symosc.derive.figures.FIGURES`, label, caption, and width as a part of the text's width."""
 
     key: str
     label: str
@@ -147,7 +147,7 @@ class Illustration(NamedTuple):
 
 
 def flat(parts: Items) -> list[Any]:
-    """Return the parts of a chapter one by one, with texts taken apart into headings, environments and paragraphs."""
+    """Return the parts of a chapter as one flat list, with texts split into headings, environments and paragraphs."""
     found: list[Any] = []
     for part in parts:
         if isinstance(part, str):
@@ -181,7 +181,7 @@ def steps_of(item: Any) -> tuple[Step, ...]:
 
 @dataclass(frozen=True)
 class Exact(Check):
-    """Check that the sides are equal after substitution of all names by their values."""
+    """Check that both sides are equal after each name is replaced by its meaning."""
 
     # `meaning` has an independent expression (or a function that returns it) by its name, and is applied until nothing
     # changes. `tidy` reduces a difference that vanishes to 0; what it leaves is simplified. Unless the letters that are
@@ -201,7 +201,7 @@ class Exact(Check):
 
 @dataclass(frozen=True)
 class Each(Check):
-    """The statement passes several checks: one for each meaning of its symbols, such as the two belts."""
+    """Check a statement by several checks, one for each meaning of its symbols, such as the two belts."""
 
     checks: tuple[Check, ...]
 
@@ -213,7 +213,7 @@ class Each(Check):
 
 @dataclass(frozen=True)
 class Solves(Check):
-    """Check that the right side plus `shift` solves D y = force, D = d^2/dtau^2 + cm d/dtau + w0sq, from its start."""
+    """Check that y = right side + `shift` solves y'' + cm y' + w0sq y = `force` with y(0) = `start`, y'(0) = `rate`."""
 
     # Only one function does this, so every sign is checked. `general`: in the basis functions of all regimes.
 
@@ -245,17 +245,17 @@ class Solves(Check):
 
 
 def modes(expr: Expr) -> Expr:
-    """Return 0 for an expression in modes (products of tau, exp, sin, ...) that vanishes, else their sum."""
+    """Simplify a sum of modes (products of tau, exp, sin, ...) to 0 if it vanishes, else collect its modes."""
     expr = sp.expand_trig(expr)
     found = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
-    # What vanishes for all values of its modes needs no more than its numerator.
+    # Modes count as independent symbols here: the expression vanishes for all their values if its numerator does.
     above, _ = sp.fraction(sp.together(expr.xreplace(dict(zip(found, (sp.Dummy() for _ in found), strict=True)))))
     return sp.S.Zero if sp.expand(above) == 0 else solution.collect_modes(expr)
 
 
 @dataclass(frozen=True)
 class Sign(Check):
-    """An inequality that follows from the signs of the symbols, or holds between exact numbers."""
+    """Check an inequality that follows from the signs of its symbols, or holds between exact numbers."""
 
     meaning: dict[Expr, Any] = field(default_factory=dict)
 
@@ -271,7 +271,7 @@ class Sign(Check):
 
 @dataclass(frozen=True)
 class Close(Check):
-    """The printed decimal on the right is the computed value on the left to half a unit of its last digit."""
+    """Check that the decimal printed on the right is the computed `value`, up to half a unit of its last digit."""
 
     value: Callable[[], Any]
     decimals: int
@@ -282,14 +282,14 @@ class Close(Check):
 
 
 def decimal(name: str, number: Any, decimals: int, check: Check | None = None, **options: Any) -> Step:
-    """Return the step that a letter has a value, rounded to `decimals` decimals."""
+    """Return the step "name = number", with the number rounded to `decimals` decimals."""
     check = check or Close(lambda: number, decimals)
     return step(sp.Symbol(name, real=True), "=", rounded(number, decimals), check, decimals=True, **options)
 
 
 @dataclass(frozen=True)
 class AtRoot(Check):
-    """The sides agree with 50 digits at a given point; `tolerance` is absolute."""
+    """Check with 50 digits that a statement holds at a point, for equations up to an absolute `tolerance`."""
 
     meaning: Callable[[], dict[Expr, Any]]
     tolerance: Any = STEP_AGREEMENT
@@ -305,7 +305,7 @@ class AtRoot(Check):
 
 
 def _within(statement: Step, off: Any, tolerance: Any) -> StepEvidence:
-    """Return the evidence that both sides agree within a tolerance, or raise StepError."""
+    """Return evidence if `off`, the difference of both sides, is within a tolerance; else raise StepError."""
     if not off <= tolerance:
         raise StepError(str(statement), f"the sides differ by {CONTEXT.nstr(off, 3)}")
     return StepEvidence("numeric", CONTEXT.nstr(off, 2), 1)
@@ -315,7 +315,7 @@ def _within(statement: Step, off: Any, tolerance: Any) -> StepEvidence:
 
 
 def resolve(expr: Expr, meaning: dict[Expr, Any]) -> Expr:
-    """Replace names by their meanings until none is left."""
+    """Replace names in an expression by their meanings until no such name is left."""
     expr = sp.sympify(expr)
     for _ in range(10):
         used = {name: value for name, value in meaning.items() if name in expr.free_symbols}
@@ -327,7 +327,7 @@ def resolve(expr: Expr, meaning: dict[Expr, Any]) -> Expr:
 
 
 def points(expr: Expr, count: int) -> Iterator[dict[Expr, Any]]:
-    """Yield random points allowed by the assumptions on the symbols, reproducibly."""
+    """Yield random values of an expression's symbols that their assumptions allow, the same in every run."""
     letters = sorted(expr.free_symbols, key=lambda symbol: symbol.name)
     dice = random.Random(20161031)
     for _ in range(count):
@@ -336,7 +336,7 @@ def points(expr: Expr, count: int) -> Iterator[dict[Expr, Any]]:
 
 
 def evaluate(expr: Expr, point: dict[Expr, Any]) -> Any:
-    """Return an expression at a point with 60 digits."""
+    """Evaluate an expression at a point with 60 digits."""
     value = expr.subs(point, simultaneous=True)
     if value.free_symbols:
         raise StepError(str(expr), f"{sorted(map(str, value.free_symbols))} have no value")
@@ -347,17 +347,17 @@ def evaluate(expr: Expr, point: dict[Expr, Any]) -> Any:
 
 
 def number(value: Any) -> Any:
-    """Return a number of any kind as one of 60 digits."""
+    """Return a number of any kind as an mpmath number of 60 digits."""
     return CONTEXT.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else CONTEXT.mpf(value)
 
 
 def rounded(number: Any, decimals: int) -> Any:
-    """Return a number as an exact decimal."""
+    """Return a number rounded to some decimals, as an exact rational number."""
     return sp.Rational(int(CONTEXT.nint(CONTEXT.mpf(number) * 10**decimals)), 10**decimals)
 
 
 def _vanish(statement: Step, rest: Expr, complaint: str) -> None:
-    """Raise StepError with the complaint unless an expression vanishes."""
+    """Raise StepError unless an expression is 0; `complaint` is a format for the expression that is left."""
     if rest != 0 and sp.simplify(rest) != 0:
         raise StepError(str(statement), complaint.format(rest))
 

@@ -128,13 +128,13 @@ class CompiledResidual:
 
     @cached_property
     def scalar(self) -> Any:
-        """The residual of one pair of points, callable from compiled user code."""
+        """The compiled function for the residual at one pair of points, which other compiled code can call."""
         if len(self._rows) > 1:
             raise ParameterError("map", self.maps, "is a word; `scalar` is of one map")
         return _scalar(self._rows[0], self._K, self.jacobian, self.exit)
 
     def _fill(self, row: Map, points: Any) -> tuple[np.ndarray, np.ndarray | None]:
-        """Return f (2, n), and J (2, 4, n) or None, of one map."""
+        """Return one map's residuals as an array (2, n), and its Jacobians (2, 4, n) if wanted, else None."""
         n, K = len(points[0]), self._K
         f, J = np.empty((2, n)), np.empty((2, 4, n)) if self.jacobian else None
         results = (f,) if J is None else (f, J)
@@ -150,7 +150,7 @@ class CompiledResidual:
             raise ParameterError("theta_j", "array", UNWRAPPED)
         v_i, v_j, A = flight_arguments(row, K)
         arguments = (v_i, v_j), A, K
-        # The most frequent formula runs over all points, which need not be picked out; the others then correct theirs.
+        # The most frequent formula runs over all points, without selecting them; the others then overwrite theirs.
         order = sorted((kind for kind in range(KINDS) if counts[kind]), key=lambda kind: -counts[kind])
         for kind in order:
             if kind == order[0]:
@@ -165,7 +165,7 @@ class CompiledResidual:
 
 
 def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> tuple[np.ndarray, ...]:
-    """Return arrays of one shape, without a check of their entries."""
+    """Return the given columns as arrays of floats, checked for equal shapes but not for finite entries."""
     if len(columns) != len(names):
         raise ParameterError("points", f"{len(columns)} arrays", f"must be {', '.join(names)}")
     given = [unmasked(name, column) for name, column in zip(names, columns, strict=True)]
@@ -190,7 +190,7 @@ def _belt_and_sides(row: Map, K: Constants, exit: str | None) -> tuple[float, tu
 
 @lru_cache(maxsize=KINDS)
 def _loops(kind: int) -> dict[str, Any]:
-    """Return the loops compiled with one kind of formula."""
+    """Return the functions over arrays by name, compiled with one kind of closed form."""
     outlined = {"flights", "flights_and_slopes", "sticks", "sticks_and_slopes", "load", "store", "kinds_of"}
     if kind == WIDE:
         return compile_modules((mapping,), outlined | {"flight", "flight_slopes"}, compiled())
@@ -204,7 +204,7 @@ def _loops(kind: int) -> dict[str, Any]:
 
 
 def _scalar(row: Map, K: Constants, jacobian: bool, exit: str | None) -> Any:
-    """Return the compiled residual of one pair of points."""
+    """Return a compiled function for the residual (and Jacobian) of a map at one pair of switching points."""
     import numba
 
     functions = _loops(WIDE)

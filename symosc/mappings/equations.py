@@ -134,7 +134,7 @@ def parameter_jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, ex
 
 
 class MapArithmetic(NamedTuple):
-    """The functions of `symosc.kernels.mapping` and their constants in one arithmetic."""
+    """The functions of `symosc.kernels.mapping` and an oscillator's constants for one kind of numbers."""
 
     K: Constants
     of: dict[str, Any]
@@ -154,17 +154,17 @@ def stick_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
 
 
 def _residual(row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit: str | None) -> Any:
-    """Return f1, f2 of a map."""
+    """Return the residuals f1, f2 of a map for numbers or arrays x_i, theta_i, x_j, theta_j."""
     K = numbers.K
     if not row.sticks:
         return numbers.of["flight"](*points, *flight_arguments(row, K), K)
     v, *beside = stick_arguments(row, K)
     (f1, below), (_, above) = (numbers.of["stick"](*points, v, A, K) for A in beside)
-    return f1, _chosen(exit, below, above, below, above)
+    return f1, _by_exit(exit, below, above, below, above)
 
 
 def _jacobian(row: Map, numbers: MapArithmetic, points: Sequence[Numbers]) -> Any:
-    """Return the derivatives of f1, f2 by x_i, theta_i, x_j, theta_j."""
+    """Return the derivatives of f1 and f2 with respect to x_i, theta_i, x_j, theta_j, in two rows."""
     K, (x_i, theta_i, _, theta_j) = numbers.K, points
     one, zero = 1 + 0 * x_i, 0 * x_i
     if row.sticks:
@@ -179,15 +179,15 @@ def _jacobian(row: Map, numbers: MapArithmetic, points: Sequence[Numbers]) -> An
 def _parameter_jacobian(
     p: Parameters, row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit: str | None
 ) -> Any:
-    """Return the derivatives of f1, f2 by the parameters."""
+    """Return the derivatives of f1 and f2 with respect to the parameters, in two rows."""
     K, (x_i, theta_i, x_j, theta_j) = numbers.K, points
     m, zero, domain = numbers.number(p.m), 0 * x_i, row.domain
     begin, end = f"v{row.start.boundary}", f"v{row.end.boundary}"
     if row.sticks:
         v_i, _, _ = stick_arguments(row, K)
         below, above = (_residual(row, numbers, points, way)[1] for way in EXITS)
-        domain = _chosen(exit, below, above, *NEIGHBOURS[row.start.boundary])
-        F = _chosen(exit, below, above, below, above)
+        domain = _by_exit(exit, below, above, *NEIGHBOURS[row.start.boundary])
+        F = _by_exit(exit, below, above, below, above)
         found = numbers.of["stick_by_parameters"](x_j, theta_i, theta_j, v_i, F, m, K)
         v_c, v_k, v_A, v_B, v_v0, v_m, x_Om, x_v0 = found
         by_letter = [(zero, v_m), (zero, v_c), (zero, v_k), (zero, v_A), (zero, v_B), (x_Om, zero)]
@@ -206,8 +206,8 @@ def _parameter_jacobian(
     return tuple(tuple(columns[name][equation] for name in PARAMETER_NAMES) for equation in (0, 1))
 
 
-def _chosen(exit: str | None, force_below: Numbers, force_above: Numbers, below: Any, above: Any) -> Any:
-    """Return `below` or `above`: the one named by `exit`, or the one with the smaller force."""
+def _by_exit(exit: str | None, force_below: Numbers, force_above: Numbers, below: Any, above: Any) -> Any:
+    """Return `below` or `above`: the one that `exit` names or, if it is None, the one with the smaller force."""
     if exit is not None:
         return below if exit == "below" else above
     nearer_below = abs(force_below) <= abs(force_above)
@@ -220,13 +220,13 @@ def _chosen(exit: str | None, force_below: Numbers, force_above: Numbers, below:
 
 
 def map_arithmetic(p: Parameters, context: Context | None = None) -> MapArithmetic:
-    """Return the arithmetic of doubles, or of an mpmath context, for scalars."""
+    """Return the map functions for scalars: doubles, or the numbers of an mpmath context."""
     return _doubles(p) if context is None else _mp_numbers(p, context, context.prec)
 
 
 @lru_cache(maxsize=128)
 def _doubles(p: Parameters, arrays: bool = False) -> MapArithmetic:
-    """Return the arithmetic of doubles, for scalars or for numpy arrays."""
+    """Return the map functions in doubles, for scalars or for numpy arrays."""
     if not arrays:
         return MapArithmetic(constants(p), vars(mapping) | vars(tangent), float)
     names = {"sin": np.sin, "cos": np.cos, "basis": entire_array.basis}
@@ -235,7 +235,7 @@ def _doubles(p: Parameters, arrays: bool = False) -> MapArithmetic:
 
 @lru_cache(maxsize=16)
 def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmetic:
-    """Return the arithmetic of an mpmath context; `precision` is its precision, a part of the cache key."""
+    """Return the map functions for numbers of an mpmath context; its `precision` is passed only for the cache."""
     from symosc.kernels.multiprecision import BasisMP
 
     number = partial(number_of, context=context)
@@ -253,7 +253,7 @@ UNWRAPPED = "must be >= theta_i: give unwrapped phases, the flight takes (theta_
 def read_points(
     p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None
 ) -> tuple[Map, MapArithmetic, list[Any], tuple[int, ...] | None]:
-    """Return the map's row, the arithmetic, the four numbers (flat arrays) and the arrays' shape (None for scalars)."""
+    """Check a map's arguments; return its row of the table, functions, flat points, and shape (None for scalars)."""
     if label not in MAPS:
         raise ParameterError("label", label, f"must be one of {', '.join(MAPS)}")
     row = MAPS[label]
@@ -275,7 +275,7 @@ def read_points(
 
 
 def _in_blocks(evaluate: Any, points: list[np.ndarray], head: tuple[int, ...], shape: tuple[int, ...]) -> np.ndarray:
-    """Evaluate arrays of points in blocks, whose temporaries stay in the cache; return an array head + shape."""
+    """Evaluate points in blocks small enough for the processor's cache; return an array of shape head + shape."""
     size = len(points[0])
     found = np.empty((*head, size))
     for begin in range(0, size, 16384):
@@ -285,7 +285,7 @@ def _in_blocks(evaluate: Any, points: list[np.ndarray], head: tuple[int, ...], s
 
 
 def _matrix(rows: Any) -> np.ndarray:
-    """Return rows of numbers as an array."""
+    """Return rows of numbers as an array of floats, or of mpmath numbers."""
     return np.array(rows, dtype=object if hasattr(rows[0][0], "_mpf_") else float)  # all are of one kind
 
 
@@ -402,17 +402,17 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
 
 @lru_cache(maxsize=64)
 def _engine(p: Parameters, digits: int | None) -> Arithmetic:
-    """Return the engine's arithmetic with that many digits, None for doubles."""
+    """Return the arithmetic of the event search with as many decimal digits as asked, for None that of doubles."""
     return many_digits(p, digits) if digits else Arithmetic(p)
 
 
 def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> tuple[NextEvent, Number]:
-    """Return the next event, and its phase since the start; raise MapError unless the motion starts as the map does."""
+    """Return the next event and the phase passed until then; MapError if the motion starts in another mode."""
     K, names, belt = arithmetic.K, arithmetic.namespace, row.start.boundary
     two_pi, eps = names["TWO_PI"], names["EPS"]
     turns = int(theta / two_pi) - (theta < 0)
     phase = (theta - turns * two_pi) - turns * names["TWO_PI_REST"]
-    # After a stick one force is 0, up to the rounding of the stick's end.
+    # After a stick one force is 0, up to the rounding errors of its end.
     allowed = ROUNDING * eps * (force_terms(belt, x, K) + abs(K.f0 * theta))
     start = belt_start(belt, x, (names["sin"](phase), names["cos"](phase)), arithmetic, allowed)
     if start.mode != row.mode:
@@ -440,7 +440,7 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> t
 
 
 def _map_derivative(J: np.ndarray) -> np.ndarray | None:
-    """Return d(x_j, theta_j)/d(x_i, theta_i) = -(df/d end)^-1 df/d start, or None if undefined."""
+    """Return d(x_j, theta_j)/d(x_i, theta_i), from the Jacobian J of f1 and f2; None if it is undefined."""
     start, ((x_x1, x_th1), (v_x1, v_th1)) = J[:, :2], J[:, 2:]
     determinant = x_x1 * v_th1 - x_th1 * v_x1
     if determinant == 0:

@@ -37,7 +37,7 @@ def is_array(value: Any) -> bool:
 
 
 def scalar(name: str, value: Any, convert: Callable[[Any], Number]) -> Number:
-    """Return a number converted to one arithmetic by `convert`."""
+    """Convert a number by `convert`, and check that it is a finite real number."""
     if isinstance(unmasked(name, value), np.ndarray) and value.ndim == 0:
         value = value.item()
     if isinstance(value, bool | np.bool_ | str | bytes | complex | None) or is_array(value):
@@ -53,7 +53,7 @@ def scalar(name: str, value: Any, convert: Callable[[Any], Number]) -> Number:
 
 
 def point_columns(given: list[object]) -> list[np.ndarray]:
-    """Return x_i, theta_i, x_j, theta_j as four arrays of one shape."""
+    """Return x_i, theta_i, x_j, theta_j as four arrays, broadcast to one shape."""
     allowed = "must be an array of real numbers (arrays and mpmath numbers do not mix)"
     columns = [real_array(name, value, allowed) for name, value in zip(POINT_NAMES, given, strict=True)]
     try:
@@ -93,7 +93,7 @@ RATIONAL_SINES |= {7: Fraction(-1, 2), 9: Fraction(-1), 11: Fraction(-1, 2)}
 
 
 class ExactPhase(NamedTuple):
-    """The number rest + multiple pi."""
+    """A phase known exactly, the number rest + multiple * pi with rational rest and multiple."""
 
     rest: Fraction
     multiple: Fraction = Fraction(0)
@@ -229,7 +229,7 @@ def number_of(value: Angle, context: Context) -> Number:
 
 
 def reduced(angle: Angle) -> Angle:
-    """Return an exact angle reduced to [0, 2 pi), exactly."""
+    """Return an exact angle modulo 2 pi, in [0, 2 pi), again exact."""
     if isinstance(angle, Fraction) and 0 <= angle < 6:
         return angle
     import sympy
@@ -262,7 +262,7 @@ def latex_number(value: Any) -> str:
 
 
 def latex_point(letter: str, theta: Any, x: Any) -> str:
-    """Return (Omega t, x) = (theta, x) with a symbol as index."""
+    """Return the equation (Omega t, x)_letter = (theta, x) as LaTeX."""
     return rf"(\Omega t_{letter}, x_{letter}) = ({latex_number(theta)}, {latex_number(x)})"
 
 
@@ -278,7 +278,7 @@ def latex_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 class LatexAnswer:
-    """A result that notebooks show as the formula returned by `latex`."""
+    """Base class of results that notebooks show as a formula, the one that `latex` returns."""
 
     __slots__ = ()
 

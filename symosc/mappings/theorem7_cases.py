@@ -88,7 +88,7 @@ def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: in
 
 
 def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: int) -> str:
-    """Return the paper's case: (55.1) is the first of (55); letters mark cases missing in the paper."""
+    """Return the label of a case, such as (55.1), the first of eq. (55); letters mark cases missing in the paper."""
     # a: gamma has the wrong sign and |gamma| = |amplitude|; b, c: B0 = 0, everything and nothing. B0 < 0 is B0 > 0 half
     # a period later.
     if amplitude_sign == 0:
@@ -101,7 +101,7 @@ def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: 
 
 
 def window(k, v, B, Omega, side, full):
-    """Return (kind, low, high, theta_cr) of the window; k, v, B and Omega are pairs."""
+    """Return a window's kind, its ends low and high, and theta_cr, from k, v, B0 and Omega as pairs of doubles."""
     # An ARC reaches from low up to high, both excluded, a WRAPPED_ARC from low through 0 to high. With ALL_BUT_ONE, low
     # = high is the excluded phase. EQUALITY_UNDECIDED: too near |k v| = |B0 Omega| for numbers that are no doubles.
     # theta_cr is nan where Theta_cr does not exist.
@@ -140,7 +140,7 @@ def window(k, v, B, Omega, side, full):
 
 
 def windows(pairs, side, full, columns):
-    """Fill the arrays kind, low, high and theta_cr from four pairs of arrays (k, v, B0, Omega), all of one length."""
+    """Fill the arrays kind, low, high and theta_cr in `columns` by `window`, for arrays of k, v, B0, Omega as pairs."""
     kh, kl, vh, vl, Bh, Bl, Oh, Ol = pairs
     kind, low, high, theta_cr = columns
     for i in range(len(kind)):

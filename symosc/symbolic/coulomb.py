@@ -45,7 +45,7 @@ FREE_START = sp.ImmutableMatrix([x_0 - p_0 - x_f, -Omega * q_0])
 
 @cache
 def transition() -> Expr:
-    """Return the matrix that maps a free motion (x, v) at the start to tau, in E0, E1, E2."""
+    """Return the matrix that takes a free motion (x, v) at its start to that a time tau later, in E0, E1, E2."""
     flow = solution.flow()
     start = {a_i: solution.acceleration(x_i, v_i, solution.theta_i)}
     states = [solution.use_relations(expr.xreplace(start)) for expr in (flow.x, flow.v)]
@@ -59,20 +59,20 @@ def frictionless_amplitude_squared() -> Expr:
 
 
 def symmetry() -> Expr:
-    """Return the expressions that vanish on the symmetric motion: (x, v) half a period later, plus (x_0, 0)."""
+    """Return two expressions that are 0 on the symmetric motion: x + x_0 and v, both half a period after the start."""
     return transition() * FREE_START + sp.Matrix([x_f - p_0 + x_0, -Omega * q_0])
 
 
 @cache
 def half_period() -> tuple[Expr, Expr]:
-    """Solve the conditions of symmetry for G and H of the steady part: p_0 = x_0 + G x_f and q_0 = H x_f."""
+    """Solve the conditions of symmetry for G and H, which give the steady part: p_0 = x_0 + G x_f and q_0 = H x_f."""
     found = sp.solve(list(symmetry()), [p_0, q_0], dict=True)[0]
     return sp.simplify((found[p_0] - x_0) / x_f), sp.simplify(found[q_0] / x_f)
 
 
 @cache
 def amplitude() -> Expr:
-    """Return x_0 in Q, G, H and x_f: the larger root of p_0^2 + q_0^2 = Q^2."""
+    """Return the highest point x_0 in Q, G, H and x_f: the larger root of p_0^2 + q_0^2 = Q^2."""
     roots = sp.solve((x_0 + G * x_f) ** 2 + (H * x_f) ** 2 - Q**2, x_0)
     return max(roots, key=lambda root: root.subs({G: 0, H: 0, Q: 1}))
 
@@ -81,7 +81,7 @@ def amplitude() -> Expr:
 
 
 def turning_acceleration(after: bool) -> Expr:
-    """Return x'' just after or just before the highest point; friction changes its sign there."""
+    """Return the acceleration just after (or before) the highest point, where friction changes its sign."""
     return -(Omega**2) * p_0 + cm * Omega * q_0 - w0sq * (x_0 - p_0 - (x_f if after else -x_f))
 
 
@@ -93,24 +93,24 @@ def ratio() -> Expr:
 
 
 def half_period_matrix(rho: Expr) -> Expr:
-    """Return the matrix of half a period on a perturbation (x, v): a crossing multiplies v by rho."""
+    """Return the matrix that carries a perturbation (x, v) over half a period: a crossing multiplies v by rho."""
     return sp.diag(1, rho) * transition()
 
 
 def velocity() -> Expr:
-    """Return x'/Omega at the angle phi after the highest point; E0 and E1 are those at tau = phi/Omega."""
+    """Return x'/Omega at the angle phi after the highest point; its E0 and E1 stand for values at tau = phi/Omega."""
     return _steady((transition() * FREE_START)[1] / Omega - p_0 * sp.sin(phi) + q_0 * sp.cos(phi))
 
 
 @cache
 def slide_function() -> Expr:
-    """Return B(phi): the mass moves down at this angle if and only if p_0 > B x_f. E0 and E1 as in `velocity`."""
+    """Return B(phi): the mass moves down at the angle phi if and only if p_0 > B x_f; E0, E1 at tau = phi/Omega."""
     return sp.simplify(sp.solve(velocity().subs(x_0, p_0 - G * x_f), p_0)[0] / x_f)
 
 
 @cache
 def slide_limit() -> Expr:
-    """Return the limit of B at the turning point: there the acceleration just after it must not be upward."""
+    """Return the limit of B(phi) for phi -> 0, where the condition is that the acceleration is not upward."""
 
     def after(expr: Expr) -> Expr:  # differentiated by phi at phi = 0: E0 and E1 are functions of tau = phi/Omega
         rate = expr.diff(phi) + sum(expr.diff(name) * rate for name, rate in solution.rates().items()) / Omega
@@ -121,12 +121,12 @@ def slide_limit() -> Expr:
 
 
 def largest_force_ratio(largest: Expr) -> Expr:
-    """Return the largest F/P for which the symmetric motion has no stops."""
+    """Return the largest F/P for which the symmetric motion has no stops, given the largest value of B(phi)."""
     return k * Q / P / sp.sqrt(largest**2 + H**2)
 
 
 def _steady(expr: Expr) -> Expr:
-    """Substitute p_0 and q_0 of the steady part, and expand."""
+    """Substitute p_0 = x_0 + G x_f and q_0 = H x_f in an expression, and expand it."""
     return sp.expand(expr.subs({p_0: x_0 + G * x_f, q_0: H * x_f}))
 
 
@@ -135,7 +135,7 @@ def _steady(expr: Expr) -> Expr:
 
 @cache
 def resonance_growth() -> Expr:
-    """Return the growth of the turning points per cycle at r = 1, c = 0: twice that of half a cycle."""
+    """Return how far the turning points move outward per cycle at r = 1, c = 0: twice the distance of half a cycle."""
     # The highest point x_0 is at theta = pi/2, so that the drive pushes along with the velocity.
     regime = solution.REGIMES["resonance"]
     at = {x_i: x_0, v_i: 0, solution.theta_i: sp.pi / 2, a_i: solution.acceleration(x_0, sp.Integer(0), sp.pi / 2)}
@@ -146,14 +146,14 @@ def resonance_growth() -> Expr:
 
 @cache
 def free_decay() -> Expr:
-    """Return the decay of the turning points' distance from 0 per half free cycle (P = 0, c = 0)."""
+    """Return how much nearer to 0 each turning point of a free motion is than the last one (P = 0, c = 0)."""
     lowest = solution.flow(solution.REGIMES["undamped"]).x.subs({v_i: 0, f0: 0, a_i: w0sq * (x_f - x_0), x_i: x_0})
     lowest = lowest.subs({w0sq: solution.omega_0**2, tau: sp.pi / solution.omega_0})
     return sp.simplify(x_0 + lowest)
 
 
 def one_sided_velocity() -> Expr:
-    """Return x'/Omega of the motion d + x_0, d - x_0, ... at r = 1/(2 n), c = 0: free motion shifted by d."""
+    """Return x'/Omega of the motion between d + x_0 and d - x_0 at r = 1/(2 n), c = 0: a free motion shifted by d."""
     # Half a period is n periods of the free motion there, so that G = H = 0 and every d closes.
     return velocity().subs({G: 0, H: 0}).subs(x_f, x_f - d)
 
@@ -162,20 +162,20 @@ def one_sided_velocity() -> Expr:
 
 
 def closed(expr: Expr, regime: solution.Regime, time: Expr = HALF) -> Expr:
-    """Substitute the closed forms of E0, E1, E2 in a damping regime, at a time."""
+    """Replace E0, E1, E2 in an expression by their closed forms in a damping regime, at the time given."""
     basis = {name: form.subs(tau, time) for name, form in regime.basis().items() if name in solution.BASIS[:3]}
     return expr.subs(basis).subs(regime.parameters())
 
 
 def den_hartog_damped() -> tuple[Expr, Expr]:
-    """Return Den Hartog's G and H for 0 < c^2 < 4 k m, in h = c/(2 m) and omega_d."""
+    """Return Den Hartog's formulas for G and H if 0 < c^2 < 4 k m, in h = c/(2 m) and omega_d."""
     decay, turn = h * HALF, omega_d * HALF
     slow, below = sp.sinh(decay) - h / omega_d * sp.sin(turn), sp.cosh(decay) + sp.cos(turn)
     return slow / below, (h**2 + omega_d**2) / (Omega * omega_d) * sp.sin(turn) / below
 
 
 def den_hartog_undamped() -> dict[Expr, Expr]:
-    """Return Den Hartog's V, U (which is H), and S (which is r^2 B, in U) for c = 0."""
+    """Return Den Hartog's formulas for c = 0 by his letters: V, U (our H), and S (our r^2 B(phi), written with U)."""
     return {
         V: 1 / (1 - r**2),
         U: sp.sin(sp.pi / r) / (r * (1 + sp.cos(sp.pi / r))),  # tan(pi/(2 r))/r

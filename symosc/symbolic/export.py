@@ -35,9 +35,9 @@ from symosc.words import Map, Word, WordLike, read_word
 LANGUAGES = ("python", "numpy", "c", "julia")
 EXPORT_WIDTH = 112
 MATH = ("cos", "exp", "expm1", "sin", "sqrt")
-#: What the Jacobian of a mapping's function adds to its name. It returns two rows.
+#: What is appended to the name of a mapping's function for that of its Jacobian, which returns two rows.
 MATRIX = "_jacobian"
-#: A scene whose parameters the callers take where none are fixed.
+#: The scene that gives the parameters of the example calls if none are fixed.
 EXAMPLE = "fig9"
 
 _C_WORDS = """
@@ -52,7 +52,7 @@ import in isa let local macro module mutable outer primitive public quote return
 Base Core Main
 """
 _PYTHON = {*keyword.kwlist, *keyword.softkwlist, *sys.stdlib_module_names, "numpy"}
-#: Names that a file cannot have: words of the language, and what the source or the compiler would find in its place.
+#: Names that a file cannot have: keywords of the language, and names that the source or the compiler uses.
 RESERVED = {
     "python": _PYTHON,
     "numpy": _PYTHON,
@@ -96,14 +96,14 @@ def write_export(folder: str | Path, *arguments: Any, force: bool = False, **opt
     for path, text in texts.items():  # before the first of them is written
         if isdir(path):
             raise OutputError(str(path), "is a folder")
-        if not force and isfile(path) and not _holds(path, text):
+        if not force and isfile(path) and not _has_text(path, text):
             raise OutputError(str(path), "is there with another content; give another name, or force it")
     make_folder(folder)
     return [write_text(path, text) for path, text in texts.items()]
 
 
-def _holds(path: Path, text: str) -> bool:
-    """Return whether a file has this text."""
+def _has_text(path: Path, text: str) -> bool:
+    """Return whether a file exists and contains exactly this text."""
     try:
         return path.read_bytes() == text.encode()
     except OSError as error:
@@ -150,7 +150,7 @@ def flat(*given):
 
 
 class _Program(NamedTuple):
-    """The functions and constants to be printed."""
+    """The functions and constants of a word, to be printed in any of the languages."""
 
     word: Word
     functions: dict[str, ast.FunctionDef]  # each after those that it calls
@@ -162,11 +162,11 @@ class _Program(NamedTuple):
 
     @property
     def passed(self) -> list[str]:
-        """The argument with the constants, unless they are fixed."""
+        """The parameter "K" that holds the constants, in a list; an empty list if they are fixed numbers."""
         return [] if self.parameters else ["K"]
 
     def calls(self, first: int) -> list[tuple[str, str, str]]:
-        """Return for each mapping of the word its function, and its arguments in z, also for the Jacobian."""
+        """Return for each mapping its function's name and the text of its arguments, then of those of its Jacobian."""
         found = []
         for n, label in enumerate(self.maps):
             z = {name: f"z[{2 * n + i + first}]" for i, name in enumerate(("x_i", "theta_i", "x_j", "theta_j"))}
@@ -175,7 +175,7 @@ class _Program(NamedTuple):
         return found
 
     def about(self, mark: str, run: str) -> str:
-        """Return the comment at the top of the source; `run` says how to run its caller."""
+        """Return the comment at the top of the source; `run` is the text that says how to run its example."""
         maps = self.word.maps
         flight = (
             "  flight: f1 = x(tau) - x_j, > 0 if the mass comes out beyond x_j; f2 = v(tau) - v_j of the belt reached."
@@ -200,14 +200,14 @@ jacobian gives the 2 x 4 derivatives of f1, f2 of each map by its x_i, theta_i, 
         return "\n".join(f"{mark}{line}".rstrip() for line in text.split("\n"))
 
     def example(self) -> tuple[list[float], dict[str, float]]:
-        """Return switching points, no root, and parameters with which the source's own caller calls it."""
+        """Return switching points (not an orbit) and parameters for the example call at the end of the source."""
         p = self.parameters or load_scene(EXAMPLE).parameters
         z = [each for n in range(len(self.maps) + 1) for each in (round(0.5 - 0.3 * n, 1), round(0.4 + 0.7 * n, 1))]
         return z, {name: float(value) for name, value in p.as_dict().items()}
 
 
 def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
-    """Collect the functions that a word needs; for numpy arrays or for numbers, with or without fixed parameters."""
+    """Collect the functions that a word's residual needs: for numpy arrays or numbers; parameters fixed or not."""
     from symosc.engine.flow import APART, constants  # late: `symosc codegen --help` needs none of these
     from symosc.kernels import _generated, entire, entire_array, mapping
 
@@ -266,8 +266,8 @@ def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
 
 
 def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
-    """Return the name of a mapping's function, and the source of it and of its Jacobian."""
-    # For arrays, the arguments are made flat and of one length, and all results get their shape.
+    """Return the name of the function for a mapping, and the Python source of it and of its Jacobian."""
+    # For arrays, the arguments are flattened and broadcast to one length, and results get the arguments' shape back.
     begin, end = f"K.v{row.start.boundary}", f"K.v{row.end.boundary}"
     if row.sticks:
         domain = NEIGHBOURS[row.start.boundary][exit == "above"]
@@ -300,18 +300,18 @@ def {label}{MATRIX}({arguments}, K):
 
 
 def _names(node: ast.AST) -> set[str]:
-    """Return the names in a syntax tree."""
+    """Return all variable and function names that occur in a syntax tree."""
     return {leaf.id for leaf in ast.walk(node) if isinstance(leaf, ast.Name)}
 
 
 class _Fold(ast.NodeTransformer):
-    """A transformer that replaces known conditions by their truth and, if `fixed`, constants by names (K_cm)."""
+    """Transform a syntax tree: known conditions become True or False and, if `fixed`, constants K.cm become K_cm."""
 
     def __init__(self, known: dict[str, bool], fixed: bool) -> None:
         self.known, self.fixed = known, fixed
 
     def function(self, node: ast.FunctionDef) -> ast.FunctionDef:
-        """Fold a function, without annotations; its docstring is cut to the first paragraph."""
+        """Simplify a function by what is known, drop its annotations, and cut its docstring to the first paragraph."""
         node = self.visit(node)
         for argument in node.args.args:
             argument.annotation = None
@@ -324,7 +324,7 @@ class _Fold(ast.NodeTransformer):
         return ast.fix_missing_locations(node)
 
     def visit(self, node: ast.AST) -> Any:
-        """Return what is left of a node: a known condition is its truth, and leaves the branch that is taken."""
+        """Return a node with known conditions replaced by True or False, and only the branches that are taken."""
         if isinstance(node, ast.expr) and ast.unparse(node) in self.known:
             return ast.Constant(self.known[ast.unparse(node)])
         node = self.generic_visit(node)
@@ -351,7 +351,7 @@ class _Fold(ast.NodeTransformer):
 
 
 class _Julia(ast.NodeTransformer):
-    """The printer of functions for Julia 1.x; `returns` says how many numbers each function returns."""
+    """A printer of Python functions as Julia 1.x; `returns` says how many numbers each function returns."""
 
     member, end, condition, otherwise, close = ".", "", "if {}", "else", "end"
     loop = "for {0} in {1}:{3}"
@@ -364,12 +364,12 @@ class _Julia(ast.NodeTransformer):
             self.returns[name] = len(value.elts) if isinstance(value, ast.Tuple) else self.returns.get(called, 1)
 
     def expression(self, node: ast.expr) -> str:
-        """Return the source of an expression."""
+        """Return the source of a Python expression in the target language."""
         text = ast.unparse(self.visit(deepcopy(node)))
         return text[1:-1] if isinstance(node, ast.IfExp) else text
 
     def visit(self, node: ast.AST) -> Any:
-        """Return a node in which the source of what differs from Python stands as a name."""
+        """Return a node whose parts that differ from Python are replaced by names spelled as the target's source."""
         match node:
             case ast.BoolOp(op, values):
                 texts = [f"({self.expression(v)})" if isinstance(v, ast.BoolOp) else self.expression(v) for v in values]
@@ -383,7 +383,7 @@ class _Julia(ast.NodeTransformer):
         return self.generic_visit(node)
 
     def block(self, body: list[ast.stmt]) -> Iterator[str]:
-        """Yield the lines of a block."""
+        """Yield the source lines of a list of statements."""
         for node in body:
             match node:
                 case ast.Expr(ast.Constant()):
@@ -419,20 +419,20 @@ class _Julia(ast.NodeTransformer):
         return "\n".join([*note, head, *_indented(self.block(node.body)), "end"])
 
     def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
-        """Yield the assignment of several results."""
+        """Yield the source lines that assign several results to several targets."""
         yield f"{', '.join(map(self.expression, targets))} = {self._listed(value)}"
 
     def give_back(self, value: ast.expr) -> Iterator[str]:
-        """Yield the return statement."""
+        """Yield the source line that returns a value."""
         yield f"return {self._listed(value)}"
 
     def _listed(self, value: ast.expr) -> str:
-        """Return an expression, or the elements of a tuple without parentheses."""
+        """Return the source of an expression; of a tuple, its elements joined by commas, without parentheses."""
         return ", ".join(map(self.expression, value.elts if isinstance(value, ast.Tuple) else [value]))
 
 
 class _C(_Julia):
-    """The printer of functions for C99; one with several results writes them to the array `out`."""
+    """A printer of Python functions as C99; a function with several results writes them to an array `out`."""
 
     member, end, condition, otherwise, close = "->", ";", "if ({}) {{", "} else {", "}"
     loop = "for (int {0} = {1}; {0} < {2}; {0}++) {{"
@@ -442,7 +442,7 @@ class _C(_Julia):
         self.base, self.current, self.count = name, "", 0
 
     def visit(self, node: ast.AST) -> Any:
-        """Return a node with flags as 0 or 1, and every other number as a double."""
+        """Return a node in which True and False are written as 1 and 0, and every other number as a double."""
         match node:
             case ast.Name("abs"):
                 return ast.Name("fabs")
@@ -451,7 +451,7 @@ class _C(_Julia):
         return super().visit(node)
 
     def head(self, node: ast.FunctionDef) -> str:
-        """Return the declaration of a function without the semicolon; those of mappings are public."""
+        """Return the head of a C function, "type name(arguments)"; functions of mappings get the public prefix."""
         count, names = self.returns[node.name], [argument.arg for argument in node.args.args]
         arguments = [f"const {self.base}_constants *K" if name == "K" else f"double {name}" for name in names]
         if count > 1:
@@ -466,7 +466,7 @@ class _C(_Julia):
         body = list(self.block(node.body))
         if body[-1] == "return;":
             body.pop()
-        kinds = _kinds(node)
+        kinds = _c_types(node)
         first = _first_paragraph(node)
         lines = [f" * {line}" for line in textwrap.wrap(first, EXPORT_WIDTH - 3)]
         lines = [f"/* {first} */"] if len(lines) == 1 else ["/*", *lines, " */"] if lines else []
@@ -478,7 +478,7 @@ class _C(_Julia):
         return "\n".join([*lines, *_indented(body), "}"])
 
     def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
-        """Assign results one by one, through copies if a value uses an earlier target."""
+        """Yield C lines that assign several results one by one, through copies if a value uses an earlier target."""
         names = [self.expression(target) for target in targets]
         if isinstance(value, ast.Call):
             self.count += 1
@@ -497,7 +497,7 @@ class _C(_Julia):
             yield from (f"{name} = {self.expression(each)};" for name, each in zip(names, value.elts, strict=True))
 
     def give_back(self, value: ast.expr) -> Iterator[str]:
-        """Return the result, or write the results to `out`."""
+        """Yield the C lines that return one result, or write several results to the array `out`."""
         if isinstance(value, ast.Tuple):
             columns = len(value.elts) // 2 if self.current.endswith(MATRIX) and _is_map(self.current) else 0
             for n, each in enumerate(value.elts):
@@ -511,17 +511,17 @@ class _C(_Julia):
             yield f"return {self.expression(value)};"
 
     def _call_into(self, call: ast.Call, target: str) -> str:
-        """Return a call that writes its results to an array."""
+        """Return a C call of a function with several results, which it writes to the array `target`."""
         return f"{self.expression(call)[:-1]}{', ' if call.args else ''}{target});"
 
 
 def _is_map(name: str) -> bool:
-    """Return whether a function is that of a mapping or of its Jacobian."""
+    """Return whether a name is that of a mapping's function or of its Jacobian."""
     return re.match(r"P[1-8]", name) is not None
 
 
-def _kinds(node: ast.FunctionDef) -> dict[str, str]:
-    """Return "double" or "int" (a flag) for each local variable of a function."""
+def _c_types(node: ast.FunctionDef) -> dict[str, str]:
+    """Return the C type of each local variable of a function: "double", or "int" for a flag."""
     kinds: dict[str, str] = {}
     given = {argument.arg for argument in node.args.args} | {"_"}
     for leaf in (each for each in ast.walk(node) if isinstance(each, ast.Assign)):
@@ -585,7 +585,7 @@ if __name__ == "__main__":
 
 
 def _python_whole(program: _Program, arrays: bool) -> list[str]:
-    """Return the functions of the whole word, for numbers or for broadcasting arrays."""
+    """Return the Python source of residual and Jacobian of the whole word, for numbers or for arrays."""
     calls, arguments = program.calls(0), ", ".join(["z", *program.passed])
     rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
     blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
@@ -685,7 +685,7 @@ int main(void)
 
 
 def _wrapped(text: str) -> str:
-    """Return C source with long lines wrapped at blanks."""
+    """Return C source with its long lines broken at blanks."""
     lines = []
     for line in text.splitlines():
         indent = line[: len(line) - len(line.lstrip())]

@@ -35,7 +35,7 @@ from symosc.model import Parameters
 from symosc.scenes import ParametersLike
 from symosc.symbolic.theorem7 import latex, rational, real, sign_of
 
-#: The letters of questions without numbers. v_lambda is the belt of the map, v_1 and v_2 stand in its range only.
+#: The letters of questions without numbers: v_lambda is the map's belt speed; v_1 and v_2 only bound its range.
 QUERY_LETTERS = {
     "k": sp.Symbol("k", nonnegative=True),
     "v": sp.Symbol("v_lambda", real=True),
@@ -49,7 +49,7 @@ THETA = sp.Symbol("theta", real=True)
 
 #: Booleans `a > b` and `a >= b` that sympy keeps as they are written.
 OPEN_REGION, CLOSED_REGION = sp.StrictGreaterThan, sp.GreaterThan
-#: A phase where the sine over an interval is extreme, and whether it is attained: not at an open end.
+#: A phase at which the sine over an interval is extreme, and whether the interval contains it (no open end).
 Extreme = tuple[Expr, bool]
 
 
@@ -57,7 +57,7 @@ Extreme = tuple[Expr, bool]
 
 
 class PhaseInterval(NamedTuple):
-    """An interval of phases of length up to 2 pi, with arbitrary ends."""
+    """An interval of phases from `low` to `high`, at most 2 pi long; either end may be excluded (open)."""
 
     low: Expr
     high: Expr
@@ -65,7 +65,7 @@ class PhaseInterval(NamedTuple):
     high_open: bool = False
 
     def deciding(self, signs: Sequence[int]) -> list[Extreme]:
-        """Return the phases that decide: of the smallest (sign -1) and largest (1) sine, and one between open ends."""
+        """Return the phases of smallest (sign -1) and largest (1) sine; if one is excluded, also one in between."""
         extremes = [self._extreme(sign) for sign in signs]
         if not all(attained for _, attained in extremes):
             inside = (self.low + (self.high - self.low) / parts for parts in (2, 3, 5))  # not all three are extreme
@@ -76,14 +76,14 @@ class PhaseInterval(NamedTuple):
 
     def _extreme(self, sign: int) -> Extreme:
         """Return the phase of the interval where sin(theta) is largest (sign 1) or smallest (-1)."""
-        # Tops of sign sin are at sign pi/2 + 2 pi n. The first one after the low end may be inside.
+        # sign * sin is largest at sign pi/2 + 2 pi n; the first of these phases after the low end may be inside.
         top = sign * sp.pi / 2
         first = top + 2 * sp.pi * sp.ceiling((self.low - top) / (2 * sp.pi))
         if sign_of(first - self.low) > 0 and sign_of(self.high - first) > 0:
             return first, True
         low, high = (self.low, not self.low_open), (self.high, not self.high_open)
         difference = sign_of(sign * (sp.sin(self.high) - sp.sin(self.low)))
-        # Of two that are as good as each other an attained one is wanted.
+        # If both ends are equally extreme, prefer one that the interval contains.
         return high if difference > 0 or (difference == 0 and high[1] > low[1]) else low
 
 
@@ -136,7 +136,7 @@ class GrazingQuestion(NamedTuple):
     theta: Any = None
 
     def text(self) -> str:
-        """Return the property as text."""
+        """Return the property asked for, such as that a window contains a phase, as text."""
         if self.asked != "contains":
             return f"{self.mapping} grazes at {'no' if self.asked == 'empty' else 'every'} phase"
         if isinstance(self.theta, PhaseInterval):
@@ -369,7 +369,7 @@ class ParameterRegion(Drawable, LatexAnswer):
 
 
 def holds(condition: Expr, numbers: dict[Expr, Expr]) -> bool:
-    """Return whether a condition holds for numbers; each comparison is decided exactly."""
+    """Return whether a condition holds with numbers put in; each comparison is decided exactly."""
     if condition in (sp.true, sp.false):
         return bool(condition)
     if isinstance(condition, sp.And | sp.Or):
@@ -465,7 +465,7 @@ def values_everything(p: ParametersLike | None, mapping: str, name: str | Sequen
 
 
 def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
-    """Return the names of one parameter or two; the belt is "v" among symbols, v1 or v2 among numbers."""
+    """Return the one or two parameter names asked for; "v" is the belt speed for symbols, v1 or v2 with numbers."""
     belt = f"v{place(mapping).boundary}"
     asked = tuple(given) if isinstance(given, tuple | list) else (given,)
     own = "v" if p is None else belt
@@ -480,7 +480,7 @@ def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
 
 
 def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
-    """Return the region of two parameters, or the answers for one, restricted to its allowed values."""
+    """Answer a question: the region of two parameters, or the values of one, restricted to what is allowed."""
     where, name = place(question.mapping), question.names[0]
     if len(question.names) == 2:
         return _region(p, where, question, full)
@@ -524,7 +524,7 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
 def _containing(
     name: str, values: dict[str, Expr], domain: Expr, side: int, extreme: Extreme, full: bool
 ) -> Iterator[Answer]:
-    """Solve side (k v + B0 Omega sin theta) > 0, or >= 0 at a phase that is not attained, for k, v, B0 or Omega."""
+    """Solve side (k v + B0 Omega sin theta) > 0 for k, v, B0 or Omega; >= 0 if theta is the open end of an interval."""
     theta, attained = extreme
     k, v, B0, Omega, sine = *(values[each] for each in ("k", "v", "B0", "Omega")), sp.sin(theta)
     # The left side is start + slope * parameter; level is side k v at its root.
@@ -545,7 +545,7 @@ def _containing(
 
 
 def _quartic(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield, with its condition, whether equality at theta makes a tangency of fourth order from the map's domain."""
+    """Yield True or False, whether equality at theta is a tangency that grazes, each with its condition."""
     cosine = sp.cos(theta)
     if not cosine.free_symbols:
         yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]
@@ -560,7 +560,7 @@ def _quartic(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
 def _solve_for_all_phases(
     name: str, values: dict[str, Expr], domain: Expr, direction: int, closed: bool, at_zero: bool
 ) -> Iterator[Answer]:
-    """Solve direction k v >= |B0| Omega, or > unless `closed`; `at_zero`: whether 0 = 0 counts."""
+    """Solve direction k v >= |B0| Omega (> unless `closed`) for a parameter; `at_zero`: 0 = 0 counts as a solution."""
     k, v, B0, Omega = (values[each] for each in ("k", "v", "B0", "Omega"))
     if name in ("Omega", "B0"):
         # |B0| Omega <= level
@@ -598,7 +598,7 @@ def _half_line(end: Expr, direction: int, closed: bool) -> Expr:
 
 
 def _signs(expr: Expr) -> Iterator[tuple[int, Expr]]:
-    """Yield the possible signs of an expression, each with its condition."""
+    """Yield each possible sign of an expression, with the condition under which it has this sign."""
     if not expr.free_symbols:
         yield sign_of(expr), sp.true
         return
@@ -611,7 +611,7 @@ def _signs(expr: Expr) -> Iterator[tuple[int, Expr]]:
 
 
 def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield True and False, each with the condition under which the expression is > 0 or not."""
+    """Yield True with the condition under which an expression is > 0, and False with that under which it is not."""
     if not expr.free_symbols:
         yield sign_of(expr) > 0, sp.true
         return
@@ -625,7 +625,7 @@ def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
 
 
 def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full: bool) -> ParameterRegion:
-    """Return the region of two parameters in which a map's window is as the question asks."""
+    """Return the region of two parameters in which a map's window has the property that the question asks for."""
     if p is None:
         raise ParameterError("p", p, "must be Parameters where a region of two parameters is asked for")
     belt = f"v{where.boundary}"
@@ -651,7 +651,7 @@ def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full:
 
 
 def _region_at(level: Expr, drive: Expr, extreme: Extreme, full: bool) -> Expr:
-    """Return the condition under which a phase grazes; a phase that is not attained may also end the window."""
+    """Return the condition that a contact at a phase grazes; at an open end of an interval equality is enough."""
     theta, attained = extreme
     left, right = level, -drive * sp.sin(theta)
     if not attained:

@@ -36,13 +36,13 @@ CONVOLVED = {sp.Integer(1): E2, E0: U0, E1: U1, E2: U2, R2: V, I2: W}
 
 
 def repeated_rates() -> dict[Expr, Expr]:
-    """Return d/dtau of the functions U0, U1, U2, V, W, P, Q of repeated roots, by D U1 = S and y' = f + i Omega y."""
+    """Return the tau-derivatives of U0, U1, U2, V, W, P, Q, the extra functions that parameter derivatives need."""
     of_roots = {U0: E1 - cm * U0 - w0sq * U1, U1: U0, U2: U1}
     return of_roots | {V: U1 - Omega * W, W: Omega * V, P: R2 - Omega * Q, Q: I2 + Omega * P}
 
 
 def rate(expr: Expr) -> Expr:
-    """Differentiate by tau an expression in tau, the basis functions and the functions of repeated roots."""
+    """Differentiate with respect to tau an expression in tau, the basis functions and U0, U1, U2, V, W, P, Q."""
     chain = (expr.diff(symbol) * value for symbol, value in repeated_rates().items())
     return solution.time_derivative(expr) + sp.Add(*chain)
 
@@ -56,8 +56,8 @@ def convolve(expr: Expr) -> Expr:
 
 
 def repeated_apart() -> dict[str, Expr]:
-    """Return the functions of repeated roots where all roots are apart, as steps; D, u and z are between them."""
-    # U1 = S*S is explicit; the others follow from D f = g, which their rates make an equation without derivatives. With
+    """Return U0, U1, U2, V, W, P, Q for roots that are not close, as formulas in steps; D, u, z, y, n are auxiliary."""
+    # U1 = S*S is explicit; the others solve D f = g, which by their known rates has no derivatives left. With
     # p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
     first = (E1 - tau * (E0 + h * E1)) / (2 * solution.omega_d**2)
     found = {"U1": first, "U0": sp.factor(solution.time_derivative(first).subs(cm, 2 * h))}
@@ -74,7 +74,7 @@ def repeated_apart() -> dict[str, Expr]:
 
 @cache
 def flight_residual() -> dict[str, Expr]:
-    """Return f1 and f2, summed so that neither loses digits when start and end are close."""
+    """Return f1 and f2 of a flight, summed so that neither loses digits when start and end are close."""
     flow = solution.flow()
     return {"f1": flow.x - x_j, "f2": flow.v - v_j}
 
@@ -88,8 +88,8 @@ def by_start() -> dict[str, Expr]:
 
 
 def flight_jacobian() -> dict[str, Expr]:
-    """Return the derivatives of f1 (names x_*) and f2 (v_*) with respect to x_i, theta_i and theta_j."""
-    # The others are constants: f1 has the derivative -1 by x_j, f2 has none.
+    """Return the derivatives of a flight's f1 (names x_*) and f2 (v_*) with respect to x_i, theta_i and theta_j."""
+    # The others are constants: with respect to x_j, f1 has the derivative -1 and f2 the derivative 0.
     start = by_start()
     found = {}
     for name, end in (("x", v_end), ("v", a_end)):
@@ -124,7 +124,7 @@ def flight_parameters() -> dict[str, Expr]:
 
 
 def flight_phase() -> dict[str, Expr]:
-    """Return the derivatives of x(tau) and v(tau) by theta_i at fixed x_i, v_i and tau."""
+    """Return the derivatives of x(tau) and v(tau) with respect to theta_i, at fixed x_i, v_i and tau."""
     flow, force = solution.flow(), solution.acceleration(x_i, v_i, theta_i)
     parts = (("x", flow.x), ("v", flow.v))
     return {f"{name}_ph": sp.expand(e.diff(theta_i) + e.diff(a_i) * force.diff(theta_i)) for name, e in parts}
@@ -139,18 +139,18 @@ def _by_cause(expr: Expr) -> Expr:
 
 
 def _operator(expr: Expr) -> Expr:
-    """Return D applied to an expression."""
+    """Return D y = y'' + cm y' + w0sq y of an expression y in tau, the left side of the equation of motion."""
     first = rate(expr)
     return sp.expand(rate(first) + cm * first + w0sq * expr)
 
 
 def stick_residual() -> dict[str, Expr]:
-    """Return f1 and f2 of a stick on a belt of speed v_i that slips into the domain with A_m."""
+    """Return f1 and f2 of a stick on a belt of speed v_i; it ends by slipping into the domain with the constant A_m."""
     return {"f1": x_i + v_i * tau - x_j, "f2": solution.acceleration(x_j, v_i, theta_j)}
 
 
 def stick_jacobian() -> dict[str, Expr]:
-    """Return the derivatives of f1 (names x_*) and f2 (v_*) by theta_i, theta_j, x_j other than 0, 1, -1."""
+    """Return the derivatives of f1 (x_*) and f2 (v_*) with respect to theta_i, theta_j, x_j unless 0, 1 or -1."""
     residual = stick_residual()
     # tau = (theta_j - theta_i)/Omega
     by_tau = residual["f1"].diff(tau) / Omega

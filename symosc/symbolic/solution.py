@@ -38,7 +38,7 @@ h, omega_d, eta, omega_0 = sp.symbols("h omega_d eta omega_0", positive=True)
 
 
 class Flow(NamedTuple):
-    """Displacement, velocity and acceleration at tau after the start."""
+    """Displacement, velocity and acceleration a time tau after the start."""
 
     x: Expr
     v: Expr
@@ -55,7 +55,7 @@ def in_paper_letters(expr: Expr) -> Expr:
 
 
 def force_constant(alpha: int) -> Expr:
-    """Return A_alpha: each belt pulls the mass forward in the domains below it and back in those above (eq. (1))."""
+    """Return A_alpha, A0 plus the friction in domain alpha: belts faster than the mass pull it forward (eq. (1))."""
     return A0 + {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}[alpha] * FN
 
 
@@ -74,17 +74,17 @@ def g_function(order: int) -> Expr:
 
 
 def next_derivative(y1: Expr, y0: Expr, forcing_n: Expr) -> Expr:
-    """Return y2 from y2 + cm y1 + w0sq y0 = -forcing: the next G-function from the last two (before G^(0): v)."""
+    """Return y2 from y2 + cm y1 + w0sq y0 = -forcing: the next G-function from the last two, y1 and y0."""
     return -cm * y1 - w0sq * y0 - forcing_n
 
 
 def forcing(n: int) -> Expr:
-    """Return -(d/dt)^n f0 cos theta."""
+    """Return minus the n-th time derivative of the drive f0 cos theta, f0 = B0/m and theta = Omega t."""
     return -f0 * Omega**n * sp.cos(theta).diff(theta, n)
 
 
 def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
-    """Return F^(alpha) on a belt at the time tau of a stick (x = x_i + v tau), given its value at the onset."""
+    """Return F^(alpha) on a belt a time tau after a stick began (x = x_i + v tau), given its value at that start."""
     # `cosines` stands for cos(theta_i + Omega tau) - cos(theta_i), which a caller can compute without cancellation.
     here, there = acceleration(x_i, v, theta_i), acceleration(x_i + v * tau, v, theta_i + Omega * tau)
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
@@ -96,7 +96,7 @@ def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
 
 @cache
 def rates() -> dict[Expr, Expr]:
-    """Return d/dtau of each basis function, by the ODE of S and Leibniz' rule, in terms of the basis functions."""
+    """Return the tau-derivative of each basis function in terms of the basis functions (ODE of S, Leibniz' rule)."""
     S, u = sp.Function("S"), sp.Symbol("u", real=True)
     integrals = [S(u) * wave for wave in (1, sp.cos(Omega * (tau - u)), sp.sin(Omega * (tau - u)))]
     meanings = [S(tau).diff(tau), S(tau), *(sp.Integral(integral, (u, 0, tau)) for integral in integrals)]
@@ -107,7 +107,7 @@ def rates() -> dict[Expr, Expr]:
 
 
 def start_values() -> dict[Expr, Expr]:
-    """Return the basis functions at tau = 0: S(0) = 0, S'(0) = 1 and the integrals vanish."""
+    """Return the values of the basis functions at tau = 0: E0 = S'(0) = 1, and all others are 0."""
     return {symbol: sp.Integer(symbol == E0) for symbol in BASIS}
 
 
@@ -118,7 +118,7 @@ def time_derivative(expr: Expr) -> Expr:
 
 @cache
 def relations() -> tuple[Expr, Expr, Expr]:
-    """Return expressions that vanish in every regime: L E2 - 1 and both parts of L (R2 + i I2) - exp(i Omega tau)."""
+    """Return three expressions that are always 0: L E2 - 1 and Re, Im of L (R2 + i I2) - exp(i Omega tau)."""
 
     def relation(response: Expr, force: Expr) -> Expr:
         first = time_derivative(response)
@@ -141,7 +141,7 @@ def use_relations(expr: Expr) -> Expr:
 
 @cache
 def flow(regime: Regime | None = None) -> Flow:
-    """Return x, v, a at tau after (t_i, x_i, v_i), in terms of the basis functions or, for a regime, of tau."""
+    """Return x, v, a a time tau after (t_i, x_i, v_i), written in the basis functions or, given a regime, in tau."""
     # Variation of constants gives x up to two constants, the start fixes them. A is then eliminated in favour of the
     # acceleration a_i at the start: friction enters only there, and nothing cancels when tau -> 0. Each result is
     # sorted by cause (x_i, v_i, a_i, f0); x and v are the start value and what has been added to it since.
@@ -158,12 +158,12 @@ def flow(regime: Regime | None = None) -> Flow:
 
 
 def _force_at_start() -> Expr:
-    """Return A_m from the acceleration a_i at the start."""
+    """Return the constant force per mass A_m, solved from the acceleration a_i at the start."""
     return sp.solve(acceleration(x_i, v_i, theta_i) - a_i, A_m)[0]
 
 
 def _by_cause(expr: Expr) -> Expr:
-    """Collect an expression that is linear in x_i, v_i, a_i and f0 by these."""
+    """Collect the terms of an expression by x_i, v_i, a_i and f0, in which it is linear."""
     expr, waves = sp.expand(expr), [sp.cos(theta_i), sp.sin(theta_i)]
     return sp.Add(*(q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in (x_i, v_i, a_i, f0)))
 
@@ -182,12 +182,12 @@ class Regime:
     letters: dict[Expr, Expr] = field(hash=False)  # what these letters are in m, c, k
 
     def parameters(self) -> dict[Expr, Expr]:
-        """Return cm = -(l1 + l2) and w0sq = l1 l2 in the regime's symbols."""
+        """Return cm and w0sq by the roots l1, l2 in the regime's symbols: cm = -(l1 + l2), w0sq = l1 l2."""
         return {cm: -2 * self.centre, w0sq: self.centre**2 - self.offset**2}
 
     @cache  # noqa: B019 (the table of regimes lives as long as the program)
     def basis(self) -> dict[Expr, Expr]:
-        """Return E0, E1, E2, R2, I2 as functions of tau."""
+        """Return the closed forms of E0, E1, E2, R2, I2 as functions of tau, by their symbols."""
         roots = self.centre + self.offset, self.centre - self.offset
         S = collect_modes(divided_difference(*roots))
         # Omega -> -Omega conjugates the response to exp(i Omega tau), since the operator is real.
@@ -198,7 +198,7 @@ class Regime:
 
 
 def divided_difference(*nodes: Expr) -> Expr:
-    """Return the divided difference of z -> exp(z tau) over nodes of which some may be equal."""
+    """Return the divided difference of the function exp(z tau) of z over nodes, some of which may be equal."""
     # Over the roots it is S; a further node z gives int_0^tau S(u) exp(z (tau - u)) du.
 
     def difference(z: list[Expr]) -> Expr:
@@ -210,7 +210,7 @@ def divided_difference(*nodes: Expr) -> Expr:
 
 
 def _mode(z: Expr) -> Expr:
-    """Write exp(z tau) with cos and sin for imaginary parts, cosh and sinh for eta."""
+    """Return exp(z tau), written with cos and sin of the imaginary part of z, with cosh and sinh of a part in eta."""
 
     def factor(part: Expr) -> Expr:
         if part.has(sp.I):
@@ -244,14 +244,14 @@ REGIMES = {regime.name: regime for regime in _table}
 
 
 def possible_regimes(numbers: dict[Expr, Expr]) -> tuple[Regime, ...]:
-    """Return the damping regime that numbers for m, c, k and Omega decide; if they leave several, these."""
+    """Return the damping regime that numbers for some of m, c, k and Omega decide, or all that remain possible."""
     holds = {regime: regime.condition.subs(numbers, simultaneous=True) for regime in REGIMES.values()}
     certain = tuple(regime for regime, condition in holds.items() if condition == sp.true)
     return certain or tuple(regime for regime, condition in holds.items() if condition != sp.false)
 
 
 class Join(NamedTuple):
-    """The limit of one damping regime that is another: `source` becomes `target` as `letter` -> 0 along `path`."""
+    """A limit between damping regimes: the formulas of `source` become those of `target` as `letter` -> 0."""
 
     source: str
     target: str

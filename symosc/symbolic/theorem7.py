@@ -161,7 +161,7 @@ def critical_phase(gamma: Expr, amplitude: Expr) -> Expr | None:
 def window_phases(
     where: cases.Place, gamma: Expr, amplitude: Expr, full: bool, of: tuple[int, int, int] | None = None
 ) -> Expr:
-    """Return the set of phases at which a contact grazes (Theorem 7); `of` are the signs of letters as in `signs`."""
+    """Return the set of phases at which a contact grazes (Theorem 7); `of`: the result of `signs`, if known."""
     of = of or signs(gamma, amplitude)
     kind = cases.window_kind(where.side, *of, full)
     if kind in (cases.EMPTY, cases.EVERYTHING):
@@ -178,13 +178,13 @@ def window_phases(
 
 
 def _through_zero(first: Expr, last: Expr) -> Expr:
-    """Return the open arc from `last` through 0 to `first`."""
-    # Known to be disjoint, which sympy finds out slowly, and with symbols not at all.
+    """Return the phases from `last` through 0 to `first` as a set in [0, 2 pi), without these two ends."""
+    # The two are disjoint, which sympy finds out slowly, and with symbols not at all: hence no evaluation.
     return sp.Union(_interval(sp.S.Zero, first, closed=True), _interval(last, 2 * sp.pi), evaluate=False)
 
 
 def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
-    """Return the interval [low, high), without `low` unless `closed`; low < high is known."""
+    """Return the interval from `low` (excluded unless `closed`) to `high` (excluded); low < high must be known."""
     # What sp.Interval returns, without its comparison of the ends by many digits.
     return sp.Basic.__new__(sp.Interval, low, high, sp.false if closed else sp.true, sp.true)
 
@@ -275,7 +275,7 @@ class AnswerPrinter(LatexPrinter):
         super().__init__({"inv_trig_style": "full"})
 
     def _as_ordered_terms(self, expr: Expr, order: Any = None) -> Sequence[Expr]:
-        """Return multiples of pi first if arcsines follow."""
+        """Return the terms of a sum with those that contain arcsines last."""
         terms: Sequence[Expr] = super()._as_ordered_terms(expr, order)
         arcs = [term for term in terms if term.has(sp.asin, sp.acos)]
         return [term for term in terms if term not in arcs] + arcs
@@ -299,12 +299,12 @@ class AnswerPrinter(LatexPrinter):
         return r",\ ".join(text for _, text in sorted(texts))
 
     def _print_Or(self, expr: Expr, char: Any = None) -> str:
-        # A chain has commas, so that alternatives are words.
+        # A chain of conditions has commas, so alternatives are joined by words.
         return r"\ \text{or}\ ".join(sorted(self._print(each) for each in expr.args))
 
 
 def _from_both_sides(one: Expr, other: Expr) -> bool:
-    """Return whether two conditions are a lower and an upper bound of one expression."""
+    """Return whether one condition bounds an expression from below and the other bounds the same one from above."""
     both = isinstance(one, INEQUALITIES) and isinstance(other, INEQUALITIES) and one.lhs == other.lhs
     return both and (one.lhs == one.gts) != (other.lhs == other.gts)
 

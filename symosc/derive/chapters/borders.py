@@ -114,7 +114,7 @@ def items(scope: Scope) -> Items:
 
 
 def _names_table() -> Table:
-    """Return the table of the names that the package gives to borders, seen from each of their sides."""
+    """Return the table of the kinds of borders: the package's names for them, seen from either side."""
     graze = "grazing", "grazing, or vanishing of a stick"
     rows = (
         (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", r"$\sqrt{\epsilon}$", *graze),
@@ -144,7 +144,7 @@ EXAMPLES: tuple[tuple[str, Parameters, str, str, tuple[str, str], int, int, str,
 
 
 def _examples_table() -> Table:
-    """Return ends of branches of the package, with the rate at the contact that decides."""
+    """Return the table of examples: ends of branches that the package finds, and the rate of the force that decides."""
     rows, signs = [], []
     for where, p, word, name, ends, which, belt, border, negative in EXAMPLES:
         end = continue_orbit(p, word, name, ends).ends[which]

@@ -202,7 +202,7 @@ def items(scope: Scope) -> Items:
 
 
 def _straightened(wave: Any) -> Items:
-    """Yield the facts of the proof for C = cos or cosh."""
+    """Return two checked facts used in the proof (L g and s'), for the free motion C = cos or C = cosh."""
     C, q = wave(W * U), sp.Function("q")(U)
     kappa, S = C.diff(U, 2) / C, {sp.cos: sp.sin, sp.cosh: sp.sinh}[wave](W * U) / W
     g = sp.exp(-RATE * U) * C * q

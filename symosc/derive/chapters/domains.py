@@ -177,7 +177,7 @@ def items(scope: Scope) -> Items:
 
 
 def solved_functions(generic: dict[Any, Any]) -> Items:
-    """Return the corollary that E_0 and E_1 give the other functions."""
+    """Return the corollary that expresses the other basis functions by E_0 and E_1."""
     still = sp.cos(Omega * tau) - E0 - cm * E1
     swing = sp.sin(Omega * tau) - Omega * E1
     meaning = generic | {name: value.xreplace(generic) for name, value in NORMS.items()}
@@ -238,7 +238,7 @@ MODES = {
 
 
 class PaperForm(NamedTuple):
-    """The motion of a regime as papers print it: position and velocity, the values of its constants, and a check."""
+    """The motion in a regime in the usual form of papers: x, v, the values of C1, C2, ..., and the check of x."""
 
     x: Any
     v: Any
@@ -248,7 +248,7 @@ class PaperForm(NamedTuple):
 
 @cache
 def paper_form(regime: solution.Regime) -> PaperForm:
-    """Return position and velocity of a regime in the form of papers, with the constants C1, C2, D1 and D2."""
+    """Return the motion in a regime in the usual form of papers, with the constants C1, C2, D1 and D2."""
     first, second, below, steady, letters = MODES[regime.name]
     x, start = C1 * first + C2 * second + steady, {tau: sp.Integer(0)}
     v = x.diff(tau)
@@ -269,7 +269,7 @@ def paper_form(regime: solution.Regime) -> PaperForm:
 
 
 def _one_exponential(v: Any, mode: Any) -> Any:
-    """Rewrite a velocity so that e^{-ct/2m} stands in it once, and each wave once within its factor."""
+    """Rewrite a velocity so that e^{-ct/2m} occurs once, and each sine or cosine once within its factor."""
     if not mode.has(sp.exp):
         return sp.expand(v)
     v, stand_in = sp.expand(v), sp.Dummy()
@@ -280,7 +280,7 @@ def _one_exponential(v: Any, mode: Any) -> Any:
 
 
 def constants(form: PaperForm) -> list[Step]:
-    """Return the constants of a form, checked to fit the start or the drive."""
+    """Return the steps that state the constants of a form, checked to fit the start or the drive."""
     start = {tau: sp.Integer(0)}
     fitted = sp.solve((form.x.subs(start) - x_i, form.x.diff(tau).subs(start) - v_i), [C1, C2], dict=True)[0]
     steps = []
@@ -292,7 +292,7 @@ def constants(form: PaperForm) -> list[Step]:
 
 
 def basis_function(symbol: Any, regime: solution.Regime, **options: Any) -> Step:
-    """Return the closed form of a basis function in a regime."""
+    """Return the step that states the closed form of a basis function in a regime, and checks it."""
     force, start, rate = map(sp.sympify, RESPONSES[symbol])
     parameters = regime.parameters()
     solves = Solves(force, start, rate.xreplace(parameters), *parameters.values())
@@ -300,7 +300,7 @@ def basis_function(symbol: Any, regime: solution.Regime, **options: Any) -> Step
 
 
 def true_letters() -> dict[Any, Any]:
-    """Return the values of h, eta, omega_d and omega_0 by coefficients and discriminant of m z^2 + c z + k."""
+    """Return h, eta, omega_d and omega_0 in m, c and k, from the roots of m z^2 + c z + k."""
     z = sp.Symbol("z")
     polynomial = sp.Poly(m * z**2 + c * z + k, z)
     a, b, _ = polynomial.all_coeffs()
@@ -313,14 +313,14 @@ _WAVES = sp.sin, sp.cos, sp.sinh, sp.cosh
 
 
 def _times(wave: Any, row: Any) -> Any:
-    """Return wave times row; the sign of a sum of only negative terms is put in front."""
+    """Return the product wave * row, with a minus put in front if all terms of the sum `row` are negative."""
     if wave != 1 and row.is_Add and all(term.could_extract_minus_sign() for term in row.args):
         return -wave * sp.Add(*(-term for term in row.args))
     return wave * row
 
 
 def tidy(expr: Any) -> Any:
-    """Write a closed form over one common denominator with its modes collected, so that it prints short."""
+    """Write a closed form over a common denominator with its exp, sin, cos, ... collected, so that it is short."""
     waves = sorted(expr.atoms(sp.exp), key=sp.default_sort_key)
     stand_ins = [sp.Dummy() for _ in waves]
     above, below = sp.fraction(sp.together(expr.xreplace(dict(zip(waves, stand_ins, strict=True)))))
@@ -332,7 +332,7 @@ def tidy(expr: Any) -> Any:
 
 
 def _sampled(join: solution.Join) -> Step:
-    """Return a check of one function near a border: its value there and on the border agree to first order."""
+    """Return the step that checks R2 near a join of two regimes: just beside it, it agrees with the limit."""
     source, target = solution.REGIMES[join.source].basis(), solution.REGIMES[join.target].basis()
     values = {solution.h: "3/7", omega_d: "5/4", eta: "2/9", omega_0: "7/5", Omega: "8/5", tau: "9/4"}
     point = {letter: sp.Rational(value) for letter, value in values.items()}

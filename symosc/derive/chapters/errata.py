@@ -89,7 +89,7 @@ def items(scope: Scope) -> Items:
 
 
 def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
-    """Return the times of the events up to the first slip; StepError unless the mass slips into a domain."""
+    """Return the times of the events up to the first slip; StepError unless it goes into the domain `target`."""
     events = simulate(load_scene(scene), digits=digits, max_events=6).events
     place = next(n for n, event in enumerate(events) if event.kind == "slip")
     if events[place].target != target:
@@ -98,7 +98,7 @@ def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
 
 
 def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any]:
-    """Return x at a contact at `time`, and (x, v) where the flow that grazes there was at t = 2.5, as expressions."""
+    """Return x, and x0, v0: the flow that grazes at the time given does so at x, and is at (x0, v0) for t = 2.5."""
     scope = Scope(load_scene(scene))
     numbers = scope.numbers
     force = solution.in_paper_letters(solution.acceleration()).subs(solution.A, solution.force_constant(alpha))
@@ -111,12 +111,12 @@ def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any
 
 
 def _start(x0: Any, v0: Any, label: str) -> list[Step]:
-    """Return the position and the velocity of a start."""
+    """Return two steps that state the position and the velocity of a start."""
     return [decimal("x_0", x0, 10, label=label), decimal(r"\dot{x}_0", v0, 10, label=label.replace("x0", "v0"))]
 
 
 def _prints(printed: str, value: Any) -> Step:
-    """Return the check that a printed number of four decimals is a value."""
+    """Return the step that checks a number printed with four decimals against its value."""
     return equation(named("z"), sp.Rational(printed), Close(lambda: value, 4))
 
 

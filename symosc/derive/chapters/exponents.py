@@ -37,7 +37,7 @@ def items(scope: Scope) -> Items:
     near_x, near_v = place + speed * s + BEFORE * s**2 / 2 + e * (DX + DV * s), speed + BEFORE * s + e * DV
 
     def along(expr: Any) -> Any:
-        """Differentiate by q where the event's time moves by t_q."""
+        """Differentiate with respect to q along the event, whose time moves at the rate t_q."""
         return expr.subs(s, e * T_Q).diff(e).subs(e, 0)
 
     reached = sp.solve(along(near_v) - V_Q, T_Q)[0]
@@ -171,7 +171,7 @@ def items(scope: Scope) -> Items:
 
 @cache
 def products(scene: str, by_friction: bool) -> list[Any]:
-    """Return the derivatives t_q of the first events' times by q = mu_1 or x_0, by the theorem on events."""
+    """Return the derivatives t_q of the first events' times, q = mu_1 or x_0, by the matrices of this chapter."""
     start = load_scene(scene)
     p, w0 = start.parameters, number(start.parameters.k / start.parameters.m)
     path = simulate(start, digits=DIGITS + 15)
@@ -195,7 +195,7 @@ def products(scene: str, by_friction: bool) -> list[Any]:
 
 
 def _events_table() -> Table:
-    """Return derivatives of a scene's events: those of the package, checked against the matrices."""
+    """Return the table of derivatives of a scene's event times: the package's, checked against the matrices."""
     exact = {q: products(SCENE, q == "mu1") for q in ("x0", "mu1")}
     ran = {q: sensitivities(SCENE, q, digits=DIGITS) for q in exact}
 
@@ -214,7 +214,7 @@ def _events_table() -> Table:
 
 
 def _exponents_table() -> Table:
-    """Return the table of two orbits' exponents by the theorem, and as the package finds them by following motions."""
+    """Return the table of two orbits' Lyapunov exponents by the theorem, and by following motions with the package."""
     p, orbit = load_scene("fig9-orbit").parameters, find_orbit("fig9-orbit", "P32", digits=DIGITS + 20)
     decay = -number(p.c / p.m)
     for (t, x), (before, after) in zip(orbit.points, ((2, 1), (1, 2)), strict=True):
@@ -222,7 +222,7 @@ def _exponents_table() -> Table:
         decay += CONTEXT.log(end / start) / number(orbit.period)
 
     def growth(scene: str, of: Any) -> Any:
-        """Return a Lyapunov exponent as the rate at which a distance grows between two times, whole periods apart."""
+        """Return a Lyapunov exponent as growth from 50 to 100 periods; `of` picks it from those of the package."""
         early, late = (of(sensitivities(scene, "x0", t_end=f"{n}T").lyapunov) for n in (50, 100))
         return 2 * late - early
 

@@ -197,7 +197,7 @@ def items(scope: Scope) -> Items:
 
 @cache
 def windows_table(label: str = "tab:grazing-windows") -> Table:
-    """Return the table of Theorem 7's windows, each of them checked: the boundary above the domain, and below it."""
+    """Return the table of Theorem 7's windows, each checked: contacts from below (P2, P5) and from above (P3, P6)."""
     return Table(
         label,
         r"Theorem~7: the phases $\theta_m$ at which a contact grazes to first order. The paper has neither the case "
@@ -208,7 +208,7 @@ def windows_table(label: str = "tab:grazing-windows") -> Table:
 
 
 def _window(mapping: str, gamma: Any, amplitude: Any) -> Step:
-    """Return the window of a case as a step."""
+    """Return the step that states and checks a mapping's window for letters gamma and amplitude of known signs."""
     place, values = PLACES[mapping], {g: gamma, a: amplitude}
     conditions = ((row, row.condition.subs(values, simultaneous=True)) for row in theorem7.all_cases(place, False))
     case = next(row for row, condition in conditions if sp.simplify(condition) == sp.true)
@@ -217,7 +217,7 @@ def _window(mapping: str, gamma: Any, amplitude: Any) -> Step:
 
 
 def _with_name(phases: Any) -> Any:
-    """Write Theta_cr for asin(-gamma/a) in the ends of a set."""
+    """Replace asin(-gamma/a) by its name Theta_cr in the ends of a set of phases."""
     if isinstance(phases, sp.Union):
         return sp.Union(*(_with_name(part) for part in phases.args), evaluate=False)
     if not isinstance(phases, sp.Interval):
@@ -229,9 +229,9 @@ def _with_name(phases: Any) -> Any:
 
 @dataclass(frozen=True)
 class Window(Check):
-    """Check that the set on the right is where side (gamma + a sin theta) > 0, for signs of gamma, a, |gamma| - |a|."""
+    """Check that the set on the right has exactly the phases theta with side (gamma + amplitude sin theta) > 0."""
 
-    # Exact: the function has at most two zeros, and between them its sign is decided where the sine is 1, 0 or -1.
+    # This is exact: the function has at most two zeros, and where the sine is 1, 0 or -1 its sign is decided.
 
     side: int
     gamma: Any
@@ -267,7 +267,7 @@ class Window(Check):
 
 
 def _numbers(scope: Scope, mapping: str) -> Items:
-    """Return the window of a scene, with its numbers."""
+    """Return the section with a mapping's window for the numbers of the scope's scene."""
     place = PLACES[mapping]
     gamma, amplitude = (e.subs(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m))
     phases = theorem7.window_phases(place, gamma, amplitude, False)

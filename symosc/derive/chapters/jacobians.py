@@ -21,12 +21,12 @@ BEFORE, AFTER = named("F^{-}"), named("F^{+}")
 
 
 def total(expr: Any, letter: Any) -> Any:
-    """Differentiate a motion by a start value at fixed tau; the acceleration at the start depends on the start too."""
+    """Differentiate with respect to a start value at fixed tau, also through a_i, the acceleration at the start."""
     return expr.diff(letter) + expr.diff(a_i) * solution.acceleration(x_i, v_i, theta_i).diff(letter)
 
 
 def partial(what: str, by: str) -> Any:
-    """Return the symbol of a partial derivative."""
+    """Return the symbol that prints as the partial derivative of `what` with respect to `by` (LaTeX)."""
     return named(rf"\frac{{\partial {what}}}{{\partial {by}}}")
 
 
@@ -112,7 +112,7 @@ def items(scope: Scope) -> Items:
 
 
 def perturbations() -> Items:
-    """Return the lemma on perturbations in a domain."""
+    """Return the items of the lemma on perturbations in a domain."""
     flow = solution.flow()
     entries = {
         "11": (flow.x, x_i, 1 - w0sq * E2),
@@ -143,7 +143,7 @@ def perturbations() -> Items:
 
 
 def saltation() -> Items:
-    """Return the theorem on saltation."""
+    """Return the items of the theorem on saltation."""
     speed, delta = named(r"v_\lambda"), named(r"\delta\dot{x}^{-}")
     shift, result = named(r"\delta t"), named(r"\delta\dot{x}^{+}")
     delay = {shift: sp.solve(delta + BEFORE * named("s"), named("s"))[0]}
@@ -181,7 +181,7 @@ def saltation() -> Items:
 
 @cache
 def _orbit(scene: str, word: str) -> tuple[Any, Any]:
-    """Return the product of an orbit's multipliers, and its value by the theorem, with 50 digits."""
+    """Return the product of an orbit's multipliers: the package's, and the one by the theorem; 50 digits."""
     from symosc.orbits.find import find_orbit
 
     p = load_scene(scene).parameters
@@ -194,7 +194,7 @@ def _orbit(scene: str, word: str) -> tuple[Any, Any]:
 
 
 def force_at_belt(p: Any, alpha: int, belt: int, x: Any, phase: Any) -> Any:
-    """Return m F^(alpha) at a belt's speed, from the parameters alone."""
+    """Return m F^(alpha) at a belt's speed, a position and a phase, computed anew from the parameters."""
     friction = {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1, 3: -p.mu1 - p.mu2}[alpha] * p.FN
     return number(p.A0 + friction - p.c * p.belt(belt)) + number(p.B0) * CONTEXT.cos(phase) - number(p.k) * x
 

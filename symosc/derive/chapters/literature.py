@@ -349,7 +349,7 @@ def items(scope: Scope) -> Items:
 
 
 def _agreed(value: Value) -> Any:
-    """Return the package's value of a number; StepError if it differs from the formula's by more than is allowed."""
+    """Return the package's value of a number; StepError if it differs too much from the value by formula."""
     if not abs(value.difference) <= value.tolerance:
         raise StepError(value.name, f"formula and package differ by {MP.nstr(value.difference, 3)}")
     return number(value.package)
@@ -369,14 +369,14 @@ def _numbers(key: str, caption: str) -> Table:
 
 
 def _free_motion(start: Any, rate: Any) -> tuple[Any, Any]:
-    """Return x and v of the free motion at tau: the flow without forces."""
+    """Return x and v of the motion without forces a time tau after the start with x = `start`, v = `rate`."""
     flow = solution.flow()
     at = {solution.x_i: start, solution.v_i: rate, solution.a_i: -w0sq * start - cm * rate, solution.f0: 0}
     return tuple(sp.expand(part.xreplace(at).xreplace(RELATION)) for part in (flow.x, flow.v))
 
 
 def _steady_part() -> dict[Any, Any]:
-    """Return p_0 and q_0 by Cramer's rule from the two conditions of symmetry, and the formulas of G and H."""
+    """Return p_0, q_0 (from the two conditions of symmetry, by Cramer's rule), G and H, by their symbols."""
     rows = coulomb.symmetry()
     matrix = rows.jacobian([p_0, q_0])
     p, q = matrix.adjugate() * (-rows.subs({p_0: 0, q_0: 0})) / matrix.det()

@@ -23,7 +23,7 @@ VELOCITIES = {1: r"$\dot{x} < v_1$", 2: r"$v_1 < \dot{x} < v_2$", 3: r"$\dot{x} 
 
 
 def coulomb(alpha: int) -> Any:
-    """Return A0 plus the friction of both belts, -mu F_N sgn(x' - v_lambda) each, at a velocity inside a domain."""
+    """Return A0 plus the friction of both belts, -mu F_N sgn(x' - v_lambda) each, at any velocity in a domain."""
     first, second = sp.symbols("p q", positive=True)
     slip1, slip2 = -first if alpha == 1 else first, second if alpha == 3 else -second
     return A0 - mu1 * FN * sp.sign(slip1) - mu2 * FN * sp.sign(slip2)
@@ -36,25 +36,25 @@ def acceleration(alpha: int) -> Any:
 
 @cache
 def newton(alpha: int) -> Any:
-    """Return the acceleration that Newton's law gives with Coulomb's friction."""
+    """Return the acceleration in a domain, solved from Newton's law with Coulomb friction."""
     a = sp.Symbol("a")
     return sp.solve(m * a + c * v + k * x - coulomb(alpha) - B0 * WAVE, a)[0]
 
 
 def stick_force(belt: int) -> Any:
-    """Return every force on the mass but the friction of this belt, at its speed (eq. (2) and its like for belt 2)."""
+    """Return the sum of all forces on the mass but this belt's friction, at this belt's speed (for belt 1: eq. (2))."""
     other = 3 - belt
     return A0 + B0 * WAVE - k * x - c * BELTS[belt] + MU[other] * FN * (1 if other == 2 else -1)
 
 
 def _values_at_belt(belt: int) -> dict[Any, Any]:
-    """Return the values at belt 1 or 2 of the symbols with lambda: forces on both sides, mu, v and static force."""
+    """Return what the symbols with index lambda stand for at a belt: forces on both sides, mu, v, static force."""
     lower, upper = (newton(alpha).subs(v, BELTS[belt]) for alpha in NEIGHBOURS[belt])
     return {F(LOWER): lower, F(UPPER): upper, mu_lambda: MU[belt], v_lambda: BELTS[belt], HELD: stick_force(belt)}
 
 
 def at_both(scope: Scope) -> Each:
-    """Return the check that a statement on belt lambda holds for both belts, at their speeds."""
+    """Return the check that a statement on belt lambda holds for each belt that occurs in the scope."""
     return Each(tuple(Exact(_values_at_belt(belt)) for belt in scope.boundaries))
 
 

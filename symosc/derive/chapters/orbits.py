@@ -109,7 +109,7 @@ def items(scope: Scope) -> Items:
 
 
 class Piece(NamedTuple):
-    """A map of an orbit: the map before it, the symbols of its start, f1 and f2, and the values of the symbols."""
+    """A map of an orbit: its row, that of the map before, symbols of its start, f1, f2, and what other symbols mean."""
 
     row: Map
     before: Map
@@ -121,14 +121,14 @@ class Piece(NamedTuple):
 
 @cache
 def root(parameters: Parameters, word: str) -> tuple[tuple[Any, Any], ...]:
-    """Return the switching points (x, theta) of the orbit, 50 digits, found by the numeric package."""
+    """Return the switching points (x, theta) of the orbit with a word to 50 digits, as `find_orbit` finds them."""
     orbit = find_orbit(parameters, word, digits=STEP_DIGITS + 5)
     return tuple((x, number(parameters.Omega) * t) for t, x in orbit.points)
 
 
 @cache
 def pieces(scope: Scope, word: str) -> tuple[Piece, ...]:
-    """Return the maps of an orbit, with the scene's numbers."""
+    """Return the maps of an orbit with a word as Pieces, with the scene's numbers put in."""
     rows, basis = read_word(word).maps, scope.regimes[0].basis()
     found = []
     for i, (row, leaves) in enumerate(zip(rows, read_word(word).exits(), strict=True)):
@@ -156,12 +156,12 @@ def pieces(scope: Scope, word: str) -> tuple[Piece, ...]:
 
 
 def _substituted(scope: Scope, expr: Any) -> Any:
-    """Substitute the scene's numbers."""
+    """Substitute the scene's numbers for the symbols of an expression."""
     return expr.xreplace(scope.display).xreplace(scope.numbers)
 
 
 def _values(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
-    """Return the numbers of all symbols at the root."""
+    """Return the values of all symbols at the orbit: of its switching points, and of what `meaning` defines."""
     assert scope.parameters is not None
     letters = [letter for piece in pieces(scope, word) for letter in piece.letters]
     numbers = [CONTEXT.nstr(value, STEP_DIGITS + 8) for point in root(scope.parameters, word) for value in point]
@@ -172,7 +172,7 @@ def _values(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
 
 
 def _orbit(scope: Scope, word: str, figure: str) -> Items:
-    """Yield the section of an orbit: its equations, its switching points, and what happens between them."""
+    """Yield the items of the section on one orbit: its equations, switching points, and checks in between."""
     assert scope.parameters is not None
     p, found, points = scope.parameters, pieces(scope, word), root(scope.parameters, word)
     equations: list[Any] = []
@@ -255,7 +255,7 @@ def _orbit(scope: Scope, word: str, figure: str) -> Items:
 
 
 def _followed(p: Parameters, word: str) -> Any:
-    """Return the digits of the mappings of the motion from the orbit's first point, for one period."""
+    """Simulate one period from the orbit's first point; return its mappings' numbers as one integer, such as 4645."""
     orbit = find_orbit(p, word, digits=STEP_DIGITS)
     t, x = orbit.points[0]
     end = CONTEXT.mpf(t) + CONTEXT.mpf("1.001") * CONTEXT.mpf(orbit.period)
@@ -269,7 +269,7 @@ FUNCTIONS = [{name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "c
 
 
 def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, list[tuple[str, Any]]]]:
-    """Yield name, value and bounds (in words, and as (op, bound)) of what must not reach a bound in a piece."""
+    """Yield, for what must not reach a bound in the j-th map: its name, value, bounds in words and as (op, bound)."""
     assert scope.parameters is not None
     p, row, points = scope.parameters, pieces(scope, word)[j].row, root(scope.parameters, word)
     (x, phase), (_, end) = points[j], points[(j + 1) % len(points)]
@@ -287,7 +287,7 @@ def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, 
             def slope(at: Any, value: Any = value, step: Any = step) -> Any:
                 return value(at + step) - value(at)
 
-            # The end, where one of them vanishes, is left out.
+            # The end of the stick, where one of both forces is 0, is left out.
             places = [CONTEXT.mpf(0), *_zeros(slope, duration), duration * CONTEXT.mpf("0.9")]
             what = rf"{words} $F^{{({alpha})}}$ on $[0, 0.9\tau]$"
             yield what, best(value(at) for at in places), f"${op} 0$", [(op, 0)]
@@ -303,7 +303,7 @@ def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, 
 
 
 def _zeros(function: Any, duration: Any) -> list[Any]:
-    """Return the zeros of a function inside (0, duration) where it changes its sign between the points of a grid."""
+    """Return the zeros of a function in (0, duration), one for each sign change between neighbours on a grid."""
     grid = pairwise(duration * (n + CONTEXT.mpf("0.5")) / 120 for n in range(120))
     turns = [ends for ends in grid if (function(ends[0]) > 0) != (function(ends[1]) > 0)]
     return [CONTEXT.clone().findroot(function, ends, solver="anderson") for ends in turns]

@@ -18,7 +18,7 @@ TITLE = "Sticks and their two ends"
 
 
 def force_on_belt(phase: Any) -> Any:
-    """Return F^(alpha) at tau after a stick began, where the drive has this phase: a_i plus its change by eq. (9)."""
+    """Return F^(alpha) a time tau after a stick began, at this phase of the drive: a_i plus its change by eq. (9)."""
     here = solution.acceleration(x_i + v_lambda * tau, v_lambda, phase)
     return a_i + here - solution.acceleration(x_i, v_lambda, theta_i)
 

@@ -21,7 +21,7 @@ def items(scope: Scope) -> Items:
     first, second = named(r"G^{(0,\alpha)}"), named(r"G^{(1,\alpha)}")
 
     def product(normal: str, dot: str) -> Any:
-        """Return the letter of a derivative of the normal times one of the distance."""
+        """Return the symbol for a derivative of the normal (prefix `normal`) times one of the distance (`dot`)."""
         x_alpha, x_0 = (rf"{dot}{{\mathbf{{x}}}}^{{({each})}}" for each in (r"\alpha", "0"))
         return named(rf"{normal}\mathbf{{n}}^T ({x_alpha} - {x_0})".replace("{\\mathbf{x}}", r"{\mathbf{x}}"))
 
@@ -129,7 +129,7 @@ def items(scope: Scope) -> Items:
 
 
 def _reduced(order: int) -> Any:
-    """Return a check: a derivative of n.(x - x0) is that of n.x if x0 moves in a flat boundary with the normal n."""
+    """Return a step: the derivative of n.(x - x0) is that of n.x, if x0 moves along a straight line with normal n."""
     n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
     first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
     gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
@@ -138,7 +138,7 @@ def _reduced(order: int) -> Any:
 
 
 def g_functions() -> Items:
-    """Return the lemma on the first G-functions."""
+    """Return the items of the lemma on the first G-functions."""
     path = sp.Function("x")(t)
     newton = (solution.A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     lower, rows = [v, F(r"\alpha")], []
