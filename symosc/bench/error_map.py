@@ -2,7 +2,7 @@
 
 The flow from any start is linear in the start's data, with the entire functions E0, E1, E2, R2, I2 of
 `symosc.kernels.entire` as coefficients. The error of a time is the largest error of these functions, each relative to
-the size of what it oscillates in:
+the amplitude of its oscillation:
 
     E0: max(1, |E0|),   E1: |E1| + |E0| tau/(1 + w0 tau),   E2: |E2|,   R2 and I2: |R2| + |I2|
 
@@ -47,7 +47,7 @@ RATIO_RANGE, ZETA_RANGE = (-2, 2), (-10, 2)
 
 
 def value_at(place: float) -> Fraction:
-    """Return the number at a place of an axis that is logarithmic in the distances from 0, from 1 and to infinity."""
+    """Return the number at a place on the map's axis, which is logarithmic near 0, near 1 and towards infinity."""
     # Below NEAREST the place is log10(value/(1 - value)), above it 2 NEAREST + log10(value - 1), in between is 1.
     if abs(place - NEAREST) < 1e-9:
         return Fraction(1)
@@ -58,7 +58,7 @@ def value_at(place: float) -> Fraction:
 
 
 def place_of(value: float, beyond: float = 0.0) -> float:
-    """Return the place of the number value + beyond on an axis; the sum of two doubles resolves numbers close to 1."""
+    """Return the place on the map's axis of the number value + beyond: two doubles, to resolve it close to 1."""
     below = (1.0 - value) - beyond
     if below == 0.0:
         return float(NEAREST)
@@ -120,7 +120,7 @@ def run(
 
 
 def error(values: Sequence[float], exact: Sequence[Number], tau: float) -> float:
-    """Return the largest error of E0, E1, E2, R2, I2, each relative to the size of what it oscillates in (w0 = 1)."""
+    """Return the largest error of E0, E1, E2, R2, I2, each relative to its scale in the module's table (w0 = 1)."""
     E0, E1, E2, R2, I2 = (abs(value) for value in exact[:5])
     sizes = (max(1, E0), E1 + E0 * tau / (1 + tau), E2, R2 + I2, R2 + I2)
     return max(float(abs(b - a) / size) for a, b, size in zip(values, exact, sizes, strict=False))

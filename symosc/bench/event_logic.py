@@ -59,7 +59,7 @@ class PeerError(SymoscError, RuntimeError):
 
 
 class Problem(NamedTuple):
-    """A parameter set as floats: eq. (9) per mass, belt speeds, the shorter period of drive and free oscillation."""
+    """A parameter set as floats: the coefficients of eq. (9) divided by m, belt speeds, and the shortest period."""
 
     A1: float
     A2: float
@@ -75,7 +75,7 @@ class Problem(NamedTuple):
 
 
 def problem(p: Parameters, origin: Fraction = Fraction(0)) -> Problem:
-    """Return a parameter set in floats, with the time counted from `origin`: so late times keep their digits."""
+    """Return a parameter set in floats with the time counted from `origin`, so that late times keep their digits."""
     m, Omega = float(p.m), float(p.Omega)
     stiffness, damping = float(p.k) / m, float(p.c) / m
     period = 2 * pi / max(Omega, sqrt(max(0.0, stiffness - damping * damping / 4)))
@@ -88,19 +88,19 @@ def problem(p: Parameters, origin: Fraction = Fraction(0)) -> Problem:
 
 
 def from_now(q, t):
-    """Return the parameter set with times counted from t on."""
+    """Return the parameter set `q` with the time counted from t on, its phase adapted."""
     theta = (q.theta + q.Omega * t) % (2.0 * pi)
     return Problem(q.A1, q.A2, q.A3, q.swing, q.Omega, q.stiffness, q.damping, q.v1, q.v2, q.period, theta)
 
 
 def force(q, alpha, t, x, v):
-    """Return F^(alpha), the acceleration in a domain."""
+    """Return F^(alpha) of eq. (9), which is the acceleration in the domain `alpha`."""
     A = q.A1 if alpha == 1 else q.A2 if alpha == 2 else q.A3
     return A + q.swing * cos(q.Omega * t + q.theta) - q.stiffness * x - q.damping * v
 
 
 def margins(q, mode, t, x, v):
-    """Return the margins to the lower and upper exit: of v to the belts in a flight, of both forces to 0 in a stick."""
+    """Return the margins to the lower and upper exit: in a flight distances of v from belts, in a stick both forces."""
     if mode == 1:
         return inf, q.v1 - v
     if mode == 2:
@@ -112,7 +112,7 @@ def margins(q, mode, t, x, v):
 
 
 def turn(q, mode, t, x, v):
-    """Return the rate of both margins, up to their signs; between two of its zeros each margin is monotone."""
+    """Return the time derivative of both margins, up to sign; between two of its zeros each margin is monotone."""
     if mode < 4:
         return force(q, mode, t, x, v)
     return q.swing * q.Omega * sin(q.Omega * t + q.theta) + q.stiffness * v
@@ -155,7 +155,7 @@ def start_mode(q, x, v):
 
 
 def root(q, mode, side, piece, a, b, fa, fb, tolerance):
-    """Return the time between a and b at which the margin on a side changes its sign (method of Chandrupatla, 1997)."""
+    """Return the time between a and b at which a side's margin changes sign (Chandrupatla's method, 1997)."""
     c, fc, part = a, fa, 0.5
     for _ in range(200):
         tau = a + part * (b - a)

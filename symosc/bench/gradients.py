@@ -45,7 +45,7 @@ X, V, OF_M, OF_C, OF_K, OF_A, OF_B, OF_OMEGA, OF_PHASE = COLUMNS = range(9)
 
 
 class FoundChanges(NamedTuple):
-    """An event with its derivatives by the names of columns, such as dt_mu1."""
+    """An event with its derivatives: `changes` maps dt_mu1 to that of t with respect to mu1, and so on."""
 
     t: float
     x: float
@@ -55,7 +55,7 @@ class FoundChanges(NamedTuple):
 
 
 def found_changes(event: FoundEvent, dt: Sequence[float], dx: Sequence[float]) -> FoundChanges:
-    """Return an event with its derivatives by parameters and start values, without those that are NaN."""
+    """Return an event with its derivatives with respect to parameters and start values, without those that are NaN."""
     rows = (("dt", dt), ("dx", dx))
     changes = {f"{of}_{name}": float(d) for of, row in rows for name, d in zip(NAMES, row, strict=True) if d == d}
     return FoundChanges(*event, changes)
@@ -63,7 +63,7 @@ def found_changes(event: FoundEvent, dt: Sequence[float], dx: Sequence[float]) -
 
 # -- derivatives of flights, and what events do to them ----------------------------------------------------------------
 
-#: The derivatives of each parameter and start value by all of them.
+#: The derivatives of each parameter and start value with respect to all of them.
 ONE = dict(zip(NAMES, np.eye(len(NAMES)), strict=True))
 
 
@@ -103,7 +103,7 @@ def through_events(scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobia
     m, c, k, B0, Omega = (number[name] for name in ("m", "c", "k", "B0", "Omega"))
 
     def drag(domain: int) -> np.ndarray:
-        """Return the derivatives of A in a domain."""
+        """Return the derivatives of A, the constant force in a domain, with respect to all parameters."""
         one, two = friction_signs(domain)
         by_mu = number["FN"] * (one * ONE["mu1"] + two * ONE["mu2"])
         return ONE["A0"] + by_mu + (one * number["mu1"] + two * number["mu2"]) * ONE["FN"]
@@ -189,7 +189,7 @@ def cvodes_jacobian(tolerance: float) -> Jacobian:
 
 
 def tangent_steps(m, c, k, A, B, Omega, phase, x, v, duration, tolerance):
-    """Return x, v and their derivatives at the end of a flight: DOP853 with the variational equations beside it."""
+    """Return x, v and their derivatives at the end of a flight: DOP853 on the flow and its variational equations."""
     y, K, new, t = np.zeros(20), np.zeros((STAGES + 1, 20)), np.zeros(20), 0.0
     y[0], y[1], y[2 + 2 * X], y[3 + 2 * V] = x, v, 1.0, 1.0
     longest = duration / max(1.0, np.ceil(duration * max(Omega, np.sqrt(k / m)) * STEPS_PER_PERIOD / (2 * pi)))
@@ -237,7 +237,7 @@ def dop853_jacobian(tolerance: float) -> Jacobian:
 
 
 def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]:
-    """Prepare central differences of events found by scipy's DOP853; forward ones where a number must not decrease."""
+    """Prepare central differences of events found by scipy's DOP853; forward ones for a number at its minimum."""
     follow = partial(peers_scipy.prepare, "DOP853")
 
     def moved(name: str, by: float) -> list[FoundEvent] | None:

@@ -126,7 +126,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
 
 
 def count_many(p: Parameters, starts: np.ndarray, durations: np.ndarray, tolerance: float) -> Callable[[], np.ndarray]:
-    """Return a function that counts events of motions from (t, x, v), as many side by side as a register holds."""
+    """Return a function that counts events of motions from (t, x, v), several at once in the processor's registers."""
     import heyoka as hy
 
     q, width = problem(p), hy.recommended_simd_size()

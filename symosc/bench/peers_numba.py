@@ -159,7 +159,7 @@ def exit_within(q, s, mode, step, end, tolerance):
 
 
 def refined(q, s, mode, side, step, tau):
-    """Return the exit's time and position by Newton's method on steps of the method itself."""
+    """Return time and position of an exit, by Newton's method in which each evaluation is a Runge-Kutta step."""
     x = step.x
     for _ in range(3):
         x, v = stages(q, s, mode, step.t, step.x, step.v, tau, 1, STAGES + 1)
@@ -174,7 +174,7 @@ def refined(q, s, mode, side, step, tau):
 
 
 def leave(q, s, mode, t, x, v, t_end):
-    """Follow one flight or stick, step by step."""
+    """Follow one flight or stick by steps; return side, time and position of its exit (side 0: t_end reached)."""
     h = s.first
     s.K[0, 0], s.K[1, 0] = v, force(q, mode, t, x, v) if mode < 4 else 0.0  # the first Runge-Kutta stage
     last_slope = turn(q, mode, t, x, v)

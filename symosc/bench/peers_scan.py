@@ -120,7 +120,7 @@ def margin(q, mode, side, piece, tau):
 
 
 def leave(q, s, mode, t, x, v, t_end):
-    """Follow one flight or stick, sample by sample."""
+    """Follow one flight or stick by samples; return side, time and position of its exit (side 0: t_end reached)."""
     piece = piece_from(q, s, mode, t, x, v)
     tau = FIRST_SAMPLE * s.distance
     x, v = state_at(q, mode, piece, tau)

@@ -111,7 +111,7 @@ def integrate_by_cvode(options: Record, q: Problem, mode: int, x: float, v: floa
 
 
 def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
-    """Return a function that follows a mode to its exit, and seeks a missed one before each turn with a margin < 0."""
+    """Return a function that follows a mode to its exit; a margin < 0 at a turning point reveals a missed exit."""
 
     def leave(q: Problem, s: None, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
         side, end, x_end, turns = integrate(q, mode, x, v, t_end)

@@ -66,7 +66,7 @@ def write(readme: str | Path, result: Record) -> list[Path]:
 def comparison(result: Record) -> str:
     """Return the paragraph that compares symosc with heyoka, with looser accuracies and with its own error bound."""
     rows = result["work_precision"]["rows"]
-    text = " ".join([_heyoka(rows), *_looser(rows), cases.our_verdict(result["scores"])])
+    text = " ".join([_heyoka_sentence(rows), *_loose_sentences(rows), cases.our_verdict(result["scores"])])
     return fill(" ".join(text.split()), 120, break_long_words=False, break_on_hyphens=False)
 
 
@@ -115,7 +115,7 @@ formula everywhere, below as symosc evaluates it, with the borders between its f
 """
 
 
-def _heyoka(rows: list[Record]) -> str:
+def _heyoka_sentence(rows: list[Record]) -> str:
     """Return a sentence about heyoka at its finest tolerance; "" if it did not run."""
     finest: dict[str, str] = {}
     for row in rows:
@@ -126,8 +126,8 @@ def _heyoka(rows: list[Record]) -> str:
     return f"heyoka at its finest tolerance takes {ratios} times as long as symosc." if finest else ""
 
 
-def _looser(rows: list[Record]) -> list[str]:
-    """Return sentences about scenes on which symosc takes less than half of the time at a looser accuracy."""
+def _loose_sentences(rows: list[Record]) -> list[str]:
+    """Return sentences about the scenes on which a looser accuracy more than halves symosc's time."""
     ours: dict[str, list[Record]] = {}
     for row in rows:
         if row["solver"] == OURS[0].name and row["us_per_event"]:

@@ -41,7 +41,7 @@ PROCESSES = min(2, os.cpu_count() or 1)
 
 @dataclass(frozen=True)
 class LazyEvents:
-    """Events that become Python objects only when they are read, so that timings of array solvers leave that out."""
+    """Events that become Python objects only when read, so that timings of array solvers exclude the conversion."""
 
     make: Callable[[], Iterable[FoundEvent]]
 
@@ -151,7 +151,7 @@ class Worker:
         return Outcome(failure=failure)
 
     def warm(self, name: str, function: Callable[..., Any], *arguments: object) -> None:
-        """Make a first call, which imports and compiles; once for each `name` in each new process."""
+        """Make a first call, which imports and compiles, unless this process has made one for `name` already."""
         if name not in self._warm:
             self.call(FIRST_LIMIT, function, *arguments)
             self._warm.add(name)

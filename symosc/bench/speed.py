@@ -148,7 +148,7 @@ def _starts(count: int, name: str = "fig9") -> tuple[Parameters, np.ndarray, np.
 
 
 def _ensemble(count: int) -> Iterator[Call]:
-    """Yield calls that count events, of `simulate_many` and other solvers, and calls that return rows of events."""
+    """Yield calls of `simulate_many` and other solvers that count the events of many motions or return them."""
     p, starts, ends = _starts(count)
     follow = partial(simulate_many, p, starts, ends, **ONE_CORE)
     yield Call("events counted", "event", partial(follow, record=COUNTS))
@@ -237,7 +237,7 @@ def _residuals(points: int) -> Iterator[Call]:
 
 
 def lambdified(p: Parameters, cse: bool) -> Callable[..., Any]:
-    """Return P3's residual as sympy's lambdify compiles it: the underdamped closed form, with numbers put in."""
+    """Return P3's residual, compiled by sympy's lambdify from the underdamped closed form with numbers put in."""
     import sympy
 
     from symosc.engine.flow import constants

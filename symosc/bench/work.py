@@ -51,7 +51,7 @@ ERROR_KEYS = ("error", "error_t", "error_x", "missed", "invented", "missed_graze
 
 @dataclass(frozen=True)
 class Span:
-    """A task: a scene with `count` events; `reference` has those before the time `until`, with 40 digits."""
+    """A scene to time, with its number of events; `reference` has the events to compare, those before `until`."""
 
     scene: Scene
     count: int
@@ -60,7 +60,7 @@ class Span:
 
 
 def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
-    """Prepare a solver, so that imports and compilation are done."""
+    """Call a solver's `prepare` only, so that imports and compilation are done before timing."""
     floor_s()
     follow = solver.prepare(scene, tolerance)
     if solver == OURS[0]:
@@ -170,18 +170,18 @@ def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[Span, Sp
 def _measured(call: Callable[[Span], Outcome], short: Span, long: Span) -> Record:
     """Measure a solver on the short span and, if it is fast, on the long one; return its times, errors and failure."""
     outcome = call(short)
-    row, failure, warnings = _numbers(outcome, short), outcome.failure, outcome.warnings
+    row, failure, warnings = _row_numbers(outcome, short), outcome.failure, outcome.warnings
     if long is not short and not failure and row["us_per_event"] * long.count < 1e6 * LONG_RUN:
         longer = call(long)
         if longer.failure:
             failure = f"{longer.failure} (in {long.count} events, not in {short.count})"
         else:
-            row |= {name: value for name, value in _numbers(longer, long).items() if not name.startswith("error")}
+            row |= {name: value for name, value in _row_numbers(longer, long).items() if not name.startswith("error")}
         warnings = tuple(dict.fromkeys((*warnings, *longer.warnings)))
     return row | {"failure": failure, "warnings": list(warnings)}
 
 
-def _numbers(outcome: Outcome, span: Span) -> Record:
+def _row_numbers(outcome: Outcome, span: Span) -> Record:
     """Return a solver's times on a span and its errors against the reference; None in each after a failure."""
     about = {"compared": len(span.reference)}
     if outcome.failure:

@@ -67,7 +67,7 @@ CUT = 0.4831  # where an interval is divided: not a fraction at which roots are 
 
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
-    """Return (touch, sigma) for the first root sigma in (0, 1] of a polynomial known within `noise`; None: no root."""
+    """Return (touch, sigma): sigma is the first root in (0, 1] of a polynomial known within `noise`, or None."""
     # `touch` says that the polynomial comes to 0 within the noise, and whether it passes is undecided.
     #
     # If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls
@@ -86,7 +86,7 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Numbe
         low, high, b = stack.pop()
         if min(b) > noise:
             continue
-        if b[0] > noise and b[-1] < -noise and _changes(b, noise) == 1 and _changes(b, -noise) == 1:
+        if b[0] > noise and b[-1] < -noise and _count_crossings(b, noise) == 1 and _count_crossings(b, -noise) == 1:
             return False, _newton(p, slope, low, high, eps)
         rising = [second > first for first, second in pairwise(b)]
         if len(rising) > 1 and not rising[0] and rising[-1] and sum(a != c for a, c in pairwise(rising)) == 1:
@@ -119,7 +119,7 @@ def bernstein(p: list[Number]) -> list[Number]:
     return coefficients
 
 
-def _changes(b: list[Number], level: Number) -> int:
+def _count_crossings(b: list[Number], level: Number) -> int:
     """Count how often a sequence of numbers crosses a level."""
     signs = [value > level for value in b]
     return sum(first != second for first, second in pairwise(signs))
@@ -168,7 +168,7 @@ class Boundary(NamedTuple):
 
 
 class BackwardState(NamedTuple):
-    """The state of a flight `tau` before its tangency, dx from it, with error bounds; `kind`: why a search ends."""
+    """The state of a flight at the time `tau` before its tangency, `dx` away; `kind`: why a search ends here."""
 
     tau: Number
     dx: Number
@@ -196,7 +196,7 @@ class BackwardStep(NamedTuple):
 
 
 class BackwardSteps:
-    """Backward steps from tangencies at one belt, in the arithmetic `functions` with rounding unit `eps`."""
+    """A maker of backward steps from tangencies at one belt, in the arithmetic `functions` with rounding unit `eps`."""
 
     # A step is linear in v, a and the sine and cosine of the phase. So in double precision one product with a matrix
     # gives its Taylor coefficients, its Bernstein coefficients (less v) and the state at its end.
@@ -232,7 +232,7 @@ class BackwardSteps:
         return np.array(columns).T.copy()
 
     def begin(self, zero: Number) -> BackwardState:
-        """Return the state at the tangency, from which the steps go back."""
+        """Return the state at the tangency, where the steps begin; `zero` is 0 in the arithmetic used."""
         return BackwardState(zero, zero, self.touched.v + zero, zero, zero, zero, zero)
 
     def take(
@@ -266,12 +266,12 @@ class BackwardSteps:
         return found, step, state._replace(v_error=v_error, energy_error=energy_error)
 
     def wave(self, theta: Number, tau: Number) -> tuple[Number, Number]:
-        """Return sine and cosine of the phase tau before theta."""
+        """Return sine and cosine of the phase at the time tau before the tangency at theta."""
         angle = theta - self.K.Om * tau
         return self.functions.sin(angle), self.functions.cos(angle)
 
     def moved(self, state: BackwardState, step: BackwardStep, sigma: Number = None) -> BackwardState:
-        """Return the state at the fraction `sigma` of a step (None, in doubles: its end), with errors of the end."""
+        """Return the state at the fraction `sigma` of a step (None: its end), with the error bounds of its end."""
         if sigma is None:
             tau, (dv, a, dx) = self.H, step.end
         else:
@@ -346,7 +346,7 @@ class Instant(NamedTuple):
 
 
 class Flights:
-    """Flights of one mapping into its tangencies, with `digits` decimal digits."""
+    """The flights of one mapping into its tangencies, computed with `digits` decimal digits."""
 
     def __init__(self, p: Parameters, mapping: str, digits: int) -> None:
         self.p, self.place, self.digits = p, place(mapping), digits
@@ -522,7 +522,7 @@ class Origins:
         return self.steps.moved(state, step, (far - state.tau) / self.steps.H)._replace(kind=REACHED)
 
     def _never_came(self, theta: float, state: BackwardState) -> bool:
-        """Return whether the backward flow from a state meets no boundary; an underdamped one always does."""
+        """Return whether the backward flow from a state never meets a boundary; it always does if underdamped."""
         K = self.K
         if K.under or self.place.domain == 2:
             return False

@@ -268,7 +268,7 @@ def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
 class Ways:
     """The three ways to decide whether a phase of one mapping grazes."""
 
-    # Of the window its parameters and its place are used, not its phases.
+    # They use the parameters and the place of the window, but not its phases.
 
     def __init__(self, window: GrazingWindow) -> None:
         self.window, self.p, self.side = window, window.parameters, window.place.side
@@ -297,7 +297,7 @@ class Ways:
         return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED)
 
     def verdict_by_intervals(self, theta: Number, zero: bool) -> tuple[int, int]:
-        """Decide by the first nonzero G-function in 50-digit intervals whether theta grazes: (verdict, order or 0)."""
+        """Decide whether theta grazes, by the first nonzero G-function in 50-digit intervals: (verdict, order)."""
         # `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where
         # that is 0, G^(2) = -(B0 Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one
         # decides.
@@ -316,15 +316,15 @@ class Ways:
     # -- the exact flow ----------------------------------------------------------------------------------------------
 
     def verdicts_by_flow(self, theta: np.ndarray) -> np.ndarray:
-        """Decide by the exact flow FLOW_TIME before and after contact; NOT_DECIDED where the third order matters."""
+        """Decide which phases graze, by the flow FLOW_TIME before and after; NOT_DECIDED if third order matters."""
         tau = FLOW_TIME / self.K.rate
         basis, convert = self.fine.namespace["basis"], self.fine.context.convert
         bases = [[float(value) for value in basis(convert(at), self.fine.K)[:5]] for at in (-tau, tau)]
         gaps = [self._velocity_gap(each, np.sin(theta), np.cos(theta), self.v, self.K) for each in bases]
-        return _verdicts(gaps, (FLOW_ROUNDING * EPS * self.size + self._third_order(tau)) * tau**2)
+        return _verdicts(gaps, (FLOW_ROUNDING * EPS * self.size + self._third_order_bound(tau)) * tau**2)
 
     def verdict_by_fine_flow(self, theta: Number) -> int:
-        """Decide by the exact flow with FLOW_DIGITS digits at both FINE_FLOW_TIMES; NOT_DECIDED where they disagree."""
+        """Decide whether theta grazes, by the flow in FLOW_DIGITS digits; NOT_DECIDED if FINE_FLOW_TIMES disagree."""
         context = self.fine.context
         s, c = context.sin(theta), context.cos(theta)
         gaps = [self._velocity_gap(basis, s, c, self.v_fine, self.fine.K) for basis in self._fine_bases]
@@ -335,30 +335,30 @@ class Ways:
         return verdicts[0] if verdicts[0] == verdicts[1] else NOT_DECIDED
 
     def _velocity_gap(self, basis: Sequence[Numbers], s: Numbers, c: Numbers, v: Number, K: Constants) -> Any:
-        """Return v - v_belt a time tau before or after contact, > 0 into the domain; `basis` is taken at tau."""
+        """Return how far v is from the belt's speed (> 0: in the domain) at the time for which `basis` is given."""
         _, dv, _ = motion(v, 0.0 * v, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis)
         return -self.side * dv
 
-    def _third_order(self, tau: float) -> float:
-        """Return a bound of the terms of third and higher order in the velocity gap at a small tau, over tau^2."""
+    def _third_order_bound(self, tau: float) -> float:
+        """Return a bound, divided by tau^2, of the terms of order three and higher in the velocity gap at tau."""
         return (abs(self.K.fB) * self.K.Om + self.K.cm * self.size + self.K.w0sq * self.size * tau) * tau / 3.0
 
     # -- DOP853 ------------------------------------------------------------------------------------------------------
 
     def verdicts_by_solver(self, theta: np.ndarray) -> np.ndarray:
-        """Decide by DOP853, all phases in one system; NOT_DECIDED where terms of third order matter."""
+        """Decide which phases graze, by DOP853 on all of them at once; NOT_DECIDED where third order matters."""
         verdicts = np.zeros(len(theta), dtype=int)
         for time_over_rate in (1e-2, 1e-13):
             left = np.nonzero(verdicts == NOT_DECIDED)[0]
             if len(left):
                 tau = time_over_rate / self.K.rate
-                gaps = [self.integrated(theta[left], sign * tau) for sign in (-1.0, 1.0)]
+                gaps = [self.gap_by_solver(theta[left], sign * tau) for sign in (-1.0, 1.0)]
                 # What the scaled result of DOP853 may be wrong by (measured: 1e-15).
-                verdicts[left] = _verdicts(gaps, 1e-13 + self._third_order(tau) / self.size)
+                verdicts[left] = _verdicts(gaps, 1e-13 + self._third_order_bound(tau) / self.size)
         return verdicts
 
-    def integrated(self, theta: np.ndarray, tau: float) -> np.ndarray:
-        """Return the velocity gap at tau by DOP853, positive into the domain, divided by size tau^2."""
+    def gap_by_solver(self, theta: np.ndarray, tau: float) -> np.ndarray:
+        """Return the velocity gap at tau by DOP853 (> 0: in the domain), divided by `size` times tau^2."""
         # The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of time/tau. The force is
         # the difference from its value 0 at the contact, where a difference of cosines is written as a product.
         from scipy.integrate import solve_ivp
@@ -376,7 +376,7 @@ class Ways:
 
 
 def _verdicts(gaps: list[np.ndarray], least: float) -> np.ndarray:
-    """Return YES where the gaps before and after contact are > 0, NO where one is < 0, NOT_DECIDED within `least`."""
+    """Return YES where the gaps before and after contact are > 0, NO if one is < 0; NOT_DECIDED within `least`."""
     decided = (np.abs(gaps[0]) > least) & (np.abs(gaps[1]) > least)
     return np.where(decided, np.where((gaps[0] > 0) & (gaps[1] > 0), YES, NO), NOT_DECIDED)
 

@@ -81,7 +81,7 @@ class CurveEnd(LatexAnswer):
 
 @dataclass(frozen=True, eq=False)
 class CurvePiece:
-    """A range of theta_m over which the start moves continuously; columns in order of theta_m.
+    """A piece of the curve, over which the start moves continuously; columns in order of theta_m.
 
     Attributes
     ----------
@@ -295,7 +295,7 @@ def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:
 
 @dataclass
 class PhaseRun:
-    """Neighbouring samples of one origin that move continuously, and the interval of theta_m they represent."""
+    """Neighbouring samples with one origin and without a jump, and the interval of theta_m that they represent."""
 
     samples: list[Sample]
     span: tuple[float, float]
@@ -342,7 +342,7 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
 
 
 def _continuous(left: Sample, right: Sample) -> bool:
-    """Return whether Omega t_i changes from one sample to the next as their slopes predict, or hardly at all."""
+    """Return whether the start's phase Omega t_i changes between two samples as their slopes predict, or hardly."""
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
     return not abs(change) > 0.2 or abs(change - expected) <= 0.25 * abs(change)

@@ -138,7 +138,7 @@ def solve_grazing(
 
 
 def _phases_of_contact(window: GrazingWindow, value: Fraction) -> list[Angle]:
-    """Return the phases theta with x_m(theta) = value, exactly."""
+    """Return exactly the phases theta at which the contact position x_m(theta) is `value`."""
     import sympy
 
     p = window.parameters
@@ -274,7 +274,7 @@ class Candidates:
             self._note_endless(*each, piece)
 
     def _points(self, piece: CurvePiece) -> list[Point]:
-        """Return the samples of a piece, and its end where the flight has no duration: start and tangency meet."""
+        """Return a piece's samples as points, and its end if the flight's duration tends to 0 there."""
         points = [Point(*map(float, row)) for row in zip(*self._columns(piece), strict=True)]
         for end, first in ((piece.high, len(points)), (piece.low, 0)):  # from the back: an insertion moves what follows
             near = points[min(first, len(points) - 1)]
@@ -325,14 +325,14 @@ class Candidates:
                 break
             first, last = (middle, last) if (middle.value >= wanted) == (first.value >= wanted) else (first, middle)
         is_touch = self.curve.sample(theta_m).slope_theta == 1.0
-        if is_touch and self._store_if_between(self._among_grazes(theta_m, target), first, last):
+        if is_touch and self._store_if_between(self._solve_among_grazes(theta_m, target), first, last):
             return
         self._broken.add(first)
         broken = "a solution could not be distinguished from a break of the curve"
         self.notes.append(f"near theta_m = {first.theta_m:.12g} {broken}")
 
     def _equation(self, theta: Number, tau: Number, now: Instant, target: Number) -> tuple[Number, Number, Number]:
-        """Return x_i or theta_i of a flight minus the target, and its derivatives by theta_m and tau."""
+        """Return x_i or theta_i of a flight minus the target, and the derivatives with respect to theta_m and tau."""
         if self.name == "x_i":
             return self.flights.contact(theta) + now.dx - target, now.x_theta, -now.v
         Om = self.flights.K.Om
@@ -361,8 +361,8 @@ class Candidates:
             settled = abs(theta_step) <= shrunk * (1 + abs(theta)) and abs(tau_step) <= shrunk * tau
         return None
 
-    def _among_grazes(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
-        """Return the solution where flights begin with a graze too, so that all last as long; None if not found."""
+    def _solve_among_grazes(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
+        """Return the solution among flights from graze to graze, which all last equally long; None if not found."""
         flights, phase = self.flights, Fraction(theta_m)
         arrival, _ = self.source.exact(phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits)
         if arrival.kind != TOUCH:
@@ -380,7 +380,7 @@ class Candidates:
     def _store_if_between(
         self, solution: tuple[Number, Number] | None, first: Point, last: Point, more: float = 0.0
     ) -> bool:
-        """Store a root, unless known, if it lies between two points; return whether it does."""
+        """Store a solution, unless known, if it lies between two points of the curve; return whether it does."""
         if solution is None:
             return False
         theta, tau = solution

@@ -368,7 +368,7 @@ def is_grazing(
 
 
 def _g_functions(p: Parameters, where: Place, x: Mpf, theta: Mpf, context: Context) -> Iterator[tuple[Mpf, Mpf]]:
-    """Yield G^(0) = F, G^(1), ... on the belt, each with the size of its terms, provided the earlier ones are 0."""
+    """Yield G^(0) = F, G^(1), ... at (x, theta) on the belt, each with the size of its terms, if all before are 0."""
     v = number_of(p.belt(where.boundary), context)
     cm, w0sq, f0 = (number_of(q / p.m, context) for q in (p.c, p.k, p.B0))
     Om = number_of(p.Omega, context)

@@ -230,7 +230,7 @@ class GrazingWindow(Drawable, LatexAnswer):
         inside = self.contains(theta)
         if not np.all(inside):
             outside = np.asarray(theta)[~inside][0] if isinstance(inside, np.ndarray) else theta
-            raise ParameterError("theta", outside, f"outside the grazing window of {self.mapping}: {self._shown()}")
+            raise ParameterError("theta", outside, f"outside the grazing window of {self.mapping}: {self._as_text()}")
         p = self.parameters
         if p.k == 0:
             free = f"k = 0: x_m is free, F = 0 fixes theta; the phases are {self.contact_phases}"
@@ -289,9 +289,9 @@ class GrazingWindow(Drawable, LatexAnswer):
         )
 
     def __repr__(self) -> str:
-        return f"GrazingWindow({self.mapping}, gamma={show(self.gamma)}, case={self.case}, {self._shown()})"
+        return f"GrazingWindow({self.mapping}, gamma={show(self.gamma)}, case={self.case}, {self._as_text()})"
 
-    def _shown(self) -> str:
+    def _as_text(self) -> str:
         """Return the intervals as short text."""
         parts = [f"{'[' if closed else '('}{low:.6g}, {high:.6g})" for low, high, closed, _ in self.intervals]
         return " or ".join(parts) or "empty"

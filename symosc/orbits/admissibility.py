@@ -83,7 +83,7 @@ ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, STAYS_INSIDE, FLIGHT_LASTS, ENGI
 
 
 class Extremum(NamedTuple):
-    """A zero of the acceleration in a flight: time since its start, velocity, v''."""
+    """An extremum of the velocity in a flight: the time tau since the flight's start, v, and b = v'' there."""
 
     tau: Number
     v: Number
@@ -99,7 +99,7 @@ class Scales(NamedTuple):
 
 
 def scales(equations: ClosingEquations, points: Points) -> Scales:
-    """Return the magnitudes of the terms in the margins of an orbit."""
+    """Return the magnitudes of the terms of which an orbit's margins are sums."""
     K = equations.K
     belts = [abs(float(equations.belt(piece.start).v)) for piece in equations.pieces]
     a = max(abs(float(A)) for A in (K.A1, K.A2, K.A3)) + abs(float(K.f0)) + float(K.cm) * max(belts)
@@ -170,7 +170,7 @@ def _stick_margins(
 def gaps(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, tau: Number
 ) -> Iterator[tuple[Number, Number, int]]:
-    """Yield, for each velocity extremum of a flight, its distance from the belt next to it, its phase, and the belt."""
+    """Yield, for each velocity extremum of a flight, the distance from the belt it points to, phase and belt."""
     flight = equations.start_of_flight(piece, start)
     for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations) if tau > 0 else ():
         belt = piece.mode - 1 if extremum.b > 0 else piece.mode  # a minimum is turned to the belt below
@@ -183,7 +183,7 @@ def gaps(
 def holds(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, tau: Number
 ) -> Iterator[tuple[Number, Number, int]]:
-    """Yield, where the forces during a stick have an extremum, the smaller holding force, its phase and its domain."""
+    """Yield, at each extremum of the forces during a stick, the smaller of the two that hold it, phase and domain."""
     K, belt, names = equations.K, equations.belt(piece.start), equations.arithmetic.namespace
     s0, c0 = equations.sin(start[1]), equations.cos(start[1])
     below = equations.force(piece.start, start[0], belt.v, start[1])
@@ -292,7 +292,7 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
 
 
 def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
-    """Return whether rounding errors of the residuals move the phases of the root by more than MARGINAL."""
+    """Return whether rounding errors of the residuals may move the phases of the root by more than `MARGINAL`."""
     sizes, rows = scales(equations, points), []
     x_size = max(abs(float(x)) for x, _ in points)
     for piece, duration in zip(equations.pieces, equations.durations(np.asarray(points)), strict=True):
@@ -309,7 +309,7 @@ def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
 def _vanishing(
     equations: ClosingEquations, points: Points, found: list[Condition], fine: ClosingEquations, root: Solution
 ) -> list[Condition]:
-    """Return the pieces whose duration tends to 0 under Newton's method, as failures: the root is a multiple one."""
+    """Return, as failing conditions, the pieces whose duration tends to 0 in Newton's method (at a multiple root)."""
     was, now = (
         [end[1] - start[1] for start, end in zip(each, of.ends(each), strict=True)]
         for of, each in ((equations, points), (fine, root.points))

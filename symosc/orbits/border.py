@@ -172,7 +172,7 @@ class Border(Drawable):
         self.words: tuple[str | None, str | None] = self._find_words()
 
     def _find_words(self) -> tuple[str | None, str | None]:
-        """Return the words on both sides of the middle point; find on which side the border's own word is."""
+        """Return the words beside the middle point, that of the border's equations first; note on which side it is."""
         own = cycle(str(self._system.word))
         for distance in BESIDE:
             words = self.words_beside(len(self) // 2, distance)
@@ -201,7 +201,7 @@ class Border(Drawable):
 
     @public
     def orbit(self, i: int) -> Orbit:
-        """Return the orbit at the border's i-th point: the word of the two that has fewer pieces, periods, points."""
+        """Return the orbit at the border's i-th point: its word (the one with fewer pieces), periods and points."""
         return self._system.orbit(self._nodes[self._index(i)].z)
 
     def _index(self, i: int) -> int:
@@ -420,21 +420,21 @@ class Tracer:
         return float(a), float(b)
 
     def _outside(self, node: Node) -> tuple[int, float] | None:
-        """Return which parameter (0 or 1) is outside its range, and its bound in widths; None if both are inside."""
+        """Return which parameter (0 or 1) is outside its range, and the bound it passed (scaled); None if none is."""
         for j, (value, low, high) in enumerate(zip(node.z[-2:], self.low, self.high, strict=True)):
             if not low - 1e-14 <= value <= high + 1e-14:  # a border along a bound is not outside
                 return j, float(low if value < low else high)
         return None
 
     def _at_bound(self, here: Node, node: Node, j: int, bound: float) -> Node:
-        """Return the node between two where a parameter is at the bound of its range."""
+        """Return the node between two at which parameter j is at a bound of its range."""
         part = (bound - here.z[-2 + j]) / (node.z[-2 + j] - here.z[-2 + j])
         guess = between(here, node, float(part))
         guess[-2 + j] = bound
         return self.system.node(guess, here.tangent, np.eye(len(guess))[-2 + j]) or here
 
     def _closes(self, here: Node, node: Node) -> bool:
-        """Return whether the curve passes its first point between two nodes."""
+        """Return whether the border is closed: between two nodes it passes its first point again."""
         away, along = self.first.z - here.z, node.z - here.z
         length = float(np.linalg.norm(along))
         part = away @ along / length**2
@@ -442,7 +442,7 @@ class Tracer:
 
     def _failing(self, node: Node) -> Condition | None:
         """Return the inequality that fails most at a node, if any."""
-        return min((c for c in self.system.margins(node.z) if not c.value > 0), key=_part, default=None)
+        return min((c for c in self.system.margins(node.z) if not c.value > 0), key=_scaled_margin, default=None)
 
     def _first_failure(self, path: list[Node], checked: int) -> int | None:
         """Return the number of the first node after `checked` at which an inequality fails."""
@@ -462,7 +462,7 @@ class Tracer:
         return high
 
     def _fold(self, here: Node, node: Node, j: int) -> tuple[Node, SpecialPoint] | None:
-        """Return the fold between two nodes in which parameter j turns back, by secants for its slope."""
+        """Locate the fold between two nodes, where parameter j turns back, by the secant method on its slope."""
         system, other, index = self.system, 1 - j, len(here.z) - 1 - j
         for _ in range(3):  # in doubles first
             part = here.tangent[-2 + j] / (here.tangent[-2 + j] - node.tangent[-2 + j])
@@ -518,8 +518,8 @@ class Tracer:
         return good._replace(z=z, error=np.full(2, found.error)), found
 
 
-def _part(condition: Condition) -> float:
-    """Return the margin of a condition divided by the size of its terms."""
+def _scaled_margin(condition: Condition) -> float:
+    """Return a condition's relative margin: its value divided by the size of its terms."""
     return condition.value / condition.scale
 
 
@@ -563,7 +563,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
     size = scales(equations, points)
     single, pairs = list[tuple[Zero, list[float], Condition]](), list[Any]()
     for c in conditions(equations, points):
-        if abs(_part(c)) < NEAR:
+        if abs(_scaled_margin(c)) < NEAR:
             single += [(zero, phases, c) for zero, phases in zeros_of(equations, points, c)]
     for zero, phases, c in single:
         (flat,) = border_system.zero_values(equations, points, zero.bend, phases[0] if phases else 0.0)
@@ -571,7 +571,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
             pairs.append((-1.0 if phases else -2.0, (zero, zero.bend), phases, (c.text,)))
     for one, two in combinations(single, 2):
         if one[0].kind != two[0].kind or two[0].piece - one[0].piece != half:  # two that are one by symmetry
-            found = (max(abs(_part(one[2])), abs(_part(two[2]))), (one[0], two[0]), one[1] + two[1])
+            found = (max(abs(_scaled_margin(one[2])), abs(_scaled_margin(two[2]))), (one[0], two[0]), one[1] + two[1])
             pairs.append((*found, (one[2].text, two[2].text)))
     for _, zeros, phases, texts in sorted(pairs, key=lambda pair: pair[0]):
         images = [(zero.kind, zero.piece + way * half) for zero in zeros for way in (1, -1) if half]
@@ -614,7 +614,7 @@ def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedFo
 def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray) -> Iterator[tuple[BorderSystem, Node]]:
     """Yield the borders of an orbit's word that lie next to a place, in a direction of the plane, the nearest first."""
     equations, points = ClosingEquations(plane.parameters(place.tolist()), orbit.word, orbit.periods), orbit.points
-    nearest = sorted(conditions(equations, points), key=lambda c: abs(_part(c)))[:6]
+    nearest = sorted(conditions(equations, points), key=lambda c: abs(_scaled_margin(c)))[:6]
     for zero, phases in (found for c in nearest for found in zeros_of(equations, points, c)):
         if zero.kind == border_system.AT_ARRIVAL:  # it belongs to the word with more pieces
             continue
@@ -628,7 +628,7 @@ def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray)
         if first is None or second is None:
             continue
         system.hide([first.z, second.z])
-        if all(_part(c) > -border_system.NOTHING for c in system.margins(first.z)):
+        if all(_scaled_margin(c) > -border_system.NOTHING for c in system.margins(first.z)):
             yield system, first
 
 
@@ -718,7 +718,7 @@ def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
 
 
 def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> Any:
-    """Return the border in closed form between an orbit and a place without one, and an orbit beside it; or None."""
+    """Return the border in closed form between an orbit and a place with none, and an orbit next to it; or None."""
     system = ClosedForm(plane, plane.parameters(place.tolist()), inside[1])
 
     def word(part: float) -> bool:

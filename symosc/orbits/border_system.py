@@ -52,7 +52,7 @@ POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters 
 
 
 class Zero(NamedTuple):
-    """A margin that vanishes: its kind, its piece, and its place: the belt of a graze, or the domain of a force."""
+    """A margin that vanishes on a border: its kind, its piece, its place (the belt of a graze, a force's domain)."""
 
     kind: str
     piece: int
@@ -60,7 +60,7 @@ class Zero(NamedTuple):
 
     @property
     def bend(self) -> Zero:
-        """The zero of the next derivative, which vanishes as well where this zero is a multiple one."""
+        """The same zero one derivative higher, which vanishes too if the margin has a multiple zero."""
         return self._replace(kind=AT_BEND if self.kind in TIMED else AT_FLAT)
 
 
@@ -108,7 +108,7 @@ class Orbit(NamedTuple):
 
 
 class Numbers:
-    """Parameters as floats: constants are derived from them a few times as fast as from fractions."""
+    """A parameter set as floats, from which constants are derived several times faster than from fractions."""
 
     A, belt = Parameters.A, Parameters.belt
 
@@ -117,7 +117,7 @@ class Numbers:
 
 
 class QuickArithmetic(Arithmetic):
-    """Doubles for evaluating equations only, without the constants that the search for events needs."""
+    """Arithmetic in doubles only to evaluate equations; it lacks the constants that a search for events needs."""
 
     def __init__(self, parameters: Numbers) -> None:
         self.K = constants(parameters)  # type: ignore[arg-type]
@@ -145,7 +145,7 @@ class BorderSystem:
         self.scale = np.array([*[size * weight, weight] * self.n, *[weight] * len(self.timed), *plane.widths])
 
     def _at_rest_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
-        """Return the pieces, marked so that flights after these crossings start with an acceleration of exactly 0."""
+        """Return the pieces; flights after the given crossings are marked to start with acceleration 0."""
         pieces = list(self.pieces)
         for i in crossings:
             j = (i + 1) % self.n
@@ -180,14 +180,14 @@ class BorderSystem:
     def _zeros(self, equations: ClosingEquations, points: Any, phases: Any) -> list[Number]:
         """Return the values that must vanish on the border besides the closing equations."""
         values, left = [], list(phases)
-        for zero in self.zeros:  # a bend is that of the extremum of another zero
+        for zero in self.zeros:  # a bend belongs to the extremum of another zero
             bent = (phases[i] for i, other in enumerate(self.timed) if other.piece == zero.piece)
             theta = left.pop(0) if zero.kind in TIMED else next(bent, None)
             values += zero_values(equations, points, zero, theta)
         return values
 
     def _linearised(self, u: list[float]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the residuals at u and their derivatives, in doubles; those by the parameters are differences."""
+        """Return the residuals at u and their Jacobian in doubles; its two columns of parameters are differences."""
         equations, points, phases = self.at(u)
         n, size = 2 * self.n, len(u)
         values = np.array(equations.residuals(points) + self._zeros(equations, points, phases))
@@ -202,7 +202,7 @@ class BorderSystem:
         return values, found
 
     def _by_parameters(self, u: list[float], values: np.ndarray) -> np.ndarray:
-        """Return the derivatives of the residuals by both parameters, as differences."""
+        """Return the derivatives of the residuals with respect to both parameters, by finite differences."""
         columns = []
         for j in (-2, -1):
             beside = list(u)
@@ -317,7 +317,7 @@ class BorderSystem:
     # -- the inequalities along the border -----------------------------------------------------------------------------
 
     def hide(self, curve: Sequence[np.ndarray]) -> None:
-        """Set `hidden`: the inequalities that are 0 at all these points, being the border's own or by symmetry."""
+        """Set `hidden`: the inequalities that are 0 all along the border, because they define it or by symmetry."""
         flags, shift = list[list[bool]](), 0
         for z in curve:
             equations, points, _ = self.at((z * self.scale).tolist())
@@ -333,7 +333,7 @@ class BorderSystem:
         self.symmetric_pieces = self._at_rest_after(crossings)
 
     def margins(self, z: np.ndarray) -> list[Condition]:
-        """Return the inequalities that must hold on the border, and those that make its own zero a simple one."""
+        """Return the inequalities that must hold on the border, also those that keep its zeros simple ones."""
         equations, points, phases = self.at((z * self.scale).tolist())
         equations.pieces = self.symmetric_pieces
         found, size = conditions(equations, points), scales(equations, points)
@@ -342,7 +342,7 @@ class BorderSystem:
         found = [c._replace(value=inf) if i in self.hidden else c for i, c in enumerate(found)]
         for zero, theta in zip(self.zeros, [*phases, *[0.0] * len(self.zeros)], strict=False):
             found += self._simple_zero_margins(equations, points, zero, theta, size.a / size.t)
-        equations.pieces = self.pieces  # at other extrema than the border's
+        equations.pieces = self.pieces  # the margins at other extrema than those that vanish on the border
         for c in own:
             turns = turns_of(equations, points, c.piece, kind_of(c)) if kind_of(c) in TIMED else []
             away = [value for value, theta, _ in turns if all(abs(theta - phase) > 1e-5 for phase in phases)]
@@ -352,7 +352,7 @@ class BorderSystem:
     def _simple_zero_margins(
         self, equations: ClosingEquations, points: Any, zero: Zero, theta: float, size: float
     ) -> Iterator[Condition]:
-        """Yield the inequalities that hold while a zero is a simple one; one that fails ends the border."""
+        """Yield the inequalities that hold as long as a zero is a simple one; where one fails, the border ends."""
         piece, begin, end = self.pieces[zero.piece], points[zero.piece][1], equations.ends(points)[zero.piece][1]
         (value,) = zero_values(equations, points, zero.bend, theta)
         if zero.kind == AT_FAR:

@@ -399,7 +399,7 @@ class Curve:
         return (beside[0] - beside[1]) / (above + below)
 
     def matrix(self, z: np.ndarray, slope: np.ndarray) -> np.ndarray:
-        """Return the Jacobian (2n, 2n + 1) of the residuals by scaled unknowns; `slope`: its last column, unscaled."""
+        """Return the Jacobian (2n, 2n + 1) with respect to scaled unknowns; `slope`: its last column, unscaled."""
         points, value = self.split(z)
         return np.column_stack([self.equations(value).matrix(points), slope]) * self.scale
 
@@ -446,7 +446,7 @@ class Curve:
         return point if point.tangent @ self.level(before.tangent) > 0.9 else None
 
     def step(self, current: BranchPoint, length: float) -> BranchPoint | None:
-        """Return the point of the curve a length further on, at most at the end of the range; None if not found."""
+        """Return the curve's point `length` further on, or at the end of the range if nearer; None if not found."""
         ahead = current.z + length * current.tangent
         value = self.split(ahead)[1]
         if self.low < value < self.high:
@@ -509,7 +509,7 @@ class Curve:
             length = min(1.5 * length, LONGEST_STEP)
 
     def _first_points(self, direction: float) -> list[BranchPoint]:
-        """Return the first point, and one just after it if the first is at an end, where margins are rounding noise."""
+        """Return the first point; if it is at an end, where margins are rounding noise, also one just after it."""
         # On the way between the two nothing is proven (as before an end, see NO_GAP).
         z = self.joined(self.start, self.value)
         first = self.point(z, np.append(np.zeros(len(z) - 1), direction))
@@ -523,7 +523,7 @@ class Curve:
     def _scan(
         self, a: BranchPoint, b: BranchPoint, around: float = np.inf
     ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-        """Divide the branch between a and b; return orbits in between, and the first point that is no orbit or None."""
+        """Divide the branch from a to b; return the orbits found and the first point that is not an orbit, or None."""
         # None if the points do not lie on one smooth curve. `around` is the length of the shortest piece around it that
         # is known to end in a change.
         length, changed = self.distance(a, b), bool(b.failures)
@@ -571,7 +571,7 @@ class Curve:
         return replace(point, failures=tuple(failures(self.equations(point.value), point.points)))
 
     def _located(self, good: BranchPoint, bad: BranchPoint) -> tuple[list[BranchPoint], BranchPoint]:
-        """Bisect for a change between two points; return the last one before it (none if given) and the first after."""
+        """Bisect for an end; return a list of the last orbit before it (empty: that is `good`), and the point after."""
         begin = good
         while self.distance(good, bad) > RESOLUTION:
             m = self.middle(good, bad)
@@ -699,10 +699,10 @@ def piece_margins(equations: ClosingEquations, points: Points, i: int, u: np.nda
     """Return the margins of piece i (distances to belts or forces that hold) at parts u of its duration."""
     piece, start, end = equations.pieces[i], points[i], equations.ends(points)[i]
     tau = (end[1] - start[1]) / equations.K.Om
-    return (_of_stick if piece.sticks else _of_flight)(equations, piece, start, end, tau, u)
+    return (_stick_margins if piece.sticks else _flight_margins)(equations, piece, start, end, tau, u)
 
 
-def _of_flight(
+def _flight_margins(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
     """Return the margins of a flight, its distances to belts, at parts u of its duration."""
@@ -728,7 +728,7 @@ def _of_flight(
     return found
 
 
-def _of_stick(
+def _stick_margins(
     equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
 ) -> list[np.ndarray]:
     """Return the margins of a stick, the forces that hold it, at parts u of its duration."""

@@ -90,7 +90,7 @@ class OrbitPiece:
 
     @property
     def zeros(self) -> int:
-        """The multiplicity of the root tau = 0 of f2: 0 between belts, 1 back to the same belt, 2 if after a stick."""
+        """The multiplicity of f2's root at duration 0: 0 between belts, 1 back to the same belt, 2 if after a stick."""
         return 0 if self.sticks or self.start != self.end else 2 if self.after_stick else 1
 
 
@@ -160,12 +160,12 @@ class ClosingEquations:
         return zip(self.pieces, points, self.ends(points), strict=True)
 
     def force(self, domain: int, x: Number, v: Number, theta: Number) -> Number:
-        """Return the acceleration F^(domain) (eq. (9))."""
+        """Return F^(domain) of eq. (9), which is the acceleration in this domain."""
         K = self.K
         return kernels.acceleration(x, v, self.cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
 
     def belt(self, boundary: int) -> BeltConstants:
-        """Return the constants of a belt."""
+        """Return the constants of a belt, such as its speed, in this arithmetic."""
         return self.K.belt1 if boundary == 1 else self.K.belt2
 
     def start_of_flight(self, piece: OrbitPiece, start: Point) -> Launch:
@@ -270,7 +270,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
 
 
 def _newton_step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return the Newton correction; without damping (c = 0), where roots may be a curve, to the nearest of them."""
+    """Return the Newton correction; for c = 0, where roots may form a curve, the one to the nearest root."""
     if equations.K.cm == 0:
         # Without damping, directions that the equations fix by less than this are left alone.
         return np.linalg.lstsq(matrix, right, rcond=1e-9)[0].reshape(-1, 2)

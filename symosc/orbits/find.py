@@ -172,9 +172,9 @@ def _best_root(equations: ClosingEquations, guesses: Iterator[Guess]) -> tuple[C
         return min(roots, key=lambda root: root[0])[1:]
     word = str(equations.word)
     if best is None:
-        raise ConvergenceError(word, (), 0, inf, f"no guess was found{_instead(tried)}")
+        raise ConvergenceError(word, (), 0, inf, f"no guess was found{_other_motion_text(tried)}")
     points = tuple(switching_points(tried, best.points))
-    raise ConvergenceError(word, points, tried.periods, float(best.residual), best.reason + _instead(tried))
+    raise ConvergenceError(word, points, tried.periods, float(best.residual), best.reason + _other_motion_text(tried))
 
 
 def _is_same_root(equations: ClosingEquations, a: Solution, others: ClosingEquations, b: Solution) -> bool:
@@ -203,7 +203,7 @@ def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:
 
 
 def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None = None) -> PeriodicOrbit:
-    """Return the orbit of a root in double precision, polished to `digits`."""
+    """Return the orbit that a root in double precision describes, refined to `digits` if given."""
     double = np.array(solution.points, dtype=float) - [0.0, 2 * pi * floor(solution.points[0][1] / (2 * pi))]
     solution = replace(solution, points=double)
     failed = tuple(failures(equations, double))
@@ -231,7 +231,7 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
             how = "it has no length" if lasts else "just fails" if c.value == 0 else f"fails by {-c.value:.3g}"
             texts.append(f"{c.text}: {how} at t = {c.t:.6g}")
             resting = resting or lasts
-        message = f"a root that is not an orbit ({'; '.join(texts)}){_instead(equations, resting)}"
+        message = f"a root that is not an orbit ({'; '.join(texts)}){_other_motion_text(equations, resting)}"
     else:
         kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
         message = f"{kind} orbit of {equations.periods} forcing period{'s' if equations.periods > 1 else ''}"
@@ -261,7 +261,7 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
     )
 
 
-def _instead(equations: ClosingEquations, resting: bool = False) -> str:
+def _other_motion_text(equations: ClosingEquations, resting: bool = False) -> str:
     """Describe what the motion at these parameters does instead of the orbit; `resting`: the root may stick forever."""
     for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
         positions = rest_positions(equations.parameters, boundary)
@@ -298,7 +298,7 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
     theta = Omega * values[:, 0]
     if len(values) == 1:
         passages, _ = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
-        found = windows(passages, equations.word.labels, periods, largest_displacement(equations)[1])
+        found = guesses_of_word(passages, equations.word.labels, periods, largest_displacement(equations)[1])
         if not found:
             raise ParameterError("guess", guess, "the motion from there never follows the word; give all switchings")
         return min(found, key=lambda each: each.defect)
@@ -315,7 +315,7 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
 
 
 class Passage(NamedTuple):
-    """An event of a simulation: position, phase (not wrapped), belt, and the mode after it."""
+    """An event of a simulation: position, phase (not reduced mod 2 pi), belt, and the mode that follows."""
 
     x: float
     theta: float
@@ -324,7 +324,7 @@ class Passage(NamedTuple):
 
 
 class Guess(NamedTuple):
-    """Points (x, theta), the number of periods after which they close, and the closing error."""
+    """A guess of an orbit: points (x, theta), the number of periods after which they close, and the closing error."""
 
     points: np.ndarray
     periods: int
@@ -358,7 +358,7 @@ def orbit_of(
     """Return the equations and points of an admissible orbit that a simulation approaches."""
     for word in _words_of_a_period(equations, passages):
         trial = ClosingEquations(equations.parameters, word, equations.periods)
-        found = windows(passages, word.labels, equations.periods, max(size, 1e-300))
+        found = guesses_of_word(passages, word.labels, equations.periods, max(size, 1e-300))
         for guess in sorted(found, key=lambda each: each.defect)[:4]:
             solution = solve(trial, guess.points)
             if solution.converged and not failures(trial, solution.points):
@@ -388,7 +388,7 @@ def _words_of_a_period(equations: ClosingEquations, passages: list[Passage]) -> 
 
 
 def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
-    """Return a word of `labels`, begun with the first mapping of the equations' word if present."""
+    """Return the periodic word of `labels`, rotated to begin as the equations' word does, if possible."""
     first = equations.word.labels[0]
     begin = labels.index(first) if first in labels else 0
     return Word(labels[begin:] + labels[:begin])
@@ -410,8 +410,8 @@ def rest_interval_text(positions: tuple[Number, Number]) -> str:
     return f"where every x from {low} to {high} is a position of rest"
 
 
-def windows(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
-    """Return a guess from each run of passages that follows the word, with the error by which it does not close."""
+def guesses_of_word(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
+    """Return a guess from each run of passages that has the word's mappings, with the gap left after its periods."""
     n = len(labels)
     done, found = mappings_between(passages), []
     for k in range(len(done) - n + 1):
@@ -446,7 +446,7 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
         found: list[Guess] = []
         for offset, j, boundary in batch:
             passages, _ = follow(equations, centre + offset * size, 2 * pi * j / 8, boundary, most)
-            found += windows(passages, equations.word.labels, periods, size)
+            found += guesses_of_word(passages, equations.word.labels, periods, size)
         yield from sorted(found, key=lambda guess: guess.defect)[:4]
 
 

@@ -91,7 +91,7 @@ def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any
 
 
 def inside(equations: ClosingEquations, points: Points, values: tuple[Number, Number]) -> float | None:
-    """Return 1 minus the size of the larger multiplier, or None if that is 1 to 50 digits."""
+    """Return 1 minus the size of the larger multiplier, > 0 if stable; None if that size is 1 to many digits."""
     gap = float(1 - max(abs(value) for value in values))
     if abs(gap) > NEAR_ONE:
         return gap

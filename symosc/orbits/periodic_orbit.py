@@ -82,7 +82,7 @@ class OrbitSensitivities(NamedTuple):
     Attributes
     ----------
     wrt : tuple of str
-        The parameters that it is differentiated by.
+        The parameters with respect to which it is differentiated.
     dt, dx : array, (points, wrt)
         Derivatives of the times and positions of the switchings.
     dmultipliers : complex array, (2, wrt)
@@ -206,7 +206,7 @@ class PeriodicOrbit(Drawable):
 
     @public
     def sensitivities(self, wrt: str | Sequence[str]) -> OrbitSensitivities:
-        """Return the derivatives of the switching points and of the multipliers by parameters.
+        """Return the derivatives of the switching points and multipliers with respect to parameters.
 
         They are quotients of two orbits whose parameter differs by 1e-15 of its size, found with 50 digits: right to
         about 20 digits, and rounded to doubles.

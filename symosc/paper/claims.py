@@ -62,7 +62,7 @@ def evidence(right: object, finding: str, numbers: dict[str, Any], verdict: str 
 
 
 class Refuted(Exception):
-    """Raised by a check that does not find what its statement is about; has the evidence that refutes the statement."""
+    """Raised by a check if what its statement is about does not exist; carries the evidence that refutes it."""
 
     def __init__(self, finding: str, numbers: dict[str, Any]) -> None:
         self.evidence = Evidence(NOT_AS_PRINTED, finding, numbers)
@@ -173,7 +173,7 @@ KINDS = {
 
 
 def _label(kind: str, number: int) -> str:
-    """Return what texts call a numbered part of the paper, such as (26) or Lemma 1; section 0 is the abstract."""
+    """Return the name of a numbered part of the paper, such as "(26)" or "Lemma 1"; section 0 is the abstract."""
     if kind == "equation":
         return f"({number})"
     return "Abstract" if (kind, number) == ("section", 0) else f"{KINDS[kind][1]} {number}"

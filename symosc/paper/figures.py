@@ -55,8 +55,8 @@ def fig1() -> Figure:
     mass = Rectangle((4.7, -0.9), 2.0, 1.8, facecolor="#f3d9d6", edgecolor=MASS_COLOR, lw=LINE, zorder=3)
     ax.add_patch(mass)
     ax.text(5.7, 0.0, "$m$", **CENTER, fontsize=11, zorder=4)
-    _belt(ax, 1, 2)
-    _belt(ax, -1, 1)
+    _draw_belt(ax, 1, 2)
+    _draw_belt(ax, -1, 1)
     _draw_arrow(ax, (6.7, 0.35), (8.1, 0.35), MASS_COLOR)
     ax.text(8.25, 0.33, r"$A_0 + B_0\cos\Omega t$", ha="left", va="center")
     _draw_arrow(ax, (6.7, -0.5), (7.6, -0.5), "black", lw=THIN)
@@ -69,7 +69,7 @@ def _draw_arrow(ax: Axes, start: tuple[float, float], end: tuple[float, float], 
     ax.add_patch(FancyArrowPatch(start, end, color=color, **(arrow | style)))
 
 
-def _belt(ax: Axes, side: int, number: int) -> None:
+def _draw_belt(ax: Axes, side: int, number: int) -> None:
     """Draw a belt above (side 1) or below (-1) the mass: its strand at the mass moves to the right."""
     contact, radius, centres, mass = 0.9, 0.7, (3.6, 8.9), (4.7, 6.7)
     middle, outer = side * (contact + radius), side * (contact + 2 * radius)

@@ -225,7 +225,7 @@ def printed_figure(name: str, columns: int = 2) -> Figure:
 
 
 def product_figure(columns: int = 2) -> Figure:
-    """Draw the products of forces that section 6 speaks of: Figs. 5, 6, 9 and 10."""
+    """Draw the products of both forces against time, of which section 6 speaks, for Figs. 5, 6, 9 and 10."""
     return _paper_form([(PANELS["g"], printed_view(name)) for name in ("fig5", "fig6", "fig9", "fig10")], columns)
 
 
@@ -383,11 +383,11 @@ def orbit_figure(name: str, columns: int = 2) -> Figure:
     scene, panels = load_scene(printed_scene(name)), dict(PANELS)
     t, x, v = (float(value) for value in (scene.t0, scene.x0, scene.v0))
     for letter, start in (("a", (t, x)), ("b", (t, v)), ("c", (x, v))):
-        panels[letter] = partial(_with_start, panel=PANELS[letter], start=start)
+        panels[letter] = partial(_draw_with_start, panel=PANELS[letter], start=start)
     return _paper_form([(panels[letter], orbit_view(name)) for letter in "abcdef"], columns)
 
 
-def _with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, float]) -> None:
+def _draw_with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, float]) -> None:
     """Draw a panel with the printed start as a diamond; in (c) an inset shows it apart from a crossing next to it."""
     panel(ax, view)
     low, high = ax.get_ylim()
@@ -431,7 +431,7 @@ WINDOW_SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "f
 
 
 def window_parameters(mapping: str) -> tuple[Parameters, Fraction, Parameters]:
-    """Return parameters, the belt speed > 0 at which |gamma| = B0 Omega/m, and parameters with the other belt far."""
+    """Return parameters, the belt speed > 0 with |gamma| = B0 Omega/m, and a copy with the other belt far off."""
     p = load_scene(WINDOW_SCENES[mapping]).parameters
     equality = abs(p.B0) * p.Omega / p.k
     far = 2 * equality + 1  # the window is independent of the other belt's speed
@@ -439,14 +439,14 @@ def window_parameters(mapping: str) -> tuple[Parameters, Fraction, Parameters]:
 
 
 def window_graze(mapping: str) -> Event | None:
-    """Return the graze of a mapping's scene at the belt and from the domain of the mapping; None if it has none."""
+    """Return the first graze in a mapping's scene at the mapping's belt and from its domain; None if there is none."""
     where, events = place(mapping), simulate(WINDOW_SCENES[mapping]).events
     sought = ("graze", where.boundary, f"Omega{where.domain}")
     return next((event for event in events if (event.kind, event.boundary, event.source) == sought), None)
 
 
 def window_sweep(mapping: str) -> Figure:
-    """Draw the phases at which a mapping grazes against the belt's speed, and which of them Theorem 7 leaves out."""
+    """Draw the grazing phases of a mapping against the belt's speed, and mark those that Theorem 7 leaves out."""
     where, (p, equality, free) = place(mapping), window_parameters(mapping)
     drawing = sweep_figure(free, mapping, f"v{where.boundary}", -2 * equality, 2 * equality, order="full")
     drawing.set_size_inches(3.6, 3.1)

@@ -56,7 +56,7 @@ class Drawn(NamedTuple):
 
 @dataclass(frozen=True)
 class Plan:
-    """What to do: claims, pictures by key, chapters of the derivations, and the errata that the claims show."""
+    """What a run does: the claims, pictures by key, chapters of the derivations, and the errata that claims show."""
 
     claims: tuple[Claim, ...]
     pictures: Mapping[str, Picture]
@@ -69,7 +69,7 @@ class Plan:
         return len(self.claims) + len(self.pictures) + len(self.chapters)
 
     def only(self, prefix: str) -> Plan:
-        """Return the plan of the claims with ids that begin with `prefix`, and their pictures, without derivations."""
+        """Return the plan for the claims whose ids begin with `prefix`, and their pictures; without derivations."""
         claims = tuple(claim for claim in self.claims if prefix and claim.id.startswith(prefix))
         if not claims:
             heads = dict.fromkeys(claim.id.partition("-")[0] for claim in self.claims)
@@ -158,7 +158,7 @@ def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | N
 
 
 def _in_processes(tasks: Tasks, workers: int | None) -> Generator[tuple[tuple[str, str], Done], None, None]:
-    """Run tasks in worker processes; yield each key with its result. A new pool repeats what a broken one has lost."""
+    """Run tasks in worker processes; yield keys with results. If a pool breaks, a new one repeats what it lost."""
     for _ in range(POOLS):
         pool = ProcessPool(max_workers=min(read_workers(workers), len(tasks)), context=get_context("spawn"))
         futures: dict[Any, tuple[str, str]] = {}

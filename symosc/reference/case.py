@@ -77,12 +77,12 @@ class KnownEvent(NamedTuple):
 
 
 class KnownChange(NamedTuple):
-    """The derivatives of an event by one number.
+    """The derivatives of an event with respect to one parameter or start value.
 
     Attributes
     ----------
     dt, dx : tuple of str
-        The two decimals between which the total derivative of the time, and of the position, lies.
+        The two decimals between which the total derivative of the event's time, and of its position, lies.
     proven : bool
         Whether the certificate of the case proves them; if not, they were computed with 60 digits.
 
@@ -207,7 +207,7 @@ class ReferenceCase:
 
     @cached_property
     def derivatives(self) -> tuple[dict[str, KnownChange], ...]:
-        """For each event, the derivatives that exist by parameters and start values; none where `periods` is not 0."""
+        """For each event, a derivative per parameter and start value, where it exists; none if `periods` is not 0."""
         if self.periods:
             return ({},) * len(self.events)
         names, stated = self.certificate.statement.get("wrt", ()), self.certificate.derivatives

@@ -132,7 +132,7 @@ def hard_cases() -> tuple[ReferenceCase, ...]:
 
 
 def _hard(group: str, name: str, scene: Scene, quick: bool = False, periods: int = 0) -> ReferenceCase:
-    """Return a hard case of a group; its full name is made of the group and `name`, which is unique in the group."""
+    """Return a hard case of a group; the case's name joins the group and `name`, which must be unique in the group."""
     own, hard = _slug(f"{group} {name}"), f"{GROUPS[group]}; {name}"
     return ReferenceCase(own, group, replace(scene, name=own), hard, HARD_SOURCE, periods=periods, quick=quick)
 
@@ -153,7 +153,7 @@ def short(value: Number | Fraction) -> str:
 
 
 def _scene(p: Parameters | str, start: Start, t_end: NumberLike, **changes: NumberLike) -> Scene:
-    """Return a scene with parameters, or those of a shipped scene but for `changes`; its case gives it a name."""
+    """Return an unnamed scene with parameters p, or with those of the shipped scene p but for `changes`."""
     p = load_scene(p).parameters.replace(**changes) if isinstance(p, str) else p
     t0, x0, v0, end = (read_exact("start", value) for value in (*start, t_end))
     return Scene("case", p, t0, x0, v0, end)
@@ -179,7 +179,7 @@ def _peak_cases() -> Iterator[ReferenceCase]:
 
 
 def start_with_force(p: Parameters, domain: int, boundary: int, t0: str, force: str) -> tuple[str, str, str]:
-    """Return a start t0, x0, v0 on a belt at which the force F^(domain) has the value `force`."""
+    """Return t0, x0, v0 of a start on a belt at which F^(domain) has the value `force`."""
     context = mp_context(40)
     cosine = Fraction(str(context.cos(context.mpf(p.Omega.numerator) / p.Omega.denominator * context.mpf(t0))))
     speed = p.belt(boundary)
@@ -328,7 +328,7 @@ def _case(
     )
 
 
-def _creeping() -> Iterator[ReferenceCase]:
+def _creeping_cases() -> Iterator[ReferenceCase]:
     """Yield flights with decay rates r1 <= r2 that creep to v = 0; the gap g = -v closes only if u = g' + r2 g < 0."""
     # Then it is at t = log(1 + (r2 - r1) g/|u|)/(r2 - r1), and at t = g/|u| if the two roots are one.
     for number, push in enumerate(("-1e-1", "-1e-9", "0", "1e-9"), 1):  # late, very late, just not, not
@@ -347,7 +347,7 @@ def _creeping() -> Iterator[ReferenceCase]:
             yield _case(f"creeping-{number}-{roots}", RESTS, p, start, t_end, hard, ELEMENTARY, closed)
 
 
-def _towards_a_limit() -> Iterator[ReferenceCase]:
+def _limit_speed_cases() -> Iterator[ReferenceCase]:
     """Yield flights without spring and drive: v tends to A/c, which is beyond, at, or short of the belt's speed 1."""
     for number, beyond in enumerate(("1e-3", "1e-12", "0", "-1e-12"), 1):
         b = Fraction(beyond)
@@ -373,7 +373,7 @@ def _belt_start_cases() -> Iterator[ReferenceCase]:
     yield _case("stick-then-settling", RESTS, fast, (0, 0, 1), 60, hard, ELEMENTARY)
 
 
-RESTING = (_creeping, _towards_a_limit, _belt_start_cases)
+RESTING = (_creeping_cases, _limit_speed_cases, _belt_start_cases)
 
 
 # -- the Coulomb oscillator and its continuum of orbits ----------------------------------------------------------------
@@ -394,7 +394,7 @@ def wall(F: NumberLike, Omega: NumberLike, c: NumberLike = 0, P: NumberLike = 1)
     return Parameters(m=1, c=c, k=1, A0=0, B0=P, Omega=Omega, v1=0, v2=10**6, mu1=F, mu2=0, FN=1)
 
 
-def _slides() -> Iterator[ReferenceCase]:
+def _slide_cases() -> Iterator[ReferenceCase]:
     """Yield motions without stops that start at their highest point; their amplitude is Den Hartog's."""
     for number, (c, F, Omega) in enumerate((("0", "0.4", "1.5"), ("0.2", "0.4", "1.5"), ("0.1", "0.25", "0.6")), 1):
         p = wall(F, Omega, c)
@@ -422,8 +422,8 @@ def amplitude(c: str, F: str, Omega: str) -> str:
     return f"-({F})*{G} + sqrt({Q} - ({F})**2*{H}**2)"
 
 
-def _borders() -> Iterator[ReferenceCase]:
-    """Yield motions with friction F just below and above the F*, 0.64657909 P or 0.81740639 P, where stops begin."""
+def _first_stop_cases() -> Iterator[ReferenceCase]:
+    """Yield motions with friction F just below or above the least F with stops (0.64657909 P or 0.81740639 P)."""
     for Omega, below, above in (("1.5", "0.64", "0.65"), ("0.8", "0.81", "0.82")):
         for side, F in (("below", below), ("above", above)):
             hard = (
@@ -433,7 +433,7 @@ def _borders() -> Iterator[ReferenceCase]:
             yield _case(name, COULOMB, wall(F, Omega), (0, 1, 0), 150, hard, BORDER_SOURCE)
 
 
-def _resonance() -> Iterator[ReferenceCase]:
+def _resonance_cases() -> Iterator[ReferenceCase]:
     """Yield undamped motions at resonance, with turning points at pi/2 + i pi, each farther out than the last."""
     for number, F in enumerate(("0.1", "0.4", "0.75"), 1):
         p = wall(F, 1)
@@ -444,7 +444,7 @@ def _resonance() -> Iterator[ReferenceCase]:
         yield _case(f"resonance-growth-{number}", COULOMB, p, start, 40, hard, BALANCE, closed)
 
 
-def _decay() -> Iterator[ReferenceCase]:
+def _decay_cases() -> Iterator[ReferenceCase]:
     """Yield motions without a drive that lose 2 F/k per half cycle and stop at the first turning point within F/k."""
     for number, (x0, F) in enumerate((("10", "0.3"), ("1", "0.07"), ("100", "0.9")), 1):
         last = next(i for i in range(1000) if abs(Fraction(x0) - 2 * i * Fraction(F)) <= Fraction(F))
@@ -455,11 +455,11 @@ def _decay() -> Iterator[ReferenceCase]:
         yield _case(f"free-decay-{number}", COULOMB, p, (0, x0, 0), t_end, hard, BALANCE, closed)
 
 
-OSCILLATING = (_slides, _borders, _resonance, _decay)
+OSCILLATING = (_slide_cases, _first_stop_cases, _resonance_cases, _decay_cases)
 
 
 def continuum() -> Iterator[ReferenceCase]:
-    """Yield undamped motions, Omega = 1/(2 n), that turn at d - x_0 and d + x_0 for ever, x_0 = 1/(1 - Omega^2)."""
+    """Yield undamped motions at Omega = 1/(2 n) that oscillate about d (any in a range) by x_0 = 1/(1 - Omega^2)."""
     # That is so for |d| < Omega^2 x_0 - F; beyond it they stop.
     members = ((1, "0.1", ("0", "0.1", "-0.2", "0.2333", "0.2334", "0.3")), (2, "0.05", ("0", "0.01", "-0.0166")))
     for n, F, middles in members:

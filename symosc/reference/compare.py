@@ -57,12 +57,12 @@ class Comparison:
 
 
 def window_of(scene: Scene) -> float:
-    """Return the largest time between an event and its counterpart: a small part of the forcing period."""
+    """Return the largest difference in time of two events that count as one: a small part of the forcing period."""
     return WINDOW * 2 * pi / float(scene.parameters.Omega)
 
 
 def compare(found: Iterable[FoundEvent], reference: Sequence[Event], window: float, t0: Number = 0) -> Comparison:
-    """Compare a solver's events with the reference."""
+    """Align a solver's events with the reference's within `window`; return errors and missed and invented events."""
     given = list(found)
     ordered = sorted((event for event in given if isfinite(event.t) and isfinite(event.x)), key=lambda event: event.t)
     times = [float(event.t) for event in reference]

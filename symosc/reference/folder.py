@@ -62,7 +62,7 @@ def write_cases(
     # `path` is a new folder, or one of an earlier run without other files in it, or an OutputError is raised.
     # `progress` is called with how many cases more are done.
     wanted = reference_cases() if cases is None else cases
-    check_folder(path, _of_an_earlier_run)  # before the work
+    check_folder(path, _files_of_earlier_run)  # before the work
     texts, rows = {}, []
     in_processes = len(wanted) > CASES_IN_LINE and workers > 1
     with ProcessPoolExecutor(workers, get_context("spawn")) if in_processes else nullcontext() as pool:
@@ -74,7 +74,7 @@ def write_cases(
     texts[CASES_TABLE] = _csv_text(TABLE_COLUMNS, ([row[name] for name in TABLE_COLUMNS] for row in rows))
     texts["README.md"] = _readme_text(rows, max(map(len, texts[CASES_TABLE].splitlines())))
     texts[MANIFEST] = _manifest_text(rows, texts)
-    return write_folder(path, texts, _of_an_earlier_run)
+    return write_folder(path, texts, _files_of_earlier_run)
 
 
 def _case_files(case: ReferenceCase) -> tuple[dict[str, str], Record]:
@@ -188,8 +188,8 @@ def checksum(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _of_an_earlier_run(folder: Path) -> set[str]:
-    """Return the files named by a folder's manifest, itself included; none without a manifest."""
+def _files_of_earlier_run(folder: Path) -> set[str]:
+    """Return the names of files that an earlier run wrote, by the folder's manifest, which is included; or none."""
     try:
         return {MANIFEST, *_read_manifest(folder)["files"]}
     except (ResultError, KeyError, TypeError):
@@ -201,7 +201,7 @@ def _of_an_earlier_run(folder: Path) -> set[str]:
 
 @dataclass(frozen=True)
 class StoredCase:
-    """A reference case as its files store it: what a score needs of it."""
+    """A reference case read from its files, reduced to the data that a score needs."""
 
     name: str
     group: str

@@ -44,7 +44,7 @@ EVENT_COLUMNS = {
 
 
 class GivenEvent(NamedTuple):
-    """An event found by a solver; x is None and boundary 0 if not given, and `changes` has the derivatives given."""
+    """An event from a solver's file; x is None and boundary 0 if missing there; `changes` has its derivatives."""
 
     t: Fraction
     x: Fraction | None
@@ -113,7 +113,7 @@ def _wrong(what: str) -> ParameterError:
     return ParameterError("file", "", what)
 
 
-def _named(names: Iterable[str]) -> dict[str, str]:
+def _names_by_meaning(names: Iterable[str]) -> dict[str, str]:
     """Return which of a file's column names mean "t", "x", "kind" and so on, as a dictionary by meaning."""
     found: dict[str, str] = {}
     there = list(map(str, names))
@@ -128,8 +128,8 @@ def _named(names: Iterable[str]) -> dict[str, str]:
 
 
 def _columns(names: list[str], needs_case: bool) -> dict[str, str]:
-    """Return a table's column names by meaning, as `_named` does; ParameterError if a needed one is missing."""
-    found = _named(names)
+    """Return a table's column names by meaning; raise ParameterError if a needed one is missing."""
+    found = _names_by_meaning(names)
     enclosed = {"t_low", "t_high"} <= set(found)
     for what, needed in {"case": needs_case, "t": not enclosed, "kind": True}.items():
         if needed and what not in found:
@@ -142,7 +142,7 @@ def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]
     where = "" if name is None else brief(name)
     if name is not None:  # a case may be without events
         yield name, where, {"kind": FOLLOWED_TO}
-    table = None if isinstance(content, dict) and "kind" not in _named(content) else as_table(content)
+    table = None if isinstance(content, dict) and "kind" not in _names_by_meaning(content) else as_table(content)
     if isinstance(content, list) and content and isinstance(content[0], tuple):  # lines of a text
         for line, entry in content:
             yield name or entry.get("case", ""), line, entry
@@ -158,7 +158,7 @@ def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]
             place = f"{where}, event {number}".lstrip(", ")
             if not isinstance(event, dict):
                 raise _wrong(f"{place}: must be an object with t and kind")
-            entry = {what: event[own] for what, own in _named(event).items() if event[own] is not None}
+            entry = {what: event[own] for what, own in _names_by_meaning(event).items() if event[own] is not None}
             if name is None and "case" not in entry:
                 raise _wrong(f"{place}: has no case")
             yield name or str(entry["case"]), place, entry

@@ -27,7 +27,7 @@ from symosc.reference.results import CaseResult, GivenEvent, Results
 
 
 class Wrong(NamedTuple):
-    """A fault: its kind, its time, the event of the reference and that of the results ("" for none)."""
+    """A fault of a solver: its kind and time, the event wanted by the reference, and the one found ("": none)."""
 
     fault: str
     t: float
@@ -179,7 +179,7 @@ class _Judge:
             self._fault("invented", float(found[j].t), "", _event_text(found[j]))
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
-        """Return the events that are compared one by one; those before them are only counted."""
+        """Return the events to compare one by one (the last period's, if the case has no others); count the rest."""
         uncompared = self.case.count - len(self.case.events)
         if not uncompared:
             return events

@@ -39,7 +39,7 @@ def friction_on_mass(p: Parameters, alpha: int) -> Fraction:
 
 @dataclass(frozen=True)
 class RationalContact:
-    """A point of a boundary, where x' is the speed of the belt; s and c are the sine and cosine of the phase."""
+    """A contact with a boundary (x' is the belt's speed), all in fractions; s, c are sine and cosine of the phase."""
 
     p: Parameters
     boundary: int
@@ -73,9 +73,9 @@ class RationalContact:
 
     @cached_property
     def _motion(self) -> dict[int, list[Fraction]]:
-        """x and its derivatives by time along the flows of both domains, from m x'' + c x' + k x = A + B0 cos."""
+        """For each domain, x and its time derivatives along the flow there, from m x'' + c x' + k x = A + B0 cos."""
         p, found = self.p, {}
-        waves = (self.c, -self.s, -self.c, self.s)  # cos(theta) and its derivatives by theta
+        waves = (self.c, -self.s, -self.c, self.s)  # cos(theta) and its derivatives with respect to theta
         for alpha in self.domains:
             x, constant = [self.x, self.speed], p.A0 + friction_on_mass(p, alpha)
             for n in range(SERIES_TERMS - 1):
@@ -131,7 +131,7 @@ class RationalContact:
 
 @cache
 def contacts(boundary: int, count: int = 360, seed: int | None = None) -> tuple[RationalContact, ...]:
-    """Return contacts with a boundary at random rational parameters, of six kinds in turn."""
+    """Return random rational contacts with a boundary: generic, with a zero force, or with G^(1) = 0 too, in turn."""
     # By default those of Theorems 4 to 6. Two kinds are generic; two have the force below or above exactly 0; two have
     # the phase such that G^(1) = 0 as well (at the top and the bottom of the sine then G^(2) = 0 too). A fifth of them
     # is at phase 0.
@@ -161,7 +161,7 @@ def contacts(boundary: int, count: int = 360, seed: int | None = None) -> tuple[
 
 
 def tally(cases: Iterable[Any], questions: Mapping[str, Callable[[Any], Any]]) -> dict[str, Any]:
-    """Count the cases for which each question is answered with yes."""
+    """Count, for each question, the cases for which it is answered with yes."""
     cases = list(cases)
     return {name: sum(bool(question(case)) for case in cases) for name, question in questions.items()}
 
@@ -173,7 +173,7 @@ DOP853_TOLERANCE, DOP853_AGREEMENT = 1e-12, 1e-9
 
 
 def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]:
-    """Return x and x' at times t of m x'' + c x' + k x = A + B0 cos(Omega t) from start = (t0, x0, v0); k > 0."""
+    """Solve m x'' + c x' + k x = A + B0 cos(Omega t), k > 0, for start = (t0, x0, v0); return x and x' at times t."""
     # In complex numbers, independent of the package's kernels; not for undamped resonance.
     m, c, k, B0, Omega = (float(getattr(p, name)) for name in ("m", "c", "k", "B0", "Omega"))
     t0, x0, v0 = map(float, start)

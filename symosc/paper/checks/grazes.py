@@ -50,7 +50,7 @@ LATE, GRAZE_SAMPLES = 60, 8000
 
 @dataclass(frozen=True)
 class Graze:
-    """A figure of a grazing motion: its scene as printed, the scene with a corrected parameter, and its mapping."""
+    """A figure that shows a grazing motion: its scene as printed, the same scene corrected, and the mapping."""
 
     printed: Scene
     scene: Scene
@@ -58,7 +58,7 @@ class Graze:
     half_turns: int  # the phase of the grazing point in units of pi
 
     def source(self, to_start: bool = True) -> GrazingStart:
-        """Return the state of the grazing flow at t0, or else at its start on the switching plane."""
+        """Return the state of the grazing flow at t0 (`to_start`), or where it leaves the switching plane."""
         theta = +mp_context(60).pi * self.half_turns
         return grazing_start(self.scene.parameters, self.mapping, theta, t0=self.scene.t0 if to_start else None)
 
@@ -69,7 +69,7 @@ class Graze:
 
     @property
     def print_is_right(self) -> bool:
-        """Whether a start that grazes rounds to the printed start, with all parameters as printed."""
+        """Whether, with all parameters as printed, a start whose flow grazes rounds to the printed start."""
         return nearest_graze(self.printed, self.mapping).rounds
 
 
@@ -129,7 +129,7 @@ def highest_velocity(path: Trajectory, since: float | None = None) -> tuple[floa
 
 
 def no_contact_since(path: Trajectory, belt: int) -> float:
-    """Return a time after which the flight in the domain below a belt cannot reach it; inf if none is seen."""
+    """Return a time from which a flight below a belt provably never reaches it; inf if no such time is found."""
     p, domain = path.parameters, NEIGHBOURS[belt][0]
     for t in np.linspace(float(path.t_start), float(path.t_end), 400):
         phase = float(p.Omega) * t
@@ -322,13 +322,13 @@ def sticks_later(figure: Graze) -> Evidence:
 
 
 def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:
-    """Run a check of first sticks, given by its name, on the stick that follows the graze from the exact start."""
+    """Run the check of this name in `motions` on the stick that follows the graze, with the exact start."""
     checks = {"together": together, "forces_hold": forces_hold, "flight_after": flight_after}
     return checks[check](exact(figure, Fraction(10) if domains else None), figure.place.boundary, *domains)
 
 
 def curves_meet(figure: Graze) -> Evidence:
-    """Check that the mass never is slower than belt 1: then it meets each point of the belt once."""
+    """Check that the mass is never slower than belt 1, so that it meets each point of the belt only once."""
 
     def as_described(path: Trajectory) -> bool:
         kinds = [(event.kind, event.boundary) for event in path.events]
@@ -360,7 +360,7 @@ PHASE = 1e-4
 
 
 def contact_or_misprint(figure: Graze) -> Evidence:
-    """Check that the motion with all numbers as printed grazes; if not, search for single numbers that make it."""
+    """Check that the motion as printed grazes; if not, search for a change of a single number that makes it graze."""
     scene = figure.printed
     as_printed = reaches_belt(scene, figure.place.boundary)
     if as_printed.verdict != NOT_AS_PRINTED:
@@ -375,7 +375,7 @@ def contact_or_misprint(figure: Graze) -> Evidence:
 
 
 def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
-    """List the values that are as short as the printed ones; first those that graze at a quarter of a period."""
+    """List as text the values with as few digits as printed; those that graze at a quarter of a period come first."""
     quarter = pi / (2 * float(scene.parameters.Omega))
     lists: tuple[list[str], list[str]] = ([], [])
     for each in found:
@@ -415,7 +415,7 @@ def start_grazes(figure: Graze) -> Evidence:
 
 
 def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bool:
-    """Return whether the flow from the start for t_m grazes, with 40 digits and in another closed form."""
+    """Return whether the start computed for a graze at t_m leads to it, by 40 digits and by another closed form."""
     scene, at, p = figure.scene, figure.place, figure.scene.parameters
     found = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0)
     start: dict[str, Any] = {name: Fraction(found.start[name]) for name in ("x0", "v0")}
@@ -444,7 +444,7 @@ HALF_UNIT = float(LAST_HALF_UNIT)
 
 @dataclass(frozen=True)
 class NearestGraze:
-    """The grazing start nearest to a printed start: the time of its contact, and the differences dx, dv of the two."""
+    """The grazing start nearest to a printed start: the time of its graze, and its differences dx, dv from that."""
 
     t_m: float
     dx: float
@@ -460,7 +460,7 @@ class NearestGraze:
 
 @dataclass(frozen=True)
 class FreeValue:
-    """A number of a scene with which the flow from the printed start grazes at t_m, all others as printed."""
+    """A value of one number of a scene with which its flow grazes at t_m, while all other numbers are as printed."""
 
     name: str
     value: float
@@ -476,7 +476,7 @@ class FreeValue:
 
     @property
     def as_short_as_printed(self) -> bool:
-        """Whether it has no more digits than are printed: few for a parameter, one decimal for t0, four for x0, v0."""
+        """Whether the value fits the digits printed: three for a parameter, one decimal for t0, any for x0, v0."""
         if self.name == "t0":
             return len(self.shortest.partition(".")[2]) <= 1
         # A parameter is printed with no more than three digits.
@@ -547,7 +547,7 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
 
 
 def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, float, bool]:
-    """Return by how much the flow passes the belt (< 0: short of it), when, and if it was in its domain until then."""
+    """Return how far the flow's peak passes the belt (< 0: not reached), its time, and if it stayed inside before."""
     at = place(mapping)
     start = tuple(change.get(name, float(getattr(scene, name))) for name in START)
     exact = {name: Fraction(value) for name, value in change.items() if name not in START}

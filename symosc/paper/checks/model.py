@@ -98,7 +98,7 @@ def _parameter_sets() -> list[Parameters]:
 
 
 def _both_boundaries(seed: int) -> tuple[RationalContact, ...]:
-    """Return random rational contacts, CASES with each boundary."""
+    """Return random rational contacts, `CASES` with each of the two boundaries."""
     return (*contacts(1, CASES, seed + 1), *contacts(2, CASES, seed + 2))
 
 
@@ -471,7 +471,7 @@ def position_bound(p: Parameters) -> float:
 
 
 def bounded_motions() -> Evidence:
-    """Check section 5, by which motions in the three unbounded domains are bounded; and a case without a damper."""
+    """Check that motions in the three unbounded domains are bounded, as section 5 says; also without a damper."""
     within, numbers = 0, {}
     for name in STATES:
         scene = load_scene(name)

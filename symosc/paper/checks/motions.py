@@ -37,7 +37,7 @@ LAST_HALF_UNIT = Fraction(1, 20000)
 
 
 class SceneContact(NamedTuple):
-    """A state on a belt: time, position and phase, with 30 digits."""
+    """A contact of a scene's motion with a belt: its time, position and phase, with 30 digits."""
 
     belt: int
     t: Any
@@ -46,7 +46,7 @@ class SceneContact(NamedTuple):
 
 
 class Stick(NamedTuple):
-    """A stick from its onset to its end (a SceneContact), which is None if the motion was not followed so far."""
+    """A stick: its onset and its end (each a SceneContact); the end is None if the motion was not followed so far."""
 
     belt: int
     onset: SceneContact
@@ -112,7 +112,7 @@ _seen: list[Trajectory | PeriodicOrbit] = []
 
 
 def recorded(found: Found) -> Found:
-    """Return a motion or orbit that a check uses, after noting it for the recomputation."""
+    """Note a motion or orbit that a check uses, so that `judge` recomputes it later; return it."""
     _seen.append(found)
     return found
 
@@ -179,7 +179,7 @@ def forces(p: Parameters, at: SceneContact) -> Forces:
 
 
 def forces_along(p: Parameters, stick: Stick) -> list[Forces]:
-    """Return the forces at the onset of a stick that ends, wherever they turn during it, and at its end."""
+    """Return the forces at the onset of a stick, at their extrema during the stick, and at its end."""
     # On a belt both forces are monotone between the phases Theta_cr of Theorem 7: what holds here holds in between.
     exact = arithmetic(p)
     K, context, theta = exact.K, exact.context, stick.onset.theta
@@ -226,7 +226,7 @@ class Stretch(NamedTuple):
 
 
 def stretches_of(what: Trajectory | PeriodicOrbit) -> list[Stretch]:
-    """Return the parts of a motion, or of one period of an orbit, the last one back to the first point."""
+    """Split a motion, or one period of an orbit, at its contacts; an orbit's last part ends at its first point."""
     p = what.parameters
     if isinstance(what, Trajectory):
         modes = [segment.mode for segment in what.segments]
@@ -251,7 +251,7 @@ def stretches_of(what: Trajectory | PeriodicOrbit) -> list[Stretch]:
 
 
 def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
-    """Recompute parts of a motion; return the largest relative difference, and how many contradictions there are."""
+    """Recompute the parts of a motion; return the largest relative difference and the number of contradictions."""
     # A contradiction is a stretch that is not where it is said to be, or one that cannot follow the one before.
     differences, contradictions = [0.0], 0
     for stretch in stretches:
@@ -279,7 +279,7 @@ def field(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
 
 
 def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
-    """Return whether Theorems 4 and 5 let a motion go on in `then` from the state `end`; a force of 0 allows both."""
+    """Return whether, by Theorems 4 and 5, the part `then` (as Stretch.where) may follow the state `end` on a belt."""
     belt = 1 if abs(end[2] - float(p.v1)) < abs(end[2] - float(p.v2)) else 2
     lo, hi = NEIGHBOURS[belt]
     below, above = float(field(p, lo, *end)), float(field(p, hi, *end))

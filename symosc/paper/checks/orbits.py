@@ -359,7 +359,7 @@ FOLLOWED = Fraction(5, 4)
 
 @dataclass(frozen=True)
 class Nearest:
-    """The value of one free number with which the motion from the printed start is nearest to a periodic one."""
+    """The best value of one free number: with it the motion from the printed start is nearest to a periodic one."""
 
     name: str  # the parameter, or "t0", "x0", "v0", that is left free
     value: float
@@ -371,7 +371,7 @@ class Nearest:
 
     @property
     def distance(self) -> float:
-        """The larger one of |dt| and |dx|."""
+        """The distance from a periodic motion: the larger one of |dt| and |dx|."""
         return max(abs(self.dt), abs(self.dx))
 
     @property
@@ -426,7 +426,7 @@ def _search_parameter(scene: Scene, name: str) -> Nearest:
 
 
 def _least(miss: Callable[[float], np.ndarray], around: tuple[float, float]) -> tuple[float, np.ndarray]:
-    """Minimise the larger of |dt| and |dx| by which a motion misses its start; return number and miss."""
+    """Return the number with the least max(|dt|, |dx|) of `miss(number)` = (dt, dx), and that (dt, dx)."""
 
     def size(number: float) -> float:
         return min(float(np.abs(miss(float(number))).max()), 1e9)  # parabolas through infinite values are none
@@ -436,7 +436,7 @@ def _least(miss: Callable[[float], np.ndarray], around: tuple[float, float]) -> 
 
 
 def range_of(p: Parameters, name: str) -> tuple[float, float]:
-    """Return the values of a parameter that are tried: REACH times its size both ways, as far as the model allows."""
+    """Return the least and largest value of a parameter to try: `REACH` times its size away, as the model allows."""
     value, margin = float(getattr(p, name)), LEAST * float(p.v2 - p.v1)
     reach = REACH * max(1.0, abs(value))
     least = {"m": LEAST * value, "k": LEAST * value, "Omega": LEAST * value, "v2": float(p.v1) + margin}
@@ -446,7 +446,7 @@ def range_of(p: Parameters, name: str) -> tuple[float, float]:
 
 
 def _misses(scene: Scene, name: str, values: np.ndarray) -> np.ndarray:
-    """Return (dt, dx) of the contact that comes nearest to the printed start one period later, for each value."""
+    """For each value of a number, return (dt, dx) from the start one period later to the contact nearest to it."""
     boundary = 1 if scene.v0 == scene.parameters.v1 else 2
     sets = [scene.parameters.replace(**{name: float(value)}) for value in values]
     periods = np.array([2 * pi / float(p.Omega) for p in sets])

@@ -27,7 +27,7 @@ ZERO, QUARTER, HALF, FULL_CIRCLE = map(Fraction, (0, 1, 2, 4))
 
 
 class Arc(NamedTuple):
-    """The angles between `low` and `high`, without `high`, and with `low` if closed."""
+    """An arc of angles from `low` to `high`; `high` is not in it, `low` only if `closed`."""
 
     low: Fraction
     high: Fraction
@@ -117,7 +117,7 @@ PAIRS = [(ratio * size, size) for size in DRIVES for ratio in RATIOS]
 
 
 class Row(NamedTuple):
-    """A contact and a printed case: whether the flow grazes there, and whether the case says so rightly."""
+    """A comparison at one contact: whether the exact flow grazes there, and whether a printed case agrees (`right`)."""
 
     case: int  # of the paper's equation, 0 if none holds
     right: bool
@@ -127,7 +127,7 @@ class Row(NamedTuple):
 
 @cache
 def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, ...]:
-    """Return a mapping's rows for all exact contacts whose B0 Omega/m is one of `drives`."""
+    """Compare a mapping's printed cases with the flow at all exact contacts whose B0 Omega/m is one of `drives`."""
     found, domain = [], PLACES[mapping].domain
     for amplitude in drives:
         for gamma in (ratio * (abs(amplitude) or 2) for ratio in RATIOS):
@@ -185,7 +185,7 @@ def window(mapping: str, *scenes: str) -> Evidence:
 
 
 def _same_ends(mapping: str) -> list[bool]:
-    """Return for each pair with a printed case whether `grazing_window`, order "paper", has the printed arcs."""
+    """Return for each (gamma, B0 Omega/m) with a printed case whether our window, order "paper", has its arcs."""
     found = []
     for gamma, amplitude in PAIRS:
         p = zero_force_contact(mapping, gamma, amplitude, *RATIONAL_PHASES[0]).p
