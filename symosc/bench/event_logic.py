@@ -59,7 +59,7 @@ class PeerError(SymoscError, RuntimeError):
 
 
 class Problem(NamedTuple):
-    """A parameter set as floats: the coefficients of eq. (9) divided by m, belt speeds, and the shortest period."""
+    """A parameter set as floats: coefficients of eq. (9), belt speeds, and the shorter of drive's and free period."""
 
     A1: float
     A2: float

@@ -39,13 +39,13 @@ from symosc.simulation.tangents import NAMES
 
 #: Tolerance of the tools, and relative step of central differences: the cube root of the error of a run, about.
 TOLERANCE, DIFFERENCE = 1e-12, 1e-4
-#: ``jacobian(m, c, k, A, B, Omega, phase, x, v, duration)`` returns the derivatives of x and v, each by START and WHAT.
+#: ``jacobian(m, c, k, A, B, Omega, phase, x, v, duration)`` gives those of x and v with respect to START and WHAT.
 Jacobian = Callable[..., tuple[np.ndarray, np.ndarray]]
 X, V, OF_M, OF_C, OF_K, OF_A, OF_B, OF_OMEGA, OF_PHASE = COLUMNS = range(9)
 
 
 class FoundChanges(NamedTuple):
-    """An event with its derivatives: `changes` maps dt_mu1 to that of t with respect to mu1, and so on."""
+    """An event with its derivatives in `changes`, where dt_mu1 is that of t with respect to mu1, and so on."""
 
     t: float
     x: float
@@ -145,7 +145,7 @@ def by_flights(
 
 @lru_cache(maxsize=1)
 def heyoka_jacobian(tolerance: float) -> Jacobian:
-    """Return derivatives by heyoka's variational equations."""
+    """Return a function that differentiates a flight's end by heyoka's variational equations."""
     import heyoka as hy
 
     x, v = hy.make_vars("x", "v")
@@ -168,7 +168,7 @@ def heyoka_jacobian(tolerance: float) -> Jacobian:
 
 @lru_cache(maxsize=1)
 def cvodes_jacobian(tolerance: float) -> Jacobian:
-    """Return derivatives by the forward sensitivities of CVODES, called by casadi; time is scaled to 1."""
+    """Return a function that differentiates a flight's end by CVODES (called by casadi), with the time scaled to 1."""
     import casadi as ca
 
     y, p, s = ca.SX.sym("y", 2), ca.SX.sym("p", 8), ca.SX.sym("s")
@@ -223,7 +223,7 @@ def tangent_steps(m, c, k, A, B, Omega, phase, x, v, duration, tolerance):
 
 @lru_cache(maxsize=1)
 def dop853_jacobian(tolerance: float) -> Jacobian:
-    """Return derivatives by DOP853 with tangents, compiled by numba."""
+    """Return a function that differentiates a flight's end by DOP853 with tangents, compiled by numba."""
     from numba import njit
 
     steps: Any = njit(tangent_steps)

@@ -89,7 +89,7 @@ def piece_from(q, s, mode, t, x, v):
 
 
 def state_at(q, mode, piece, tau):
-    """Return position and velocity after the time tau."""
+    """Return position and velocity at the time tau after a piece began."""
     if mode > 3:
         return piece.x + piece.v * tau, piece.v
     s, R, S = piece.s, piece.R, piece.S

@@ -140,7 +140,7 @@ def _long_motions(events: int) -> Iterator[Call]:
 
 
 def _starts(count: int, name: str = "fig9") -> tuple[Parameters, np.ndarray, np.ndarray]:
-    """Return the parameters of a scene, random starts, and ends `PERIODS` later."""
+    """Return the parameters of a scene, random starts, and end times `PERIODS` periods of the drive later."""
     p, rng = load_scene(name).parameters, np.random.default_rng(1)
     period = 2 * pi / float(p.Omega)
     starts = np.column_stack([rng.uniform(0, period, count), rng.uniform(-5, 5, count), rng.uniform(-5, 5, count)])

@@ -339,7 +339,7 @@ class Instant(NamedTuple):
     a: Number
     b: Number  # dv''
     w: Number  # dv'''
-    v_theta: Number  # derivatives by theta_m at fixed tau
+    v_theta: Number  # derivatives with respect to theta_m at fixed tau
     x_theta: Number
     v_error: Number
     x_error: Number

@@ -90,7 +90,7 @@ class CurvePiece:
     theta, x : (n,) arrays
         The start on the switching plane: Omega t_i = theta_m - Omega tau, unwrapped, and x_i.
     slope_theta, slope_x : (n,) arrays
-        Their derivatives by theta_m.
+        Their derivatives with respect to theta_m.
     low, high : CurveEnd
         Both ends in order of theta_m. A closed curve (everything grazes) ends where it began: reason "closed".
 

@@ -210,7 +210,7 @@ class Point(NamedTuple):
 
 
 class Candidates:
-    """Solutions on a grazing curve: `phases` are their theta_m, `notes` describe omitted ones."""
+    """A search for solutions on a grazing curve: `phases` collects their theta_m, `notes` says what was omitted."""
 
     def __init__(self, curve: GrazingCurve, name: str, value: Number, digits: int) -> None:
         self.curve, self.source, self.name, self.K = curve, curve._source, name, curve._source.K

@@ -95,7 +95,7 @@ class Node(NamedTuple):
 
 
 class Orbit(NamedTuple):
-    """A word, its number of forcing periods, and the points (x, theta), (n, 2), of an orbit."""
+    """An orbit, given by its word, its number of forcing periods, and its points (x, theta), an (n, 2) array."""
 
     word: Word
     periods: int

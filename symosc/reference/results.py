@@ -138,7 +138,7 @@ def _columns(names: list[str], needs_case: bool) -> dict[str, str]:
 
 
 def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]]:
-    """Yield case, place for messages, and entry (an event, or the end of the run); `name` as in `_read_file`."""
+    """Yield case, place for messages, and entry (an event, or the run's end); `name`: the case of the file, if one."""
     where = "" if name is None else brief(name)
     if name is not None:  # a case may be without events
         yield name, where, {"kind": FOLLOWED_TO}

@@ -50,7 +50,7 @@ LATE, GRAZE_SAMPLES = 60, 8000
 
 @dataclass(frozen=True)
 class Graze:
-    """A figure that shows a grazing motion: its scene as printed, the same scene corrected, and the mapping."""
+    """A figure that shows a grazing motion: its scene as printed and as corrected, and the mapping that grazes."""
 
     printed: Scene
     scene: Scene
@@ -129,7 +129,7 @@ def highest_velocity(path: Trajectory, since: float | None = None) -> tuple[floa
 
 
 def no_contact_since(path: Trajectory, belt: int) -> float:
-    """Return a time from which a flight below a belt provably never reaches it; inf if no such time is found."""
+    """Return a time after which a flight below a belt cannot reach it any more; inf if no such time is found."""
     p, domain = path.parameters, NEIGHBOURS[belt][0]
     for t in np.linspace(float(path.t_start), float(path.t_end), 400):
         phase = float(p.Omega) * t
