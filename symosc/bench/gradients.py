@@ -39,7 +39,7 @@ from symosc.simulation.tangents import NAMES
 
 #: Tolerance of the tools, and relative step of central differences: the cube root of the error of a run, about.
 TOLERANCE, DIFFERENCE = 1e-12, 1e-4
-#: ``jacobian(m, c, k, A, B, Omega, phase, x, v, duration)`` gives those of x and v with respect to START and WHAT.
+#: ``jacobian(m, c, k, A, B, Omega, phase, x, v, duration)`` returns the gradients of x and v, in the order of COLUMNS.
 Jacobian = Callable[..., tuple[np.ndarray, np.ndarray]]
 X, V, OF_M, OF_C, OF_K, OF_A, OF_B, OF_OMEGA, OF_PHASE = COLUMNS = range(9)
 
