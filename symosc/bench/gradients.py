@@ -308,7 +308,7 @@ def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., 
 
 
 def _settings(p: Parameters, mode: int, side: int) -> tuple[float, ...]:
-    """Return the signs of friction, whether the mass flies, and the coefficients of the event function of an exit."""
+    """Return the last arguments of `piece`: friction signs, 1.0 for a flight, coefficients of the exit's function."""
     if mode > 3:
         return *friction_signs(mode - 3 if side < 0 else mode - 2), 0.0, 0.0, -float(side), 0.0, 0.0
     boundary = mode if side > 0 else mode - 1

@@ -87,7 +87,7 @@ def floor(count, h, w, Om, P, Q, R, S):
 
 @lru_cache(maxsize=1)
 def compiled_floor() -> Callable[..., float]:
-    """Return `floor`, compiled if numba is there, as the event loop is."""
+    """Return `floor`, compiled like the event loop if numba is installed."""
     try:
         import numba
     except ImportError:

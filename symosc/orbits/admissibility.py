@@ -253,7 +253,7 @@ def concerns_whole_piece(condition: Condition) -> bool:
 
 
 def failing(all_of_them: list[Condition]) -> list[Condition]:
-    """Return the failing conditions, the one that explains the others first."""
+    """Return the conditions that fail, by rank: one that explains others comes before them."""
     return sorted((c for c in all_of_them if not c.value > 0), key=lambda condition: condition.rank)
 
 

@@ -524,8 +524,8 @@ class Curve:
         self, a: BranchPoint, b: BranchPoint, around: float = np.inf
     ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
         """Divide the branch from a to b; return the orbits found and the first point that is not an orbit, or None."""
-        # None if the points do not lie on one smooth curve. `around` is the length of the shortest piece around it that
-        # is known to end in a change.
+        # None if the points do not lie on one smooth curve. `around` is the length of the shortest piece that has both
+        # and is known to end in a change.
         length, changed = self.distance(a, b), bool(b.failures)
         around = min(around, length) if changed else around
         if changed and length < NO_GAP:

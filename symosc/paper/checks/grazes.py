@@ -140,7 +140,7 @@ def no_contact_since(path: Trajectory, belt: int) -> float:
 
 
 def contacts_text(path: Trajectory) -> str:
-    """Return the first two contacts of a motion as text."""
+    """Return the first two contacts of a motion as text, for the `numbers` of an Evidence."""
     shown = [f"{e.kind} at t = {text(e.t, 16)}" for e in path.events[:2]]
     return ", ".join(shown) or f"none until t = {text(path.t_end)}"
 

@@ -203,7 +203,7 @@ def derivative_along_the_flow() -> Evidence:
 
 
 def _grazes_as_printed(contact: RationalContact) -> list[bool]:
-    """Return whether a contact grazes as printed, for the domain below and for the one above."""
+    """Return whether the printed condition of a graze holds at a contact, for the domain below and the one above."""
     lo, hi = contact.domains
     return [grazing_condition(a == lo, contact.force(a), slope_of_field(contact, a)) for a in (lo, hi)]
 
