@@ -78,7 +78,7 @@ def complete_scene(context: click.Context, argument: click.Parameter, text: str)
 
 
 class WholeNumber(click.IntRange):
-    """A whole number in ASCII digits; Python itself also accepts 1_000 and full-width digits."""
+    """The option type of whole numbers in ASCII digits; Python itself also accepts 1_000 and full-width digits."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Convert a text of ASCII digits to the whole number; fail for any other text."""

@@ -152,7 +152,7 @@ def _other_weights(case: Case, flights: np.ndarray) -> Iterator[Diagnosis]:
 
 
 def _not_located(case: Case, name: str, h: float, share: float, unseen: bool, held: bool) -> Diagnosis:
-    """Return the diagnosis that a method with a fixed step passes over events; where the mass sticks, v chatters."""
+    """Return the diagnosis that a method with a fixed step does not locate events; v chatters if the mass sticks."""
     if name == "exact" and unseen:
         words = "belts are met and left within a step, and that is not seen"
         evidence = f"the force at the beginning repeats {share:.0%} of the steps with events"
@@ -191,7 +191,7 @@ def _share_repeated(case: Case, chosen: np.ndarray, method: Method | None, count
 
 
 def _force(case: Case, chosen: np.ndarray, domain: np.ndarray | None = None) -> Force:
-    """Return the acceleration in the chosen steps as a function, with the force of given domains or of v's domain."""
+    """Return the acceleration in the chosen steps as a function of t, x, v, in given domains or in the domain of v."""
     s, K = case.steps, case.steps.K
 
     def force(t: Any, x: Any, v: Any) -> Any:
@@ -323,7 +323,7 @@ def interpolated(case: Case) -> Iterator[Diagnosis]:
 
 
 def _first_events(case: Case, usable: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return some of the `usable` wrong steps with events, the row of each one's first event, and the number of all."""
+    """Return some `usable` wrong steps with events, the row of each step's first event, and the number of all such."""
     steps = np.unique(case.steps.events.step)
     steps = steps[case.wrong[steps] & usable[steps]]
     chosen = case.thinned(steps, MOST_DELAYS)
