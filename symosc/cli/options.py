@@ -119,7 +119,7 @@ def folder_name(output: str, hint: str = "--output") -> str:
 
 
 def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) -> tuple[str, str]:
-    """Return name and value of NAME=VALUE; BadParameter if one is empty or the name is in `known`."""
+    """Return name and value of NAME=VALUE; BadParameter if one is empty, or the name was given before (`known`)."""
     name, _, value = (part.strip() for part in text.partition("="))
     if not (name and value):
         raise click.BadParameter(f"{text!r} is not {form}", param_hint=hint)

@@ -302,7 +302,7 @@ def outliers(case: Case) -> Iterator[Candidate]:
 
 
 def noise(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of noise in the samples: the errors of successive steps cancel."""
+    """Yield the diagnosis of noise in the samples: the defects of successive steps are anticorrelated."""
     inside = case.inside_wrong
     pairs = inside[:-1][np.diff(inside) == 1]
     if len(pairs) < 12:

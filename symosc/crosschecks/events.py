@@ -219,7 +219,7 @@ def given_events(steps: ExactSteps, pairs: Iterable[tuple[float, str]]) -> list[
 
 @dataclass(frozen=True)
 class Reach:
-    """Bounds of the time errors of events, from the tolerance and the errors of the samples."""
+    """Computes by how much times of events may be off, given the tolerance and the errors of the samples."""
 
     steps: ExactSteps
     errors: np.ndarray  # allowed errors of the samples in x and v, (n, 2)

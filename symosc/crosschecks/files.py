@@ -404,7 +404,7 @@ def _library(name: str, what: str) -> Any:
 
 
 def _unwrapped(found: Record) -> Any:
-    """Return the variables of a file; if there is only one, the fields of its struct, or its array."""
+    """Return the variables of a file; if it has only one, return the fields of this struct, or this array."""
     only = next(iter(found.values())) if len(found) == 1 else None
     return found if only is None or (np.ndim(only) == 0 and not isinstance(only, dict)) else only
 

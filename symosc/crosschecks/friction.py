@@ -17,7 +17,7 @@ from symosc.model import NEIGHBOURS
 
 
 class Curve(NamedTuple):
-    """A smooth function of z = (v - v_belt)/width in place of sign(z), its inverse, and its integral minus |z|."""
+    """A curve in place of sign(z), z = (v - v_belt)/width: the function, its inverse, and its integral minus |z|."""
 
     of: Callable[[Any], Any]
     inverse: Callable[[Any], Any]
@@ -107,7 +107,7 @@ def at_belts(case: Case) -> Iterator[Diagnosis]:
 
 
 def _push(case: Case, x: np.ndarray, v: np.ndarray, theta: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Return the acceleration that all forces but the friction of the belt give a mass at the belt."""
+    """Return the acceleration of a mass at a belt that all forces but the friction of this belt cause."""
     K = case.steps.K
     below, above = np.array([NEIGHBOURS[b] for b in (1, 2)])[boundary - 1].T
     A = np.array([K.A1, K.A2, K.A3])
@@ -375,7 +375,7 @@ def _diagnose_late_end(held: np.ndarray, evidence: str, share: float) -> Diagnos
 
 
 def _needed_friction(case: Case, sticks: StickSteps, time: np.ndarray) -> np.ndarray:
-    """Return the force that keeps the mass on the belt at a time of each stick, as a fraction of the friction."""
+    """Return the friction needed to keep the mass on the belt at a time of each stick, divided by its limit."""
     speed = case.steps.belts[sticks.boundary - 1]
     push = _push(case, sticks.x + speed * (time - sticks.begin), speed, _phase(case, sticks, time), sticks.boundary)
     return np.asarray(np.abs(push) / _half_jump(case, sticks.boundary))

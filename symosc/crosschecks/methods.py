@@ -29,7 +29,7 @@ DELAY_LEAVES = 0.005
 def nystrom(
     stages: Sequence[tuple[float, float, Sequence[float], Sequence[float]]], x_weights: Any, v_weights: Any
 ) -> Method:
-    """Return an explicit Nyström method; a stage has its time, the factor of h v in x, and weights for x and v."""
+    """Return an explicit Nyström method; a stage is its time, the factor of h v in x, and its weights in x and in v."""
 
     def total(weights: Any, found: list[Any]) -> Any:
         return sum(weight * each for weight, each in zip(weights, found, strict=True))
@@ -52,7 +52,7 @@ def runge_kutta(rows: Sequence[Sequence[float]], *weights: float) -> Method:
 
 
 def implicit(part: float) -> Method:
-    """Return the implicit rule with weight `part` at a step's end: 1 of order 1, 1/2 of order 2 (trapezoidal rule)."""
+    """Return the implicit rule with weight `part` at a step's end: order 1 for part 1, order 2 for 1/2 (trapezoid)."""
 
     def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
         first, ahead = a(t, x, v), v
@@ -222,7 +222,7 @@ def truncation(case: Case) -> Iterator[Diagnosis]:
 
 
 def double_roots(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis that v meets a belt twice within a step, unseen as it ends on the side where it began."""
+    """Yield the diagnosis that v meets a belt twice within a step, unnoticed as it ends on the side where it began."""
     s = case.steps
     source, target = case.domain[:-1], case.domain[1:]
     there = case.wrong & (source > 0) & (source == target) & (s.first == source)

@@ -272,7 +272,7 @@ def as_table(source: Any) -> Table | None:
 
 
 def _pandas_table(frame: Any) -> Table:
-    """Return a DataFrame as a table; a named index gives columns too."""
+    """Return a DataFrame as a table; the levels of a named index become columns too."""
     if any(name is not None and str(name) not in map(str, frame.columns) for name in frame.index.names):
         frame = frame.reset_index()
     if len({str(name) for name in frame.columns}) < len(frame.columns):

@@ -67,7 +67,7 @@ def checked(t: object, x: object, v: object = None, events: object = None) -> Sa
 
 
 def check_joints(samples: Samples, part: float, slack: np.ndarray) -> None:
-    """Raise ParameterError where a time occurs twice with different states."""
+    """Raise ParameterError where a time is repeated with another state, unless two pieces are joined there."""
     # At a joint of two pieces the states differ by at most `part` of the largest |x| and |v|, and by the slack (n, 2).
     twice = np.flatnonzero(np.diff(samples.t) == 0.0)
     for name, values, more in (("x", samples.x, slack[:, 0]), ("v", samples.v, slack[:, 1])):

@@ -58,7 +58,7 @@ Coordinates = dict[str, Coordinate]
 
 @dataclass(frozen=True)
 class Duration:
-    """A time: in units of time, or in periods of the drive, whose length depends on the Omega of each motion."""
+    """A length of time, in units of time or in periods of the drive, which depend on the Omega of each motion."""
 
     value: Fraction
     periods: bool = False
