@@ -71,7 +71,7 @@ def _is_file_name(kind: type) -> bool:
 
 
 def _is_short(value: Any) -> bool:
-    """Return whether an array has dimensions, or another sequence is not too long to be read."""
+    """Return whether a value has a length to read: an array with dimensions, or a sequence that is not too long."""
     return value.shape != () if hasattr(value, "dtype") else len(value) <= MOST_ENTRIES
 
 
@@ -252,7 +252,7 @@ def _mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
 
 
 class Rule:
-    """The check of one parameter's values; `known` are types of which all values have turned out to be allowed."""
+    """The check of one parameter's values; `known` collects types whose values are all allowed, to save checks."""
 
     __slots__ = ("kinds", "known", "name")
 

@@ -58,7 +58,7 @@ def check_folder_of(path: str | Path) -> None:
 
 
 def check_new_folder(folder: Path, wanted: str = "the output is a folder") -> None:
-    """Raise OutputError unless a folder, new or not, can be written to; `wanted` ends a message about a file there."""
+    """Raise OutputError unless a folder, existing or not, can be written; `wanted` ends the message if it is a file."""
     above = next(each for each in (folder, *folder.absolute().parents) if os.path.exists(each))
     if not above.is_dir():
         raise OutputError(str(folder), f"{above} is a file, and {wanted}")

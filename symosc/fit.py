@@ -206,7 +206,7 @@ def _spread(
 def _residuals(
     moved: Sensitivities, measured: Measured, scale: np.ndarray, end: float
 ) -> tuple[np.ndarray, np.ndarray, Trajectory]:
-    """Return (motion - data) / sigma, its derivatives by the free numbers, and the motion."""
+    """Return (motion - data) / sigma, its derivatives with respect to the free numbers, and the motion."""
     trajectory, count = moved.trajectory, len(moved.wrt)
     if measured.kinds is None:
         assert measured.states is not None

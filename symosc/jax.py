@@ -24,7 +24,7 @@ __all__ = ["Events", "events", "flow"]
 
 
 class Events(NamedTuple):
-    """The first events of a motion, of a fixed number.
+    """The first events of a motion, filled up to a fixed number.
 
     Attributes
     ----------
@@ -188,7 +188,7 @@ def _made() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 
 def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
-    """Return t, x, kind, boundary, regular, dt and dx of the first events of a batch of motions."""
+    """Return t, x, kind, boundary, regular, and derivatives dt, dx of the first events of a batch of motions."""
     values, lead = np.asarray(values), np.shape(values)[:-1]
     rows, ends = values.reshape(-1, len(NAMES)), np.broadcast_to(np.asarray(t_end), lead).reshape(-1)
     columns = dict(zip(NAMES, rows.T, strict=True))
@@ -208,7 +208,7 @@ def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
 
 
 def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
-    """Return [x, v] of a batch of motions at times, its derivatives by NAMES, and those by the time."""
+    """Return [x, v] of a batch of motions at times, and its derivatives with respect to NAMES and to time."""
     values, times = np.asarray(values), np.asarray(times)
     lead, n = values.shape[:-1], times.shape[-1]
     rows, instants = values.reshape(-1, len(NAMES)), np.broadcast_to(times, (*lead, n)).reshape(-1, n)

@@ -21,7 +21,7 @@ from symosc.exact import LARGEST, NOT_FINITE, NUMBER, SMALLEST, read_exact
 
 
 class Quantity(NamedTuple):
-    """A number of the problem (a parameter or of the start): meaning, dimension, letter in LaTeX, and allowed range."""
+    """A parameter or start value of the problem: its meaning, dimension, letter in LaTeX, and allowed range."""
 
     meaning: str
     dimension: str

@@ -63,7 +63,7 @@ class Harmonic(NamedTuple):
         return number(self.C) * cos + number(self.S) * sin
 
     def bound(self) -> Fraction:
-        """Return |C| + |S|, a bound that no absolute value of the harmonic exceeds."""
+        """Return |C| + |S|, an upper bound of the harmonic's absolute value."""
         return abs(self.C) + abs(self.S)
 
 
@@ -205,7 +205,7 @@ class OtherModel:
 
     @cached_property
     def shift(self) -> Harmonic:
-        """The oscillation w of the belts besides their constant speeds: x = z + w, with z of symosc's oscillator."""
+        """The oscillation w of the belts about constant speed: x = z + w, with z the position in symosc's model."""
         rate = harmonic(self.W, self.W_phase)
         own = Harmonic(-rate.S / self.Omega, rate.C / self.Omega, rate.exact)  # its integral with mean 0
         return own.plus(self.base) if self.joined else own
@@ -334,7 +334,7 @@ def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -
     w, rate = (each.at(cos, sin, Fraction) for each in (model.shift, model.shift.rate(model.Omega)))
     if exact and model.shift.exact:
         return (s0, x0 - w, v0 - rate), (s_error, zero, zero)
-    (z0, z_error), (u0, u_error) = (_known(a, b) for a, b in ((x0, w), (v0, rate)))
+    (z0, z_error), (u0, u_error) = (_difference(a, b) for a, b in ((x0, w), (v0, rate)))
     for belt in (p.v1, p.v2):
         if abs(u0 - belt) <= half_unit(abs(v0) + abs(rate)):
             u0, u_error = belt, zero
@@ -364,8 +364,8 @@ def number_of(value: Number) -> Callable[[Fraction], Number]:
     return float if context is None else lambda exact: context.mpf(exact.numerator) / exact.denominator
 
 
-def _known(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
-    """Return a - b of numbers known to 40 digits (0 if only rounding is left), and its half-width."""
+def _difference(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
+    """Return a - b, given numbers known to 40 digits (0 if only rounding is left), and its error bound."""
     size = abs(a) + abs(b)
     return rounded(a - b) if abs(a - b) * 10 ** (DIGITS - 20) > size else Fraction(0), half_unit(size)
 

@@ -54,7 +54,7 @@ FOLLOWED = 3, 12, 48
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrequencyResponse(Drawable):
-    """The settled motion over one parameter, a row for each value; of another model in its coordinates.
+    """The settled motion for each value of one parameter, as columns; of another model in that model's coordinates.
 
     Attributes
     ----------
@@ -266,12 +266,12 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
             raise _unsettled("without a damper the motion between the belts goes on for ever")
         z = float(p.B0) / complex(float(p.k - p.m * p.Omega**2), float(p.c * p.Omega))  # the first harmonic
         return "linear", (0, float(p.A(free) / p.k) + z.real, -float(p.Omega) * z.imag), None
-    orbit = _near(p, before) or _followed(p, guess) or settled_orbit(p, most=1000)
+    orbit = _nearby_orbit(p, before) or _orbit_reached(p, guess) or settled_orbit(p, most=1000)
     (t, x), belt = orbit.points[0], orbit.equations().pieces[0].start
     return "orbit" if orbit.stable else "marginal orbit", (t, x, p.belt(belt)), orbit
 
 
-def _near(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit | None:
+def _nearby_orbit(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit | None:
     """Find the stable orbit with the word of `before`, an orbit at other parameters; None if there is none."""
     if before is None:
         return None
@@ -280,7 +280,7 @@ def _near(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit | None:
     return found if found and found.stable else None  # it attracts all motions: there is no other
 
 
-def _followed(p: Parameters, guess: tuple[float, float]) -> PeriodicOrbit | None:
+def _orbit_reached(p: Parameters, guess: tuple[float, float]) -> PeriodicOrbit | None:
     """Follow a motion and find the orbit near its last but one period; without a damper it may be only marginal."""
     period = 2 * pi / float(p.Omega)
     for count in FOLLOWED:
@@ -316,7 +316,7 @@ def meets_no_belt(p: Parameters) -> int | None:
 
 
 def harmonic_balance(p: Parameters) -> tuple[float, complex]:
-    """Return mean and first harmonic of x by harmonic balance: of the friction too, only these two are kept."""
+    """Return mean and first harmonic of x by harmonic balance, dropping the higher harmonics of x and friction."""
     # For v = -V sin(a) these are, of a belt, (2/pi) mu FN arcsin(v_lambda/V) and -(4/pi) mu FN sqrt(1 - (v_lambda/V)^2)
     # sin(a), and where V < |v_lambda| the whole force and 0. The size of both sides of the balance increases with V, so
     # that there is one solution; inf where it grows for ever.
@@ -387,7 +387,7 @@ def parts(motion: Trajectory) -> Iterator[Part]:
 
 
 def turning_points(values: np.ndarray) -> np.ndarray:
-    """Return where, in [-1, 1], a function has its ends and turning points, from its values at Gauss's points."""
+    """Return -1, 1 and the turning points between them of a function, given its values at Gauss's points."""
     found = _gauss()[2] @ values
     slope = legendre.legder(legendre.legtrim(found, CONVERGED * np.abs(found).max()))
     roots = legendre.legroots(slope) if len(slope) > 1 else np.empty(0)

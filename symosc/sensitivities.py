@@ -1,4 +1,4 @@
-"""Derivatives of a motion by parameters and by its start: of every event, and of the state at any time.
+"""Derivatives with respect to parameters and the start: of every event of a motion, and of its state at any time.
 
 At a graze a motion is differentiable on one side only by each number that moves the gap. There the derivatives are
 those of the side on which the touch opens, `regular` is False from there on, and `reasons` names the side. How the
@@ -164,8 +164,8 @@ class _Columns:
             return compiled[name], table_of([self.numbers.K])
         return self.numbers.of[name], [self.numbers.K]
 
-    def changes(self, wrt: tuple[str, ...], count: int) -> tuple[np.ndarray, ...]:
-        """Return dt, dx and marks by the first `count` names of `wrt`, then reasons, growth and the last state."""
+    def event_derivatives(self, wrt: tuple[str, ...], count: int) -> tuple[np.ndarray, ...]:
+        """Return dt, dx, marks with respect to the first `count` names, and reasons, growth, the last state."""
         codes, events = codes_of(wrt), len(self.rows[0])
         kept = [np.zeros((events, count), self.kind) for _ in range(2)]
         out = *kept, np.zeros((events, count), np.int8), np.zeros(events, np.int8), np.zeros((1, 2))
@@ -182,7 +182,7 @@ class _Columns:
         return np.concatenate([self.starts, rows]), events
 
     def at_times(self, times: np.ndarray, wrt: tuple[str, ...], dt: np.ndarray, dx: np.ndarray) -> np.ndarray:
-        """Return the derivatives of x and v at times, shape (2, times, wrt), given those of the events."""
+        """Return derivatives of x, v at times with respect to `wrt`, (2, times, wrt), given dt, dx of the events."""
         codes, (starts, events) = codes_of(wrt), self.pieces()
         launched = np.zeros((3, len(starts), len(wrt)), self.kind)
         launched[:, 0] = codes == tangent.T0 + np.arange(3)[:, None]
@@ -190,12 +190,12 @@ class _Columns:
         launched[2, 1:] = codes == tangent.V1 - 1 + self.rows[5][events, None]
         times = np.array([self.numbers.number(Fraction(t)) for t in times]) if self.context else times
         pieces = np.maximum(np.searchsorted(starts[1:, 1].astype(float), times.astype(float), "right"), 0)
-        return self._changes_at(self.loop("changes_at", len(times)), times, pieces, starts, launched, codes)
+        return self._state_derivatives(self.loop("changes_at", len(times)), times, pieces, starts, launched, codes)
 
-    def _changes_at(
+    def _state_derivatives(
         self, loop: Any, times: np.ndarray, pieces: np.ndarray, starts: np.ndarray, launched: np.ndarray, codes: Any
     ) -> np.ndarray:
-        """Return the derivatives of x and v at times, each in a given piece, from those at the pieces' starts."""
+        """Return derivatives of x, v at times, each in a given piece, from `launched`, those where pieces start."""
         out, (function, table) = np.zeros((2, len(times), len(codes)), self.kind), loop
         work = work_space(codes, self.kind)
         function(times, pieces, starts, launched, codes, is_deep(codes), self.letters, table, out, work)
@@ -204,11 +204,11 @@ class _Columns:
     def exponents(self) -> np.ndarray:
         """Return the Lyapunov exponents over the motion, the larger one first."""
         codes, last = codes_of(("x0", "v0")), self.pieces()[0][-1:]
-        *_, growth, work = self.changes(("x0", "v0"), 0)
+        *_, growth, work = self.event_derivatives(("x0", "v0"), 0)
         grown, volume = growth[0].tolist()
         end = (self.context.mpf if self.context else float)(self.trajectory.t_end)
         interpreted, none = (self.numbers.of["changes_at"], [self.numbers.K]), np.zeros(1, np.int64)
-        out = self._changes_at(interpreted, np.array([end]), none, last, work[:3, None, :2].copy(), codes)
+        out = self._state_derivatives(interpreted, np.array([end]), none, last, work[:3, None, :2].copy(), codes)
         volume -= float(self.numbers.K.cm * (end - last[0, 1])) if last[0, 0] <= ON_BELT else inf
         size, span = float(np.linalg.norm(out[:, 0].astype(float), 2)), float(end - self.starts[0, 1])
         first = (grown + log(size)) / span if size > 0.0 else -inf
@@ -228,7 +228,7 @@ def sensitivities(
     max_events: int | None = None,
     digits: int | None = None,
 ) -> Sensitivities:
-    """Differentiate a motion: every event, and the state at any time, by parameters and by the start.
+    """Differentiate a motion (every event, the state at any time) with respect to parameters and the start.
 
     Parameters
     ----------
@@ -259,7 +259,7 @@ def sensitivities(
     about |= {"max_events": max_events} | ({"start_error": start.start_error} if start.start_error else {})
     motion = simulate(start.parameters, **about, digits=digits)
     columns = _Columns(motion, start)
-    dt, dx, marks, why, *_ = columns.changes(names, len(names))
+    dt, dx, marks, why, *_ = columns.event_derivatives(names, len(names))
     belts = max(abs(float(start.parameters.v1)), abs(float(start.parameters.v2)))
     # A rounding that dx may have from v dt, relative to max(1, |dx|): with t0 = 1e8 all times depend much on Omega.
     late = EPS * belts * np.abs(dt) > 1e-12 * np.maximum(1, np.abs(dx))
@@ -267,7 +267,7 @@ def sensitivities(
         exact = simulate(start.parameters, **about, digits=MORE_DIGITS)
         if [event.kind for event in exact.events] == [event.kind for event in motion.events]:
             columns = _Columns(exact, start)
-            dt, dx, marks, why, *_ = columns.changes(names, len(names))
+            dt, dx, marks, why, *_ = columns.event_derivatives(names, len(names))
             dt, dx = dt.astype(float), dx.astype(float)
     return Sensitivities(motion, names, dt, dx, marks == 1, _reasons(columns, names, marks, why), columns)
 
@@ -289,7 +289,7 @@ def _reasons(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: 
 
 
 def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -> str | None:
-    """Return why, and by which names, a motion is not differentiable at a start on a belt; None if it is."""
+    """Return why, and with respect to which names, a start on a belt is not differentiable; None if it is."""
     mode, _, _, _, v = columns.starts[0]
     p, number = columns.trajectory.parameters, columns.numbers.number
     on = [name for n, name in ((1, "v1"), (2, "v2")) if v == number(p.belt(n))]

@@ -136,7 +136,7 @@ class Word(NamedTuple):
 
 
 def cycle(word: str) -> str:
-    """Return the text of a word so that its rotations, such as P32 and P23, are equal: the largest in text order."""
+    """Return the largest rotation of a word in text order, the same for P32 and P23, which are one cycle."""
     digits = word[1:]
     return "P" + max(digits[i:] + digits[:i] for i in range(len(digits))) if digits else ""
 

@@ -193,7 +193,7 @@ def _draw_windows(windows: list[GrazingWindow], against: Text) -> Any:
 
 
 def _solve(p: Parameters | None, mappings: list[str], names: str, phases: Text, order: Order, plot: Text) -> list[Any]:
-    """Return for which parameters each map has the property asked for; p None: in letters. Draw a region if asked."""
+    """Return for which parameters (formulas if p is None) maps have the property asked for; draw a region if asked."""
     from symosc.symbolic.inverse import values_containing, values_empty, values_everything
 
     asked = tuple(name.strip() for name in names.split(","))

@@ -78,7 +78,7 @@ def complete_scene(context: click.Context, argument: click.Parameter, text: str)
 
 
 class WholeNumber(click.IntRange):
-    """A whole number in ASCII digits; Python itself also accepts 1_000 and full-width digits."""
+    """The option type of whole numbers in ASCII digits; Python itself also accepts 1_000 and full-width digits."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Convert a text of ASCII digits to the whole number; fail for any other text."""
@@ -119,7 +119,7 @@ def folder_name(output: str, hint: str = "--output") -> str:
 
 
 def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) -> tuple[str, str]:
-    """Return name and value of NAME=VALUE; BadParameter if one is empty or the name is in `known`."""
+    """Return name and value of NAME=VALUE; BadParameter if one is empty, or the name was given before (`known`)."""
     name, _, value = (part.strip() for part in text.partition("="))
     if not (name and value):
         raise click.BadParameter(f"{text!r} is not {form}", param_hint=hint)

@@ -28,7 +28,7 @@ _PRINTING = f"{__name__}.printing"
 
 
 def claim_stdout(context: click.Context, option: click.Parameter, value: Any) -> Any:
-    """Record that an option prints to standard output; BadParameter if a file goes there and anything else too."""
+    """Record that an option prints to standard output; BadParameter if a file and other output would mix there."""
     if value is True or value == STDOUT:
         printing = context.meta.setdefault(_PRINTING, {})
         printing[option.name] = option
@@ -109,7 +109,7 @@ def write_table(rows: Sequence[Sequence[str]], heads: Sequence[str]) -> None:
 
 
 def _draw_table(rows: Sequence[Sequence[str]], heads: Sequence[str]) -> bool:
-    """Draw a table on the terminal, and return True, if no number is cut and no cell folded."""
+    """If a table fits the terminal with no number cut and no cell folded, draw it and return True."""
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table

@@ -118,7 +118,7 @@ def _swept(problem: Any, over: dict[str, str], asked: Record, workers: Any, exec
 
 
 def _columns(dataset: xarray.Dataset) -> Record:
-    """Return for each column its values and how often they are there, or its smallest and largest number."""
+    """Return for each column its different values with their counts, or its smallest and largest number."""
     found: Record = {}
     for name, column in dataset.items():
         if column.dtype.kind in "UO":

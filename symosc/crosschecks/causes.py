@@ -86,7 +86,7 @@ class Diagnosis:
 
 
 class Change(NamedTuple):
-    """A change to repeat a check with: other parameters, or a function for other t, x, v (v None: positions only)."""
+    """A change with which to repeat a check: other parameters, or a function from t, x, v to others (v may be None)."""
 
     words: str
     parameters: Parameters | None = None
@@ -117,13 +117,13 @@ REASONS = {
     "undecidable": "a contact that cannot be decided",
     "local error": "local error of the method",
 }
-# Another motion explains a step if its defect is this part of the exact motion's.
+# Another motion explains a step if its defect is at most this fraction of the exact motion's defect.
 EXPLAINS = 0.02
 
 
 @dataclass(frozen=True)
 class Fault:
-    """A step that disagrees with the exact motion over it.
+    """A wrong step: the exact motion from its first sample does not reach the next one.
 
     Attributes
     ----------
@@ -185,7 +185,7 @@ def explain(
         misses.append(np.max(np.abs(gaps / allowed[since]), axis=2))
 
     def guess(i: int, to_next: np.ndarray, over_next: np.ndarray) -> tuple[str, str]:
-        """Return why a step is wrong, and a text, given by how much a flight with each domain's force misses."""
+        """Guess why step i is wrong, given how far flights under each force miss; return reason and text."""
         if not np.isfinite(sizes[i]):
             return "undecidable", "the exact motion over the step cannot be decided in double precision"
         if steps.t[i + 1] == steps.t[i]:
@@ -298,7 +298,7 @@ class Case:
         return bool(np.any(np.diff(stays) == 1))
 
     def limits(self, part: float = EXPLAINS) -> np.ndarray:
-        """Return for each step the largest defect, in allowed units, that may remain if a cause explains the step."""
+        """Return the largest defect that a cause may leave in each step it explains, in units of the allowed defect."""
         return np.maximum(1.0, part * np.nan_to_num(self.sizes, nan=0.0, posinf=0.0))
 
     def share(self, sizes: np.ndarray, of: np.ndarray | None = None, part: float = EXPLAINS) -> float:
@@ -311,20 +311,20 @@ class Case:
         return float((np.sum(fits & wrong) - np.sum(~fits & ~wrong)) / max(1, np.sum(wrong)))
 
     def misses(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return x, v at the ends of some steps minus the next samples, in units of the allowed differences."""
+        """Return computed end states x, v of some steps minus the next samples, in units of the allowed differences."""
         return np.asarray((ends - self.steps.states[steps + 1]) / self.allowed[steps])
 
     def miss_sizes(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return how far the ends x, v of steps are from the next samples, in allowed units: the larger of x and v."""
+        """Return for each computed end state the larger of its misses in x and v, in units of the allowed ones."""
         return larger(self.misses(ends, steps))
 
-    def followed(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
-        """Return the defects of all steps, in allowed units, with other parameters or a clock shifted by `ahead`."""
+    def defects_with(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
+        """Return the defects of all steps, relative to the allowed, with parameters p and times later by `ahead`."""
         s = self.steps
         return np.asarray(follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales).defects / self.allowed)
 
-    def share_of(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
-        """Return the fraction of the wrong steps that is right with other columns t, x, v, perhaps of fewer rows."""
+    def share_mended_by(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
+        """Return the fraction of the wrong steps that become right if t, x, v (perhaps shorter) replace the samples."""
         if len(t) < 2:
             return 0.0
         near, allowed = float(np.median(self.near)), np.median(self.allowed, axis=0)
@@ -339,13 +339,13 @@ class Case:
             return chosen
         return chosen[np.linspace(0, len(chosen) - 1, most).astype(int)]
 
-    def followed_some(self, p: Parameters, chosen: np.ndarray) -> np.ndarray:
-        """Return the defects of the chosen steps with other parameters, in allowed units, of shape (steps, 2)."""
+    def some_defects_with(self, p: Parameters, chosen: np.ndarray) -> np.ndarray:
+        """Return the defects of the chosen steps with parameters p, relative to the allowed, of shape (steps, 2)."""
         begin = np.column_stack([self.steps.t, self.steps.states])[chosen]
         return self.defects_from(begin, chosen + 1, self.near[chosen], p) / self.allowed[chosen]
 
     def defects_from(self, begin: np.ndarray, until: np.ndarray, near: Any, p: Parameters | None = None) -> np.ndarray:
-        """Follow the motion from states t, x, v (rows of `begin`) to samples `until`; return it minus these samples."""
+        """Follow the exact motion from rows t, x, v of `begin` to samples number `until`; return ends minus samples."""
         # No row may begin before the one before ends.
         end = np.column_stack([self.steps.t, self.steps.states])[until]
         found, moving = begin[:, 1:] - end[:, 1:], begin[:, 0] < end[:, 0]
@@ -356,7 +356,7 @@ class Case:
         return np.asarray(found)
 
     def flight_misses(self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None) -> np.ndarray:
-        """Return the misses of flights inside domains with other constants, or the drive's phase shifted by `turn`."""
+        """Return how far flights miss the next samples with constants K and the drive's phase shifted by `turn`."""
         chosen, s = self.inside if chosen is None else chosen, self.steps
         other = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
         return self.misses(other.flight(self.domain[chosen], chosen, chosen + 1), chosen)
@@ -368,7 +368,7 @@ def larger(misses: np.ndarray) -> np.ndarray:
 
 
 def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks: np.ndarray) -> Fit | None:
-    """Fit numbers so that steps miss least, if some have other faults too; None if the steps do not determine them."""
+    """Fit numbers so that most steps miss least, whatever the faults of a few; None if the numbers are undetermined."""
     # `misses(numbers)` is by how much the steps miss, (steps, 2); `ticks` are changes for derivatives.
     value = np.array(start, dtype=float)
     kept, error = None, np.zeros(len(value))

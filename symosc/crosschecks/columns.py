@@ -38,7 +38,7 @@ def other_columns(case: Case) -> Iterator[Candidate]:
     s = case.steps
     for one in changed_columns(case.parameters, s.t, s.x, s.v):
         columns = one.change.columns(s.t, s.x, s.v)  # type: ignore[union-attr,misc]
-        yield one._replace(diagnosis=replace(one.diagnosis, share=case.share_of(*columns)))
+        yield one._replace(diagnosis=replace(one.diagnosis, share=case.share_mended_by(*columns)))
 
 
 def changed_columns(p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Iterator[Candidate]:
@@ -100,7 +100,7 @@ def no_motion(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Diagnosis | None:
 
 
 def velocity_column(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that only v is wrong: it is made of differences of x, or taken between the samples."""
+    """Yield the diagnosis that only v is wrong: made of differences of x, or belonging to times between samples."""
     s, h = case.steps, np.diff(case.steps.t)
     if len(s.t) < FEWEST or np.any(h <= 0.0):
         return
@@ -115,13 +115,13 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
         if np.mean(off <= 1e-9 + 4.0 * np.finfo(float).eps * np.max(np.abs(s.x)) / np.min(h)) >= 1.0 - EXCEPTIONS:
             yield Candidate(Diagnosis("columns", "v", words, "repeats v to 9 digits"), POSITIONS_ALONE)
             return
-    exact = _from_positions(case)
+    exact = _velocities_from_positions(case)
     if exact is None:
         return
     first, v = exact
     size = np.median(np.abs(v - s.v[first:])) if len(v) else 0.0
     for part, words in ((0.5, "v is half a sample late"), (-0.5, "v is half a sample early")):
-        there = _at_other_times(case, first, v, part)
+        there = _velocities_beside(case, first, v, part)
         near = np.abs(there - s.v[first:])[np.isfinite(there)] <= max(0.02 * size, case.allowed[0, 1])
         if len(near) and np.mean(near) >= 1.0 - EXCEPTIONS:
             found = Diagnosis("columns", "v", words, f"repeats {np.mean(near):.0%} of v", part)
@@ -131,14 +131,14 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
 
 def other_velocities(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis that the positions are right and that v, for whatever reason, is not their velocity."""
-    exact = _from_positions(case) if len(case.inside) >= 60 else None
+    exact = _velocities_from_positions(case) if len(case.inside) >= 60 else None
     if exact is not None:
-        share = case.share_of(case.steps.t[exact[0] :], case.steps.x[exact[0] :], exact[1])
+        share = case.share_mended_by(case.steps.t[exact[0] :], case.steps.x[exact[0] :], exact[1])
         found = Diagnosis("columns", "v", "v is not the velocity of x; the positions are right", "", share=share)
         yield Candidate(found, POSITIONS_ALONE)
 
 
-def _from_positions(case: Case) -> tuple[int, np.ndarray] | None:
+def _velocities_from_positions(case: Case) -> tuple[int, np.ndarray] | None:
     """Return the first sample whose velocity the positions determine, and the velocities from that sample on."""
     s, tolerance = case.steps, float(case.allowed[0, 0] / case.scales[0])
     try:
@@ -148,7 +148,7 @@ def _from_positions(case: Case) -> tuple[int, np.ndarray] | None:
     return len(s.t) - len(found.t), found.v
 
 
-def _at_other_times(case: Case, first: int, v: np.ndarray, part: float) -> np.ndarray:
+def _velocities_beside(case: Case, first: int, v: np.ndarray, part: float) -> np.ndarray:
     """Return the exact velocity a fraction `part` of a step before each sample (after it if negative), or NaN."""
     s = case.steps
     t, x = s.t[first:], s.x[first:]
@@ -176,7 +176,7 @@ def frozen_positions(case: Case) -> Iterator[Candidate]:
     if len(s.t) < FEWEST or not len(still) or not any(speeds):
         return
     words = f"x stands still in {len(still)} samples of sticks, where the belt carries the mass along"
-    share = case.share_of(s.t, x, s.v)
+    share = case.share_mended_by(s.t, x, s.v)
     if share > 0.0:
         change = Change("with x moved on by the belt", columns=moved)
         yield Candidate(Diagnosis("columns", "x", words, "", share=share), change)
@@ -209,7 +209,7 @@ def resampled(case: Case) -> Iterator[Candidate]:
     count = int(np.sum(bent)) + 2
     words = f"the samples lie on straight lines between {count} others: linear interpolation"
     evidence = f"{straight} of {len(s.t)} samples lie on the line through their neighbours, in x and in v"
-    share = case.share_of(*knots(s.t, s.x, s.v)) if count < len(s.t) - FEWEST // 2 else 0.0
+    share = case.share_mended_by(*knots(s.t, s.x, s.v)) if count < len(s.t) - FEWEST // 2 else 0.0
     change = Change("with these alone", columns=knots) if share >= 0.9 else None
     yield Candidate(Diagnosis("resampling", "", words, evidence), change)
 
@@ -231,14 +231,14 @@ def even_times(case: Case) -> Iterator[Candidate]:
     for digits in (0, 7, 6, 5, 4, 3, 2, None):
         even = _even(t, digits)
         if np.max(np.abs(even - t)) <= max(0.5 * step, 2e-6 * float(np.max(np.abs(t)))):
-            share = case.share_of(even, case.steps.x, case.steps.v)
+            share = case.share_mended_by(even, case.steps.x, case.steps.v)
             change = f"with even times, {even[1] - even[0]:.10g} apart,"
             columns = partial(lambda t, x, v, digits: (_even(t, digits), x, v), digits=digits)
             yield Candidate(Diagnosis("columns", "t", words, "", share=share), Change(change, columns=columns))
 
 
 def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
-    """Return evenly spaced times near `t`: the step has `digits` digits (0: the ends of `t`; None: rounded ends)."""
+    """Return evenly spaced times near `t`: with a step of `digits` digits, or with the ends of `t` (None: rounded)."""
     if not digits:
         ends = (float(t[0]), float(t[-1])) if digits == 0 else (float(f"{t[0]:.6g}"), float(f"{t[-1]:.6g}"))
         return np.linspace(*ends, len(t))
@@ -302,7 +302,7 @@ def outliers(case: Case) -> Iterator[Candidate]:
 
 
 def noise(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of noise: what one step is off, the next one takes back."""
+    """Yield the diagnosis of noise in the samples: the defects of successive steps are anticorrelated."""
     inside = case.inside_wrong
     pairs = inside[:-1][np.diff(inside) == 1]
     if len(pairs) < 12:

@@ -202,7 +202,7 @@ class Task:
         return None
 
     def _with_coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
-        """Judge every n-th sample too, as rounding may hide errors in single steps, and attach that to the result."""
+        """Judge every n-th sample too, as rounding may hide errors of single steps; attach that check to the result."""
         spans, samples = result.wrong_spans, self.samples
         # A few spans show no cause, and where most steps are wrong these show it themselves.
         if len(spans) < 6 or 2 * len(result.wrong_steps) >= np.sum(spans[:, 1] - spans[:, 0]):
@@ -384,7 +384,7 @@ class Task:
         return Matcher(trajectory, exact, given_events(reach.steps, pairs), True, reach, label, wrong)
 
     def _simulate(self, t_end: float, start: Record) -> Trajectory:
-        """Return the exact motion from a start to t_end; it stops early with far more events than there are samples."""
+        """Return the exact motion from a start to t_end, or less if it has far more events than there are samples."""
         return simulate(self.scene, t_end=t_end, max_events=2_000 + 10 * len(self.samples.t), **start)
 
 

@@ -149,7 +149,7 @@ def _explained(check: Any, again: Any) -> float:
 
 
 def _start(check: Any) -> Iterable[Diagnosis]:
-    """Yield the diagnosis that the solution has another start, which a note states or the global error shows."""
+    """Yield the diagnosis of a start other than the scene's, if a note of the check or the global error shows it."""
     words = "every step is right, but the motion starts elsewhere, or errors of the steps add up"
     if check.wrong_start:
         yield Diagnosis("start", "", check.wrong_start, "every step is right")

@@ -219,7 +219,7 @@ def given_events(steps: ExactSteps, pairs: Iterable[tuple[float, str]]) -> list[
 
 @dataclass(frozen=True)
 class Reach:
-    """Bounds of the time errors of events, from the tolerance and the errors of the samples."""
+    """Computes by how much times of events may be off, given the tolerance and the errors of the samples."""
 
     steps: ExactSteps
     errors: np.ndarray  # allowed errors of the samples in x and v, (n, 2)
@@ -270,7 +270,7 @@ class Reach:
         return float(acceleration(x, v, cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0))
 
     def _spread(self, time: float) -> tuple[float, float]:
-        """Return bounds of the errors of x and v around a time; that of v includes what an error of x may turn into."""
+        """Bound the errors of x and v around a time; the bound of v includes what an error of x may do to v later."""
         j = int(np.searchsorted(self.steps.t, time))
         dx, dv = (float(value) for value in np.max(self.errors[max(j - 2, 0) : j + 2], axis=0))
         return dx, sqrt(dv * dv + self.steps.K.w0sq * dx * dx)
@@ -294,7 +294,7 @@ class Reach:
 
 
 class Matcher:
-    """Pair exact events with those of the samples or of a solver's list (`given`); judge those without a partner."""
+    """Pairs of exact events and events of the samples or of a solver's list (`given`), and verdicts on all others."""
 
     # `exact` may have events shortly after the last sample too; `label` are the codes of `labels`; `wrong` marks steps.
     # The results `matched`, `missed`, `invented`, `unresolved` and `notes` are those of `CrossCheck`.
@@ -324,7 +324,7 @@ class Matcher:
         self.matched.sort(key=lambda match: float(match.event.t))
 
     def _local(self, event: Event) -> int | None:
-        """Return the row of the same event in `steps.events`, if its step is right; None if there is none."""
+        """Return the row of an exact event in `steps.events` (restarted motion); None if no right step has it."""
         events, time = self.steps.events, float(event.t)
         rows = np.arange(*np.searchsorted(events.t, [time - self.window, time + self.window]))
         same = (events.kind[rows] == CODES[event.kind]) & (events.boundary[rows] == event.boundary)
@@ -332,7 +332,7 @@ class Matcher:
         return int(rows[np.argmin(np.abs(events.t[rows] - time))]) if len(rows) else None
 
     def _own_time(self, i: int) -> float | None:
-        """Return the time of exact event number i on the path that restarts at each sample; None if it is not there."""
+        """Return the time of exact event number i on the motion restarted at each sample; None if that lacks it."""
         return None if self.local[i] is None else float(self.steps.events.t[self.local[i]])
 
     def _pair(self) -> None:
@@ -355,7 +355,7 @@ class Matcher:
             self.matched.append(Match(self.exact[i], self.found[j].t, self.found[j]))
 
     def _allow_start(self) -> None:
-        """Allow one event at a start on a belt: it is no event, but solvers list it."""
+        """Allow that a list names a start on a belt: it is no event, but solvers list it."""
         boundary = int(self.label[0]) - 3
         if boundary <= 0 or not self.found_free:
             return
@@ -366,7 +366,7 @@ class Matcher:
             self.notes.append(f"the list's event at t = {time:.10g} is the start on belt {boundary}")
 
     def _allow_events_of_the_samples(self) -> None:
-        """Ignore listed events that happen on the path through the samples, though not in the exact motion."""
+        """Ignore listed events that the motion restarted at each sample has, though the exact motion has not."""
         events = self.steps.events
         used = {row for row in self.local if row is not None}
         for j in sorted(self.found_free):
@@ -441,7 +441,7 @@ class Matcher:
         return bool(self.wrong[self.steps.at(low)[0] : self.steps.at(high)[1] + 1].any())
 
     def _judge_exact(self) -> None:
-        """Classify exact events without partner: missed, inside a single step, or not on the samples' path."""
+        """Classify exact events without partner: missed, inside a single step, or absent once restarted at samples."""
         t, slack = self.steps.t, 1e-6 * self.steps.K.period
         for i in sorted(self.exact_free):
             own, time, reach = self.exact[i], float(self.times[i]), self.reaches[i]
@@ -466,7 +466,7 @@ class Matcher:
                 self.unresolved.append(own)
 
     def _judge_found(self) -> None:
-        """Classify events of the samples without partner: invented, or only on the samples' own path."""
+        """Classify found events without partner: invented, or present only on the motion restarted at each sample."""
         events = self.steps.events
         for j in sorted(self.found_free):
             event = self.found[j]

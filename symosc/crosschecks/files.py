@@ -178,7 +178,7 @@ def _suffix_of_content(beginning: bytes) -> str:
 
 
 def _format_of(path: str | Path, file: io.BufferedReader, where: str, text: Reader) -> tuple[str, Reader]:
-    """Return what a file is if a library reads it, "" if not, and the function that reads it."""
+    """Return the format of a file ("" unless a library reads it), and the function that reads it."""
     suffix = "" if path == STDOUT else suffix_of(path)
     if suffix and suffix not in SUFFIXES:
         raise ParameterError("file", where, f"must end in {', '.join(SUFFIXES)}, and perhaps {', '.join(PACKED)}")
@@ -404,7 +404,7 @@ def _library(name: str, what: str) -> Any:
 
 
 def _unwrapped(found: Record) -> Any:
-    """Return the variables of a file; if there is only one, the fields of its struct, or its array."""
+    """Return the variables of a file; if it has only one, return the fields of this struct, or this array."""
     only = next(iter(found.values())) if len(found) == 1 else None
     return found if only is None or (np.ndim(only) == 0 and not isinstance(only, dict)) else only
 
@@ -555,7 +555,7 @@ def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: i
 
 
 def _tags(data: bytes, order: str, at: int, end: int, inside: bool) -> Iterator[tuple[int, int, int]]:
-    """Yield kind, begin and end of the elements between two positions; `inside` a matrix they fill multiples of 8."""
+    """Yield kind, begin and end of each element between two positions; `inside` a matrix padded to 8 bytes."""
     while at < end:
         kind, size = struct.unpack_from(f"{order}II", data, at)
         if kind >> 16:  # a short one, in the tag itself

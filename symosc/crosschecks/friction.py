@@ -17,7 +17,7 @@ from symosc.model import NEIGHBOURS
 
 
 class Curve(NamedTuple):
-    """A smooth function of z = (v - v_belt)/width in place of sign(z), its inverse, and its integral minus |z|."""
+    """A curve in place of sign(z), z = (v - v_belt)/width: the function, its inverse, and its integral minus |z|."""
 
     of: Callable[[Any], Any]
     inverse: Callable[[Any], Any]
@@ -107,7 +107,7 @@ def at_belts(case: Case) -> Iterator[Diagnosis]:
 
 
 def _push(case: Case, x: np.ndarray, v: np.ndarray, theta: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Return the acceleration that all forces but the friction of the belt give a mass at the belt."""
+    """Return the acceleration of a mass at a belt that all forces but the friction of this belt cause."""
     K = case.steps.K
     below, above = np.array([NEIGHBOURS[b] for b in (1, 2)])[boundary - 1].T
     A = np.array([K.A1, K.A2, K.A3])
@@ -212,7 +212,7 @@ def smoothed_passages(case: Case) -> Iterator[Diagnosis]:
     tried = []
     for name, curve in CURVES.items():
         for width in (s.K.belt2.v - s.K.belt1.v) * np.geomspace(1e-6, 1.0, 121):
-            made = _effect(case, time, velocity, width, curve)
+            made = _smoothing_effect(case, time, velocity, width, curve)
             left = larger((made + s.defects[steps]) / case.allowed[steps]) / case.sizes[steps]
             tried.append((float(np.median(left)), name, float(width), left))
     middle, name, width, left = min(tried, key=lambda each: each[0])
@@ -240,7 +240,7 @@ def _paths(case: Case, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return time, velocity
 
 
-def _effect(case: Case, time: np.ndarray, velocity: np.ndarray, width: float, curve: Curve) -> np.ndarray:
+def _smoothing_effect(case: Case, time: np.ndarray, velocity: np.ndarray, width: float, curve: Curve) -> np.ndarray:
     """Return the first-order effect of smoothed friction on x and v at the ends of steps, shape (steps, 2)."""
     K = case.steps.K
     push = np.zeros((len(time), PIECES))
@@ -266,7 +266,7 @@ def _effect(case: Case, time: np.ndarray, velocity: np.ndarray, width: float, cu
 
 
 class StickSteps(NamedTuple):
-    """Wrong steps with a stick: numbers of step and belt, time and position of onset, exact end (or the step's end)."""
+    """Wrong steps with a stick, as columns: step, belt, time and position of onset, exact end (or the step's)."""
 
     step: np.ndarray
     boundary: np.ndarray
@@ -320,7 +320,7 @@ def stick_ends(case: Case) -> Iterator[Diagnosis]:
     there = sticks.step
 
     def misses(time: np.ndarray) -> np.ndarray:
-        return np.fmin(*(larger(_left_at(case, sticks, time, side)) for side in (0, 1)))
+        return np.fmin(*(larger(_misses_at(case, sticks, time, side)) for side in (0, 1)))
 
     never = np.full(len(there), -1.0)
     early = best_between(misses, sticks.begin, sticks.end, 2 * DELAY_GRID, never)
@@ -337,7 +337,7 @@ def stick_ends(case: Case) -> Iterator[Diagnosis]:
     if 2 * np.sum(is_late[fits]) > count:
         held = _needed_friction(case, sticks, time)[fits & is_late]
         evidence = f"{count} sticks are late by {float(np.mean(lasting)):.3g} on average"
-        yield _late(held, evidence, (count + int(np.sum(_kept_on(case, rest)))) / total)
+        yield _diagnose_late_end(held, evidence, (count + int(np.sum(_kept_on(case, rest)))) / total)
         return
     words = f"sticks are left while the belt still holds, first at t = {float(time[fits][0]):.8g}"
     evidence = f"{count} sticks end up to {float(np.max(-lasting)):.3g} too early; flights without a cause follow"
@@ -358,11 +358,11 @@ def _kept_too_long(case: Case) -> Iterator[Diagnosis]:
         held = _needed_friction(case, StickSteps(steps, _nearest_belt(case, ends), time, s.x[ends], time), time)
         if np.median(held) > 1.0:
             evidence = f"{len(on)} steps go on with the belt where it does not hold any more"
-            yield _late(held, evidence, len(on) / len(wrong))
+            yield _diagnose_late_end(held, evidence, len(on) / len(wrong))
 
 
-def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
-    """Return the diagnosis of sticks that end too late; `held` is the friction needed at their ends, over its limit."""
+def _diagnose_late_end(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
+    """Return the diagnosis of late ends of sticks; `held` is the friction needed there, divided by its limit."""
     ratio, count = float(np.median(held)), len(held)
     alike = np.abs(held - ratio) <= SAME_RATE * abs(ratio - 1.0) + ONE_NUMBER
     if count >= 3 and 2 * np.sum(alike) < count:
@@ -375,7 +375,7 @@ def _late(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
 
 
 def _needed_friction(case: Case, sticks: StickSteps, time: np.ndarray) -> np.ndarray:
-    """Return the force that keeps the mass on the belt at a time of each stick, as a fraction of the friction."""
+    """Return the friction needed to keep the mass on the belt at a time of each stick, divided by its limit."""
     speed = case.steps.belts[sticks.boundary - 1]
     push = _push(case, sticks.x + speed * (time - sticks.begin), speed, _phase(case, sticks, time), sticks.boundary)
     return np.asarray(np.abs(push) / _half_jump(case, sticks.boundary))
@@ -387,8 +387,8 @@ def _phase(case: Case, sticks: StickSteps, time: np.ndarray) -> np.ndarray:
     return np.asarray(s.theta[sticks.step] + s.K.Om * (time - s.t[sticks.step]))
 
 
-def _left_at(case: Case, sticks: StickSteps, time: np.ndarray, side: int, dx: Any = 0.0, dv: Any = 0.0) -> np.ndarray:
-    """Return the misses if each stick ends at `time`, and a flight below (side 0) or above (1) the belt follows."""
+def _misses_at(case: Case, sticks: StickSteps, time: np.ndarray, side: int, dx: Any = 0.0, dv: Any = 0.0) -> np.ndarray:
+    """Return the misses if sticks end at `time`, off by dx, dv, and flights below (side 0) or above (1) follow."""
     s, speed = case.steps, case.steps.belts[sticks.boundary - 1]
     x, tau = sticks.x + speed * (time - sticks.begin) + dx, s.t[sticks.step + 1] - time
     return case.misses(s.fly(sticks.boundary + side, x, speed + dv, _phase(case, sticks, time), tau), sticks.step)
@@ -403,8 +403,8 @@ def drift_within_steps(case: Case) -> Iterator[Diagnosis]:
     best, leaves = np.zeros(len(T)), np.full(len(T), np.inf)
     unit = case.scales[1] / np.maximum(T, 1e-300) * 1e-6
     for side in (0, 1):
-        base = _left_at(case, sticks, sticks.end, side)
-        slope = (_left_at(case, sticks, sticks.end, side, 0.5 * unit * T * T, unit * T) - base) / unit[:, None]
+        base = _misses_at(case, sticks, sticks.end, side)
+        slope = (_misses_at(case, sticks, sticks.end, side, 0.5 * unit * T * T, unit * T) - base) / unit[:, None]
         rate = -np.sum(slope * base, axis=1) / np.maximum(np.sum(slope * slope, axis=1), 1e-300)
         left = larger(base + slope * rate[:, None])
         best, leaves = np.where(left < leaves, rate, best), np.minimum(left, leaves)

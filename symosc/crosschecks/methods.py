@@ -29,7 +29,7 @@ DELAY_LEAVES = 0.005
 def nystrom(
     stages: Sequence[tuple[float, float, Sequence[float], Sequence[float]]], x_weights: Any, v_weights: Any
 ) -> Method:
-    """Return an explicit Nyström method; a stage has its time, the factor of h v in x, and weights for x and v."""
+    """Return an explicit Nyström method; a stage is its time, the factor of h v in x, and its weights in x and in v."""
 
     def total(weights: Any, found: list[Any]) -> Any:
         return sum(weight * each for weight, each in zip(weights, found, strict=True))
@@ -52,7 +52,7 @@ def runge_kutta(rows: Sequence[Sequence[float]], *weights: float) -> Method:
 
 
 def implicit(part: float) -> Method:
-    """Return the implicit rule with weight `part` at a step's end: 1 of order 1, 1/2 of order 2 (trapezoidal rule)."""
+    """Return the implicit rule with weight `part` at a step's end: order 1 for part 1, order 2 for 1/2 (trapezoid)."""
 
     def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
         first, ahead = a(t, x, v), v
@@ -152,7 +152,7 @@ def _other_weights(case: Case, flights: np.ndarray) -> Iterator[Diagnosis]:
 
 
 def _not_located(case: Case, name: str, h: float, share: float, unseen: bool, held: bool) -> Diagnosis:
-    """Return the diagnosis that a method with a fixed step passes over events; where the mass sticks, v chatters."""
+    """Return the diagnosis that a method with a fixed step does not locate events; v chatters if the mass sticks."""
     if name == "exact" and unseen:
         words = "belts are met and left within a step, and that is not seen"
         evidence = f"the force at the beginning repeats {share:.0%} of the steps with events"
@@ -191,7 +191,7 @@ def _share_repeated(case: Case, chosen: np.ndarray, method: Method | None, count
 
 
 def _force(case: Case, chosen: np.ndarray, domain: np.ndarray | None = None) -> Force:
-    """Return the acceleration in the chosen steps as a function, with the force of given domains or of v's domain."""
+    """Return the acceleration in the chosen steps as a function of t, x, v, in given domains or in the domain of v."""
     s, K = case.steps, case.steps.K
 
     def force(t: Any, x: Any, v: Any) -> Any:
@@ -222,7 +222,7 @@ def truncation(case: Case) -> Iterator[Diagnosis]:
 
 
 def double_roots(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis that v meets a belt twice within a step, unseen as it ends on the side where it began."""
+    """Yield the diagnosis that v meets a belt twice within a step, unnoticed as it ends on the side where it began."""
     s = case.steps
     source, target = case.domain[:-1], case.domain[1:]
     there = case.wrong & (source > 0) & (source == target) & (s.first == source)
@@ -323,7 +323,7 @@ def interpolated(case: Case) -> Iterator[Diagnosis]:
 
 
 def _first_events(case: Case, usable: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return some of the `usable` wrong steps with events, the row of each one's first event, and the number of all."""
+    """Return some `usable` wrong steps with events, the row of each step's first event, and the number of all such."""
     steps = np.unique(case.steps.events.step)
     steps = steps[case.wrong[steps] & usable[steps]]
     chosen = case.thinned(steps, MOST_DELAYS)

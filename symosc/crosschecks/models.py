@@ -34,7 +34,7 @@ QUARTER = 1e-4
 
 
 def other_systems(case: Case) -> Iterator[Candidate]:
-    """Yield each other system, such as people write by mistake, that explains the steps, with a change to test it."""
+    """Yield each common modelling mistake that explains the wrong steps, with a change that tests it."""
     p, seen = case.parameters, {case.parameters}
     tried = case.thinned(case.moving_wrong, 60)
     flights = case.thinned(case.inside, MOST_FLIGHTS)
@@ -46,12 +46,12 @@ def other_systems(case: Case) -> Iterator[Candidate]:
         if len(flights) >= LEAST_FLIGHTS and (other.v1, other.v2) == (p.v1, p.v2):
             few, chosen = case.flight_misses(Arithmetic(other).K, chosen=flights), flights
         else:
-            few, chosen = case.followed_some(other, tried), tried
+            few, chosen = case.some_defects_with(other, tried), tried
         if np.mean(larger(few) <= case.limits()[chosen]) >= 0.5:  # else it is not followed over all steps
             value, error = (float(next(iter(values.values()))), 0.0) if len(values) == 1 else (None, None)
-            found = Diagnosis(cause, subject, words, "", value, error, case.share(larger(case.followed(other))))
+            found = Diagnosis(cause, subject, words, "", value, error, case.share(larger(case.defects_with(other))))
             yield Candidate(found, Change(f"with {change}", parameters=other))
-    yield from _flights_of_no_system(case)
+    yield from _wrong_signs(case)
 
 
 def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
@@ -86,8 +86,8 @@ def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
             yield "coefficient", "m", f"{where} {how}", change, values
 
 
-def _flights_of_no_system(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis of wrong signs that no parameters can represent, tested on flights only."""
+def _wrong_signs(case: Case) -> Iterator[Candidate]:
+    """Yield the diagnosis that friction, spring or damper has the wrong sign, tried on flights inside domains."""
     p, inside, K = case.parameters, case.thinned(case.inside, 10 * MOST_FLIGHTS), case.steps.K
     if len(inside) < LEAST_FLIGHTS:
         return
@@ -97,12 +97,12 @@ def _flights_of_no_system(case: Case) -> Iterator[Candidate]:
     begin = np.column_stack([s.states[inside], np.cos(theta), np.sin(theta), np.ones(len(inside))])
     against = tuple(float((2 * p.A0 - p.A(alpha)) / p.m) for alpha in (1, 2, 3))
     right = (K.A1, K.A2, K.A3)
-    for name, there, what, forces, damping, spring in (
+    for name, present, what, forces, damping, spring in (
         ("friction", p.FN * (p.mu1 + p.mu2), "it pushes away from the belts", against, 1, 1),
         ("k", p.k, "the spring pushes away", right, 1, -1),
         ("c", p.c, "the damper pushes", right, -1, 1),
     ):
-        if there:
+        if present:
             rates = np.zeros((len(inside), 5, 5))  # of x, v, cos theta, sin theta, 1
             rates[:, 0, 1] = 1.0
             rates[:, 1, 0], rates[:, 1, 1], rates[:, 1, 2] = -spring * K.w0sq, -damping * K.cm, K.f0
@@ -158,7 +158,7 @@ def _coefficient(case: Case, name: str, fit: Fit | None) -> Iterator[Candidate]:
     other = _replaced(case.parameters, **{name: float(text)})
     if other is not None and other != case.parameters:
         words, evidence = f"the solution has {name} = {text}, which should be {right:.10g}", f"{text} ± {error:.1g}"
-        share = case.share(larger(case.followed(other)), part=FITS)
+        share = case.share(larger(case.defects_with(other)), part=FITS)
         found = Diagnosis("coefficient", name, words, f"fitted: {name} = {evidence}", value, error, share)
         yield Candidate(found, Change(f"with {name} = {text}", parameters=other))
 
@@ -216,13 +216,13 @@ def _constants(p: Parameters, name: str, value: float) -> Constants | None:
 
 
 def _fit_belt(case: Case, name: str) -> Fit | None:
-    """Return the speed of a belt from the samples that move with it, else fitted."""
+    """Return the speed of a belt: from samples that move with it if there are any, else by a fit."""
     p, s = case.parameters, case.steps
     chosen = case.thinned(case.moving_wrong, MOST_FOLLOWED)
 
     def misses(value: np.ndarray) -> np.ndarray:
         other = _replaced(p, **{name: float(value[0])})
-        return np.full((len(chosen), 2), np.nan) if other is None else case.followed_some(other, chosen)
+        return np.full((len(chosen), 2), np.nan) if other is None else case.some_defects_with(other, chosen)
 
     step, start = np.diff(s.t), np.array([float(getattr(p, name))])
     still = (np.abs(np.diff(s.v)) <= 0.1 * case.allowed[:, 1]) & (step > 0.0)
@@ -262,7 +262,7 @@ def phases_of_drive(case: Case) -> Iterator[Candidate]:
     chosen = case.thinned(case.moving_wrong, MOST_FOLLOWED)
 
     def misses(value: np.ndarray) -> np.ndarray:
-        return case.followed(case.parameters, float(value[0]) / K.Om)[chosen]
+        return case.defects_with(case.parameters, float(value[0]) / K.Om)[chosen]
 
     if turn is not None:
         fit = fitted(lambda q: case.flight_misses(K, float(q[0]), flights), np.array([turn]), tick)
@@ -294,7 +294,7 @@ def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
     names = {-1: " (sine in place of cosine)", 1: " (-sine in place of cosine)", 2: " (-cosine)", -2: " (-cosine)"}
     near = quarters and abs(turn - quarters * pi / 2) <= max(QUARTER, 3 * error)
     turn = quarters * pi / 2 if near else turn
-    shift, share = -turn / Om, case.share(larger(case.followed(case.parameters, turn / Om)), part=FITS)
+    shift, share = -turn / Om, case.share(larger(case.defects_with(case.parameters, turn / Om)), part=FITS)
     evidence = f"fitted: {rounded(turn, error)} ± {error:.1g}"
     words = f"the drive is ahead by a phase of {rounded(turn, error)}{names[quarters] if near else ''}"
     phase = Diagnosis("phase", "", words, evidence, turn, error, share)

@@ -148,9 +148,9 @@ def solutions_in(source: Any, asked: Asked, problem: Problem = None, where: str 
         times = np.unique([*times, *(t for t, _ in events)])
         return [replace(checked(times, *source(times)), events=events, notes=("an exact trajectory",))]
     if isinstance(source, (list, tuple)):
-        return _of_list(source, asked, problem, where)
+        return _read_list(source, asked, problem, where)
     if not asked and not _has_x(source):
-        found = _of_result(source, problem)
+        found = _read_result(source, problem)
         if found is not None:
             return found
     if callable(source) and not isinstance(source, Mapping) and not hasattr(source, "__array__"):
@@ -163,7 +163,7 @@ def solutions_in(source: Any, asked: Asked, problem: Problem = None, where: str 
     table = as_table(source)
     if table is None:
         raise ParameterError("solution", source, "is no solution: give a file, a table, an array or a function")
-    return _of_table(table, asked, where)
+    return _read_table(table, asked, where)
 
 
 def _has_x(source: Any) -> bool:
@@ -175,7 +175,7 @@ def _has_x(source: Any) -> bool:
     return False
 
 
-def _of_result(source: Any, problem: Problem) -> list[Samples] | None:
+def _read_result(source: Any, problem: Problem) -> list[Samples] | None:
     """Return the solutions in a solver result (t and y, or ts and ys), or None for another object."""
     of = source.get if isinstance(source, Mapping) else partial(getattr, source)
     for times, states in (("t", "y"), ("ts", "ys")):
@@ -184,7 +184,7 @@ def _of_result(source: Any, problem: Problem) -> list[Samples] | None:
             continue
         if isinstance(y, Mapping):
             return solutions_in({"t": t, **y}, {}, None, type(source).__name__)
-        found = _of_states(np.asarray(t), y, states)
+        found = _read_states(np.asarray(t), y, states)
         notes = [] if getattr(source, "success", True) else [f"the solver says: {getattr(source, 'message', 'failed')}"]
         events, more = _solver_events(source, problem)
         if len(found) == 1:
@@ -194,7 +194,7 @@ def _of_result(source: Any, problem: Problem) -> list[Samples] | None:
     return None
 
 
-def _of_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
+def _read_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
     """Return solutions from times and states: x and v as two rows, two columns or a pair; or a batch of such."""
     try:
         y = np.asarray(y, dtype=float)
@@ -202,7 +202,7 @@ def _of_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
         raise ParameterError(name, "ragged", "must have two rows, x and v, so the shape (2, n)") from None
     t = t.ravel() if t.size == max(t.shape, default=0) else t  # a column of MATLAB
     if t.ndim == 2 and y.ndim == 3 and len(t) == len(y):
-        return [replace(_of_states(*pair, name)[0], name=str(i)) for i, pair in enumerate(zip(t, y, strict=True))]
+        return [replace(_read_states(*pair, name)[0], name=str(i)) for i, pair in enumerate(zip(t, y, strict=True))]
     rows = y if y.shape == (2, t.size) else y.T
     if y.ndim != 2 or rows.shape != (2, t.size):
         raise ParameterError(name, y.shape, "must have two rows, x and v, so the shape (2, n); this is its shape")
@@ -212,15 +212,15 @@ def _of_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
     return [checked(t[kept], rows[0][kept], rows[1][kept])]
 
 
-def _of_list(source: Sequence[Any], asked: Asked, problem: Problem, where: str) -> list[Samples]:
-    """Return the solutions in a list: the rows of one, several solutions, or pieces of one that join."""
+def _read_list(source: Sequence[Any], asked: Asked, problem: Problem, where: str) -> list[Samples]:
+    """Return the solutions in a list of rows, of whole solutions, or of consecutive pieces of one solution."""
     if not source:
         raise ParameterError("solution", source, "is empty")
     if all(
         isinstance(row, Mapping) and all(np.ndim(row[name]) == 0 for name in row if name != EVENTS) for row in source
     ):
         names = dict.fromkeys(name for row in source for name in row)
-        return _of_table({str(name): [row.get(name) for row in source] for name in names}, asked, where)
+        return _read_table({str(name): [row.get(name) for row in source] for name in names}, asked, where)
     rows, numbers = (list, tuple, np.ndarray), (int, float, str, np.number)
     if all(isinstance(row, rows) and len(row) and all(isinstance(value, numbers) for value in row) for row in source):
         lengths = {len(row) for row in source}
@@ -257,9 +257,9 @@ def as_table(source: Any) -> Table | None:
     if isinstance(source, np.ndarray):
         return None if source.dtype.names is None else {name: source[name] for name in source.dtype.names}
     if package == "pandas" and hasattr(source, "columns"):
-        return _of_pandas(source)
+        return _pandas_table(source)
     if package == "xarray" and hasattr(source, "data_vars"):
-        return _of_xarray(source)
+        return _xarray_table(source)
     if isinstance(source, Mapping):
         return {str(name): column for name, column in source.items()}
     if package == "pyarrow":
@@ -271,8 +271,8 @@ def as_table(source: Any) -> Table | None:
     return None
 
 
-def _of_pandas(frame: Any) -> Table:
-    """Return a DataFrame as a table; a named index gives columns too."""
+def _pandas_table(frame: Any) -> Table:
+    """Return a DataFrame as a table; the levels of a named index become columns too."""
     if any(name is not None and str(name) not in map(str, frame.columns) for name in frame.index.names):
         frame = frame.reset_index()
     if len({str(name) for name in frame.columns}) < len(frame.columns):
@@ -280,7 +280,7 @@ def _of_pandas(frame: Any) -> Table:
     return {str(name): frame.iloc[:, i].to_numpy() for i, name in enumerate(frame.columns)}
 
 
-def _of_xarray(data: Any) -> Table:
+def _xarray_table(data: Any) -> Table:
     """Return a Dataset as a table; if it has two dimensions, the one that is not time numbers the solutions."""
     if max((len(variable.dims) for variable in data.variables.values()), default=0) <= 1:
         return {str(name): variable for name, variable in data.variables.items()}
@@ -289,10 +289,10 @@ def _of_xarray(data: Any) -> Table:
     others = [str(name) for name in data.dims if name not in along[-1:] and frame[name].nunique() > 1]
     if len(others) == 1 and ID_COLUMN not in frame:
         frame = frame.rename(columns={others[0]: ID_COLUMN})
-    return _of_pandas(frame.dropna())
+    return _pandas_table(frame.dropna())
 
 
-def _of_table(table: Table, asked: Asked, where: str) -> list[Samples]:
+def _read_table(table: Table, asked: Asked, where: str) -> list[Samples]:
     """Return the solutions in a table."""
     if not ({plain(name) for name in table} & {"x", "position"} or "x" in asked):
         for name in [name for name in table if name.lower() in STATE_NAMES]:  # x and v together
@@ -304,13 +304,13 @@ def _of_table(table: Table, asked: Asked, where: str) -> list[Samples]:
     values: Record = {name: table[own] for name, own in find_columns([*table], asked, where).items()}
     ids, events = values.pop(ID_COLUMN, None), table.get(EVENTS)
     if np.ndim(_array(values["x"])) > 1:
-        return _of_matrices(values, where)
+        return _read_matrices(values, where)
     ids = None if ids is None else np.ravel(np.asarray(ids)).astype(str)
     if ids is None or len(np.unique(ids)) == len(ids):  # a column that has no value twice numbers the rows
         return [checked(**values, events=events)]
     if events is not None:
         raise ParameterError("events", "given", f"can be listed for one solution; {where} has several")
-    return _by_id(values, ids)
+    return _split_by_id(values, ids)
 
 
 def _array(values: Any) -> np.ndarray:
@@ -321,7 +321,7 @@ def _array(values: Any) -> np.ndarray:
         return np.empty(0)
 
 
-def _of_matrices(values: Record, where: str) -> list[Samples]:
+def _read_matrices(values: Record, where: str) -> list[Samples]:
     """Return the solutions in columns that are matrices: one solution per row, or per column."""
     arrays = {name: np.asarray(value) for name, value in values.items()}
     count = arrays["t"].shape[-1] if arrays["t"].ndim else 0
@@ -338,7 +338,7 @@ def _of_matrices(values: Record, where: str) -> list[Samples]:
     return [replace(each, name=str(i)) for i, each in enumerate(found)] if len(found) > 1 else found
 
 
-def _by_id(values: Record, ids: np.ndarray) -> list[Samples]:
+def _split_by_id(values: Record, ids: np.ndarray) -> list[Samples]:
     """Return one solution per id, in order of their first rows."""
     lengths = {name: len(column) for name, column in values.items()} | {ID_COLUMN: len(ids)}
     if len(set(lengths.values())) > 1:

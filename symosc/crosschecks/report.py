@@ -274,7 +274,7 @@ class CrossChecks(list[CrossCheck]):
     Attributes
     ----------
     names : list of str
-        Which is which: the ids of a table, or their numbers.
+        The name of each solution: its id in a table, or its number.
 
     Examples
     --------

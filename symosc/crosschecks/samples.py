@@ -67,7 +67,7 @@ def checked(t: object, x: object, v: object = None, events: object = None) -> Sa
 
 
 def check_joints(samples: Samples, part: float, slack: np.ndarray) -> None:
-    """Raise ParameterError where a time occurs twice with different states."""
+    """Raise ParameterError where a time is repeated with another state, unless two pieces are joined there."""
     # At a joint of two pieces the states differ by at most `part` of the largest |x| and |v|, and by the slack (n, 2).
     twice = np.flatnonzero(np.diff(samples.t) == 0.0)
     for name, values, more in (("x", samples.x, slack[:, 0]), ("v", samples.v, slack[:, 1])):
@@ -179,7 +179,7 @@ def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None
 
 
 def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN) -> Digits | None:
-    """Return the rounding of `values`; None if they have all digits, or fewer than `least` of them show it."""
+    """Return the rounding of `values`; None if they are full doubles, or fewer than `least` of them show a rounding."""
     # Fixed decimals and significant digits are tried. Rounded numbers fit both, one of them with more digits than were
     # written; the coarser unit is the right one for every number. Numbers that are 0 or `natural` show nothing.
     numbers = values[(values != 0.0) & ~np.isin(values, list(natural))]
@@ -192,7 +192,7 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
 
 
 def _as_neighbour(values: np.ndarray, beside: Digits | None) -> Digits | None:
-    """Return the rounding `beside` of the adjacent column if these values, which show none of their own, fit it."""
+    """Return `beside`, the rounding of the adjacent column, if the values are rounded so too; None if not."""
     if beside is None or np.ptp(beside.units) > 0.0:
         return None
     return beside if _are_multiples(values, beside.units) else None

@@ -50,7 +50,7 @@ CLEARANCE = 1e-9
 
 
 def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
-    """Bound the difference in x and v of two exact motions after `tau`, if it begins as `off`, (n, 2) or (2,)."""
+    """Bound the difference [x, v] of two exact motions after a time `tau`, given the difference `off` at its start."""
     if not np.any(off):
         return np.zeros(2)
     x, v = off[..., 0], off[..., 1]
@@ -177,7 +177,7 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
 
 @dataclass(frozen=True)
 class SampleBlock:
-    """Consecutive samples, with the arguments of `follow_steps`."""
+    """A block of consecutive samples, to follow the steps between them; the fields are as in `follow_steps`."""
 
     K: Constants
     t: np.ndarray
@@ -208,7 +208,7 @@ class SampleBlock:
         return defects, modes, events
 
     def follow_from(self, steps: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, StepEvents]:
-        """Follow steps from belt `on` (0: from the sample itself); return defects, modes, defect sizes and events."""
+        """Follow steps with v first set to belt `on` (0: not set); return defects, modes, defect sizes and events."""
         belts, left = np.array([self.K.belt1.v, self.K.belt2.v]), self.t[steps + 1] - self.t[steps]
         start_v = np.where(on > 0, belts[on - 1], self.v[steps])
         rows, _ = start_rows(on, self.theta[steps], self.x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), self.K)
@@ -269,7 +269,7 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
 
 
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow each start event by event; return final modes, final states [x, v], and events with times from 0."""
+    """Follow each start event by event; return final modes, final states [x, v], and events timed from the start."""
     batch = batch_of(rows.copy())
     few = len(rows) < 4000 and FEW_STEPS.events > 0 and loaded_loop() is None
     follow = chosen_loops(False if few else None).follow

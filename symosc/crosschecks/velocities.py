@@ -47,7 +47,7 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     digits, size = find_digits(x, x[:1]), float(np.max(np.abs(x)))
     rounded = np.zeros(len(x)) if digits is None else digits.units
     if digits is not None:
-        found = _of_motion(samples, scene, (0.5 + 1e-9) * rounded, tolerance * size)
+        found = _fit_motion(samples, scene, (0.5 + 1e-9) * rounded, tolerance * size)
         if found is not None:
             return found
     starts, ends = _flight_velocities(t, x, theta, K)
@@ -79,7 +79,7 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     return replace(samples, t=t[known:], x=x[known:], v=v[known:], v_off=off[known:], notes=notes)
 
 
-def _of_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float) -> Samples | None:
+def _fit_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float) -> Samples | None:
     """Return samples with the velocities of one exact motion through all positions; None if none is found."""
     t, x = samples.t, samples.x
     p = scene if isinstance(scene, Parameters) else scene.parameters
@@ -196,7 +196,7 @@ def _flight_velocities(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Const
 
 
 def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return how well the flights before and after each inner sample can agree in v, and which two agree best."""
+    """Return the least gap in v between flights before and after each inner sample, and the domains of these two."""
     inner = starts.shape[1] - 1
     best, left, right = np.full(inner, np.inf), np.zeros(inner, np.int8), np.zeros(inner, np.int8)
     for i in range(len(ends)):
@@ -208,7 +208,7 @@ def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.ndarray, sure: np.ndarray) -> np.ndarray:
-    """Return velocities at the samples `sure`, where two steps agree, and at the far ends of these steps; else NaN."""
+    """Return velocities at samples `sure`, where two flights agree, and at the far ends of both; elsewhere NaN."""
     v = np.full(starts.shape[1] + 1, np.nan)
     left, right = left[sure], right[sure]
     v[sure], v[sure + 2] = starts[left, sure], ends[right, sure + 1]

@@ -21,14 +21,14 @@ page_loaders: list[Callable[[], object]] = []
 
 
 def register(kind: type | str, show: Show, what: Literal["draw", "page", "write"] = "draw") -> None:
-    """Register a function that draws, or writes a page of, results of a class, given also by its qualified name."""
+    """Register a function that draws results of a class (or its qualified name), or writes a page of them."""
     # "draw": ``answer.plot(**options)`` returns ``show(answer, **options)``. "page": notebooks show the HTML of
     # ``show(answer)``. "write": ``answer.to_html(path)`` returns ``show(answer, path)``.
     _registered[what][kind if isinstance(kind, str) else f"{kind.__module__}.{kind.__qualname__}"] = show
 
 
 def _found(answer: object, what: str, load: list[Callable[[], object]]) -> Show | None:
-    """Return the function registered for a result's class, after running the loaders; None if there is none."""
+    """Run the loaders, and return the function registered for a result's class; None if there is none."""
     while load:
         load.pop()()
     shows, names = _registered[what], (f"{kind.__module__}.{kind.__qualname__}" for kind in type(answer).__mro__)

@@ -57,7 +57,7 @@ def delay() -> float:
 def reporting(
     progress: Any, there: float, total: float, label: str = "sweep", unit: str = "motions"
 ) -> Iterator[Report]:
-    """Yield a function to report progress to: `progress` if callable, else a bar's, which begins at `there`."""
+    """Yield a function that takes the amount done and the total: `progress`, or one that draws a bar from `there`."""
     if callable(progress):
         yield progress
     elif not (progress and shows_bars()):
@@ -76,7 +76,7 @@ def bar(label: str, total: float, unit: str = "steps") -> Iterator[Report]:
 
 @contextmanager
 def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
-    """Yield a function that takes the fraction done and a count of `unit`; None if no progress is shown."""
+    """Yield a function that takes the fraction done and how many of `unit` are done; None if no bar is shown."""
     if callable(progress):
         yield lambda part, count: progress(part, 1.0)
     elif not (progress and shows_bars()):

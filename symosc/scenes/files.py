@@ -64,7 +64,7 @@ class SceneFile(NamedTuple):
 
 
 def line_of(text: str, path: Sequence[str]) -> int | None:
-    """Return the line of a TOML text on which a key or table ends (tomllib does not tell), or None."""
+    """Return the number of the line of a TOML text on which a key or table ends, None if not found."""
     # The lines up to it are the first ones that are TOML and have it: so strings of several lines, inline tables and
     # dotted keys are all read by the same rules as the file itself.
     begin, read = "", 0

@@ -228,7 +228,7 @@ def _to_disk(path: Path) -> None:
 
 
 def _checksum(path: Path) -> tuple[str, str, int]:
-    """Return the checksum of an output, the one stated in it ("" if none), and the position of that in its file."""
+    """Return the checksum of an output, the one that it states ("" if none), and where in the file that one stands."""
     place, stated, begin, found = _text_file(path), "", 0, sha256()
     for name, file in (_files_in(path) or {"": path}).items():
         content = memoryview(file.read_bytes())

@@ -58,7 +58,7 @@ Coordinates = dict[str, Coordinate]
 
 @dataclass(frozen=True)
 class Duration:
-    """A time: in units of time, or in periods of the drive, whose length depends on the Omega of each motion."""
+    """A length of time, in units of time or in periods of the drive, which depend on the Omega of each motion."""
 
     value: Fraction
     periods: bool = False
@@ -164,7 +164,7 @@ def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[s
 
 
 def cycles(words: np.ndarray) -> np.ndarray:
-    """Return words so that rotations of one cycle, such as P32 and P23, are equal: the largest in text order."""
+    """Return for each word its largest rotation in text order, the same for P32 and P23, which are one cycle."""
     # Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
     # shows borders only where the cycle itself changes.
     texts, places = np.unique(words, return_inverse=True)

@@ -71,14 +71,14 @@ class Store:
             self._clear(whole=True)
         there = self.key()
         if there not in (None, key):
-            raise self.strange()
+            raise self.foreign_error()
         self._clear(whole=False)
         if there is None:
             write_text(self.folder / PLAN_FILE, json.dumps({"key": key} | content, indent=1) + "\n")
         self._key = key
 
-    def strange(self) -> SweepError:
-        """Return the error for a folder whose chunks belong to another sweep."""
+    def foreign_error(self) -> SweepError:
+        """Return the error that the chunks in the folder belong to another sweep."""
         return SweepError(f"{self.folder} has the chunks of another sweep: name another output, or start anew")
 
     def _clear(self, whole: bool) -> None:

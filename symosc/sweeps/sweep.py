@@ -160,7 +160,7 @@ class Here(Executor):
 
 
 def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
-    """Return an executor (for None one in this process), and how many chunks are submitted to it at a time."""
+    """Return an executor (if None is given, one in this process), and how many chunks it is given at a time."""
     # `workers` are threads of this process (default: all cores), or chunks under way in an executor.
     count = None if workers is None else whole_number("workers", workers, 1)
     if executor is None:
@@ -253,7 +253,7 @@ class SweepStatus(NamedTuple):
     done, total : int
         Motions.
     written : bool
-        Whether the output is there.
+        Whether the output is written.
 
     Examples
     --------
@@ -295,6 +295,6 @@ def sweep_status(
     plan, target = read_plan(scene, over, record, t_end, skip, starts), output.output_path(path)
     store, total, written = Store(target), len(plan), _is_finished(plan, target, True)
     if not written and store.key() not in (None, plan.key):
-        raise store.strange()
+        raise store.foreign_error()
     left = 0 if written else sum(end - begin for begin, end in missing(store.ranges(), total))
     return SweepStatus(str(path), total - left, total, written)
