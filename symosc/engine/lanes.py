@@ -93,12 +93,12 @@ def belts(boundary, K):
 
 
 def suits_lanes(K):
-    """Return whether motions with these constants may go side by side."""
+    """Return whether motions with these constants may be followed side by side."""
     return K.apart != 0 and K.slow_drive == 0 and (K.omega_d + K.Om) * K.chunk < 0.5 * WIDEST
 
 
 def end_of_group(begin, sets, table):
-    """Return where the motions end that may go side by side from `begin` on, and whether all have one parameter set."""
+    """Return the end of the group, from `begin` on, to follow side by side, and whether it has one parameter set."""
     end, count, K = begin + 1, sets.shape[0], table[sets[begin]]
     if not suits_lanes(K):
         return end, True

@@ -89,7 +89,7 @@ def phase_between(start, t, theta, K):
 
 
 def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by_Om):
-    """Fill a row of `work` with derivatives for all parameters, given those for m, c, k, A_alpha, B0 and Omega."""
+    """Fill a row of `work`: derivatives with respect to all parameters, from those for m, c, k, A_alpha, B0, Omega."""
     drag1, drag2 = friction_signs(domain)
     work[row, M], work[row, C], work[row, K_] = by_m, by_c, by_k
     work[row, A0], work[row, B0], work[row, OMEGA] = by_A, by_B, by_Om

@@ -73,7 +73,7 @@ def flight_slopes(x_i, theta_i, theta_j, v_i, A, K):
 
 
 def flight_by_parameters(x_i, theta_i, theta_j, v_i, A, m, K):
-    """Return the derivatives of x and v - v_i at the end, in turn for m, c, k, A_alpha, B0, Omega and v_i."""
+    """Return the derivatives of x and v - v_i at the end with respect to m, c, k, A_alpha, B0, Omega, v_i in turn."""
     s0, c0, tau = sin(theta_i), cos(theta_i), (theta_j - theta_i) / K.Om
     E0, E1, E2, R2, I2, s, c = basis(tau, K)
     U0, U1, U2, V, W, P, Q = repeated(tau, E0, E1, E2, R2, I2, s, c, K)
@@ -97,7 +97,7 @@ def stick_slopes(theta_j, v, K):
 
 
 def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
-    """Return the derivatives of f2 = F for c, k, A_alpha, B0, v and m, and those of f1 for Omega and v, of a stick."""
+    """Return the derivatives of f2 = F with respect to c, k, A_alpha, B0, v, m, and of f1 with respect to Omega, v."""
     return stick_parameters(v, (theta_j - theta_i) / K.Om, x_j, cos(theta_j), F, m, K.cm, K.Om)
 
 
@@ -268,7 +268,7 @@ def flights(points, speeds, A, K, f):
 
 
 def flights_and_slopes(points, speeds, A, K, f, J):
-    """Fill f (2, n) with f1, f2 of flights, and J (2, 4, n) with their derivatives for x_i, theta_i, x_j, theta_j."""
+    """Fill f (2, n) with f1, f2 of flights, J (2, 4, n) with derivatives with respect to x_i, theta_i, x_j, theta_j."""
     v_i, v_j = speeds
     block = np.empty(12 * BLOCK)
     J[0, 2], J[1, 2] = -1.0, 0.0
@@ -306,7 +306,7 @@ def sticks(points, v, sides, K, f):
 
 
 def sticks_and_slopes(points, v, sides, K, f, J):
-    """Fill f (2, n) with f1, f2 of sticks, and J (2, 4, n) with their derivatives for x_i, theta_i, x_j, theta_j."""
+    """Fill f (2, n) with f1, f2 of sticks, J (2, 4, n) with derivatives with respect to x_i, theta_i, x_j, theta_j."""
     sticks(points, v, sides, K, f)
     J[0, 0], J[0, 2], J[1, 0], J[1, 1] = 1.0, -1.0, 0.0, 0.0
     for n in range(len(points[0])):

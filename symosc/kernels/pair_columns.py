@@ -36,7 +36,7 @@ class PairColumn:
         return PairColumn(np.asarray(other, dtype=float))
 
     def _with_doubts(self, other: PairColumn, hi: Any, lo: Any) -> PairColumn:
-        """Return the result hi + lo of an operation with `other` as a column that takes over the doubts of the operands."""
+        """Return the result hi + lo of an operation with `other` as a column that keeps the doubts of the operands."""
         return PairColumn(hi, lo, self.doubts if other.doubts is None else other.doubts)
 
     def __neg__(self) -> PairColumn:

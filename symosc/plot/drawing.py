@@ -74,7 +74,7 @@ class Drawing(Figure):
 
 @contextmanager
 def own_style() -> Iterator[None]:
-    """Apply STYLE to figures made in a block, except for what the user has set in rcParams."""
+    """Apply STYLE to figures made in a `with` block, except for settings that the user has changed in rcParams."""
     with rc_context({name: value for name, value in STYLE.items() if rcParams[name] == rcParamsDefault[name]}):
         yield
 

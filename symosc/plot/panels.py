@@ -58,7 +58,7 @@ class Mark(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """A contact with a belt: a stick from `since` to `until`, or a touch at one time (`since` = `until`)."""
+    """A contact with a belt: a stick from `since` to `until`, or a graze, for which these times are equal."""
 
     since: float
     until: float
@@ -124,7 +124,7 @@ def view_of(
     since: float = -inf,
     style: Record | None = None,
 ) -> View:
-    """Sample a trajectory from a time on and choose the boundary of the forces, by default that of the first event."""
+    """Sample a trajectory from the time `since` on; by default the forces are those at the first event's boundary."""
     p, events, start = trajectory.parameters, trajectory.events, float(trajectory.t_start)
     t = _sample_times(trajectory, sampling, since)
     x, v = trajectory(t)

@@ -510,7 +510,7 @@ def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, **style: Any) -> None:
 
 
 def _draw_ends(axes: Axes, piece: CurvePiece, at: Callable[[Any], tuple[float, float]]) -> None:
-    """Draw both ends of a piece of a grazing curve, open if an end of the window; `at` returns an end's place."""
+    """Draw both ends of a piece of a grazing curve, open dots at ends of the window; `at` returns an end's place."""
     for end in (piece.low, piece.high):
         if end.reason != "closed":
             shape = next((shape for start, shape in END_SHAPES.items() if end.reason.startswith(start)), "D")

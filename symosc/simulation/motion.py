@@ -120,7 +120,7 @@ class SearchInDoubles:
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (arithmetic.K, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
-        """Return the next event, and if undecided for how long the flight surely meets no wall; None on overflow."""
+        """Return the next event and, if it is undecided, how long the flight surely meets no wall; None on overflow."""
         keep_state(self._rows, 0, state)
         SEARCHES.events -= 1
         try:
@@ -178,7 +178,7 @@ class MotionInDoubles:
 
     @property
     def elapsed(self) -> float:
-        """Time since t0."""
+        """The time since t0."""
         state = self.state
         return clock_time(state.t - float(self.start.t0), state.t_low, 0.0, self.K)
 
@@ -355,7 +355,7 @@ class Motion:
 
     @property
     def elapsed(self) -> Number:
-        """Time since t0."""
+        """The time since t0."""
         entered = self.arithmetic.enter()
         try:
             return self.arithmetic.outward(self._elapsed())

@@ -218,7 +218,7 @@ class ParameterSets:
         return self.columns[name]
 
     def doubles(self, names: Sequence[str], rows: slice) -> np.ndarray:
-        """Return parameters of some names as doubles, a row for each of some sets."""
+        """Return the parameters with these names as doubles, (sets, names), for the sets in `rows`."""
         columns = [np.broadcast_to(self.column(name).pairs(rows).hi, rows.stop - rows.start) for name in names]
         return np.stack(columns, axis=1)
 
