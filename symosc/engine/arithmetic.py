@@ -1,4 +1,4 @@
-"""One object for each kind of numbers, with the engine's scalar source bound to it.
+"""The engine for each kind of numbers (doubles, pairs, many digits): its functions, bound to their arithmetic.
 
 The inner loop (SOURCES) is plain functions on numbers. `bind` copies a function so that it sees other globals (mpmath's
 sin, cos and precision, or compiled functions), `compile_modules` lets numba compile the copies: nothing is written
@@ -85,7 +85,7 @@ def bind(
     wrap: Callable[[Any], Any] | None = None,
     literal: Callable[[float], Any] | None = None,
 ) -> dict[str, Any]:
-    """Copy the functions of `modules`; the copies call each other, and take the names in `replaced` from there."""
+    """Copy the functions of `modules`; the copies call each other, and use `replaced` for the names that it has."""
     # `wrap` is applied to every copy, such as numba.njit; `literal` converts the floats in the source once, such as 0.5
     # and the limits with a name. A name in `replaced` must be one that the functions could see.
     modules = tuple(modules)
@@ -180,7 +180,7 @@ _ON_DISK: dict[tuple[str, str], tuple[bool, float]] = {}
 
 
 def converted(value: Any, number: Callable[[Any], Any]) -> Any:
-    """Apply `number` to a value, or to the entries of a tuple of any depth."""
+    """Apply the function `number` to a value, or to each entry of a tuple and of the tuples in it."""
     if not isinstance(value, tuple):
         return number(value)
     entries = [converted(entry, number) for entry in value]
@@ -188,7 +188,7 @@ def converted(value: Any, number: Callable[[Any], Any]) -> Any:
 
 
 def product_and_zero(a, b):
-    """Return a b and 0: stands in for `two_product`, the exact product of doubles, in other arithmetics."""
+    """Return (a b, 0): replaces `two_product`, the exact product of two doubles, for numbers of other kinds."""
     return a * b, 0.0 * a
 
 
@@ -199,7 +199,7 @@ IN_DOUBLES = {name: value for module in SOURCES for name, value in vars(module).
 
 
 class Arithmetic:
-    """The engine in double precision, and the interface of all arithmetics."""
+    """The numbers and constants of the engine in double precision; base class of the other arithmetics."""
 
     # `advance` may follow motions in inner numbers: `inward` and `outward` convert, and arithmetic on those belongs
     # between `enter` and `leave`.
@@ -217,7 +217,7 @@ class Arithmetic:
 
     def phase(self, t: Fraction) -> Number:
         """Return the phase Omega t mod 2 pi, in [0, 2 pi), correctly rounded."""
-        theta = _reduced(self.parameters.Omega * t, self.digits)
+        theta = _angle_in_turn(self.parameters.Omega * t, self.digits)
         return self.rounded(theta) if theta else self.number(Fraction(0))
 
     def time(self, t: Fraction) -> tuple[Number, Number]:
@@ -251,8 +251,8 @@ def _float_constants(parameters: Parameters) -> Constants:
 
 
 @lru_cache(maxsize=256)
-def _reduced(angle: Fraction, digits: int) -> Any:
-    """Return an angle modulo 2 pi to `digits` digits (None for the angle 0), cached: many starts have the same one."""
+def _angle_in_turn(angle: Fraction, digits: int) -> Any:
+    """Return an angle modulo 2 pi to `digits` digits (None for 0), cached because many starts share their phase."""
     if angle == 0:
         return None
     context = mp_context(digits + 20 + len(str(abs(int(angle)))))
@@ -262,7 +262,7 @@ def _reduced(angle: Fraction, digits: int) -> Any:
 
 @cache
 def compiled(width: int = 0) -> dict[str, Any]:
-    """Return the engine's functions for doubles, compiled; `width` motions go side by side (0: the fastest number)."""
+    """Return the engine's compiled functions for doubles; they follow `width` motions side by side (0: the fastest)."""
     try:
         from symosc.kernels import lane_types
     except ImportError:
@@ -291,7 +291,7 @@ def compiled_tangents() -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def column_functions() -> dict[str, Any]:
-    """Return the functions of `elementary` and `entire_array` for arrays, with the same bits on every processor."""
+    """Return `elementary` and `entire_array` for arrays, by name; every processor computes the same bits."""
     powers = {"select": np.where, "power_of_two": lambda n: np.ldexp(1.0, n.astype(np.int64))}
     own = bind((elementary,), powers)
     short_sin, short_cos, widest = own["short_sin"], own["short_cos"], elementary.WIDEST
@@ -352,7 +352,7 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def _mpfr(self) -> Any:
-        """The MPFR context of this precision, or None without gmpy2."""
+        """The module `symosc.kernels.mpfr`, or None where mpmath has to do (without gmpy2)."""
         try:
             from symosc.kernels import mpfr
         except ImportError:
@@ -361,12 +361,12 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def _inner(self) -> Any:
-        """The context of the numbers of the event loop: MPFR if available, else mpmath."""
+        """The context of the numbers in which the event loop computes: MPFR if available, else mpmath."""
         return self._mpfr.mpfr_context(self.context.prec) if self._mpfr else self.context
 
     @cached_property
     def following(self) -> dict[str, Any]:
-        """The engine's functions for the numbers of the event loop, by name."""
+        """The engine's functions, by name, for the numbers in which the event loop computes."""
         if self._mpfr is None:
             return self.namespace
         from symosc.kernels.multiprecision import BasisMP
@@ -433,7 +433,7 @@ PLAIN_IN_PAIRS = {
 
 
 class PairLoops(NamedTuple):
-    """The functions of `symosc.engine.batch` that start and follow motions in double-double numbers."""
+    """The two functions of `symosc.engine.batch` that start and follow motions in double-double numbers (pairs)."""
 
     first_pairs: Any
     follow_pairs: Any
@@ -507,7 +507,7 @@ def pairs_are_compiled() -> bool:
 
 
 def pairs_are_loaded() -> bool:
-    """Return whether the loops of pairs are compiled and this process has already used those of doubles."""
+    """Return whether the loops of pairs are compiled and this process has already run the compiled one of doubles."""
     used = compiled.cache_info().currsize and compiled()["follow_all"].overloads
     return bool(used) and pairs_are_compiled()
 
@@ -532,6 +532,6 @@ def pair_constants(parameters: Parameters) -> Constants:
 
 
 def pair_phase(parameters: Parameters, t: Fraction) -> complex:
-    """Return the phase at a time as a pair, stored as the complex number hi + i lo, rounded once."""
+    """Return the phase of the drive at time t as a pair, stored as the complex number hi + i lo, rounded once."""
     found: complex = pairs_as_complex(many_digits(parameters, ROUNDED_FROM).phase(t))
     return found

@@ -46,7 +46,7 @@ PAGE = 1 << 21  # bytes of a large page
 
 
 class Batch(NamedTuple):
-    """Columns of trajectories: states, parameter set numbers, numbers of events so far, and end codes."""
+    """Many trajectories in columns: current states, numbers of their parameter sets, counts of events, end codes."""
 
     states: np.ndarray  # (n, STATE_WIDTH), rows as `row_of` makes them
     sets: np.ndarray  # (n,)
@@ -55,7 +55,7 @@ class Batch(NamedTuple):
 
 
 class EventRows(NamedTuple):
-    """A buffer of events in contiguous columns: FLOAT_COLUMNS, then the trajectory's number and CODE_COLUMNS."""
+    """A buffer of events: `floats` holds FLOAT_COLUMNS, `ints` the number of the trajectory and CODE_COLUMNS."""
 
     floats: np.ndarray  # (columns, rows)
     ints: np.ndarray
@@ -67,7 +67,7 @@ NO_PIECES = np.empty((len(PIECE_COLUMNS), 0))
 
 
 class PairLimits(NamedTuple):
-    """Accuracy and limits of a run in pairs, and the constants in doubles."""
+    """The limits of a run in pairs (events, accuracy, room in the buffer), and the constants in doubles."""
 
     most: int  # events after which a trajectory is FULL
     accuracy: float
@@ -141,7 +141,7 @@ def state_of(states, i):
 
 
 def keep_state(states, i, state):
-    """Write a state into row i."""
+    """Write a state into row i of a table of states."""
     states[i, 0], states[i, 1], states[i, 2] = state.mode, state.at, state.n
     states[i, 3], states[i, 4], states[i, 5] = state.theta, state.x, state.v
     states[i, 6], states[i, 7] = state.Fb, state.Fa
@@ -154,7 +154,7 @@ def keep_state(states, i, state):
 
 
 def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectories until all end or a buffer is full; return the next one, and the rows and pieces filled."""
+    """Follow trajectories until all end or a buffer is full; return the next one, and counts of rows and pieces."""
     #   begin : first trajectory to follow; it may have been begun before.
     #   batch : Batch, updated.
     #   most : events after which a trajectory is FULL.
@@ -219,19 +219,19 @@ def is_inexact(t, t_error, x, x_error, t0, accuracy):
 
 
 def end_by_phase(row, K):
-    """Return t_end (high and low part) and t0 of a batch row, t_end by the clock of doubles: phase/rounded Omega."""
+    """Return t_end (in two parts) and t0 of a batch row; t_end is put on the clock of states: phase/rounded Omega."""
     t_end, t0 = float(row[13]), float(row[15])
     return t_end, float(row[14]) - (t_end - t0) * K.Om_gain, t0
 
 
 def searched(state, row, K):
-    """Find the next event of a state up to the end time in a batch row; return a NextEvent."""
+    """Find the next event after a state, up to the end time that a batch row holds; return a NextEvent."""
     t_end, t_end_low, _ = end_by_phase(row, K)
     return advance(state, t_end, t_end_low, K)
 
 
 def search_row(states, table):
-    """Advance the state in the first row; return code, belt, decided and t_error (NextEvent), and `open_free_time`."""
+    """Advance the state in row 0; return four fields of its NextEvent, without the state, and its `open_free_time`."""
     before, K = state_of(states, 0), table[0]
     found = searched(before, states[0], K)
     keep_state(states, 0, found.state)
@@ -239,17 +239,17 @@ def search_row(states, table):
 
 
 def open_free_time(found, state, K):
-    """Return for how long a flight surely meets no wall, if the contact found is undecided; else 0."""
+    """If the contact found is undecided, return how long the flight from `state` surely touches no belt; else 0."""
     return free_time(state, K) if found.boundary > 0 and not found.decided else 0.0
 
 
 def doubt_row(states, count, most, accuracy, table):
-    """Return the number of the next event after the state in row 0 that doubles cannot decide; 0 if none is near."""
+    """Return the number of the first event after the state in row 0 that doubles cannot decide; 0 if none is soon."""
     return next_undecided(state_of(states, 0), count, states[0], most, accuracy, table[0])
 
 
 def next_undecided(state, count, row, most, accuracy, K):
-    """Return the number of the next event that `follow_all` cannot decide; 0 if there is none soon."""
+    """Return the number of the first event that `follow_all` cannot decide; 0 if it decides the next LOOK_AHEAD."""
     # Before the state there were `count` events; events after number `most` are of no interest.
     t0 = float(row[15])
     for _ in range(LOOK_AHEAD):
@@ -268,7 +268,7 @@ def next_undecided(state, count, row, most, accuracy, K):
 
 
 def write_event(out, row, i, before, found, clock, K):
-    """Write an event of trajectory i into a row; arguments as `symosc.engine.events.event_numbers` takes them."""
+    """Write an event of trajectory i into a row of the buffer `out`; the other arguments are as in `event_numbers`."""
     numbers, codes = event_numbers(before, found, clock, K), event_codes(before, found)
     for n in range(len(numbers)):
         out.floats[n, row] = numbers[n]
@@ -278,7 +278,7 @@ def write_event(out, row, i, before, found, clock, K):
 
 
 def write_piece(pieces, row, state, elapsed):
-    """Write the piece of a motion that begins at a state (its PIECE_COLUMNS) into column `row` of the buffer."""
+    """Write the PIECE_COLUMNS of the piece of a motion that begins at `state` into column `row` of `pieces`."""
     pieces[0, row], pieces[1, row], pieces[2, row] = state.n, state.theta, state.mode
     pieces[3, row], pieces[4, row] = state.x, state.v
     pieces[5, row], pieces[6, row] = (state.Fb if state.mode <= ON_BELT else 0.0), elapsed
@@ -297,7 +297,7 @@ def from_complex(value):
 
 
 def first_pairs(pairs, K):
-    """Complete the rows of starts in pairs: velocity, forces, sine, cosine, errors; no force on a belt may be 0."""
+    """Complete rows of initial states in pairs: velocity, forces, sine, cosine, errors; no force on a belt may be 0."""
     K = from_complex(K)
     for i in range(pairs.shape[0]):
         mode, at, theta = int(pairs[i, 0]), int(pairs[i, 1]), float(pairs[i, 3])
@@ -315,7 +315,7 @@ def first_pairs(pairs, K):
 
 
 def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
-    """Follow trajectories in pairs to a number of events, or to their end; return how many rows and pieces it fills."""
+    """Follow the `chosen` trajectories in pairs to `wanted` events or their end; return counts of rows and pieces."""
     # Doubles search for each event as far as they are sure (`advance_near`). A motion that doubles could soon not
     # decide again is followed farther, as long as the buffer holds its events.
     #   chosen : (m,) numbers of the trajectories to follow, in order.
@@ -400,7 +400,7 @@ def is_below(part, error, value):
 
 
 def rounding_error(error, value):
-    """Return the error of a value after rounding to a double; its error before that counts unless negligible."""
+    """Return the error of a value after it is rounded to a double: the rounding, plus `error` unless negligible."""
     rounding = EPS * abs(value)
     return rounding if is_below(NEGLIGIBLE, error, value) else error + rounding
 

@@ -33,7 +33,7 @@ def _warn(problem: str, reason: str) -> None:
 
 
 class _CheckedFiles(IndexDataCacheFile):
-    """numba's index and data files with a checksum appended; pickle stops reading before it."""
+    """Reader and writer of numba's index and data files, with a checksum at their ends, where pickle does not read."""
 
     @contextmanager
     def _open_for_write(self, filepath: str) -> Iterator[Any]:
@@ -60,7 +60,7 @@ def _check(path: str) -> None:
 
 
 class _BesideSource(InTreeCacheLocator):
-    """The cache folder next to the source, used even if it is read-only: it may hold code compiled for all users."""
+    """Locator of the cache folder next to the source, even a read-only one: its code may be compiled for all users."""
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> Any:
@@ -68,7 +68,7 @@ class _BesideSource(InTreeCacheLocator):
 
 
 class _Places(CompileResultCacheImpl):
-    """The cache folders to try in order: numba's own, then the one next to the source."""
+    """Chooser of a function's cache folder: tries numba's standard folders first, then the one next to the source."""
 
     _locator_classes = [*CompileResultCacheImpl._locator_classes, _BesideSource]  # noqa: RUF012
 

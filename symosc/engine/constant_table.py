@@ -50,7 +50,7 @@ class ConstantRows(Sequence[Constants]):
 
 
 class ParameterColumns:
-    """The parameters of many sets, a column of pairs for each; forces are computed as in `Parameters`."""
+    """Many parameter sets, a column of pairs for each parameter; forces are computed from these as in `Parameters`."""
 
     A, belt = Parameters.A, Parameters.belt
 
@@ -66,7 +66,7 @@ def table_of(rows: Iterable[Constants]) -> np.ndarray:
 def constant_table(
     columns: dict[str, PairColumn], count: int, alone: Callable[[int], Constants], march_rows: Callable[..., None]
 ) -> np.ndarray:
-    """Return the constants of `count` parameter sets; `alone` computes, exactly, those that columns may get wrong."""
+    """Return the constants of `count` parameter sets; `alone(i)` computes set i exactly where columns may be wrong."""
     doubts = np.zeros(count, dtype=bool)
     given = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
     for column in given.values():

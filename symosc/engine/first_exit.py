@@ -96,7 +96,7 @@ def positive_on(s, P):
 
 
 def safe_step(cap, P):
-    """Return (s, root): P > 0 on [0, s], s <= cap; `root`: about the first root of the polynomial P, at most cap."""
+    """Return (s, root): a step s <= cap with P > 0 on [0, s], and an estimate, at most cap, of P's first root."""
     # First the root of the quadratic, then Halley's method; the result is checked before it is used.
     p0, p1, p2, p3, p4 = P
     if p0 <= 0.0:
@@ -132,12 +132,12 @@ def safe_step(cap, P):
 
 
 def gap_to(side, now, walls):
-    """Return the gap to the wall on a side (-1 below, 1 above) at the point `now` of a flight."""
+    """Return how far v is, at a point of a flight, from the wall (speed of the belt) on a side: -1 below, 1 above."""
     return select(side < 0, walls.below + now.dv, walls.above - now.dv)
 
 
 def gap_bound(side, now, M4, margin, walls):
-    """Return coefficients and degree of the polynomial P that bounds the gap to the wall on a side, from `now` on."""
+    """Return coefficients and degree of P, a polynomial in the time from `now` on that bounds the gap from below."""
     # The margin for the error of the start is held back from the gap, or half the gap if that is not much larger. At a
     # start on the wall P is divided by its root there.
     g, g1, g2, g3 = gap_to(side, now, walls), -side * now.F, -side * now.G1, -side * now.G2
@@ -215,7 +215,7 @@ def newton_root(s, over, F, G1, G2, G3, resolution):
 
 
 class Marched(NamedTuple):
-    """The end of a march in fixed steps."""
+    """The result of a march in fixed steps: where it ended, and whether the next step surely meets a wall."""
 
     now: Flown  # up to there no wall is met; without dx and the entire functions
     M4: Number  # the bound of the fourth derivative from there on
@@ -271,7 +271,7 @@ def march(tau_max, v0, now, walls, margin, K):
 
 
 def free_motion(v0, now, walls, margin, K):
-    """Return v and acceleration of the transient, the slack that gaps must exceed, and if a wall is out of reach."""
+    """Return v and acceleration of the transient, the slack that gaps must exceed, and if no wall can be reached."""
     v_free, F_free = v0 - (K.Ss * now.s + K.Sc * now.c), now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
     # The steady amplitude and the energy of the transient bound v: walls beyond that do not count.
@@ -411,7 +411,7 @@ def gap_stays_zero(tau, side, start, walls, S, K):
 
 
 def side_of_zero_gap(now, thin, start, walls, S, K):
-    """Return the side (-1, 1) of a wall to which the gap is 0 within its error for a while; 0 if there is none."""
+    """Return the side (-1, 1) of the wall to which the gap stays 0 within its error for a while; 0 if none does."""
     below, above, away = walls.below + now.dv, walls.above - now.dv, now.tau > 0.0
     thin_below = walls.has_below and below * below < thin and (away or not walls.on_below)
     thin_above = walls.has_above and above * above < thin and (away or not walls.on_above)
@@ -447,7 +447,7 @@ def first_exit(tau_max, start, walls, S, K):
 
 
 def search_begin(tau_max, start, walls, S, K):
-    """Return the point where the search of a flight begins, if its gap starts flat, and the limits thin and margin."""
+    """Return the point at which to begin the search of a flight, if its gap starts flat, and limits thin and margin."""
     # A gap whose square is below `thin` is compared with its error. The margin is what the error of the start can do to
     # a gap; where that is less than rounding, `tolerance` includes it.
     v0, F0, s0, c0 = start
@@ -629,13 +629,13 @@ def shifted(now, shift, v0, K):
 
 
 def force_gain(tau, s0, c0, belt, K):
-    """Return the gain Delta of the forces on a belt at tau after a stick began, and sine and cosine of the phase."""
+    """Return Delta, the change of the forces on a belt since a stick began tau ago; sine and cosine of the phase."""
     half = 0.5 * K.Om * tau
     return force_gain_at(tau, sin(half), cos(half), s0, c0, belt, K)
 
 
 def force_gain_at(tau, s, c, s0, c0, belt, K):
-    """Return what `force_gain` does, given s and c: sine and cosine of half the phase gained."""
+    """Return what `force_gain` returns; s and c are sine and cosine of half the phase gained since the stick began."""
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
     Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
     s_Om, c_Om = 2.0 * s * c, 1.0 - 2.0 * s * s
@@ -655,7 +655,7 @@ def wrap_phase(angle):
 
 
 def phase_ahead(angle):
-    """Return a difference of phases moved into [0, 2 pi), and 0 for a whole turn within rounding."""
+    """Return a phase difference moved into [0, 2 pi); one within rounding of a whole turn becomes 0."""
     angle = wrap_phase(angle)
     return select((angle < SAME_PHASE * EPS) | (2.0 * PI - angle < SAME_PHASE * EPS), 0.0 * angle, angle)
 

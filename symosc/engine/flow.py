@@ -245,12 +245,12 @@ def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: An
 
 
 def clock_time(t, t_low, t0, K):
-    """Return the time of a state: t + t_low is the phase over the rounded Omega, which is corrected here since t0."""
+    """Return the true time of a state, whose t + t_low is phase/rounded Omega: correct this for the time since t0."""
     return t + (t_low + (t - t0) * K.Om_gain)
 
 
 def constant_force(domain, K):
-    """Return A_alpha/m of a domain."""
+    """Return A_alpha/m, the constant part of the acceleration in a domain."""
     return select(domain == 1, K.A1, select(domain == 2, K.A2, K.A3))
 
 

@@ -93,12 +93,12 @@ def belts(boundary, K):
 
 
 def suits_lanes(K):
-    """Return whether motions with these constants may go side by side."""
+    """Return whether motions with these constants may be followed side by side."""
     return K.apart != 0 and K.slow_drive == 0 and (K.omega_d + K.Om) * K.chunk < 0.5 * WIDEST
 
 
 def end_of_group(begin, sets, table):
-    """Return where the motions end that may go side by side from `begin` on, and whether all have one parameter set."""
+    """Return the end of the group, from `begin` on, to follow side by side, and whether it has one parameter set."""
     end, count, K = begin + 1, sets.shape[0], table[sets[begin]]
     if not suits_lanes(K):
         return end, True
@@ -115,7 +115,7 @@ def end_of_group(begin, sets, table):
 
 
 def fly(state, remaining, K):
-    """Advance lanes in flight; return (good, code, boundary, t_error, state), `good` where `advance` surely agrees."""
+    """Advance lanes in flight; return (good, code, boundary, t_error, state); `good`: surely as `advance` does it."""
     mode, at, n, theta, x, v0, F0, _, S, t, t_low, s0, c0, theta_low = state
     tau_max = select(remaining <= K.chunk, remaining + PAST_END * remaining, K.chunk)
     lower = select(mode == 1, -inf, select(mode == 2, K.belt1.v, K.belt2.v))
@@ -174,7 +174,7 @@ def fly(state, remaining, K):
 
 
 def march_side_by_side(tau_max, v0, now, walls, margin, K):
-    """Return (hit, now, there, side): the step in which a wall is met, once and for sure (`march`), and its side."""
+    """Return (hit, now, there, side): if a wall is surely met just once, the step that meets it, the wall's side."""
     v_free, F_free, slack, beyond_below, beyond_above = free_motion(v0, now, walls, margin, K)
     below, above = select(beyond_below, inf, walls.below), select(beyond_above, inf, walls.above)
     walls = Walls(below, above, True, True, walls.on_below, walls.on_above)
@@ -227,7 +227,7 @@ def march_side_by_side(tau_max, v0, now, walls, margin, K):
 
 
 def chosen(which, one, other):
-    """Return the points of one march where `which` says so, else of the other."""
+    """Return lane by lane the points of the march `one` where the flag `which` is set, else those of `other`."""
     tau, dv, F = select(which, one.tau, other.tau), select(which, one.dv, other.dv), select(which, one.F, other.F)
     G1, s, c = select(which, one.G1, other.G1), select(which, one.s, other.s), select(which, one.c, other.c)
     return Flown(tau, other.dx, dv, F, G1, other.G2, other.G3, s, c, other.E0, other.E1, other.E2)
@@ -408,7 +408,7 @@ def force_gain_in_lanes(tau, s0, c0, belt, K):
 
 
 def block(flights, given, found, accuracy, K):
-    """Advance the states in the columns of `given`, write the results to `found`; return as bits which of them hold."""
+    """Advance the states in the columns of `given` and write them to `found`; return bits for the valid lanes."""
     return advance_side_by_side(flights, given, found, accuracy, K)
 
 
@@ -546,7 +546,7 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
 
 
 def tally_lanes(good, taken, members, found, batch, most, tally, table):
-    """Add the steps of those lanes whose results hold to the tally; `good` has a bit for each lane."""
+    """Add the steps of the lanes whose results are valid to the tally; `good` has a bit for each lane."""
     members, found, table, batch, tally = borrowed((members, found, table, batch, tally))
     states, sets, counts, _ = batch
     for lane in range(taken):

@@ -447,7 +447,7 @@ def phase_after(theta, theta_low, tau, K):
 
 
 def in_two_parts(theta, theta_low):
-    """Return a phase theta + theta_low as the nearest number and the rest; below 0, as 0 and the rest."""
+    """Return a phase theta + theta_low as the nearest number and the rest; a negative phase as 0 and the phase."""
     total = theta + theta_low
     theta_low = theta_low - (total - theta)
     return select(total < 0.0, 0.0 * total, total), select(total < 0.0, theta_low + total, theta_low)

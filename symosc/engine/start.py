@@ -101,7 +101,7 @@ def belt_state(
 def start_rows(
     at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, times: Sequence[Any], K: Any
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return batch rows of many starts, on belt `at` if that is > 0, and where doubles do not decide the forces."""
+    """Return batch rows of many starts (on belt `at` if > 0), and a flag where doubles do not decide the forces."""
     # `times` are t, t_low, t_end, t_end_low and t0, and K may be columns of constants by name. Also return where a
     # force on the belt is so small that doubles do not decide.
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))

@@ -24,7 +24,7 @@ NEEDS_DIGITS = (UNDECIDED, INEXACT)
 
 
 class Covariance(NamedTuple):
-    """Covariance of the error of (x, v) at a fixed time."""
+    """The covariance matrix (S11, S12, S22) of the errors of x and v at a fixed time."""
 
     S11: Number
     S12: Number

@@ -68,11 +68,11 @@ MAP_OF = np.array([_MAP_CODES.get((at, mode, to), 0) for at in range(3) for mode
 
 
 class Kept(NamedTuple):
-    """The optional parts of a tally that are kept: time on belts, extremes, sections and words."""
+    """Which optional parts a tally keeps: time on belts, extremes, sections and words."""
 
     stuck: bool  # the time on belts
-    extent: bool  # the extremes of the ends of steps
-    inside: bool  # and those inside flights
+    extent: bool  # the extremes at the ends of steps
+    inside: bool  # also the extremes inside flights
     ring: int  # sections; 0: neither these nor words
     longest: int  # mappings of a word
 
@@ -99,7 +99,7 @@ class Extremes(NamedTuple):
 
 
 class Open(NamedTuple):
-    """Which extremes a flight may exceed: those of v, and those of x if its velocity may change its sign."""
+    """Which of the extremes so far a flight may exceed: those of v, and those of x if v may change its sign."""
 
     v_min: bool
     v_max: bool
@@ -176,7 +176,7 @@ def launch_of(state):
 
 
 def tally_stretch(i, before, after, tau, t0, tally, K):
-    """Add the stick time and the extremes of a motion between two states, without the skipped time."""
+    """Add stick time and extremes between two states of motion i to the tally, except during the time to skip."""
     floats, asked = tally.floats, tally.asked
     begin = floats[i, SKIPPED] - ((before.t - t0) + before.t_low)
     if tau < begin:
@@ -213,7 +213,7 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
 
 
 def keep_flight(i, state, tau, own, tally):
-    """Store a flight that was searched (launch, duration, own extremes), to compare later flights with it."""
+    """Store a flight whose extremes were searched (launch, duration, extremes `own`), to compare later ones with it."""
     flights, n = tally.flights, tally.ints[i, SEARCHED] % KEPT_FLIGHTS
     tally.ints[i, SEARCHED] += 1
     flights[i, n, MODE], flights[i, n, THETA], flights[i, n, X] = state.mode, state.theta, state.x
@@ -224,10 +224,10 @@ def keep_flight(i, state, tau, own, tally):
 def lies_within(i, state, tau, seen, open_ends, tally, K):
     """Return whether a flight stays within the extremes so far (with slack), by comparison with a searched flight.
 
-    Two flights in one domain differ, at equal times since their launch, by a steady motion, whose drive is the
-    difference of theirs, and an unforced one, whose energy dv^2 + (k/m) dx^2 never grows. Where these are not separated
-    (near resonance) the root of the energy grows no faster than the difference of the drives, B0/m times that of the
-    phases.
+    Two flights in one domain differ, at equal times since their launch, by a steady motion, driven by the difference
+    of their drives, plus a free motion, whose energy dv^2 + (k/m) dx^2 never grows. Where these two are not separated
+    (near resonance), the root of the energy grows no faster than the difference of the drives, which is B0/m times that
+    of the phases.
     """
     if K.w0 == 0.0:  # without a spring the energy says nothing of x
         return False
@@ -267,7 +267,7 @@ def tally_sections(i, before, last, S, tally, K):
 
 
 def keep_section(i, before, tau, S_x, S_v, tally):
-    """Store the Poincaré section `tau` after a state; close the period's word unless an event just before did."""
+    """Store the Poincaré section `tau` after a state; close the word of the period unless already closed early."""
     ints = tally.ints
     if ints[i, EARLY] == 0:
         close_word(i, tally)
@@ -537,7 +537,7 @@ def rates(now, of_v, start):
 
 
 def stationary(now, then, of_v, start, K):
-    """Return the point between two at which v, or x, is stationary, by Halley's method and a final short shift."""
+    """Return the point between `now` and `then` where v (if `of_v`) or x is stationary, by Halley's method."""
     low, high, width = now.tau, then.tau, then.tau - now.tau
     first, rise, _ = rates(now, of_v, start)
     last, _, _ = rates(then, of_v, start)

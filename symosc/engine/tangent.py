@@ -1,4 +1,4 @@
-"""The linearised motion: derivatives of events by parameters and by the start, in scalar source for every number.
+"""The linearised motion: derivatives of events with respect to parameters and the start, for every kind of number.
 
 Between two events the end of a flight is a function of its launch, of both phases and of the parameters; the generated
 kernels have its partial derivatives in closed form. What ends it (a belt's speed is reached, or a force on the belt
@@ -89,7 +89,7 @@ def phase_between(start, t, theta, K):
 
 
 def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by_Om):
-    """Write derivatives by all parameters into a row of `work`, from those by m, c, k, A_alpha, B0 and Omega."""
+    """Fill a row of `work`: derivatives with respect to all parameters, from those for m, c, k, A_alpha, B0, Omega."""
     drag1, drag2 = friction_signs(domain)
     work[row, M], work[row, C], work[row, K_] = by_m, by_c, by_k
     work[row, A0], work[row, B0], work[row, OMEGA] = by_A, by_B, by_Om
@@ -99,9 +99,9 @@ def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by
 
 
 def piece_changes(start, t, turn, codes, deep, letters, K, work):
-    """Write derivatives of x and v at the fixed time t into `work`, and return the acceleration there."""
-    # The phase has gone on by `turn`. `deep` says whether any column needs the functions of repeated roots: those by m,
-    # c, k and Omega.
+    """Write derivatives of x and v at a fixed time t with respect to `codes` into `work`; return the acceleration."""
+    # The phase has gone on by `turn`. `deep` says whether any column needs the functions of repeated roots: those for
+    # m, c, k and Omega. `codes` are the numbers of the parameters and start values, one for each column.
     if start.mode > ON_BELT:
         belt = V1 + start.mode - ON_BELT - 1
         for j in range(len(codes)):
@@ -140,7 +140,7 @@ def piece_changes(start, t, turn, codes, deep, letters, K, work):
 
 
 def force(domain, now, K):
-    """Return the acceleration in a domain at a point (a Launch), and the roundings of its terms."""
+    """Return F, the acceleration (force/m) in a domain at a point (a Launch), and the size of its rounding error."""
     A = constant_force(domain, K)
     F = acceleration(now.x, now.v, now.c, A, K.cm, K.w0sq, K.f0)
     return F, EPS * (abs(A) + abs(K.cm * now.v) + abs(K.w0sq * now.x) + abs(K.f0))
@@ -153,7 +153,7 @@ def vanishes(domain, now, K):
 
 
 def force_changes(domain, now, codes, letters, K, work):
-    """Write derivatives of a domain's acceleration at a fixed time into row SIZE; return its rates by x and phase."""
+    """Write derivatives of a domain's acceleration at a fixed time into row SIZE; return its rates due to x, phase."""
     # Rows END_X and END_V have the derivatives of x and v at this time.
     F, rounding = force(domain, now, K)
     F = 0.0 * F if abs(F) <= VANISHES * rounding else F
@@ -170,7 +170,7 @@ def force_changes(domain, now, codes, letters, K, work):
 
 
 def vanishing_times(domain, now, codes, letters, K, work):
-    """Write derivatives of the time at which a domain's force is 0 into row DT; return REGULAR, ROUGH or NO_SLOPE."""
+    """Write derivatives of the time when a domain's force passes 0 into row DT; return REGULAR, ROUGH or NO_SLOPE."""
     # Rows END_X and END_V have the derivatives of x and v at this fixed time.
     of_way, of_drive = force_changes(domain, now, codes, letters, K, work)
     rate, rounding = of_way + of_drive, EPS * (abs(of_way) + abs(K.f0 * K.Om))
@@ -181,7 +181,7 @@ def vanishing_times(domain, now, codes, letters, K, work):
 
 
 def contact_times(domain, other, belt, now, a, codes, K, work):
-    """Write derivatives of the time at which a flight meets a belt into row DT; return a code, REGULAR and so on."""
+    """Write derivatives of the time when a flight meets a belt into row DT; return if they are REGULAR, or why not."""
     # `a` is the acceleration that the flight arrives with: the balance of forces at a rounded point may know it worse.
     for j in range(len(codes)):
         own = 1.0 if codes[j] == belt else 0.0
@@ -193,7 +193,7 @@ def contact_times(domain, other, belt, now, a, codes, K, work):
 
 
 def kinks(above, belt, codes, marks, n, regular, before, work):
-    """Mark the numbers (parameters, start) that move a graze off its belt, by direction; return whether any does."""
+    """Mark which parameters or start values move a graze off its belt, and to which side; return if any does."""
     found = False
     for j in range(len(regular)):
         own = 1.0 if codes[j] == belt else 0.0
@@ -205,7 +205,7 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
 
 
 def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out, work):
-    """Write the derivatives of all events of some motions into `out`."""
+    """Write the derivatives of all events of some motions, with respect to the numbers `codes`, into `out`."""
     # `cuts` are the first rows of the motions and the end of the last one, `starts` rows of mode, t, theta, x, v.
     # `rows` are t, theta, x, v of the events and their kind, boundary and target. `out` has dt, dx, marks and reasons
     # of the events, and for each motion the logarithms of what its last columns and its areas have grown by: columns
@@ -252,9 +252,9 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
 
 
 def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out, work):
-    """Write derivatives of x and v at fixed times into `out` (2, times, columns)."""
-    # Each time is in the piece of this number: `starts` are rows as those of `tangents`, `launched` (3, pieces,
-    # columns) the derivatives of t, x and v there.
+    """Write derivatives of x and v at fixed times, with respect to `codes`, into `out` (2, times, columns)."""
+    # `pieces` are the numbers of the pieces in which the times lie. Pieces begin at `starts`, rows as in `tangents`;
+    # `launched` (3, pieces, columns) are the derivatives of t, x and v where they begin.
     K, mine = table[0], letters_of(letters[0])
     for n in range(len(times)):
         i = pieces[n]
@@ -268,8 +268,8 @@ def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out
 
 
 def begin(start, codes, count, letters, K, work):
-    """Write the derivatives at a start into `work`; return by which of `count` numbers the motion is differentiable."""
-    # On a belt it is not by what takes the start off the belt, nor by what may move a force there that is 0.
+    """Write the derivatives at a start into `work`; return for which of `count` numbers a motion is differentiable."""
+    # On a belt it is not for a number that takes the start off the belt, or that may change a force that is 0 there.
     regular = [True] * count
     for j in range(len(codes)):
         for row in range(DV + 1):
@@ -294,7 +294,7 @@ def begin(start, codes, count, letters, K, work):
 
 
 def grow(i, start, now, kind, turn, growth, count, columns, K, work):
-    """Scale the columns from `count` on to size 1; add the logarithms of that and of the areas' change to `growth`."""
+    """Scale the columns from `count` on to size 1; add the logarithms of their and the areas' growth to `growth`."""
     size = 0.0
     for row in range(DV + 1):
         for j in range(count, columns):

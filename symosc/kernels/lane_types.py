@@ -100,7 +100,7 @@ for _name in ("and_", "or_", "xor"):
 _operator(operator.invert, True, True, ir.IRBuilder.not_)
 
 
-def _of_llvm(name: str) -> Any:
+def _llvm_intrinsic(name: str) -> Any:
     """Return a numba function of lanes that calls the LLVM intrinsic of that name."""
 
     def function(typingctx: Any, x: Any) -> Any:
@@ -114,7 +114,7 @@ def _of_llvm(name: str) -> Any:
     return intrinsic(function)
 
 
-_sqrt, _fabs = _of_llvm("sqrt"), _of_llvm("fabs")
+_sqrt, _fabs = _llvm_intrinsic("sqrt"), _llvm_intrinsic("fabs")
 # numba compares the signatures of these with those of what they return: so no annotations.
 
 
@@ -191,7 +191,7 @@ def bits_of(typingctx: Any, flags: Any) -> Any:
     return types.int64(flags), code
 
 
-def _place(context: Any, builder: Any, array: Any, kind: Any, value: Any, row: Any) -> Any:
+def _row_address(context: Any, builder: Any, array: Any, kind: Any, value: Any, row: Any) -> Any:
     """Return LLVM code for the address of a row of an array with as many columns as there are lanes."""
     data = context.make_array(array)(context, builder, value=value).data
     begin = builder.mul(row, ir.Constant(LONG, kind.count))
@@ -203,7 +203,7 @@ def loader(width: int) -> Any:
 
     def load(typingctx: Any, array: Any, row: Any) -> Any:
         def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-            place = _place(context, builder, array, ir.VectorType(DOUBLE, width), *arguments)
+            place = _row_address(context, builder, array, ir.VectorType(DOUBLE, width), *arguments)
             return builder.load(place, align=8)
 
         return LanesType(width)(array, types.int64), code
@@ -216,7 +216,7 @@ def store(typingctx: Any, array: Any, row: Any, value: Any) -> Any:
     """Store lanes as a row of an array (n, width) of doubles."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-        place = _place(context, builder, array, arguments[2].type, *arguments[:2])
+        place = _row_address(context, builder, array, arguments[2].type, *arguments[:2])
         builder.store(arguments[2], place, align=8)
 
     return types.void(array, types.int64, value), code
@@ -224,7 +224,7 @@ def store(typingctx: Any, array: Any, row: Any, value: Any) -> Any:
 
 @intrinsic
 def number_in(typingctx: Any, table: Any, row: Any, n: Any) -> Any:
-    """Return number n of a row of a table whose fields are doubles."""
+    """Return the n-th number in a row of a table whose fields are all doubles."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         data = context.make_array(table)(context, builder, value=arguments[0]).data
@@ -257,7 +257,7 @@ def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset
                 if isinstance(of, types.BaseTuple):
                     return context.make_tuple(builder, of, [made(each) for each in list(iter(of))])  # type: ignore[call-overload]
                 of_llvm = ir.VectorType(DOUBLE, width)
-                place = _place(context, builder, array, of_llvm, arguments[0], ir.Constant(LONG, next(rows)))
+                place = _row_address(context, builder, array, of_llvm, arguments[0], ir.Constant(LONG, next(rows)))
                 if of == types.float64:
                     place = builder.bitcast(place, DOUBLE.as_pointer())
                 return builder.load(place, align=8)
@@ -291,10 +291,10 @@ def _without_owner(typingctx: Any, arrays: Any) -> Any:
 
 @numba.njit(forceinline=True)
 def borrowed(arrays):
-    """Return views of an array, or of those in a tuple, whose references numba does not count; the caller keeps them.
+    """Return views of the given arrays whose references numba does not count; the caller must keep the arrays alive.
 
-    It counts them wherever a function takes an array, with instructions that wait for the memory: a fifth of the time
-    of an event.
+    Numba counts references wherever a function takes an array, by instructions that wait for the memory: a fifth of
+    the time of an event.
     """
     return _without_owner(arrays)  # type: ignore[call-arg]
 

@@ -64,7 +64,7 @@ def flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K):
 
 
 def flight_slopes(x_i, theta_i, theta_j, v_i, A, K):
-    """Return the derivatives of f1 by x_i, theta_i, theta_j, then those of f2; by x_j they are -1 and 0."""
+    """Return the derivatives of f1, then of f2, with respect to x_i, theta_i, theta_j; those for x_j are -1 and 0."""
     s0, c0 = sin(theta_i), cos(theta_i)
     E0, E1, E2, R2, I2, _, _ = basis((theta_j - theta_i) / K.Om, K)
     a0 = acceleration(x_i, v_i, c0, A, K.cm, K.w0sq, K.f0)
@@ -73,7 +73,7 @@ def flight_slopes(x_i, theta_i, theta_j, v_i, A, K):
 
 
 def flight_by_parameters(x_i, theta_i, theta_j, v_i, A, m, K):
-    """Return, for each of m, c, k, A_alpha, B0, Omega and v_i, the derivatives of x and of v - v_i at the end by it."""
+    """Return the derivatives of x and v - v_i at the end with respect to m, c, k, A_alpha, B0, Omega, v_i in turn."""
     s0, c0, tau = sin(theta_i), cos(theta_i), (theta_j - theta_i) / K.Om
     E0, E1, E2, R2, I2, s, c = basis(tau, K)
     U0, U1, U2, V, W, P, Q = repeated(tau, E0, E1, E2, R2, I2, s, c, K)
@@ -92,12 +92,12 @@ def stick(x_i, theta_i, x_j, theta_j, v, A, K):
 
 
 def stick_slopes(theta_j, v, K):
-    """Return the derivatives of f1 by theta_i and theta_j, and of f2 by x_j and theta_j; the others are 1, -1 or 0."""
+    """Return df1/dtheta_i, df1/dtheta_j, df2/dx_j and df2/dtheta_j of a stick; the other derivatives are 1, -1 or 0."""
     return stick_jacobian(v, sin(theta_j), K.w0sq, K.f0, K.Om)
 
 
 def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
-    """Return the derivatives of f2 = F by c, k, A_alpha, B0, v and m, and of f1 by Omega and v."""
+    """Return the derivatives of f2 = F with respect to c, k, A_alpha, B0, v, m, and of f1 with respect to Omega, v."""
     return stick_parameters(v, (theta_j - theta_i) / K.Om, x_j, cos(theta_j), F, m, K.cm, K.Om)
 
 
@@ -150,7 +150,7 @@ def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
 
 
 def key_of(counts):
-    """Encode how often each of the four nodes occurs as a whole number below 54."""
+    """Return a whole number below 54 that encodes how often each of the four nodes occurs."""
     return ((counts[0] * 3 + counts[1]) * 3 + counts[2]) * 3 + counts[3]
 
 
@@ -268,7 +268,7 @@ def flights(points, speeds, A, K, f):
 
 
 def flights_and_slopes(points, speeds, A, K, f, J):
-    """Fill f (2, n) with f1, f2 of flights, and J (2, 4, n) with the derivatives by x_i, theta_i, x_j, theta_j."""
+    """Fill f (2, n) with f1, f2 of flights, J (2, 4, n) with derivatives with respect to x_i, theta_i, x_j, theta_j."""
     v_i, v_j = speeds
     block = np.empty(12 * BLOCK)
     J[0, 2], J[1, 2] = -1.0, 0.0
@@ -306,7 +306,7 @@ def sticks(points, v, sides, K, f):
 
 
 def sticks_and_slopes(points, v, sides, K, f, J):
-    """Fill f (2, n) with f1, f2 of sticks, and J (2, 4, n) with the derivatives by x_i, theta_i, x_j, theta_j."""
+    """Fill f (2, n) with f1, f2 of sticks, J (2, 4, n) with derivatives with respect to x_i, theta_i, x_j, theta_j."""
     sticks(points, v, sides, K, f)
     J[0, 0], J[0, 2], J[1, 0], J[1, 1] = 1.0, -1.0, 0.0, 0.0
     for n in range(len(points[0])):

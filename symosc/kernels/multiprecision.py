@@ -117,7 +117,7 @@ def _complex(digits: int, real: object, imag: object) -> Number:
 
 
 class BasisMP:
-    """The entire functions of `symosc.kernels.entire.basis` for many digits: a callable with its signature."""
+    """The entire functions for many digits; an instance is called like `symosc.kernels.entire.basis`."""
 
     # Close roots cost digits in divided differences, and so do short times. How many is known beforehand, so they are
     # computed with as many more, in contexts of their own; coinciding roots are found in rational arithmetic. Very

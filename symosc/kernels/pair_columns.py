@@ -19,7 +19,7 @@ CANCELLED = 2.0**-90
 
 
 class PairColumn:
-    """Numbers hi + lo in broadcasting arrays; `doubts` is True in rows that need exact arithmetic."""
+    """A column of numbers, each a pair hi + lo of doubles; `doubts` is True in rows that need exact arithmetic."""
 
     __slots__ = ("doubts", "hi", "lo")
 
@@ -35,8 +35,8 @@ class PairColumn:
             return PairColumn(float(other), float(other - Fraction(float(other))))
         return PairColumn(np.asarray(other, dtype=float))
 
-    def _made(self, other: PairColumn, hi: Any, lo: Any) -> PairColumn:
-        """Return the column hi + lo that an operation with `other` has computed; it keeps the doubts."""
+    def _with_doubts(self, other: PairColumn, hi: Any, lo: Any) -> PairColumn:
+        """Return the result hi + lo of an operation with `other` as a column that keeps the doubts of the operands."""
         return PairColumn(hi, lo, self.doubts if other.doubts is None else other.doubts)
 
     def __neg__(self) -> PairColumn:
@@ -48,7 +48,7 @@ class PairColumn:
 
     def __add__(self, other: Any) -> PairColumn:
         b = self._as_column(other)
-        made = self._made(b, *pair_sum(self.hi, self.lo, b.hi, b.lo))
+        made = self._with_doubts(b, *pair_sum(self.hi, self.lo, b.hi, b.lo))
         if made.doubts is not None:
             made.doubts |= (made.hi != 0.0) & (abs(made.hi) < CANCELLED * abs(self.hi))
         return made
@@ -63,7 +63,7 @@ class PairColumn:
 
     def __mul__(self, other: Any) -> PairColumn:
         b = self._as_column(other)
-        return self._made(b, *pair_product(self.hi, self.lo, b.hi, b.lo))
+        return self._with_doubts(b, *pair_product(self.hi, self.lo, b.hi, b.lo))
 
     __rmul__ = __mul__
 
@@ -72,7 +72,7 @@ class PairColumn:
 
     def __truediv__(self, other: Any) -> PairColumn:
         b = self._as_column(other)
-        return self._made(b, *pair_quotient(self.hi, self.lo, b.hi, b.lo))
+        return self._with_doubts(b, *pair_quotient(self.hi, self.lo, b.hi, b.lo))
 
     def __rtruediv__(self, other: Any) -> PairColumn:
         return self._as_column(other) / self
@@ -113,7 +113,7 @@ def either(condition: Any, one: Any, other: Any) -> Any:
         return np.where(condition, one, other)
     some = one if isinstance(one, PairColumn) else other
     a, b = some._as_column(one), some._as_column(other)
-    return some._made(b, np.where(condition, a.hi, b.hi), np.where(condition, a.lo, b.lo))
+    return some._with_doubts(b, np.where(condition, a.hi, b.hi), np.where(condition, a.lo, b.lo))
 
 
 def larger(a: Any, b: Any) -> Any:
@@ -122,7 +122,7 @@ def larger(a: Any, b: Any) -> Any:
 
 
 def each(function: Callable[..., float]) -> Callable[..., Any]:
-    """Return a function that applies a scalar one to each entry: numpy's differ in the last bits on some processors."""
+    """Return a scalar function's version for arrays; numpy's own differ in the last bits on some processors."""
 
     def of_arrays(*columns: Number) -> Any:
         given = np.broadcast_arrays(*columns)

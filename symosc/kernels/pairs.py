@@ -376,7 +376,7 @@ def _stored(array, index, value):
 
 @overload(operator.pow)
 def _power(x, y):
-    """Return the power of a pair to 16 digits, sufficient for error estimates."""
+    """Return x^y of pairs to 16 digits, sufficient for error estimates."""
     return (lambda x, y: pair(x.hi**y.hi, 0.0)) if x is pair_type and y is pair_type else None
 
 

@@ -74,7 +74,7 @@ class Drawing(Figure):
 
 @contextmanager
 def own_style() -> Iterator[None]:
-    """Apply STYLE to figures made in a block, except for what the user has set in rcParams."""
+    """Apply STYLE to figures made in a `with` block, except for settings that the user has changed in rcParams."""
     with rc_context({name: value for name, value in STYLE.items() if rcParams[name] == rcParamsDefault[name]}):
         yield
 
@@ -83,7 +83,7 @@ def own_style() -> Iterator[None]:
 def axes_for(
     ax: Any, size: tuple[float, float], panels: str = "a", *, columns: int | None = None, letter_at: float | None = None
 ) -> Iterator[tuple[Figure, Any]]:
-    """Yield a figure and the axes of its panels: given axes in their own style, or new ones in that of symosc."""
+    """Yield a figure and the axes of its panels: the user's axes `ax`, or new ones in the style of symosc."""
     # New ones stand in one row, or in `columns` over one horizontal axis; `size` of the figure is in inches. Panels of
     # several have their letters at `letter_at`, None for none.
     if ax is not None:
@@ -106,7 +106,7 @@ def axes_for(
 
 
 def typeset(word: str) -> str:
-    """Return a word in the paper's notation; other text unchanged."""
+    """Return a word such as P32 as LaTeX in the paper's notation, "no event" if empty; other text unchanged."""
     if not word:
         return "no event"
     return f"$P_{{{word[1:]}}}$" if word[0] == "P" and word[1:].isdigit() else word

@@ -252,7 +252,7 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
             for end in branch.ends:
                 if end.kind in END_MARKERS:
                     axes.axvline(end.value, color="0.6", lw=0.6, zorder=0)
-        _name_words(row[-1], branch)
+        _write_words(row[-1], branch)
         entries = common.legend_entries(row)
         unit = {label: entries.pop(label) for label in ("unit circle",) if label in entries}
         for kind in dict.fromkeys(end.kind for end in branch.ends if end.kind in END_MARKERS):
@@ -268,7 +268,7 @@ def _positions(ax: Axes, branch: Branch) -> None:
     for i, label in enumerate(branch.labels):
         color, before = CURVE_COLORS[i % len(CURVE_COLORS)], branch.labels[:i].count(label)
         name = f"start of {ORDINALS[before]}{label}" if before < len(ORDINALS) else None
-        for part, look in _runs(branch):
+        for part, look in _stretches(branch):
             ax.plot(branch.values[part], branch.points[part, i, 1], color=color, ls=look, lw=1.2, label=name)
         _mark_ends(ax, branch, [[end.points[i].x] for end in branch.ends], color)
     last, below = int(np.argmax(branch.values)), -inf
@@ -282,7 +282,7 @@ def _positions(ax: Axes, branch: Branch) -> None:
 
 def _multipliers(ax: Axes, branch: Branch) -> None:
     """Draw the moduli of the multipliers over the parameter."""
-    for part, look in _runs(branch):
+    for part, look in _stretches(branch):
         values, sizes = multiplier_curves(branch.values[part], branch.multipliers[part])
         for column in (0, 1):
             ax.plot(values, sizes[:, column], color="black", ls=look, lw=1.2)
@@ -325,8 +325,8 @@ def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> 
             ax.plot(end.value, height, linestyle="none", marker=END_MARKERS[end.kind], **style)
 
 
-def _name_words(ax: Axes, branch: Branch) -> None:
-    """Write the words of the branch and beyond its ends above the axes."""
+def _write_words(ax: Axes, branch: Branch) -> None:
+    """Write words above the axes: the branch's word over its middle, and over each end the word past that end."""
     from symosc.orbits.branch import MOST, NO_CONVERGENCE
 
     words: list[Any] = [(0.5 * (branch.values.min() + branch.values.max()), branch.word)]
@@ -346,8 +346,8 @@ def stability(branch: Branch) -> np.ndarray:
     return np.where(branch.stable, "stable", np.where(sizes <= 1 + NEAR_ONE, "marginal", "not stable"))
 
 
-def _runs(branch: Branch) -> list[tuple[slice, Any]]:
-    """Return stretches of equal stability, each up to the first point of the next one, and their line styles."""
+def _stretches(branch: Branch) -> list[tuple[slice, Any]]:
+    """Return stretches of a branch with equal stability, each up to the first point of the next, and line styles."""
     states = stability(branch)
     cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), len(states)]
     return [(slice(a, min(b + 1, len(states))), STABILITY_STYLES[str(states[a])]) for a, b in pairwise(cuts)]
@@ -403,7 +403,7 @@ def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, 
         axes.margins(0.06)
         if len(borders) == 1:
             drawing.draw_without_rendering()  # the limits of the axes decide which way is across
-            _words_beside(axes, borders[0])
+            _write_words_beside(axes, borders[0])
         for point, of in {point.values: (point, each) for each in borders for point in each.special}.values():
             place = [point.values[of.parameters.index(name)] for name in names]
             look = (
@@ -414,8 +414,8 @@ def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, 
     return drawing
 
 
-def _words_beside(ax: Axes, border: Border) -> None:
-    """Write the words of both sides beside a border, where it is farthest from the frame of the axes."""
+def _write_words_beside(ax: Axes, border: Border) -> None:
+    """Write the words that hold on both sides of a border beside it, where it is farthest from the axes' frame."""
 
     def room(i: int) -> float:
         within = ax.transAxes.inverted().transform(ax.transData.transform(border.points[i]))

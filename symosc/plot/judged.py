@@ -250,7 +250,7 @@ MOST_ROWS = 200  # of a table
 
 
 def write_page(check: CrossCheck, path: str | Path) -> Path:
-    """Write the page of a cross-check: verdict, facts, pictures, events and faults; OutputError if it cannot be."""
+    """Write the page of a cross-check: verdict, facts, pictures, events and faults; OutputError if this fails."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     from symosc.crosschecks.causes import CAUSES, REASONS
@@ -357,7 +357,7 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
     Parameters
     ----------
     certificate : Certificate
-        Of a trajectory or an orbit; what is proven of a branch or a window are no events.
+        Of a trajectory or an orbit; certificates of branches and windows have no events.
 
     Examples
     --------
@@ -437,7 +437,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
 
 
 def _height(case: CaseScore) -> float | None:
-    """Return the height at which a case is drawn; None if there is nothing to measure: no event, none reported."""
+    """Return the height at which a case is drawn; None if no error can be measured: no event exists or is reported."""
     if not case.given:
         return ABSENT
     if not case.right:

@@ -1,4 +1,4 @@
-"""Notebook pages of the results: a line, a short table, and a small picture where it takes milliseconds.
+"""Notebook pages of the results: a line, a short table, and a small picture if it can be drawn in milliseconds.
 
 All content is escaped. Colours are those of the notebook, light or dark; no style affects the rest of the notebook.
 Figures are what ``.plot()`` is for. One more answer: a function that returns a page, registered at the end for a class.
@@ -59,7 +59,7 @@ def page(kind: str, line: str, *parts: str) -> Markup:
 
 def table(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]]) -> Markup:
     """Return an HTML table of `count` rows, without the middle ones if these are many; "" if there are no rows."""
-    some = ends(count)
+    some = rows_to_show(count)
     rows = [_table_row("td", map(shown, row(i))) for i in some]
     if len(some) < count:
         gap = Markup('<tr><td colspan="{}" style="{};opacity:0.6">… {:,} more</td></tr>')
@@ -68,8 +68,8 @@ def table(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]])
     return whole.format(_table_row("th", heads), Markup("").join(rows)) if rows else Markup("")
 
 
-def ends(count: int) -> list[int]:
-    """Return the numbers of the rows that a table of `count` rows shows."""
+def rows_to_show(count: int) -> list[int]:
+    """Return the numbers of the rows to show of a table of `count` rows: all, or the first and the last ones."""
     every = range(count)
     return list(every) if count <= HEAD_ROWS + TAIL_ROWS else [*every[:HEAD_ROWS], *every[-TAIL_ROWS:]]
 
@@ -80,7 +80,7 @@ def _table_row(tag: str, cells: Iterable[Any]) -> Markup:
 
 
 def shown(value: Any) -> Any:
-    """Return a value as the text of a cell: floats with ten digits, None as ""."""
+    """Return what to show of a value in a cell: a float with ten digits, None as "", anything else unchanged."""
     if isinstance(value, (float, np.floating)):
         return f"{float(value):.10g}"
     return "" if value is None else value
@@ -153,7 +153,7 @@ def trajectory_page(path: Trajectory) -> str:
 def events_page(events: EventTable) -> str:
     """Return the page of the events of many motions."""
     names = ("trajectory", "t", "x", "v", "kind", "boundary", "source", "target", "t_error")
-    some = ends(len(events))
+    some = rows_to_show(len(events))
     few = select_rows(events, np.array(some, dtype=int), [])
 
     def row(i: int) -> list[Any]:

@@ -58,7 +58,7 @@ class Mark(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """A contact with a belt: a stick from `since` to `until`, or one at a point, for which both are equal."""
+    """A contact with a belt: a stick from `since` to `until`, or a graze, for which these times are equal."""
 
     since: float
     until: float
@@ -85,7 +85,7 @@ class View:
 
     @property
     def scale(self) -> float:
-        """The relative size of marks and lines, 1 for up to 16 marks; more get smaller, to cover no more in total."""
+        """The relative size of marks and lines: 1 for up to 16 marks, smaller for more, to cover the same area."""
         return max(min(1.0, sqrt(16 / max(len(self.marks), 1))), 0.2)
 
     @property
@@ -124,7 +124,7 @@ def view_of(
     since: float = -inf,
     style: Record | None = None,
 ) -> View:
-    """Sample a trajectory from a time on and choose the boundary of the forces, by default that of the first event."""
+    """Sample a trajectory from the time `since` on; by default the forces are those at the first event's boundary."""
     p, events, start = trajectory.parameters, trajectory.events, float(trajectory.t_start)
     t = _sample_times(trajectory, sampling, since)
     x, v = trajectory(t)
@@ -139,7 +139,7 @@ def view_of(
     marks = [first if mode.startswith("belt") else Mark("start", "white", start)]
     marks += [Mark(*EVENT_MARKS[event.kind], float(event.t), event.boundary) for event in events]
     seen = tuple(mark for mark in marks if mark.t >= since)
-    return View(trajectory, boundary, t, x, v, seen, tuple(contacts), _outstanding(contacts, t), style=style or {})
+    return View(trajectory, boundary, t, x, v, seen, tuple(contacts), _inset_sticks(contacts, t), style=style or {})
 
 
 def _sample_times(trajectory: Trajectory, sampling: Sampling, since: float) -> np.ndarray:
@@ -303,8 +303,8 @@ def _sticks(trajectory: Trajectory) -> list[Contact]:
     return [Contact(float(stick.t_start), float(stick.t_end), int(stick.mode[-1])) for stick in sticks]
 
 
-def _outstanding(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
-    """Choose the sticks to magnify: those too short to be seen, if few, else those far shorter than most."""
+def _inset_sticks(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
+    """Choose the sticks to show in insets: those too short to be seen; if many, those far shorter than the median."""
     longest, finest = SHORT_STICK * (t[-1] - t[0]), 1e-10 * np.abs(t).max()  # a shorter one would show rounding errors
     short = [each for each in contacts if finest < each.until - each.since < longest and each.until < t[-1]]
     if len(short) > MOST_INSETS:

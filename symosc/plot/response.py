@@ -61,7 +61,7 @@ def _curve(axes: Axes, found: FrequencyResponse, column: np.ndarray, color: str 
     axes.plot(found.values[order], shown[order], color=color, lw=1.2, **style)
 
 
-def _from_zero(axes: Axes, column: np.ndarray) -> None:
+def _start_at_zero(axes: Axes, column: np.ndarray) -> None:
     """Let the vertical axis begin at 0, and cut off a resonance that would make all else look flat."""
     known = column[np.isfinite(column)]
     if len(known):
@@ -73,14 +73,14 @@ def _amplitude(axes: Axes, found: FrequencyResponse) -> None:
     _curve(axes, found, found.amplitude, label="exact")
     _curve(axes, found, found.balance, BALANCE, ls=(0, (4, 2)), label="harmonic balance")
     axes.set_ylabel("amplitude")
-    _from_zero(axes, found.amplitude)
+    _start_at_zero(axes, found.amplitude)
 
 
 def _transmissibility(axes: Axes, found: FrequencyResponse) -> None:
     _curve(axes, found, found.transmissibility)
     axes.axhline(1, color="0.6", lw=0.6, zorder=0)
     axes.set_ylabel("transmissibility")
-    _from_zero(axes, found.transmissibility)
+    _start_at_zero(axes, found.transmissibility)
 
 
 def _phase(axes: Axes, found: FrequencyResponse) -> None:
@@ -94,7 +94,7 @@ def _energy(axes: Axes, found: FrequencyResponse) -> None:
     _curve(axes, found, found.damper, DAMPER, ls="-.", label="in the damper")
     _curve(axes, found, found.friction, FRICTION, ls=(0, (1, 1)), label="in friction")
     axes.set_ylabel("energy per cycle")
-    _from_zero(axes, found.dissipated)
+    _start_at_zero(axes, found.dissipated)
 
 
 def _stuck(axes: Axes, found: FrequencyResponse) -> None:
@@ -116,7 +116,7 @@ PANELS: dict[str, Callable[[Axes, FrequencyResponse], None]] = dict(
 def _mark_changes(axes: Axes, found: FrequencyResponse, named: bool) -> None:
     """Mark where the word changes, halfway between two values, and if `named` write the words above the panel."""
     order = np.argsort(found.values)
-    words = [_rotated(found.word[i]) or ("rest" if found.status[i] == "rest" else "") for i in order]
+    words = [_cyclic_word(found.word[i]) or ("rest" if found.status[i] == "rest" else "") for i in order]
     values, last = found.values[order], -inf
     cuts = [0, *(i for i in range(1, len(values)) if words[i] != words[i - 1]), len(values)]
     for i in cuts[1:-1]:
@@ -129,7 +129,7 @@ def _mark_changes(axes: Axes, found: FrequencyResponse, named: bool) -> None:
             last = middle
 
 
-def _rotated(word: str) -> str:
-    """Return one and the same word for all words that differ only in the mapping with which they begin."""
+def _cyclic_word(word: str) -> str:
+    """Return the same word for all words of one cycle of mappings, whichever mapping they begin with."""
     letters = word.removeprefix("P")
     return "P" + max(letters[i:] + letters[:i] for i in range(len(letters))) if letters else ""

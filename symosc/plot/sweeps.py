@@ -148,7 +148,7 @@ def bifurcation_figure(
 
 
 def _mark_changes(axes: Axes, words: Any, name: str) -> None:
-    """Mark where the word changes along an axis, and write each word above its stretch if that is wide enough."""
+    """Mark where the word changes along an axis; write each word above the stretch where it holds, if wide enough."""
     values, texts = words[name].values, words.values.astype(str)
     cuts = [0, *(np.flatnonzero(texts[1:] != texts[:-1]) + 1), len(texts)]
     low, high = axes.get_xlim()
@@ -204,7 +204,7 @@ def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
 
 
 class Classes(NamedTuple):
-    """The cells of a map by class: a number for each cell, and for each number its name, colour and hatch."""
+    """The classes of a map: `codes` has a number for each cell, `looks` the name, colour and hatch of each number."""
 
     codes: np.ndarray
     looks: list[tuple[str, Any, str]]
@@ -236,7 +236,7 @@ def _draw_map(axes: Axes, dataset: xarray.Dataset, column: Any, new: bool) -> No
     status = dataset["status"].squeeze([each for each in dataset["status"].dims if dataset.sizes[each] == 1])
     unknown = status.sortby(over).transpose(*over).values == "undecidable"
     values = column.values
-    edges = _edges(column[first].values), _edges(column[second].values)
+    edges = _cell_edges(column[first].values), _cell_edges(column[second].values)
     if values.dtype.kind in "UO" or (values.dtype.kind in "iu" and len(np.unique(values)) <= 24):
         _draw_classes(axes, edges, classes_of(values, unknown), new)
     else:
@@ -348,7 +348,7 @@ def _draw_shades(axes: Axes, edges: tuple[np.ndarray, np.ndarray], values: np.nd
         axes.clabel(lines, fontsize=7, inline_spacing=2)
 
 
-def _edges(values: np.ndarray) -> np.ndarray:
+def _cell_edges(values: np.ndarray) -> np.ndarray:
     """Return the edges between cells, halfway between their increasing values, and those outside."""
     if len(values) == 1:
         return values[0] + np.array([-0.5, 0.5])

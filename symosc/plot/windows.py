@@ -337,7 +337,7 @@ def region_figure(
 
 
 class _Margin(NamedTuple):
-    """The signed margin of a condition at points (> 0: it holds, 0: border), and whether the border belongs to it."""
+    """By how much a condition holds at points (> 0: it holds, 0: at its border), and if the border belongs to it."""
 
     values: np.ndarray
     closed: np.ndarray
@@ -363,7 +363,7 @@ def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarr
 
 
 def _axis_range(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]:
-    """Return the given range of an axis; by default one that includes the given value and, for a belt, the other's."""
+    """Return the given range of an axis, by default one with the region's value and, for v1 or v2, the other speed."""
     p = region.parameters
     if given is not None:
         low, high = (float(read_exact(name, end)) for end in given)
@@ -510,7 +510,7 @@ def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, **style: Any) -> None:
 
 
 def _draw_ends(axes: Axes, piece: CurvePiece, at: Callable[[Any], tuple[float, float]]) -> None:
-    """Draw both ends of a piece of a grazing curve, open if an end of the window; `at` returns an end's place."""
+    """Draw both ends of a piece of a grazing curve, open dots at ends of the window; `at` returns an end's place."""
     for end in (piece.low, piece.high):
         if end.reason != "closed":
             shape = next((shape for start, shape in END_SHAPES.items() if end.reason.startswith(start)), "D")

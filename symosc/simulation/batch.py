@@ -50,7 +50,7 @@ MOST_WORKERS = 256
 
 @dataclass
 class InterpretBudget:
-    """How many events a program may still interpret before it compiles a loop; at first as many as take equal time."""
+    """How many events may still be interpreted before a loop is compiled; at first, both would take equal time."""
 
     events: int
 
@@ -109,7 +109,7 @@ def loaded_loop() -> dict[str, Any] | None:
 
 
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
-    """Return an event loop that is interpreted, TURN rows at a time, until DOUBLES is used up, then compiled."""
+    """Return an event loop: interpreted, TURN rows at a time, until the budget DOUBLES is spent, then compiled."""
 
     def follow(begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, *others: Any) -> Any:
         if DOUBLES.events <= 0 or is_compiled(compiled_one):
@@ -151,7 +151,7 @@ MOST_SPARE = 2
 
 
 class Stopped(Exception):
-    """Raised in a thread after the caller was interrupted: its result is no longer needed."""
+    """Raised in a thread whose result is no longer needed, since the caller was interrupted."""
 
 
 class CancelToken(Event):

@@ -198,8 +198,8 @@ class Chunk:
         self._needed = attainable(task.accuracy, task.problems.start_error)
         self.tally = keep(rows, self._starts) if keep else no_tally()
         self.rows, self.alone = list(self._in_doubles(self.batch, self.tally)), dict[int, Trajectory]()
-        again = self._in_pairs(self._remove_undecided()) if task.loops.in_threads else {}
-        for i in self._remove_undecided():
+        again = self._in_pairs(self._reset_undecided()) if task.loops.in_threads else {}
+        for i in self._reset_undecided():
             cancel.check()
             loops = pair_loops(int(self.batch.counts[i])) if task.loops.in_threads else None
             PAIRS.events -= int(self.batch.counts[i])
@@ -222,8 +222,8 @@ class Chunk:
         letters = sets.doubles(Letters._fields, rows if len(sets) > 1 else slice(0, 1))
         return starts, self.batch.sets, letters, self.table
 
-    def _remove_undecided(self) -> list[int]:
-        """Return the numbers of the motions that ended undecided, and begin their tallies anew."""
+    def _reset_undecided(self) -> list[int]:
+        """Return the numbers of the motions that ended undecided, and reset their tallies to the start."""
         members: list[int] = np.flatnonzero(self.batch.codes <= UNDECIDED).tolist()
         if self._keep and members:
             store_tallies(self.tally, members, self._keep(self._first + np.array(members), self._starts[members]))
@@ -255,7 +255,7 @@ class Chunk:
         return found
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
-        """Follow motions of one parameter set by turns in pairs, past undecided events, and in doubles; yield rows."""
+        """Follow motions of one parameter set, in pairs past events that doubles cannot decide; yield event rows."""
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         most, K = self.task.most, pair_constants(parameters)
         pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
@@ -330,7 +330,7 @@ def with_replaced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> li
 
 
 def careful_table(table: np.ndarray) -> np.ndarray:
-    """Return a table of constants with which decisions exceed the errors of the state, whatever the accuracy."""
+    """Return constants (`sigmas` > 0) with which a contact nearer than the state's errors counts as undecided."""
     if len(table) and (table["sigmas"] == 0.0).any():
         table = table.copy()
         table["sigmas"] = float(SIGMAS)
@@ -345,7 +345,7 @@ def pair_loops(events: int) -> PairLoops:
 def events_of(
     task: Task, wrt: tuple[str, ...], use_numba: bool | None, rows: slice, buffer: EventRows, cancel: CancelToken
 ) -> tuple[list[EventRows], list[str], tuple[np.ndarray, ...]]:
-    """Return the events of a chunk in order of motion and time, statuses, and dt, dx and regular by `wrt`."""
+    """Return a chunk's events in order of motion and time, its statuses, and dt, dx and `regular` for names `wrt`."""
     chunk, changes = Chunk(task, rows, buffer, cancel), tuple[np.ndarray, ...]()
     if wrt:
         chunk.rows = [joined(chunk.rows)]
@@ -357,7 +357,7 @@ def events_of(
 
 
 class SummaryRequest:
-    """The request for a summary: its columns, the skipped time, and the sections to keep."""
+    """What a caller asks of a summary: its columns, the time to skip, and how many sections to keep."""
 
     def __init__(self, record: Any, skip: Any, sections: Any, problems: Problems) -> None:
         names = [record] if isinstance(record, str) else list(record)
@@ -379,7 +379,7 @@ class SummaryRequest:
     def __contains__(self, name: str) -> bool:
         return name in self.names
 
-    def begun(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
+    def start_tallies(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
         """Return the tally of some motions (a slice, or numbers) at their starts, for words up to `longest`."""
         repeats, extremes = "multiplicity" in self, not EXTREMES.keys().isdisjoint(self.names)
         ring = 2 * kept.LONGEST_REPEAT if repeats else kept.LEAST_RING if "word" in self or "section" in self else 0
@@ -393,7 +393,7 @@ def summary_of(
     task: Task, asked: SummaryRequest, rows: slice, buffer: EventRows, cancel: CancelToken, longest: int = USUAL_WORD
 ) -> Record:
     """Return the summary columns of a chunk; motions with a longer word are followed once more."""
-    chunk = Chunk(task, rows, buffer, cancel, partial(asked.begun, longest))
+    chunk = Chunk(task, rows, buffer, cancel, partial(asked.start_tallies, longest))
     tally, sets, t0 = chunk.tally, chunk.batch.sets, task.problems.t0.pairs(rows).hi
     modes = chunk.batch.states[:, 0].astype(int)
     for i, trajectory in chunk.alone.items():
@@ -443,7 +443,7 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
         if number == len(events) and trajectory.status not in ("t_end", "equilibrium"):
             break
         found = NextEvent(MOVED, 0, True, 0.0, after)
-        if number < len(events) and _agrees_with(after, events[number]):
+        if number < len(events) and _is_near_event(after, events[number]):
             event = events[number]
             found = NextEvent(codes[event.kind], event.boundary, True, event.t_error, after)
             number += 1
@@ -462,7 +462,7 @@ def _state_of_piece(n: float, theta: float, mode: float, x: float, v: float, a: 
     return State(int(mode), at, int(n), theta, x, v, a, a, exact, elapsed, 0.0, sin(theta), cos(theta), 0.0)
 
 
-def _agrees_with(state: State, event: Any) -> bool:
-    """Return whether a state is at the position and the phase of an event, within 1e-9 and 5e-5 of them."""
+def _is_near_event(state: State, event: Any) -> bool:
+    """Return whether a state has the position and the phase of an event, up to 1e-9 and 5e-5."""
     near = 1e-9
     return abs(state.x - event.x) <= near * (1.0 + abs(event.x)) and abs(1.0 - cos(state.theta - event.theta)) <= near

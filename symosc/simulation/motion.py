@@ -90,7 +90,7 @@ def check_reached(start: Start, periods: int) -> None:
 
 
 def single_loop(count: int) -> tuple[Callable[..., tuple[int, int, int]], int]:
-    """Return the event loop of one motion that had `count` events, compiled if that pays, and its largest block."""
+    """Return the event loop for a motion with `count` events so far (compiled if that pays), and its buffer's rows."""
     functions = loaded_loop()
     if functions:
         return functions["follow_all"], LARGEST_BLOCK
@@ -99,7 +99,7 @@ def single_loop(count: int) -> tuple[Callable[..., tuple[int, int, int]], int]:
 
 
 def fits_pairs(start: Start) -> bool:
-    """Return whether pairs of doubles are precise enough for a start, to follow it as many digits would."""
+    """Return whether pairs of doubles are precise enough to replace many digits for a motion from this start."""
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
@@ -120,7 +120,7 @@ class SearchInDoubles:
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (arithmetic.K, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
-        """Return the next event, and if undecided for how long the flight surely meets no wall; None on overflow."""
+        """Return the next event and, if it is undecided, how long the flight surely meets no wall; None on overflow."""
         keep_state(self._rows, 0, state)
         SEARCHES.events -= 1
         try:
@@ -159,7 +159,7 @@ class MotionInDoubles:
 
     @property
     def code(self) -> int:
-        """What the motion ended with, or RUNNING."""
+        """How the motion ended, as a code, or RUNNING."""
         return int(self._batch.codes[0])
 
     @code.setter
@@ -178,7 +178,7 @@ class MotionInDoubles:
 
     @property
     def elapsed(self) -> float:
-        """Time since t0."""
+        """The time since t0."""
         state = self.state
         return clock_time(state.t - float(self.start.t0), state.t_low, 0.0, self.K)
 
@@ -241,7 +241,7 @@ class Motion:
         self._record_piece(0.0)
 
     def missing_digits(self, digits: int) -> int:
-        """Return how many digits the least accurate event has too few for `digits`, relative to max(1, |value|)."""
+        """Return how many digits the least accurate event lacks to have `digits`, relative to max(1, |value|)."""
         if self._worst == 0:
             return 0
         context = mp_context(15)
@@ -355,7 +355,7 @@ class Motion:
 
     @property
     def elapsed(self) -> Number:
-        """Time since t0."""
+        """The time since t0."""
         entered = self.arithmetic.enter()
         try:
             return self.arithmetic.outward(self._elapsed())
@@ -369,7 +369,7 @@ class Motion:
 
 
 class Limits(NamedTuple):
-    """What is asked of a motion in more precise numbers: the accuracy, and the largest number of events."""
+    """Limits of a motion in more precise numbers: its largest number of events, and the errors these may have."""
 
     most: int  # events
     accuracy: float  # what doubles are asked for
@@ -391,7 +391,7 @@ class MotionInPairs:
         self._rows, self._pieces = list[EventRows](), list[np.ndarray]()
         self.goal = 0  # the number of events to come to
 
-    code = property(lambda self: int(self._batch.codes[0]), doc="What the motion ended with, or RUNNING.")
+    code = property(lambda self: int(self._batch.codes[0]), doc="How the motion ended, as a code, or RUNNING.")
     count = property(lambda self: int(self._batch.counts[0]), doc="The number of events so far.")
     grazes_only = property(lambda self: self.count == 0, doc="Whether all events are grazes, which pairs leave open.")
 
@@ -407,7 +407,7 @@ class MotionInPairs:
         return continued(State(*numbers), PAIR_EPS, arithmetic)
 
     def reach(self, count: int) -> bool:
-        """Follow to `count` events, and on while doubles are undecided; return False if pairs are undecided too."""
+        """Follow to `count` events, and further while doubles cannot decide; return False if pairs cannot either."""
         first, wanted = np.arange(1), np.array([count])
         while True:
             size = 2 * (max(count - self.count, 0) + MOST_MORE)
@@ -511,7 +511,7 @@ class FinerMotion:
 
     @property
     def code(self) -> int:
-        """What the motion ended with, or RUNNING."""
+        """How the motion ended, as a code, or RUNNING."""
         return self._now.code if self._now.code in (END, REST) else RUNNING
 
     @property
@@ -520,9 +520,9 @@ class FinerMotion:
         return self._now.rounded_state()
 
     def reach(self, count: int) -> bool:
-        """Follow to `count` events, and on while doubles are undecided; return False if no precision decides."""
+        """Follow to `count` events, and further while doubles cannot decide; return False if no precision can."""
         reached, count = self._now.reach(count), self._now.goal
-        while not reached and self._settle():
+        while not reached and self._settle_contact():
             reached, count = self._now.reach(count), self._now.goal
         self._take()
         return reached
@@ -533,7 +533,7 @@ class FinerMotion:
         self.rows.append(rows)
         self.pieces.append(pieces)
 
-    def _settle(self) -> bool:
+    def _settle_contact(self) -> bool:
         """Go on with more digits at an undecided contact, or call it a graze; return False if neither is possible."""
         now = self._now
         if isinstance(now, MotionInPairs):
@@ -554,7 +554,7 @@ class FinerMotion:
         return self._go_on(int(max(needed, most)), now)
 
     def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
-        """Go on with these digits where `other` stopped, or repeat the way from t0; return whether that succeeds."""
+        """Go on with more digits where `other` stopped, else repeat the motion from t0; return if this succeeds."""
         self._take()
         before, count = self._now, self.count
         self._now = now = MotionInDigits(self._doubles, self._limits, digits, other)
@@ -571,7 +571,7 @@ class FinerMotion:
 
 
 def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int, least: int = 0) -> int | None:
-    """Return with how many digits (`least` or more) an open contact counts as a graze; None if too many."""
+    """Return how many digits (`least` or more) must leave a contact undecided to call it a graze; None if too many."""
     # A motion that tends to one that grazes has gaps that shrink like exp(-rate t), and each of them is a near miss or
     # a crossing. The rate is the larger one of the free motion, or, where that takes too many digits, the smaller one:
     # only starts without any share of the slow decay are fooled by that. A start that is on the steady motion has none

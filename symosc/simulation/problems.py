@@ -41,10 +41,10 @@ DECIMAL_CONTEXT = Context(prec=800)
 
 
 class NumberColumn:
-    """Numbers given for all rows at once or one per row: exact, and as doubles `hi` with remainders `lo`."""
+    """One number for all rows, or one for each row: exactly as given, and as doubles `hi` with remainders `lo`."""
 
     def __init__(self, name: str, given: Any) -> None:
-        given = _as_given(name, given)
+        given = _as_numpy(name, given)
         shape = getattr(given, "shape", None)
         self.single = not isinstance(given, Sized) or isinstance(given, (str, bytes, Mapping)) or shape == ()
         if not self.single and not isinstance(given, np.ndarray):
@@ -112,7 +112,7 @@ class NumberColumn:
         return PairColumn(self.hi[rows], self.lo[rows]) if len(self) > 1 else PairColumn(self.hi, self.lo)
 
 
-def _as_given(name: str, value: Any) -> Any:
+def _as_numpy(name: str, value: Any) -> Any:
     """Convert a pandas or xarray column, or a 0-d array, to numpy's form; refuse masked ones."""
     unmasked(name, value)
     if isinstance(value, np.ndarray) or (hasattr(value, "__array__") and hasattr(value, "shape")):
@@ -139,7 +139,7 @@ def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
 
 
 def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the shortest printed decimals minus the doubles, rounded once, and for which rows that is certain."""
+    """Return, for each double, its shortest printed decimal minus itself, rounded once, and whether that is certain."""
     # The shortest decimal has 15, 16 or 17 digits: the first of them that is within half a unit of the double. Scaled
     # by a power of ten that is exact as a double, its distance from the double is exact.
     size = abs(values)
@@ -218,7 +218,7 @@ class ParameterSets:
         return self.columns[name]
 
     def doubles(self, names: Sequence[str], rows: slice) -> np.ndarray:
-        """Return parameters of some names as doubles, a row for each of some sets."""
+        """Return the parameters with these names as doubles, (sets, names), for the sets in `rows`."""
         columns = [np.broadcast_to(self.column(name).pairs(rows).hi, rows.stop - rows.start) for name in names]
         return np.stack(columns, axis=1)
 
@@ -306,7 +306,7 @@ class Problems:
         return near[on_belt], near[~on_belt]
 
     def are_apart(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
-        """Return which motions have a drive, an exact start, and v0 more than `gap` from every belt but their own."""
+        """Return which motions have a drive, an exact start, and no belt within `gap` of v0 but the one they are on."""
         v, B0 = self.v0.pairs(rows).hi, self.sets.column("B0").pairs(rows).hi
         apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
         for boundary in (1, 2):
@@ -338,7 +338,7 @@ def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColum
     if isinstance(starts, Mapping):
         columns = [starts[name] for name in START_COLUMNS]
     else:
-        rows = _as_given("starts", starts)
+        rows = _as_numpy("starts", starts)
         if not isinstance(rows, np.ndarray):
             rows = np.asarray(starts, dtype=object)
         rows = rows.reshape(1, -1) if rows.ndim == 1 else rows

@@ -247,7 +247,7 @@ def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
 
 
 def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
-    """Return status and message of a motion that reached its end."""
+    """Return status and message of a motion whose last step ended with `code` (END or REST) in `state`."""
     if code != REST:
         check_reached(start, state.n)
     status, message = end_status(code, state.mode, state.v, start.parameters), f"reached t_end = {show(start.t_end)}"

@@ -25,7 +25,7 @@ CHANGES = ("dt", "dx", "regular")
 
 
 class Columns(Drawable):
-    """Results in columns, which are attributes; two of one kind are equal if all their columns are."""
+    """Base class of results whose columns are attributes; two of one class are equal if all their columns are."""
 
     __hash__ = None  # type: ignore[assignment]  # arrays have none
 
@@ -135,7 +135,7 @@ def select_rows(table: EventTable, rows: Any, status: list[str]) -> EventTable:
 
 
 def table_from(parts: Sequence[EventRows], status: list[str], wrt: tuple[str, ...] = (), **changes: Any) -> EventTable:
-    """Return blocks of event rows, and the derivatives dt, dx and marks `regular` by `wrt`, as one table."""
+    """Return blocks of event rows as one table, with derivatives dt, dx and marks `regular` for the names `wrt`."""
     parts, columns = parts or [event_buffer(0)], dict[str, Any]()
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):

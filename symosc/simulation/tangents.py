@@ -23,7 +23,7 @@ NAMES = (*PARAMETER_NAMES, "t0", "x0", "v0")
 
 
 def read_wrt(wrt: Any) -> tuple[str, ...]:
-    """Return the names by which to differentiate; ParameterError for one that is unknown or given twice."""
+    """Return the names with respect to which to differentiate; ParameterError if one is unknown or given twice."""
     names = (wrt,) if isinstance(wrt, str) else tuple(wrt) if isinstance(wrt, Sequence) else (wrt,)
     for name in names:
         if name not in NAMES:
@@ -34,12 +34,12 @@ def read_wrt(wrt: Any) -> tuple[str, ...]:
 
 
 def codes_of(wrt: Sequence[str]) -> np.ndarray:
-    """Return the engine's code for each name by which to differentiate."""
+    """Return the engine's code for each name with respect to which to differentiate."""
     return np.array([NAMES.index(name) for name in wrt], dtype=np.int64)
 
 
 def is_deep(codes: np.ndarray) -> bool:
-    """Return whether a code is among those (m, c, k, Omega) that need divided differences over repeated roots."""
+    """Return whether any code is m, c, k or Omega, whose derivatives need divided differences over repeated roots."""
     return bool(np.isin(codes, (M, C, K_, OMEGA)).any())
 
 
@@ -51,7 +51,7 @@ def work_space(codes: np.ndarray, kind: Any = float) -> np.ndarray:
 def event_changes(
     events: EventRows, launches: tuple[np.ndarray, ...], wrt: tuple[str, ...], loop: Callable[..., None]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return dt and dx by the names `wrt`, and whether each is regular, (events, wrt); events in order of motion."""
+    """Return dt and dx with respect to the names `wrt`, and if these are regular, (events, wrt), motion by motion."""
     (starts, sets, letters, table), codes, shape = launches, codes_of(wrt), (events.floats.shape[1], len(wrt))
     cuts = np.searchsorted(events.ints[0], np.arange(len(starts) + 1))
     dt, dx, marks, why = large_array(shape), large_array(shape), np.zeros(shape, np.int8), np.zeros(shape[0], np.int8)

@@ -115,7 +115,7 @@ def link_of(state: dict[str, str]) -> str:
 
 
 def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
-    """Read a scene from the fields' texts; return it with {}, or None with what is allowed, by wrong field."""
+    """Read a scene from the fields' texts; return it and {}, or None and, for each wrong field, what is allowed."""
     sound, numbers, errors = shipped_scenes()["fig5"], {}, {}
     for name in FIELDS:
         try:
@@ -156,7 +156,7 @@ def _periods_text(t0: Fraction, t_end: Fraction, Omega: Fraction) -> str:
 
 
 def _end_time(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
-    """Return t0 plus this many periods as the shortest decimal that has the precision of the given digits."""
+    """Return t0 plus a number of periods of the drive, as the shortest decimal that gives this number back."""
     wanted = f"{float(periods):.{PERIODS_DIGITS}g}"
     exact = t0 + Fraction(wanted) * Fraction(tau) / Omega
     for decimals in range(PERIODS_DIGITS + 4 + len(str(int(Omega)))):
@@ -236,7 +236,7 @@ def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
             "shade": [{1: "#e3e6eb", 2: "#b4bac6"}[each.belt] for each in sticks],
         },
         "arcs": _arcs(windows),
-        "contacts": _contacts(view),
+        "contacts": _dial_marks(view),
         "section": {"x": x.tolist(), "v": v.tolist()},
         "start": {"x": [float(scene.x0)], "v": [float(scene.v0)]},
     }
@@ -246,7 +246,7 @@ def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
         "status": trajectory.status,
         "message": trajectory.message + hint,
         "count": len(trajectory.events),
-        "table": [_row(event) for event in trajectory.events[:TABLE_ROWS]],
+        "table": [_table_row(event) for event in trajectory.events[:TABLE_ROWS]],
         "windows": [_window(window) for window in windows],
         "sources": sources,
         "ranges": ranges,
@@ -338,7 +338,7 @@ def _window(window: GrazingWindow) -> Record:
     return {
         "map": window.mapping,
         "place": f"Ω{'₁₂₃'[window.place.domain - 1]} at belt {window.place.boundary}",
-        "from": "below" if _from_below(window) else "above",
+        "from": "below" if _is_from_below(window) else "above",
         "phases": " ∪ ".join(arcs) or "none",
         "case": window.case,
     }
@@ -349,7 +349,7 @@ def _arcs(windows: Sequence[GrazingWindow]) -> Record:
     rows = []
     for window in windows:
         radius = RINGS[window.place.boundary]
-        colors = ("#1f3fd6", "white") if _from_below(window) else ("#c3cdf5", "black")
+        colors = ("#1f3fd6", "white") if _is_from_below(window) else ("#c3cdf5", "black")
         pieces = [(low, high) for low, high, *_ in window.intervals]
         if len(pieces) == 2:  # they meet at the phase 0
             pieces = [(pieces[1][0] - 2 * pi, pieces[0][1])]
@@ -359,13 +359,13 @@ def _arcs(windows: Sequence[GrazingWindow]) -> Record:
     return {name: [row[i] for row in rows] for i, name in enumerate(ARC_COLUMNS)}
 
 
-def _from_below(window: GrazingWindow) -> bool:
-    """Return whether a window belongs to contacts from below."""
+def _is_from_below(window: GrazingWindow) -> bool:
+    """Return whether the contacts of a window come from below: from the domain below its belt."""
     return window.place.domain == NEIGHBOURS[window.place.boundary][0]
 
 
-def _contacts(view: View) -> Record:
-    """Return the events as marks on the circle of phases, inside the ring of their belt."""
+def _dial_marks(view: View) -> Record:
+    """Return marks for the events on the dial, the circle of phases: each inside the ring of its belt."""
     events = view.trajectory.events
     places = [(RINGS[event.boundary] - INSIDE, event.theta) for event in events]
     return {
@@ -377,8 +377,8 @@ def _contacts(view: View) -> Record:
     }
 
 
-def _row(event: Event) -> list[str]:
-    """Return the texts of an event's row in the table."""
+def _table_row(event: Event) -> list[str]:
+    """Return the texts of the cells of an event's row in the page's table."""
     numbers = [f"{value:.8g}" for value in (event.t, event.x, event.v, event.theta)]
     modes = [
         f"Ω{'₁₂₃'[int(mode[-1]) - 1]}" if mode.startswith("Omega") else f"belt {mode[-1]}"

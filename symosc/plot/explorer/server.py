@@ -1,4 +1,4 @@
-"""The web server of the page and its plots; it listens on this machine only, and answers its own page and links.
+"""The web server of the page and its plots; it listens on this machine only, for requests from its page and links.
 
 The plots are models of bokeh and empty: the browser fills their sources, ranges and belts by name.
 """
@@ -235,9 +235,9 @@ def pictures() -> dict[str, Any]:
     return {
         "plane": _plane(sources, ranges),
         "dial": _dial(sources),
-        "displacement": _in_time(sources, ranges, "x", "position x [m]"),
-        "velocity": _in_time(sources, ranges, "v", "velocity v [m/s]"),
-        "forces": _in_time(sources, ranges, "F", "force per mass F [m/s²]"),
+        "displacement": _time_plot(sources, ranges, "x", "position x [m]"),
+        "velocity": _time_plot(sources, ranges, "v", "velocity v [m/s]"),
+        "forces": _time_plot(sources, ranges, "F", "force per mass F [m/s²]"),
     }
 
 
@@ -288,7 +288,7 @@ def _plane(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> 
     return plot
 
 
-def _in_time(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], name: str, label: str) -> Any:
+def _time_plot(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], name: str, label: str) -> Any:
     """Return the plot of x, v or the forces F over time, with sticks shaded, those on belt 2 darker."""
     height = 230 if name == "F" else 190
     plot = _plot("time t [s]", label, ranges["t"], ranges[name], height, f"{name}-of-t")
