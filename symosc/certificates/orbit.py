@@ -73,7 +73,7 @@ def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Valu
 class Margin(NamedTuple):
     """A number, or a function of time on a piece, that must be positive; `kind` is the end of a branch where it fails.
 
-    If `at_end`, the function g is known to be 0 where the piece ends; where it starts, `at_start` of g, g' are 0.
+    If `at_end`, the function g is known to be 0 where the piece ends. `at_start`: 1 if g, 2 if g and g' start at 0.
     """
 
     what: str

@@ -161,7 +161,7 @@ class Problem:
 
 
 class Mode:
-    """One mode of an oscillator: z' = M z; rows[n] z are the n-th derivatives of the f that are 0 where it ends."""
+    """A mode of an oscillator: its state z obeys z' = M z; rows[n] z: n-th derivatives of the f, 0 where it ends."""
 
     steady = None  # a bound of the steady velocity, if there is one; `free` is then the row of v less the steady one
 
@@ -254,7 +254,7 @@ class Motion:
         return z if t.is_exact() else (self.mode.M * (t - t.mid())).exp() * z
 
     def f(self, end, t):
-        """Return f, f' and f'' of an end of the mode, at a time or (by Taylor's theorem) at all times of a ball."""
+        """Return f, f' and f'' for one end of the mode, at a time or (by Taylor's theorem) at all times of a ball."""
         i, z, change = self.mode.ends.index(end), self.at(t.mid()), t - t.mid()
         f = [(row * z)[i, 0] for row in self.mode.rows[:4]]
         if t.is_exact():
@@ -295,7 +295,7 @@ class Motion:
                 return found
 
     def moved(self, t, sides):
-        """Return how z at a fixed time changes if the start moves along each side (dt, dx, dv) of a set of starts."""
+        """Return how z at a fixed time changes if the start moves along each of `sides`, vectors (dt, dx, dv)."""
         e, rate = (self.mode.M * (t - self.t)).exp(), self.mode.M * self.first
         # A later start is one at the same time with another x and v.
         return [e * arb_mat([[x - rate[0, 0] * s], [v - rate[1, 0] * s], [0], [0], [0]]) for s, x, v in sides]
@@ -325,7 +325,7 @@ class Motion:
         return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
 
     def around(self, end, row, turn):
-        """Return a ball of times around an event; f, f', f'' at its start (f > 0), its end (turn * f > 0), over it."""
+        """Return a ball of times around an event, and f, f', f'' at its start (f > 0), end (turn * f > 0), on all."""
         low, high = arb(row["t"][0]).lower(), arb(row["t"][1]).upper()
         for _ in range(WIDENINGS):
             first, last = self.f(end, low), self.f(end, high)
@@ -354,7 +354,7 @@ class Motion:
         return [t.mid(), centre[1].mid(), v], [[each.mid() for each in side] for side in sides[:count]], frame(rest)
 
     def graze(self, row, limits):
-        """Prove that a flight grazes a belt next: for one start between two `limits`, else for every start."""
+        """Prove that a flight grazes a belt next: for one start between two `limits`; if none are given, for all."""
         end, mode = row["boundary"], self.mode
         check(mode.flies and end in mode.ends, "a graze of a belt that is not beside the domain")
         speed = self.problem.p[f"v{end}"]
@@ -466,7 +466,7 @@ def leave(problem, start, errors, until):
 
 
 def about(p, *more):
-    """Return the line of the answer that says what a proof is about: the parameters `p`, and further texts."""
+    """Return the line of the answer that says what a proof is about: the parameters `p`, and the texts in `more`."""
     return ", ".join([f"{name} = {p[name]}" for name in NAMES] + list(more))
 
 
@@ -492,7 +492,7 @@ def question(data, source):
 
 
 def varied(problem, number, name):
-    """Return the derivatives of a mode's M and rows with respect to `name`, in which (m: in 1/m) both are affine."""
+    """Return the derivatives of a mode's M and rows with respect to a parameter; both are affine in it (m: in 1/m)."""
     if name in START:
         return fmpq_mat(5, 5), fmpq_mat(2, 5)
     p = problem.p
