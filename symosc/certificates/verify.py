@@ -321,7 +321,7 @@ class Motion:
             both = F * (F - jump if mode.number == end else F + jump)
             require(abs(both), "F at a belt, and behind it")
             kind, then, leaves = ("cross", 2 * end + 1 - mode.number, {end: 1}) if both > 0 else ("stick", 3 + end, {})
-        self.made(row, kind, then)
+        self.require_row(row, kind, then)
         return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
 
     def around(self, end, row, turn):
@@ -364,7 +364,7 @@ class Motion:
         require(rises, "that v goes away from a belt after a graze")
         require(bend, "that v turns once at a graze")
         when = self.zero(end, 1, times)
-        self.made(row, "graze", mode.number)
+        self.require_row(row, "graze", mode.number)
         x = self.at(when)[0, 0]
         if limits:
             low, high = (each.least(end, times) for each in limits)
@@ -384,7 +384,7 @@ class Motion:
         found = self.zero(end, 1, times)
         return self.f(end, found.mid())[0] + self.f(end, found)[1] * (found - found.mid())
 
-    def made(self, row, kind, then):
+    def require_row(self, row, kind, then):
         """Raise Stop unless a row of the file states an event of this kind, from this mode to the mode `then`."""
         found = row["kind"], row["source"], row["target"]
         check(found == (kind, self.mode.number, then), f"{kind}: {MODES[self.mode.number]} to {MODES[then]}")

@@ -89,7 +89,7 @@ class Formulas(Flight):
         return trace**2 - 2 * determinant, determinant**2
 
     def slide_bound(self, angle: Any) -> Any:
-        """Return the slide bound B at an angle after the highest point: the mass moves down if p_0 > B F/k."""
+        """Return the slide bound B: at an angle after the highest point the mass moves down just if p_0 > B F/k."""
         angle = MP.mpf(angle)
         return self.value(coulomb.slide_function(), self.basis(angle / self.numbers[solution.Omega]) | {phi: angle})
 
