@@ -386,7 +386,7 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
 
 
 def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[str, int, str, str, Ball, Ball]]:
-    """Return the events of a period from number `begin` to its repetition: kind, boundary, source, target, t, x."""
+    """Return one period's events, from number `begin` until this repeats: kind, boundary, source, target, t, x."""
     pieces, n, rows = closing.pieces, len(closing.pieces), []
     for j in range(begin, begin + n + 1):
         (before, piece), (t, x) = (pieces[j % n - 1], pieces[j % n]), values[2 * (j % n) : 2 * (j % n) + 2]

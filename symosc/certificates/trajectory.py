@@ -244,7 +244,7 @@ def _changes(
 
 
 def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof:
-    """Return a proof that some start within the error grazes, where it cannot be decided that all or none do."""
+    """Return a proof that some start within the error grazes, where "all do" and "none do" are both undecided."""
     o, before, (boundary, near) = Oscillator(task.p), len(proof.events), graze
     name, place = next((name, place) for name, place in FREE if task.errors[place])
     events: list[ProvenEvent] = []

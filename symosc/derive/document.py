@@ -190,7 +190,7 @@ def _latex_rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part
 
 
 def align(display: list[Part], scope: Scope, end: Callable[[Part], str]) -> str:
-    """Return consecutive steps as an align environment; `end` returns what ends a step's row, such as its label."""
+    """Return consecutive steps as an align environment; `end` gives the last text in a step's row, such as a label."""
     body = []
     for printed, each in _latex_rows(display, scope):
         body += [*(rf"{line} \notag" for line in printed[:-1]), f"{printed[-1]} {end(each)}"]

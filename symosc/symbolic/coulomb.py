@@ -153,7 +153,7 @@ def free_decay() -> Expr:
 
 
 def one_sided_velocity() -> Expr:
-    """Return x'/Omega of the motion between d + x_0 and d - x_0 at r = 1/(2 n), c = 0: a free motion shifted by d."""
+    """Return x'/Omega between d + x_0 and d - x_0 at c = 0, Omega = omega_0/(2 n): a free motion shifted by d."""
     # Half a period is n periods of the free motion there, so that G = H = 0 and every d closes.
     return velocity().subs({G: 0, H: 0}).subs(x_f, x_f - d)
 
