@@ -587,7 +587,7 @@ def follow(problem, rows, box, kind=Motion):
 
 
 def fixed_point(motions, box, turn):
-    """Return the only fixed point in a box of P, the map over a period (minus the box's middle), and P's Jacobian D."""
+    """Enclose the only fixed point in a box of P, the map over a period (minus the middle), and P's Jacobian D."""
     (centre, widths), last = box, motions[-1]
     D = arb_mat([[last.columns[j][i] / widths[j] for j in (0, 1)] for i in (0, 1)])
     moved = arb_mat([[last.centre[0] - turn - centre[0]], [last.centre[1] - centre[1]]])
