@@ -73,16 +73,16 @@ class ProvenBox(NamedTuple):
 
 
 class Region(NamedTuple):
-    """Where a word is, in an atlas.
+    """The part of an atlas in which the settled motion has one word.
 
     Attributes
     ----------
     word : str
-        "rest" where the mass may rest on a belt for ever, "" where it was not found.
+        "rest" where the mass may rest on a belt for ever, "" where no word was found.
     share : float
-        Its part of the area, estimated where it is not proven.
+        The region's part of the whole area, estimated where the word is not proven.
     proven : float
-        The part of the area in which it is proven.
+        The part of the whole area in which the word is proven.
     """
 
     word: str
@@ -155,7 +155,7 @@ class Plane(NamedTuple):
         return any(least >= high for least, _ in holds) or (None if any(most > low for _, most in holds) else False)
 
     def cut_at_rest(self) -> list[Rectangle]:
-        """Return the plane divided at those borders of the parameters with a rest that are parallel to a side."""
+        """Return the plane cut along the borders of the region of rest, as far as these are parallel to a side."""
         parts, p = [self.range], self.p
         for belt in "12":
             mu = getattr(p, "mu" + belt)
@@ -211,8 +211,8 @@ class Plane(NamedTuple):
             ends, limits = [self.at(place[:2]) for place in (a, b)], dict(zip(self.names, self.range, strict=True))
             try:
                 for border in borders_between(ends[0], ends[1], self.names, limits, step=BORDER_STEP):
-                    if not _among(border, found):
-                        found += [each for each in border.network(step=BORDER_STEP) if not _among(each, found)]
+                    if not _is_among(border, found):
+                        found += [each for each in border.network(step=BORDER_STEP) if not _is_among(each, found)]
             except (BorderError, ConvergenceError):
                 pass
             failed[words] += not explained(found, a, b)
@@ -221,7 +221,7 @@ class Plane(NamedTuple):
         return found
 
     def beyond(self, border: Border) -> Iterator[tuple[Place, Place]]:
-        """Yield, for both sides of a border, a place beside its middle and one straight ahead at the edge."""
+        """Yield for each side of a border a place beside its middle, and one straight ahead at the plane's edge."""
         middle, way = self.across(border.points)
         for step in (way, -way):
             sides = zip(np.array(self.range, dtype=float), middle, step, strict=True)
@@ -254,7 +254,7 @@ class Plane(NamedTuple):
         return wanted, tuple(_flights(wanted, self.p, self.names).unknowns(Omega, points))
 
     def attempt(self, task: Task) -> tuple[str, ProvenBox | None, list[Task]]:
-        """Try to prove a rectangle with likely orbits; return the word, what is proven or None, and parts to try."""
+        """Try to prove a rectangle with likely orbits; return the word, proven box or None, and parts still to try."""
         from symosc.certificates.plane import NotInBox, Surface, box_arithmetic
 
         box, found, surface, labels = task.box, list(task.near), None, tuple[str, ...]()
@@ -273,7 +273,7 @@ class Plane(NamedTuple):
             except NotInBox:
                 continue
         if surface is None:
-            return "", None, [Task(part, tuple(found[:MOST_NEAR])) for part in divided(box, _longer(box))]
+            return "", None, [Task(part, tuple(found[:MOST_NEAR])) for part in divided(box, _longer_side(box))]
         word, along, divide = canonical(labels), None, task.divide - 1
         try:
             with box_arithmetic():
@@ -282,7 +282,7 @@ class Plane(NamedTuple):
                     return word, ProvenBox(word, box, tuple(surface.points())), []
         except NotInBox as reason:
             along, divide = reason.along, int(log2(max(reason.excess, 1)) / 2) if reason.excess < 1e6 else 3
-        along = _longer(box) if along is None else along
+        along = _longer_side(box) if along is None else along
         others = [(labels, surface.near(0, 0)), *(each for each in found if each[0] != labels)][:MOST_NEAR]
         near = [(labels, surface.near(*((by, 0) if along == 0 else (0, by)))) for by in (-0.5, 0.5)]
         parts = zip(divided(box, along), near, strict=True)
@@ -296,8 +296,8 @@ def _flights(labels: tuple[str, ...], p: Parameters, names: tuple[str, str]) -> 
     return Flights(labels, mirrors(p, names))
 
 
-def _longer(box: Rectangle) -> int:
-    """Return the longer side of a box (0 or 1), each relative to the size of its parameter."""
+def _longer_side(box: Rectangle) -> int:
+    """Return which side of a box is longer (0 or 1), each measured relative to the size of its parameter."""
     sizes = [(high - low) / max(abs(high), abs(low)) for low, high in box]
     return int(sizes[1] > sizes[0])
 
@@ -308,8 +308,8 @@ def explained(found: Sequence[Border], a: Place, b: Place) -> bool:
     return {a[2], b[2]} <= words
 
 
-def _among(border: Border, found: Sequence[Border]) -> bool:
-    """Return whether a border is one of those already found: one of these passes its middle, with its words."""
+def _is_among(border: Border, found: Sequence[Border]) -> bool:
+    """Return whether a border was already found: whether one in `found`, with the same words, passes its middle."""
     return any(passes(each, border.points[len(border) // 2], border.words) for each in found)
 
 

@@ -230,7 +230,7 @@ class BranchProver:
         return confirmed("branch", statement)
 
     def _end(self, kind: str, value: Fraction, near: Values, side: int) -> Record:
-        """Prove an end: the root goes on past it, where an inequality fails; return its row of the file."""
+        """Prove an end of the branch: past it the root exists, but an inequality fails; return its row of the file."""
         if kind == END_OF_RANGE:
             return {"kind": kind, "inside": show(value), "outside": show(value)}
         width = Fraction(10) ** floor(log10(END_WIDTH * max(abs(value), self.ends[1][1] - self.ends[0][1])))

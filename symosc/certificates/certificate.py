@@ -22,7 +22,7 @@ STARTS = ("t0", "x0", "v0")
 
 
 def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
-    """Return the parameters and start values whose derivatives of events can be proven, if no event is a graze."""
+    """Return the names of the inputs with respect to which events' derivatives can be proven, if none is a graze."""
     left_out = [name for n in (1, 2) if v0 == p.belt(n) for name in (f"v{n}", "v0")]
     if p.k == 0:
         left_out += ["k", "c"] if p.c == 0 else ["k"]

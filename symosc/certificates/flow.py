@@ -234,7 +234,7 @@ def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -
 
 
 class Turns:
-    """The turns of a belt: where its drift changes sign; `constant` is the drift's sign if it never does, else None."""
+    """The times (turns) at which a belt's drift changes sign; `constant`: the sign of a drift that has no turns."""
 
     def __init__(self, p: Parameters, boundary: int) -> None:
         bias, amplitude = p.k * p.belt(boundary), p.B0 * p.Omega

@@ -40,7 +40,7 @@ MOST_PIECES = 20_000
 
 
 def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[Jet, Jet] | None:
-    """Return both ends of a piece with only the first zero of a flight's gap to a belt; None if none until `stop`."""
+    """Return both ends of a piece of a flight with only the first zero of its gap to a belt; None if none by `stop`."""
     # `on_it`: the flight starts on that belt, from where it is known to leave it.
     gap = flight.gap(boundary)
     low = gap(arb(0))
@@ -70,7 +70,7 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
 
 
 def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple[Ball, bool, bool]]:
-    """Yield (end of a piece of the flight, whether H is convex on it, whether it is concave); H: the scaled gap."""
+    """Yield for each piece of a flight its end, whether the scaled gap H is convex on it, and whether H is concave."""
     o, begin, at = flight.oscillator, flight.t0, arb(0)
     # Pieces are at most this long, in units of 1/omega_d: less than pi.
     longest = (arb(2.8) / o.omega_d).mid() if o.damping < 0 else None
@@ -197,7 +197,7 @@ def sharper(gap: Curve, found: Ball, slope: Ball) -> Ball:
 
 
 def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> tuple[int, Ball, Ball] | None:
-    """Return the domain that a stick from (t, x) enters, how long it lasts, and the force's derivative at its end.
+    """Return the domain into which a stick from (t, x) slips, its duration, and the force's derivative at its end.
 
     None if it lasts for a time `stop` at least. It is known that F^(below) >= 0 >= F^(above) at its start, and that it
     goes into the stick where one of them is 0.
@@ -363,7 +363,7 @@ def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Mo
 
 
 def _exact_grazes(p: Parameters, v0: Fraction, a0: Fraction, belts: list[int]) -> dict[int, Ball]:
-    """Return the belts that a flight on a circle just touches (grazes), each with the time of the first touch."""
+    """Return the belts that a flight without damping and drive grazes (just touches), each with the first time."""
     square, found = v0**2 + a0**2 * p.m / p.k, {}
     for boundary in belts:
         speed = p.belt(boundary)

@@ -73,7 +73,7 @@ def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Valu
 class Margin(NamedTuple):
     """A number, or a function of time on a piece, that must be positive; `kind` is the end of a branch where it fails.
 
-    If `at_end`, the function g is known to be 0 where the piece ends; where it starts, `at_start` of g, g' are 0.
+    If `at_end`, the function g is known to be 0 where the piece ends. `at_start`: 1 if g, 2 if g and g' start at 0.
     """
 
     what: str
@@ -386,7 +386,7 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
 
 
 def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[str, int, str, str, Ball, Ball]]:
-    """Return the events of a period from number `begin` to its repetition: kind, boundary, source, target, t, x."""
+    """Return one period's events, from number `begin` until this repeats: kind, boundary, source, target, t, x."""
     pieces, n, rows = closing.pieces, len(closing.pieces), []
     for j in range(begin, begin + n + 1):
         (before, piece), (t, x) = (pieces[j % n - 1], pieces[j % n]), values[2 * (j % n) : 2 * (j % n) + 2]

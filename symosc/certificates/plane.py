@@ -188,7 +188,7 @@ class Flights:
         return found
 
     def onto(self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]) -> tuple[Ball, Ball]:
-        """Return phase and position at the start of the flight after flight i (after the last: the first, later)."""
+        """Return phase and position where the flight after flight i starts; after the last: the first, a period on."""
         if i + 1 < len(self.legs):
             return u[self.legs[i + 1].at], flown[i + 1].x0
         x = flown[0].x0
@@ -206,7 +206,7 @@ class Flights:
         return flown, found
 
     def slopes(self, o: Oscillator, leg: Leg, u: Values, share: float = 1) -> dict[str, Values]:
-        """Return the derivatives of x0, x, v, a with respect to a flight's unknowns, after a share of its duration."""
+        """Return the derivatives of x0, x, v, a after a `share` of a flight's duration with respect to its unknowns."""
         tau = u[leg.tau] * share
         d, s0, s1 = Flown(o, leg, u, tau), u[leg.at].sin(), (u[leg.at] + o.Omega * tau).sin()
         crossed = not leg.piece.after_stick
@@ -337,7 +337,7 @@ class Flights:
     def margins(
         self, o: Oscillator, u: Values, flown: Sequence[Flown], plan: Plan, slopes: Sequence[dict[str, Values]] = ()
     ) -> list[Inequality]:
-        """Return what must be positive for the word: text, value, and (given `slopes`) its derivatives."""
+        """Return the margins, which must be positive for the word: text, value and, given `slopes`, derivatives."""
         found = list[Inequality]()
 
         def add(text: str, value: Ball, *parts: tuple[int, Values]) -> None:
@@ -397,7 +397,7 @@ class Flights:
                 prove_positive(Margin(piece.label, gap, zeros, belt == piece.end), u[leg.tau])
 
     def far(self, o: Oscillator, leg: Leg, u: Values, least: Ball) -> bool:
-        """Return whether a flight's free motion has too little energy to reach a belt; `least`: side * belt speed."""
+        """Return whether a flight has too little energy to reach a belt; `least`: side (1, -1) times belt speed."""
         s0, c0 = u[leg.at].sin_cos()
         v = o.speed[leg.piece.start] - o.steady_c * c0 - o.steady_s * s0
         a = Flown(o, leg, u, arb(0)).a0 - o.Omega * (o.steady_s * c0 - o.steady_c * s0)
@@ -405,7 +405,7 @@ class Flights:
         return bool((v * v + a * a / o.km).upper().sqrt() + steady < -least)
 
     def gap(self, o: Oscillator, leg: Leg, u: Values, side: int, speed: Ball) -> Callable[[Ball], Jet]:
-        """Return as a function of time how far a flight is above (side 1) or below (-1) a velocity `speed`."""
+        """Return a function of time: how far a flight is above (side 1) or below (side -1) a velocity `speed`."""
 
         def gap(tau: Ball) -> Jet:
             there = Flown(o, leg, u, tau)
@@ -501,7 +501,7 @@ class Surface:
             flown, r = flights.residuals(o, self.u)
             self.J = arb_mat(flights.jacobian(o, self.u)[1])
             self.Y = self.J.mid().inv().mid()
-            step = _mids(self._solved(r))
+            step = _mids(self._preconditioned(r))
             self.u = [(each - change).mid() for each, change in zip(self.u, step, strict=True)]
             size = max(abs(float(each)) for each in step)
             if not size < 1e3:
@@ -519,7 +519,7 @@ class Surface:
         return Oscillator(self.p, self.fixed | dict(zip(self.names, values, strict=True)))
 
     def directed(self, d: tuple[int, int], rows: Sequence[Values], count: int, wide: bool) -> tuple[Oscillator, Values]:
-        """Return oscillator and unknowns as power series along d, from the box's middle or (`wide`) from all of it."""
+        """Return oscillator and unknowns as power series along d, about the box's middle or (`wide`) all points."""
         ctx.cap = count
         base = zip(self.range if wide else self.middle, self.half, d, strict=True)
         o = self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in base])
@@ -543,28 +543,28 @@ class Surface:
         flights, place, first = self.flights, arb(0, 1), list[Values]()
         for d in DIRECTIONS[:2]:
             _, r = flights.residuals(*self.directed(d, [self.u], 2, False))
-            first.append(_mids(self._solved([-each[1] for each in r])))
+            first.append(_mids(self._preconditioned([-each[1] for each in r])))
         thin, bends, rest = list[tuple[Oscillator, Values, list[Flown]]](), list[Values](), [arb(0)] * flights.count
         for d in DIRECTIONS[:3]:
             line = [d[0] * a + d[1] * b for a, b in zip(*first, strict=True)]
             o, u = self.directed(d, [self.u, line], 3, False)
             flown, r = flights.residuals(o, u)
-            bends.append(_mids(self._solved([-each[2] for each in r])))
+            bends.append(_mids(self._preconditioned([-each[2] for each in r])))
             last = [each[2] + more for each, more in zip(r, (self.J * column(bends[-1])).entries(), strict=True)]
             for values in ([each[0] for each in r], [each[1] for each in r], last):
-                rest = [each + 3 * abs(more) for each, more in zip(rest, self._solved(values), strict=True)]
+                rest = [each + 3 * abs(more) for each, more in zip(rest, self._preconditioned(values), strict=True)]
             thin.append((o, u, flown))
         self.slopes, (aa, bb, both) = first, bends
         self.squares = [aa, [c - a - b for a, b, c in zip(aa, bb, both, strict=True)], bb]
         wide, surface = self.oscillator(self.range), self.at(place, place)
         plan = flights.plan(wide, surface)
-        low, rises = self._linear([flights.margins(*each, plan) for each in thin[:2]])
+        low, rises = self._linear_bounds([flights.margins(*each, plan) for each in thin[:2]])
 
         cubes, curves = list[Values](), list[list[Ball]]()
         for d in DIRECTIONS:
             o, u = self.directed(d, [surface, *self._derivatives(d, place)], 4, True)
             flown, r = flights.residuals(o, u)
-            cubes.append(self._solved([each[3] for each in r]))
+            cubes.append(self._preconditioned([each[3] for each in r]))
             curves.append([_coefficient(value, 2) for _, value, _ in flights.margins(o, u, flown, plan)])
         A, D = cubes[:2]
         B = [(s - m) / 2 - d for s, m, d in zip(*cubes[2:], D, strict=True)]
@@ -573,7 +573,7 @@ class Surface:
         pushed = [each.upper() for each in pushed]
         sizes = [max(float(abs(a) / p) for a, p in zip(each, pushed, strict=True)) for each in (A, D)]
         along = int(sizes[1] > sizes[0])
-        tube, slopes = self._tube(surface, pushed, along)
+        tube, slopes = self._root_distances(surface, pushed, along)
 
         whole = [each + arb(0, r) for each, r in zip(surface, tube, strict=True)]
         if not all(set(new) <= set(old) for new, old in zip(flights.plan(wide, whole)[0], plan[0], strict=True)):
@@ -588,7 +588,7 @@ class Surface:
         flights.prove_flights(wide, whole, plan)
 
     def _derivatives(self, d: tuple[int, int], place: Ball) -> tuple[Values, Values]:
-        """Return first and second Taylor coefficients of the polynomials along d, from anywhere at `place`."""
+        """Return first and second Taylor coefficients of the polynomials along d, for all a and b in `place`."""
         rows, (i, j) = list(zip(*self.slopes, *self.squares, strict=True)), d
         slopes = [
             i * (da + place * (2 * aa) + place * ab) + j * (db + place * (2 * bb) + place * ab)
@@ -596,8 +596,8 @@ class Surface:
         ]
         return slopes, [i * i * aa + i * j * ab + j * j * bb for _, _, aa, ab, bb in rows]
 
-    def _linear(self, pairs: Sequence[list[Inequality]]) -> tuple[Values, list[int]]:
-        """Return the least values of the margins' linear parts, and along which side each changes most."""
+    def _linear_bounds(self, pairs: Sequence[list[Inequality]]) -> tuple[Values, list[int]]:
+        """Return for each margin the least value of its linear part, and the side along which this changes most."""
         low, rises = list[Ball](), list[int]()
         for (what, one, _), (_, other, _) in zip(*pairs, strict=True):
             a, b = (abs(_coefficient(each, 1)) for each in (one, other))
@@ -607,8 +607,8 @@ class Surface:
                 raise NotInBox(what, rises[-1])
         return low, rises
 
-    def _tube(self, surface: Values, pushed: Values, along: int) -> tuple[Values, list[dict[str, Values]]]:
-        """Return how far from the polynomials the roots may be (Krawczyk), and the flights' derivatives there."""
+    def _root_distances(self, surface: Values, pushed: Values, along: int) -> tuple[Values, list[dict[str, Values]]]:
+        """Prove how far the roots may be from the polynomials (Krawczyk); return this and the flights' derivatives."""
         flights, tube = self.flights, [INFLATION * each for each in pushed]
         for _ in range(MOST_INFLATIONS):
             tube = [(INFLATION * each).mid() for each in tube]
@@ -638,7 +638,7 @@ class Surface:
                 break
         raise NotInBox("one root for all parameters", along, excess)
 
-    def _solved(self, values: Values) -> Values:
+    def _preconditioned(self, values: Values) -> Values:
         """Multiply a vector by Y, the approximate inverse of the Jacobian J at the middle of the box."""
         entries: Values = (self.Y * column(values)).entries()
         return entries

@@ -93,7 +93,7 @@ class ToProve(NamedTuple):
 
 
 class Proof(NamedTuple):
-    """The first mode, the proven events, the undecided question, and a start value (`free`) that grazes."""
+    """What is proven of a motion: first mode, events, what is undecided, and a start value that grazes (`free`)."""
 
     mode: str
     events: list[ProvenEvent]
@@ -244,7 +244,7 @@ def _changes(
 
 
 def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof:
-    """Return a proof that some start within the error grazes, where it cannot be decided that all or none do."""
+    """Return a proof that some start within the error grazes, where "all do" and "none do" are both undecided."""
     o, before, (boundary, near) = Oscillator(task.p), len(proof.events), graze
     name, place = next((name, place) for name, place in FREE if task.errors[place])
     events: list[ProvenEvent] = []
@@ -267,7 +267,7 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
         thin, state = arrive(free.mid()), arrive(free)
         flight, there = _lowest(o, state, boundary, near)
         _only_contact(o, state, flight, there, boundary)
-        if not _one_touches(o, thin, state, flight, there.tau, boundary, place, ball(low), ball(high)):
+        if not _one_start_grazes(o, thin, state, flight, there.tau, boundary, place, ball(low), ball(high)):
             raise Undecided("whether a flight near this start touches", flight.t0 + there.tau)
         states = StateSet.of([flight.t0 + there.tau, flight.x(flight.at(there.tau))])
         t, x = states.hull()
@@ -303,7 +303,7 @@ def _grazing_interval(
     return low, high
 
 
-def _one_touches(
+def _one_start_grazes(
     o: Oscillator,
     thin: Moving,
     state: Moving,
@@ -329,7 +329,7 @@ def _one_touches(
 
 
 def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Flight, Jet]:
-    """Return the flight and its least gap near a time, proven to be where the gap turns, just once."""
+    """Return the flight and its least gap near a time; prove that the gap has just one turning point there."""
     flight = state.flight(o, state.states.hull())
     gap = flight.gap(boundary)
 
@@ -462,7 +462,7 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
 
 
 def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
-    """Return the initial states and, if the start is at the end of a stick, until when some of them may stick."""
+    """Return the initial states and, if the motion starts where a stick ends, the time until which some may stick."""
     p, (t0, x0, v0) = task.p, task.start
     try:
         return begin(o, task.start, task.errors), None

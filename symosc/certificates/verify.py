@@ -161,7 +161,7 @@ class Problem:
 
 
 class Mode:
-    """One mode of an oscillator: z' = M z; rows[n] z are the n-th derivatives of the f that are 0 where it ends."""
+    """A mode of an oscillator: its state z obeys z' = M z; rows[n] z: n-th derivatives of the f, 0 where it ends."""
 
     steady = None  # a bound of the steady velocity, if there is one; `free` is then the row of v less the steady one
 
@@ -254,7 +254,7 @@ class Motion:
         return z if t.is_exact() else (self.mode.M * (t - t.mid())).exp() * z
 
     def f(self, end, t):
-        """Return f, f' and f'' of an end of the mode, at a time or (by Taylor's theorem) at all times of a ball."""
+        """Return f, f' and f'' for one end of the mode, at a time or (by Taylor's theorem) at all times of a ball."""
         i, z, change = self.mode.ends.index(end), self.at(t.mid()), t - t.mid()
         f = [(row * z)[i, 0] for row in self.mode.rows[:4]]
         if t.is_exact():
@@ -295,7 +295,7 @@ class Motion:
                 return found
 
     def moved(self, t, sides):
-        """Return how z at a fixed time changes if the start moves along each side (dt, dx, dv) of a set of starts."""
+        """Return how z at a fixed time changes if the start moves along each of `sides`, vectors (dt, dx, dv)."""
         e, rate = (self.mode.M * (t - self.t)).exp(), self.mode.M * self.first
         # A later start is one at the same time with another x and v.
         return [e * arb_mat([[x - rate[0, 0] * s], [v - rate[1, 0] * s], [0], [0], [0]]) for s, x, v in sides]
@@ -321,11 +321,11 @@ class Motion:
             both = F * (F - jump if mode.number == end else F + jump)
             require(abs(both), "F at a belt, and behind it")
             kind, then, leaves = ("cross", 2 * end + 1 - mode.number, {end: 1}) if both > 0 else ("stick", 3 + end, {})
-        self.made(row, kind, then)
+        self.require_row(row, kind, then)
         return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
 
     def around(self, end, row, turn):
-        """Return a ball of times around an event; f, f', f'' at its start (f > 0), its end (turn * f > 0), over it."""
+        """Return a ball of times around an event, and f, f', f'' at its start (f > 0), end (turn * f > 0), on all."""
         low, high = arb(row["t"][0]).lower(), arb(row["t"][1]).upper()
         for _ in range(WIDENINGS):
             first, last = self.f(end, low), self.f(end, high)
@@ -354,7 +354,7 @@ class Motion:
         return [t.mid(), centre[1].mid(), v], [[each.mid() for each in side] for side in sides[:count]], frame(rest)
 
     def graze(self, row, limits):
-        """Prove that a flight grazes a belt next: for one start between two `limits`, else for every start."""
+        """Prove that a flight grazes a belt next: for one start between two `limits`; if none are given, for all."""
         end, mode = row["boundary"], self.mode
         check(mode.flies and end in mode.ends, "a graze of a belt that is not beside the domain")
         speed = self.problem.p[f"v{end}"]
@@ -364,7 +364,7 @@ class Motion:
         require(rises, "that v goes away from a belt after a graze")
         require(bend, "that v turns once at a graze")
         when = self.zero(end, 1, times)
-        self.made(row, "graze", mode.number)
+        self.require_row(row, "graze", mode.number)
         x = self.at(when)[0, 0]
         if limits:
             low, high = (each.least(end, times) for each in limits)
@@ -384,7 +384,7 @@ class Motion:
         found = self.zero(end, 1, times)
         return self.f(end, found.mid())[0] + self.f(end, found)[1] * (found - found.mid())
 
-    def made(self, row, kind, then):
+    def require_row(self, row, kind, then):
         """Raise Stop unless a row of the file states an event of this kind, from this mode to the mode `then`."""
         found = row["kind"], row["source"], row["target"]
         check(found == (kind, self.mode.number, then), f"{kind}: {MODES[self.mode.number]} to {MODES[then]}")
@@ -466,7 +466,7 @@ def leave(problem, start, errors, until):
 
 
 def about(p, *more):
-    """Return the line of the answer that says what a proof is about: the parameters `p`, and further texts."""
+    """Return the line of the answer that says what a proof is about: the parameters `p`, and the texts in `more`."""
     return ", ".join([f"{name} = {p[name]}" for name in NAMES] + list(more))
 
 
@@ -492,7 +492,7 @@ def question(data, source):
 
 
 def varied(problem, number, name):
-    """Return the derivatives of a mode's M and rows with respect to `name`, in which (m: in 1/m) both are affine."""
+    """Return the derivatives of a mode's M and rows with respect to a parameter; both are affine in it (m: in 1/m)."""
     if name in START:
         return fmpq_mat(5, 5), fmpq_mat(2, 5)
     p = problem.p
@@ -587,7 +587,7 @@ def follow(problem, rows, box, kind=Motion):
 
 
 def fixed_point(motions, box, turn):
-    """Return an enclosure of the only fixed point of P in a box, minus its middle, and D, the derivatives of P."""
+    """Enclose the only fixed point in a box of P, the map over a period (minus the middle), and P's Jacobian D."""
     (centre, widths), last = box, motions[-1]
     D = arb_mat([[last.columns[j][i] / widths[j] for j in (0, 1)] for i in (0, 1)])
     moved = arb_mat([[last.centre[0] - turn - centre[0]], [last.centre[1] - centre[1]]])

@@ -380,7 +380,7 @@ def positive(margin, until, problem):
 
 
 def in_parts(prove, whole, halves, most, what):
-    """Call `prove` for a whole or, where it fails, for its `halves` and so on; return the last result."""
+    """Call `prove` for a whole or, where it fails, for each of its `halves`, and so on; return the last result."""
     parts, count, found = [whole], 0, None
     while parts:
         part, count = parts.pop(), count + 1
@@ -444,7 +444,7 @@ class Course:
         return Piece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late), until - t, until
 
     def residual(self, i, u, late=0):
-        """Return both residuals between event i and the next: of the position, and of the velocity or the force."""
+        """Return two residuals r between event i and the next: of the position, and of the velocity or the force."""
         (piece, s, until), (_, belt, _, target) = self.piece(i, u, late), self.events[i + 1]
         sticks, onto = piece.mode > 3, u[(2 * i + 3) % len(u)]
         x, f = (piece.x + piece.v * s, piece.force(target, s, until)[0]) if sticks else piece.at(s, until)[:2]
@@ -507,7 +507,7 @@ class Course:
 
 
 class Family:
-    """The roots of r in a row's box, proven to be one for each parameter value from low to high (interval Newton)."""
+    """A family of orbits, proven by interval Newton: one root of r in a row's box for each value from low to high."""
 
     def __init__(self, problem, data, events, row, low, high):
         problem.step((2 * len(events)) ** 3 // 256)  # the work, and by it the size, of the matrices
@@ -577,7 +577,7 @@ def family(problem, data, events, row):
 
 
 def fails(problem, data, events, end, row):
-    """Prove that the inequality named by a branch's end fails at its outer value, on the same family of roots."""
+    """Prove, for the same family of roots, that the inequality which a branch's end names fails outside the end."""
     found = Family(problem, data, events, end, *sorted((end["inside"], end["outside"])))
     found.within(row, *found.root(end["inside"]))
     (u, course), at, kind = found.root(end["outside"]), arb(end["at"]), end["kind"]
@@ -625,7 +625,7 @@ def branch(data, source, limits):
 
 
 def pairs(row):
-    """Return the ends of t and x of the events in a row of a branch as text."""
+    """Return the lower and upper ends of t and x of all events in a row of a branch, as text."""
     return "; ".join(
         f"{low} < {name}{i} < {high}"
         for i, both in enumerate(zip(row["t"], row["x"], strict=True), 1)
@@ -730,7 +730,7 @@ def between(e, belt, low, high):
 
 
 def marks(parts, most):
-    """Choose where to check that g > 0: (share of the flight, for how long around it g > 0 follows); proves nothing."""
+    """Choose where to check that g > 0: shares of a flight's duration, each with how far around it g > 0 follows."""
     most, tau, found = 0.95 * float(most), float(parts[-1][2]), []
     spare = 2 * max(float(b.rad()) for _, _, b in parts) + tau / 500
     for i, (up, *ends) in enumerate(parts):
@@ -814,7 +814,7 @@ class Word:
         return found, margins
 
     def plan(self, e, u):
-        """Return the turns that may be in each stick, the cuts of each flight, and if it needs short steps instead."""
+        """Return the turns that may be in each stick, the cuts of each flight, and whether it needs short steps."""
         turns, cuts, steps = list[Any](), list[Any](), []
         for i, flight in enumerate(self.flights):
             after = self.next(e, i, u)[0]
@@ -867,7 +867,7 @@ class Box:
         return Oscillator(self.p | dict(zip(self.over, values, strict=True)))
 
     def series(self, side, rows, count, wide=False, plan=None):
-        """Return r and margins as power series in the direction `side`, from the middle or (`wide`) all of the box."""
+        """Return r and margins as power series in the direction `side`, about the middle or (`wide`) all of the box."""
         ctx.cap = count
         start = self.wide if wide else self.middle
         e = self.plane([arb_series([b, h * i], prec=count) for b, h, i in zip(start, self.half, side, strict=True)])
@@ -957,7 +957,7 @@ class Box:
         word.stays(e, around, plan, self.problem)
 
     def contract(self, p, u, slopes):
-        """Return e with p + N e < e, so that a root lies within e of u(d) by Krawczyk (module docstring, 10)."""
+        """Return e with p + N e < e: by Krawczyk, a root lies within e of u(d) (p, N: module docstring, 10)."""
         size, tube = self.word.size, [arb(1.1) * each for each in p]
         scales = [
             max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in zip(*slopes, tube, strict=True)
@@ -1012,7 +1012,7 @@ def apart(boxes):
 
 
 def clear(boxes, points, whole):
-    """Check that no point of a border lies inside a proven box, by more than rounding errors."""
+    """Check that no point of a border lies inside a proven box by more than rounding errors."""
     away = [1e-12 * float(high - low) for low, high in whole]
     for box in boxes:
         (left, right), (low, high) = ((float(a) + by, float(b) - by) for (a, b), by in zip(box, away, strict=True))

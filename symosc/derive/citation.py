@@ -20,7 +20,7 @@ _ACCENTS = {r"{\'o}": "ó", r"{\'a}": "á", r"{\'e}": "é", r"{\"o}": "ö"}
 
 
 def references_bib() -> str:
-    """Return the BibTeX of all references, symosc and the paper first."""
+    """Return the BibTeX of all references, those of symosc and of the paper first."""
     return files("symosc.derive").joinpath("references.bib").read_text(encoding="utf-8").replace("VERSION", __version__)
 
 

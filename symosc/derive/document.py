@@ -38,7 +38,7 @@ MARKS = {"exact": "e", "sign": "s", "numeric": "n"}
 
 
 class Part(NamedTuple):
-    """An item of a chapter with its steps' evidence, and number and label if it is a formula, statement or table."""
+    """An item of a checked chapter: its steps' evidence; number and label of a formula, statement or table, else ""."""
 
     item: Any
     evidence: tuple[StepEvidence, ...]
@@ -150,7 +150,7 @@ def numbers_of(chapters: Iterable[Checked]) -> dict[str, str]:
 
 
 def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str] | None = None) -> str:
-    """Replace references to other documents by "Chapter n" and, if `link` is given, the rest by link(label, shown)."""
+    """Replace references to labels not in `numbers` by "Chapter n", the others (given `link`) by link(label, shown)."""
 
     def replace(found: re.Match[str]) -> str:
         word, command, label = found.groups()
@@ -168,12 +168,12 @@ def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str]
 
 
 def shown(step: Step, scope: Scope) -> Step:
-    """Return a step with the numbers or symbols put in with which a scope prints it."""
+    """Return a step as a scope prints it, with the scope's numbers or symbols put in."""
     return replace(step, left=scope.shown(step.left), right=scope.shown(step.right))
 
 
 def _latex_rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
-    """Return for each step of a display its LaTeX rows (the first is `left &= right`) and the step."""
+    """Return a pair for each step of a display: its LaTeX rows (the first is `left &= right`), and the step."""
     decimals = scope.decimal or any(each.item.decimals for each in display)
     statements = [shown(each.item, scope) for each in display]
     left = max(width(latex(statement.left, decimals)) for statement in statements)
@@ -190,7 +190,7 @@ def _latex_rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part
 
 
 def align(display: list[Part], scope: Scope, end: Callable[[Part], str]) -> str:
-    """Return consecutive steps as an align environment; `end` returns what ends a step's row, such as its label."""
+    """Return consecutive steps as an align environment; `end` gives the last text in a step's row, such as a label."""
     body = []
     for printed, each in _latex_rows(display, scope):
         body += [*(rf"{line} \notag" for line in printed[:-1]), f"{printed[-1]} {end(each)}"]
@@ -293,7 +293,7 @@ def as_page(chapters: list[Checked], scope: Scope) -> str:
         f"<h2>Contents</h2><ol>{contents}</ol>",
     ]
     if len(chapters) > 1:
-        out.append(f'<h2 id="notation">Notation</h2>\n{_cells(HEADS, NOTATION, html)}')
+        out.append(f'<h2 id="notation">Notation</h2>\n{_table(HEADS, NOTATION, html)}')
     for each in chapters:
         out.append(f'<h2 id="sec-{each.number}">{each.number}. {html(each.title)}</h2>')
         out.append(as_html(each, scope, numbers, 3))
@@ -303,7 +303,7 @@ def as_page(chapters: list[Checked], scope: Scope) -> str:
 
 
 def as_html(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = None, level: int = 2) -> str:
-    """Return a chapter as HTML without its title; its headings are <h2> for `level` 2. Formula 4.2: anchor step-4.2."""
+    """Return a chapter as HTML without title; headings are <h2> for `level` 2, formula 4.2 has the anchor step-4.2."""
     html = _converter(numbers_of([chapter]) if numbers is None else numbers)
     return "\n".join(_html_piece(part, scope, html, level) for part in chapter.displays())
 
@@ -327,7 +327,7 @@ def _html_piece(part: Part | list[Part], scope: Scope, html: ToHtml, level: int)
         return f'<div class="statement" id="thm-{number}"><strong>{item.name.title()} {number}{title}.</strong>'
     if isinstance(item, Table):
         caption = f'<p id="tab-{number}"><strong>Table {number}.</strong> {html(item.caption)}{mark}</p>'
-        return f"{caption}\n{_cells(item.heads, [[cell(value, scope) for value in row] for row in item.rows], html)}"
+        return f"{caption}\n{_table(item.heads, [[cell(value, scope) for value in row] for row in item.rows], html)}"
     source = b64encode(svg(item.key).encode()).decode()
     image = f'<img src="data:image/svg+xml;base64,{source}" alt="Figure {number}">'
     caption = f"<figcaption><strong>Figure {number}.</strong> {html(item.caption)}</figcaption>"
@@ -365,8 +365,8 @@ def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
     return '<div class="wide"><table class="steps">\n' + "\n".join(body) + "\n</table></div>"
 
 
-def _cells(heads: Sequence[str], body: Iterable[Sequence[str]], html: ToHtml) -> str:
-    """Return a table as HTML."""
+def _table(heads: Sequence[str], body: Iterable[Sequence[str]], html: ToHtml) -> str:
+    """Return a table with its column heads as HTML."""
     top = "".join(f"<th>{html(head)}</th>" for head in heads)
     lines = "\n".join("<tr>" + "".join(f"<td>{html(value)}</td>" for value in row) + "</tr>" for row in body)
     return f'<div class="wide"><table class="cells">\n<tr>{top}</tr>\n{lines}\n</table></div>'

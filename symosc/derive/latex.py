@@ -136,7 +136,7 @@ class PaperPrinter(LatexPrinter):
         return rf"\frac{{{top}}}{{{bottom}}}"
 
     def _product(self, factors: list[Expr], alone: bool = True) -> str:
-        """Return the LaTeX of the factors of a product in the paper's order; `alone`: nothing else is multiplied."""
+        """Return the LaTeX of a product, its factors in the paper's order; `alone`: with no other factor beside it."""
         if not factors:
             return "1"
         parts: list[str] = []

@@ -55,7 +55,7 @@ class Flight:
         self.numbers |= {letter: self.value(meaning) for letter, meaning in self.regime.letters.items()}
 
     def value(self, expr: Any, more: dict[Any, Any] | None = None) -> Any:
-        """Evaluate an expression with the known numbers of its symbols, and `more` of them."""
+        """Evaluate an expression with the numbers of this flight's symbols, and with those that `more` gives."""
         known = self.numbers | (more or {})
         letters = tuple(sorted(sp.sympify(expr).free_symbols, key=str))
         return _as_function(expr, letters)(*(known[letter] for letter in letters))
@@ -89,7 +89,7 @@ class Formulas(Flight):
         return trace**2 - 2 * determinant, determinant**2
 
     def slide_bound(self, angle: Any) -> Any:
-        """Return B at an angle after the highest point; the mass moves down there if and only if p_0 > B F/k."""
+        """Return the slide bound B: at an angle after the highest point the mass moves down just if p_0 > B F/k."""
         angle = MP.mpf(angle)
         return self.value(coulomb.slide_function(), self.basis(angle / self.numbers[solution.Omega]) | {phi: angle})
 
@@ -145,7 +145,7 @@ def _turning_points(parameters: Parameters, x0: Any, t_end: int, digits: int | N
 
 
 def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
-    """Return the rise of the highest points per cycle at Omega = 1, c = 0."""
+    """Simulate a motion at resonance, Omega = 1 and c = 0; return for each cycle how far its highest point rises."""
     # From x = (P/2 - F)/k at t = 0, with any velocity that is large enough, turning points are at theta = pi/2 + n pi.
     highest = _turning_points(wall(F, 1, P=P), Fraction(P) / 2 - Fraction(F), 40, digits)[::2]
     return [after - before for before, after in pairwise(highest)]
@@ -171,15 +171,15 @@ def one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajec
 
 def one_sided_end(F: Any, n: int) -> float:
     """Return the largest middle of turning points for which the motion has no stops or further turns, by bisection."""
-    return _largest(lambda middle: (F, n, middle))
+    return _largest_without_stops(lambda middle: (F, n, middle))
 
 
 def last_friction(n: int) -> float:
     """Return the largest friction F with which the symmetric motion at Omega = 1/(2 n), c = 0 has no stops."""
-    return _largest(lambda F: (F, n, Fraction(0)))
+    return _largest_without_stops(lambda F: (F, n, Fraction(0)))
 
 
-def _largest(motion: Callable[[Fraction], tuple[Any, int, Fraction]]) -> float:
+def _largest_without_stops(motion: Callable[[Fraction], tuple[Any, int, Fraction]]) -> float:
     """Bisect in (0, 1) for the largest argument of `motion` with which a run has four crossings and no other event."""
     low, high = Fraction(0), Fraction(1)
     while high - low > 1e-9:
@@ -267,7 +267,7 @@ def transmissibility_by_running(F: Any, Omega: Any) -> float:
 
 
 def inversion(F: Any, height: Callable[[Any, Any], Any]) -> float:
-    """Return the frequency ratio r at which friction does not change the amplitude `height`: it is 1/(r^2 - 1)."""
+    """Return the frequency ratio r at which the amplitude `height` is 1/(r^2 - 1), as without friction."""
     return float(optimize.brentq(lambda r: float(height(F, Fraction(r))) * (r * r - 1) - 1, 1.38, 1.6, xtol=1e-13))
 
 
@@ -293,7 +293,7 @@ def from_rest(p: Parameters, cycles: int) -> Trajectory:
 
 
 class Border(NamedTuple):
-    """A border where the number of stops per cycle changes: F/P just below, above and halfway, and both numbers."""
+    """A border where the number of stops per cycle changes: F/P below, above, and halfway; the stops on both sides."""
 
     low: float
     high: float
@@ -391,7 +391,7 @@ def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
 
 
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:
-    """Return phase and duration of each slide down in half a settled cycle, and which grazes or births are near."""
+    """Return phase and duration of each slide down in half a settled cycle, and the grazes or births close by."""
     path = from_rest(p, 22)
     late = [event for event in path.events if event.t > 40 * pi / float(p.Omega)]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
@@ -525,7 +525,7 @@ def _ends() -> Iterator[Value]:
 
 @_compared("resonance", "Growth per cycle at resonance", "denhartog1930", "butikov2015")
 def _growth() -> Iterator[Value]:
-    """Yield, for each case, the rise per cycle in a simulation that differs most from the formula."""
+    """Yield, for each case, of the rises per cycle in a simulation the one that differs most from the formula."""
     for F, P in (("0.5", "1"), ("0.3", "0.5")):
         formula, rises = MP.pi * MP.mpf(P) - 4 * MP.mpf(F), resonance_growth(F, P)
         _, worst = max((abs(MP.mpf(rise) - formula), rise) for rise in rises)

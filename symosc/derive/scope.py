@@ -35,18 +35,18 @@ PAPER_LETTERS = {
 
 
 def F(alpha: int | str) -> Expr:
-    """Return the symbol of the acceleration in a domain."""
+    """Return the symbol of the acceleration in a domain alpha, F^(alpha)."""
     return named(f"F^{{({alpha})}}")
 
 
 def G(order: int | str, alpha: int | str = r"\alpha") -> Expr:
-    """Return the symbol of a G-function."""
+    """Return the symbol of the G-function of an order in a domain alpha, G^(order, alpha)."""
     return named(f"G^{{({order},{alpha})}}")
 
 
 @dataclass(frozen=True)
 class Scope:
-    """What a derivation is about: a scene, or (None) the general oscillator with symbols for all parameters."""
+    """The subject of a derivation: a scene or, if `scene` is None, the oscillator with symbols for all parameters."""
 
     scene: Scene | None = None
 
@@ -98,7 +98,7 @@ class Scope:
 
     @cached_property
     def display(self) -> dict[Expr, Expr]:
-        """What to substitute before printing: numbers or, in the general case, the paper's symbols, as c/m for cm."""
+        """What to substitute before printing: numbers or, without a scene, the paper's symbols, such as c/m for cm."""
         if self.parameters is None:
             return PAPER_LETTERS
         return self.numbers | {name: value.subs(self.numbers) for name, value in self.regimes[0].letters.items()}
@@ -114,7 +114,7 @@ class Scope:
 
 @dataclass(frozen=True)
 class FragmentScope(Scope):
-    """The numbers of some symbols of a fragment, and the form of the motion."""
+    """The subject of a fragment: numbers for some of its symbols, and the form in which the motion is written."""
 
     values: tuple[tuple[str, Any], ...] = ()
     form: str = "entire"  # "entire" (the five basis functions) or "paper" (e^{-ct/2m} cos omega_d t)

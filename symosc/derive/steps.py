@@ -48,7 +48,7 @@ class StepError(SymoscError):
 
 
 class StepEvidence(NamedTuple):
-    """The evidence of a step: "exact", "sign" or "numeric"; the difference or the reason; points tried (0: proof)."""
+    """How a step was shown: kind ("exact", "sign", "numeric"), difference or reason, points tried (0: a proof)."""
 
     kind: str
     margin: str

@@ -402,7 +402,7 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
 
 @lru_cache(maxsize=64)
 def _engine(p: Parameters, digits: int | None) -> Arithmetic:
-    """Return the arithmetic of the event search with as many decimal digits as asked, for None that of doubles."""
+    """Return the arithmetic of the event search with the number of decimal digits given or, for None, in doubles."""
     return many_digits(p, digits) if digits else Arithmetic(p)
 
 

@@ -140,7 +140,7 @@ def window(k, v, B, Omega, side, full):
 
 
 def windows(pairs, side, full, columns):
-    """Fill the arrays kind, low, high and theta_cr in `columns` by `window`, for arrays of k, v, B0, Omega as pairs."""
+    """Fill the arrays in `columns` with what `window` returns: kind, low, high, theta_cr; `pairs`: k, v, B0, Omega."""
     kh, kl, vh, vl, Bh, Bl, Oh, Ol = pairs
     kind, low, high, theta_cr = columns
     for i in range(len(kind)):

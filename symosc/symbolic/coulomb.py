@@ -126,7 +126,7 @@ def largest_force_ratio(largest: Expr) -> Expr:
 
 
 def _steady(expr: Expr) -> Expr:
-    """Substitute p_0 = x_0 + G x_f and q_0 = H x_f in an expression, and expand it."""
+    """Express the steady motion's p_0 and q_0 by x_0, x_f, G and H in an expression, and expand it."""
     return sp.expand(expr.subs({p_0: x_0 + G * x_f, q_0: H * x_f}))
 
 
@@ -135,7 +135,7 @@ def _steady(expr: Expr) -> Expr:
 
 @cache
 def resonance_growth() -> Expr:
-    """Return how far the turning points move outward per cycle at r = 1, c = 0: twice the distance of half a cycle."""
+    """Return how far the turning points move outward per cycle at Omega^2 = k/m, c = 0: twice that of half a cycle."""
     # The highest point x_0 is at theta = pi/2, so that the drive pushes along with the velocity.
     regime = solution.REGIMES["resonance"]
     at = {x_i: x_0, v_i: 0, solution.theta_i: sp.pi / 2, a_i: solution.acceleration(x_0, sp.Integer(0), sp.pi / 2)}
@@ -146,14 +146,14 @@ def resonance_growth() -> Expr:
 
 @cache
 def free_decay() -> Expr:
-    """Return how much nearer to 0 each turning point of a free motion is than the last one (P = 0, c = 0)."""
+    """Return how much nearer to 0 each turning point of a free motion (P = 0, c = 0) is than the one before it."""
     lowest = solution.flow(solution.REGIMES["undamped"]).x.subs({v_i: 0, f0: 0, a_i: w0sq * (x_f - x_0), x_i: x_0})
     lowest = lowest.subs({w0sq: solution.omega_0**2, tau: sp.pi / solution.omega_0})
     return sp.simplify(x_0 + lowest)
 
 
 def one_sided_velocity() -> Expr:
-    """Return x'/Omega of the motion between d + x_0 and d - x_0 at r = 1/(2 n), c = 0: a free motion shifted by d."""
+    """Return x'/Omega between d + x_0 and d - x_0 at c = 0, Omega = omega_0/(2 n): a free motion shifted by d."""
     # Half a period is n periods of the free motion there, so that G = H = 0 and every d closes.
     return velocity().subs({G: 0, H: 0}).subs(x_f, x_f - d)
 

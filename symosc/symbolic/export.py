@@ -305,7 +305,7 @@ def _names(node: ast.AST) -> set[str]:
 
 
 class _Fold(ast.NodeTransformer):
-    """Transform a syntax tree: known conditions become True or False and, if `fixed`, constants K.cm become K_cm."""
+    """A transformer of syntax trees: known conditions become True or False; if `fixed`, constants K.cm become K_cm."""
 
     def __init__(self, known: dict[str, bool], fixed: bool) -> None:
         self.known, self.fixed = known, fixed
@@ -369,7 +369,7 @@ class _Julia(ast.NodeTransformer):
         return text[1:-1] if isinstance(node, ast.IfExp) else text
 
     def visit(self, node: ast.AST) -> Any:
-        """Return a node whose parts that differ from Python are replaced by names spelled as the target's source."""
+        """Replace parts of a node, if the target language writes them differently, by names that spell its source."""
         match node:
             case ast.BoolOp(op, values):
                 texts = [f"({self.expression(v)})" if isinstance(v, ast.BoolOp) else self.expression(v) for v in values]

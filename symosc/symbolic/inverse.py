@@ -119,7 +119,7 @@ class GrazingQuestion(NamedTuple):
     ----------
     mapping : str
     names : tuple of str
-        One parameter or two.
+        The one or two parameters whose values are asked for.
     asked : {"contains", "empty", "everything"}
     theta : sympy expression, PhaseInterval or None
 
@@ -183,9 +183,9 @@ class Answer(NamedTuple):
     Attributes
     ----------
     condition : sympy Boolean
-        When it holds.
+        The condition on the other parameters.
     values : sympy Set
-        The values that have the property then.
+        The values that have the property where the condition holds.
 
     Examples
     --------
@@ -465,7 +465,7 @@ def values_everything(p: ParametersLike | None, mapping: str, name: str | Sequen
 
 
 def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
-    """Return the one or two parameter names asked for; "v" is the belt speed for symbols, v1 or v2 with numbers."""
+    """Return the one or two parameter names asked for; the belt's speed becomes "v" or, with numbers, "v1" or "v2"."""
     belt = f"v{place(mapping).boundary}"
     asked = tuple(given) if isinstance(given, tuple | list) else (given,)
     own = "v" if p is None else belt
@@ -539,13 +539,13 @@ def _containing(
             for positive, started in _positive(start) if attained else [(sign_of(start) >= 0, sp.true)]:
                 yield Answer(sloped & started, domain if positive else sp.S.EmptySet)
             continue
-        cases: Any = _quartic(theta, level) if attained and full else [(not attained, sp.true)]
+        cases: Any = _tangency_grazes(theta, level) if attained and full else [(not attained, sp.true)]
         for closed, closing in cases:
             yield Answer(sloped & closing, _half_line(-start / slope, slope_sign, closed))
 
 
-def _quartic(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield True or False, whether equality at theta is a tangency that grazes, each with its condition."""
+def _tangency_grazes(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
+    """Yield whether equality at theta is a tangency of fourth order that grazes (True, False), and the conditions."""
     cosine = sp.cos(theta)
     if not cosine.free_symbols:
         yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]
@@ -651,7 +651,7 @@ def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full:
 
 
 def _region_at(level: Expr, drive: Expr, extreme: Extreme, full: bool) -> Expr:
-    """Return the condition that a contact at a phase grazes; at an open end of an interval equality is enough."""
+    """Return the condition for a contact at a phase to graze; at an open end of an interval, equality is enough."""
     theta, attained = extreme
     left, right = level, -drive * sp.sin(theta)
     if not attained:

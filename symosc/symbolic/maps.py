@@ -56,7 +56,7 @@ def convolve(expr: Expr) -> Expr:
 
 
 def repeated_apart() -> dict[str, Expr]:
-    """Return U0, U1, U2, V, W, P, Q for roots that are not close, as formulas in steps; D, u, z, y, n are auxiliary."""
+    """Return formulas for U0, U1, U2, V, W, P, Q and auxiliary D, u, z, y, n, if characteristic roots are not close."""
     # U1 = S*S is explicit; the others solve D f = g, which by their known rates has no derivatives left. With
     # p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
     first = (E1 - tau * (E0 + h * E1)) / (2 * solution.omega_d**2)
@@ -115,10 +115,10 @@ def flight_parameters() -> dict[str, Expr]:
     }
     found = {}
     for name, response in forcing.items():
-        found[f"x_{name}"], found[f"v_{name}"] = _by_cause(response), _by_cause(rate(response))
+        found[f"x_{name}"], found[f"v_{name}"] = _collected(response), _collected(rate(response))
     # d/dOmega f0 cos(theta_i + Omega t) = -f0 t sin(theta_i + Omega t)
     swing = -f0 * (s0 * P + c0 * Q)
-    found["x_Om"], found["v_Om"] = _by_cause(swing), _by_cause(rate(swing))
+    found["x_Om"], found["v_Om"] = _collected(swing), _collected(rate(swing))
     start = by_start()
     return found | {"x_v0": start["x_v0"], "v_v0": start["v_v0"] - 1}
 
@@ -130,8 +130,8 @@ def flight_phase() -> dict[str, Expr]:
     return {f"{name}_ph": sp.expand(e.diff(theta_i) + e.diff(a_i) * force.diff(theta_i)) for name, e in parts}
 
 
-def _by_cause(expr: Expr) -> Expr:
-    """Collect an expression by x_i, v_i, a_i and f0, with common factors outside."""
+def _collected(expr: Expr) -> Expr:
+    """Return an expression with its terms collected by x_i, v_i, a_i and f0, and with common factors outside."""
     expr = sp.expand(expr)
     waves = [sp.cos(theta_i), sp.sin(theta_i)]
     sorted_ = (q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in (x_i, v_i, a_i, f0))
@@ -150,7 +150,7 @@ def stick_residual() -> dict[str, Expr]:
 
 
 def stick_jacobian() -> dict[str, Expr]:
-    """Return the derivatives of f1 (x_*) and f2 (v_*) with respect to theta_i, theta_j, x_j unless 0, 1 or -1."""
+    """Return the derivatives of f1 (x_*) and f2 (v_*) with respect to theta_i, theta_j, x_j that are not 0, 1 or -1."""
     residual = stick_residual()
     # tau = (theta_j - theta_i)/Omega
     by_tau = residual["f1"].diff(tau) / Omega

@@ -38,7 +38,7 @@ h, omega_d, eta, omega_0 = sp.symbols("h omega_d eta omega_0", positive=True)
 
 
 class Flow(NamedTuple):
-    """Displacement, velocity and acceleration a time tau after the start."""
+    """The motion in a domain: displacement, velocity and acceleration a time tau after its start."""
 
     x: Expr
     v: Expr
@@ -66,7 +66,7 @@ def acceleration(x: Expr = x, v: Expr = v, theta: Expr = theta) -> Expr:
 
 @cache
 def g_function(order: int) -> Expr:
-    """Return G^(order, alpha)(x, v, theta) on a boundary v = v_lambda, d/dt of the order before (eqs. (18), (19))."""
+    """Return G^(order, alpha)(x, v, theta) on a boundary v = v_lambda: d/dt of G^(order-1, alpha), eqs. (18), (19)."""
     if order == 0:
         return acceleration()
     G = g_function(order - 1)
@@ -79,7 +79,7 @@ def next_derivative(y1: Expr, y0: Expr, forcing_n: Expr) -> Expr:
 
 
 def forcing(n: int) -> Expr:
-    """Return minus the n-th time derivative of the drive f0 cos theta, f0 = B0/m and theta = Omega t."""
+    """Return -d^n/dt^n (f0 cos theta), the term that `next_derivative` subtracts; f0 = B0/m, theta = Omega t."""
     return -f0 * Omega**n * sp.cos(theta).diff(theta, n)
 
 
@@ -96,7 +96,7 @@ def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
 
 @cache
 def rates() -> dict[Expr, Expr]:
-    """Return the tau-derivative of each basis function in terms of the basis functions (ODE of S, Leibniz' rule)."""
+    """Return the derivative of each basis function with respect to tau, written in the basis functions."""
     S, u = sp.Function("S"), sp.Symbol("u", real=True)
     integrals = [S(u) * wave for wave in (1, sp.cos(Omega * (tau - u)), sp.sin(Omega * (tau - u)))]
     meanings = [S(tau).diff(tau), S(tau), *(sp.Integral(integral, (u, 0, tau)) for integral in integrals)]
@@ -118,7 +118,7 @@ def time_derivative(expr: Expr) -> Expr:
 
 @cache
 def relations() -> tuple[Expr, Expr, Expr]:
-    """Return three expressions that are always 0: L E2 - 1 and Re, Im of L (R2 + i I2) - exp(i Omega tau)."""
+    """Return L E2 - 1, L R2 - cos(Omega tau), L I2 - sin(Omega tau), always 0; L y = y'' + cm y' + w0sq y."""
 
     def relation(response: Expr, force: Expr) -> Expr:
         first = time_derivative(response)
@@ -154,7 +154,7 @@ def flow(regime: Regime | None = None) -> Flow:
     position = use_relations(shape.xreplace(constants).xreplace({A_m: _force_at_start()}))
     velocity = use_relations(time_derivative(position))
     acceleration_ = time_derivative(velocity)
-    return Flow(x_i + _by_cause(position - x_i), v_i + _by_cause(velocity - v_i), _by_cause(acceleration_))
+    return Flow(x_i + _collected(position - x_i), v_i + _collected(velocity - v_i), _collected(acceleration_))
 
 
 def _force_at_start() -> Expr:
@@ -162,8 +162,8 @@ def _force_at_start() -> Expr:
     return sp.solve(acceleration(x_i, v_i, theta_i) - a_i, A_m)[0]
 
 
-def _by_cause(expr: Expr) -> Expr:
-    """Collect the terms of an expression by x_i, v_i, a_i and f0, in which it is linear."""
+def _collected(expr: Expr) -> Expr:
+    """Return an expression that is linear in x_i, v_i, a_i and f0, with its terms collected by these."""
     expr, waves = sp.expand(expr), [sp.cos(theta_i), sp.sin(theta_i)]
     return sp.Add(*(q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in (x_i, v_i, a_i, f0)))
 
@@ -210,7 +210,7 @@ def divided_difference(*nodes: Expr) -> Expr:
 
 
 def _mode(z: Expr) -> Expr:
-    """Return exp(z tau), written with cos and sin of the imaginary part of z, with cosh and sinh of a part in eta."""
+    """Return exp(z tau), with cos and sin for the imaginary part of z, cosh and sinh for a part that contains eta."""
 
     def factor(part: Expr) -> Expr:
         if part.has(sp.I):

@@ -41,7 +41,7 @@ class Case(NamedTuple):
     label : str
         "(55.1)" is the first case of (55). Letters mark cases that the paper lacks, see `theorem7_cases.case_label`.
     condition : sympy Boolean
-        When it holds, in gamma and the amplitude.
+        The condition for this case, in gamma and the amplitude.
     phases : sympy Set
         The phases theta in [0, 2 pi) at which a contact grazes.
 

@@ -332,7 +332,7 @@ def tidy(expr: Any) -> Any:
 
 
 def _sampled(join: solution.Join) -> Step:
-    """Return the step that checks R2 near a join of two regimes: just beside it, it agrees with the limit."""
+    """Return the step that checks, just beside a join of two regimes, that R2 agrees with its limit there."""
     source, target = solution.REGIMES[join.source].basis(), solution.REGIMES[join.target].basis()
     values = {solution.h: "3/7", omega_d: "5/4", eta: "2/9", omega_0: "7/5", Omega: "8/5", tau: "9/4"}
     point = {letter: sp.Rational(value) for letter, value in values.items()}

@@ -98,7 +98,7 @@ def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
 
 
 def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any]:
-    """Return x, and x0, v0: the flow that grazes at the time given does so at x, and is at (x0, v0) for t = 2.5."""
+    """Return the position x of a graze at the given time, and the state x0, v0 at t = 2.5 of the flow that grazes."""
     scope = Scope(load_scene(scene))
     numbers = scope.numbers
     force = solution.in_paper_letters(solution.acceleration()).subs(solution.A, solution.force_constant(alpha))
@@ -115,8 +115,8 @@ def _start(x0: Any, v0: Any, label: str) -> list[Step]:
     return [decimal("x_0", x0, 10, label=label), decimal(r"\dot{x}_0", v0, 10, label=label.replace("x0", "v0"))]
 
 
-def _prints(printed: str, value: Any) -> Step:
-    """Return the step that checks a number printed with four decimals against its value."""
+def _four_decimals(printed: str, value: Any) -> Step:
+    """Return the step that checks a number, which the paper prints with four decimals, against its exact value."""
     return equation(named("z"), sp.Rational(printed), Close(lambda: value, 4))
 
 
@@ -137,7 +137,7 @@ def _figure7() -> Items:
         _start(x0, v0, "fig7-x0"),
         r"The printed start is $(-3.1049, 1.3369)$: with a misprint in $x_0$, which would be $-5.6049$, all other "
         r"numbers are right, and the contact is at $x_m = -3.0855$.",
-        facts(_prints("-5.6049", x0), _prints("1.3369", v0), equation(place, sp.Rational("-3.0855"))),
+        facts(_four_decimals("-5.6049", x0), _four_decimals("1.3369", v0), equation(place, sp.Rational("-3.0855"))),
         r"With $A_0 = 10$ in place of 5 the start is",
         _start(x10, v10, "fig7-x0-10"),
         r"which is the printed one to all of its digits, with the contact at $x_m = -0.5855$. Either number explains "
@@ -161,5 +161,5 @@ def _figure8() -> Items:
         _start(x0, v0, "fig8-x0"),
         r"rounds to the printed start $(5.8980, 2.2580)$, so the print is right. From the rounded numbers the velocity "
         r"goes beyond $v_1$, and the mass sticks for some milliseconds instead of grazing.",
-        facts(_prints("5.898", x0), _prints("2.258", v0), short),
+        facts(_four_decimals("5.898", x0), _four_decimals("2.258", v0), short),
     )

@@ -170,8 +170,8 @@ def items(scope: Scope) -> Items:
 
 
 @cache
-def products(scene: str, by_friction: bool) -> list[Any]:
-    """Return the derivatives t_q of the first events' times, q = mu_1 or x_0, by the matrices of this chapter."""
+def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
+    """Return the derivatives of event times with respect to x_0 or (`by_friction`) mu_1, by this chapter's matrices."""
     start = load_scene(scene)
     p, w0 = start.parameters, number(start.parameters.k / start.parameters.m)
     path = simulate(start, digits=DIGITS + 15)
@@ -196,7 +196,7 @@ def products(scene: str, by_friction: bool) -> list[Any]:
 
 def _events_table() -> Table:
     """Return the table of derivatives of a scene's event times: the package's, checked against the matrices."""
-    exact = {q: products(SCENE, q == "mu1") for q in ("x0", "mu1")}
+    exact = {q: event_time_derivatives(SCENE, q == "mu1") for q in ("x0", "mu1")}
     ran = {q: sensitivities(SCENE, q, digits=DIGITS) for q in exact}
 
     def cell(q: str, n: int) -> Any:

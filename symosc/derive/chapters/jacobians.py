@@ -76,7 +76,7 @@ def items(scope: Scope) -> Items:
     product, bound = named(r"\rho_1\rho_2"), named(r"e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j")
 
     def values() -> dict[Any, Any]:
-        found, predicted = _orbit("fig9-orbit", "P32")
+        found, predicted = _multiplier_products("fig9-orbit", "P32")
         return {product: _float(found), bound: _float(predicted)}
 
     energy, rate = named(r"\frac{d}{d\tau}\bigl(\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2\bigr)"), named(r"\dot{y}")
@@ -180,7 +180,7 @@ def saltation() -> Items:
 
 
 @cache
-def _orbit(scene: str, word: str) -> tuple[Any, Any]:
+def _multiplier_products(scene: str, word: str) -> tuple[Any, Any]:
     """Return the product of an orbit's multipliers: the package's, and the one by the theorem; 50 digits."""
     from symosc.orbits.find import find_orbit
 

@@ -376,7 +376,7 @@ def _free_motion(start: Any, rate: Any) -> tuple[Any, Any]:
 
 
 def _steady_part() -> dict[Any, Any]:
-    """Return p_0, q_0 (from the two conditions of symmetry, by Cramer's rule), G and H, by their symbols."""
+    """Return the formulas of p_0, q_0 (solved from the two conditions of symmetry), G and H, each by its symbol."""
     rows = coulomb.symmetry()
     matrix = rows.jacobian([p_0, q_0])
     p, q = matrix.adjugate() * (-rows.subs({p_0: 0, q_0: 0})) / matrix.det()

@@ -21,7 +21,7 @@ F1, F2 = named("f_1"), named("f_2")
 
 
 def force(alpha: int, x: Any, v: Any, theta: Any) -> Any:
-    """Return the acceleration F^(alpha) at a point (x, v, theta), with A_alpha of the domain put in."""
+    """Return the force per mass F^(alpha), the acceleration, at (x, v, theta), with the domain's A_alpha put in."""
     return solution.acceleration(x, v, theta).xreplace({A_m: solution.force_constant(alpha) / m})
 
 

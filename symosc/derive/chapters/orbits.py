@@ -97,10 +97,10 @@ def items(scope: Scope) -> Items:
         r"\cite{denhartog1931,hongliu2000,luogegg2006,shaw1986}.\end{remark}",
     )
     if scope.scene is None:
-        yield _orbit(Scope(load_scene("fig9")), "P32", "The paper's Fig.~9")
-        yield _orbit(Scope(load_scene("fig10")), "P4645", "The paper's Fig.~10")
+        yield _orbit_section(Scope(load_scene("fig9")), "P32", "The paper's Fig.~9")
+        yield _orbit_section(Scope(load_scene("fig10")), "P4645", "The paper's Fig.~10")
     elif scope.scene.structure:
-        yield _orbit(scope, scope.scene.structure, rf"Scene \texttt{{{scope.scene.name}}}")
+        yield _orbit_section(scope, scope.scene.structure, rf"Scene \texttt{{{scope.scene.name}}}")
     else:
         yield r"This scene has no mapping structure of a periodic motion."
 
@@ -109,7 +109,7 @@ def items(scope: Scope) -> Items:
 
 
 class Piece(NamedTuple):
-    """A map of an orbit: its row, that of the map before, symbols of its start, f1, f2, and what other symbols mean."""
+    """One map of an orbit: its row, the row of the map before, its start's symbols, f1, f2, other symbols' meaning."""
 
     row: Map
     before: Map
@@ -171,7 +171,7 @@ def _values(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
     return values
 
 
-def _orbit(scope: Scope, word: str, figure: str) -> Items:
+def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     """Yield the items of the section on one orbit: its equations, switching points, and checks in between."""
     assert scope.parameters is not None
     p, found, points = scope.parameters, pieces(scope, word), root(scope.parameters, word)
@@ -269,7 +269,7 @@ FUNCTIONS = [{name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "c
 
 
 def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, list[tuple[str, Any]]]]:
-    """Yield, for what must not reach a bound in the j-th map: its name, value, bounds in words and as (op, bound)."""
+    """Yield each quantity with bounds in the j-th map: its name, extreme value, bounds in words and as (op, bound)."""
     assert scope.parameters is not None
     p, row, points = scope.parameters, pieces(scope, word)[j].row, root(scope.parameters, word)
     (x, phase), (_, end) = points[j], points[(j + 1) % len(points)]

@@ -18,7 +18,7 @@ TITLE = "Sticks and their two ends"
 
 
 def force_on_belt(phase: Any) -> Any:
-    """Return F^(alpha) a time tau after a stick began, at this phase of the drive: a_i plus its change by eq. (9)."""
+    """Return F^(alpha) a time tau after a stick began: its value a_i then, plus its change until the phase `phase`."""
     here = solution.acceleration(x_i + v_lambda * tau, v_lambda, phase)
     return a_i + here - solution.acceleration(x_i, v_lambda, theta_i)
 

@@ -47,7 +47,7 @@ def items(scope: Scope) -> Items:
         r"$\dot{x} = v_\lambda$, with $\mathbf{x} = (x, \dot{x})^T$ and $\mathbf{n} = (0, 1)^T$ (the paper's (25)), "
         r"$G^{(j,\alpha)} = d^{\,j} F^{(\alpha)}/dt^{\,j}$ for all $j \ge 0$, along the flow of "
         r"$\Omega_\alpha$.\end{lemma}",
-        facts(*(_reduced(order) for order in (1, 2))),
+        facts(*(_gap_derivative(order) for order in (1, 2))),
         r"\begin{proof} $\mathbf{n}$ is constant, so its derivatives vanish, and $\mathbf{n}^T\mathbf{x}^{(0)}$ is "
         r"constant because $\mathbf{x}^{(0)}$ stays in the boundary, so its derivatives vanish too. What is left is "
         r"$d^{\,j+1}(\mathbf{n}^T\mathbf{x}^{(\alpha)})/dt^{\,j+1}$, and here "
@@ -128,8 +128,8 @@ def items(scope: Scope) -> Items:
     )
 
 
-def _reduced(order: int) -> Any:
-    """Return a step: the derivative of n.(x - x0) is that of n.x, if x0 moves along a straight line with normal n."""
+def _gap_derivative(order: int) -> Any:
+    """Return the step stating that n.(x - x0) has the derivative of n.x, as x0 moves on a straight line normal to n."""
     n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
     first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
     gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
