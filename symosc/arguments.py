@@ -219,7 +219,7 @@ def _text(kinds: list[Kind]) -> str:
 
 
 def _each(kinds: list[Kind] | None) -> str:
-    """Return ", each ..." for a message, which says what the entries of a row may be; "" if anything."""
+    """Say in a message what the entries of a row may be, as in ", each a number"; nothing where all is allowed."""
     return f", each {_text(kinds)}" if kinds else ""
 
 

@@ -290,7 +290,7 @@ class Flights:
         return turns, cuts
 
     def cuts(self, o: Oscillator, leg: Leg, u: Values) -> list[Cut] | None:
-        """Return where to evaluate the gap of a flight back to its belt; None if it needs a proof by short steps."""
+        """Return the times at which a flight that returns to its belt must be off it; None: prove it in short steps."""
         found, longest = self.sections(o, leg, u), longest_part(o)
         if found is None:
             return None

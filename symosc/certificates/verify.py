@@ -354,7 +354,7 @@ class Motion:
         return [t.mid(), centre[1].mid(), v], [[each.mid() for each in side] for side in sides[:count]], frame(rest)
 
     def graze(self, row, limits):
-        """Prove that a flight grazes a belt next: for one start between two `limits`; if none are given, for all."""
+        """Prove that the next event is a graze: for every start enclosed, or for one between two `limits`."""
         end, mode = row["boundary"], self.mode
         check(mode.flies and end in mode.ends, "a graze of a belt that is not beside the domain")
         speed = self.problem.p[f"v{end}"]
@@ -483,7 +483,7 @@ def table(rows):
 
 
 def question(data, source):
-    """Return the start of a motion, its errors, and a line that says what was to be proven."""
+    """Return the start of a motion, how far off it may be, and a line that states it as the file, `source`, has it."""
     start, errors = [data["start"][name] for name in START], data["start_error"]
     check(min(errors) >= 0, "start_error: a negative number", BAD)
     check(data["t_end"] - start[0] - errors[0] > 0, "t_end is not after the start", BAD)

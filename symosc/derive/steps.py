@@ -289,7 +289,7 @@ def decimal(name: str, number: Any, decimals: int, check: Check | None = None, *
 
 @dataclass(frozen=True)
 class AtRoot(Check):
-    """Check with 50 digits that a statement holds at a point, for equations up to an absolute `tolerance`."""
+    """Check with 50 digits that a statement holds at the numbers that `meaning` returns, such as a numerical root."""
 
     meaning: Callable[[], dict[Expr, Any]]
     tolerance: Any = STEP_AGREEMENT

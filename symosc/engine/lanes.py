@@ -274,7 +274,7 @@ def flown_side_by_side(tau, v0, F0, s0, c0, K):
 
 
 def advance_phases(n, theta, theta_low, s, c, tau, K):
-    """Return (late, n, theta, theta_low, s, c) of phases after `tau` (`advance_phase`); late: beyond the next turn."""
+    """Advance phases by `tau` as `advance_phase` does; the first value says where that is more than the next turn."""
     theta, theta_low = phase_after(theta, theta_low, tau, K)
     turned = theta >= TWO_PI
     theta, theta_low = select(turned, theta - TWO_PI, theta), select(turned, theta_low - TWO_PI_REST, theta_low)

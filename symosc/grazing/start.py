@@ -48,7 +48,8 @@ class GrazingStart(LatexAnswer):
     ----------
     mapping : str
     found : bool
-        Whether it came from the plane on which the mapping starts. With t0: whether it was in the domain since t0.
+        Whether the flow, traced back from the graze, reaches the plane where the mapping starts; with t0, whether it
+        has been in the domain since t0.
     reason : str or None
         Why there is no start.
     t, x, v, theta : number or None

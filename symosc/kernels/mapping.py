@@ -150,7 +150,7 @@ def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
 
 
 def key_of(counts):
-    """Return a whole number below 54 that encodes how often each of the four nodes occurs."""
+    """Encode how often each of four nodes of a divided difference occurs as a whole number below 54."""
     return ((counts[0] * 3 + counts[1]) * 3 + counts[2]) * 3 + counts[3]
 
 

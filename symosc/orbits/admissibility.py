@@ -197,7 +197,7 @@ def holds(
 
 
 def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
-    """Return the velocity extrema of a flight between two times; `at_rest`: a zero at its start does not count."""
+    """Return the extrema of v in an interval of a flight; `at_rest` leaves out an acceleration of 0 at its start."""
     # They are bracketed in doubles, and then located in the arithmetic of the equations.
     coarse = equations.coarse.K
     v0, a0, s0, c0 = (float(value) for value in flight)

@@ -528,7 +528,7 @@ class FinerMotion:
         return reached
 
     def _take(self) -> None:
-        """Append the events and pieces that the motion in pairs or digits has found to `rows` and `pieces`."""
+        """Append what was found in double-double or many-digit numbers to `rows` (events) and `pieces`."""
         rows, pieces = self._now.take()
         self.rows.append(rows)
         self.pieces.append(pieces)

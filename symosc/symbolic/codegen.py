@@ -101,7 +101,7 @@ def kernels() -> list[Kernel]:
 
 
 def _kernel(head: str, doc: str, steps: dict[str, Expr], own: dict[str, Expr] | None = None) -> Kernel:
-    """Make a kernel that returns all its steps; `head` is its name and its arguments, separated by blanks."""
+    """Make a kernel called `head` ("NAME ARGUMENT ...") that returns all `steps`; `own` describes further arguments."""
     name, *arguments = head.split()
     return Kernel(name, doc, {each: (MEANING | (own or {}))[each] for each in arguments}, steps, tuple(steps))
 

@@ -203,7 +203,7 @@ class Answer(NamedTuple):
 
 
 class Answers(tuple[Answer, ...], LatexAnswer):
-    """Answers for symbols: one for each condition on the other parameters, of which exactly one holds.
+    """The symbolic answers to a question about a parameter: one for each case of the others, of which one holds.
 
     Attributes
     ----------

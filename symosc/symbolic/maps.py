@@ -102,7 +102,7 @@ def flight_jacobian() -> dict[str, Expr]:
 
 
 def flight_parameters() -> dict[str, Expr]:
-    """Return the derivatives of x(tau) and of v(tau) - v_i with respect to m, c, k, A, B0, Omega and v_i."""
+    """Return the derivatives of a flight, x(tau) and v(tau) - v_i, with respect to m, c, k, A, B0, Omega and v_i."""
     # At fixed x_i, theta_i and tau: where theta_j is fixed, a change of Omega moves the end as well.
     flow = solution.flow()
     c0, s0 = sp.cos(theta_i), sp.sin(theta_i)
