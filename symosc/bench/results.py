@@ -12,7 +12,7 @@ from symosc.aliases import Record
 from symosc.bench import cases, error_map, sentence, speed, work
 from symosc.bench.solvers import OURS
 from symosc.errors import OutputError
-from symosc.files import write_text
+from symosc.files import make_folder, write_text
 from symosc.reference.compare import ERRORS, REFERENCE_DIGITS
 from symosc.simulation.simulate import ACCURACY
 
@@ -45,10 +45,7 @@ def write(readme: str | Path, result: Record) -> list[Path]:
     """Write the results of the parts ("speed", "work_precision", ...) into README and separate files; return these."""
     text, folder = check(readme), Path(readme).parent / RESULTS_FOLDER
     measured, command = result["work_precision"], _command_text(result)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(str(folder), error.strerror or str(error)) from None
+    make_folder(folder)
     about = f"Written by `{command}` ({sentence(measured['machine'])})."
     page = f"# Work and precision\n\n{about}\n\n{work.table(measured, markdown=True)}\n"
     files = [

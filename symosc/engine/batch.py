@@ -89,7 +89,7 @@ def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
     return whole[skipped : skipped + size].view(dtype).reshape(shape)
 
 
-def joined(pieces: list[np.ndarray]) -> np.ndarray:
+def joined_arrays(pieces: list[np.ndarray]) -> np.ndarray:
     """Concatenate columns, or rows, of one type in contiguous memory."""
     if len(pieces) == 1:
         return np.ascontiguousarray(pieces[0])

@@ -33,8 +33,17 @@ from symosc.engine.arithmetic import (
     pairs_are_compiled,
     pairs_as_complex,
 )
-from symosc.engine.batch import NO_PIECES, Batch, EventRows, batch_of, event_buffer, row_of, rows_between, state_of
-from symosc.engine.batch import joined as joined_rows
+from symosc.engine.batch import (
+    NO_PIECES,
+    Batch,
+    EventRows,
+    batch_of,
+    event_buffer,
+    joined_arrays,
+    row_of,
+    rows_between,
+    state_of,
+)
 from symosc.engine.constant_table import ConstantRows
 from symosc.engine.events import KIND_NAMES
 from symosc.engine.flow import SIGMAS
@@ -168,7 +177,7 @@ def simulate_many(
         parts: list[Any] = in_chunks(len(problems), work, threads, report)
     if of_events:
         rows, status = ([each for part in parts for each in part[n]] for n in range(2))
-        columns = (joined_rows(list(each)) for each in zip(*(changes for _, _, changes in parts), strict=True))
+        columns = (joined_arrays(list(each)) for each in zip(*(changes for _, _, changes in parts), strict=True))
         return table_from(rows, status, names, **dict(zip(CHANGES if names else (), columns, strict=True)))
     return Summary(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 

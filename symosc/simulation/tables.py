@@ -13,7 +13,7 @@ from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
-from symosc.engine.batch import EventRows, event_buffer, joined
+from symosc.engine.batch import EventRows, event_buffer, joined_arrays
 from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EVENT_COLUMNS, FLOAT_COLUMNS, Event
 from symosc.exact import unmasked
 from symosc.files import write_whole
@@ -139,7 +139,7 @@ def table_from(parts: Sequence[EventRows], status: list[str], wrt: tuple[str, ..
     parts, columns = parts or [event_buffer(0)], dict[str, Any]()
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):
-            columns[name] = joined([part[which][n] for part in parts])
+            columns[name] = joined_arrays([part[which][n] for part in parts])
     return EventTable(status=status, wrt=wrt, **columns, **changes)
 
 

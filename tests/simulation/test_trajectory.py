@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+
 import pytest
 
 from symosc import crosscheck, load_scene, simulate
@@ -22,3 +25,14 @@ def test_a_motion_as_the_result_of_scipy(digits: int | None) -> None:
     stopped = simulate("fig6", max_events=3)  # at the time of its last event, to the last bit
     assert not stopped.to_scipy().success
     assert stopped.t_end == stopped.events[-1].t
+
+
+def test_a_motion_with_many_digits_is_copied_before_its_events_are_read() -> None:
+    """They are made when somebody reads them, from what cannot be pickled."""
+    for again in (lambda motion: pickle.loads(pickle.dumps(motion)), copy.deepcopy):
+        motion = simulate("fig6", digits=25)
+        found = again(motion)
+        assert found == motion
+        assert [str(event.t) for event in found.events] == [
+            str(event.t) for event in simulate("fig6", digits=25).events
+        ]

@@ -1,7 +1,7 @@
 """The data that the page shows for a link: a motion of `symosc.simulate`, as values for plots, texts and table.
 
 The state of the page is a text for each number. A text is read exactly, as in scene files: 0.8 and 4/5 are the same
-number. One more number: a field in GROUPS. One more curve: a column in `_curves`, and a glyph in `server`.
+number. One more number: a field in GROUPS. One more curve: a column in `_page_data`, and a glyph in `server`.
 """
 
 from __future__ import annotations
