@@ -13,6 +13,7 @@ import signal
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, TimeoutError
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
@@ -125,8 +126,7 @@ class Worker:
     """A process that runs one call at a time, in a ``with`` statement; what calls print is dropped."""
 
     def __init__(self) -> None:
-        self._pool = ProcessPool(max_workers=1, initializer=_drop_output, context=get_context("spawn"))
-        self._warm = set[str]()
+        self._pool, self._warm = _one_process(), set[str]()
 
     def __enter__(self) -> Worker:
         return self
@@ -139,14 +139,17 @@ class Worker:
         """Return the outcome of ``function(*arguments)`` (picklable) within `limit` seconds."""
         # The clock includes what the function imports or compiles, but not the start of the process.
         # An argument that cannot be pickled ends in an exception here: that is the caller's mistake.
-        future = self._pool.schedule(_guarded, args=(function, arguments), timeout=limit)
+        if not self._pool.active:  # the process died between two calls
+            self._pool = _one_process()
         try:
-            outcome: Outcome = future.result()
+            outcome: Outcome = self._pool.schedule(_guarded, args=(function, arguments), timeout=limit).result()
             return outcome
         except TimeoutError:
             failure = HANG
         except ProcessExpired as death:
             failure = f"{CRASH}: the process ended with exit code {death.exitcode}"
+        except BrokenProcessPool:  # before it reported that it had begun
+            failure = f"{CRASH}: the process ended"
         self._warm.clear()
         return Outcome(failure=failure)
 
@@ -155,6 +158,11 @@ class Worker:
         if name not in self._warm:
             self.call(FIRST_LIMIT, function, *arguments)
             self._warm.add(name)
+
+
+def _one_process() -> ProcessPool:
+    """Return a pool of one process, which starts with the first call."""
+    return ProcessPool(max_workers=1, initializer=_drop_output, context=get_context("spawn"))
 
 
 @contextmanager
