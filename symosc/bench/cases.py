@@ -21,10 +21,9 @@ from symosc.bench import machine, not_run, sentence
 from symosc.bench.solvers import HANG, OURS, PROCESSES, Outcome, Solver, all_solvers, in_parallel, processor_limit
 from symosc.files import write_text
 from symosc.reference import score
-from symosc.reference.case import ReferenceCase
+from symosc.reference.case import ReferenceCase, with_known
 from symosc.reference.cases import GROUPS, SET_VERSION, hard_cases, reference_cases
 from symosc.reference.compare import SCORE_TOLERANCE, FoundEvent
-from symosc.reference.folder import stored
 from symosc.reference.results import CaseResult, GivenEvent
 from symosc.reference.score import Score
 
@@ -55,7 +54,7 @@ def run(
     chosen = list(reference_cases() if cases is None else cases)
     able = [solver for solver in solvers if not solver.missing]
     steps = iter(progress(range(len(chosen) * (1 + len(able)))))
-    jobs = [(i, stored, case, with_derivatives) for i, case in enumerate(chosen)]
+    jobs = [(i, solved, case, with_derivatives) for i, case in enumerate(chosen)]
     known = in_parallel([jobs[first::PROCESSES] for first in range(PROCESSES)], steps)
     for outcome in known.values():
         if outcome.failure:
@@ -66,7 +65,7 @@ def run(
     next(steps, None)  # lets a progress bar come to its end
 
     def judged(solver: Solver, numbers: Iterable[int], tolerance: float) -> Score:
-        pairs = [(known[i].value, _result(outcomes[solver.name, i], limit)) for i in numbers]
+        pairs = [(with_known(chosen[i], **known[i].value), _result(outcomes[solver.name, i], limit)) for i in numbers]
         return Score(solver.name, tolerance, [score.judge_case(case, result, tolerance) for case, result in pairs])
 
     hard = [i for i, case in enumerate(chosen) if case.group in GROUPS]
@@ -86,6 +85,12 @@ def run(
         "ok": not violations,
         "violations": violations,
     }
+
+
+def solved(case: ReferenceCase, with_derivatives: bool) -> Record:
+    """Compute what is known of a case, as arguments of `with_known`."""
+    derivatives = case.derivatives if with_derivatives else ({},) * len(case.events)
+    return {"events": case.events, "conditions": case.conditions, "derivatives": derivatives}
 
 
 def found_by(solver: Solver, case: ReferenceCase, limit: float) -> list[FoundEvent] | None:

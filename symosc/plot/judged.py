@@ -405,8 +405,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     --------
     >>> from symosc import plot, reference_cases
     >>> from symosc.reference.score import score
-    >>> from symosc.reference.folder import stored
-    >>> drawing = plot.score_figure([score("nobody", [stored(reference_cases()[1])], {})])
+    >>> drawing = plot.score_figure([score("nobody", [reference_cases()[1]], {})])
     >>> [label.get_text() for label in drawing.axes[0].get_xticklabels()]
     ['paper']
     """

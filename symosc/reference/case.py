@@ -13,6 +13,7 @@ differences of two runs with more digits; where the difference changes the event
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
@@ -250,6 +251,13 @@ class ReferenceCase:
     def __repr__(self) -> str:
         count = f"{len(self.events)} event{'' if len(self.events) == 1 else 's'}"
         return f"<ReferenceCase {self.name}: {count}, {self.status}>"
+
+
+def with_known(case: ReferenceCase, **known: Any) -> ReferenceCase:
+    """Return a copy of a case for which events, conditions or derivatives are known already and not computed."""
+    found = copy(case)
+    vars(found).update(known)
+    return found
 
 
 def _enclosed(value: Any) -> tuple[str, str]:

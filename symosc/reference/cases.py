@@ -75,7 +75,9 @@ def reference_cases() -> Sequence[ReferenceCase]:
     >>> cases[0].name, cases[-1].group
     ('paper-fig5', 'long run')
     """
-    of_groups = (_paper_cases, hard_cases, grazes, *RESTING, *OSCILLATING, continuum, _long_run_cases)
+    resting = (_creeping_cases, _limit_speed_cases, _belt_start_cases)
+    oscillating = (_slide_cases, _first_stop_cases, _resonance_cases, _decay_cases)
+    of_groups = (_paper_cases, hard_cases, grazes, *resting, *oscillating, continuum, _long_run_cases)
     return Listing([case for cases in of_groups for case in cases()])
 
 
@@ -97,20 +99,17 @@ def chosen(group: str | None) -> Sequence[ReferenceCase]:
 
 # -- the paper's scenes ------------------------------------------------------------------------------------------------
 
-AT_A_SLIP = "the start is the end of a stick to all its digits: within its error the mass may stick or slip"
-
 
 def _paper_cases() -> Iterator[ReferenceCase]:
+    at_a_slip = "the start is the end of a stick to all its digits: within its error the mass may stick or slip"
     for name in filter(figure_of, scene_names()):
-        scene = load_scene(name)
-        reason = AT_A_SLIP if name == "fig10-orbit" else ""
+        scene, reason = load_scene(name), at_a_slip if name == "fig10-orbit" else ""
         yield ReferenceCase(f"paper-{name}", PAPER_SCENES, scene, f"the paper's {name}", scene.source, open=reason)
 
 
 # -- cases that are hard for solvers -----------------------------------------------------------------------------------
 
 DIGITS_OF_A_NUMBER, LATE_PERIODS = 17, 100_000
-HARD_SOURCE = "a scene of the paper with numbers that make it hard"
 # Starts (t0, x0, v0) of the scenes whose parameters are changed.
 FIG5, FIG6, FIG9, FIG10 = ("0", "0", "0"), ("0", "0", "5"), ("0.1324", "4.5447", "1"), ("0.4588", "3.0837", "1")
 # Scene of the parameters, grazing mapping, time of the peak, start, end, exponents of the distances, those for quick.
@@ -133,17 +132,12 @@ def hard_cases() -> tuple[ReferenceCase, ...]:
 
 def _hard(group: str, name: str, scene: Scene, quick: bool = False, periods: int = 0) -> ReferenceCase:
     """Return a hard case of a group; the case's name joins the group and `name`, which must be unique in the group."""
-    own, hard = _slug(f"{group} {name}"), f"{GROUPS[group]}; {name}"
-    return ReferenceCase(own, group, replace(scene, name=own), hard, HARD_SOURCE, periods=periods, quick=quick)
-
-
-def _slug(text: str) -> str:
-    """Return a text as a name of letters, digits and single hyphens."""
-    signs = {"+": " plus ", "=": " ", "^": "", "'": "", "- ": "minus "}
-    for sign, word in signs.items():
-        text = text.replace(sign, word)
-    text = re.sub(r"(?<=\d)\.(?=\d)", "p", text)
-    return re.sub(r"[^A-Za-z0-9]+", "-", text).strip("-")
+    own = f"{group} {name}"  # in letters, digits and single hyphens
+    for sign, word in {"+": " plus ", "=": " ", "^": "", "'": "", "- ": "minus "}.items():
+        own = own.replace(sign, word)
+    own = re.sub(r"[^A-Za-z0-9]+", "-", re.sub(r"(?<=\d)\.(?=\d)", "p", own)).strip("-")
+    source, hard = "a scene of the paper with numbers that make it hard", f"{GROUPS[group]}; {name}"
+    return ReferenceCase(own, group, replace(scene, name=own), hard, source, periods=periods, quick=quick)
 
 
 def short(value: Number | Fraction) -> str:
@@ -152,11 +146,11 @@ def short(value: Number | Fraction) -> str:
     return str(context.nstr(context.convert(value), DIGITS_OF_A_NUMBER, min_fixed=-context.inf, max_fixed=context.inf))
 
 
-def _scene(p: Parameters | str, start: Start, t_end: NumberLike, **changes: NumberLike) -> Scene:
-    """Return an unnamed scene with parameters p, or with those of the shipped scene p but for `changes`."""
+def _scene(p: Parameters | str, start: Start, t_end: NumberLike, name: str = "case", **changes: NumberLike) -> Scene:
+    """Return a scene with parameters p, or with those of the shipped scene p but for `changes`."""
     p = load_scene(p).parameters.replace(**changes) if isinstance(p, str) else p
     t0, x0, v0, end = (read_exact("start", value) for value in (*start, t_end))
-    return Scene("case", p, t0, x0, v0, end)
+    return Scene(name, p, t0, x0, v0, end)
 
 
 def start_before_a_peak(p: Parameters, mapping: str, height: Fraction, t_m: str, t0: str) -> tuple[str, str, str]:
@@ -297,7 +291,7 @@ def grazes() -> Iterator[ReferenceCase]:
             name = f"graze-{regime.replace(' ', '-')}-{mapping}"
             scene = Scene(name, p, t_end=t0 + FOLLOWED, **start | {"start_error": (0, 0, error)})
             hard = f"{GRAZE_HARD}; {regime}, belt {where.boundary} touched from domain {where.domain}"
-            yield ReferenceCase(name, GRAZES, scene, hard, GRAZE_SOURCE, (f"t[0] = {t_m}",))
+            yield _case(GRAZES, scene, hard, GRAZE_SOURCE, (f"t[0] = {t_m}",))
 
 
 # -- creeping and rest -------------------------------------------------------------------------------------------------
@@ -312,20 +306,10 @@ GAP = Fraction(1)
 
 
 def _case(
-    name: str,
-    group: str,
-    p: Parameters,
-    start: Start,
-    t_end: NumberLike,
-    hard: str,
-    source: str,
-    closed: Sequence[str] = (),
-    reason: str = "",
+    group: str, scene: Scene, hard: str, source: str, closed: Sequence[str] = (), reason: str = ""
 ) -> ReferenceCase:
-    """Return a case with a scene of its name; `reason` says why it is not proven."""
-    return ReferenceCase(
-        name, group, replace(_scene(p, start, t_end), name=name), hard, source, tuple(closed), open=reason
-    )
+    """Return a case that is called as its scene; `reason` says why it is not proven."""
+    return ReferenceCase(scene.name, group, scene, hard, source, tuple(closed), reason)
 
 
 def _creeping_cases() -> Iterator[ReferenceCase]:
@@ -344,7 +328,7 @@ def _creeping_cases() -> Iterator[ReferenceCase]:
             hard = f"the velocity creeps to the belt's, and {'meets it late' if u < 0 else 'never meets it'}: "
             hard += roots.replace("-", " ")
             t_end = 150 if r1 == r2 and u < 0 else 30
-            yield _case(f"creeping-{number}-{roots}", RESTS, p, start, t_end, hard, ELEMENTARY, closed)
+            yield _case(RESTS, _scene(p, start, t_end, f"creeping-{number}-{roots}"), hard, ELEMENTARY, closed)
 
 
 def _limit_speed_cases() -> Iterator[ReferenceCase]:
@@ -355,7 +339,7 @@ def _limit_speed_cases() -> Iterator[ReferenceCase]:
         closed = (f"t[0] = log((1 + {beyond})/({beyond}))/2",) if b > 0 else ()
         where = f"{beyond} beyond the belt's speed" if b > 0 else "that is the belt's speed" if not b else "short of it"
         hard = f"the velocity tends to a limit {where}"
-        yield _case(f"limit-speed-{number}", RESTS, p, (0, 0, 0), 40, hard, ELEMENTARY, closed)
+        yield _case(RESTS, _scene(p, (0, 0, 0), 40, f"limit-speed-{number}"), hard, ELEMENTARY, closed)
 
 
 def _belt_start_cases() -> Iterator[ReferenceCase]:
@@ -364,16 +348,13 @@ def _belt_start_cases() -> Iterator[ReferenceCase]:
         hard, reason = "rest on a belt: nothing may happen, for ever", ""
         if x0 in ("-4/5", 1):
             hard, reason = f"{hard}; on the edge, where the force just falls to 0", AT_THE_EDGE
-        yield _case(f"rest-{number}", RESTS, p, (0, x0, 0), 200, hard, UNIQUENESS, reason=reason)
+        yield _case(RESTS, _scene(p, (0, x0, 0), 200, f"rest-{number}"), hard, UNIQUENESS, reason=reason)
     hard = "the force reaches the edge of friction by 1e-9 or misses it by that, on a belt at rest"
     for name, x0 in (("slips", "1.000000001"), ("stays", "0.999999999")):  # A1 - |B0| = 1
-        yield _case(f"rest-edge-{name}", RESTS, p, (0, x0, 0), 60, hard, UNIQUENESS)
+        yield _case(RESTS, _scene(p, (0, x0, 0), 60, f"rest-edge-{name}"), hard, UNIQUENESS)
     fast = p.replace(v1=1, B0=0)
     hard = "one stick, one flight, then a slow approach to rest between the belts' speeds, with nothing more to find"
-    yield _case("stick-then-settling", RESTS, fast, (0, 0, 1), 60, hard, ELEMENTARY)
-
-
-RESTING = (_creeping_cases, _limit_speed_cases, _belt_start_cases)
+    yield _case(RESTS, _scene(fast, (0, 0, 1), 60, "stick-then-settling"), hard, ELEMENTARY)
 
 
 # -- the Coulomb oscillator and its continuum of orbits ----------------------------------------------------------------
@@ -405,7 +386,7 @@ def _slide_cases() -> Iterator[ReferenceCase]:
         closed = [f"x[{i}] = {'-' if i % 2 == 0 else ''}({amplitude(c, F, Omega)})" for i in range(2 * cycles)]
         t_end = Fraction(f"{float(t0) + (cycles + 0.25) * period:.6g}")
         hard = "a start and events at velocity 0, on the belt at rest; the motion passes it and does not stop"
-        yield _case(f"den-hartog-{number}", COULOMB, p, (t0, x0, 0), t_end, hard, DEN_HARTOG, closed)
+        yield _case(COULOMB, _scene(p, (t0, x0, 0), t_end, f"den-hartog-{number}"), hard, DEN_HARTOG, closed)
 
 
 def amplitude(c: str, F: str, Omega: str) -> str:
@@ -426,11 +407,10 @@ def _first_stop_cases() -> Iterator[ReferenceCase]:
     """Yield motions with friction F just below or above the least F with stops (0.64657909 P or 0.81740639 P)."""
     for Omega, below, above in (("1.5", "0.64", "0.65"), ("0.8", "0.81", "0.82")):
         for side, F in (("below", below), ("above", above)):
-            hard = (
-                f"friction just {side} the border of motions without stops, r = {Omega}: stops are short or not there"
-            )
-            name = f"border-{Omega}-{side}".replace(".", "-")
-            yield _case(name, COULOMB, wall(F, Omega), (0, 1, 0), 150, hard, BORDER_SOURCE)
+            hard = f"friction just {side} the border of motions without stops, r = {Omega}: "
+            hard += "stops are short or not there"
+            scene = _scene(wall(F, Omega), (0, 1, 0), 150, f"border-{Omega}-{side}".replace(".", "-"))
+            yield _case(COULOMB, scene, hard, BORDER_SOURCE)
 
 
 def _resonance_cases() -> Iterator[ReferenceCase]:
@@ -439,9 +419,8 @@ def _resonance_cases() -> Iterator[ReferenceCase]:
         p = wall(F, 1)
         closed = [f"t[{i}] = pi/2 + {i}*pi" for i in range(12)]
         closed += [f"x[{i}] = {'-' if i % 2 else ''}(5 + pi/4 - {F} + {i}*(pi/2 - 2*{F}))" for i in range(12)]
-        start = (0, Fraction(1, 2) - Fraction(F), 5)
-        hard = "undamped resonance: the amplitude grows for ever"
-        yield _case(f"resonance-growth-{number}", COULOMB, p, start, 40, hard, BALANCE, closed)
+        scene = _scene(p, (0, Fraction(1, 2) - Fraction(F), 5), 40, f"resonance-growth-{number}")
+        yield _case(COULOMB, scene, "undamped resonance: the amplitude grows for ever", BALANCE, closed)
 
 
 def _decay_cases() -> Iterator[ReferenceCase]:
@@ -451,11 +430,8 @@ def _decay_cases() -> Iterator[ReferenceCase]:
         closed = [f"t[{i}] = {i + 1}*pi" for i in range(last)]
         closed += [f"x[{i}] = {'-' if i % 2 == 0 else ''}({x0} - {2 * (i + 1)}*{F})" for i in range(last)]
         hard = "free decay: all turning points are on the belt at rest, and the last one is a stop for ever"
-        p, t_end = wall(F, 1, P=0), int(pi * last) + 20
-        yield _case(f"free-decay-{number}", COULOMB, p, (0, x0, 0), t_end, hard, BALANCE, closed)
-
-
-OSCILLATING = (_slide_cases, _first_stop_cases, _resonance_cases, _decay_cases)
+        scene = _scene(wall(F, 1, P=0), (0, x0, 0), int(pi * last) + 20, f"free-decay-{number}")
+        yield _case(COULOMB, scene, hard, BALANCE, closed)
 
 
 def continuum() -> Iterator[ReferenceCase]:
@@ -473,8 +449,8 @@ def continuum() -> Iterator[ReferenceCase]:
             hard = "a continuum of orbits: nothing draws the motion back, so that errors stay"
             hard += "" if stays else "; beyond its end, where the motion stops"
             t_end, start = Fraction(f"{(8 + 1 / 4) * 2 * n * pi:.6g}"), (0, Fraction(d) + x_0, 0)
-            p, name = wall(F, Omega), f"continuum-{n}-{number}"
-            yield _case(name, CONTINUUM, p, start, t_end, hard, CSERNAK, closed, AT_A_TURN)
+            scene = _scene(wall(F, Omega), start, t_end, f"continuum-{n}-{number}")
+            yield _case(CONTINUUM, scene, hard, CSERNAK, closed, AT_A_TURN)
 
 
 # -- long runs ---------------------------------------------------------------------------------------------------------
@@ -488,11 +464,11 @@ def _long_run_cases() -> Iterator[ReferenceCase]:
     ):
         scene = load_scene(base)
         end = scene.t0 + Fraction(f"{(periods + 0.05) * 2 * pi / float(scene.parameters.Omega):.8g}")
-        name = f"long-{base}"
-        yield ReferenceCase(name, LONG_RUNS, replace(scene, name=name, t_end=end), hard, scene.source)
+        yield _case(LONG_RUNS, replace(scene, name=f"long-{base}", t_end=end), hard, scene.source)
     hard, closed = "200 turning points at undamped resonance, each farther out", ["t[199] = 199*pi + pi/2"]
     start = (0, Fraction(1, 2) - Fraction("0.4"), 5)
-    yield _case("long-resonance", LONG_RUNS, wall("0.4", 1), start, 630, hard, BALANCE, closed)
+    yield _case(LONG_RUNS, _scene(wall("0.4", 1), start, 630, "long-resonance"), hard, BALANCE, closed)
     hard = "200 turning points on a continuum of orbits: errors add up and nothing draws them back"
     start, closed = (0, Fraction(1, 5) + Fraction(4, 3), 0), ["x[199] = 1/5 + 4/3", "t[199] = 400*pi"]
-    yield _case("long-continuum", LONG_RUNS, wall("0.1", "1/2"), start, 1260, hard, CSERNAK, closed, AT_A_TURN)
+    scene = _scene(wall("0.1", "1/2"), start, 1260, "long-continuum")
+    yield _case(LONG_RUNS, scene, hard, CSERNAK, closed, AT_A_TURN)

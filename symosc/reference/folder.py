@@ -10,10 +10,9 @@ import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from decimal import Context, Decimal, Inexact
 from fractions import Fraction
-from functools import cached_property
 from importlib.resources import files
 from math import pi
 from multiprocessing import get_context
@@ -26,12 +25,13 @@ import symosc
 from symosc.aliases import Record
 from symosc.crosschecks.events import WINDOW
 from symosc.errors import ResultError
-from symosc.exact import read_exact, show
+from symosc.exact import show
 from symosc.files import check_folder, read_path, write_folder
-from symosc.model import PARAMETER_NAMES
-from symosc.reference.case import GIVEN_DIGITS, KnownEvent, ReferenceCase
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.reference.case import GIVEN_DIGITS, KnownChange, KnownEvent, ReferenceCase, with_known
 from symosc.reference.cases import CASE_GROUPS, SET_VERSION, reference_cases
 from symosc.reference.compare import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED
+from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 
 SET_FORMAT = "symosc reference cases 1"
@@ -199,30 +199,9 @@ def _files_of_earlier_run(folder: Path) -> set[str]:
 # -- reading -----------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class StoredCase:
-    """A reference case read from its files, reduced to the data that a score needs."""
-
-    name: str
-    group: str
-    Omega: Fraction
-    t0: Fraction
-    t_end: Fraction
-    on_belt: bool
-    events: tuple[KnownEvent, ...]
-    conditions: tuple[float, ...]
-    count: int  # of all events, if only the last period's are given
-    # the derivatives of each event that exist: (dt, dx) by name
-    changes: tuple[dict[str, tuple[float, float]], ...] = ()
-
-    @cached_property
-    def times(self) -> list[float]:
-        """Times of the events."""
-        return [float(event.middle[0]) for event in self.events]
-
-
-def read_set(path: str | Path) -> tuple[int, Sequence[StoredCase]]:
+def read_set(path: str | Path) -> tuple[int, Sequence[ReferenceCase]]:
     """Return version and cases of a folder; raise ResultError for a wrong folder or checksum."""
+    # What the files say of a case is not computed again; its certificate is not read.
     folder = Path(read_path(path))
     manifest = _read_manifest(folder)
     try:
@@ -244,7 +223,7 @@ def _read_manifest(folder: Path) -> Record:
     return content
 
 
-def _read_case(folder: Path, name: str, sums: Record) -> StoredCase:
+def _read_case(folder: Path, name: str, sums: Record) -> ReferenceCase:
     def read(file: str) -> str:
         path = folder / name / file
         try:
@@ -256,40 +235,17 @@ def _read_case(folder: Path, name: str, sums: Record) -> StoredCase:
         return content.decode()
 
     about, rows = tomllib.loads(read(CASE_FILE)), list(csv.DictReader(io.StringIO(read(EVENTS_FILE))))
-    events = tuple(
-        KnownEvent(
-            (row["t_low"], row["t_high"]), (row["x_low"], row["x_high"]), row["kind"], int(row["boundary"]),
-            row["source"], row["target"], row["word"],
+    events = []
+    for row in rows:
+        enclosed = (row["t_low"], row["t_high"]), (row["x_low"], row["x_high"])
+        events.append(
+            KnownEvent(*enclosed, row["kind"], int(row["boundary"]), *(row[key] for key in EVENT_COLUMNS[6:9]))
         )
-        for row in rows
-    )  # fmt: skip
-    numbers = {key: read_exact(key, about["parameters"][key]) for key in ("v1", "v2", "Omega")}
-    numbers |= {key: read_exact(key, about["start"][key]) for key in ("t0", "v0")}
-    changes: tuple[dict[str, tuple[float, float]], ...] = tuple({} for _ in rows)
+    changes: list[dict[str, KnownChange]] = [{} for _ in rows]
     if f"{name}/{CHANGES_FILE}" in sums:  # older sets have none
-        for row in csv.DictReader(io.StringIO(read(CHANGES_FILE))):
-            changes[int(row["event"])][row["wrt"]] = float(row["dt_low"]), float(row["dx_low"])
-    return StoredCase(
-        name,
-        about["reference"]["group"],
-        numbers["Omega"],
-        numbers["t0"],
-        read_exact("t_end", about["t_end"]),
-        numbers["v0"] in (numbers["v1"], numbers["v2"]),
-        events,
-        tuple(float(row["condition"]) for row in rows),
-        about["reference"]["events"],
-        changes,
-    )
-
-
-def stored(case: ReferenceCase, with_derivatives: bool = True) -> StoredCase:
-    """Return a case in the form that its files would have."""
-    p, on_belt = case.parameters, case.v0 in (case.parameters.v1, case.parameters.v2)
-    changes = tuple(
-        {name: (float(each.dt[0]), float(each.dx[0])) for name, each in row.items()}
-        for row in (case.derivatives if with_derivatives else ())
-    )
-    return StoredCase(
-        case.name, case.group, p.Omega, case.t0, case.t_end, on_belt, case.events, case.conditions, case.count, changes
-    )
+        for event, wrt, *bounds, proven in list(csv.reader(io.StringIO(read(CHANGES_FILE))))[1:]:
+            changes[int(event)][wrt] = KnownChange((bounds[0], bounds[1]), (bounds[2], bounds[3]), proven == "yes")
+    scene = Scene(name, Parameters(**about["parameters"]), **about["start"], t_end=about["t_end"])
+    case = ReferenceCase(name, scene=scene, **{key: about["reference"][key] for key in ("group", "hard", "periods")})
+    conditions = tuple(float(row["condition"]) for row in rows)
+    return with_known(case, events=tuple(events), conditions=conditions, derivatives=tuple(changes))

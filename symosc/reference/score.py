@@ -20,9 +20,8 @@ from symosc.aliases import Record
 from symosc.crosschecks.events import RETURNS, WINDOW
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
-from symosc.reference.case import KnownEvent
+from symosc.reference.case import KnownEvent, ReferenceCase
 from symosc.reference.compare import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED, align, relative_error
-from symosc.reference.folder import StoredCase
 from symosc.reference.results import CaseResult, GivenEvent, Results
 
 
@@ -114,17 +113,17 @@ def read_tolerance(value: object) -> float:
     return float(number)
 
 
-def score(name: str, cases: Sequence[StoredCase], results: Results, tolerance: float = SCORE_TOLERANCE) -> Score:
+def score(name: str, cases: Sequence[ReferenceCase], results: Results, tolerance: float = SCORE_TOLERANCE) -> Score:
     """Judge a solver's results case by case; errors up to `tolerance`, or 100 rounding units if more, are allowed."""
     return Score(name, tolerance, [judge_case(case, results.get(case.name), tolerance) for case in cases])
 
 
-def judge_case(case: StoredCase, result: CaseResult | None, tolerance: float) -> CaseScore:
+def judge_case(case: ReferenceCase, result: CaseResult | None, tolerance: float) -> CaseScore:
     """Judge a solver's results for a case; `result` is None if there are none."""
-    condition = max((each for each in case.conditions if each < inf), default=0.0)
-    judged = CaseScore(case.name, case.group, case.count, condition, given=result is not None and not result.note)
+    given = result is not None and not result.note
+    judged = CaseScore(case.name, case.group, case.count, case.condition, given=given)
     judged.grazes = sum(event.kind == "graze" for event in case.events)
-    regular = (row for row, condition in zip(case.changes, case.conditions, strict=False) if condition < inf)
+    regular = (row for row, condition in zip(case.derivatives, case.conditions, strict=True) if condition < inf)
     judged.known_derivatives = sum(2 * len(row) for row in regular)
     if result is None or result.note:
         judged.note = "" if result is None else result.note
@@ -142,39 +141,41 @@ def judge_case(case: StoredCase, result: CaseResult | None, tolerance: float) ->
 class _Judge:
     """Compares a solver's events with those of a case and writes errors and faults into the CaseScore `judged`."""
 
-    def __init__(self, case: StoredCase, judged: CaseScore, tolerance: float) -> None:
+    def __init__(self, case: ReferenceCase, judged: CaseScore, tolerance: float) -> None:
         self.case, self.judged, self.tolerance = case, judged, tolerance
-        self.period = 2 * pi / float(case.Omega)
+        self.times = [float(event.middle[0]) for event in case.events]
+        self.period = 2 * pi / float(case.parameters.Omega)
 
     def judge(self, events: Sequence[GivenEvent]) -> None:
         """Judge all events as right or wrong."""
         case, found = self.case, self._of_last_period(events)
         placed = [event._replace(boundary=self._boundary(event)) for event in found]
-        pairs = align(placed, case.events, case.times, WINDOW * self.period)
+        pairs = align(placed, case.events, self.times, WINDOW * self.period)
         for i, j in pairs:
             self._measure(i, found[j])
         lost = sorted(set(range(len(case.events))) - {i for i, _ in pairs})
         extra = sorted(set(range(len(found))) - {j for _, j in pairs})
         # Solvers list a start on a belt, which is no event.
         near = self.tolerance * self.period + ROUNDING_UNIT * UNITS_ALLOWED * abs(float(case.t0))
-        if case.on_belt and extra and abs(float(found[extra[0]].t - case.t0)) <= near:
+        on_belt = case.v0 in (case.parameters.v1, case.parameters.v2)
+        if on_belt and extra and abs(float(found[extra[0]].t - case.t0)) <= near:
             extra = extra[1:]
         # A graze may be left out, or stand as two contacts.
-        reach = sqrt(self.tolerance) / float(case.Omega)
+        reach = sqrt(self.tolerance) / float(case.parameters.Omega)
         for i in [i for i in lost if case.events[i].kind == "graze"]:
             lost.remove(i)
-            close = [j for j in extra if abs(float(found[j].t) - case.times[i]) <= reach]
+            close = [j for j in extra if abs(float(found[j].t) - self.times[i]) <= reach]
             belts = {found[j].boundary for j in close} <= {0, case.events[i].boundary}
             if belts and tuple(found[j].kind for j in close) in RETURNS:
                 extra = [j for j in extra if j not in close]
         # The others that are together are of a wrong kind.
-        times, other = [case.times[i] for i in lost], [found[j]._replace(kind="", boundary=0) for j in extra]
+        times, other = [self.times[i] for i in lost], [found[j]._replace(kind="", boundary=0) for j in extra]
         unknown = [GivenEvent(Fraction(0), None, "", 0)] * len(lost)
         wrong = [(lost[i], extra[j]) for i, j in align(other, unknown, times, KIND_WINDOW * self.period)]
         for i, j in wrong:
-            self._fault("wrong kind", case.times[i], _event_text(case.events[i]), _event_text(found[j]))
+            self._fault("wrong kind", self.times[i], _event_text(case.events[i]), _event_text(found[j]))
         for i in sorted(set(lost) - {i for i, _ in wrong}):
-            self._fault("missed", case.times[i], _event_text(case.events[i]), "")
+            self._fault("missed", self.times[i], _event_text(case.events[i]), "")
         for j in sorted(set(extra) - {j for _, j in wrong}):
             self._fault("invented", float(found[j].t), "", _event_text(found[j]))
 
@@ -183,7 +184,7 @@ class _Judge:
         uncompared = self.case.count - len(self.case.events)
         if not uncompared:
             return events
-        begin = self.case.times[0] - WINDOW * self.period
+        begin = self.times[0] - WINDOW * self.period
         last = [event for event in events if event.t > begin]
         before = len(events) - len(last)
         if before and before != uncompared:
@@ -197,7 +198,7 @@ class _Judge:
         same = [i for i, known in enumerate(self.case.events) if known.kind == event.kind]
         if event.boundary or not same:
             return event.boundary
-        return self.case.events[min(same, key=lambda i: abs(self.case.times[i] - float(event.t)))].boundary
+        return self.case.events[min(same, key=lambda i: abs(self.times[i] - float(event.t)))].boundary
 
     def _measure(self, i: int, event: GivenEvent) -> None:
         """Measure the errors of a solver's event against the case's event i; note a fault if one is too large."""
@@ -231,7 +232,8 @@ class _Judge:
         judged, known, condition = self.judged, self.case.events[i], self.case.conditions[i]
         allowed = max(self.tolerance, UNITS_ALLOWED * ROUNDING_UNIT * max(1.0, condition) ** 2)
         worst = (0.0, "")
-        for name, exact in (self.case.changes[i] if condition < inf and self.case.changes else {}).items():
+        for name, change in self.case.derivatives[i].items() if condition < inf else ():
+            exact = float(change.dt[0]), float(change.dx[0])
             for of, value in zip("tx", exact, strict=True):
                 found = event.changes.get(f"d{of}_{name}")
                 if found is None:
@@ -245,7 +247,7 @@ class _Judge:
                 worst = max(worst, (error, f"d{of}/d{name}"))
         if worst[0] > allowed:
             what = f"{worst[1]} of {_event_text(known)}, error {worst[0]:.1e}, allowed {allowed:.1e}"
-            judged.wrong.append(Wrong("derivative", self.case.times[i], what, ""))
+            judged.wrong.append(Wrong("derivative", self.times[i], what, ""))
 
     def _fault(self, fault: str, t: float, wanted: str, found: str, count: int = 1) -> None:
         name = {"wrong kind": "kinds", "error": "late"}.get(fault, fault)

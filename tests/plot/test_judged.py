@@ -12,7 +12,7 @@ from careful_solver import TIGHT, solve
 from excerpts import crosscheck
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from small_set import right, stored_set
+from small_set import right, small_set
 
 import symosc
 from symosc import Branch, Parameters, continue_orbit, find_orbit, load_scene, plot, simulate
@@ -164,7 +164,7 @@ def test_widths_are_those_of_the_enclosures() -> None:
 
 @pytest.mark.slow
 def test_each_case_is_where_it_belongs() -> None:
-    cases = list(stored_set())
+    cases = list(small_set())
     good = score("good", cases, {case.name: right(case) for case in cases})
     bad = score("bad", cases, {cases[0].name: CaseResult(right(cases[0]).events[1:])})
     drawing = plot.score_figure([good, bad])

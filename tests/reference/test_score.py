@@ -11,9 +11,10 @@ from math import inf, nan, pi, sqrt
 from pathlib import Path
 
 import pytest
-from small_set import NAMES, right, small_set, stored_set
+from small_set import NAMES, right, small_set
 
 from symosc import ParameterError, load_scene, simulate, simulate_many
+from symosc.reference.case import ReferenceCase, with_known
 from symosc.reference.compare import (
     KIND_WINDOW,
     SCORE_TOLERANCE,
@@ -23,7 +24,6 @@ from symosc.reference.compare import (
     compare,
     window_of,
 )
-from symosc.reference.folder import StoredCase
 from symosc.reference.results import CaseResult, GivenEvent, read_results
 from symosc.reference.score import (
     CaseScore,
@@ -46,11 +46,11 @@ from symosc.reference.score import (
 FAULTS = ("missed", "invented", "kinds", "late")
 
 
-def case_of(name: str) -> StoredCase:
-    return next(case for case in stored_set() if case.name == name)
+def case_of(name: str) -> ReferenceCase:
+    return next(case for case in small_set() if case.name == name)
 
 
-def judged(case: StoredCase, events: list[GivenEvent]) -> CaseScore:
+def judged(case: ReferenceCase, events: list[GivenEvent]) -> CaseScore:
     return judge_case(case, CaseResult(events), SCORE_TOLERANCE)
 
 
@@ -66,11 +66,11 @@ def test_right_results_are_right(name: str) -> None:
     assert found.wrong == []
 
 
-def with_changes(case: StoredCase, factor: float = 1.0) -> list[GivenEvent]:
+def with_changes(case: ReferenceCase, factor: float = 1.0) -> list[GivenEvent]:
     """Return right results with right derivatives, but the last one times a factor."""
     found = []
-    for event, row in zip(right(case).events, case.changes, strict=True):
-        changes = {f"d{of}_{name}": value for name, both in row.items() for of, value in zip("tx", both, strict=True)}
+    for event, row in zip(right(case).events, case.derivatives, strict=True):
+        changes = {f"d{of}_{name}": float(both[i][0]) for name, both in row.items() for i, of in enumerate("tx")}
         found.append(event._replace(changes=changes))
     last = list(found[-1].changes)[-1] if found else ""
     return [*found[:-1], found[-1]._replace(changes=found[-1].changes | {last: found[-1].changes[last] * factor})]
@@ -81,8 +81,9 @@ def test_derivatives_are_judged_where_they_exist() -> None:
         case = case_of(name)
         found = judged(case, with_changes(case))
         assert found.right
-        assert found.derivatives == found.known_derivatives == sum(2 * len(row) for row in case.changes) > 70
-        dt, dx = list(case.changes[-1].values())[-1]
+        assert found.derivatives == found.known_derivatives == sum(2 * len(row) for row in case.derivatives) > 70
+        last = list(case.derivatives[-1].values())[-1]
+        dt, dx = float(last.dt[0]), float(last.dx[0])
         scale = max(1.0, abs(dt), abs(dx), abs(float(case.events[-1].middle[1])))
         for factor, error in ((1 + 1e-4, 1e-4 * abs(dx) / scale), (nan, inf)):
             wrong = judged(case, with_changes(case, factor))
@@ -92,7 +93,7 @@ def test_derivatives_are_judged_where_they_exist() -> None:
             assert f"1 of {found.derivatives}" in as_text([Score("mine", SCORE_TOLERANCE, [wrong])])
     graze = case_of("graze-overdamped-P3")
     assert [event.kind for event in graze.events] == ["graze", "stick", "slip"]
-    assert [list(row) for row in graze.changes] == [["v2"]] * 3  # belt 2 is never reached
+    assert [list(row) for row in graze.derivatives] == [["v2"]] * 3  # belt 2 is never reached
 
 
 def test_a_table_of_derivatives_is_read_from_what_symosc_writes(tmp_path: Path) -> None:
@@ -104,11 +105,11 @@ def test_a_table_of_derivatives_is_read_from_what_symosc_writes(tmp_path: Path) 
     assert (found.right, found.derivatives) == (True, 3 * 3 * 2)
 
 
-def changed(case: StoredCase, change: str, rng: random.Random) -> tuple[list[GivenEvent], dict[str, int], float]:
+def changed(case: ReferenceCase, change: str, rng: random.Random) -> tuple[list[GivenEvent], dict[str, int], float]:
     """Return results with a fault, what a score must say, and the time of the fault."""
     events = right(case).events
     i = rng.choice([i for i, event in enumerate(events) if event.kind != "graze"])
-    event, period = events[i], 2 * pi / float(case.Omega)
+    event, period = events[i], 2 * pi / float(case.parameters.Omega)
     others = [float(each.t) for each in events[:i] + events[i + 1 :]]
     if change == "dropped":
         return events[:i] + events[i + 1 :], {"missed": 1}, float(event.t)
@@ -157,7 +158,7 @@ def test_errors_are_measured_in_units_of_the_condition() -> None:
     by = Fraction(1, 10**10)
     events[i] = events[i]._replace(t=events[i].t * (1 + by))
     assert judge_case(case, CaseResult(events), 1e-11).late == 1
-    ill = replace(case, conditions=tuple(1e8 for _ in case.conditions))
+    ill = with_known(case, conditions=tuple(1e8 for _ in case.conditions))
     allowed = UNITS_ALLOWED * 1e8 * 1e-16
     assert allowed > 1e-10
     assert judge_case(ill, CaseResult(events), 1e-11).late == 0
@@ -178,7 +179,7 @@ def test_a_graze_may_be_nothing_or_a_short_contact(
 ) -> None:
     case = case_of("graze-overdamped-P3")
     touch, *others = right(case).events
-    half = Fraction(apart * sqrt(SCORE_TOLERANCE) / float(case.Omega))
+    half = Fraction(apart * sqrt(SCORE_TOLERANCE) / float(case.parameters.Omega))
     sides = (-half, half)
     contacts = [touch._replace(kind=kind, t=touch.t + side) for kind, side in zip(kinds, sides, strict=False)]
     found = judged(case, [*contacts, *others])
@@ -211,7 +212,10 @@ def test_a_late_start_is_no_excuse_for_late_events(t0: int) -> None:
     """Each time as a double is right, and right events that are 1e-3 late are not; of t0 = 1e8 that is 1e-11."""
     case = case_of("paper-fig5")
     events = tuple(event._replace(t=(str(Fraction(event.t[0]) + t0),) * 2) for event in case.events)
-    late = replace(case, t0=case.t0 + t0, t_end=case.t_end + t0, events=events)
+    scene = replace(case.scene, t0=case.t0 + t0, t_end=case.t_end + t0)
+    late = with_known(
+        replace(case, scene=scene), events=events, conditions=case.conditions, derivatives=case.derivatives
+    )
     rounded = [event._replace(t=Fraction(float(event.t))) for event in right(late).events]
     found = judged(late, rounded)
     assert found.right
@@ -245,7 +249,8 @@ def test_results_that_end_early_are_not_right() -> None:
 def test_of_a_very_long_run_the_last_period_is_compared_and_the_rest_counted() -> None:
     case = case_of("continuum-1-2")
     events, last = right(case).events, case.events[-2:]
-    long = replace(case, events=last, conditions=case.conditions[-2:], count=len(events))
+    known = {"events": last, "conditions": case.conditions[-2:], "derivatives": ({}, {})}
+    long = with_known(replace(case, periods=len(events) // 2), **known)
     assert judged(long, events).right
     assert judged(long, events[-2:]).right  # only the last period is handed in
     assert counts(judged(long, events[1:])) == {"missed": 1}
@@ -255,7 +260,7 @@ def test_of_a_very_long_run_the_last_period_is_compared_and_the_rest_counted() -
 
 
 def test_cases_without_results_are_no_faults() -> None:
-    cases = list(stored_set())
+    cases = list(small_set())
     found = score("mine", cases, {cases[0].name: right(cases[0])})
     assert found.ok
     assert len(found.given) == 1
@@ -272,7 +277,7 @@ def test_a_tolerance_is_a_small_number(value: object) -> None:
 
 
 def test_tables_say_what_is_wrong_in_every_form() -> None:
-    cases = list(stored_set())
+    cases = list(small_set())
     good = score("a|b", cases, {case.name: right(case) for case in cases})
     events = right(cases[0]).events
     bad = score("<c>", cases, {cases[0].name: CaseResult([*events[1:3], *events[4:]], seconds=0.25)})

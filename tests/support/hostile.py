@@ -195,10 +195,9 @@ def _samples() -> dict[str, Any]:
 
 
 def _scores() -> Any:
-    from symosc.reference.folder import stored
     from symosc.reference.score import score
 
-    return [score("nobody", [stored(symosc.reference_cases()[1])], {})]
+    return [score("nobody", [symosc.reference_cases()[1]], {})]
 
 
 OVER = {"Omega": "3:5:3", "FN": [5, 10]}

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
 
 from symosc import ReferenceCase, reference_cases
-from symosc.reference.folder import StoredCase, stored
 from symosc.reference.results import CaseResult, GivenEvent
 
 NAMES = ("paper-fig5", "paper-fig6", "graze-overdamped-P3", "rest-1", "free-decay-2", "continuum-1-2")
@@ -17,13 +15,7 @@ def small_set() -> Sequence[ReferenceCase]:
     return [case for case in reference_cases() if case.name in NAMES]
 
 
-@cache
-def stored_set() -> tuple[StoredCase, ...]:
-    """Return the cases as their files would have them."""
-    return tuple(map(stored, small_set()))
-
-
-def right(case: StoredCase) -> CaseResult:
+def right(case: ReferenceCase) -> CaseResult:
     """Return the results of a perfect solver."""
     events = [GivenEvent(*event.middle, event.kind, event.boundary) for event in case.events]
     return CaseResult(events, end=case.t_end)
