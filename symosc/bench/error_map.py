@@ -47,8 +47,8 @@ RATIO_RANGE, ZETA_RANGE = (-2, 2), (-10, 2)
 
 
 def value_at(place: float) -> Fraction:
-    """Return the number at a place on the map's axis, which is logarithmic near 0, near 1 and towards infinity."""
-    # Below NEAREST the place is log10(value/(1 - value)), above it 2 NEAREST + log10(value - 1), in between is 1.
+    """Return the number at a place on an axis of the map; the axis resolves numbers near 0, near 1, and large ones."""
+    # Up to NEAREST the place is log10(value/(1 - value)), from there on 2 NEAREST + log10(value - 1); 1 is at NEAREST.
     if abs(place - NEAREST) < 1e-9:
         return Fraction(1)
     part = Fraction(repr(float(10.0 ** (place - 2 * NEAREST if place > NEAREST else -abs(place)))))
@@ -58,7 +58,7 @@ def value_at(place: float) -> Fraction:
 
 
 def place_of(value: float, beyond: float = 0.0) -> float:
-    """Return the place on the map's axis of the number value + beyond: two doubles, to resolve it close to 1."""
+    """Return the place of a number on the axis; one close to 1 is given as the sum of two doubles."""
     below = (1.0 - value) - beyond
     if below == 0.0:
         return float(NEAREST)
@@ -120,14 +120,14 @@ def run(
 
 
 def error(values: Sequence[float], exact: Sequence[Number], tau: float) -> float:
-    """Return the largest error of E0, E1, E2, R2, I2, each relative to its scale in the module's table (w0 = 1)."""
+    """Return the largest error of E0, E1, E2, R2, I2, each relative to its amplitude as in the module's docstring."""
     E0, E1, E2, R2, I2 = (abs(value) for value in exact[:5])
     sizes = (max(1, E0), E1 + E0 * tau / (1 + tau), E2, R2 + I2, R2 + I2)
     return max(float(abs(b - a) / size) for a, b, size in zip(values, exact, sizes, strict=False))
 
 
 def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
-    """Return E0, E1, E2, R2, I2 of an underdamped system by the cheap formula, even where its error is large."""
+    """Return E0, E1, E2, R2, I2 of an underdamped system by the cheap closed form, at whatever error."""
     angle, drive = K.omega_d * tau, K.Om * tau
     waves = (sin(angle), cos(angle), sin(drive), cos(drive))
     values: tuple[float, ...] = entire.basis_apart(exp(-K.h * tau), *waves, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
@@ -202,7 +202,7 @@ def figure(result: Record) -> Figure:
 
 
 def _borders(ax: Axes, result: Record, column: int, shipped: bool) -> None:
-    """Draw the border of the cheap formula, or all borders between symosc's formulas with their names."""
+    """Draw in a time's panel the border of symosc's cheap formula; if `shipped`, the borders of all its formulas."""
     from scipy.ndimage import label
 
     chosen = np.array(result["formulas"][column])

@@ -12,7 +12,7 @@ at a belt by so little that the forces send it back is a "graze" here.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from math import cos, inf, pi, sin, sqrt
 from typing import Any, NamedTuple
@@ -20,7 +20,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.bench.solvers import LazyEvents
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import SymoscError
 from symosc.model import MODE_NAMES, Parameters
@@ -88,7 +87,7 @@ def problem(p: Parameters, origin: Fraction = Fraction(0)) -> Problem:
 
 
 def from_now(q, t):
-    """Return the parameter set `q` with the time counted from t on, its phase adapted."""
+    """Return the problem `q` with its clock set to 0 at the time t."""
     theta = (q.theta + q.Omega * t) % (2.0 * pi)
     return Problem(q.A1, q.A2, q.A3, q.swing, q.Omega, q.stiffness, q.damping, q.v1, q.v2, q.period, theta)
 
@@ -100,7 +99,8 @@ def force(q, alpha, t, x, v):
 
 
 def margins(q, mode, t, x, v):
-    """Return the margins to the lower and upper exit: in a flight distances of v from belts, in a stick both forces."""
+    """Return how far a motion is from leaving its mode downward and upward; negative: it has left."""
+    # In a flight these are the distances of v from the belts, in a stick F^(below) and -F^(above).
     if mode == 1:
         return inf, q.v1 - v
     if mode == 2:
@@ -112,7 +112,7 @@ def margins(q, mode, t, x, v):
 
 
 def turn(q, mode, t, x, v):
-    """Return the time derivative of both margins, up to sign; between two of its zeros each margin is monotone."""
+    """Return the time derivative of the margins, but for the sign: between its zeros both margins are monotone."""
     if mode < 4:
         return force(q, mode, t, x, v)
     return q.swing * q.Omega * sin(q.Omega * t + q.theta) + q.stiffness * v
@@ -155,7 +155,8 @@ def start_mode(q, x, v):
 
 
 def root(q, mode, side, piece, a, b, fa, fb, tolerance):
-    """Return the time between a and b at which a side's margin changes sign (Chandrupatla's method, 1997)."""
+    """Return the time between a and b at which a solver's `margin` of a side, fa and fb there, changes its sign."""
+    # Chandrupatla's method (1997). `piece` is whatever the solver's `margin` takes.
     c, fc, part = a, fa, 0.5
     for _ in range(200):
         tau = a + part * (b - a)
@@ -178,7 +179,9 @@ def root(q, mode, side, piece, a, b, fa, fb, tolerance):
 
 
 def follow(q, s, t, x, v, mode, boundary, offset, t_end):
-    """Follow a motion; return rows (t, x, kind, boundary), their count, an outcome (0: t_end reached) and last mode."""
+    """Follow a motion by the solver with settings s; return rows of events, their count, an outcome, the last mode."""
+    # A row is t, x, place in EVENT_KINDS, boundary; the outcome is 0 (t_end reached), CHATTERS or GAVE_UP. A flight
+    # from a belt starts with a velocity that is off the belt's by `offset`.
     rows = np.empty((64, 4))
     count = 0
     while t < t_end:
@@ -213,23 +216,25 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
     return rows, count, 0, mode
 
 
-def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Callable[[], LazyEvents]:
+def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Callable[[], Iterator[FoundEvent]]:
     """Return a function that follows a scene and returns its events, or raises PeerError."""
-    # `functions` are those of this module and of a solver, bound together; `settings` is the argument `s` of `leave`.
-    # Flights from a belt start the part `offset` of the larger belt speed off it.
+    # `functions`: this module's, bound to the solver's `leave`; `settings`: the argument `s` of that. Flights from a
+    # belt start with a velocity that is off the belt's by the part `offset` of the larger belt speed.
     q, t0, x, v = problem(scene.parameters, scene.t0), float(scene.t0), float(scene.x0), float(scene.v0)
     arguments = q, settings, 0.0, x, v, *start_mode(q, x, v), offset * max(abs(q.v1), abs(q.v2))
     duration, follow = float(scene.t_end - scene.t0), functions["follow"]
     follow(*arguments, 0.0)  # compiles
 
-    def run() -> LazyEvents:
+    def events(rows: np.ndarray) -> Iterator[FoundEvent]:
+        for t, x, kind, boundary in rows.tolist():
+            yield FoundEvent(t0 + t, x, EVENT_KINDS[int(kind)], int(boundary))
+
+    def run() -> Iterator[FoundEvent]:
         rows, count, outcome, last = follow(*arguments, duration)
         if outcome:
             where = f"in {MODE_NAMES[last]} after t = {t0 + rows[count - 1, 0] if count else t0:.6g}"
             chatters = f"chatters {where}: more than {CHATTER} events within one period"
             raise PeerError(chatters if outcome == CHATTERS else f"took too many steps {where}")
-        return LazyEvents(
-            lambda: [FoundEvent(t0 + t, x, EVENT_KINDS[int(n)], int(at)) for t, x, n, at in rows[:count].tolist()]
-        )
+        return events(rows[:count])
 
     return run

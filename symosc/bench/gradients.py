@@ -23,7 +23,7 @@ from symosc.aliases import Record
 from symosc.bench import cases, event_logic, not_run, peers_heyoka, peers_numba, peers_scipy, sentence
 from symosc.bench.event_logic import ONE_STEP_OFFSET, STEPS_PER_PERIOD, force, problem, runner, start_mode
 from symosc.bench.peers_numba import E3, E5, STAGE_TIMES, STAGE_WEIGHTS, STAGES, STEP_EXPONENT, STEP_SAFETY
-from symosc.bench.solvers import Solver
+from symosc.bench.solvers import Solver, events_of
 from symosc.engine.arithmetic import bind
 from symosc.engine.flow import friction_signs
 from symosc.errors import ParameterError
@@ -44,21 +44,11 @@ Jacobian = Callable[..., tuple[np.ndarray, np.ndarray]]
 X, V, OF_M, OF_C, OF_K, OF_A, OF_B, OF_OMEGA, OF_PHASE = COLUMNS = range(9)
 
 
-class FoundChanges(NamedTuple):
-    """An event with its derivatives in `changes`, where dt_mu1 is that of t with respect to mu1, and so on."""
-
-    t: float
-    x: float
-    kind: str
-    boundary: int
-    changes: dict[str, float]
-
-
-def found_changes(event: FoundEvent, dt: Sequence[float], dx: Sequence[float]) -> FoundChanges:
+def found_changes(event: FoundEvent, dt: Sequence[float], dx: Sequence[float]) -> FoundEvent:
     """Return an event with its derivatives with respect to parameters and start values, without those that are NaN."""
     rows = (("dt", dt), ("dx", dx))
     changes = {f"{of}_{name}": float(d) for of, row in rows for name, d in zip(NAMES, row, strict=True) if d == d}
-    return FoundChanges(*event, changes)
+    return event._replace(changes=changes)
 
 
 # -- derivatives of flights, and what events do to them ----------------------------------------------------------------
@@ -96,13 +86,13 @@ def pieces(scene: Scene, events: Iterable[FoundEvent]) -> Iterator[tuple[FoundEv
             mode, boundary, t, x, v = after, at, event.t, event.x, speed
 
 
-def through_events(scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobian) -> Iterator[FoundChanges]:
+def through_events(scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobian) -> Iterator[FoundEvent]:
     """Yield the events of a motion with their derivatives, by the chain rule from the derivatives of its flights."""
     p, q, t0 = scene.parameters, problem(scene.parameters, scene.t0), float(scene.t0)
     number = {name: float(getattr(p, name)) for name in PARAMETER_NAMES}
     m, c, k, B0, Omega = (number[name] for name in ("m", "c", "k", "B0", "Omega"))
 
-    def drag(domain: int) -> np.ndarray:
+    def gradient_of_A(domain: int) -> np.ndarray:
         """Return the derivatives of A, the constant force in a domain, with respect to all parameters."""
         one, two = friction_signs(domain)
         by_mu = number["FN"] * (one * ONE["mu1"] + two * ONE["mu2"])
@@ -117,13 +107,13 @@ def through_events(scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobia
             phase = (q.theta + Omega * (t - t0)) % (2 * pi)
             dx_end, dv_end = (
                 d[X] * dx + d[V] * dv + d[OF_M] * ONE["m"] + d[OF_C] * ONE["c"] + d[OF_K] * ONE["k"]
-                + d[OF_A] * drag(mode) + d[OF_B] * ONE["B0"] + (d[OF_OMEGA] + t * d[OF_PHASE]) * ONE["Omega"]
+                + d[OF_A] * gradient_of_A(mode) + d[OF_B] * ONE["B0"] + (d[OF_OMEGA] + t * d[OF_PHASE]) * ONE["Omega"]
                 for d in jacobian(m, c, k, float(p.A(mode)), B0, Omega, phase, x, v, duration)
             )  # fmt: skip
             dt = (belt - dv_end) / force(q, mode, event.t - t0, event.x, speed)
         else:
             dx_end, phase = dx + dv * duration, q.theta + Omega * (event.t - t0)
-            change = drag(after) + cos(phase) * ONE["B0"] - B0 * event.t * sin(phase) * ONE["Omega"]
+            change = gradient_of_A(after) + cos(phase) * ONE["B0"] - B0 * event.t * sin(phase) * ONE["Omega"]
             change = change - event.x * ONE["k"] - k * dx_end - speed * ONE["c"] - c * belt
             dt = change / (k * speed + B0 * Omega * sin(phase))
         yield found_changes(event, dt, dx_end + speed * dt)
@@ -137,8 +127,8 @@ def by_flights(
     jacobian_of: Callable[[float], Jacobian],
     scene: Scene,
     tolerance: float,
-) -> Callable[[], list[FoundChanges]]:
-    """Prepare a solver: `follow` finds the events of a scene, `jacobian_of` the derivatives of each of its flights."""
+) -> Callable[[], list[FoundEvent]]:
+    """Return a function that finds the events by one tool and differentiates the flights between them by another."""
     run, jacobian = follow(scene, tolerance), jacobian_of(tolerance)
     return lambda: list(through_events(scene, run(), jacobian))
 
@@ -236,7 +226,7 @@ def dop853_jacobian(tolerance: float) -> Jacobian:
     return jacobian
 
 
-def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]:
+def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
     """Prepare central differences of events found by scipy's DOP853; forward ones for a number at its minimum."""
     follow = partial(peers_scipy.prepare, "DOP853")
 
@@ -249,7 +239,7 @@ def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundChange
         except (ParameterError, event_logic.PeerError):
             return None
 
-    def run() -> list[FoundChanges]:
+    def run() -> list[FoundEvent]:
         events = list(follow(scene, tolerance)())
         slopes = np.full((2, len(events), len(NAMES)), np.nan)
         for j, name in enumerate(NAMES):
@@ -308,14 +298,14 @@ def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., 
 
 
 def _settings(p: Parameters, mode: int, side: int) -> tuple[float, ...]:
-    """Return the last arguments of `piece`: friction signs, 1.0 for a flight, coefficients of the exit's function."""
+    """Return the last seven arguments of the function from `diffrax_pieces`: signs, whether it flies, the exit."""
     if mode > 3:
         return *friction_signs(mode - 3 if side < 0 else mode - 2), 0.0, 0.0, -float(side), 0.0, 0.0
     boundary = mode if side > 0 else mode - 1
     return *friction_signs(mode), 1.0, -float(side), 0.0, *(side * float(boundary == n) for n in (1, 2))
 
 
-def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]:
+def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
     """Prepare diffrax: it finds the events, and JAX differentiates each piece through them."""
     p, (piece, slopes), t0 = scene.parameters, diffrax_pieces(tolerance), float(scene.t0)
     numbers, q = np.array([float(getattr(p, name)) for name in PARAMETER_NAMES]), problem(p, scene.t0)
@@ -331,7 +321,7 @@ def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], li
 
     follow = runner(scene, bind((event_logic,), {"leave": leave}), None, ONE_STEP_OFFSET)
 
-    def run() -> list[FoundChanges]:
+    def run() -> list[FoundEvent]:
         found, at = [], np.stack([ONE["t0"], ONE["x0"], ONE["v0"]])  # of t, x, v at the start of a piece
         for event, (mode, t, x, v, boundary, side, _) in pieces(scene, follow()):
             if boundary and mode < 4:  # off the belt, as in `follow`
@@ -352,15 +342,14 @@ def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], li
 # -- all of them -------------------------------------------------------------------------------------------------------
 
 
-def compiled(scene: Scene, tolerance: float) -> Callable[[], list[FoundChanges]]:
+def compiled(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
     """Prepare symosc's compiled derivatives of events; those that do not exist are left out."""
     start, known = [scene.t0, scene.x0, scene.v0], scene.start_error
 
-    def run() -> list[FoundChanges]:
+    def run() -> list[FoundEvent]:
         table = simulate_many(scene.parameters, start, scene.t_end, start_error=known, wrt=NAMES)
         dt, dx = (np.where(table.regular, each, np.nan) for each in (table.dt, table.dx))
-        events = map(FoundEvent, table.t.tolist(), table.x.tolist(), table.kind.tolist(), table.boundary.tolist())
-        return [found_changes(event, *rows) for event, *rows in zip(events, dt, dx, strict=True)]
+        return [found_changes(event, *rows) for event, *rows in zip(events_of(table), dt, dx, strict=True)]
 
     return run
 

@@ -13,21 +13,22 @@ from both belts, in sticks the accelerations on both sides.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import starmap
 from math import cos, sin
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from symosc.bench.event_logic import CHATTER, ONE_STEP_OFFSET, PeerError, Problem, problem, start_mode
-from symosc.bench.solvers import LazyEvents, Solver
+from symosc.bench.solvers import Solver
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 
 
 class Tables(NamedTuple):
-    """Constants: A_alpha/m, belt speeds, parameters of the integrator by mode, start speeds by boundary and domain."""
+    """A_alpha/m by domain, belt speeds, integrator parameters by mode, and velocities just off a belt in a domain."""
 
     A: dict[int, float]
     belts: dict[int, float]
@@ -57,7 +58,7 @@ def equations(q: Problem) -> tuple[list[Any], tuple[Any, Any]]:
     return rates, (p[2] * v + p[3] * a + p[4], p[5] * v + p[6] * a + p[7])
 
 
-def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
+def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
     """Return a function that follows the motion of a scene and returns its events, with the integrator built before."""
     import heyoka as hy
 
@@ -72,7 +73,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
     p_now: Any
 
     def callback(event: int) -> Callable[[Any, int], bool]:
-        """Return the callback of heyoka's first or second event: contact with belt 1 or 2, or a slip down or up."""
+        """Return the callback of event 1 or 2: in a flight contact with belt 1 or 2, in a stick a slip down or up."""
         belt = belts[event]
         drag, A_below, A_above = damping * belt, A[event], A[event + 1]
         v_below, v_above, stick = starts[event, event], starts[event, event + 1], pars[3 + event]
@@ -110,7 +111,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
     # Steps that a run may take: this number per period, and as many before the first one.
     most = 100 * CHATTER * (1 + int(duration / q.period))
 
-    def run() -> LazyEvents:
+    def run() -> Iterator[FoundEvent]:
         nonlocal now, append, item, state, p_now
         rows: list[tuple[Any, ...]] = []
         now, append, integrator.time = mode, rows.append, 0.0
@@ -120,7 +121,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
         append = item = state = p_now = None  # the integrator owns the callbacks: they must not own it
         if outcome != hy.taylor_outcome.time_limit:
             raise PeerError(f"heyoka: {outcome} after {len(rows)} events")
-        return LazyEvents(lambda: list(map(FoundEvent._make, rows)))
+        return starmap(FoundEvent, rows)
 
     return run
 

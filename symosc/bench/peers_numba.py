@@ -8,7 +8,7 @@ itself refine the event, not its interpolant, and flights start off the belt.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from math import sqrt
 from typing import NamedTuple
@@ -32,8 +32,9 @@ from symosc.bench.event_logic import (
     runner,
     turn,
 )
-from symosc.bench.solvers import LazyEvents, Solver
+from symosc.bench.solvers import Solver
 from symosc.engine.arithmetic import compile_modules
+from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 
 STAGES = DOP853.n_stages
@@ -79,7 +80,7 @@ def settings(q: Problem, tolerance: float) -> Settings:
 
 
 def stages(q, s, mode, t, x, v, h, begin, end):
-    """Evaluate the Runge-Kutta stages from `begin` to before `end`, into s.K; return the state at the last one."""
+    """Evaluate Runge-Kutta stages begin to end - 1 and store their rates in s.K; return the state of the last one."""
     X = V = 0.0
     for stage in range(begin, end):
         dx = dv = 0.0
@@ -109,7 +110,7 @@ def error_of(s, x, v, X, V, h):
 
 
 def dense(q, s, mode, t, x, v, X, V, h):
-    """Fill the dense output of a step that has been made."""
+    """Compute the dense output, into s.F, of a step from (x, v) to (X, V); return the step."""
     stages(q, s, mode, t, x, v, h, STAGES + 1, ALL_STAGES)
     for row in range(2):
         delta = X - x if row == 0 else V - v
@@ -136,7 +137,7 @@ def state_in(step, tau):
 
 
 def margin(q, mode, side, step, tau):
-    """Return the margin of the dense output to its lower or upper exit, tau after its start; for side 0 its rate."""
+    """Return a margin (side < 0: lower, > 0: upper), or for side 0 its rate, tau after a step began; see `margins`."""
     x, v = state_in(step, tau)
     t = step.t + tau
     if side == 0:
@@ -159,7 +160,7 @@ def exit_within(q, s, mode, step, end, tolerance):
 
 
 def refined(q, s, mode, side, step, tau):
-    """Return time and position of an exit, by Newton's method in which each evaluation is a Runge-Kutta step."""
+    """Return time and position of an exit by Newton's method on the Runge-Kutta step itself, not its dense output."""
     x = step.x
     for _ in range(3):
         x, v = stages(q, s, mode, step.t, step.x, step.v, tau, 1, STAGES + 1)
@@ -217,7 +218,7 @@ def compiled() -> Record:
     return compile_modules((event_logic, sys.modules[__name__]))
 
 
-def prepare(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
+def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
     """Return a function that follows a scene by the compiled DOP853 and returns its events."""
     return runner(scene, compiled(), settings(problem(scene.parameters), tolerance), ONE_STEP_OFFSET)
 

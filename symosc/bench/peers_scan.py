@@ -8,7 +8,7 @@ and by the distance from resonance.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import lru_cache, partial
 from math import cos, exp, sin, sqrt
 from typing import NamedTuple
@@ -18,9 +18,10 @@ import numpy as np
 from symosc.aliases import Record
 from symosc.bench import event_logic
 from symosc.bench.event_logic import UNSOLVED, PeerError, Problem, margins, problem, root, runner
-from symosc.bench.solvers import LazyEvents, Solver
+from symosc.bench.solvers import Solver
 from symosc.engine.arithmetic import compile_modules
 from symosc.model import Parameters
+from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 
 UNDERDAMPED, CRITICAL, OVERDAMPED = range(3)
@@ -30,7 +31,7 @@ FIRST_SAMPLE = 1e-5
 
 
 class Scan(NamedTuple):
-    """The settings of a scan (distance of samples, tolerance of a root), and constants of the closed form."""
+    """What a scan for changes of sign needs: distance of samples, tolerance of a root, constants of the closed form."""
 
     distance: float
     tolerance: float
@@ -146,7 +147,7 @@ def compiled() -> Record:
     return compile_modules((event_logic, sys.modules[__name__]))
 
 
-def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
+def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
     """Return a function that follows a scene by the scan, with `points` samples per period, and returns its events."""
     return runner(scene, compiled(), scan_of(problem(scene.parameters), points, tolerance), 0.0)
 

@@ -17,7 +17,7 @@ Both look for a change of sign from one step to the next. So there are traps.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -27,8 +27,9 @@ from scipy.integrate import solve_ivp
 from symosc.aliases import Record
 from symosc.bench import event_logic
 from symosc.bench.event_logic import ATOL, STEPS_PER_PERIOD, PeerError, Problem, force, margins, problem, runner, turn
-from symosc.bench.solvers import LazyEvents, Solver
+from symosc.bench.solvers import Solver
 from symosc.engine.arithmetic import bind
+from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 
 #: As `ONE_STEP_OFFSET`; and of multistep methods at least this part of rtol: they start with order 1, so that the first
@@ -111,7 +112,7 @@ def integrate_by_cvode(options: Record, q: Problem, mode: int, x: float, v: floa
 
 
 def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
-    """Return a function that follows a mode to its exit; a margin < 0 at a turning point reveals a missed exit."""
+    """Return `leave` for an integrator; where a margin turned outside, unseen by it, it is run again up to there."""
 
     def leave(q: Problem, s: None, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
         side, end, x_end, turns = integrate(q, mode, x, v, t_end)
@@ -125,7 +126,7 @@ def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
     return leave
 
 
-def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
+def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
     """Return a function that follows a scene by an integrator with ``rtol = tolerance`` and returns its events."""
     longest = problem(scene.parameters).period / STEPS_PER_PERIOD
     options = {"method": method, "rtol": tolerance, "atol": ATOL * tolerance, "max_step": longest}

@@ -28,16 +28,15 @@ def check(readme: str | Path) -> str:
         raise OutputError(str(readme), getattr(error, "strerror", None) or "is not UTF-8 text") from None
     if not os.access(readme, os.W_OK):
         raise OutputError(str(readme), "Permission denied")
-    return replaced(text, "results", "", readme)
+    return _replaced(text, "", readme)
 
 
-def replaced(text: str, section: str, content: str, name: str | Path = "README") -> str:
-    """Return a text with other content between the marks ``<!-- section: begin -->`` and ``<!-- section: end -->``."""
-    # Each must be there once, in this order, or an OutputError is raised. The first may say more before it closes.
-    begin, end = f"<!-- {section}: begin", f"<!-- {section}: end -->"
+def _replaced(text: str, content: str, readme: str | Path) -> str:
+    """Return a README's text with other content between the marks of the results; OutputError if it lacks them."""
+    begin, end = "<!-- results: begin", "<!-- results: end -->"  # the first may say more before it closes
     pattern = re.compile(rf"({re.escape(begin)}[^>]*-->\n).*?({re.escape(end)})", re.DOTALL)
     if text.count(begin) != 1 or text.count(end) != 1 or not pattern.search(text):
-        raise OutputError(str(name), f"needs the lines '{begin} -->' and '{end}', once each, around the {section}")
+        raise OutputError(str(readme), f"needs the lines '{begin} -->' and '{end}', once each, around the results")
     return pattern.sub(lambda match: f"{match[1]}{content}{match[2]}", text)
 
 
@@ -57,7 +56,7 @@ def write(readme: str | Path, result: Record) -> list[Path]:
     ]
     parts = [speed.measurement_note(result["speed"]), speed.brief(result["speed"]), comparison(result)]
     brief = "\n\n".join(parts) + f"\n[All calls, solvers, cases, and pictures]({RESULTS_FOLDER}/README.md).\n"
-    return [write_text(readme, replaced(text, "results", brief, readme)), *files]
+    return [write_text(readme, _replaced(text, brief, readme)), *files]
 
 
 def comparison(result: Record) -> str:

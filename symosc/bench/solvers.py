@@ -27,10 +27,12 @@ from typing import Any
 from pebble import ProcessExpired, ProcessPool
 
 from symosc import bench
+from symosc.aliases import Record
 from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.simulate import ACCURACY, simulate
+from symosc.simulation.tables import EventTable
 
 HANG, CRASH = "hang", "crash"
 #: How much of an exception's message is kept.
@@ -41,24 +43,14 @@ PROCESSES = min(2, os.cpu_count() or 1)
 
 
 @dataclass(frozen=True)
-class LazyEvents:
-    """Events that become Python objects only when read, so that timings of array solvers exclude the conversion."""
-
-    make: Callable[[], Iterable[FoundEvent]]
-
-    def __iter__(self) -> Iterator[FoundEvent]:
-        return iter(self.make())
-
-
-@dataclass(frozen=True)
 class Solver:
     """A solver to compare with: how it finds the events of a scene, with which tolerances, and what it needs."""
 
     name: str  # in tables and plots
-    # prepare(scene, tolerance) returns a function that follows the scene from its start to its end and returns its
-    # events (`FoundEvent`), `LazyEvents` where they come in arrays. It does what a user would do once (compile, build
-    # the integrator).
-    prepare: Callable[[Scene, float], Callable[[], Iterable[Any]]]
+    # prepare(scene, tolerance) does what a user would do once (compile, build the integrator). It returns a function
+    # that follows the scene from its start to its end and returns its events; where they come in arrays, an iterator,
+    # so that making objects of them is not timed.
+    prepare: Callable[[Scene, float], Callable[[], Iterable[FoundEvent]]]
     tolerances: tuple[float, ...]  # of a work-precision curve, coarse to fine; 0.0 alone for a solver without one
     needs: str = ""  # the module that must be importable, "" if it comes with symosc
     note: str = ""  # its precautions
@@ -72,16 +64,16 @@ class Solver:
         return f"{self.needs} is not installed (extra `{self.extra}`)"
 
 
-def compiled(scene: Scene, tolerance: float) -> Callable[[], LazyEvents]:
+def events_of(table: EventTable) -> Iterator[FoundEvent]:
+    """Yield the events of a table."""
+    yield from map(FoundEvent, table.t.tolist(), table.x.tolist(), table.kind.tolist(), table.boundary.tolist())
+
+
+def compiled(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
     """Prepare `simulate_many`; the tolerance is its `accuracy`: events with larger error estimates get more digits."""
-    start, known = [scene.t0, scene.x0, scene.v0], scene.start_error
-
-    def run() -> LazyEvents:
-        table = simulate_many(scene.parameters, start, scene.t_end, accuracy=tolerance, start_error=known)
-        columns = (table.t, table.x, table.kind, table.boundary)
-        return LazyEvents(lambda: map(FoundEvent, *(column.tolist() for column in columns)))
-
-    return run
+    start = [scene.t0, scene.x0, scene.v0]
+    options: Record = {"accuracy": tolerance, "start_error": scene.start_error}
+    return lambda: events_of(simulate_many(scene.parameters, start, scene.t_end, **options))
 
 
 def multiprecision(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
@@ -154,7 +146,7 @@ class Worker:
         return Outcome(failure=failure)
 
     def warm(self, name: str, function: Callable[..., Any], *arguments: object) -> None:
-        """Make a first call, which imports and compiles, unless this process has made one for `name` already."""
+        """Make a first call, which imports and compiles, unless the worker's process has had one for `name`."""
         if name not in self._warm:
             self.call(FIRST_LIMIT, function, *arguments)
             self._warm.add(name)
@@ -167,7 +159,7 @@ def _one_process() -> ProcessPool:
 
 @contextmanager
 def processor_limit(seconds: float) -> Iterator[None]:
-    """Raise TimeoutError in a block that takes more processor time; compiled code is interrupted when it returns."""
+    """Raise TimeoutError in a block that takes more processor time; compiled code runs to its end before."""
     # In the main thread only, and where the system has such a timer.
     if not hasattr(signal, "setitimer"):
         yield

@@ -56,7 +56,7 @@ LONG, SHORT = 5.0, 0.01
 
 
 class Call(NamedTuple):
-    """A measured call: its name, the unit of its time, the function, and its number of units."""
+    """A call to measure: its name, what its time is given per, such as an event, the function, and how many it has."""
 
     what: str
     per: str
@@ -74,7 +74,7 @@ class Group(NamedTuple):
 
 
 def floor(count, h, w, Om, P, Q, R, S):
-    """Evaluate x = P sin(Omega t) + Q cos(Omega t) + exp(-h t) (R cos(w t) + S sin(w t)) and x' `count` times."""
+    """Evaluate the closed form of x and x' (underdamped) `count` times: a lower bound on the time of an event."""
     total = 0.0
     for i in range(count):
         tau = 1e-3 * (i % 3000)
@@ -297,7 +297,7 @@ def _sweep(motions: int, folder: str) -> Iterator[Call]:
 
 
 def _processes(quick: bool, cache: str) -> Iterator[Call]:
-    """Yield commands in new processes; with an empty cache only if not `quick`, since compiling takes a minute."""
+    """Yield commands in new processes; unless `quick` also one that has to compile everything, for a minute."""
     many = "import symosc; symosc.simulate_many(symosc.load_scene('fig9').parameters, (0, 0, 0), 30, use_numba=True)"
     commands: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
         ("import numpy", ("-c", "import numpy"), {}),

@@ -51,7 +51,7 @@ ERROR_KEYS = ("error", "error_t", "error_x", "missed", "invented", "missed_graze
 
 @dataclass(frozen=True)
 class Span:
-    """A scene to time, with its number of events; `reference` has the events to compare, those before `until`."""
+    """A scene to time, its number of events, and the exact events to compare with: those before the time `until`."""
 
     scene: Scene
     count: int
@@ -72,8 +72,8 @@ def measure(
 ) -> tuple[list[float], list[float], list[FoundEvent]]:
     """Prepare a solver and call it once, then again until `budget` seconds are spent; return events before `until`."""
     # First the seconds of the preparation and of all calls, then those of one closed-form evaluation right after each
-    # repeated call: some machines change their pace by the second. Only what the call itself does is timed: events that
-    # it returns as `LazyEvents` are read afterwards.
+    # repeated call: some machines change their pace by the second. Only what the call itself does is timed: the
+    # events are read afterwards, and an iterator makes objects of them only then.
     begin = time.perf_counter()
     follow = solver.prepare(scene, tolerance)
     prepared = time.perf_counter()
@@ -97,9 +97,9 @@ def run(
 ) -> Record:
     """Measure and return plain data; with `quick` two scenes, and only the finest tolerance of each peer."""
     # `progress` gets the sequence of measurements and returns it as an iterable that may show how far it is; `solvers`
-    # and `scenes` (as in SCENE_SPANS) replace all. Keys: machine; floor_ns, one closed-form evaluation; limit_s;
-    # skipped, solver: why it cannot run here; notes, solver: its precautions; and rows, one per scene, solver and
-    # tolerance, with
+    # and `scenes` (with numbers of events, as in SCENE_SPANS) replace all. Keys: machine; floor_ns, one closed-form
+    # evaluation; limit_s; skipped, solver: why it cannot run here; notes, solver: its precautions; and rows, one per
+    # scene, solver and tolerance, with
     #     scene, solver, tolerance;
     #     failure: "" or what went wrong; the numbers that are then not known are None;
     #     prepare_s, first_call_s, times_s (all repeats), timed_events: of the longest span that the solver finished;
@@ -151,7 +151,7 @@ def run(
 
 
 def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[Span, Span]:
-    """Return the short and the long span of a scene: cut off halfway between two events."""
+    """Return a scene cut off after `short` and after `long` events; of the long span `compared` are compared."""
     far = scene.t0 + 10**6
 
     def until(events: Sequence[Event], number: int) -> float:

@@ -191,7 +191,7 @@ class ReferenceCase:
 
     @cached_property
     def events(self) -> tuple[KnownEvent, ...]:
-        """All events, in order of time; of a run with `periods` those of the last one."""
+        """All events, in order of time; if `periods` is not 0, those of the last forcing period only."""
         names, rows = KnownEvent._fields[:-1], list[dict[str, Any]]()
         if self.proven:
             for row in proven_rows(self.certificate.statement):
@@ -208,7 +208,7 @@ class ReferenceCase:
 
     @cached_property
     def derivatives(self) -> tuple[dict[str, KnownChange], ...]:
-        """For each event, a derivative per parameter and start value, where it exists; none if `periods` is not 0."""
+        """For each event its derivatives by the parameters and start values by which it has any; none in a long run."""
         if self.periods:
             return ({},) * len(self.events)
         names, stated = self.certificate.statement.get("wrt", ()), self.certificate.derivatives
@@ -229,10 +229,9 @@ class ReferenceCase:
 
     @cached_property
     def conditions(self) -> tuple[float, ...]:
-        """The condition number of each event; infinite for a graze.
-
-        In the runs with changed numbers, contacts close to a graze are left out with the graze.
-        """
+        """The condition number of each event; infinite for a graze."""
+        # A changed number turns a graze into two contacts or none: in changed and unchanged runs alike, all contacts
+        # next to a graze are left out before events are compared.
         near = 1e-9 * 2 * pi / float(self.parameters.Omega)
         grazes = [event.middle[0] for event in self.events if event.kind == "graze"]
 
@@ -287,11 +286,10 @@ def last_period(scene: Scene, digits: int) -> Sequence[Event]:
 # -- condition numbers -------------------------------------------------------------------------------------------------
 
 
-def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]] | None = None) -> list[float]:
-    """Return the condition number of every event of a scene."""
-    # They are infinite from the first event on that the smallest change of the input turns into another. `events`, by
-    # default those of `simulate`, is called with the scene and its neighbours, and digits.
-    events = events or (lambda scene, digits: simulate(scene, digits=digits).events)
+def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]]) -> list[float]:
+    """Return the condition number of every event of a scene, with respect to all parameters and start values."""
+    # They are infinite from the first event on that the smallest change of the input turns into another one.
+    # `events(scene, digits)` follows the scene, and those with one number changed.
     first, least_digits = INPUT_CHANGES[0]
     exact = {least_digits: events(scene, least_digits)}
     certain = len(exact[least_digits])
@@ -314,7 +312,7 @@ def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]] | N
 
 
 def shifted(scene: Scene, name: str, step: Fraction) -> Scene:
-    """Return a scene with a parameter or start value (t0, x0, v0) times 1 + step; on a belt the start stays on it."""
+    """Return a scene with one parameter or start value times 1 + step; a start on a belt moves with it."""
     p = scene.parameters
     on_belt = next((name for name in ("v1", "v2") if getattr(p, name) == scene.v0), "")
     if name in ("t0", "x0", "v0"):

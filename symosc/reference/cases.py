@@ -182,7 +182,7 @@ def start_with_force(p: Parameters, domain: int, boundary: int, t0: str, force: 
 
 
 def start_before_a_dip(p: Parameters, height: str, t0: str) -> tuple[str, str, str]:
-    """Return t0, x0, v0 on belt 1 from which F^(1), falling along the stick, has its least value `height`."""
+    """Return t0, x0, v0 on belt 1 from which the force F^(1) falls during the stick to its minimum, `height`."""
     # It is least at the phase pi + asin(k v1/(B0 Omega)), where its slope -(k v1 + B0 Omega sin(theta))/m turns
     # positive.
     context = mp_context(40)
@@ -308,13 +308,14 @@ GAP = Fraction(1)
 def _case(
     group: str, scene: Scene, hard: str, source: str, closed: Sequence[str] = (), reason: str = ""
 ) -> ReferenceCase:
-    """Return a case that is called as its scene; `reason` says why it is not proven."""
+    """Return a case named as its scene: what is `hard`, `closed` forms of events, the `reason` for having no proof."""
     return ReferenceCase(scene.name, group, scene, hard, source, tuple(closed), reason)
 
 
 def _creeping_cases() -> Iterator[ReferenceCase]:
-    """Yield flights with decay rates r1 <= r2 that creep to v = 0; the gap g = -v closes only if u = g' + r2 g < 0."""
-    # Then it is at t = log(1 + (r2 - r1) g/|u|)/(r2 - r1), and at t = g/|u| if the two roots are one.
+    """Yield overdamped flights without a drive whose velocity tends to the belt's, 0, and reaches it late or never."""
+    # With decay rates r1 <= r2 the gap g = -v closes only if u = g' + r2 g < 0 at the start: at the time
+    # log(1 + (r2 - r1) g/|u|)/(r2 - r1), or g/|u| if the two rates are equal.
     for number, push in enumerate(("-1e-1", "-1e-9", "0", "1e-9"), 1):  # late, very late, just not, not
         for roots, (r1, r2) in (("two-roots", (1, 3)), ("one-root", (2, 2))):
             u = Fraction(push)
@@ -404,7 +405,8 @@ def amplitude(c: str, F: str, Omega: str) -> str:
 
 
 def _first_stop_cases() -> Iterator[ReferenceCase]:
-    """Yield motions with friction F just below or above the least F with stops (0.64657909 P or 0.81740639 P)."""
+    """Yield motions with friction just below or above the least with which the mass stops."""
+    # The mass stops in each cycle if F > 0.64657909 P (Omega = 1.5), or F > 0.81740639 P (Omega = 0.8).
     for Omega, below, above in (("1.5", "0.64", "0.65"), ("0.8", "0.81", "0.82")):
         for side, F in (("below", below), ("above", above)):
             hard = f"friction just {side} the border of motions without stops, r = {Omega}: "
@@ -414,7 +416,7 @@ def _first_stop_cases() -> Iterator[ReferenceCase]:
 
 
 def _resonance_cases() -> Iterator[ReferenceCase]:
-    """Yield undamped motions at resonance, with turning points at pi/2 + i pi, each farther out than the last."""
+    """Yield undamped motions at resonance, which turn at the times pi/2, 3 pi/2, ..., each time farther out."""
     for number, F in enumerate(("0.1", "0.4", "0.75"), 1):
         p = wall(F, 1)
         closed = [f"t[{i}] = pi/2 + {i}*pi" for i in range(12)]
@@ -435,8 +437,8 @@ def _decay_cases() -> Iterator[ReferenceCase]:
 
 
 def continuum() -> Iterator[ReferenceCase]:
-    """Yield undamped motions at Omega = 1/(2 n) that oscillate about d (any in a range) by x_0 = 1/(1 - Omega^2)."""
-    # That is so for |d| < Omega^2 x_0 - F; beyond it they stop.
+    """Yield undamped motions at Omega = 1/(2 n): the middle d of the oscillation may be any value of an interval."""
+    # They have the amplitude x_0 = 1/(1 - Omega^2) for all |d| < Omega^2 x_0 - F; beyond it they stop.
     members = ((1, "0.1", ("0", "0.1", "-0.2", "0.2333", "0.2334", "0.3")), (2, "0.05", ("0", "0.01", "-0.0166")))
     for n, F, middles in members:
         Omega = Fraction(1, 2 * n)

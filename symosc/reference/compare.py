@@ -8,7 +8,7 @@ later ones, and of repeated reports of an event the nearest counts and the other
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite, pi, ulp
 from typing import Any, NamedTuple
@@ -31,12 +31,13 @@ REFERENCE_DIGITS = 40
 
 
 class FoundEvent(NamedTuple):
-    """A switching event as a solver reports it, in the words of `symosc.Event`."""
+    """A switching event as a solver reports it, in the words of `symosc.Event`; dt_mu1, ... are in `changes`."""
 
     t: float
     x: float
     kind: str
     boundary: int
+    changes: Mapping[str, float] = {}
 
 
 @dataclass(frozen=True)

@@ -119,7 +119,8 @@ def _csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 
 
 def _case_toml(case: ReferenceCase) -> str:
-    """Return the text of a case's TOML file; JSON writes text, whole numbers and lists as TOML does."""
+    """Return the text of a case's TOML file, which is a scene file as well."""
+    # JSON writes text, numbers and lists as TOML does.
     start: Record = {name: exact_text(getattr(case, name)) for name in START_AND_END[:3]}
     if case.scene.start_error is not None:
         start["start_error"] = [show(error) for error in case.scene.start_error]

@@ -138,7 +138,8 @@ def _columns(names: list[str], needs_case: bool) -> dict[str, str]:
 
 
 def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]]:
-    """Yield case, place for messages, and entry (an event, or the run's end); `name`: the case of the file, if one."""
+    """Yield each event, or end of a run, as (its case, its place in the file, its entries by meaning)."""
+    # `name` is the case that the file is for, None if the file itself names cases.
     where = "" if name is None else brief(name)
     if name is not None:  # a case may be without events
         yield name, where, {"kind": FOLLOWED_TO}
@@ -183,7 +184,7 @@ def _cell(value: Any) -> Any:
 
 
 def _add_entry(where: str, result: CaseResult, entry: Record) -> None:
-    """Add an entry of a file to a result: append its event, or set the end time or the seconds."""
+    """Add an entry of a file to a result: an event, the time where the run ended, or the seconds that it took."""
     if "seconds" in entry:
         seconds = _number(where, entry, "seconds")
         if seconds is None or seconds < 0:

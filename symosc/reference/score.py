@@ -43,7 +43,7 @@ class Wrong(NamedTuple):
 
 @dataclass
 class CaseScore:
-    """The faults of the results on a case; without results (not `given`) the numbers mean nothing."""
+    """The faults in a solver's results for a case; if they are not `given`, all counts are 0 and all errors None."""
 
     name: str
     group: str
@@ -114,7 +114,7 @@ def read_tolerance(value: object) -> float:
 
 
 def score(name: str, cases: Sequence[ReferenceCase], results: Results, tolerance: float = SCORE_TOLERANCE) -> Score:
-    """Judge a solver's results case by case; errors up to `tolerance`, or 100 rounding units if more, are allowed."""
+    """Judge a solver's results; each error may be `tolerance`, or 100 * condition * 1e-16 if that is more."""
     return Score(name, tolerance, [judge_case(case, results.get(case.name), tolerance) for case in cases])
 
 
@@ -180,7 +180,7 @@ class _Judge:
             self._fault("invented", float(found[j].t), "", _event_text(found[j]))
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
-        """Return the events to compare one by one (the last period's, if the case has no others); count the rest."""
+        """Return the events to compare; if the case has only its last period's, only count those before."""
         uncompared = self.case.count - len(self.case.events)
         if not uncompared:
             return events
@@ -194,7 +194,7 @@ class _Judge:
         return last
 
     def _boundary(self, event: GivenEvent) -> int:
-        """Return the belt of an event; where it is not given, that of the nearest event of its kind."""
+        """Return the belt of a solver's event, or if it has none that of the case's nearest event of its kind."""
         same = [i for i, known in enumerate(self.case.events) if known.kind == event.kind]
         if event.boundary or not same:
             return event.boundary
@@ -274,7 +274,7 @@ NO_RESULT = "no result"
 
 
 def case_cell(case: CaseScore) -> str:
-    """Return a solver's result for a case as short text: its faults, or else its largest error in units."""
+    """Return a solver's result for a case as short text: its faults, or its largest error over condition * 1e-16."""
     if not case.given:
         return case.note or NO_RESULT
     counts = {"missed": case.missed, "invented": case.invented, "wrong kind": case.kinds}
@@ -292,7 +292,7 @@ def case_cell(case: CaseScore) -> str:
 
 
 def group_cell(cases: Sequence[CaseScore]) -> str:
-    """Return a solver's result for a group as text: the number of right cases, and their largest error in units."""
+    """Return a solver's result for a group as text: its right cases, and the largest error over condition * 1e-16."""
     given, right = [case for case in cases if case.given], [case for case in cases if case.right]
     if not given:
         return next((case.note for case in cases if case.note), NO_RESULT)
@@ -333,7 +333,7 @@ def group_table(scores: Sequence[Score], form: str = "simple") -> str:
 
 
 def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool = True) -> str:
-    """Return a table with a row per case (`with_absent`: also those without results); more columns for one solver."""
+    """Return a table with a row per case, also those `with_absent` results; of a single solver with all its errors."""
     heads, rows = ["case", "events", "condition", *(score.name for score in scores)], []
     alone = len(scores) == 1
     for i, case in enumerate(scores[0].cases):
