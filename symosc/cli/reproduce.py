@@ -70,7 +70,7 @@ def _print_summary(results: Results, folder: Path) -> None:
     heads = ["claim", "source", "verdict", "changed"][: 4 if results.changed else 3]
     rows = []
     for each in results.judged:
-        mark = f"committed: {each.claim.verdict}" if each.changed else ""
+        mark = f"committed: {each.claim.verdict}" if each in results.changed else ""
         rows.append([each.claim.id, each.claim.source, each.verdict, mark][: len(heads)])
     output.write_table(rows, heads)
     counts = ", ".join(f"{count} {verdict}" for verdict, count in results.counts.items() if count)

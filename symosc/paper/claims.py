@@ -57,7 +57,7 @@ def verdict(as_printed: object, corrected: object = False) -> str:
 
 
 def evidence(right: object, finding: str, numbers: dict[str, Any], verdict: str = CONFIRMED) -> Evidence:
-    """Return evidence with this verdict and finding if `right` is true; else evidence that the numbers refute it."""
+    """Return evidence with this verdict if the numbers are as they should be (`right`), else with NOT_AS_PRINTED."""
     return Evidence(verdict, finding, numbers) if right else Evidence(NOT_AS_PRINTED, "Its numbers refute it.", numbers)
 
 
@@ -99,8 +99,7 @@ def read_claims(
     """Read all claims, in the order of PARTS, and the parts of the paper without a verdict."""
     # `pictures` are the keys that claims may refer to, `checks` is the package with the check functions. RecordsError
     # says what is wrong with a file.
-    data, claims = read_toml(path), dict[str, Claim]()
-    unjudged = []
+    data, claims, unjudged = read_toml(path), dict[str, Claim](), []
     for says, row in data.pop("unjudged", {}).items():
         if not isinstance(row, list) or [type(text) for text in row] != [str, str]:
             raise RecordsError(f"{path.name}, [unjudged]", f"{says} = {row!r}: must be a place, and a reason")
@@ -116,21 +115,20 @@ def read_claims(
             if name in claims:
                 raise RecordsError(where, f"is in {claims[name].part} already")
             _check_texts(where, table)
-            seen: dict[str, list[str]] = {"figures": [], "derivation": [], "errata": []}
-            for target in table.pop("see", ()):
+            see = table.pop("see", ())
+            for target in see:
                 one_of(where, "see", target, kinds)
-                seen[kinds[target]].append(target)
-            if len(seen["derivation"]) > 1:
-                raise RecordsError(where, f"see: one chapter at most, not {' and '.join(seen['derivation'])}")
-            check = _bound_check(where, checks, table.pop("check"))
+            names = ("figures", "derivation", "errata")
+            figures, chapters, errata = (tuple(target for target in see if kinds[target] == name) for name in names)
+            if len(chapters) > 1:
+                raise RecordsError(where, f"see: one chapter at most, not {' and '.join(chapters)}")
+            check, derivation = _check_call(where, checks, table.pop("check")), next(iter(chapters), None)
             said = {"verdict": CORRECTED if "correction" in table else CONFIRMED}
             said |= {key: one_line(value) for key, value in table.items()}
             one_of(where, "verdict", said["verdict"], VERDICTS)
-            if not ("correction" in table) == bool(seen["errata"]) == (said["verdict"] in FAULTY):
+            if not ("correction" in table) == bool(errata) == (said["verdict"] in FAULTY):
                 faulty = " or ".join(map(repr, FAULTY))
                 raise RecordsError(where, f"must have a correction and see an erratum if its verdict is {faulty} only")
-            figures, errata = tuple(seen["figures"]), tuple(seen["errata"])
-            derivation = next(iter(seen["derivation"]), None)
             claims[name] = Claim(name, part, check=check, figures=figures, derivation=derivation, errata=errata, **said)
     return tuple(claims.values()), tuple(unjudged)
 
@@ -146,8 +144,8 @@ def _check_texts(where: str, table: dict[str, Any]) -> None:
             raise RecordsError(where, f"{key} = {value!r}: must be {'a list of texts' if key == 'see' else 'text'}")
 
 
-def _bound_check(where: str, package: str, text: str) -> Callable[[], Evidence]:
-    """Return the call that a text such as "motions.together(FIG5, 1)" stands for; FIG5 is a name in that module."""
+def _check_call(where: str, package: str, text: str) -> Callable[[], Evidence]:
+    """Return a function that makes the call "motions.together(FIG5, 1)": of motions.together, with motions.FIG5."""
     name, _, arguments = text.partition("(")
     module, _, function = name.rpartition(".")
     try:

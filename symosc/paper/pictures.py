@@ -7,7 +7,7 @@ switching points, red stars contacts. Every number in a caption comes from the s
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache, partial
@@ -103,14 +103,13 @@ def parameters_and_start(name: str) -> str:
 
 
 def with_parameters(caption: str, scene: str | None = None) -> str:
-    """Return a caption with the parameters of a scene appended; without a scene, with those of Fig. 4."""
+    """Return a caption with the parameters of a scene appended (None: of the oscillator of Fig. 4)."""
     p = MAPPING_PARAMETERS if scene is None else load_scene(scene).parameters
     return f"{caption} {listed_parameters(p)}."
 
 
 def _forces(view: View) -> str:
-    low, high = map(force_names, view.domains)
-    return f"forces per mass {low} (blue) and {high} (green, dashed)"
+    return "forces per mass {} (blue) and {} (green, dashed)".format(*map(force_names, view.domains))
 
 
 def _span(contact: Contact) -> str:
@@ -151,7 +150,7 @@ def start_and_period(name: str) -> tuple[float, float]:
 
 
 def printed_scene(name: str) -> str:
-    """Return the name of the scene with the printed numbers: "fig7" for its correction "fig7-exact"."""
+    """Return the scene as printed of which a scene is the correction: "fig7-exact" -> "fig7"."""
     return name.partition("-")[0]
 
 
@@ -164,7 +163,7 @@ def printed_view(name: str) -> View:
 
 @lru_cache
 def several_periods_view(name: str) -> View:
-    """Return what Fig. 7(c), (d) show: several periods, with marks at the first one's ends and at the first contact."""
+    """Return what Fig. 7(c), (d) show: several periods; marked are both ends of the first, and the first contact."""
     t0, T = start_and_period(name)
     view = view_of(simulate(name, t_end=t0 + SEVERAL_PERIODS * T), 1)
     marks = [Mark("start of period", ONSET_COLOR, t0), Mark("end of period", END_COLOR, t0 + T)]
@@ -388,7 +387,7 @@ def orbit_figure(name: str, columns: int = 2) -> Figure:
 
 
 def _draw_with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, float]) -> None:
-    """Draw a panel with the printed start as a diamond; in (c) an inset shows it apart from a crossing next to it."""
+    """Draw a panel with the printed start as a diamond; in (c), if it almost covers a crossing, also magnified."""
     panel(ax, view)
     low, high = ax.get_ylim()
     margin = 0.06 * (high - low)
@@ -431,7 +430,7 @@ WINDOW_SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "f
 
 
 def window_parameters(mapping: str) -> tuple[Parameters, Fraction, Parameters]:
-    """Return parameters, the belt speed > 0 with |gamma| = B0 Omega/m, and a copy with the other belt far off."""
+    """Return the parameters, the speed with |gamma| = B0 Omega/m, and parameters with the other belt out of the way."""
     p = load_scene(WINDOW_SCENES[mapping]).parameters
     equality = abs(p.B0) * p.Omega / p.k
     far = 2 * equality + 1  # the window is independent of the other belt's speed
@@ -501,79 +500,63 @@ def window_caption(mapping: str) -> str:
     return f"{caption}{listed_parameters(p)}."
 
 
-# The functions that draw and that describe each form of figure; from STICK on they take the name of a scene.
-FIG1, FIG2 = (fig1, partial(str, MODEL)), (fig2, partial(with_parameters, FRICTION, "fig5"))
-FIG3, FIG4 = (fig3, partial(with_parameters, DOMAINS, "fig5")), (fig4, partial(with_parameters, MAPPINGS))
-STICK, MOTION = (printed_figure, stick_caption), (printed_figure, motion_caption)
-GRAZING_P2, GRAZING_P3 = (grazing_figure_P2, grazing_P2_caption), (grazing_figure_P3, grazing_P3_caption)
-ORBIT = orbit_figure, orbit_caption
 # What a title says of a scene as printed, with a number corrected, with a start of many digits, or on the orbit.
 FORMS = {"": "", "corrected": ", corrected", "exact": ", exact start", "orbit": ", corrected"}
 
-Form = tuple[Callable[..., Figure], Callable[..., str]]
-#: The paper's figures: key, title, form, and a sentence for readers who do not see it. From Fig. 5 on the key is
-#: the scene that is drawn.
-FIGURES: list[tuple[str, str, Form, str]] = [
-    ("fig1", "physical model", FIG1,
+#: The paper's figures: key, title, what draws and what describes it, and a sentence for readers who do not see it. From
+#: Fig. 5 on the key is the scene that is drawn.
+FIGURES: list[tuple[str, str, Callable[..., Figure], Callable[..., str], str]] = [
+    ("fig1", "physical model", fig1, partial(str, MODEL),
      "A block on a spring and a damper is pressed between two belts that move at different speeds."),
-    ("fig2", "friction force", FIG2,
+    ("fig2", "friction force", fig2, partial(with_parameters, FRICTION, "fig5"),
      "The friction force is a staircase of three levels with a vertical jump at each belt speed."),
-    ("fig3", "domains and boundaries", FIG3,
+    ("fig3", "domains and boundaries", fig3, partial(with_parameters, DOMAINS, "fig5"),
      "Two horizontal lines at the belt speeds cut the phase plane into three strips."),
-    ("fig4", "basic mappings", FIG4,
+    ("fig4", "basic mappings", fig4, partial(with_parameters, MAPPINGS),
      "Arcs in the strips of the phase plane and pieces of the boundaries, labelled P1 to P8."),
-    ("fig5", "stick on belt 1", STICK,
+    ("fig5", "stick on belt 1", printed_figure, stick_caption,
      "The mass starts at rest, sticks to belt 1 three times and slips off it in between."),
-    ("fig6", "stick on belt 2", STICK,
+    ("fig6", "stick on belt 2", printed_figure, stick_caption,
      "The mass sticks to belt 2 from the start, slips, slows down between the belts and sticks to belt 1."),
-    ("fig7", "grazing of P2", GRAZING_P2,
+    ("fig7", "grazing of P2", grazing_figure_P2, grazing_P2_caption,
      "With the printed parameters the velocity of the mass stays below both belts."),
-    ("fig7-corrected", "with A0 = 10", GRAZING_P2,
+    ("fig7-corrected", "with A0 = 10", grazing_figure_P2, grazing_P2_caption,
      "The velocity rises to belt 1, where an inset shows a very short stick, and stays below it from then on."),
-    ("fig7-exact", "the graze, with A0 = 10", GRAZING_P2,
+    ("fig7-exact", "the graze, with A0 = 10", grazing_figure_P2, grazing_P2_caption,
      "The velocity touches belt 1 from below in one point and stays below it from then on."),
-    ("fig8", "grazing of P3, then a stick", GRAZING_P3,
+    ("fig8", "grazing of P3, then a stick", grazing_figure_P3, grazing_P3_caption,
      "The velocity falls to belt 1, where an inset shows a very short stick, swings up and falls to it again."),
-    ("fig8-exact", "the graze, then a stick", GRAZING_P3,
+    ("fig8-exact", "the graze, then a stick", grazing_figure_P3, grazing_P3_caption,
      "The velocity touches belt 1 from above in one point, swings up and falls to it again, where it sticks."),
-    ("fig9", "non-stick periodic motion P32", MOTION,
+    ("fig9", "non-stick periodic motion P32", printed_figure, motion_caption,
      "The mass passes belt 1 upward and downward; its phase curve starts outside of the loop that it joins."),
-    ("fig9-orbit", "the periodic orbit P32", ORBIT,
+    ("fig9-orbit", "the periodic orbit P32", orbit_figure, orbit_caption,
      "The orbit is a closed loop through belt 1; the printed start lies outside of it."),
-    ("fig10", "stick periodic motion P4645", MOTION,
+    ("fig10", "stick periodic motion P4645", printed_figure, motion_caption,
      "The mass sticks to belt 2 twice in each period, between a swing below and a swing above it."),
-    ("fig10-orbit", "the periodic orbit P4645", ORBIT,
+    ("fig10-orbit", "the periodic orbit P4645", orbit_figure, orbit_caption,
      "The orbit is a closed loop with two straight pieces on belt 2; the printed start lies close to it."),
 ]  # fmt: skip
 
 
-def _paper_picture(key: str, title: str, form: Form, alt: str) -> Picture:
-    build, describe = form
-    figure, _, variant = key.removeprefix("fig").partition("-")
-    about = key, f"Fig. {figure}{FORMS[variant]}: {title}", alt, None if variant else int(figure)
-    if form in (FIG1, FIG2, FIG3, FIG4):
-        return Picture(*about, build, describe)
-    return Picture(*about, partial(build, key), partial(describe, key), partial(build, key, columns=1))
+def _pictures() -> Iterator[Picture]:
+    """Yield the paper's figures in its order, the products of forces, and Theorem 7."""
+    for key, title, build, describe, alt in FIGURES:
+        figure, _, variant = key.removeprefix("fig").partition("-")
+        about = key, f"Fig. {figure}{FORMS[variant]}: {title}", alt, None if variant else int(figure)
+        if int(figure) < 5:
+            yield Picture(*about, build, describe)
+        else:
+            yield Picture(*about, partial(build, key), partial(describe, key), partial(build, key, columns=1))
+    alt = "Four curves of products, positive where the mass passes a belt and negative while it sticks to one."
+    about = "force-product", "Section 6: product of the forces", alt, None
+    yield Picture(*about, product_figure, partial(str, PRODUCTS), partial(product_figure, columns=1))
+    for mapping in WINDOW_SCENES:
+        title = f"Theorem 7, eq. ({place(mapping).equation}): when {mapping} grazes"
+        alt = f"The phases at which {mapping} grazes, against the belt's speed, lie between the two branches"
+        about = f"theorem7-{mapping.lower()}", title, f"{alt} of an arcsine.", None
+        yield Picture(*about, partial(window_sweep, mapping), partial(window_caption, mapping))
 
 
-def _window_picture(mapping: str) -> Picture:
-    title = f"Theorem 7, eq. ({place(mapping).equation}): when {mapping} grazes"
-    alt = f"The phases at which {mapping} grazes, against the belt's speed, lie between the two branches of an arcsine."
-    build, describe = partial(window_sweep, mapping), partial(window_caption, mapping)
-    return Picture(f"theorem7-{mapping.lower()}", title, alt, None, build, describe)
-
-
-_PRODUCTS = Picture(
-    "force-product",
-    "Section 6: product of the forces",
-    "Four curves of products, positive where the mass passes a belt and negative while it sticks to one.",
-    None,
-    product_figure,
-    partial(str, PRODUCTS),
-    partial(product_figure, columns=1),
-)
-#: Every picture by its key: the paper's figures in its order, then Theorem 7.
-PICTURES: dict[str, Picture] = {
-    picture.key: picture
-    for picture in (*(_paper_picture(*row) for row in FIGURES), _PRODUCTS, *map(_window_picture, WINDOW_SCENES))
-}
+#: Every picture by its key.
+PICTURES = {picture.key: picture for picture in _pictures()}

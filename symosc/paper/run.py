@@ -47,7 +47,7 @@ class Done(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """A picture as SVG text, its caption, and the SVG text for phones, "" if they show the same picture."""
+    """A picture as SVG text, its caption, and the SVG text for phones ("": that for the page)."""
 
     svg: str
     caption: str
@@ -88,15 +88,10 @@ class Judged(NamedTuple):
     numbers: dict[str, str]
     seconds: float
 
-    @property
-    def changed(self) -> bool:
-        """Whether the verdict differs from the one in claims.toml."""
-        return self.verdict != self.claim.verdict
-
 
 @dataclass(frozen=True)
 class Results:
-    """The results of a run: judged claims, and a Done for each picture (its value: Drawn) and chapter (steps, HTML)."""
+    """The results of a run: judged claims, pictures (each value a Drawn), and chapters (number of steps, HTML)."""
 
     plan: Plan
     judged: tuple[Judged, ...]
@@ -118,7 +113,7 @@ class Results:
     @property
     def changed(self) -> list[Judged]:
         """Claims with a verdict that differs from the one in claims.toml."""
-        return [each for each in self.judged if each.changed]
+        return [each for each in self.judged if each.verdict != each.claim.verdict]
 
     @property
     def failures(self) -> dict[str, str]:

@@ -134,7 +134,7 @@ def test_a_claim_and_a_figure_are_added_as_contributing_says(tmp_path: Path) -> 
     scenes, pictures = paper.parent / "scenes", paper / "pictures.py"
     scene = (scenes / "fig9-orbit.toml").read_text(encoding="utf-8").replace("fig9-orbit", "fig9-mine")
     (scenes / "fig9-mine.toml").write_text(scene, encoding="utf-8")
-    row = '    ("fig9-mine", "my orbit", ORBIT, "The orbit of Fig. 9 is shown once more."),\n'
+    row = '    ("fig9-mine", "my orbit", orbit_figure, orbit_caption, "The orbit of Fig. 9 is shown once more."),\n'
     source = pictures.read_text(encoding="utf-8").replace('    ("fig10",', f'{row}    ("fig10",', 1)
     pictures.write_text(source.replace('"orbit": ', '"mine": ", mine", "orbit": '), encoding="utf-8")
 

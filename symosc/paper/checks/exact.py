@@ -39,7 +39,7 @@ def friction_on_mass(p: Parameters, alpha: int) -> Fraction:
 
 @dataclass(frozen=True)
 class RationalContact:
-    """A contact with a boundary (x' is the belt's speed), all in fractions; s, c are sine and cosine of the phase."""
+    """A contact with a boundary (x' is the belt's speed), all numbers rational; s and c: sine and cosine of Omega t."""
 
     p: Parameters
     boundary: int
@@ -131,7 +131,7 @@ class RationalContact:
 
 @cache
 def contacts(boundary: int, count: int = 360, seed: int | None = None) -> tuple[RationalContact, ...]:
-    """Return random rational contacts with a boundary: generic, with a zero force, or with G^(1) = 0 too, in turn."""
+    """Return random rational contacts with a boundary: some generic, some with a force 0, some with F = G^(1) = 0."""
     # By default those of Theorems 4 to 6. Two kinds are generic; two have the force below or above exactly 0; two have
     # the phase such that G^(1) = 0 as well (at the top and the bottom of the sine then G^(2) = 0 too). A fifth of them
     # is at phase 0.

@@ -50,15 +50,15 @@ LATE, GRAZE_SAMPLES = 60, 8000
 
 @dataclass(frozen=True)
 class Graze:
-    """A figure that shows a grazing motion: its scene as printed and as corrected, and the mapping that grazes."""
+    """What a figure of a grazing motion shows: a scene, as printed and as corrected, and the mapping that grazes."""
 
     printed: Scene
     scene: Scene
     mapping: str
     half_turns: int  # the phase of the grazing point in units of pi
 
-    def source(self, to_start: bool = True) -> GrazingStart:
-        """Return the state of the grazing flow at t0 (`to_start`), or where it leaves the switching plane."""
+    def flow_back(self, to_start: bool = True) -> GrazingStart:
+        """Follow the grazing flow back from the graze to t0, or (not `to_start`) to the contact before it."""
         theta = +mp_context(60).pi * self.half_turns
         return grazing_start(self.scene.parameters, self.mapping, theta, t0=self.scene.t0 if to_start else None)
 
@@ -69,7 +69,7 @@ class Graze:
 
     @property
     def print_is_right(self) -> bool:
-        """Whether, with all parameters as printed, a start whose flow grazes rounds to the printed start."""
+        """Whether, with all parameters as printed, the printed start is the rounded start of a motion that grazes."""
         return nearest_graze(self.printed, self.mapping).rounds
 
 
@@ -82,7 +82,7 @@ FIG8 = Graze(_FIG8, _FIG8, "P3", 0)
 @cache
 def exact(figure: Graze, t_end: Any = None) -> Scene:
     """Return the scene of a figure from the start that grazes, to 40 decimals."""
-    start = figure.source().start
+    start = figure.flow_back().start
     return replace(figure.scene, **(start | {"t0": figure.scene.t0, "t_end": t_end or figure.scene.t_end}))
 
 
@@ -193,11 +193,11 @@ def touches_once(figure: Graze) -> Evidence:
 
 
 def of_mapping(figure: Graze) -> Evidence:
-    """Check whether the figure's mapping ends in the graze, by flowing back from it, or begins at the graze."""
-    found, name = figure.source(to_start=False), subscripted(figure.mapping)
+    """Check that the graze is of the figure's mapping: that mapping ends, or begins, at it."""
+    found, name = figure.flow_back(to_start=False), subscripted(figure.mapping)
     word = motion(exact(figure)).word
     follows = word[:1] == [figure.mapping]
-    t = found.t + figure.source().t_m - found.t_m
+    t = found.t + figure.flow_back().t_m - found.t_m
     numbers = {
         f"comes from the plane of {name}": "yes" if found.found else "no",
         "mappings that follow": subscripted(" ".join(word)) or "none",
@@ -328,7 +328,8 @@ def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:
 
 
 def curves_meet(figure: Graze) -> Evidence:
-    """Check that the mass is never slower than belt 1, so that it meets each point of the belt only once."""
+    """Check that the mass meets the curves x(t) of the red and the blue point of belt 1 there, and nowhere else."""
+    # It does if it is never slower than the belt: then it never falls back to a point of it.
 
     def as_described(path: Trajectory) -> bool:
         kinds = [(event.kind, event.boundary) for event in path.events]
@@ -375,7 +376,8 @@ def contact_or_misprint(figure: Graze) -> Evidence:
 
 
 def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
-    """List as text the values with as few digits as printed; those that graze at a quarter of a period come first."""
+    """Return as text the values that have as few digits as printed; the likely ones come first."""
+    # Those are likely with which the graze is at a quarter of the period, as it is in the figures.
     quarter = pi / (2 * float(scene.parameters.Omega))
     lists: tuple[list[str], list[str]] = ([], [])
     for each in found:
@@ -388,7 +390,7 @@ def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
 
 
 def start_grazes(figure: Graze) -> Evidence:
-    """Find the grazing start nearest to the printed one, over all phases of contact; check whether it rounds to it."""
+    """Check that the printed start is, rounded, the nearest of all starts from which the flow grazes."""
     scene, printed = figure.scene, figure.printed.parameters
     near = nearest_graze(scene, figure.mapping)
     values = {name: getattr(scene.parameters, name) for name in PARAMETER_NAMES}
@@ -444,7 +446,7 @@ HALF_UNIT = float(LAST_HALF_UNIT)
 
 @dataclass(frozen=True)
 class NearestGraze:
-    """The grazing start nearest to a printed start: the time of its graze, and its differences dx, dv from that."""
+    """The start of a grazing flow that is next to a printed start: the time of the graze, and grazing minus printed."""
 
     t_m: float
     dx: float
@@ -476,10 +478,10 @@ class FreeValue:
 
     @property
     def as_short_as_printed(self) -> bool:
-        """Whether the value fits the digits printed: three for a parameter, one decimal for t0, any for x0, v0."""
+        """Whether the value has no more digits than the paper prints for such a number."""
+        # That is one decimal of t0, three digits of a parameter, and for x0 and v0 as many as it takes.
         if self.name == "t0":
             return len(self.shortest.partition(".")[2]) <= 1
-        # A parameter is printed with no more than three digits.
         return self.name in START or len(self.shortest.replace(".", "").lstrip("-0")) <= 3
 
 

@@ -128,7 +128,7 @@ def friction_levels() -> Evidence:
 
 
 def friction_at_the_jumps() -> Evidence:
-    """Check eq. (1) at x' = v1 and v2, where it gives both an interval of forces and the single values beside it."""
+    """Check eq. (1) at x' = v1 and v2: is the friction force in its interval, or one of the values on either side?"""
     stuck = [(contact, friction_interval(contact.p, contact.boundary)) for contact in _both_boundaries(40)]
     questions = {
         "exact contacts at which the mass sticks": lambda of: True,
@@ -197,7 +197,7 @@ def stick_motion() -> Evidence:
 
 
 def friction_order() -> Evidence:
-    """Check whether mu1 >= mu2 must be assumed: the mirror image of a motion has mu1 and mu2 exchanged."""
+    """Check whether mu1 >= mu2 is needed: mirror images of motions, x -> -x, have mu1 and mu2 exchanged."""
     gaps, other = [0.0], 0
     for scene in map(load_scene, STATES):
         given, p = recorded(simulate(scene, max_events=12)), scene.parameters

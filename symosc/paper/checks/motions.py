@@ -46,7 +46,7 @@ class SceneContact(NamedTuple):
 
 
 class Stick(NamedTuple):
-    """A stick: its onset and its end (each a SceneContact); the end is None if the motion was not followed so far."""
+    """A stick: its onset and its end (each a SceneContact); the end is None if the motion was not followed to it."""
 
     belt: int
     onset: SceneContact
@@ -112,7 +112,7 @@ _seen: list[Trajectory | PeriodicOrbit] = []
 
 
 def recorded(found: Found) -> Found:
-    """Note a motion or orbit that a check uses, so that `judge` recomputes it later; return it."""
+    """Add a motion or orbit that a check uses to the list that `judge` recomputes; return it."""
     _seen.append(found)
     return found
 
@@ -228,26 +228,20 @@ class Stretch(NamedTuple):
 def stretches_of(what: Trajectory | PeriodicOrbit) -> list[Stretch]:
     """Split a motion, or one period of an orbit, at its contacts; an orbit's last part ends at its first point."""
     p = what.parameters
+    states: list[tuple[Any, ...]]
     if isinstance(what, Trajectory):
         modes = [segment.mode for segment in what.segments]
         places = [int(mode[-1]) * (-1 if mode.startswith("belt") else 1) for mode in modes]
-        events = what.events[: len(places)]
-        states: list[tuple[Any, ...]] = [(what.t_start, *what(what.t_start)), *((e.t, e.x, e.v) for e in events)]
-        if len(places) > len(events):
+        states = [(what.t_start, *what(what.t_start)), *((e.t, e.x, e.v) for e in what.events[: len(places)])]
+        if len(places) == len(states):
             states.append((what.t_end, *what(what.t_end)))
-        ends = list(pairwise(states))
     else:
         rows = [MAPS[label] for label in what.labels]
         places = [row.domain or -row.start.boundary for row in rows]
-        points = [*what.points, (what.points[0][0] + what.period, what.points[0][1])]
-        ends = [
-            ((*start, p.belt(row.start.boundary)), (*end, p.belt(row.end.boundary)))
-            for row, (start, end) in zip(rows, pairwise(points), strict=True)
-        ]
-    return [
-        Stretch(where, tuple(map(float, start)), tuple(map(float, end)))
-        for where, (start, end) in zip(places, ends, strict=True)
-    ]
+        states = [(*at, p.belt(row.start.boundary)) for row, at in zip(rows, what.points, strict=True)]
+        states.append((states[0][0] + what.period, *states[0][1:]))
+    exact = (tuple(map(float, state)) for state in states)
+    return [Stretch(where, start, end) for where, (start, end) in zip(places, pairwise(exact), strict=True)]
 
 
 def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
@@ -376,7 +370,7 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
 
 
 def ends_below(scene: Scene, belt: int) -> Evidence:
-    """Check that the first stick ends by the force of the domain below while the other one still holds."""
+    """Check that F^(below) is 0 at the end of the first stick, while F^(above) < 0 would still hold the mass."""
     stick, (lo, hi) = first_stick(scene, belt), NEIGHBOURS[belt]
     at = forces(scene.parameters, stick.end)
     held = is_zero(at.below) and at.above < 0 and stick.into == f"Omega{lo}"
@@ -446,7 +440,7 @@ def product_after(scene: Scene, belt: int) -> Evidence:
 
 
 def sticks_at_start(scene: Scene, belt: int) -> Evidence:
-    """Check that the start is on the belt and holds (Theorem 4); a stick that only comes later is a correction."""
+    """Check that the mass sticks from the start on (Theorem 4); one that sticks later needs a correction."""
     p, domains, mode = scene.parameters, NEIGHBOURS[belt], mode_text(motion(scene).segments[0].mode)
     both = forces(p, start_contact(scene, belt))[:2]
     values = (f"{force_names(each)} = {text(value, 8)}" for each, value in zip(domains, both, strict=True))

@@ -234,7 +234,7 @@ def ends(scene: Scene, belt: int) -> Evidence:
 
 
 def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
-    """Check whether the printed equations determine a periodic motion; `closed` adds x and phase after one period."""
+    """Check whether the printed equations determine a periodic motion, or do if it is `closed` by two more."""
     found, p = orbit_of(scene), scene.parameters
     Omega, count = number(p, p.Omega), len(found.labels)
     points = [(point.x, Omega * point.t) for point in found.points]
@@ -359,7 +359,7 @@ FOLLOWED = Fraction(5, 4)
 
 @dataclass(frozen=True)
 class Nearest:
-    """The best value of one free number: with it the motion from the printed start is nearest to a periodic one."""
+    """The value of one number, all others as printed, with which the start comes nearest to a periodic motion."""
 
     name: str  # the parameter, or "t0", "x0", "v0", that is left free
     value: float
@@ -436,7 +436,7 @@ def _least(miss: Callable[[float], np.ndarray], around: tuple[float, float]) -> 
 
 
 def range_of(p: Parameters, name: str) -> tuple[float, float]:
-    """Return the least and largest value of a parameter to try: `REACH` times its size away, as the model allows."""
+    """Return the range of a parameter to search: `REACH` times its size both ways, cut off where the model ends."""
     value, margin = float(getattr(p, name)), LEAST * float(p.v2 - p.v1)
     reach = REACH * max(1.0, abs(value))
     least = {"m": LEAST * value, "k": LEAST * value, "Omega": LEAST * value, "v2": float(p.v1) + margin}
@@ -446,7 +446,7 @@ def range_of(p: Parameters, name: str) -> tuple[float, float]:
 
 
 def _misses(scene: Scene, name: str, values: np.ndarray) -> np.ndarray:
-    """For each value of a number, return (dt, dx) from the start one period later to the contact nearest to it."""
+    """For each value of a parameter, return (dt, dx): of all contacts, the nearest to the start moved by one period."""
     boundary = 1 if scene.v0 == scene.parameters.v1 else 2
     sets = [scene.parameters.replace(**{name: float(value)}) for value in values]
     periods = np.array([2 * pi / float(p.Omega) for p in sets])

@@ -38,7 +38,7 @@ class Arc(NamedTuple):
 
 
 def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, list[Arc]]]:
-    """Return number and arcs of phases of each case of (55) to (58) that holds; cases are counted as in the paper."""
+    """Return, for each printed case of (55) to (58) whose condition holds, its number there and its arcs of phases."""
     g, a = gamma, amplitude
     ratio = -g / a if a and abs(g) <= abs(a) else None  # the sine of Theta_cr
     d = turn(abs(ratio), root(1 - ratio * ratio)) if ratio is not None else ZERO  # |Theta_cr|
@@ -69,7 +69,7 @@ def gamma_of(p: Parameters, acceleration: Fraction, velocity: Fraction) -> Fract
 
 
 def turn(s: Any, c: Any) -> Any:
-    """Map an angle, given by sine and cosine, to a number in [0, 4) that grows with it; rationals stay rational."""
+    """Return an angle, given by sine and cosine, in rational quarter turns: in [0, 4), growing with it, not linear."""
     if s >= 0:
         return s / (s + c) if c > 0 else 1 - c / (s - c)
     return 2 + s / (s + c) if c < 0 else 3 + c / (c - s)
@@ -143,7 +143,7 @@ def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, .
 
 @cache
 def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
-    """Return (domain, contact) for contacts with F = 0, of all mappings and RATIOS and at all RATIONAL_PHASES."""
+    """Return (domain, contact) for exact contacts with F = 0: of every mapping, with every gamma, at every phase."""
     return tuple(
         (where.domain, zero_force_contact(mapping, ratio * 3, Fraction(3), s, c))
         for mapping, where in PLACES.items()
@@ -185,7 +185,7 @@ def window(mapping: str, *scenes: str) -> Evidence:
 
 
 def _same_ends(mapping: str) -> list[bool]:
-    """Return for each (gamma, B0 Omega/m) with a printed case whether our window, order "paper", has its arcs."""
+    """Say for each pair (gamma, B0 Omega/m) whether `grazing_window` computes the arcs that are printed."""
     found = []
     for gamma, amplitude in PAIRS:
         p = zero_force_contact(mapping, gamma, amplitude, *RATIONAL_PHASES[0]).p
@@ -269,7 +269,7 @@ TRACED = {"fig5": ("P2", "P3", "P5", "P6"), "fig8": ("P3", "P5"), "fig10": ("P5"
 
 
 def without_force() -> Evidence:
-    """Check the "iff" of Theorem 7 as printed, which does not ask for F = 0 and has x'' in gamma."""
+    """Check Theorem 7 as printed, without the hypothesis F = 0: does a phase in its set imply a graze?"""
     arrivals = inside = 0
     shown: dict[str, Any] = {}
     for mapping, where in PLACES.items():

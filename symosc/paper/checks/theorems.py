@@ -41,7 +41,7 @@ def grazing_condition(from_below: bool, force: Fraction, slope: Fraction) -> boo
 
 
 def g_functions(n: Any, difference: Any, t: Any) -> tuple[Any, Any]:
-    """Return the right sides of (15) and (16), for a normal vector n and a difference of flows that depend on t."""
+    """Return the right sides of (15) and (16): n(t) is the normal vector, `difference` x^(alpha)(t) - x^(0)(t)."""
     first = (n.diff(t).T * difference + n.T * difference.diff(t))[0]
     second = (n.diff(t, 2).T * difference + 2 * n.diff(t).T * difference.diff(t) + n.T * difference.diff(t, 2))[0]
     return first, second
