@@ -27,7 +27,7 @@ from symosc.bench.solvers import HANG, OURS, Outcome, Solver, Worker, all_solver
 from symosc.bench.speed import floor_s
 from symosc.exact import read_exact
 from symosc.plot.drawing import STYLE
-from symosc.reference.compare import ERRORS, REFERENCE_DIGITS, FoundEvent, compare, window_of
+from symosc.reference.compare import ERRORS, REFERENCE_DIGITS, FoundEvent, compare
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
@@ -105,8 +105,8 @@ def run(
     #     prepare_s, first_call_s, times_s (all repeats), timed_events: of the longest span that the solver finished;
     #     floor_ns, over_floor: the floor as it was then (the best), and the median time per event as its multiple;
     #     us_per_event: so many floors, as long as the best one of the run; over_ours: that by ours;
-    #     error, error_t, error_x: over the short span, the same for all solvers, as in `Comparison`;
-    #     missed, invented, missed_grazes, first_wrong: as in `Comparison`, over the first `compared` events of the
+    #     error, error_t, error_x: over the short span, the same for all solvers, as in `compare`;
+    #     missed, invented, missed_grazes, first_wrong: as in `compare`, over the first `compared` events of the
     #         longest span;
     #     warnings: what the solver warned of.
     solvers = all_solvers() if solvers is None else solvers
@@ -190,8 +190,7 @@ def _row_numbers(outcome: Outcome, span: Span) -> Record:
     times, count = repeats or [first], span.count
     multiple = median(a / b for a, b in zip(times, floors, strict=True)) / count
     values = prepared, first, repeats, count, 1e6 / count * median(times), 1e9 * min(floors), multiple
-    comparison = compare(found, span.reference, window_of(span.scene), float(span.scene.t0))
-    return about | dict(zip(TIME_KEYS, values, strict=True)) | {key: getattr(comparison, key) for key in ERROR_KEYS}
+    return about | dict(zip(TIME_KEYS, values, strict=True)) | compare(found, span.scene, span.reference)
 
 
 # -- tables ------------------------------------------------------------------------------------------------------------

@@ -9,11 +9,10 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from math import isfinite, pi, ulp
 from typing import Any, NamedTuple
 
-from symosc.aliases import Number
+from symosc.aliases import Number, Record
 from symosc.crosschecks.events import WINDOW, in_order
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Event
@@ -40,45 +39,27 @@ class FoundEvent(NamedTuple):
     changes: Mapping[str, float] = {}
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """A solver's events against the reference: largest errors, numbers of missed and invented events, first fault."""
-
-    error_t: float | None
-    error_x: float | None
-    missed: int
-    invented: int
-    missed_grazes: int
-    first_wrong: float | None
-
-    @property
-    def error(self) -> float | None:
-        """The larger of the errors of times and of positions."""
-        return None if self.error_t is None or self.error_x is None else max(self.error_t, self.error_x)
-
-
-def window_of(scene: Scene) -> float:
-    """Return the largest difference in time of two events that count as one: a small part of the forcing period."""
-    return WINDOW * 2 * pi / float(scene.parameters.Omega)
-
-
-def compare(found: Iterable[FoundEvent], reference: Sequence[Event], window: float, t0: Number = 0) -> Comparison:
-    """Align a solver's events with the reference's within `window`; return errors and missed and invented events."""
-    given = list(found)
+def compare(found: Iterable[FoundEvent], scene: Scene, exact: Sequence[Event]) -> Record:
+    """Compare a solver's events with the exact ones of a scene: largest errors, and how many are missed or invented."""
+    # Keys: error_t, error_x, error (the larger one; None if nothing can be compared), missed and invented (numbers),
+    # missed_grazes (which do not count as missed), and first_wrong (the time of the first missed or invented event).
+    given, times = list(found), [float(event.t) for event in exact]
     ordered = sorted((event for event in given if isfinite(event.t) and isfinite(event.x)), key=lambda event: event.t)
-    times = [float(event.t) for event in reference]
-    pairs = align(ordered, reference, times, window)
-    unmatched = set(range(len(reference))) - {i for i, _ in pairs}
-    missed = [times[i] for i in unmatched if reference[i].kind != "graze"]
+    pairs = align(ordered, exact, times, WINDOW * 2 * pi / float(scene.parameters.Omega))
+    unmatched = set(range(len(exact))) - {i for i, _ in pairs}
+    missed = [times[i] for i in unmatched if exact[i].kind != "graze"]
     invented = [ordered[j].t for j in set(range(len(ordered))) - {j for _, j in pairs}]
-    return Comparison(
-        error_t=max((relative_error(ordered[j].t, reference[i].t, t0) for i, j in pairs), default=None),
-        error_x=max((relative_error(ordered[j].x, reference[i].x) for i, j in pairs), default=None),
-        missed=len(missed),
-        invented=len(given) - len(pairs),
-        missed_grazes=len(unmatched) - len(missed),
-        first_wrong=min(missed + invented, default=None),
-    )
+    of_t = [relative_error(ordered[j].t, exact[i].t, float(scene.t0)) for i, j in pairs]
+    of_x = [relative_error(ordered[j].x, exact[i].x) for i, j in pairs]
+    return {
+        "error": max(of_t + of_x, default=None),
+        "error_t": max(of_t, default=None),
+        "error_x": max(of_x, default=None),
+        "missed": len(missed),
+        "invented": len(given) - len(pairs),
+        "missed_grazes": len(unmatched) - len(missed),
+        "first_wrong": min(missed + invented, default=None),
+    }
 
 
 def relative_error(value: Number, exact: Number, start: Number = 0) -> float:
