@@ -7,11 +7,16 @@ from __future__ import annotations
 
 import os
 import platform
+from collections.abc import Callable, Iterable, Sequence
 from datetime import date
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any, TypeAlias
 
 from symosc.aliases import Record
+
+#: Takes the steps of a run and returns them as an iterable that may show how far it is.
+Progress: TypeAlias = Callable[[Sequence[Any]], Iterable[Any]]
 
 PACKAGES = ("numpy", "scipy", "mpmath", "numba", "heyoka", "scikit-sundae")
 

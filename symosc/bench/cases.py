@@ -7,17 +7,16 @@ within max(1e-12, 100 * condition * 1e-16) at every event: as good as the roundi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from math import isfinite
 from pathlib import Path
-from typing import Any
 
 from tabulate import tabulate
 
 from symosc import plot
 from symosc.aliases import Record
-from symosc.bench import machine, not_run, sentence
+from symosc.bench import Progress, machine, not_run, sentence
 from symosc.bench.solvers import HANG, OURS, PROCESSES, Outcome, Solver, all_solvers, in_parallel, processor_limit
 from symosc.files import write_text
 from symosc.reference import score
@@ -39,17 +38,16 @@ def hard_ones(quick: bool = False) -> list[ReferenceCase]:
 
 
 def run(
-    progress: Callable[[Sequence[Any]], Iterable[Any]] = iter,
+    progress: Progress = iter,
     solvers: Sequence[Solver] | None = None,
     cases: Sequence[ReferenceCase] | None = None,
     limit: float = CASE_LIMIT,
     with_derivatives: bool = False,
 ) -> Record:
     """Run solvers (None: all) on cases (None: all) and judge their events."""
-    # `progress` gets a sequence of steps and returns it as an iterable that may show how far it is; `limit` is in
-    # seconds of processor time. Keys: scores and ours (lists of `symosc.reference.score.Score`; the second one with
-    # OUR_TOLERANCE, of the hard cases and symosc's own solvers), violations (where those did not keep the bound), ok,
-    # limit_s, skipped (solver: why it cannot run), machine.
+    # `limit` is in seconds of processor time. Keys: scores and ours (lists of Score; the second one with OUR_TOLERANCE,
+    # of the hard cases and symosc's own solvers), violations (where those did not keep the bound), ok, limit_s, skipped
+    # (solver: why it cannot run), machine.
     solvers = all_solvers() if solvers is None else solvers
     chosen = list(reference_cases() if cases is None else cases)
     able = [solver for solver in solvers if not solver.missing]

@@ -15,7 +15,7 @@ it.
 from __future__ import annotations
 
 import types
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import cos, exp, log10, nan, sin
 from typing import Any
@@ -29,6 +29,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patheffects import withStroke
 
 from symosc.aliases import Number, Record
+from symosc.bench import Progress
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.flow import Constants, constants
 from symosc.kernels import entire
@@ -78,22 +79,19 @@ def scaled_parameters(zeta: Fraction, ratio: Fraction) -> Parameters:
     return Parameters(m=1, c=2 * zeta, k=1, A0=0, B0=1, Omega=ratio, v1=0, v2=1, mu1=0, mu2=0, FN=0)
 
 
-def run(
-    quick: bool = False, progress: Callable[[Sequence[Any]], Iterable[Any]] = iter, taus: Sequence[float] = TAUS
-) -> Record:
+def run(quick: bool = False, progress: Progress = iter, taus: Sequence[float] = TAUS) -> Record:
     """Measure the map for some values of w0 tau and return plain data; with `quick` at fewer points."""
-    # `progress` gets a sequence of steps and returns it as an iterable that may show how far it is. Keys: taus; zeta
-    # and ratio (places on the axes, see `value_at`); cheap and symosc: errors, one matrix per tau, rows over zeta and
-    # columns over Omega/w0, nan where the formula cannot be evaluated or the time is longer than what symosc evaluates
-    # at once; formulas (matrices on the finer grid border_zeta, border_ratio): "series", "apart" (the cheap closed
-    # form), "careful", or "" for such a time; largest: the largest error of symosc, in the map.
+    # Keys: taus; zeta and ratio (places on the axes, see `value_at`); cheap and symosc: errors, a matrix per tau, zeta
+    # in rows and Omega/w0 in columns, nan where the formula cannot be evaluated or the time is longer than what symosc
+    # evaluates at once; formulas (matrices on the finer grid border_zeta, border_ratio): "series", "apart" (the
+    # cheap closed form), "careful", or "" for such a time; largest: the largest error of symosc, in the map.
     points = QUICK_MAP_POINTS if quick else MAP_POINTS
     zetas, ratios = axis(*ZETA_RANGE, points), axis(*RATIO_RANGE, points)
     shape = (len(taus), len(zetas), len(ratios))
     cheap, shipped = np.full(shape, nan), np.full(shape, nan)
-    for i in progress(range(len(zetas))):
+    for i, zeta in progress(list(enumerate(zetas))):
         for j, ratio in enumerate(ratios):
-            p = scaled_parameters(value_at(zetas[i]), value_at(ratio))
+            p = scaled_parameters(value_at(zeta), value_at(ratio))
             K = constants(p)
             exact = _exact(p)
             for n, tau in enumerate(taus):

@@ -14,16 +14,16 @@ from functools import lru_cache, partial
 from math import cos, pi, sin
 from pathlib import Path
 from statistics import median
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from tabulate import tabulate
 
 from symosc.aliases import Record
-from symosc.bench import cases, event_logic, not_run, peers_heyoka, peers_numba, peers_scipy, sentence
+from symosc.bench import Progress, cases, event_logic, not_run, peers_heyoka, peers_numba, peers_scipy, sentence
 from symosc.bench.event_logic import ONE_STEP_OFFSET, STEPS_PER_PERIOD, force, problem, runner, start_mode
 from symosc.bench.peers_numba import E3, E5, STAGE_TIMES, STAGE_WEIGHTS, STAGES, STEP_EXPONENT, STEP_SAFETY
-from symosc.bench.solvers import Solver, events_of
+from symosc.bench.solvers import Prepare, Solver, events_of
 from symosc.engine.arithmetic import bind
 from symosc.engine.flow import friction_signs
 from symosc.errors import ParameterError
@@ -57,20 +57,9 @@ def found_changes(event: FoundEvent, dt: Sequence[float], dx: Sequence[float]) -
 ONE = dict(zip(NAMES, np.eye(len(NAMES)), strict=True))
 
 
-class Piece(NamedTuple):
-    """A flight or stick: mode, start and the boundary of the start (or 0), the side where it ends, the next mode."""
-
-    mode: int
-    t: float
-    x: float
-    v: float
-    boundary: int
-    side: int
-    after: int
-
-
-def pieces(scene: Scene, events: Iterable[FoundEvent]) -> Iterator[tuple[FoundEvent, Piece]]:
+def pieces(scene: Scene, events: Iterable[FoundEvent]) -> Iterator[tuple[Any, ...]]:
     """Yield each event with the flight or stick that leads to it; a graze does not end a flight."""
+    # Of that: mode, t, x, v and boundary (or 0) of its start; the side where it ends, the next mode.
     q, t, x, v = problem(scene.parameters, scene.t0), float(scene.t0), float(scene.x0), float(scene.v0)
     t0, (mode, boundary) = t, start_mode(q, x, v)
     for event in events:
@@ -81,7 +70,7 @@ def pieces(scene: Scene, events: Iterable[FoundEvent]) -> Iterator[tuple[FoundEv
         else:
             below, above = (abs(force(q, n, event.t - t0, event.x, speed)) for n in NEIGHBOURS[at])
             side, after = (1, at + 1) if above < below else (-1, at)
-        yield event, Piece(mode, t, x, v, boundary, side, after)
+        yield event, mode, t, x, v, boundary, side, after
         if event.kind != "graze":
             mode, boundary, t, x, v = after, at, event.t, event.x, speed
 
@@ -99,7 +88,7 @@ def through_events(scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobia
         return ONE["A0"] + by_mu + (one * number["mu1"] + two * number["mu2"]) * ONE["FN"]
 
     dx, dv = ONE["x0"], ONE["v0"]  # at fixed times
-    for n, (event, (mode, t, x, v, _, _, after)) in enumerate(pieces(scene, events)):
+    for n, (event, mode, t, x, v, _, _, after) in enumerate(pieces(scene, events)):
         if n == 0:
             dx, dv = dx - v * ONE["t0"], dv - (force(q, mode, 0.0, x, v) if mode < 4 else 0.0) * ONE["t0"]
         duration, speed, belt = event.t - t, number[f"v{event.boundary}"], ONE[f"v{event.boundary}"]
@@ -123,10 +112,7 @@ def through_events(scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobia
 
 
 def by_flights(
-    follow: Callable[[Scene, float], Callable[[], Iterable[FoundEvent]]],
-    jacobian_of: Callable[[float], Jacobian],
-    scene: Scene,
-    tolerance: float,
+    follow: Prepare, jacobian_of: Callable[[float], Jacobian], scene: Scene, tolerance: float
 ) -> Callable[[], list[FoundEvent]]:
     """Return a function that finds the events by one tool and differentiates the flights between them by another."""
     run, jacobian = follow(scene, tolerance), jacobian_of(tolerance)
@@ -323,7 +309,7 @@ def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], li
 
     def run() -> list[FoundEvent]:
         found, at = [], np.stack([ONE["t0"], ONE["x0"], ONE["v0"]])  # of t, x, v at the start of a piece
-        for event, (mode, t, x, v, boundary, side, _) in pieces(scene, follow()):
+        for event, mode, t, x, v, boundary, side, _ in pieces(scene, follow()):
             if boundary and mode < 4:  # off the belt, as in `follow`
                 v += offset if mode > boundary else -offset
             theta = event_logic.from_now(q, t - t0).theta
@@ -370,9 +356,7 @@ def solvers() -> tuple[Solver, ...]:
     )
 
 
-def run(
-    progress: Callable[[Sequence[Any]], Iterable[Any]] = iter, chosen: Sequence[ReferenceCase] | None = None
-) -> Record:
+def run(progress: Progress = iter, chosen: Sequence[ReferenceCase] | None = None) -> Record:
     """Judge the derivatives that each way to differentiate finds in the reference cases; return plain data."""
     some = [case for case in (reference_cases() if chosen is None else chosen) if not case.periods]
     return cases.run(progress, solvers(), some, with_derivatives=True)

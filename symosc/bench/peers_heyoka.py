@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from itertools import starmap
 from math import cos, sin
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -27,17 +27,8 @@ from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 
 
-class Tables(NamedTuple):
-    """A_alpha/m by domain, belt speeds, integrator parameters by mode, and velocities just off a belt in a domain."""
-
-    A: dict[int, float]
-    belts: dict[int, float]
-    parameters: dict[int, np.ndarray]
-    starts: dict[tuple[int, int], float]
-
-
-def tables(q: Problem) -> Tables:
-    """Return the constants of a scene that the event callbacks need: by domain, by belt and by mode."""
+def tables(q: Problem) -> tuple[dict[Any, Any], ...]:
+    """Return A_alpha/m by domain, belt speeds, integrator parameters by mode, and velocities just off a belt."""
     A, belts = {1: q.A1, 2: q.A2, 3: q.A3}, {1: q.v1, 2: q.v2}
     parameters = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -q.v1, 1.0, 0.0, -q.v2]) for alpha in A}
     for boundary, (below, above) in NEIGHBOURS.items():
@@ -45,7 +36,7 @@ def tables(q: Problem) -> Tables:
     offset = ONE_STEP_OFFSET * max(abs(q.v1), abs(q.v2))
     starts = {(boundary, boundary): v - offset for boundary, v in belts.items()}
     starts |= {(boundary, boundary + 1): v + offset for boundary, v in belts.items()}
-    return Tables(A, belts, parameters, starts)
+    return A, belts, parameters, starts
 
 
 def equations(q: Problem) -> tuple[list[Any], tuple[Any, Any]]:

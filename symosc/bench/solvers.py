@@ -22,7 +22,7 @@ from importlib.util import find_spec
 from multiprocessing import get_context
 from threading import Event as Flag
 from threading import Lock
-from typing import Any
+from typing import Any, TypeAlias
 
 from pebble import ProcessExpired, ProcessPool
 
@@ -42,15 +42,18 @@ FIRST_LIMIT = 600.0
 PROCESSES = min(2, os.cpu_count() or 1)
 
 
+#: prepare(scene, tolerance) does what a user would do once (compile, build the integrator). It returns a function that
+#: follows the scene from its start to its end and returns its events; where they come in arrays, an iterator, so that
+#: making objects of them is not timed.
+Prepare: TypeAlias = Callable[[Scene, float], Callable[[], Iterable[FoundEvent]]]
+
+
 @dataclass(frozen=True)
 class Solver:
     """A solver to compare with: how it finds the events of a scene, with which tolerances, and what it needs."""
 
     name: str  # in tables and plots
-    # prepare(scene, tolerance) does what a user would do once (compile, build the integrator). It returns a function
-    # that follows the scene from its start to its end and returns its events; where they come in arrays, an iterator,
-    # so that making objects of them is not timed.
-    prepare: Callable[[Scene, float], Callable[[], Iterable[FoundEvent]]]
+    prepare: Prepare
     tolerances: tuple[float, ...]  # of a work-precision curve, coarse to fine; 0.0 alone for a solver without one
     needs: str = ""  # the module that must be importable, "" if it comes with symosc
     note: str = ""  # its precautions

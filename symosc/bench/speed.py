@@ -11,7 +11,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache, partial
@@ -26,7 +26,7 @@ import numpy as np
 from tabulate import tabulate
 
 from symosc.aliases import Number, Record
-from symosc.bench import machine, peers_heyoka, peers_scan, sentence
+from symosc.bench import Progress, machine, peers_heyoka, peers_scan, sentence
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.fit import fit
 from symosc.grazing.window import grazing_window, grazing_windows
@@ -87,12 +87,11 @@ def floor(count, h, w, Om, P, Q, R, S):
 
 @lru_cache(maxsize=1)
 def compiled_floor() -> Callable[..., float]:
-    """Return `floor`, compiled like the event loop if numba is installed."""
-    try:
-        import numba
-    except ImportError:
-        return floor
-    return numba.njit(floor)
+    """Return `floor`, compiled like the event loop."""
+    import numba
+
+    made: Callable[..., float] = numba.njit(floor)
+    return made
 
 
 def floor_s() -> float:
@@ -313,12 +312,11 @@ def _processes(quick: bool, cache: str) -> Iterator[Call]:
 # -- measuring ---------------------------------------------------------------------------------------------------------
 
 
-def run(quick: bool = False, progress: Callable[[Sequence[Any]], Iterable[Any]] = iter) -> Record:
+def run(quick: bool = False, progress: Progress = iter) -> Record:
     """Measure everything; with `quick` fewer repeats and smaller tasks."""
-    # `progress` gets the turns of a group and returns them as an iterable that may show how far it is. Keys: machine;
-    # floor_ns, one evaluation of the closed form; c_ns, the time of a counted event of fig5; errors (`measure_errors`);
-    # and groups, each with a title and rows: what, per (the unit), s (seconds per unit), over_c, and over_first (as a
-    # multiple of the group's first row).
+    # Keys: machine; floor_ns, one evaluation of the closed form; c_ns, the time of a counted event of fig5; errors
+    # (`measure_errors`); groups, each with a title and rows: what, per (the unit), s (seconds per unit), over_c, and
+    # over_first (as a multiple of the group's first row).
     repeats = 3 if quick else 7
     measured = [_measured(group, repeats, progress) for group in groups(quick)]
     c = measured[0]["rows"][0]["s"]
@@ -328,7 +326,7 @@ def run(quick: bool = False, progress: Callable[[Sequence[Any]], Iterable[Any]] 
     return about | {"errors": measure_errors(), "groups": measured}
 
 
-def _measured(group: Group, repeats: int, progress: Callable[..., Iterable[Any]]) -> Record:
+def _measured(group: Group, repeats: int, progress: Progress) -> Record:
     """Measure the calls of a group in turns, after a first call of each."""
     calls, clock = list(group.calls), group.clock
     units, lengths = list[float](), list[float]()  # number of units of each call, and seconds of one

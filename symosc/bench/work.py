@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, nan
 from statistics import median
-from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -22,7 +21,7 @@ from matplotlib.lines import Line2D
 from tabulate import tabulate
 
 from symosc.aliases import Record
-from symosc.bench import machine
+from symosc.bench import Progress, machine
 from symosc.bench.solvers import HANG, OURS, Outcome, Solver, Worker, all_solvers
 from symosc.bench.speed import floor_s
 from symosc.exact import read_exact
@@ -91,14 +90,13 @@ def measure(
 
 def run(
     quick: bool = False,
-    progress: Callable[[Sequence[Any]], Iterable[Any]] = iter,
+    progress: Progress = iter,
     solvers: Sequence[Solver] | None = None,
     scenes: dict[str, tuple[int, int, int]] | None = None,
 ) -> Record:
     """Measure and return plain data; with `quick` two scenes, and only the finest tolerance of each peer."""
-    # `progress` gets the sequence of measurements and returns it as an iterable that may show how far it is; `solvers`
-    # and `scenes` (with numbers of events, as in SCENE_SPANS) replace all. Keys: machine; floor_ns, one closed-form
-    # evaluation; limit_s; skipped, solver: why it cannot run here; notes, solver: its precautions; and rows, one per
+    # `solvers` and `scenes` (with numbers of events, as in SCENE_SPANS) replace all. Keys: machine; floor_ns, one
+    # closed-form evaluation; limit_s; skipped, solver: why it cannot run; notes, solver: its precautions; rows, one per
     # scene, solver and tolerance, with
     #     scene, solver, tolerance;
     #     failure: "" or what went wrong; the numbers that are then not known are None;

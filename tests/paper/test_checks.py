@@ -346,19 +346,19 @@ def test_a_start_that_grazes_is_found_from_its_printed_digits(seed: int) -> None
             x0, v0 = (round(Fraction(found.start[name]), 4) for name in ("x0", "v0"))
             scene = Scene("printed", p, Fraction(found.start["t0"]), x0, v0, Fraction(99))
             near = grazes.nearest_graze(scene, mapping)
-            assert near.rounds, (mapping, phase)
-            assert near.t_low - 1e-6 <= t_m <= near.t_high + 1e-6
+            assert near.round_to_it, (mapping, phase)
+            assert near.round_to_it[0] - 1e-6 <= t_m <= near.round_to_it[1] + 1e-6
             assert max(abs(near.dx), abs(near.dv)) <= 5e-5
             # Some step of a hundredth leads off the curve.
             steps = [{key: value + Fraction(s, 100)} for key, value in (("x0", x0), ("v0", v0)) for s in (1, -1)]
-            assert not all(grazes.nearest_graze(replace(scene, **step), mapping).rounds for step in steps)
+            assert not all(grazes.nearest_graze(replace(scene, **step), mapping).round_to_it for step in steps)
 
 
 def test_the_print_of_fig8_is_right() -> None:
     near = grazes.nearest_graze(load_scene("fig8"), "P3")
-    assert near.rounds
+    assert near.round_to_it
     # Known to 50 digits: exactly the contacts between these times have starts that round to (5.8980, 2.2580).
-    assert (near.t_low, near.t_high) == pytest.approx((3.1415787, 3.1415839), abs=1e-7)
+    assert near.round_to_it == pytest.approx([3.1415787, 3.1415839], abs=1e-7)
     found = grazes.starts_that_graze(load_scene("fig8"), "P3", np.array([3.14158]))
     assert found[:, 0] == pytest.approx((5.89795221480835613987, 2.257969994383412060), abs=1e-12)
 

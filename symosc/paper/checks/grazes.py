@@ -70,7 +70,7 @@ class Graze:
     @property
     def print_is_right(self) -> bool:
         """Whether, with all parameters as printed, the printed start is the rounded start of a motion that grazes."""
-        return nearest_graze(self.printed, self.mapping).rounds
+        return bool(nearest_graze(self.printed, self.mapping).round_to_it)
 
 
 #: Fig. 7 needs A0 = 10.
@@ -403,8 +403,8 @@ def start_grazes(figure: Graze) -> Evidence:
         "contacts from the printed start": contacts_text(motion(scene)),
     }
     held, how = False, "which does not round to it"
-    if near.rounds:
-        times = f"{near.t_low:.8g} to {near.t_high:.8g}"
+    if near.round_to_it:
+        times = " to ".join(f"{t:.8g}" for t in near.round_to_it)
         numbers["contacts at these times have starts that round to the printed one"] = times
         held = _grazes_exactly(figure, Fraction(near.t_m).limit_denominator(10**9), numbers)
         how = "which rounds to it" if held else "which rounds to it, but does not graze in many digits"
@@ -451,13 +451,7 @@ class NearestGraze:
     t_m: float
     dx: float
     dv: float
-    t_low: float  # times of contact of all starts that round to the printed one, up to t_high; nan: none
-    t_high: float
-
-    @property
-    def rounds(self) -> bool:
-        """Whether the rounded start of some grazing flow is the printed one."""
-        return self.t_low <= self.t_high
+    round_to_it: list[float]  # from and until when the contact is of the starts that round to the printed one; []: none
 
 
 @dataclass(frozen=True)
@@ -511,11 +505,10 @@ def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
         t = float(minimize_scalar(away, bounds=ends, method="bounded", options={"xatol": 1e-13}).x)
         if not away(t) >= away(best):
             best, around = t, ends
-    box = [np.nan, np.nan]
-    if away(best) <= HALF_UNIT:
-        box = [float(brentq(lambda t: away(t) - HALF_UNIT, *sorted((best, end)), xtol=1e-12)) for end in around]
+    sides: Sequence[float] = around if away(best) <= HALF_UNIT else ()
+    box = [float(brentq(lambda t: away(t) - HALF_UNIT, *sorted((best, end)), xtol=1e-12)) for end in sides]
     dx, dv = (starts_that_graze(scene, mapping, np.array([best])) - printed)[:, 0]
-    return NearestGraze(best, float(dx), float(dv), *box)
+    return NearestGraze(best, float(dx), float(dv), box)
 
 
 def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
