@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from math import isfinite
 from pathlib import Path
+from typing import Any
 
 from tabulate import tabulate
 
@@ -22,9 +23,8 @@ from symosc.files import write_text
 from symosc.reference import score
 from symosc.reference.case import ReferenceCase, with_known
 from symosc.reference.cases import GROUPS, SET_VERSION, hard_cases, reference_cases
-from symosc.reference.compare import SCORE_TOLERANCE, FoundEvent
 from symosc.reference.results import CaseResult, GivenEvent
-from symosc.reference.score import Score
+from symosc.reference.score import SCORE_TOLERANCE, Score
 
 #: Seconds of processor time for a case, the solver's preparation included.
 CASE_LIMIT = 4.0
@@ -91,7 +91,7 @@ def solved(case: ReferenceCase, with_derivatives: bool) -> Record:
     return {"events": case.events, "conditions": case.conditions, "derivatives": derivatives}
 
 
-def found_by(solver: Solver, case: ReferenceCase, limit: float) -> list[FoundEvent] | None:
+def found_by(solver: Solver, case: ReferenceCase, limit: float) -> list[Any] | None:
     """Return the events that a solver finds in a case; None if it takes longer than `limit`."""
     try:
         with processor_limit(limit):

@@ -20,10 +20,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.aliases import Record
+from symosc.bench.solvers import FoundEvent
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import SymoscError
 from symosc.model import MODE_NAMES, Parameters
-from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 
 #: This oscillator never has so many events within one period (of `Problem`).

@@ -23,7 +23,7 @@ from symosc.aliases import Record
 from symosc.bench import Progress, cases, event_logic, not_run, peers_heyoka, peers_numba, peers_scipy, sentence
 from symosc.bench.event_logic import ONE_STEP_OFFSET, STEPS_PER_PERIOD, force, problem, runner, start_mode
 from symosc.bench.peers_numba import E3, E5, STAGE_TIMES, STAGE_WEIGHTS, STAGES, STEP_EXPONENT, STEP_SAFETY
-from symosc.bench.solvers import Prepare, Solver, events_of
+from symosc.bench.solvers import FoundEvent, Prepare, Solver, events_of
 from symosc.engine.arithmetic import bind
 from symosc.engine.flow import friction_signs
 from symosc.errors import ParameterError
@@ -31,7 +31,6 @@ from symosc.files import write_text
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.reference.case import ReferenceCase
 from symosc.reference.cases import SET_VERSION, reference_cases
-from symosc.reference.compare import FoundEvent
 from symosc.reference.score import CaseScore, Score, as_markdown, by_group
 from symosc.scenes import Scene
 from symosc.simulation.ensemble import simulate_many

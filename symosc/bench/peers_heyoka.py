@@ -21,9 +21,8 @@ from typing import Any
 import numpy as np
 
 from symosc.bench.event_logic import CHATTER, ONE_STEP_OFFSET, PeerError, Problem, problem, start_mode
-from symosc.bench.solvers import Solver
+from symosc.bench.solvers import FoundEvent, Solver
 from symosc.model import NEIGHBOURS, Parameters
-from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 
 

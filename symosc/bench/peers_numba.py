@@ -32,9 +32,8 @@ from symosc.bench.event_logic import (
     runner,
     turn,
 )
-from symosc.bench.solvers import Solver
+from symosc.bench.solvers import FoundEvent, Solver
 from symosc.engine.arithmetic import compile_modules
-from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 
 STAGES = DOP853.n_stages

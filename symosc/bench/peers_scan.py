@@ -18,10 +18,9 @@ import numpy as np
 from symosc.aliases import Record
 from symosc.bench import event_logic
 from symosc.bench.event_logic import UNSOLVED, PeerError, Problem, margins, problem, root, runner
-from symosc.bench.solvers import Solver
+from symosc.bench.solvers import FoundEvent, Solver
 from symosc.engine.arithmetic import compile_modules
 from symosc.model import Parameters
-from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 
 UNDERDAMPED, CRITICAL, OVERDAMPED = range(3)

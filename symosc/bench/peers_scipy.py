@@ -27,9 +27,8 @@ from scipy.integrate import solve_ivp
 from symosc.aliases import Record
 from symosc.bench import event_logic
 from symosc.bench.event_logic import ATOL, STEPS_PER_PERIOD, PeerError, Problem, force, margins, problem, runner, turn
-from symosc.bench.solvers import Solver
+from symosc.bench.solvers import FoundEvent, Solver
 from symosc.engine.arithmetic import bind
-from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 
 #: As `ONE_STEP_OFFSET`; and of multistep methods at least this part of rtol: they start with order 1, so that the first

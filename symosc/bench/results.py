@@ -10,10 +10,9 @@ from textwrap import fill
 from symosc import plot
 from symosc.aliases import Record
 from symosc.bench import cases, error_map, sentence, speed, work
-from symosc.bench.solvers import OURS
+from symosc.bench.solvers import OURS, REFERENCE_DIGITS
 from symosc.errors import OutputError
 from symosc.files import make_folder, write_text
-from symosc.reference.compare import ERRORS, REFERENCE_DIGITS
 from symosc.simulation.simulate import ACCURACY
 
 #: Where pictures and full tables go, relative to the README.
@@ -85,7 +84,7 @@ Written by one run of `{_command_text(result)}`.
 ## Work and precision
 
 Every solver follows the same scenes ({sentence(measured["machine"])}). Time is per event, calls repeated, the first one
-apart; errors are {ERRORS}, against {REFERENCE_DIGITS} digits.
+apart; errors are {work.ERRORS}, against {REFERENCE_DIGITS} digits.
 
 ![Error against time per event, one panel per scene, one curve per solver; symosc is the black star.]\
 (work_precision.svg)

@@ -11,7 +11,7 @@ import os
 import pkgutil
 import signal
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, TimeoutError
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -22,13 +22,12 @@ from importlib.util import find_spec
 from multiprocessing import get_context
 from threading import Event as Flag
 from threading import Lock
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from pebble import ProcessExpired, ProcessPool
 
 from symosc import bench
 from symosc.aliases import Record
-from symosc.reference.compare import FoundEvent
 from symosc.scenes import Scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.simulate import ACCURACY, simulate
@@ -40,6 +39,20 @@ LONGEST_MESSAGE = 120
 #: Seconds for the first call of a solver, with all that it imports and compiles, on a slow machine too.
 FIRST_LIMIT = 600.0
 PROCESSES = min(2, os.cpu_count() or 1)
+
+
+#: Digits of the runs that errors are measured against.
+REFERENCE_DIGITS = 40
+
+
+class FoundEvent(NamedTuple):
+    """A switching event as a solver reports it, in the words of `symosc.Event`; dt_mu1, ... are in `changes`."""
+
+    t: float
+    x: float
+    kind: str
+    boundary: int
+    changes: Mapping[str, float] = {}
 
 
 #: prepare(scene, tolerance) does what a user would do once (compile, build the integrator). It returns a function that

@@ -27,6 +27,7 @@ from tabulate import tabulate
 
 from symosc.aliases import Number, Record
 from symosc.bench import Progress, machine, peers_heyoka, peers_scan, sentence
+from symosc.bench.solvers import REFERENCE_DIGITS
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.fit import fit
 from symosc.grazing.window import grazing_window, grazing_windows
@@ -34,7 +35,6 @@ from symosc.mappings.compiled import compiled_residual
 from symosc.mappings.equations import residual
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
-from symosc.reference.compare import REFERENCE_DIGITS
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.batch import warm
 from symosc.simulation.ensemble import simulate_many

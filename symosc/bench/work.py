@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import inf, nan
+from math import inf, isfinite, nan, pi
 from statistics import median
 
 from matplotlib import rc_context
@@ -22,11 +22,13 @@ from tabulate import tabulate
 
 from symosc.aliases import Record
 from symosc.bench import Progress, machine
-from symosc.bench.solvers import HANG, OURS, Outcome, Solver, Worker, all_solvers
+from symosc.bench.solvers import HANG, OURS, REFERENCE_DIGITS, FoundEvent, Outcome, Solver, Worker, all_solvers
 from symosc.bench.speed import floor_s
+from symosc.crosschecks.events import WINDOW
 from symosc.exact import read_exact
 from symosc.plot.drawing import STYLE
-from symosc.reference.compare import ERRORS, REFERENCE_DIGITS, FoundEvent, compare
+from symosc.reference.case import relative_error
+from symosc.reference.score import align
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
@@ -44,6 +46,8 @@ BUDGET, QUICK_BUDGET = 0.2, 0.05
 # it takes longer than a part of the limit.
 MOST_REPEATS, LEAST_REPEATS, SHORT_CALL, LONG_CALL_PART = 25, 3, 0.3, 0.1
 
+#: What `relative_error` is, for readers of tables.
+ERRORS = "of event times relative to max(1, t - t0), of positions to max(1, |x|)"
 TIME_KEYS = ("prepare_s", "first_call_s", "times_s", "timed_events", "us_per_event", "floor_ns", "over_floor")
 ERROR_KEYS = ("error", "error_t", "error_x", "missed", "invented", "missed_grazes", "first_wrong")
 
@@ -189,6 +193,29 @@ def _row_numbers(outcome: Outcome, span: Span) -> Record:
     multiple = median(a / b for a, b in zip(times, floors, strict=True)) / count
     values = prepared, first, repeats, count, 1e6 / count * median(times), 1e9 * min(floors), multiple
     return about | dict(zip(TIME_KEYS, values, strict=True)) | compare(found, span.scene, span.reference)
+
+
+def compare(found: Iterable[FoundEvent], scene: Scene, exact: Sequence[Event]) -> Record:
+    """Compare a solver's events with the exact ones of a scene: largest errors, and how many are missed or invented."""
+    # Keys: error_t, error_x, error (the larger one; None if nothing can be compared), missed and invented (numbers),
+    # missed_grazes (which do not count as missed), and first_wrong (the time of the first missed or invented event).
+    given, times = list(found), [float(event.t) for event in exact]
+    ordered = sorted((event for event in given if isfinite(event.t) and isfinite(event.x)), key=lambda event: event.t)
+    pairs = align(ordered, exact, times, WINDOW * 2 * pi / float(scene.parameters.Omega))
+    unmatched = set(range(len(exact))) - {i for i, _ in pairs}
+    missed = [times[i] for i in unmatched if exact[i].kind != "graze"]
+    invented = [ordered[j].t for j in set(range(len(ordered))) - {j for _, j in pairs}]
+    of_t = [relative_error(ordered[j].t, exact[i].t, float(scene.t0)) for i, j in pairs]
+    of_x = [relative_error(ordered[j].x, exact[i].x) for i, j in pairs]
+    return {
+        "error": max(of_t + of_x, default=None),
+        "error_t": max(of_t, default=None),
+        "error_x": max(of_x, default=None),
+        "missed": len(missed),
+        "invented": len(given) - len(pairs),
+        "missed_grazes": len(unmatched) - len(missed),
+        "first_wrong": min(missed + invented, default=None),
+    }
 
 
 # -- tables ------------------------------------------------------------------------------------------------------------

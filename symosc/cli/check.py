@@ -186,10 +186,9 @@ def score(folder: str, results: tuple[str, ...], tolerance: Text, page: Text, pl
       symosc score cases mine.json --tolerance 1e-6 --json
     """
     from symosc.files import write_text
-    from symosc.reference.compare import SCORE_TOLERANCE
     from symosc.reference.folder import read_set
     from symosc.reference.results import read_results
-    from symosc.reference.score import as_html, as_markdown, as_text, read_tolerance
+    from symosc.reference.score import SCORE_TOLERANCE, as_html, as_markdown, as_text, read_tolerance
     from symosc.reference.score import score as judge
 
     as_page = {".md": as_markdown, ".html": as_html}.get("" if page is None else Path(page).suffix.lower())

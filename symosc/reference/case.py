@@ -18,15 +18,15 @@ from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from functools import cached_property
-from math import inf, pi
+from math import inf, pi, ulp
 from typing import Any, NamedTuple
 
+from symosc.aliases import Number
 from symosc.certificates.certificate import Certificate, provable, proven_rows
 from symosc.certificates.certify import certify
 from symosc.engine.arithmetic import mp_context
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
-from symosc.reference.compare import relative_error
 from symosc.scenes import Scene
 from symosc.sensitivities import sensitivities
 from symosc.simulation.simulate import simulate
@@ -309,6 +309,14 @@ def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]]) ->
             total[0] += relative_error(after.t, before.t) / float(step)
             total[1] += relative_error(after.x, before.x) / float(step)
     return [max(total) for total in totals[:certain]] + [inf] * (len(totals) - certain)
+
+
+def relative_error(value: Number, exact: Number, start: Number = 0) -> float:
+    """Return |value - exact| relative to max(1, |exact - start|)."""
+    # For a time `start` is t0: a late start is no excuse for a late event. What rounding t0 to a double does is no
+    # error.
+    rounding = ulp(float(start)) if start else 0
+    return float(max(0, abs(exact - value) - rounding) / max(1, abs(exact - start)))
 
 
 def shifted(scene: Scene, name: str, step: Fraction) -> Scene:

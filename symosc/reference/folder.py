@@ -30,7 +30,7 @@ from symosc.files import check_folder, read_path, write_folder
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.reference.case import GIVEN_DIGITS, KnownChange, KnownEvent, ReferenceCase, with_known
 from symosc.reference.cases import CASE_GROUPS, SET_VERSION, reference_cases
-from symosc.reference.compare import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED
+from symosc.reference.score import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 

@@ -1,12 +1,14 @@
 """Score a solver's events: each case judged event by event, with an error unit set by the problem.
 
-`formats.txt`, the README of a set of cases, has the rules. `symosc.reference.compare` pairs the events in order, as
-many as possible. What is left over on both sides at one time is an event of a wrong kind, or at another belt; the rest
-is missed, or invented. A derivative has about the square of the condition of its event.
+`formats.txt`, the README of a set of cases, has the rules. Events of one kind at one belt are paired within a window of
+time, in order and as many as possible: so one missed event does not shift all later ones, and of repeated reports the
+nearest counts. What is left over on both sides at one time is an event of a wrong kind, or at another belt; the rest is
+missed, or invented. A derivative has about the square of the condition of its event.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -17,12 +19,18 @@ from typing import Any, NamedTuple
 from tabulate import tabulate
 
 from symosc.aliases import Record
-from symosc.crosschecks.events import RETURNS, WINDOW
+from symosc.crosschecks.events import RETURNS, WINDOW, in_order
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
-from symosc.reference.case import KnownEvent, ReferenceCase
-from symosc.reference.compare import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED, align, relative_error
+from symosc.reference.case import KnownEvent, ReferenceCase, relative_error
 from symosc.reference.results import CaseResult, GivenEvent, Results
+
+#: The error that an event may have.
+SCORE_TOLERANCE = 1e-9
+#: The unit of errors, per condition; and how many units an error may have where that is more than the tolerance.
+ROUNDING_UNIT, UNITS_ALLOWED = 1e-16, 100.0
+#: An event of a wrong kind stands for a missed one if it is nearer to it than this, in forcing periods.
+KIND_WINDOW = 0.005
 
 
 class Wrong(NamedTuple):
@@ -253,6 +261,20 @@ class _Judge:
         name = {"wrong kind": "kinds", "error": "late"}.get(fault, fault)
         setattr(self.judged, name, getattr(self.judged, name) + count)
         self.judged.wrong.append(Wrong(fault, t, wanted, found))
+
+
+def align(
+    found: Sequence[Any], reference: Sequence[Any], times: Sequence[float], window: float
+) -> list[tuple[int, int]]:
+    """Return the pairs (reference, found) of the best alignment: as many as possible, and of these the nearest."""
+    # Events have a kind and a boundary. Those found have a t, and are in order of it; `times` are those of the
+    # reference, and no pair is farther apart than the window.
+    found_times, pairs = [float(event.t) for event in found], []
+    for i, (event, time) in enumerate(zip(reference, times, strict=True)):
+        for j in range(bisect_left(found_times, time - window), bisect_right(found_times, time + window)):
+            if (found[j].kind, found[j].boundary) == (event.kind, event.boundary):
+                pairs.append((i, j, abs(found_times[j] - time)))
+    return in_order(pairs)
 
 
 def _event_text(event: KnownEvent | GivenEvent) -> str:

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 PEERS = """
 from symosc import simulate
 from symosc.bench.solvers import Solver
-from symosc.reference.compare import FoundEvent
+from symosc.bench.solvers import FoundEvent
 
 
 def prepare(scene, tolerance):

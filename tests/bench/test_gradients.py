@@ -8,9 +8,8 @@ import pytest
 
 from symosc import load_scene, sensitivities, simulate
 from symosc.bench.gradients import heyoka_jacobian, run, solvers, table, through_events
-from symosc.bench.solvers import Solver
+from symosc.bench.solvers import FoundEvent, Solver
 from symosc.reference.cases import reference_case
-from symosc.reference.compare import FoundEvent
 from symosc.simulation.tangents import NAMES
 
 #: The error that each may have; what compiles for a minute is slow.

@@ -17,8 +17,7 @@ import pytest
 from symosc import Parameters, Scene, load_scene, simulate, simulate_many
 from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve
 from symosc.bench.peers_heyoka import count_many
-from symosc.bench.solvers import OURS, Solver, all_solvers
-from symosc.reference.compare import FoundEvent
+from symosc.bench.solvers import OURS, FoundEvent, Solver, all_solvers
 
 SOLVERS = {solver.name: solver for solver in all_solvers()}
 PEERS = [solver for solver in all_solvers() if solver not in OURS]

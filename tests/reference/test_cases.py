@@ -18,7 +18,7 @@ from symosc import Parameters, ReferenceCase, Scene, load_scene, reference_cases
 from symosc.certificates.certificate import Certificate
 from symosc.certificates.verify_orbits import verify
 from symosc.mappings.theorem7_cases import place
-from symosc.reference.case import COMPUTED, PROVEN, conditions, last_period, shifted
+from symosc.reference.case import COMPUTED, PROVEN, conditions, last_period, relative_error, shifted
 from symosc.reference.cases import (
     CASE_GROUPS,
     DAMPED,
@@ -35,7 +35,6 @@ from symosc.reference.cases import (
     start_before_a_peak,
     wall,
 )
-from symosc.reference.compare import relative_error
 from symosc.reference.folder import exact_text
 
 # -- sets --------------------------------------------------------------------------------------------------------------

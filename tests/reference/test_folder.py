@@ -20,9 +20,9 @@ from symosc import OutputError, ResultError, load_scene, simulate
 from symosc.certificates.verify_orbits import verify
 from symosc.reference import folder
 from symosc.reference.case import COMPUTED
-from symosc.reference.compare import SCORE_TOLERANCE
 from symosc.reference.folder import SET_FORMAT, checksum, exact_text, read_set, write_cases
 from symosc.reference.results import GivenEvent, read_results
+from symosc.reference.score import SCORE_TOLERANCE
 
 # -- folder ------------------------------------------------------------------------------------------------------------
 

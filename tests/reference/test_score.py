@@ -14,19 +14,17 @@ import pytest
 from small_set import NAMES, right, small_set
 
 from symosc import ParameterError, load_scene, simulate, simulate_many
+from symosc.bench.solvers import FoundEvent
+from symosc.bench.work import compare
 from symosc.reference.case import ReferenceCase, with_known
-from symosc.reference.compare import (
+from symosc.reference.results import CaseResult, GivenEvent, read_results
+from symosc.reference.score import (
     KIND_WINDOW,
     SCORE_TOLERANCE,
     UNITS_ALLOWED,
-    FoundEvent,
-    align,
-    compare,
-)
-from symosc.reference.results import CaseResult, GivenEvent, read_results
-from symosc.reference.score import (
     CaseScore,
     Score,
+    align,
     as_html,
     as_markdown,
     as_text,

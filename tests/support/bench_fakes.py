@@ -9,8 +9,7 @@ from typing import Any
 
 from effort import PATIENCE
 
-from symosc.bench.solvers import HANG, OURS, Outcome, Solver, Worker
-from symosc.reference.compare import FoundEvent
+from symosc.bench.solvers import HANG, OURS, FoundEvent, Outcome, Solver, Worker
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 
