@@ -56,9 +56,11 @@ def verdict(as_printed: object, corrected: object = False) -> str:
     return CONFIRMED if as_printed else CORRECTED if corrected else NOT_AS_PRINTED
 
 
-def evidence(right: object, finding: str, numbers: dict[str, Any], verdict: str = CONFIRMED) -> Evidence:
-    """Return evidence with this verdict if the numbers are as they should be (`right`), else with NOT_AS_PRINTED."""
-    return Evidence(verdict, finding, numbers) if right else Evidence(NOT_AS_PRINTED, "Its numbers refute it.", numbers)
+def evidence(right: object, finding: str, numbers: dict[str, Any], if_right: str = CONFIRMED) -> Evidence:
+    """Return evidence with the verdict `if_right` and this finding if `right` is true, else with NOT_AS_PRINTED."""
+    if right:
+        return Evidence(if_right, finding, numbers)
+    return Evidence(NOT_AS_PRINTED, "Its numbers refute it.", numbers)
 
 
 class Refuted(Exception):

@@ -94,9 +94,9 @@ def _draw_belt(ax: Axes, side: int, number: int) -> None:
 
 
 @rc_context(STYLE)
-def fig2(p: Parameters | None = None) -> Figure:
+def fig2() -> Figure:
     """Return Fig. 2, the friction force F_f against the velocity, an interval at each belt's speed (eq. (1))."""
-    p = load_scene("fig5").parameters if p is None else p
+    p = load_scene("fig5").parameters
     v1, v2 = float(p.v1), float(p.v2)
     levels = [float(p.A0 - p.A(alpha)) for alpha in (1, 2, 3)]
     names = (r"$-(\mu_1+\mu_2)F_N$", r"$(\mu_1-\mu_2)F_N$", r"$(\mu_1+\mu_2)F_N$")
@@ -128,9 +128,9 @@ def fig2(p: Parameters | None = None) -> Figure:
 
 
 @rc_context(STYLE)
-def fig3(scene: str = "fig5") -> Figure:
+def fig3() -> Figure:
     """Return Fig. 3, the phase plane with its domains and boundaries, and the direction of motion at t = 0."""
-    p = load_scene(scene).parameters
+    p = load_scene("fig5").parameters
     v1, v2 = float(p.v1), float(p.v2)
     zones = {belt: stick_zone(p, belt) for belt in (1, 2)}
     left, right = min(zone[0] for zone in zones.values()), max(zone[1] for zone in zones.values())
