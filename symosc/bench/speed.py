@@ -73,7 +73,7 @@ class Group(NamedTuple):
     clock: Callable[[], float] = time.process_time
 
 
-def floor(count, h, w, Om, P, Q, R, S):
+def closed_form(count, h, w, Om, P, Q, R, S):
     """Evaluate the closed form of x and x' (underdamped) `count` times: a lower bound on the time of an event."""
     total = 0.0
     for i in range(count):
@@ -86,17 +86,17 @@ def floor(count, h, w, Om, P, Q, R, S):
 
 
 @lru_cache(maxsize=1)
-def compiled_floor() -> Callable[..., float]:
-    """Return `floor`, compiled like the event loop."""
+def compiled_closed_form() -> Callable[..., float]:
+    """Return `closed_form`, compiled like the event loop."""
     import numba
 
-    made: Callable[..., float] = numba.njit(floor)
+    made: Callable[..., float] = numba.njit(closed_form)
     return made
 
 
 def floor_s() -> float:
     """Measure the seconds that one evaluation of the closed form takes now."""
-    evaluate = partial(compiled_floor(), h=0.5, w=0.866, Om=1.0, P=1.0, Q=2.0, R=3.0, S=4.0)
+    evaluate = partial(compiled_closed_form(), h=0.5, w=0.866, Om=1.0, P=1.0, Q=2.0, R=3.0, S=4.0)
     evaluate(10)
     return _seconds(lambda: evaluate(FLOOR_EVALUATIONS), time.perf_counter) / FLOOR_EVALUATIONS
 

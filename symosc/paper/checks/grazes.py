@@ -105,11 +105,9 @@ def reaches_belt(scene: Scene, belt: int) -> Evidence:
     }
     if since > LATE:
         return Evidence(UNDECIDED, f"There is no contact until t = {LATE}; later is not known.", numbers)
-    finding = (
-        f"There is no contact, ever: until t = {LATE} the velocity rises to {text(v_max, 7)} ({speed} = "
-        f"{text(p.belt(belt))}), and what it tends to has the amplitude √{text(square)} = "
-        f"{text(float(square) ** 0.5, 6)}, whatever A₀ is."
-    )
+    finding = f"There is no contact, ever: until t = {LATE} the velocity rises to {text(v_max, 7)} ({speed} = "
+    finding += f"{text(p.belt(belt))}), and what it tends to has the amplitude √{text(square)} = "
+    finding += f"{text(float(square) ** 0.5, 6)}, whatever A₀ is."
     return Evidence(NOT_AS_PRINTED, finding, numbers)
 
 
@@ -157,10 +155,8 @@ def tangential(figure: Graze) -> Evidence:
     grazes = event.kind == "graze" and is_zero(force) and order.grazing
     numbers["t, x of the red point from the exact start"] = f"{text(event.t, 25)}, {text(event.x, 12)}"
     numbers[f"{name}, G⁽¹⁾ at the red point"] = f"{force_text(force)}, {text(order.values[-1], 12)}"
-    finding = (
-        f"From the start to 40 decimals the motion {'grazes' if grazes else 'does not graze'} belt {at.belt} at t = "
-        f"{text(event.t, 12)}, with {name} = {force_text(force)} and G⁽¹⁾ = {text(order.values[-1], 6)}."
-    )
+    finding = f"From the start to 40 decimals the motion {'grazes' if grazes else 'does not graze'} belt {at.belt} at "
+    finding += f"t = {text(event.t, 12)}, with {name} = {force_text(force)} and G⁽¹⁾ = {text(order.values[-1], 6)}."
     usual = motion(figure.scene).events
     if len(usual) > 1 and usual[0].kind == "stick":
         lasts = usual[1].t - usual[0].t
@@ -184,10 +180,8 @@ def touches_once(figure: Graze) -> Evidence:
         f"contacts until t = {LATE} as printed": str(len(printed.events)),
         "highest velocity later": f"{text(v, 9)} at t = {text(t, 7)}",
     }
-    finding = (
-        f"From the exact start mass and belt {belt} have the same velocity at t = {text(path.events[0].t, 12)} only, "
-        f"where the mass meets the red point's curve, and never again: later ẋ is at most {text(v, 5)}."
-    )
+    finding = f"From the exact start mass and belt {belt} have the same velocity at t = {text(path.events[0].t, 12)} "
+    finding += f"only, where the mass meets the red point's curve, and never again: later ẋ is at most {text(v, 5)}."
     as_printed, once = ([event.kind for event in each.events] == ["graze"] for each in (printed, path))
     return Evidence(verdict(as_printed, once and after < LATE), finding, numbers)
 
@@ -203,10 +197,8 @@ def of_mapping(figure: Graze) -> Evidence:
         "mappings that follow": subscripted(" ".join(word)) or "none",
         "last contact before: t, x, belt": f"{text((t, found.x), 12)}, {found.boundary}",
     }
-    finding = (
-        f"Flowing back, the motion came from belt {found.boundary} at t = {text(t, 9)}, x = {text(found.x, 9)}: "
-        f"so {'a' if found.found else 'no'} {name} ends in it; {'a' if follows else 'no'} {name} begins at it."
-    )
+    finding = f"Flowing back, the motion came from belt {found.boundary} at t = {text(t, 9)}, x = {text(found.x, 9)}: "
+    finding += f"so {'a' if found.found else 'no'} {name} ends in it; {'a' if follows else 'no'} {name} begins at it."
     either = found.found or follows
     return Evidence(verdict(either and figure.scene.parameters == figure.printed.parameters, either), finding, numbers)
 
@@ -224,11 +216,9 @@ def in_window(figure: Graze) -> Evidence:
         "Ωt mod 2π at the graze": text(event.theta, 25),
         "G⁽⁰⁾, G⁽¹⁾": ", ".join(f"{value:.6g}" for value in touch.values),
     }
-    finding = (
-        f"γ = {text(window.gamma)} and B₀Ω/m = {text(window.amplitude)}, in rational numbers: case {window.case}. Its "
-        f"window contains Ωt = {'π' if figure.half_turns else '0'}, and the flow touches with order 1, G⁽¹⁾ = "
-        f"{touch.values[-1]:.6g}."
-    )
+    finding = f"γ = {text(window.gamma)} and B₀Ω/m = {text(window.amplitude)}, in rational numbers: case "
+    finding += f"{window.case}. Its window contains Ωt = {'π' if figure.half_turns else '0'}, and the flow touches "
+    finding += f"with order 1, G⁽¹⁾ = {touch.values[-1]:.6g}."
     return evidence(inside and touch.grazing and touch.order == 1, finding, numbers)
 
 
@@ -252,10 +242,8 @@ def same_point(figure: Graze) -> Evidence:
         "differences": text(change, 10),
         "differences with all numbers as printed": text(printed, 10),
     }
-    finding = (
-        f"One period after the start the mass is at (x, ẋ) = ({text(green, 7)}), and it was at ({text(blue, 7)}): "
-        f"{'one point' if same else 'two points'} of the phase plane."
-    )
+    finding = f"One period after the start the mass is at (x, ẋ) = ({text(green, 7)}), and it was at "
+    finding += f"({text(blue, 7)}): {'one point' if same else 'two points'} of the phase plane."
     return Evidence(verdict(as_printed, same), finding, numbers)
 
 
@@ -277,11 +265,10 @@ def periodic(figure: Graze) -> Evidence:
     }
     what = "periodic" if fixed else "not periodic"
     what += ", but approaching a periodic motion" if approaches and not fixed else ""
-    finding = (
-        f"(x, ẋ) changes by {text(changes[0], 6)} over the first period, by {text(changes[1], 6)} over the next: "
-        f"{what}. The periodic motion has the velocity amplitude √{text(square)} = {text(float(square) ** 0.5, 5)} "
-        f"and {'can' if square >= level else 'never can'} touch v₁ = {text(p.v1)}, whatever A₀ is."
-    )
+    finding = f"(x, ẋ) changes by {text(changes[0], 6)} over the first period, by {text(changes[1], 6)} over the next: "
+    finding += f"{what}. The periodic motion has the velocity amplitude √{text(square)} = "
+    finding += f"{text(float(square) ** 0.5, 5)} and {'can' if square >= level else 'never can'} touch v₁ = "
+    finding += f"{text(p.v1)}, whatever A₀ is."
     return Evidence(verdict(fixed, approaches), finding, numbers)
 
 
@@ -314,10 +301,8 @@ def sticks_later(figure: Graze) -> Evidence:
         f"t, x of the next contact, {name} start": f"{text(each.t, 16)}, {text(each.x, 12)}"
         for name, each in (("printed", printed), ("exact", true))
     }
-    finding = (
-        f"The next contact is at t = {text(true.t, 11)} from the exact start ({text(printed.t, 11)} from the printed "
-        f"one): there the mass sticks to belt {belt}."
-    )
+    finding = f"The next contact is at t = {text(true.t, 11)} from the exact start ({text(printed.t, 11)} from the "
+    finding += f"printed one): there the mass sticks to belt {belt}."
     return evidence(held, finding, numbers)
 
 
@@ -345,11 +330,9 @@ def curves_meet(figure: Graze) -> Evidence:
     ahead = blue.x - (red.x + number(p, p.v1) * (blue.t - red.t))
     numbers["mass minus the red point's curve, at the blue point"] = text(ahead, 12)
     held = as_described(path)
-    finding = (
-        f"From the exact start the mass gets ahead of the red point's curve, by {text(ahead, 6)} at the blue point, "
-        f"and {'meets the curves as described only' if held else 'meets the curves elsewhere too'}. From the printed "
-        f"start there is a {printed.events[0].kind} at the red point."
-    )
+    finding = f"From the exact start the mass gets ahead of the red point's curve, by {text(ahead, 6)} at the blue "
+    finding += f"point, and {'meets the curves as described only' if held else 'meets the curves elsewhere too'}. From "
+    finding += f"the printed start there is a {printed.events[0].kind} at the red point."
     return Evidence(verdict(as_described(printed) or (held and figure.print_is_right), held), finding, numbers)
 
 
@@ -408,11 +391,9 @@ def start_grazes(figure: Graze) -> Evidence:
         numbers["contacts at these times have starts that round to the printed one"] = times
         held = _grazes_exactly(figure, Fraction(near.t_m).limit_denominator(10**9), numbers)
         how = "which rounds to it" if held else "which rounds to it, but does not graze in many digits"
-    finding = (
-        f"{f'With {changed} the' if changed else 'The'} starts at t₀ = {text(scene.t0)} that graze are a curve, one "
-        "for each time of the contact. The one next to the printed start is "
-        f"{max(abs(near.dx), abs(near.dv)):.2g} away, {how}."
-    )
+    finding = f"{f'With {changed} the' if changed else 'The'} starts at t₀ = {text(scene.t0)} that graze are a curve, "
+    finding += "one for each time of the contact. The one next to the printed start is "
+    finding += f"{max(abs(near.dx), abs(near.dv)):.2g} away, {how}."
     return Evidence(verdict(held and not changed, held), finding, numbers)
 
 

@@ -384,9 +384,8 @@ def stick_exits(boundary: int) -> Evidence:
         f"exact ends of sticks into Ω{alpha}; ({equation}) holds": f"{len(found)}; {sum(found)}"
         for alpha, found in exits.items()
     } | _first_exit(boundary, equation)
-    finding = (
-        f"({equation}) holds at {sum(exits[hi])} of {len(exits[hi])} exact ends of sticks with F({hi}) = 0, and at "
-    )
+    finding = f"({equation}) holds at {sum(exits[hi])} of {len(exits[hi])} exact ends of sticks with F({hi}) = 0, and "
+    finding += "at "
     finding += f"{sum(exits[lo])} of {len(exits[lo])} with F({lo}) = 0, where the mass leaves as well, into Ω{lo}."
     return Evidence(verdict(exits[lo] + exits[hi] and all(exits[lo] + exits[hi])), finding, numbers)
 
@@ -489,11 +488,9 @@ def bounded_motions() -> Evidence:
     growth = [float(np.abs(motion(np.linspace(n * period, (n + 1) * period, 200))[0]).max()) for n in (10, 20, 40)]
     swings = ", ".join(f"{value:.4g}" for value in growth)
     numbers["undamped at resonance, c = 0, Ω² = k/m: largest |x| in periods 10, 20, 40"] = swings
-    finding = (
-        f"{within} of {len(STATES)} motions of the figures stay within the bound that the damper gives, which holds "
-    )
-    finding += (
-        "for every motion with c, k > 0 (one kind in each of three domains). Without a damper, at resonance, the "
-    )
+    finding = f"{within} of {len(STATES)} motions of the figures stay within the bound that the damper gives, which "
+    finding += "holds "
+    finding += "for every motion with c, k > 0 (one kind in each of three domains). Without a damper, at resonance, "
+    finding += "the "
     grows = growth[1] > 1.5 * growth[0] and growth[2] > 1.5 * growth[1]
     return evidence(within == len(STATES) and grows, f"{finding}swings grow: {swings}.", numbers)

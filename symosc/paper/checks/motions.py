@@ -336,10 +336,8 @@ def together(scene: Scene, belt: int) -> Evidence:
     apart = abs(way - number(p, p.belt(belt)) * lasts)
     enough = max(abs(force) for force in needed) <= grip + NO_FORCE
     used_up = "; it is used up at the green point" if is_zero(abs(needed[-1]) - grip) else ""
-    finding = (
-        f"For {text(lasts, 11)} the mass moves with belt {belt}, both by {text(way, 11)}. The static friction that "
-        f"this needs stays within μ{subscripted(belt)} F_N = {text(most)}{used_up}."
-    )
+    finding = f"For {text(lasts, 11)} the mass moves with belt {belt}, both by {text(way, 11)}. The static friction "
+    finding += f"that this needs stays within μ{subscripted(belt)} F_N = {text(most)}{used_up}."
     numbers = {
         "t of the blue and of the green point": text((stick.onset.t, stick.end.t), 20),
         "x of the blue and of the green point": text((stick.onset.x, stick.end.x), 20),
@@ -357,11 +355,10 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
     held = all(each.below > NO_FORCE and each.above < -NO_FORCE for each in during)
     held = held and last.below > -NO_FORCE and last.above < NO_FORCE
     lowest, highest = min(each.below for each in along), max(each.above for each in along)
-    finding = (
-        f"From t = {text(stick.onset.t, 11)} to {text(stick.end.t, 11)} {force_names(domains[0])} is at least "
-        f"{force_text(lowest)}, {force_names(domains[1])} at most {force_text(highest)}, with 0 at the green point "
-        "only. Both are monotone between the instants listed: this is decided for the whole stick, not at samples."
-    )
+    finding = f"From t = {text(stick.onset.t, 11)} to {text(stick.end.t, 11)} {force_names(domains[0])} is at least "
+    finding += f"{force_text(lowest)}, {force_names(domains[1])} at most {force_text(highest)}, with 0 at the green "
+    finding += "point only. Both are monotone between the instants listed: this is decided for the whole stick, not at "
+    finding += "samples."
     numbers = {
         f"{force_names(*domains)} at t = {text(stick.onset.t + each.elapsed)}": force_text(each.below, each.above)
         for each in along
@@ -374,11 +371,9 @@ def ends_below(scene: Scene, belt: int) -> Evidence:
     stick, (lo, hi) = first_stick(scene, belt), NEIGHBOURS[belt]
     at = forces(scene.parameters, stick.end)
     held = is_zero(at.below) and at.above < 0 and stick.into == f"Omega{lo}"
-    finding = (
-        f"At t = {text(stick.end.t, 13)} {force_names(lo)} = {force_text(at.below)}, {force_names(hi)} = "
-        f"{text(at.above)}; the mass slips into {mode_text(stick.into)}. Eq. ({51 + belt}) of the paper wants "
-        f"{force_names(hi)} = 0 there."
-    )
+    finding = f"At t = {text(stick.end.t, 13)} {force_names(lo)} = {force_text(at.below)}, {force_names(hi)} = "
+    finding += f"{text(at.above)}; the mass slips into {mode_text(stick.into)}. Eq. ({51 + belt}) of the paper wants "
+    finding += f"{force_names(hi)} = 0 there."
     numbers = {"t of the green point": text(stick.end.t, 25), force_names(lo): force_text(at.below)}
     return Evidence(verdict(held), finding, numbers | {force_names(hi): text(at.above, 25)})
 
@@ -395,10 +390,9 @@ def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
     rest = [abs(each) for each in residual(p, label, (end.x, Omega * end.t), (after.x, Omega * after.t))]
     lasts, domain = after.t - end.t, int(str(into)[-1])
     drag = p.A(domain) - p.A0
-    finding = (
-        f"For {text(lasts, 11)}, from t = {text(end.t, 11)} to {text(after.t, 11)}, the mass is in {mode_text(into)} "
-        f"({subscripted(label)}) with the kinetic friction {text(drag)}; then it is at belt {after.belt}."
-    )
+    finding = f"For {text(lasts, 11)}, from t = {text(end.t, 11)} to {text(after.t, 11)}, the mass is in "
+    finding += f"{mode_text(into)} ({subscripted(label)}) with the kinetic friction {text(drag)}; then it is at belt "
+    finding += f"{after.belt}."
     numbers = {
         "t from, to": text((end.t, after.t), 20),
         "friction force A_α − A₀": text(drag),
@@ -431,11 +425,9 @@ def product_after(scene: Scene, belt: int) -> Evidence:
     if turn is not None:
         zero = brentq(product, times[turn - 1], times[turn], xtol=1e-14)
         numbers["the product changes its sign at t"] = f"{zero:.12g} (to 1e-12)"
-        finding = (
-            f"The product is positive only until t = {zero:.10g}, {zero - since:.7g} after the green point: there "
-            f"ẋ has its extremum {path(zero)[1]:.7g} and {force_names(lo)} changes its sign. At the next contact, "
-            f"t = {text(until, 8)}, the product is {'negative' if products[-1] < 0 else 'positive'}."
-        )
+        finding = f"The product is positive only until t = {zero:.10g}, {zero - since:.7g} after the green point: "
+        finding += f"there ẋ has its extremum {path(zero)[1]:.7g} and {force_names(lo)} changes its sign. At the next "
+        finding += f"contact, t = {text(until, 8)}, the product is {'negative' if products[-1] < 0 else 'positive'}."
     return Evidence(verdict(min(products) > 0, products[0] > 0), finding, numbers)
 
 

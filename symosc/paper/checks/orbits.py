@@ -68,11 +68,9 @@ def orbit_exists(scene: Scene) -> Evidence:
     """Solve the closing equations (54) of the structure and check every inequality that makes the root a motion."""
     found, conditions = orbit_of(scene), orbit_of(scene).conditions()
     margin = min(conditions, key=lambda condition: condition.value)
-    finding = (
-        f"{subscripted(scene.structure)} exists: it has the period of the excitation, {text(found.period, 10)}, all "
-        f"{len(conditions)} inequalities hold, and it is {'stable' if found.stable else 'unstable'} (largest "
-        f"|multiplier| {float(abs(found.multipliers[0])):.6g})."
-    )
+    finding = f"{subscripted(scene.structure)} exists: it has the period of the excitation, {text(found.period, 10)}, "
+    finding += f"all {len(conditions)} inequalities hold, and it is {'stable' if found.stable else 'unstable'} "
+    finding += f"(largest |multiplier| {float(abs(found.multipliers[0])):.6g})."
     numbers = {
         f"{i}. {subscripted(label)} starts at t, x": text((point.t, point.x), 22)
         for i, (label, point) in enumerate(zip(found.labels, found.points, strict=True), 1)
@@ -103,10 +101,8 @@ def in_order(scene: Scene) -> Evidence:
         "largest residual f₁, f₂ of (54) from each switching point to the next": text(worst, 2),
     }
     first = ", ".join(map(subscripted, word[:5]))
-    finding = (
-        f"From the start on the mappings are {first}, …: the structure {subscripted(scene.structure)}, {len(word)} "
-        "mappings long. Each begins where the last one ends: x and ẋ are continuous"
-    )
+    finding = f"From the start on the mappings are {first}, …: the structure {subscripted(scene.structure)}, "
+    finding += f"{len(word)} mappings long. Each begins where the last one ends: x and ẋ are continuous"
     if crossings:
         jump = max(abs(each.below - each.above) for each in crossings)
         numbers["jump of the acceleration where the mass crosses"] = text(jump, 12)
@@ -153,10 +149,8 @@ def passes(scene: Scene, belt: int) -> Evidence:
         for way, found in places.items()
         if found
     } | {"contacts": str(len(path.events))}
-    finding = (
-        f"All {len(path.events)} contacts are passages to the side that both forces point to: up where both are "
-        f"positive ({len(places['up'])}), down where both are negative ({len(places['down'])})."
-    )
+    finding = f"All {len(path.events)} contacts are passages to the side that both forces point to: up where both are "
+    finding += f"positive ({len(places['up'])}), down where both are negative ({len(places['down'])})."
     return evidence(right and path.events, finding, numbers)
 
 
@@ -172,10 +166,8 @@ def never_sticks(scene: Scene) -> Evidence:
         f"sticks, passages until t = {until}": f"{count}, {len(path.events)}",
         "velocities of the periodic motion": f"{velocities.min():.6g} to {velocities.max():.6g} (sampled)",
     }
-    finding = (
-        f"The motion has {count} sticks and {len(path.events)} passages of the boundary until t = {until}; it is in "
-        f"{' and '.join(map(mode_text, modes))} only."
-    )
+    finding = f"The motion has {count} sticks and {len(path.events)} passages of the boundary until t = {until}; it is "
+    finding += f"in {' and '.join(map(mode_text, modes))} only."
     return Evidence(verdict(none), finding, numbers)
 
 
@@ -186,11 +178,9 @@ def stick_parts(scene: Scene, label: str, count: int) -> Evidence:
     lasts = [end - point.t for each, point, end in zip(found.labels, found.points, ends, strict=True) if each == label]
     numbers = {f"length of stick {i}": text(value, 20) for i, value in enumerate(lasts, 1)}
     numbers["period"] = text(found.period, 20)
-    finding = (
-        f"One period of {subscripted(found.word)} has {len(lasts)} parts {subscripted(label)}, "
-        f"{' and '.join(text(value, 8) for value in lasts)} long: {100 * float(sum(lasts) / found.period):.2f} % of "
-        "the period."
-    )
+    finding = f"One period of {subscripted(found.word)} has {len(lasts)} parts {subscripted(label)}, "
+    finding += f"{' and '.join(text(value, 8) for value in lasts)} long: {100 * float(sum(lasts) / found.period):.2f} "
+    finding += "% of the period."
     return Evidence(verdict(len(lasts) == count), finding, numbers)
 
 
@@ -226,10 +216,8 @@ def ends(scene: Scene, belt: int) -> Evidence:
         f"{into.count(f'Omega{domain}')} times {force_names(domain)}, into {mode_text(f'Omega{domain}')}"
         for domain in NEIGHBOURS[belt]
     ]
-    finding = (
-        f"At all {len(found)} green points one force is 0 and the mass slips into its domain: {', and '.join(ways)}. "
-        f"Eq. ({51 + belt}) of the paper knows {force_names(NEIGHBOURS[belt][1])} only."
-    )
+    finding = f"At all {len(found)} green points one force is 0 and the mass slips into its domain: "
+    finding += f"{', and '.join(ways)}. Eq. ({51 + belt}) of the paper knows {force_names(NEIGHBOURS[belt][1])} only."
     return evidence(held, finding, numbers)
 
 
@@ -258,10 +246,8 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
         "largest residual of (54) on the motion from the printed start": text(max(rest), 2),
         "x at the end of that motion's first round minus x₀": text(at[-1].x - at[0].x, 10),
     }
-    finding = (
-        f"(54) leaves {free} of {unknowns} unknowns open. The motion from the printed start of Fig. "
-        f"{scene.name.removeprefix('fig')} fulfils it, and is not periodic."
-    )
+    finding = f"(54) leaves {free} of {unknowns} unknowns open. The motion from the printed start of Fig. "
+    finding += f"{scene.name.removeprefix('fig')} fulfils it, and is not periodic."
     return Evidence(verdict(not free, full == unknowns), finding, numbers)
 
 
@@ -289,11 +275,9 @@ def start_on_orbit(scene: Scene) -> Evidence:
     if on_orbit:
         return Evidence(CONFIRMED, f"The start is on the periodic motion {name}, to all printed digits.", numbers)
     later, higher = "later" if near.dt < 0 else "earlier", "higher" if near.dx < 0 else "lower"
-    finding = (
-        f"The start is not on the periodic motion {name}, whose nearest switching point is {abs(near.dt):.6f} {later} "
-        f"and {abs(near.dx):.6f} {higher} in x. The motion is within {WITHIN:g} of it after {near.periods} "
-        f"period{'' if near.periods == 1 else 's'}."
-    )
+    finding = f"The start is not on the periodic motion {name}, whose nearest switching point is {abs(near.dt):.6f} "
+    finding += f"{later} and {abs(near.dx):.6f} {higher} in x. The motion is within {WITHIN:g} of it after "
+    finding += f"{near.periods} period{'' if near.periods == 1 else 's'}."
     return Evidence(NOT_AS_PRINTED, finding, numbers)
 
 
@@ -317,11 +301,10 @@ def start_or_misprint(scene: Scene) -> Evidence:
         finding = f"{distance.finding} With {free}: {explaining} puts the start on the orbit, to all printed digits."
         return Evidence(CORRECTED, finding, numbers)
     best = min(found, key=lambda each: each.distance)
-    finding = (
-        f"{distance.finding} No single number explains the start. With {free}, parameters up to {REACH} times the "
-        f"printed value, the motion misses the start after one period by {best.distance:.4f} at least, in t or x (with "
-        f"{best.name} = {best.value:.5g}); an orbit would have to go through it to within {float(LAST_HALF_UNIT)}."
-    )
+    finding = f"{distance.finding} No single number explains the start. With {free}, parameters up to {REACH} times "
+    finding += f"the printed value, the motion misses the start after one period by {best.distance:.4f} at least, in t "
+    finding += f"or x (with {best.name} = {best.value:.5g}); an orbit would have to go through it to within "
+    finding += f"{float(LAST_HALF_UNIT)}."
     for each in start:
         printed, orbit = f"{float(getattr(scene, each.name)):.4f}", f"{each.value:.4f}"
         if each.name != "v0" and [a == b for a, b in zip_longest(printed, orbit)].count(False) == 1:

@@ -95,9 +95,8 @@ def general_g_functions() -> Evidence:
     product = (n.T * difference)[0]
     rests = [sp.expand(g - product.diff(t, i)) for i, g in enumerate(g_functions(n, difference, t), 1)]
     numbers = {f"({14 + i}) minus derivative {i} of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾)": rest for i, rest in enumerate(rests, 1)}
-    finding = (
-        "(15) and (16) are the first and second derivative of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾) along the flows, for any n(x⁽⁰⁾, t)."
-    )
+    finding = "(15) and (16) are the first and second derivative of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾) along the flows, for any n(x⁽⁰⁾, "
+    finding += "t)."
     return evidence(not any(rests), finding, numbers, DEFINITION)
 
 
@@ -247,9 +246,8 @@ def lemma(which: int) -> Evidence:
     for alpha in missed[0].domains:
         numbers[f"F({alpha}) there, and its derivatives"] = ", ".join(map(str, missed[0].derivatives(alpha)))
     numbers["what the exact flow does there"] = missed[0].goes_on
-    finding = (
-        f"Sufficient at all contacts. Not necessary: {zero} the next derivative decides, as at the one given here."
-    )
+    finding = f"Sufficient at all contacts. Not necessary: {zero} the next derivative decides, as at the one given "
+    finding += "here."
     return Evidence(CORRECTED, finding, numbers)
 
 
