@@ -115,12 +115,10 @@ def fig2() -> Figure:
     for belt, speed in ((1, v1), (2, v2)):
         ax.plot([speed, speed], levels[belt - 1 : belt + 1], color=ONSET_COLOR, lw=THICK, zorder=4)
         ax.axvline(speed, color=GREY, lw=THIN, ls=":", zorder=1)
-    ax.set_xlim(edges[0], edges[-1])
-    ax.set_ylim(-1.5 * height, 1.25 * height)
+    ax.set(xlim=(edges[0], edges[-1]), ylim=(-1.5 * height, 1.25 * height))
+    ax.set(xlabel=r"velocity $\dot{x}$", ylabel="friction force $F_f$")
     ax.set_xticks([v1, v2], [f"$v_1 = {v1:g}$", f"$v_2 = {v2:g}$"])
     ax.set_yticks([0.0], ["0"])
-    ax.set_xlabel(r"velocity $\dot{x}$")
-    ax.set_ylabel("friction force $F_f$")
     key = [Line2D([], [], color=MASS_COLOR, lw=1.6), Line2D([], [], color=ONSET_COLOR, lw=THICK)]
     words = ["slips: one value", "sticks: any value"]
     ax.legend(key, words, loc="upper left", frameon=False, handlelength=0.9, handletextpad=0.5, borderaxespad=0.2)
@@ -172,13 +170,9 @@ def stick_zone(p: Parameters, belt: int) -> tuple[float, float]:
 
 
 def _prepare_phase_axes(ax: Axes, p: Parameters, x: Edges, v: Edges) -> None:
-    ax.set_xlim(x)
-    ax.set_ylim(v)
-    ax.set_xticks([])
+    ax.set(xlim=x, ylim=v, xticks=[], xlabel="displacement $x$", ylabel=r"velocity $\dot{x}$")
     ax.set_yticks([float(p.v1), float(p.v2)], ["$v_1$", "$v_2$"])
     ax.tick_params(axis="y", length=0)
-    ax.set_xlabel("displacement $x$")
-    ax.set_ylabel(r"velocity $\dot{x}$")
 
 
 #: The oscillator of Fig. 4; where and when each mapping starts, x_i and t_i; and where its name stands, from the
