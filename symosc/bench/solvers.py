@@ -224,10 +224,9 @@ def in_parallel(
 ) -> dict[Any, Outcome]:
     """Run each chunk of jobs (key, function, arguments ...) in its own worker; return the outcomes by key."""
     # The first job of a chunk is done once more before it in each new process, where it may take FIRST_LIMIT.
-    stop, turn = Flag(), Lock()
+    stop, turn, done = Flag(), Lock(), dict[Any, Outcome]()
 
-    def follow(chunk: Sequence[tuple[Any, ...]]) -> dict[Any, Outcome]:
-        found: dict[Any, Outcome] = {}
+    def follow(chunk: Sequence[tuple[Any, ...]]) -> None:
         with Worker() as worker:
             for key, *call in chunk:
                 if stop.is_set():
@@ -235,14 +234,11 @@ def in_parallel(
                 worker.warm("", *chunk[0][1:])
                 with turn:
                     next(steps, None)
-                found[key] = worker.call(limit, *call)
-        return found
+                done[key] = worker.call(limit, *call)
 
-    done: dict[Any, Outcome] = {}
     with ThreadPoolExecutor(PROCESSES) as pool:
         try:
-            for found in pool.map(follow, chunks):
-                done |= found
+            list(pool.map(follow, chunks))
         finally:
             stop.set()
     return done
