@@ -275,8 +275,8 @@ def test_the_missing_case_and_the_fourth_order_would_confirm(print_windows: Any)
 
 def test_contacts_are_of_every_kind_and_turns_are_exact() -> None:
     angles = np.linspace(0, 2 * pi, 400, endpoint=False)
-    turns = [theorem_7.turn(np.sin(angle), np.cos(angle)) for angle in angles]
-    assert [theorem_7.turn(Fraction(s), Fraction(c)) for s, c in exact.QUARTER_POINTS] == [0, 1, 2, 3]
+    turns = [theorem_7.quarter_turns(np.sin(angle), np.cos(angle)) for angle in angles]
+    assert [theorem_7.quarter_turns(Fraction(s), Fraction(c)) for s, c in exact.QUARTER_POINTS] == [0, 1, 2, 3]
     assert [theorem_7.angle(turn) for turn in turns] == pytest.approx(angles, abs=1e-14)
     contacts = exact.contacts(2, 300, 5)
     assert {contact.next_mode for contact in contacts} == {"Omega2", "Omega3", "belt2"}

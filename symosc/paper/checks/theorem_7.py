@@ -22,7 +22,7 @@ from symosc.paper.claims import CORRECTED, UNDECIDED, Evidence, evidence, verdic
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 
-#: Angles are written as rational numbers, a turn as 4: pi/2 is 1, pi is 2. (See `turn`.)
+#: Angles are written as rational numbers, a whole turn as 4: pi/2 is 1, pi is 2. (See `quarter_turns`.)
 ZERO, QUARTER, HALF, FULL_CIRCLE = map(Fraction, (0, 1, 2, 4))
 
 
@@ -41,7 +41,7 @@ def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, 
     """Return, for each printed case of (55) to (58) whose condition holds, its number there and its arcs of phases."""
     g, a = gamma, amplitude
     ratio = -g / a if a and abs(g) <= abs(a) else None  # the sine of Theta_cr
-    d = turn(abs(ratio), root(1 - ratio * ratio)) if ratio is not None else ZERO  # |Theta_cr|
+    d = quarter_turns(abs(ratio), root(1 - ratio * ratio)) if ratio is not None else ZERO  # |Theta_cr|
     if PLACES[mapping].side > 0:
         cases = [
             (0 < g < a, [Arc(ZERO, HALF + d, True), Arc(FULL_CIRCLE - d, FULL_CIRCLE)]),
@@ -68,7 +68,7 @@ def gamma_of(p: Parameters, acceleration: Fraction, velocity: Fraction) -> Fract
     return p.c / p.m * acceleration + p.k / p.m * velocity
 
 
-def turn(s: Any, c: Any) -> Any:
+def quarter_turns(s: Any, c: Any) -> Any:
     """Return an angle, given by sine and cosine, in rational quarter turns: in [0, 4), growing with it, not linear."""
     if s >= 0:
         return s / (s + c) if c > 0 else 1 - c / (s - c)
@@ -76,7 +76,7 @@ def turn(s: Any, c: Any) -> Any:
 
 
 def angle(where: Any) -> float:
-    """Convert a number that `turn` returned to the angle in radians."""
+    """Convert a number that `quarter_turns` returned to the angle in radians."""
     quarter, part = divmod(float(where), 1.0)
     return (quarter + atan2(part, 1.0 - part) * 2 / pi) * pi / 2
 
@@ -91,7 +91,7 @@ def root(square: Any) -> Any:
 
 
 def is_inside(cases: list[tuple[int, list[Arc]]], where: Any) -> bool:
-    """Return whether an angle (as `turn` gives it) is in an arc of the cases."""
+    """Return whether an angle (as `quarter_turns` gives it) is in an arc of the cases."""
     arcs = [arc for _, arcs in cases for arc in arcs]
     return any(arc.low < where < arc.high or (arc.closed and where == arc.low) for arc in arcs)
 
@@ -137,7 +137,7 @@ def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, .
                 grazes = contact.grazes(domain)
                 special = contact.slope(domain) == 0 and abs(gamma) == abs(amplitude)
                 for case in cases:
-                    found.append(Row(case[0], is_inside([case], turn(s, c)) == grazes, grazes, special))
+                    found.append(Row(case[0], is_inside([case], quarter_turns(s, c)) == grazes, grazes, special))
     return tuple(found)
 
 
@@ -247,7 +247,7 @@ def equality() -> Evidence:
         for size in DRIVES:
             gamma, sine = where.side * size, Fraction(-where.side)
             contact = zero_force_contact(mapping, gamma, size, sine, Fraction(0))
-            excluded += not is_inside(printed_window(mapping, gamma, size), turn(sine, Fraction(0)))
+            excluded += not is_inside(printed_window(mapping, gamma, size), quarter_turns(sine, Fraction(0)))
             returning += contact.grazes(where.domain)
             equal = f"γ = {gamma} = {'-' if where.side < 0 else ''}B₀Ω/m"
             values = ", ".join(map(str, contact.derivatives(where.domain)))
@@ -281,7 +281,7 @@ def without_force() -> Evidence:
             arrivals += 1
             gamma, amplitude = gamma_of(p, force, contact.speed), p.B0 * p.Omega / p.m
             says = printed_window(mapping, gamma, amplitude)
-            if is_inside(says, turn(contact.s, contact.c)):
+            if is_inside(says, quarter_turns(contact.s, contact.c)):
                 if contact.grazes(where.domain):
                     raise ArithmeticError("a flow with F not 0 grazes")
                 inside += 1
