@@ -16,9 +16,9 @@ from effort import PATIENCE
 from once import alone
 from small_set import small_set
 
-from symosc import simulate
+from symosc import load_scene, simulate
 from symosc.bench import cases, machine, results, sentence, work
-from symosc.bench.solvers import HANG, OURS, Worker, all_solvers
+from symosc.bench.solvers import HANG, OURS, FoundEvent, Worker, all_solvers
 
 
 @pytest.fixture(scope="session")
@@ -77,6 +77,21 @@ def test_the_machine_is_named_with_all_versions() -> None:
 
 
 # -- work and precision ------------------------------------------------------------------------------------------------
+
+
+COUNTED = ("missed", "invented", "missed_grazes")
+
+
+def test_a_graze_is_not_missed_but_a_stick_in_its_place_is_invented() -> None:
+    scene = load_scene("fig8-exact")
+    exact = simulate(scene, digits=20, t_end=4).events
+    assert [event.kind for event in exact] == ["graze"]
+    silent = work.compare([], scene, exact)
+    assert [silent[key] for key in COUNTED] == [0, 0, 1]
+    t, x = float(exact[0].t), float(exact[0].x)
+    sticking = work.compare([FoundEvent(t, x, "stick", 1), FoundEvent(t + 1e-6, x, "slip", 1)], scene, exact)
+    assert [sticking[key] for key in COUNTED] == [0, 2, 1]
+    assert work.compare([FoundEvent(t, x, "graze", 1)], scene, exact)["missed_grazes"] == 0
 
 
 @pytest.mark.slow
