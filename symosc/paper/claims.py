@@ -32,7 +32,7 @@ PARTS = {
     "mappings": "The mappings and their equations",
     "figures": "What is said about the figures",
 }
-REQUIRED, OPTIONAL = ("source", "says", "check"), ("see", "verdict", "correction", "remark")
+REQUIRED, OPTIONAL = ("source", "says"), ("check", "see", "verdict", "correction", "remark")
 
 
 @dataclass(frozen=True)
@@ -120,11 +120,12 @@ def read_claims(
             see = table.pop("see", ())
             for target in see:
                 one_of(where, "see", target, kinds)
-            names = ("figures", "derivation", "errata")
-            figures, chapters, errata = (tuple(target for target in see if kinds[target] == name) for name in names)
+            shown = ("figures", "derivation", "errata")
+            figures, chapters, errata = (tuple(target for target in see if kinds[target] == kind) for kind in shown)
             if len(chapters) > 1:
                 raise RecordsError(where, f"see: one chapter at most, not {' and '.join(chapters)}")
-            check, derivation = _check_call(where, checks, table.pop("check")), next(iter(chapters), None)
+            check = _check_call(where, checks, table.pop("check", f"{part}.{name.replace('-', '_')}"))
+            derivation = next(iter(chapters), None)
             said = {"verdict": CORRECTED if "correction" in table else CONFIRMED}
             said |= {key: one_line(value) for key, value in table.items()}
             one_of(where, "verdict", said["verdict"], VERDICTS)

@@ -107,7 +107,7 @@ def _applied_force(contact: RationalContact) -> Fraction:
     return p.A0 + p.B0 * contact.c - p.k * contact.x - p.c * contact.speed
 
 
-def friction_levels() -> Evidence:
+def friction_between_the_jumps() -> Evidence:
     """Check eq. (1) inside the domains against Coulomb's law of both belts and against eq. (5)."""
     questions = {
         "rational parameter sets and domains": lambda of: True,
@@ -156,7 +156,7 @@ def equations_of_motion() -> Evidence:
     return evidence(set(errors) == {1, 2, 3} and worst < DOP853_AGREEMENT, finding, numbers)
 
 
-def stick_condition() -> Evidence:
+def stick_if_friction_holds() -> Evidence:
     """Check eq. (2) with |F_s1| <= mu1 FN, and its counterpart on belt 2, against Theorem 4 and the exact flow."""
 
     def excess(contact: RationalContact) -> Fraction:
@@ -191,7 +191,7 @@ def stick_motion() -> Evidence:
     return evidence((x.diff(t), x.diff(t, 2)) == (speed, 0), finding, numbers, DEFINITION)
 
 
-def friction_order() -> Evidence:
+def friction_coefficients_in_order() -> Evidence:
     """Check whether mu1 >= mu2 is needed: mirror images of motions, x -> -x, have mu1 and mu2 exchanged."""
     gaps, other = [0.0], 0
     for scene in map(load_scene, STATES):
@@ -230,7 +230,7 @@ def friction_characteristics() -> Evidence:
     return evidence(not wrong, finding, numbers)
 
 
-def frequency() -> Evidence:
+def drive_frequency_ratio() -> Evidence:
     """Check what Omega, which section 2 calls a frequency ratio, means in (9) and (62)."""
     import sympy as sp
 
@@ -246,7 +246,7 @@ def frequency() -> Evidence:
     return evidence(rests[0] == 0 != rests[1], finding, dict(zip(names, rests, strict=True)), CORRECTED)
 
 
-def motion_states() -> Evidence:
+def five_motion_states() -> Evidence:
     """Check that section 3 has five states of motion: in three domains and on two boundaries."""
     p = load_scene("fig5").parameters
     places = [domain_of(p, v) for v in (p.v1 - 1, p.v1, (p.v1 + p.v2) / 2, p.v2, p.v2 + 1)]

@@ -111,7 +111,7 @@ def normal_vector() -> Evidence:
     return evidence(normal == (0, 1), finding, numbers)
 
 
-def reduction() -> Evidence:
+def reduced_g_functions() -> Evidence:
     """Check that (15), (16) reduce to (18), (19) at a contact with a fixed plane n . x = const."""
     import sympy as sp
 
@@ -141,7 +141,7 @@ def boundary_dimension() -> Evidence:
     return Evidence(verdict(inside, corrected=True), finding, numbers)
 
 
-def time_labels() -> Evidence:
+def time_before_and_after() -> Evidence:
     """Check the words after (19): which of t_m+ and t_m- is before the contact."""
     passing = before = 0
     for contact in all_contacts():
@@ -305,7 +305,7 @@ def _simulated(boundary: int) -> tuple[bool, ...]:
     return tuple(found)
 
 
-def both_sides_at_once() -> Evidence:
+def theorem_6_both_sides() -> Evidence:
     """Check eqs. (44) and (45) as printed: can both forces be 0 and both inequalities hold at one contact?"""
     questions = {
         "contacts that graze, with G⁽¹⁾ not 0": _grazes,
@@ -320,7 +320,7 @@ def both_sides_at_once() -> Evidence:
     return evidence(each == grazing, f"{finding}with friction both forces cannot vanish together.", numbers)
 
 
-def no_third_way() -> Evidence:
+def no_repelling_boundary() -> Evidence:
     """Check that each contact with no force 0 sticks (Theorem 4) or passes (Theorem 5): the boundary never repels."""
     stick_by_4, pass_by_5 = CONDITIONS["sticks, (26), (27)"], CONDITIONS["passes, (34), (35)"]
     questions: dict[str, Callable[[Any], Any]] = {
