@@ -206,7 +206,8 @@ def test_forged_atlases_are_refused(small: Atlas) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("forge", [another_word, a_word_at_rest])
+@pytest.mark.full(1)
+@pytest.mark.parametrize("forge", [a_word_at_rest, another_word])
 def test_a_word_that_is_another_one_is_refused_in_a_thousand_parts(
     small: Atlas, forge: Callable[[dict[str, Any]], None]
 ) -> None:

@@ -74,7 +74,7 @@ def test_work_of_known_length_has_a_bar_with_rate_and_time_left(name: str, tmp_p
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.full(3)
+@pytest.mark.full(2)
 @pytest.mark.parametrize("name", LONG)
 def test_an_interrupt_ends_quietly_and_leaves_nothing_half_written(name: str, tmp_path: Path) -> None:
     if name == "sweep":

@@ -187,7 +187,7 @@ def random_border(seed: int) -> tuple[Branch, Border] | None:
 
 
 @pytest.mark.slow
-@sample_of(2, 60)
+@sample_of(1, 60)
 def test_the_ode_changes_its_word_at_random_borders(count: int) -> None:
     seed = done = 0
     while done < count:
@@ -268,7 +268,7 @@ def largest_speed(p: Parameters) -> Any:
 
 
 @pytest.mark.slow
-@pytest.mark.full(3)
+@pytest.mark.full(2)
 @pytest.mark.parametrize(
     ("changes", "word", "over", "end", "second", "beyond"),
     [
