@@ -53,7 +53,7 @@ def _term_key(term: Expr) -> tuple[float, bool, Any]:
     outside = [factor for factor in sp.Mul.make_args(term) if not factor.is_Add and not isinstance(factor, sp.exp)]
     letters = {symbol.name for factor in outside or [term] for symbol in factor.free_symbols}
     letters = letters or {symbol.name for symbol in term.free_symbols}
-    first: float = next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
+    first: float = _place(letters)
     if first == len(ORDER):
         held = any(name.startswith("F_{s") for name in letters)
         first = -2 if "x_i" in letters or held else -1 if letters & SPEEDS else first
@@ -212,23 +212,25 @@ class PaperPrinter(LatexPrinter):
 def _factor_key(factor: Expr) -> tuple[int, int, Any]:
     """Return the key by which factors are sorted: numbers, parameters, other symbols, functions, sums."""
     base = factor.as_base_exp()[0]
-    if factor.is_Rational:
-        return 0, 0, sp.default_sort_key(factor)
-    if isinstance(factor, sp.exp):
-        return 3, 0, sp.default_sort_key(factor)
-    if base.is_Add and {symbol.name for symbol in base.free_symbols} <= {"mu_1", "mu_2"}:
-        return 0, 1, sp.default_sort_key(factor)
-    if base.is_Add:
-        return 2 if factor.is_Pow else 3, 1, sp.default_sort_key(factor)
-    if base.is_Function:
-        return 4, 0, sp.default_sort_key(factor)
     letters = {symbol.name for symbol in base.free_symbols}
-    place = next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
-    if letters == {"Omega"}:
-        place += 1  # behind m and a
-    if letters <= PARAMETERS:
-        return 1, place, sp.default_sort_key(factor)
-    return 2, int(not letters & {"x_i", "v_i", "a_i"}), sp.default_sort_key(factor)
+    if factor.is_Rational:
+        rank = 0, 0
+    elif isinstance(factor, sp.exp):
+        rank = 3, 0
+    elif base.is_Add:
+        rank = (0 if letters <= {"mu_1", "mu_2"} else 2 if factor.is_Pow else 3), 1
+    elif base.is_Function:
+        rank = 4, 0
+    elif letters <= PARAMETERS:
+        rank = 1, _place(letters) + (letters == {"Omega"})  # Omega behind m and a
+    else:
+        rank = 2, int(not letters & {"x_i", "v_i", "a_i"})
+    return *rank, sp.default_sort_key(factor)
+
+
+def _place(letters: set[str]) -> int:
+    """Return the place in `ORDER` of the first letter that is one of these, its length if none is."""
+    return next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
 
 
 def _drag_in_front(expr: Expr) -> tuple[Expr, bool]:
@@ -302,49 +304,39 @@ def width(text: str) -> float:
 def lines(statement: Step, decimals: bool = False, left_width: float | None = None) -> list[str]:
     """Return a statement as the rows of an align environment: `left &= right`, broken before + and - where needed."""
     # `left_width` is the width of the column left of the relation sign, if other statements share it.
-    left = latex(statement.left, decimals)
-    taken = width(left) if left_width is None else left_width
-    rows = _broken(statement.right, decimals, max(LINE_WIDTH - taken - 4.0, 0.3 * LINE_WIDTH))
+    left, right = latex(statement.left, decimals), latex(statement.right, decimals)
+    room = max(LINE_WIDTH - 4.0 - (width(left) if left_width is None else left_width), 0.3 * LINE_WIDTH)
+    rows = [right]
+    if isinstance(statement.right, sp.Expr) and width(right) > room:
+        first, *rest = _pieces(statement.right, decimals, room)
+        rows = [first]
+        for piece in rest:
+            joined = f"{rows[-1]} {piece}"
+            rows[-1:] = [joined] if width(joined) <= room else [rows[-1], piece]
     return [f"{left} &{OPERATORS[statement.op]} {rows[0]}", *(rf"&\quad {row}" for row in rows[1:])]
 
 
-def _broken(expr: Expr, decimals: bool, room: float) -> list[str]:
-    """Return the LaTeX of an expression in rows as wide as `room`, broken before terms, if need be in parentheses."""
-    whole = latex(expr, decimals)
-    if not isinstance(expr, sp.Expr) or width(whole) <= room:
-        return [whole]
-    rows: list[str] = []
-    for piece in _pieces(expr, decimals, room):
-        if rows and width(f"{rows[-1]} {piece}") <= room:
-            rows[-1] = f"{rows[-1]} {piece}"
-        else:
-            rows.append(piece)
-    return rows
-
-
 def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
-    """Return the LaTeX of a sum in pieces between which a row may end: its terms with their signs, or parts of them."""
+    """Return the LaTeX of a sum in pieces, before each of which a row may end: its terms, with the long ones broken."""
     found: list[str] = []
     for term in terms(expr):
-        found += _term_pieces(term, decimals, room, not found)
+        text = _signed(latex(term, decimals), not found)
+        sums = [factor for factor in sp.Mul.make_args(term) if factor.is_Add]
+        if width(text) <= room or not sums:
+            found.append(text)
+            continue
+        longest = max(sums, key=lambda factor: width(latex(factor, decimals)))
+        rest = {"1": "", "- 1": "- "}.get(outside := latex(term / longest, decimals), outside)
+        head = _signed(rest, not found) if rest or found else ""
+        inner = _pieces(longest, decimals, room)
+        size = "bigg" if any(r"\frac" in part for part in inner) else "big"
+        inner[-1] += rf" \{size}r)"
+        if width(f"{head} {inner[0]}") > room:  # the opening parenthesis ends its row
+            inner.insert(0, rf"{head} \{size}l(")
+        else:
+            inner[0] = rf"{head} \{size}l( {inner[0]}"
+        found += inner
     return found
-
-
-def _term_pieces(term: Expr, decimals: bool, room: float, first: bool) -> list[str]:
-    """Return a term with its sign, broken inside its longest sum if it is too wide."""
-    text = _signed(latex(term, decimals), first)
-    sums = [factor for factor in sp.Mul.make_args(term) if factor.is_Add]
-    if width(text) <= room or not sums:
-        return [text]
-    longest = max(sums, key=lambda factor: width(latex(factor, decimals)))
-    rest = latex(term / longest, decimals)
-    rest = {"1": "", "- 1": "- "}.get(rest, rest)
-    inner = _pieces(longest, decimals, room)
-    head = _signed(rest, first) if rest else ("" if first else "+ ")
-    opening, closing = (r"\biggl(", r"\biggr)") if any(r"\frac" in part for part in inner) else (r"\bigl(", r"\bigr)")
-    if width(f"{head} {inner[0]}") > room:  # the opening parenthesis ends its row
-        return [f"{head} {opening}", *inner[:-1], f"{inner[-1]} {closing}"]
-    return [f"{head} {opening} {inner[0]}", *inner[1:-1], f"{inner[-1]} {closing}"]
 
 
 def _signed(text: str, first: bool) -> str:
