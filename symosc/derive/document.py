@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
 from base64 import b64encode
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -10,6 +12,7 @@ from dataclasses import replace
 from importlib import import_module
 from itertools import groupby
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 from symosc.derive import front
@@ -18,11 +21,10 @@ from symosc.derive.citation import CITATION, cited, plain_line, reference_list, 
 from symosc.derive.figures import figure, svg
 from symosc.derive.latex import LINE_WIDTH, latex, lines, width
 from symosc.derive.mathml import font_style, formula, words
-from symosc.derive.notation import HEADS, NOTATION
 from symosc.derive.scope import Scope
 from symosc.derive.steps import Illustration, Markup, Prose, Step, StepError, StepEvidence, Table, flat, steps_of
+from symosc.errors import SymoscError
 from symosc.files import make_folder, write_text
-from symosc.scenes import Scene
 
 ToHtml = Callable[[str], str]
 #: Called with a chapter, how many of its steps have been checked, and how many it has.
@@ -46,6 +48,11 @@ class Part(NamedTuple):
     label: str = ""
 
     @property
+    def steps(self) -> list[tuple[Step, StepEvidence]]:
+        """The steps of the item with their evidence."""
+        return list(zip(steps_of(self.item), self.evidence, strict=True))
+
+    @property
     def marks(self) -> str:
         """The letters for how the steps were checked, each once: e (exact), s (sign), n (numeric), as in "e,n"."""
         return ",".join(dict.fromkeys(MARKS[evidence.kind] for evidence in self.evidence))
@@ -61,7 +68,7 @@ class Checked(NamedTuple):
 
     def steps(self) -> list[tuple[Step, StepEvidence]]:
         """Return every step with its evidence, including the steps that belong to sentences and tables."""
-        return [pair for part in self.parts for pair in zip(steps_of(part.item), part.evidence, strict=True)]
+        return [pair for part in self.parts for pair in part.steps]
 
     def displays(self) -> Iterator[Part | list[Part]]:
         """Yield the parts of the chapter, with consecutive steps as one list, which is set as one display."""
@@ -73,13 +80,15 @@ class Checked(NamedTuple):
 
     def log(self) -> list[dict[str, Any]]:
         """Return a record of each step: number ("" unless displayed), statement (LaTeX) and evidence."""
-        rows = []
-        for part in self.parts:
-            number = part.number if isinstance(part.item, Step) else ""
-            for step, evidence in zip(steps_of(part.item), part.evidence, strict=True):
-                statement = f"{latex(step.left)} {step.op} {latex(step.right)}"
-                rows.append({"step": number, "statement": statement, **evidence._asdict()})
-        return rows
+        return [
+            {
+                "step": part.number * isinstance(part.item, Step),
+                "statement": f"{latex(step.left)} {step.op} {latex(step.right)}",
+                **evidence._asdict(),
+            }
+            for part in self.parts
+            for step, evidence in part.steps
+        ]
 
 
 def chapter_items(key: str, scope: Scope) -> tuple[str, list[Any]]:
@@ -93,7 +102,7 @@ def check(key: str, title: str, items: list[Any], progress: Progress | None = No
     total, done, counts = sum(len(steps_of(item)) for item in items), 0, Counter[str]()
     number, parts = _chapter_number(key), list[Part]()
     for item in items:
-        evidence = []
+        evidence, place, label = [], "", ""
         for step in steps_of(item):
             done += 1
             try:
@@ -102,10 +111,8 @@ def check(key: str, title: str, items: list[Any], progress: Progress | None = No
                 raise StepError(f"{key}, step {done}: {error.statement}", error.reason) from None
             if progress:
                 progress(key, done, total)
-        kind, place, label = COUNTED.get(type(item), ""), "", ""
-        if isinstance(item, Markup) and item.command == "begin" and item.name != "proof":
-            kind = "thm"
-        if kind:
+        numbered = isinstance(item, Markup) and item.command == "begin" and item.name != "proof"
+        if kind := "thm" if numbered else COUNTED.get(type(item)):
             counts[kind] += 1
             place = f"{number}.{counts[kind]}" if number else f"{counts[kind]}"
             label = item.label if item.label and kind != "eq" else f"{kind}:{key}-{item.label or counts[kind]}"
@@ -116,14 +123,6 @@ def check(key: str, title: str, items: list[Any], progress: Progress | None = No
 def check_chapter(key: str, scope: Scope, progress: Progress | None = None) -> Checked:
     """Build a chapter and check its steps; StepError if a check fails or cannot decide."""
     return check(key, *chapter_items(key, scope), progress)
-
-
-def build(
-    subjects: list[str], scene: Scene | None = None, progress: Progress | None = None
-) -> tuple[Scope, list[Checked]]:
-    """Check the chapters of some subjects ("all" for every one) and return them with their scope."""
-    scope = Scope(scene)
-    return scope, [check_chapter(key, scope, progress) for key in (CHAPTERS if "all" in subjects else subjects)]
 
 
 # --- numbers and references: LaTeX counts for itself, HTML takes the numbers from here ---
@@ -172,28 +171,26 @@ def shown(step: Step, scope: Scope) -> Step:
     return replace(step, left=scope.shown(step.left), right=scope.shown(step.right))
 
 
-def _latex_rows(display: list[Part], scope: Scope) -> list[tuple[list[str], Part]]:
-    """Return a pair for each step of a display: its LaTeX rows (the first is `left &= right`), and the step."""
+def _rows(display: list[Part], scope: Scope) -> Iterator[tuple[Part, list[str]]]:
+    """Yield each step of a display with its LaTeX rows, of which the first is `left &= right`."""
     decimals = scope.decimal or any(each.item.decimals for each in display)
     statements = [shown(each.item, scope) for each in display]
     left = max(width(latex(statement.left, decimals)) for statement in statements)
-    found = []
     for each, statement in zip(display, statements, strict=True):
-        printed, note = lines(statement, decimals, left), each.item.note
-        letters = len(re.sub(r"\\[a-zA-Z]+|\\.|[{}$^_ ]", "", note)) + 2 * note.count(" ")
-        if note and width(printed[-1]) + 0.7 * letters < LINE_WIDTH - 4:
-            printed[-1] += rf" \quad\text{{{note}}}"
-        elif note:
-            printed.append(rf"&\quad \text{{{note}}}")
-        found.append((printed, each))
-    return found
+        yield each, lines(statement, decimals, left)
 
 
 def align(display: list[Part], scope: Scope, end: Callable[[Part], str]) -> str:
     """Return consecutive steps as an align environment; `end` gives the last text in a step's row, such as a label."""
     body = []
-    for printed, each in _latex_rows(display, scope):
-        body += [*(rf"{line} \notag" for line in printed[:-1]), f"{printed[-1]} {end(each)}"]
+    for each, (*above, last) in _rows(display, scope):
+        if note := each.item.note:
+            letters = len(re.sub(r"\\[a-zA-Z]+|\\.|[{}$^_ ]", "", note)) + 2 * note.count(" ")
+            if width(last) + 0.7 * letters < LINE_WIDTH - 4:
+                last += rf" \quad\text{{{note}}}"
+            else:
+                above, last = [*above, last], rf"&\quad \text{{{note}}}"
+        body += [*(rf"{line} \notag" for line in above), f"{last} {end(each)}"]
     return "\\begin{align}\n" + " \\\\\n".join(body) + "\n\\end{align}"
 
 
@@ -241,16 +238,15 @@ def _piece_latex(part: Part | list[Part], scope: Scope) -> str:
 
 def main_document(chapters: list[Checked], scope: Scope) -> str:
     """Return the main LaTeX document that includes the chapters, which keep their numbers in the whole book."""
-    head, notation = front.title_page(), ""
-    out = [HEADER + front.PREAMBLE + head, *([front.scene_numbers(scope)] if scope.scene else [])]
+    out = [HEADER + front.PREAMBLE + front.title_page(), front.scene_numbers(scope)]
     if len(chapters) > 1:
-        rows = "\n".join(" & ".join(row) + r" \\" for row in NOTATION)
-        notation = resolved(front.NOTATION_TABLE.replace("ROWS", rows), numbers_of(chapters))
-        out += [r"\medskip{\setlength{\parskip}{0pt}\renewcommand{\addvspace}[1]{}\tableofcontents}", notation]
+        out.append(r"\medskip{\setlength{\parskip}{0pt}\renewcommand{\addvspace}[1]{}\tableofcontents}")
+        out.append(resolved(front.notation_table(), numbers_of(chapters)))
+    references = reference_list(cited("".join(out) + _texts(chapters)))
     for chapter in chapters:
         out.append(rf"\newchapter{{{chapter.number - 1}}}" + f"\n\\input{{{CHAPTER_FOLDER}/{chapter.key}}}")
-    references = reference_list(cited(head + notation + _texts(chapters)))
-    return "\n\n".join([*out, rf"\newchapter{{{chapters[-1].number}}}", references, r"\end{document}"]) + "\n"
+    out += [rf"\newchapter{{{chapters[-1].number}}}", references, r"\end{document}"]
+    return "\n\n".join(filter(None, out)) + "\n"
 
 
 def _texts(chapters: list[Checked]) -> str:
@@ -293,7 +289,7 @@ def as_page(chapters: list[Checked], scope: Scope) -> str:
         f"<h2>Contents</h2><ol>{contents}</ol>",
     ]
     if len(chapters) > 1:
-        out.append(f'<h2 id="notation">Notation</h2>\n{_table(HEADS, NOTATION, html)}')
+        out.append(f'<h2 id="notation">Notation</h2>\n{_table(front.HEADS, front.NOTATION, html)}')
     for each in chapters:
         out.append(f'<h2 id="sec-{each.number}">{each.number}. {html(each.title)}</h2>')
         out.append(as_html(each, scope, numbers, 3))
@@ -349,19 +345,14 @@ def _converter(numbers: dict[str, str]) -> ToHtml:
 
 
 def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
-    body = []
-    for printed_rows, each in _latex_rows(display, scope):
-        note = each.item.note
-        for line in printed_rows:
-            if note:
-                line = line.replace(rf" \quad\text{{{note}}}", "").replace(rf"&\quad \text{{{note}}}", "&")
-            left, _, right = line.partition("&")
-            sides = [formula(side, display=True) if side.strip() else "" for side in (left, right)]
-            body.append(f"<tr><td>{sides[0]}</td><td>{sides[1]}</td><td></td></tr>")
+    body = list[str]()
+    for each, printed in _rows(display, scope):
+        *above, last = ([formula(side, display=True) if side else "" for side in line.split("&")] for line in printed)
+        body += [f"<tr><td>{left}</td><td>{right}</td><td></td></tr>" for left, right in above]
         # Only the last line of a step has its note and its number.
-        remark = f' <span class="remark">{html(note)}</span>' if note else ""
+        remark = f' <span class="remark">{html(each.item.note)}</span>' if each.item.note else ""
         label = f'<td title="{each.evidence[0].kind}">({each.number}&nbsp;{each.marks})</td>'
-        body[-1] = f'<tr id="step-{each.number}"><td>{sides[0]}</td><td>{sides[1]}{remark}</td>{label}</tr>'
+        body.append(f'<tr id="step-{each.number}"><td>{last[0]}</td><td>{last[1]}{remark}</td>{label}</tr>')
     return '<div class="wide"><table class="steps">\n' + "\n".join(body) + "\n</table></div>"
 
 
@@ -400,3 +391,40 @@ def printed(chapters: list[Checked], scope: Scope, form: str) -> str:
     if form == "html":
         return as_page(chapters, scope)
     return "\n".join(as_latex(chapter, scope, numbers_of(chapters)) for chapter in chapters)
+
+
+# --- PDF ---
+
+
+def has_latex() -> bool:
+    """Return whether pdflatex is installed."""
+    return shutil.which("pdflatex") is not None
+
+
+def make_pdf(main: Path) -> Path:
+    """Compile a LaTeX document; return the PDF's path; SymoscError for errors, warnings, lines 5 pt too wide."""
+    with TemporaryDirectory() as scratch:
+        work = Path(scratch)
+        shutil.copy(main, work)
+        for name in (CHAPTER_FOLDER, PICTURES):
+            if (main.parent / name).is_dir():
+                shutil.copytree(main.parent / name, work / name)
+        command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", main.name]
+        for _ in range(3):  # until references and the table of contents are right
+            result = subprocess.run(command, cwd=work, capture_output=True, check=False, stdin=subprocess.DEVNULL)
+            log = (work / main.name).with_suffix(".log").read_text(encoding="latin-1")
+            if result.returncode:
+                break
+        if complaints := complaints_of(log) or ["it failed"] * (result.returncode != 0):
+            raise SymoscError(f"LaTeX: {complaints[0]}" + f" and {len(complaints) - 1} more" * bool(complaints[1:]))
+        return Path(shutil.copy((work / main.name).with_suffix(".pdf"), main.parent))
+
+
+def complaints_of(log: str) -> list[str]:
+    """Return the errors, warnings and boxes overfull by more than 5 pt that are reported in the text of a LaTeX log."""
+
+    def overfull(line: str) -> bool:
+        box = re.match(r"Overfull \\[hv]box \(([\d.]+)pt", line)
+        return box is not None and float(box[1]) > 5
+
+    return [each.strip() for each in log.splitlines() if each[:1] == "!" or "Warning" in each or overfull(each)]

@@ -49,7 +49,7 @@ def test_a_chapter_is_added_as_contributing_says(tmp_path: Path) -> None:
     last = '    "certificates": "why each kind of certificate proves what it says",\n'
     scratch.replace("symosc/derive/chapters/__init__.py", last, last + '    "energy": "the energy of the mass",\n')
     symbol = r"$\mathcal{E}$, $\mathcal{E}_0$ & energy, at rest & \eqref{eq:energy-total} \\"
-    scratch.replace("symosc/derive/notation.py", '"""\nNOTATION', f'{symbol}\n"""\nNOTATION')
+    scratch.replace("symosc/derive/front.py", '"""\nNOTATION', f'{symbol}\n"""\nNOTATION')
     scratch.replace("symosc/derive/references.bib", "@article{luo2008", REFERENCE + "@article{luo2008")
     # All chapters would take long.
     log = json.loads(scratch.run("symosc", "derive", "energy", "-o", "derivations", "--json"))
