@@ -18,7 +18,7 @@ from symosc.derive.chapters import domains, grazing, jacobians, motion, sticks, 
 from symosc.derive.document import Checked, Part, align, cell, check
 from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, F, FragmentScope, G, v_lambda
-from symosc.derive.steps import Each, Exact, Items, Prose, Sign, Solves, Step, StepError, Table, equation, flat, step
+from symosc.derive.steps import Items, Prose, Step, StepError, Table, cases, equation, exact, flat, solves, step
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.mappings.theorem7_cases import PLACES
@@ -121,9 +121,9 @@ def _constant(alpha: int) -> Step:
 def _acceleration() -> list[Step]:
     """Return the fragment of the acceleration."""
     general = F(r"\alpha")
-    checks = [Exact({general: motion.newton(a), A: solution.force_constant(a)}) for a in (1, 2, 3)]
+    checks = (exact({general: motion.newton(a), A: solution.force_constant(a)}) for a in (1, 2, 3))
     right = (A + B0 * sp.cos(Omega * t) - k * x - c * v) / m
-    return [equation(general, right, Each(tuple(checks)), "F"), *map(_constant, (1, 2, 3))]
+    return [equation(general, right, cases(*checks), "F"), *map(_constant, (1, 2, 3))]
 
 
 @_fragment("friction", "The equation of motion", {"F": "9"})
@@ -245,7 +245,7 @@ def _theorem7(scope: FragmentScope) -> Items:
 
 @_fragment("saltation", "Saltation and perturbations")
 def _saltation(scope: FragmentScope) -> Items:
-    ratios = [each for each in flat(jacobians.saltation()) if isinstance(each, Step) and isinstance(each.check, Sign)]
+    ratios = [each for each in flat(jacobians.saltation()) if isinstance(each, Step) and each.op != "="]
     return (
         r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ before and $F^{+} \ne 0$ "
         r"after, a small change $(\delta x, \delta\dot{x})$ of its state is multiplied by the saltation matrix "
@@ -265,8 +265,8 @@ def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
         if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= given:
             gamma, amplitude = (e.xreplace(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m))
             phases = theorem7.window_phases(place, gamma, amplitude, False)
-            window = grazing.Window(place.side, gamma, amplitude)
-            yield step(grazing.THETA_M, "in", phases, window, note=rf"for $P_{mapping[1]}$", label=f"window-{mapping}")
+            check = grazing.window(place.side, gamma, amplitude)
+            yield step(grazing.THETA_M, "in", phases, check, note=rf"for $P_{mapping[1]}$", label=f"window-{mapping}")
 
 
 # --- the motion in a domain, and the mappings ---
@@ -298,8 +298,8 @@ def _motion(scope: FragmentScope) -> Items:
     resonance = regime.name == "resonance"
     return (
         "The motion is",
-        equation(POSITION, flow.x, Solves(force, x_i, v_i, general=True), "x"),
-        equation(VELOCITY, flow.v, Exact(by_v, solution.use_relations, independent=False), "v"),
+        equation(POSITION, flow.x, solves(force, x_i, v_i), "x"),
+        equation(VELOCITY, flow.v, exact(by_v, solution.use_relations, independent=False), "v"),
         "with the acceleration at the start",
         equation(start, solution.acceleration(x_i, v_i, theta_i), newton, "start"),
         rf"{BASIS_TEXT}. In the regime {name} ({condition})",

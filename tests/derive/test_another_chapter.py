@@ -11,7 +11,7 @@ from scratch import Scratch
 CHAPTER = r'''"""The energy of the mass."""
 
 from symosc.derive.latex import named
-from symosc.derive.steps import Sign, equation, step
+from symosc.derive.steps import sign, equation, step
 from symosc.symbolic.solution import k, m, v, x
 
 TITLE = "Energy"
@@ -26,7 +26,7 @@ def items(scope):
         r"\begin{lemma}[energy]\label{thm:energy-sum} The energy \cite{newton1687} is",
         equation(energy, total, total, "total"),
         r"and never negative at rest:",
-        step(still, ">=", 0, Sign({still: total.subs(v, 0)})),
+        step(still, ">=", 0, sign({still: total.subs(v, 0)})),
         r"\end{lemma}",
     )
 '''

@@ -7,7 +7,7 @@ import sympy as sp
 from symosc.derive.latex import named
 from symosc.derive.published import wall
 from symosc.derive.scope import LOWER, UPPER, F, G, Scope, mu_lambda, v_lambda
-from symosc.derive.steps import CONTEXT, AtRoot, Items, Sign, Table, decimal, equation, number, step
+from symosc.derive.steps import CONTEXT, Items, Table, at_root, decimal, equation, number, sign, step
 from symosc.model import Parameters
 from symosc.orbits.branch import continue_orbit
 from symosc.scenes import load_scene
@@ -48,7 +48,7 @@ def items(scope: Scope) -> Items:
         equation(F(UPPER), jump, {F(UPPER): F(LOWER) + jump, F(LOWER): 0}, "other"),
         r"and if $F^{(\lambda+1)} = 0$ then",
         equation(F(LOWER), -jump, {F(LOWER): F(UPPER) - jump, F(UPPER): 0}),
-        step(2 * sp.Symbol(r"\mu_\lambda", positive=True) * sp.Symbol("F_N", positive=True) / m, ">", 0, Sign()),
+        step(2 * sp.Symbol(r"\mu_\lambda", positive=True) * sp.Symbol("F_N", positive=True) / m, ">", 0, sign()),
         r"so the acceleration of the other side always pushes towards the belt. Along the flow of $\Omega_\alpha$ and "
         r"along the belt $F^{(\alpha)}$ has the same rate there,",
         equation(G(1), RATE - c * F(r"\alpha") / m, same, "rate"),
@@ -152,7 +152,7 @@ def _examples_table() -> Table:
         phase = number(there.Omega) * number(end.conditions[0].t)
         push = number(there.k * there.belt(belt)) + number(there.B0 * there.Omega) * CONTEXT.sin(phase)
         rate = sp.Float(CONTEXT.nstr(-push / number(there.m), 20), 20)
-        signs.append(step(rate if negative else sp.Abs(rate), "<", 0 if negative else LEAST, AtRoot(dict)))
+        signs.append(step(rate if negative else sp.Abs(rate), "<", 0 if negative else LEAST, at_root(dict)))
         cell = decimal("z", end.value, 7)
         rows.append((border, f"$P_{{{word[1:]}}}$, {where}", f"${letter}$", cell, end.kind, decimal("z", rate, 3)))
     return Table(

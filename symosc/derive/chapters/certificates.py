@@ -8,7 +8,7 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.steps import Exact, Items, equation, facts
+from symosc.derive.steps import Items, equation, exact, facts
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta
 
 TITLE = "Certificates"
@@ -38,7 +38,7 @@ def items(scope: Scope) -> Items:
         r"fixed point in $X$, and it lies in $K$. $K$ is inside $X$, so all matrices in $1 - Y J$ shrink the box "
         r"$X - c$ strictly, in the norm whose ball it is. So $Y$ and all matrices in $J$ are regular, fixed points of "
         r"$\Phi$ are zeros of $f$, and $\Phi$ is a contraction: by Banach's theorem there is only one.\end{proof}",
-        facts(equation((x - y * f).diff(x), 1 - y * f.diff(x), Exact(independent=False))),
+        facts(equation((x - y * f).diff(x), 1 - y * f.diff(x), exact(independent=False))),
         r"\begin{theorem}[interval Newton]\label{thm:certificates-newton} "
         r"Let $P$ be continuously differentiable on $X = c + E$ and the ball matrix $D$ contain all its derivatives. "
         r"If all $1 - M$ with $M \in D$ are regular and the solutions $w$ of $(1 - M) w = P(c) - c$ lie inside $E$, "
@@ -209,5 +209,5 @@ def _flight_facts(wave: Any) -> Items:
     operator = g.diff(U, 2) + 2 * RATE * g.diff(U) + (RATE**2 - kappa) * g
     letters = LG, _C, _C1, Q1, Q2, SLOPE = [named(each) for each in ("L g", "C", "C'", "q'", "q''", "s'")]
     meaning = dict(zip(letters, (operator, C, C.diff(U), q.diff(U), q.diff(U, 2), (S / C).diff(U)), strict=True))
-    check = Exact(meaning, lambda rest: sp.simplify(sp.expand(rest)), independent=False)
+    check = exact(meaning, lambda rest: sp.simplify(sp.expand(rest)), independent=False)
     return (equation(LG, sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check), equation(SLOPE, 1 / _C**2, check))

@@ -9,7 +9,7 @@ import sympy as sp
 
 from symosc.derive.latex import latex, named
 from symosc.derive.scope import Scope
-from symosc.derive.steps import CONTEXT, AtRoot, Exact, Items, Solves, Step, Table, equation, modes
+from symosc.derive.steps import CONTEXT, Check, Items, Step, Table, at_root, equation, exact, modes, solves
 from symosc.symbolic import solution
 from symosc.symbolic.solution import BASIS, E0, E1, E2, I2, R2, Omega, a_i, cm, f0, tau, theta_i, v_i, w0sq, x_i
 
@@ -46,13 +46,13 @@ def items(scope: Scope) -> Items:
     rates = []
     for symbol, rate in solution.rates().items():
         name = named(rf"\dot{{{symbol.name[0]}}}_{symbol.name[1]}")
-        check = Exact(generic | {name: generic[symbol].diff(tau)}, modes)
+        check = exact(generic | {name: generic[symbol].diff(tau)}, modes)
         rates.append(equation(name, rate, check, f"rate-{symbol.name}"))
     laws = []
     values = {"step": sp.Integer(1), "cosine": sp.cos(Omega * tau), "sine": sp.sin(Omega * tau)}
     for (name, value), relation in zip(values.items(), solution.relations(), strict=True):
         left = sp.collect(sp.expand(relation + value), [R2, I2])
-        laws.append(equation(value, left, Exact(generic, modes), f"{name}"))
+        laws.append(equation(value, left, exact(generic, modes), f"{name}"))
     yield (
         r"\subsection{Five functions that hold every motion}",
         r"\begin{definition}[basis functions]\label{thm:domains-basis} "
@@ -80,9 +80,9 @@ def items(scope: Scope) -> Items:
         r"\begin{theorem}[the motion in a domain]\label{thm:domains-flow} "
         r"A motion that starts in $\Omega_\alpha$, or goes into it, at $t_i$ with the phase $\theta_i = \Omega t_i$, "
         r"the position $x_i$ and the velocity $\dot{x}_i$ is, as long as it stays in $\Omega_\alpha$,",
-        equation(position, flow.x, Solves(force, x_i, v_i, general=True), "x"),
-        equation(velocity, flow.v, Exact(by_v, solution.use_relations, independent=False), "v"),
-        equation(acceleration, flow.a, Exact(by_a, solution.use_relations, independent=False), "a"),
+        equation(position, flow.x, solves(force, x_i, v_i), "x"),
+        equation(velocity, flow.v, exact(by_v, solution.use_relations, independent=False), "v"),
+        equation(acceleration, flow.a, exact(by_a, solution.use_relations, independent=False), "a"),
         r"where the acceleration at the start is",
         equation(named(r"\ddot{x}_i"), solution.acceleration(x_i, v_i, theta_i), newton, "start"),
         r"This holds in every regime of damping and at resonance.\end{theorem}",
@@ -184,13 +184,13 @@ def solved_functions(generic: dict[Any, Any]) -> Items:
     return (
         r"\begin{corollary}\label{thm:domains-solved} "
         r"$E_0$ and $E_1$ give the other three: for $k > 0$",
-        equation(E2, (1 - E0 - cm * E1) / w0sq, Exact(generic, modes), "E2"),
+        equation(E2, (1 - E0 - cm * E1) / w0sq, exact(generic, modes), "E2"),
         "and with",
         equation(KAPPA, NORMS[KAPPA], NORMS, "kappa"),
         equation(DELTA, KAPPA**2 + (cm * Omega) ** 2, NORMS, "Delta"),
         r"wherever $\Delta > 0$, that is everywhere but at undamped resonance,",
-        equation(R2, (KAPPA * still + cm * Omega * swing) / DELTA, Exact(meaning, modes), "R2"),
-        equation(I2, (KAPPA * swing - cm * Omega * still) / DELTA, Exact(meaning, modes), "I2"),
+        equation(R2, (KAPPA * still + cm * Omega * swing) / DELTA, exact(meaning, modes), "R2"),
+        equation(I2, (KAPPA * swing - cm * Omega * still) / DELTA, exact(meaning, modes), "I2"),
         r"\end{corollary}",
         r"\begin{proof} \eqref{eq:domains-step} is solved for $E_2$; \eqref{eq:domains-cosine} and "
         r"\eqref{eq:domains-sine} are two linear equations for $R_2$ and $I_2$ with the determinant "
@@ -238,12 +238,13 @@ MODES = {
 
 
 class PaperForm(NamedTuple):
-    """The motion in a regime in the usual form of papers: x, v, the values of C1, C2, ..., and the check of x."""
+    """The motion in a regime as papers print it: x, v, the constants, the check of x, and what letters stand for."""
 
     x: Any
     v: Any
     constants: dict[Any, Any]
-    check: Solves
+    check: Check
+    meaning: dict[Any, Any]
 
 
 @cache
@@ -263,9 +264,10 @@ def paper_form(regime: solution.Regime) -> PaperForm:
     back = {c: m * values[cm], k: m * values[w0sq]}
     force = ((A + B0 * sp.cos(PHASE)) / m).xreplace(back)
     meaning = {name: value.xreplace(constants).xreplace(constants).xreplace(back) for name, value in constants.items()}
-    check = Solves(force, x_i, v_i, values[cm], values[w0sq], meaning=meaning | back)
+    meaning |= back
+    check = solves(force, x_i, v_i, values[cm], values[w0sq], meaning)
     joined = sp.collect(C1 * first + C2 * second, [DECAY]) + steady
-    return PaperForm(joined, _one_exponential(v, first), constants, check)
+    return PaperForm(joined, _one_exponential(v, first), constants, check, meaning)
 
 
 def _one_exponential(v: Any, mode: Any) -> Any:
@@ -286,7 +288,7 @@ def constants(form: PaperForm) -> list[Step]:
     steps = []
     for letter, value in form.constants.items():
         start_fits = {name: fitted[name] for name in (letter, C1) if letter in fitted}
-        meaning = start_fits or {name: form.check.meaning[name] for name in (letter, c, k)}
+        meaning = start_fits or {name: form.meaning[name] for name in (letter, c, k)}
         steps.append(equation(letter, value, meaning, letter.name.replace("_", "")))
     return steps
 
@@ -295,8 +297,8 @@ def basis_function(symbol: Any, regime: solution.Regime, **options: Any) -> Step
     """Return the step that states the closed form of a basis function in a regime, and checks it."""
     force, start, rate = map(sp.sympify, RESPONSES[symbol])
     parameters = regime.parameters()
-    solves = Solves(force, start, rate.xreplace(parameters), *parameters.values())
-    return equation(symbol, tidy(regime.basis()[symbol]), solves, **options)
+    check = solves(force, start, rate.xreplace(parameters), *parameters.values())
+    return equation(symbol, tidy(regime.basis()[symbol]), check, **options)
 
 
 def true_letters() -> dict[Any, Any]:
@@ -338,4 +340,4 @@ def _sampled(join: solution.Join) -> Step:
     point = {letter: sp.Rational(value) for letter, value in values.items()}
     near = source[R2].xreplace(join.path).xreplace({join.letter: sp.Rational(1, 10**25)}).subs(point)
     there = target[R2].subs({key: value for key, value in point.items() if key != join.letter})
-    return equation(sp.N(near, 40, maxn=200), sp.N(there, 40), AtRoot(dict, CONTEXT.mpf(10) ** -20))
+    return equation(sp.N(near, 40, maxn=200), sp.N(there, 40), at_root(dict, CONTEXT.mpf(10) ** -20))

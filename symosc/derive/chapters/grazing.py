@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -212,7 +211,7 @@ def _window(mapping: str, gamma: Any, amplitude: Any) -> Step:
     place, values = PLACES[mapping], {g: gamma, a: amplitude}
     conditions = ((row, row.condition.subs(values, simultaneous=True)) for row in theorem7.all_cases(place, False))
     case = next(row for row, condition in conditions if sp.simplify(condition) == sp.true)
-    check = Window(place.side, gamma, amplitude, ((CRITICAL, sp.asin(-g / a)),))
+    check = window(place.side, gamma, amplitude, {CRITICAL: sp.asin(-g / a)})
     return step(THETA_M, "in", _with_name(case.phases), check)
 
 
@@ -227,43 +226,38 @@ def _with_name(phases: Any) -> Any:
     return sp.Basic.__new__(sp.Interval, low.subs(names), high.subs(names), *open_ends)
 
 
-@dataclass(frozen=True)
-class Window(Check):
-    """Check that the set on the right has exactly the phases theta with side (gamma + amplitude sin theta) > 0."""
-
+def window(side: int, gamma: Any, amplitude: Any, names: Any = ()) -> Check:
+    """Return the check that the set on the right has just the phases with side (gamma + amplitude sin theta) > 0."""
     # This is exact: the function has at most two zeros, and where the sine is 1, 0 or -1 its sign is decided.
 
-    side: int
-    gamma: Any
-    amplitude: Any
-    names: tuple[tuple[Any, Any], ...] = ()
+    def angle(end: Any) -> Any:
+        return end.subs(names).subs({g: gamma, a: amplitude})
 
-    def __call__(self, statement: Step) -> StepEvidence:
+    def contains(part: Any, phase: Any) -> bool:
+        # Ends cannot cross a multiple of pi/2 while the signs stay: one set of numbers stands for all.
+        low, high = (angle(end).subs({p: sp.Rational(3, 7), q: sp.Rational(2, 5)}) for end in part.args[:2])
+        left_open, right_open = part.args[2:]
+        after = phase > low or (phase == low and not left_open)
+        return bool(after and (phase < high or (phase == high and not right_open)))
+
+    def check(statement: Step) -> StepEvidence:
         sets = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
         parts = [part for part in sets if isinstance(part, sp.Interval)]
         through_0 = any(part.args[0] == 0 and not part.args[2] for part in parts)
         for end in (end for part in parts for end in part.args[:2]):
-            zero = sp.simplify(sp.expand_trig(sp.sin(self._angle(end))) * self.amplitude + self.gamma)
+            zero = sp.simplify(sp.expand_trig(sp.sin(angle(end))) * amplitude + gamma)
             if zero != 0 and not (through_0 and end in (0, 2 * sp.pi)):
                 raise StepError(str(statement), f"{end} is no zero of gamma + a sin theta, which is {zero} there")
         for sine, phase in ((1, sp.pi / 2), (-1, 3 * sp.pi / 2), (0, sp.Integer(0)), (0, sp.pi)):
-            value = self.side * (self.gamma + self.amplitude * sine)
+            value = side * (gamma + amplitude * sine)
             inside = sp.simplify(value).is_positive
             if inside is None:
                 raise StepError(str(statement), f"the sign of {value} is undecided")
-            if inside != any(self._contains(part, phase) for part in parts):
+            if inside != any(contains(part, phase) for part in parts):
                 raise StepError(str(statement), f"is wrong at {phase}")
         return StepEvidence("exact", "0")
 
-    def _angle(self, end: Any) -> Any:
-        return end.subs(self.names).subs({g: self.gamma, a: self.amplitude})
-
-    def _contains(self, part: Any, phase: Any) -> bool:
-        # Ends cannot cross a multiple of pi/2 while the signs stay: one set of numbers stands for all.
-        low, high = (self._angle(end).subs({p: sp.Rational(3, 7), q: sp.Rational(2, 5)}) for end in part.args[:2])
-        left_open, right_open = part.args[2:]
-        after = phase > low or (phase == low and not left_open)
-        return bool(after and (phase < high or (phase == high and not right_open)))
+    return check
 
 
 def _numbers(scope: Scope, mapping: str) -> Items:
@@ -277,5 +271,5 @@ def _numbers(scope: Scope, mapping: str) -> Items:
         equation(GAMMA, gamma, gamma),
         equation(AMPLITUDE, amplitude, amplitude),
         r"and the flow grazes to first order at the phases",
-        step(THETA_M, "in", phases, Window(place.side, gamma, amplitude)),
+        step(THETA_M, "in", phases, window(place.side, gamma, amplitude)),
     )

@@ -11,7 +11,7 @@ import sympy as sp
 from symosc.derive.chapters.domains import generic_basis
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope
-from symosc.derive.steps import CONTEXT, STEP_DIGITS, AtRoot, Exact, Items, Sign, equation, facts, modes, number, step
+from symosc.derive.steps import CONTEXT, STEP_DIGITS, Items, at_root, equation, exact, facts, modes, number, sign, step
 from symosc.scenes import load_scene
 from symosc.symbolic import maps, solution
 from symosc.symbolic.solution import E0, E1, E2, FN, Omega, a_i, cm, m, tau, theta_i, v_i, w0sq, x_i
@@ -40,7 +40,7 @@ def items(scope: Scope) -> Items:
         true = {"x0": ("x_i", total(expr, x_i)), "th0": (r"\theta_i", total(expr, theta_i) - slope)}
         for key, (by, derivative) in (true | {"th1": (r"\theta_{i+1}", slope)}).items():
             letter = partial(f"f_{which}", by)
-            check = Exact({letter: derivative} | ends, solution.use_relations, independent=False)
+            check = exact({letter: derivative} | ends, solution.use_relations, independent=False)
             rows.append(equation(letter, found[f"{short}_{key}"], check, f"f{which}-{key}"))
     yield (
         r"\subsection{Derivatives of the governing equations}",
@@ -107,7 +107,7 @@ def items(scope: Scope) -> Items:
         r"\eqref{eq:jacobians-det} and Theorem~\ref{thm:jacobians-saltation}.\end{proof}",
         r"For the orbit $P_{32}$ of the paper's Fig.~9, whose multipliers are computed from "
         r"Proposition~\ref{thm:jacobians-flight}, both sides of (iii) agree to 40 digits:",
-        equation(product, bound, AtRoot(values, CONTEXT.mpf(10) ** -40), "product"),
+        equation(product, bound, at_root(values, CONTEXT.mpf(10) ** -40), "product"),
     )
 
 
@@ -123,11 +123,11 @@ def perturbations() -> Items:
     rows = []
     for n, (place, (expr, letter, entry)) in enumerate(entries.items(), 1):
         name = named(rf"\Phi_{{{place}}}")
-        check = Exact({name: total(expr, letter)}, solution.use_relations, independent=False)
+        check = exact({name: total(expr, letter)}, solution.use_relations, independent=False)
         rows.append(equation(name, entry, check, f"phi-{n}"))
     determinant = named(r"\det\Phi(\tau)")
     matrix = {determinant: (1 - w0sq * E2) * E0 + w0sq * E1**2}
-    area = Exact(matrix | generic_basis(), lambda expr: sp.simplify(modes(expr)))
+    area = exact(matrix | generic_basis(), lambda expr: sp.simplify(modes(expr)))
     return (
         r"\subsection{Perturbations of a motion}",
         r"\begin{lemma}[perturbations in a domain]\label{thm:jacobians-phi} "
@@ -161,8 +161,8 @@ def saltation() -> Items:
         r"not 0, a small change $(\delta x, \delta\dot{x}^{-})$ is multiplied by the matrix "
         r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, and",
         facts(*entries),
-        step(ratio, ">", 0, Sign(upward), "ratio"),
-        step(ratio, "<=", 1, Sign(upward), "bound"),
+        step(ratio, ">", 0, sign(upward), "ratio"),
+        step(ratio, "<=", 1, sign(upward), "bound"),
         r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end it is the "
         r"identity.\end{theorem}",
         r"\begin{proof} To first order the changed motion crosses later by",

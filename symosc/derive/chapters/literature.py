@@ -10,7 +10,7 @@ import sympy as sp
 from symosc.derive.latex import named
 from symosc.derive.published import MP, Value, number, table
 from symosc.derive.scope import Scope
-from symosc.derive.steps import Close, Exact, Items, StepError, Table, decimal, equation
+from symosc.derive.steps import Items, StepError, Table, close, decimal, equation, exact
 from symosc.symbolic import coulomb, solution
 from symosc.symbolic.coulomb import F, G, H, P, Q, S, U, V, d, p_0, phi, q_0, r, x_0, x_f
 from symosc.symbolic.solution import BASIS, E0, E1, E2, FN, Omega, c, cm, k, m, omega_0, tau, w0sq
@@ -90,7 +90,7 @@ def items(scope: Scope) -> Items:
     yield (
         r"For $0 < c^2 < 4 k m$ this is Den Hartog's form, with $h = c/(2m)$ and $\omega_d^2 = k/m - h^2$:",
         [
-            equation(letter, shown, Exact({letter: derived}, tidy))
+            equation(letter, shown, exact({letter: derived}, tidy))
             for letter, shown, derived in zip((G, H), coulomb.den_hartog_damped(), damped, strict=True)
         ],
         r"For $c = 0$, with $Q = P |V|/k$,",
@@ -227,7 +227,7 @@ def items(scope: Scope) -> Items:
         _numbers("decay", r"Turning points from $x = 0.95$; at the last one the package says \emph{equilibrium}."),
         r"With a damper, $0 < c^2 < 4 k m$, half a cycle takes $\pi/\omega_d$ (compare \cite{feeny1996}), and from a "
         r"highest point $x_i > x_f$, with $q = e^{-\pi h/\omega_d}$,",
-        equation(above, -left * named("x_i") + (1 + left) * x_f, Exact(decay, sp.simplify), "decrement"),
+        equation(above, -left * named("x_i") + (1 + left) * x_f, exact(decay, sp.simplify), "decrement"),
         _numbers("decrements", r"Turning points from $x = 1.5$ for $c = 0.2$, $F = 0.1$, $P = 0$."),
         r"\subsection{Stops per cycle}",
         r"Hong and Liu \cite{hongliu2000} sort the settled motions for $c = 0$ by their number of stops per cycle: 0, "
@@ -269,8 +269,8 @@ def items(scope: Scope) -> Items:
     meaning = {E0: closed[E0].subs(at), E1: closed[E1].subs(at), E2: closed[E2].subs(at)}
     rate = named(r"\dot{x}")
     wave = omega_0 * sp.sin(omega_0 * tau) / Omega**2
-    exact = {rate: Omega * coulomb.one_sided_velocity(), E1: wave * Omega**2 / omega_0**2, tau: phi / Omega}
-    exact |= {w0sq: omega_0**2, omega_0: 2 * n * Omega}
+    down = {rate: Omega * coulomb.one_sided_velocity(), E1: wave * Omega**2 / omega_0**2, tau: phi / Omega}
+    down |= {w0sq: omega_0**2, omega_0: 2 * n * Omega}
     ratios = [(r**2 * x_0 + side * d - x_f) / (r**2 * x_0 + side * d + x_f) for side in (1, -1)]
     yield (
         r"\subsection{Continua of motions without stops}",
@@ -289,7 +289,7 @@ def items(scope: Scope) -> Items:
         equation(x_0, P / (k * (1 - r**2)), {x_0: P / (k - m * Omega**2), Omega: r * sp.sqrt(k / m)}),
         r"and a free motion $d \cos(\varphi/r)$ may be added to the symmetric one. Its turning points are then "
         r"$d + x_0$ and $d - x_0$, at the same times. On the way down",
-        equation(rate, 2 * n * Omega * (x_f - d) * sp.sin(2 * n * phi) - Omega * x_0 * sp.sin(phi), exact),
+        equation(rate, 2 * n * Omega * (x_f - d) * sp.sin(2 * n * phi) - Omega * x_0 * sp.sin(phi), down),
         r"and on the way up $-\dot{x}$ is the same with $x_f + d$ in place of $x_f - d$. As $|\sin 2 n\varphi| \le 2 n "
         r"\sin\varphi$ by \eqref{eq:literature-sine}, with equality in the limit at the turning points only, there is "
         r"no stop if and only if $x_f + |d| < r^2 x_0$.\end{proof}",
@@ -362,7 +362,7 @@ def _numbers(key: str, caption: str) -> Table:
     rows = []
     for value in values:
         formula = decimal("z", number(value.formula), value.decimals)
-        ran = decimal("z", number(value.package), value.decimals, Close(partial(_agreed, value), value.decimals))
+        ran = decimal("z", number(value.package), value.decimals, close(partial(_agreed, value), value.decimals))
         rows.append((f"${value.name}$", value.case, formula, ran, *([value.note] if noted else [])))
     heads = ("", "", "formula", "run", *([""] if noted else []))
     return Table(f"tab:literature-{key}", caption, heads, tuple(rows), columns="llrr" + "l" * noted)

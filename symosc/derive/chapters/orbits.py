@@ -15,15 +15,15 @@ from symosc.derive.scope import BELTS, Scope
 from symosc.derive.steps import (
     CONTEXT,
     STEP_DIGITS,
-    AtRoot,
     Items,
-    Sign,
     Table,
+    at_root,
     decimal,
     equation,
     evaluate,
     facts,
     number,
+    sign,
     step,
 )
 from symosc.model import NEIGHBOURS, Parameters
@@ -89,7 +89,7 @@ def items(scope: Scope) -> Items:
         r"$\mu_2 = \frac{1}{10}$, $F_N = 1$. Then $H_1 = \frac{1}{10}$, and the mass may rest at every $x$ from "
         r"$-\frac{4}{5}$ to $1$, for example at $0$, $\frac{1}{2}$ and $-\frac{3}{5}$.\end{example}",
         # |H - k x| + |B0| <= mu F_N: the worst phase, in exact numbers.
-        facts(*(step(sp.Abs(tenth - sp.Rational(x)) + tenth, "<=", 1, Sign()) for x in places)),
+        facts(*(step(sp.Abs(tenth - sp.Rational(x)) + tenth, "<=", 1, sign()) for x in places)),
         r"\begin{remark}[no damping]\label{thm:orbits-undamped} "
         r"For $c = 0$ no difference grows either, but nothing has to attract: a multiplier may be exactly 1, and the "
         r"motion is then marginal, neither attracting nor repelling. Such continua of marginal motions are known in "
@@ -186,7 +186,7 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
             rf"$P_{row.label[1]}$ from point {i} to point {after}, with $\tau_{i} = (\theta_{after}{turn} - "
             rf"\theta_{i})/\Omega${'' if row.sticks else start}:"
         )
-        check = AtRoot(partial(_values, scope, word, meaning), CONTEXT.mpf(10) ** -43)
+        check = at_root(partial(_values, scope, word, meaning), CONTEXT.mpf(10) ** -43)
         equations += [equation(0, f, check, decimals=True) for f in (f1, f2)]
     inner = r" \circ ".join(f"P_{digit}" for digit in word[1:])
     numbers = ", ".join(f"${name} = {value}$" for name, value in scope.table())
@@ -220,7 +220,7 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
             signed.append(decimal(f"F^{{({alpha})}}", evaluate(value, values), 10))
             # On a belt, and on the other side at the end of a stick, both hold the mass; else both push it one way.
             upward = alpha == belt if row.sticks or before.sticks else row.domain != belt
-            signs.append(step(value, ">" if upward else "<", 0, AtRoot(lambda: values)))
+            signs.append(step(value, ">" if upward else "<", 0, at_root(lambda: values)))
         rows.append((*signed, f"$P_{row.label[1]}$"))
     yield Table(
         f"tab:orbits-forces-{word}",
@@ -236,9 +236,9 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         for name, value, words, limits in _extremes(scope, word, j):
             rows.append((f"$P_{piece.row.label[1]}$ from {j + 1}", name, decimal("z", value, 8), words))
             shown = sp.Float(CONTEXT.nstr(value, STEP_DIGITS), STEP_DIGITS)
-            limited += [step(shown, op, bound, AtRoot(dict)) for op, bound in limits]
+            limited += [step(shown, op, bound, at_root(dict)) for op, bound in limits]
     digits = named("P")
-    limited.append(equation(digits, int(word[1:]), AtRoot(lambda: {digits: _followed(p, word)})))
+    limited.append(equation(digits, int(word[1:]), at_root(lambda: {digits: _followed(p, word)})))
     yield (
         rf"Between the switching points nothing happens: Table~\ref{{tab:orbits-between-{word}}} has all extreme "
         r"values of the velocity inside the flights, and the least favourable accelerations during the sticks. The "

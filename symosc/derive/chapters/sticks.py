@@ -9,7 +9,7 @@ import sympy as sp
 from symosc.derive.chapters.motion import MU, acceleration, newton
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, UPPER, F, Scope, mu_lambda, v_lambda
-from symosc.derive.steps import Each, Exact, Illustration, Items, Sign, Table, equation, facts, step
+from symosc.derive.steps import Illustration, Items, Table, cases, equation, exact, facts, sign, step
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, FN, Omega, a_i, k, m, t, tau, theta, theta_i, v, x_i
@@ -52,15 +52,15 @@ def items(scope: Scope) -> Items:
         r"stick is found without a search: on each such piece each of them has at most one zero, or never changes.",
     )
     zero = named(r"F^{(\lambda+1)}|_{F^{(\lambda)} = 0}")
-    lower = Each(tuple(Sign({zero: -(newton(lo) - newton(lo + 1))}) for lo in scope.boundaries))
-    jumps = (Exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}) for lo in scope.boundaries)
+    lower = cases(*(sign({zero: -(newton(lo) - newton(lo + 1))}) for lo in scope.boundaries))
+    jumps = (exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}) for lo in scope.boundaries)
     yield (
         r"\subsection{Both ends}",
         r"\begin{theorem}[both exits of a stick]\label{thm:sticks-exits} "
         r"A stick on belt $\lambda$ ends at the first time at which $F^{(\lambda)}$ falls below 0, and then the mass "
         r"goes into $\Omega_\lambda$; or at which $F^{(\lambda+1)}$ rises above 0, and then it goes into "
         r"$\Omega_{\lambda+1}$. Both cannot happen at once if the belt has friction: where $F^{(\lambda)} = 0$,",
-        equation(F(UPPER), -2 * mu_lambda * FN / m, Each(tuple(jumps)), "other"),
+        equation(F(UPPER), -2 * mu_lambda * FN / m, cases(*jumps), "other"),
         "which holds the mass on its upper side:",
         step(zero, "<=", 0, lower),
         r"\end{theorem}",

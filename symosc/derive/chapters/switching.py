@@ -8,7 +8,7 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import F, G, Scope, v_lambda
-from symosc.derive.steps import Exact, Illustration, Items, equation, facts
+from symosc.derive.steps import Illustration, Items, equation, exact, facts
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, Omega, c, k, m, t, tau, theta, theta_i, v, v_i, x_i
 
@@ -28,7 +28,7 @@ def items(scope: Scope) -> Items:
     parts = {("", r"\ddot"): n * y.diff(t, 2), ("D", r"\dot"): n.diff(t) * y.diff(t), ("D^2", ""): n.diff(t, 2) * y}
     parts |= {("", r"\dot"): n * y.diff(t), ("D", ""): n.diff(t) * y}
     letters = {product(*key): value for key, value in parts.items()}
-    check = Exact({first: (n * y).diff(t), second: (n * y).diff(t, 2)} | letters, independent=False)
+    check = exact({first: (n * y).diff(t), second: (n * y).diff(t, 2)} | letters, independent=False)
     yield (
         r"\subsection{G-functions}",
         r"Luo's theory of flow switchability \cite{luo2008,luo2009} compares the flow $\mathbf{x}^{(\alpha)}(t)$ of a "
@@ -134,7 +134,7 @@ def _gap_derivative(order: int) -> Any:
     first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
     gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
     right = n1 * first.diff(t, order) + n2 * second.diff(t, order)
-    return equation(gap.diff(t, order), right, Exact(independent=False))
+    return equation(gap.diff(t, order), right, exact(independent=False))
 
 
 def g_functions() -> Items:
