@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.chapters.jacobians import AFTER, BEFORE, force_at_belt
+from symosc.derive.chapters.jacobians import AFTER, BEFORE, force_at_belt, multiplier_products
 from symosc.derive.latex import named
 from symosc.derive.published import Flight
 from symosc.derive.scope import Scope, v_lambda
@@ -215,11 +215,8 @@ def _events_table() -> Table:
 
 def _exponents_table() -> Table:
     """Return the table of two orbits' Lyapunov exponents by the theorem, and by following motions with the package."""
-    p, orbit = load_scene("fig9-orbit").parameters, find_orbit("fig9-orbit", "P32", digits=DIGITS + 20)
-    decay = -number(p.c / p.m)
-    for (t, x), (before, after) in zip(orbit.points, ((2, 1), (1, 2)), strict=True):
-        end, start = (force_at_belt(p, alpha, 1, number(x), number(p.Omega) * number(t)) for alpha in (after, before))
-        decay += CONTEXT.log(end / start) / number(orbit.period)
+    _, product = multiplier_products("fig9-orbit", "P32")
+    decay = CONTEXT.log(product) * number(load_scene("fig9-orbit").parameters.Omega) / (2 * CONTEXT.pi)
 
     def growth(scene: str, of: Any) -> Any:
         """Return a Lyapunov exponent as growth from 50 to 100 periods; `of` picks it from those of the package."""

@@ -12,6 +12,7 @@ from symosc.derive.chapters.domains import generic_basis
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope
 from symosc.derive.steps import CONTEXT, STEP_DIGITS, Items, at_root, equation, exact, facts, modes, number, sign, step
+from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.symbolic import maps, solution
 from symosc.symbolic.solution import E0, E1, E2, FN, Omega, a_i, cm, m, tau, theta_i, v_i, w0sq, x_i
@@ -76,8 +77,8 @@ def items(scope: Scope) -> Items:
     product, bound = named(r"\rho_1\rho_2"), named(r"e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j")
 
     def values() -> dict[Any, Any]:
-        found, predicted = _multiplier_products("fig9-orbit", "P32")
-        return {product: _float(found), bound: _float(predicted)}
+        texts = (CONTEXT.nstr(value, STEP_DIGITS + 5) for value in multiplier_products("fig9-orbit", "P32"))
+        return {name: sp.Float(text, STEP_DIGITS + 10) for name, text in zip((product, bound), texts, strict=True)}
 
     energy, rate = named(r"\frac{d}{d\tau}\bigl(\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2\bigr)"), named(r"\dot{y}")
     bend, place = named(r"\ddot{y}"), named("y")
@@ -180,10 +181,8 @@ def saltation() -> Items:
 
 
 @cache
-def _multiplier_products(scene: str, word: str) -> tuple[Any, Any]:
+def multiplier_products(scene: str, word: str) -> tuple[Any, Any]:
     """Return the product of an orbit's multipliers: the package's, and the one by the theorem; 50 digits."""
-    from symosc.orbits.find import find_orbit
-
     p = load_scene(scene).parameters
     found = find_orbit(p, word, digits=STEP_DIGITS + 5)
     product, ratios = prod(map(CONTEXT.mpmathify, found.multipliers)), CONTEXT.mpf(1)
@@ -197,7 +196,3 @@ def force_at_belt(p: Any, alpha: int, belt: int, x: Any, phase: Any) -> Any:
     """Return m F^(alpha) at a belt's speed, a position and a phase, computed anew from the parameters."""
     friction = {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1, 3: -p.mu1 - p.mu2}[alpha] * p.FN
     return number(p.A0 + friction - p.c * p.belt(belt)) + number(p.B0) * CONTEXT.cos(phase) - number(p.k) * x
-
-
-def _float(number: Any) -> Any:
-    return sp.Float(CONTEXT.nstr(number, STEP_DIGITS + 5), STEP_DIGITS + 10)
