@@ -175,12 +175,12 @@ Meaning = dict[Expr, Any]
 
 def exact(meaning: Meaning | None = None, tidy: Callable[[Expr], Expr] = sp.expand, independent: bool = True) -> Check:
     """Return the check that both sides are equal after each name is replaced by its meaning."""
-    # `meaning` has an independent expression (or a function that returns it) by its name, and is applied until nothing
-    # changes. `tidy` reduces a difference that vanishes to 0; what it leaves is simplified. Unless the letters that are
-    # left are `independent` of each other, no random values try to refute the statement first.
+    # `meaning` has an independent expression by its name, and is applied until nothing changes. `tidy` reduces a
+    # difference that vanishes to 0; what it leaves is simplified. Unless the letters that are left are `independent` of
+    # each other, no random values try to refute the statement first.
 
     def check(statement: Step) -> StepEvidence:
-        difference = resolve(statement.left, meaning or {}) - resolve(statement.right, meaning or {})
+        difference = resolve(statement.left, meaning) - resolve(statement.right, meaning)
         if independent:
             _refute(statement, difference)
         _vanish(statement, tidy(difference), "the difference {} does not vanish")
@@ -207,14 +207,13 @@ def solves(
     # Only one function does this, so every sign is checked. `meaning` is as for `exact`.
 
     def check(statement: Step) -> StepEvidence:
-        y, known = statement.right, meaning or {}
-        general = y.has(*solution.BASIS)  # in the functions that are the same in all regimes
+        general = statement.right.has(*solution.BASIS)  # in the functions that are the same in all regimes
         differentiate = solution.time_derivative if general else lambda expr: expr.diff(solution.tau)
-        y = resolve(y, known)
+        y = resolve(statement.right, meaning)
         first = differentiate(y)
         at_start = solution.start_values() | {solution.tau: sp.Integer(0)}
         residuals = (
-            differentiate(first) + cm * first + w0sq * y - resolve(force, known),
+            differentiate(first) + cm * first + w0sq * y - resolve(force, meaning),
             y.subs(at_start) - start,
             first.subs(at_start) - rate,
         )
@@ -222,7 +221,7 @@ def solves(
         for residual in residuals:
             if not general:
                 _refute(statement, residual)
-            _vanish(statement, tidy(resolve(residual, known)), "does not solve its equation: {} remains")
+            _vanish(statement, tidy(resolve(residual, meaning)), "does not solve its equation: {} remains")
         return StepEvidence("exact", "0")
 
     return check
@@ -241,7 +240,7 @@ def sign(meaning: Meaning | None = None) -> Check:
     """Return the check of an inequality that follows from the signs of its symbols, or holds between exact numbers."""
 
     def check(statement: Step) -> StepEvidence:
-        difference = resolve(statement.left, meaning or {}) - resolve(statement.right, meaning or {})
+        difference = resolve(statement.left, meaning) - resolve(statement.right, meaning)
         difference = sp.factor(sp.simplify(difference))
         wanted = {">": "positive", "<": "negative", ">=": "nonnegative", "<=": "nonpositive"}[statement.op]
         holds = getattr(difference, f"is_{wanted}")
@@ -293,21 +292,20 @@ def _within(statement: Step, off: Any, tolerance: Any) -> StepEvidence:
 # --- tools ---
 
 
-def resolve(expr: Expr, meaning: dict[Expr, Any]) -> Expr:
+def resolve(expr: Expr, meaning: Meaning | None) -> Expr:
     """Replace names in an expression by their meanings until no such name is left."""
-    expr = sp.sympify(expr)
-    for _ in range(10):
-        used = {name: value for name, value in meaning.items() if name in expr.free_symbols}
-        if not used:
-            return expr
-        expr = expr.xreplace({name: sp.sympify(value() if callable(value) else value) for name, value in used.items()})
+    expr, known = sp.sympify(expr), {name: sp.sympify(value) for name, value in (meaning or {}).items()}
+    for _ in range(10):  # a meaning in its own terms would go on for ever
+        if expr.free_symbols.isdisjoint(known):
+            break
+        expr = expr.xreplace(known)
         expr = expr.doit(deep=False) if expr.has(sp.Derivative) else expr
     return expr
 
 
 def points(expr: Expr, count: int) -> Iterator[dict[Expr, Any]]:
     """Yield random values of an expression's symbols that their assumptions allow, the same in every run."""
-    letters = sorted(expr.free_symbols, key=lambda symbol: symbol.name)
+    letters = sorted(expr.free_symbols, key=str)
     dice = random.Random(20161031)
     for _ in range(count):
         point = {letter: sp.Rational(dice.randint(100, 4999), 1009) for letter in letters}
@@ -345,7 +343,6 @@ def _refute(statement: Step, difference: Expr) -> None:
     """Raise StepError, without trying a proof, if a difference that should vanish is nonzero at one point."""
     if difference == 0 or difference.atoms(sp.Function) - difference.atoms(*KNOWN) or difference.has(sp.Derivative):
         return
-    for point in points(difference, count=1):
-        value = sp.N(difference.subs(point, simultaneous=True), 40, maxn=120)
-        if value.is_number and value.is_finite and abs(value) > DIFFERENT:
-            raise StepError(str(statement), f"the sides differ, for example by {sp.N(value, 5)}")
+    value = sp.N(difference.subs(next(points(difference, 1)), simultaneous=True), 40, maxn=120)
+    if value.is_number and value.is_finite and abs(value) > DIFFERENT:
+        raise StepError(str(statement), f"the sides differ, for example by {sp.N(value, 5)}")
