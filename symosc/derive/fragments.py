@@ -48,7 +48,7 @@ class Fragment(NamedTuple):
 
 def check_fragment(name: str, scope: FragmentScope) -> Checked:
     """Build a fragment and check its steps; StepError too if its numbers divide by 0."""
-    numbers = [f"${symbol} = {value}$" for symbol, value in scope.table()]
+    numbers = scope.given()
     given = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."] if numbers else []
     fragment = check(name, FRAGMENTS[name].title, flat([given, FRAGMENTS[name].items(scope)]))
     for each, _ in fragment.steps():

@@ -169,5 +169,4 @@ def scene_numbers(scope: Scope) -> str:
     """Return a sentence that lists the parameters of the scope's scene, or "" without a scene."""
     if scope.scene is None:
         return ""
-    numbers = ", ".join(f"${name} = {value}$" for name, value in scope.table())
-    return rf"Scene \texttt{{{scope.scene.name}}}, its numbers put in exactly: {numbers}."
+    return rf"Scene \texttt{{{scope.scene.name}}}, its numbers put in exactly: {', '.join(scope.given())}."

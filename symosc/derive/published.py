@@ -75,7 +75,7 @@ class Formulas(Flight):
             raise ParameterError("Omega", show(p.Omega), "must not be sqrt(k/m) for c = 0: the motion has no bound")
         super().__init__(p)
         self.half = self.basis(MP.pi / self.numbers[solution.Omega])
-        self.numbers[Q] = self.value(sp.sqrt(coulomb.frictionless_amplitude_squared()))
+        self.numbers[Q] = self.value(coulomb.FRICTIONLESS)
         steady = [self.value(part, self.half) for part in coulomb.half_period()]
         self.numbers |= dict(zip((G, H), steady, strict=True))
         self.amplitude = self.numbers[x_0] = self.value(coulomb.amplitude())
@@ -366,7 +366,7 @@ def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
     x, v, _ = _slide(p)
     rows = list(zip(phases, times, _slide_ends(F, phases), strict=True))
     at_rest = [v(phase, time) for phase, time, _ in rows]
-    return at_rest + [x(MP.cos(phase) + F, phase, time) - end for phase, time, end in rows]
+    return at_rest + [x(phase, time, MP.cos(phase) + F) - end for phase, time, end in rows]
 
 
 def _slide_ends(F: Any, phases: Any) -> list[Any]:
@@ -377,17 +377,13 @@ def _slide_ends(F: Any, phases: Any) -> list[Any]:
 
 @cache
 def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
-    """Return the functions x(x_i, theta_i, tau), v(theta_i, tau), a(theta_i, tau) of a slide from rest with a = 0."""
+    """Return the functions x(theta_i, tau, x_i), v(theta_i, tau), a(theta_i, tau) of a slide from rest with a = 0."""
     flight, known = Flight(p), {solution.v_i: 0, solution.a_i: 0, solution.f0: 1}
-    x, v, a = (expr.xreplace(known) for expr in solution.flow(flight.regime))
 
-    def place(start: Any, phase: Any, time: Any) -> Any:
-        return flight.value(x, {solution.x_i: start, solution.theta_i: phase, tau: time})
+    def function(expr: Any, phase: Any, time: Any, start: Any = 0) -> Any:
+        return flight.value(expr, {solution.x_i: start, solution.theta_i: phase, tau: time})
 
-    def of_time(expr: Any, phase: Any, time: Any) -> Any:
-        return flight.value(expr, {solution.theta_i: phase, tau: time})
-
-    return place, partial(of_time, v), partial(of_time, a)
+    return tuple(partial(function, expr.xreplace(known)) for expr in solution.flow(flight.regime))
 
 
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:

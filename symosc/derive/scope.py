@@ -107,9 +107,9 @@ class Scope:
         """Return an expression in the form to be printed, with `display` substituted."""
         return sp.sympify(expr).xreplace(self.display)
 
-    def table(self) -> list[tuple[str, str]]:
-        """Return the numbers as pairs of a parameter's LaTeX name and its value as text."""
-        return [(latex(LETTERS[name]), show(value)) for name, value in self.values]
+    def given(self) -> list[str]:
+        """Return the given numbers as LaTeX equations, such as "$m = 1$"."""
+        return [f"${latex(LETTERS[name])} = {show(value)}$" for name, value in self.values]
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,8 @@ P, F, x_f = sp.symbols("P F x_f", positive=True)
 x_0, p_0, q_0 = sp.symbols("x_0 p_0 q_0", real=True)
 G, H = sp.symbols("G H", real=True)
 Q = sp.Symbol("Q", positive=True)
+#: The amplitude without friction, Q, in the parameters.
+FRICTIONLESS = sp.sqrt(P**2 / ((k - m * Omega**2) ** 2 + (c * Omega) ** 2))
 #: The angle since the highest point, Omega/omega_0, and the middle of the turning points.
 phi, r = sp.Symbol("varphi", positive=True), sp.Symbol("r", positive=True)
 d = sp.Symbol("d", real=True)
@@ -51,11 +53,6 @@ def transition() -> Expr:
     states = [solution.use_relations(expr.xreplace(start)) for expr in (flow.x, flow.v)]
     matrix = sp.Matrix(2, 2, lambda i, j: states[i].diff((x_i, v_i)[j]))
     return matrix.subs(1 - w0sq * E2 - cm * E1, E0)  # the relation of E0, E1 and E2
-
-
-def frictionless_amplitude_squared() -> Expr:
-    """Return Q^2, the squared amplitude of the steady motion without friction: |P/(k - m Omega^2 + i c Omega)|^2."""
-    return P**2 / ((k - m * Omega**2) ** 2 + (c * Omega) ** 2)
 
 
 def symmetry() -> Expr:
@@ -150,12 +147,6 @@ def free_decay() -> Expr:
     lowest = solution.flow(solution.REGIMES["undamped"]).x.subs({v_i: 0, f0: 0, a_i: w0sq * (x_f - x_0), x_i: x_0})
     lowest = lowest.subs({w0sq: solution.omega_0**2, tau: sp.pi / solution.omega_0})
     return sp.simplify(x_0 + lowest)
-
-
-def one_sided_velocity() -> Expr:
-    """Return x'/Omega between d + x_0 and d - x_0 at c = 0, Omega = omega_0/(2 n): a free motion shifted by d."""
-    # Half a period is n periods of the free motion there, so that G = H = 0 and every d closes.
-    return velocity().subs({G: 0, H: 0}).subs(x_f, x_f - d)
 
 
 # --- closed forms ---

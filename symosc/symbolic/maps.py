@@ -31,19 +31,16 @@ REPEATED = U0, U1, U2, V, W, P, Q = sp.symbols("U0 U1 U2 V W P Q", real=True)
 
 x_j, v_j, theta_j, v_end, a_end, F = sp.symbols("x_j v_j theta_j v_end a_end F", real=True)
 
+#: Their derivatives with respect to tau.
+REPEATED_RATES = {U0: E1 - cm * U0 - w0sq * U1, U1: U0, U2: U1}
+REPEATED_RATES |= {V: U1 - Omega * W, W: Omega * V, P: R2 - Omega * Q, Q: I2 + Omega * P}
 #: S * f for each f that the motion consists of; 1 stands for the constant.
 CONVOLVED = {sp.Integer(1): E2, E0: U0, E1: U1, E2: U2, R2: V, I2: W}
 
 
-def repeated_rates() -> dict[Expr, Expr]:
-    """Return the tau-derivatives of U0, U1, U2, V, W, P, Q, the extra functions that parameter derivatives need."""
-    of_roots = {U0: E1 - cm * U0 - w0sq * U1, U1: U0, U2: U1}
-    return of_roots | {V: U1 - Omega * W, W: Omega * V, P: R2 - Omega * Q, Q: I2 + Omega * P}
-
-
 def rate(expr: Expr) -> Expr:
     """Differentiate with respect to tau an expression in tau, the basis functions and U0, U1, U2, V, W, P, Q."""
-    chain = (expr.diff(symbol) * value for symbol, value in repeated_rates().items())
+    chain = (expr.diff(symbol) * value for symbol, value in REPEATED_RATES.items())
     return solution.time_derivative(expr) + sp.Add(*chain)
 
 
@@ -106,20 +103,12 @@ def flight_parameters() -> dict[str, Expr]:
     # At fixed x_i, theta_i and tau: where theta_j is fixed, a change of Omega moves the end as well.
     flow = solution.flow()
     c0, s0 = sp.cos(theta_i), sp.sin(theta_i)
-    forcing = {
-        "m": -convolve(flow.a) / m,
-        "c": -convolve(flow.v) / m,
-        "k": -convolve(flow.x) / m,
-        "A": E2 / m,
-        "B": (c0 * R2 - s0 * I2) / m,
-    }
-    found = {}
-    for name, response in forcing.items():
-        found[f"x_{name}"], found[f"v_{name}"] = _collected(response), _collected(rate(response))
+    forcing = {name: -convolve(flown) / m for name, flown in (("m", flow.a), ("c", flow.v), ("k", flow.x))}
     # d/dOmega f0 cos(theta_i + Omega t) = -f0 t sin(theta_i + Omega t)
-    swing = -f0 * (s0 * P + c0 * Q)
-    found["x_Om"], found["v_Om"] = _collected(swing), _collected(rate(swing))
-    start = by_start()
+    forcing |= {"A": E2 / m, "B": (c0 * R2 - s0 * I2) / m, "Om": -f0 * (s0 * P + c0 * Q)}
+    found, start = {}, by_start()
+    for name, response in forcing.items():
+        found[f"x_{name}"], found[f"v_{name}"] = solution.collected(response), solution.collected(rate(response))
     return found | {"x_v0": start["x_v0"], "v_v0": start["v_v0"] - 1}
 
 
@@ -128,14 +117,6 @@ def flight_phase() -> dict[str, Expr]:
     flow, force = solution.flow(), solution.acceleration(x_i, v_i, theta_i)
     parts = (("x", flow.x), ("v", flow.v))
     return {f"{name}_ph": sp.expand(e.diff(theta_i) + e.diff(a_i) * force.diff(theta_i)) for name, e in parts}
-
-
-def _collected(expr: Expr) -> Expr:
-    """Return an expression with its terms collected by x_i, v_i, a_i and f0, and with common factors outside."""
-    expr = sp.expand(expr)
-    waves = [sp.cos(theta_i), sp.sin(theta_i)]
-    sorted_ = (q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in (x_i, v_i, a_i, f0))
-    return sp.Add(*sorted_) + sp.collect(expr.xreplace({x_i: 0, v_i: 0, a_i: 0, f0: 0}), waves)
 
 
 def _operator(expr: Expr) -> Expr:

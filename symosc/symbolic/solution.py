@@ -154,7 +154,7 @@ def flow(regime: Regime | None = None) -> Flow:
     position = use_relations(shape.xreplace(constants).xreplace({A_m: _force_at_start()}))
     velocity = use_relations(time_derivative(position))
     acceleration_ = time_derivative(velocity)
-    return Flow(x_i + _collected(position - x_i), v_i + _collected(velocity - v_i), _collected(acceleration_))
+    return Flow(x_i + collected(position - x_i), v_i + collected(velocity - v_i), collected(acceleration_))
 
 
 def _force_at_start() -> Expr:
@@ -162,10 +162,11 @@ def _force_at_start() -> Expr:
     return sp.solve(acceleration(x_i, v_i, theta_i) - a_i, A_m)[0]
 
 
-def _collected(expr: Expr) -> Expr:
+def collected(expr: Expr) -> Expr:
     """Return an expression that is linear in x_i, v_i, a_i and f0, with its terms collected by these."""
-    expr, waves = sp.expand(expr), [sp.cos(theta_i), sp.sin(theta_i)]
-    return sp.Add(*(q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in (x_i, v_i, a_i, f0)))
+    expr, waves, causes = sp.expand(expr), [sp.cos(theta_i), sp.sin(theta_i)], (x_i, v_i, a_i, f0)
+    parts = (q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in causes)
+    return sp.Add(*parts) + sp.collect(expr.xreplace(dict.fromkeys(causes, sp.S.Zero)), waves)
 
 
 # --- the regimes ---

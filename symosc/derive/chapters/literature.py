@@ -58,14 +58,17 @@ def items(scope: Scope) -> Items:
         equation(P**2, (stiffness**2 + damping**2) * (p_0**2 + q_0**2), {P: push}),
         r"Call $Q = \sqrt{p_0^2 + q_0^2}$: the amplitude that the mass would have without friction.",
     )
-    matrix, steady = coulomb.transition(), _steady_part()
-    solved = dict(zip((G, H), coulomb.half_period(), strict=True))
+    matrix, solved = coulomb.transition(), dict(zip((G, H), coulomb.half_period(), strict=True))
+    rows = coulomb.symmetry()
+    both = rows.jacobian([p_0, q_0])
+    found = both.adjugate() * (-rows.subs({p_0: 0, q_0: 0})) / both.det()
+    steady = dict(zip((p_0, q_0), found, strict=True)) | solved
     meaning = {p_0: x_0 + G * x_f, q_0: H * x_f, **solved}
     traces = {T: matrix.trace(), D: matrix.det()}
     below, root = 1 + T + D, named("y", positive=True)
     yield (
         r"Half a period later position and velocity are those of the start, negated:",
-        [equation(0, row, meaning) for row in coulomb.symmetry()],
+        [equation(0, row, meaning) for row in rows],
         "These equations are linear in $p_0$ and $q_0$. They are solved by",
         equation(p_0, x_0 + G * x_f, steady),
         equation(q_0, H * x_f, steady),
@@ -269,7 +272,9 @@ def items(scope: Scope) -> Items:
     meaning = {E0: closed[E0].subs(at), E1: closed[E1].subs(at), E2: closed[E2].subs(at)}
     rate = named(r"\dot{x}")
     wave = omega_0 * sp.sin(omega_0 * tau) / Omega**2
-    down = {rate: Omega * coulomb.one_sided_velocity(), E1: wave * Omega**2 / omega_0**2, tau: phi / Omega}
+    # The free part of the motion between the turning points is shifted by d.
+    shifted = coulomb.velocity().subs({G: 0, H: 0}).subs(x_f, x_f - d)
+    down = {rate: Omega * shifted, E1: wave * Omega**2 / omega_0**2, tau: phi / Omega}
     down |= {w0sq: omega_0**2, omega_0: 2 * n * Omega}
     ratios = [(r**2 * x_0 + side * d - x_f) / (r**2 * x_0 + side * d + x_f) for side in (1, -1)]
     yield (
@@ -373,11 +378,3 @@ def _free_motion(start: Any, rate: Any) -> tuple[Any, Any]:
     flow = solution.flow()
     at = {solution.x_i: start, solution.v_i: rate, solution.a_i: -w0sq * start - cm * rate, solution.f0: 0}
     return tuple(sp.expand(part.xreplace(at).xreplace(RELATION)) for part in (flow.x, flow.v))
-
-
-def _steady_part() -> dict[Any, Any]:
-    """Return the formulas of p_0, q_0 (solved from the two conditions of symmetry), G and H, each by its symbol."""
-    rows = coulomb.symmetry()
-    matrix = rows.jacobian([p_0, q_0])
-    p, q = matrix.adjugate() * (-rows.subs({p_0: 0, q_0: 0})) / matrix.det()
-    return dict(zip((p_0, q_0, G, H), (p, q, *coulomb.half_period()), strict=True))

@@ -174,8 +174,7 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         )
         check = at_root(partial(_values, found, points, meaning), CONTEXT.mpf(10) ** -43)
         equations += [equation(0, f, check, decimals=True) for f in (f1, f2)]
-    inner = r" \circ ".join(f"P_{digit}" for digit in word[1:])
-    numbers = ", ".join(f"${name} = {value}$" for name, value in scope.table())
+    numbers, inner = ", ".join(scope.given()), r" \circ ".join(f"P_{digit}" for digit in word[1:])
     yield (
         rf"\subsection{{{figure}: $P_{{{word[1:]}}} = {inner}$}}",
         rf"The numbers are {numbers}. The last map ends where the first one starts, one period of the drive later, so "
