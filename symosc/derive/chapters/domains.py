@@ -201,17 +201,8 @@ def solved_functions(generic: dict[Any, Any]) -> Items:
 def generic_basis() -> dict[Any, Any]:
     """Return the basis functions for two different characteristic roots, as divided differences of exp(z tau)."""
     mean, half = sp.symbols("r q", positive=True)
-    roots = -mean + half, -mean - half
-    wave, conjugate = (solution.divided_difference(z, *roots) for z in (sp.I * Omega, -sp.I * Omega))
-    impulse = solution.divided_difference(*roots)
-    closed = (
-        impulse.diff(tau),
-        impulse,
-        solution.divided_difference(sp.Integer(0), *roots),
-        (wave + conjugate) / 2,
-        (wave - conjugate) / (2 * sp.I),
-    )
-    return dict(zip(BASIS, closed, strict=True)) | {cm: 2 * mean, w0sq: mean**2 - half**2}
+    regime = solution.Regime("two roots", sp.true, -mean, half, {})
+    return regime.basis() | regime.parameters()
 
 
 # --- the motion as papers print it: e^{-ct/2m} (C_1 cos omega_d t + C_2 sin omega_d t) and a steady part ---
