@@ -40,7 +40,7 @@ MARKS = {"exact": "e", "sign": "s", "numeric": "n"}
 
 
 class Part(NamedTuple):
-    """An item of a checked chapter: its steps' evidence; number and label of a formula, statement or table, else ""."""
+    """A checked item of a chapter, with the evidence for its steps; its number and label, "" where it has none."""
 
     item: Any
     evidence: tuple[StepEvidence, ...]
@@ -149,7 +149,7 @@ def numbers_of(chapters: Iterable[Checked]) -> dict[str, str]:
 
 
 def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str] | None = None) -> str:
-    """Replace references to labels not in `numbers` by "Chapter n", the others (given `link`) by link(label, shown)."""
+    """Replace references to other documents by "Chapter n" and, if there is a `link`, all others by its links."""
 
     def replace(found: re.Match[str]) -> str:
         word, command, label = found.groups()

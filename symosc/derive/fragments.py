@@ -39,7 +39,7 @@ BASIS_TEXT = (
 
 
 class Fragment(NamedTuple):
-    """A fragment: its title, the function that returns its items, and equations' numbers in the paper by label."""
+    """A piece of theory for users' papers: title, function that returns its items, the paper's numbers by label."""
 
     title: str
     items: Callable[[FragmentScope], Items]
@@ -61,7 +61,7 @@ def check_fragment(name: str, scope: FragmentScope) -> Checked:
 def as_latex(
     fragment: Checked, scope: FragmentScope, prefix: str = PREFIX, paper_tags: bool = False, alone: bool = False
 ) -> str:
-    """Return a fragment as LaTeX, with labels that begin with `prefix` (symosc:P3-f1)."""
+    """Return a fragment as LaTeX, in which labels begin with `prefix` and a colon, as in symosc:P3-f1."""
     # `paper_tags` gives equations their numbers in the paper (LaTeX tags); `alone` makes a complete document.
     if not re.fullmatch(r"[A-Za-z0-9.:_-]*", prefix):
         raise ParameterError("prefix", prefix, "may have letters, digits and . : _ - only")

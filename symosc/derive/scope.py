@@ -91,7 +91,7 @@ class Scope:
 
     @cached_property
     def numbers(self) -> dict[Expr, Expr]:
-        """The known numbers by their symbols; for a scene also those of cm, w0sq and f0, quantities divided by m."""
+        """The known numbers by their symbols; for a scene also those of cm = c/m, w0sq = k/m and f0 = B0/m."""
         found = {LETTERS[name]: rational(value) for name, value in self.values}
         derived = list(PAPER_LETTERS)[:3] if self.scene else []
         return found | {name: PAPER_LETTERS[name].xreplace(found) for name in derived}
@@ -142,7 +142,7 @@ def _rounded(expr: Expr, digits: int) -> Expr:
 def fragment_scope(
     settings: dict[str, str], scene: Scene | None = None, form: str = "entire", digits: int | None = None
 ) -> FragmentScope:
-    """Return the scope of a fragment for parameters given as text; a scene supplies the others."""
+    """Return the scope of a fragment: parameters as text, those of a scene for the others; `form` as in the class."""
     # To check the given parameters, the others get any allowed values, and so does the speed of the other belt.
     base = scene.parameters if scene else Parameters(**dict.fromkeys(PARAMETER_NAMES, 1) | {"v1": -1, "v2": 1})
     given = {name: read_exact(name, settings[name]) for name in ("v1", "v2") if name in settings and not scene}

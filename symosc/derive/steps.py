@@ -74,7 +74,7 @@ class Step:
 
 
 def step(left: Expr, op: str, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
-    """Return a step; `check` may be a check, the value of `left`, or a dictionary of the values of symbols."""
+    """Return a step; `check`: a check; or what `exact` puts in for `left`, or for each symbol (a dictionary)."""
     if not isfunction(check):
         check = exact({} if check is None else check if isinstance(check, dict) else {left: check})
     return Step(sp.sympify(left), op, sp.sympify(right), check, label, **options)
@@ -174,7 +174,7 @@ Meaning = dict[Expr, Any]
 
 
 def exact(meaning: Meaning | None = None, tidy: Callable[[Expr], Expr] = sp.expand, independent: bool = True) -> Check:
-    """Return the check that both sides are equal after each name is replaced by its meaning."""
+    """Return the check that both sides are equal once `meaning` has been put in for the symbols that it defines."""
     # `meaning` has an independent expression by its name, and is applied until nothing changes. `tidy` reduces a
     # difference that vanishes to 0; what it leaves is simplified. Unless the letters that are left are `independent` of
     # each other, no random values try to refute the statement first.
@@ -228,7 +228,7 @@ def solves(
 
 
 def modes(expr: Expr) -> Expr:
-    """Simplify a sum of modes (products of tau, exp, sin, ...) to 0 if it vanishes, else collect its modes."""
+    """Return 0 for a function of tau that vanishes, else the function sorted by its products of tau, exp, sin, ..."""
     expr = sp.expand_trig(expr)
     found = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
     # Modes count as independent symbols here: the expression vanishes for all their values if its numerator does.
@@ -340,7 +340,7 @@ def _vanish(statement: Step, rest: Expr, complaint: str) -> None:
 
 
 def _refute(statement: Step, difference: Expr) -> None:
-    """Raise StepError, without trying a proof, if a difference that should vanish is nonzero at one point."""
+    """Raise StepError if a difference that should vanish is not 0 at one random point; 0 there proves nothing."""
     if difference == 0 or difference.atoms(sp.Function) - difference.atoms(*KNOWN) or difference.has(sp.Derivative):
         return
     value = sp.N(difference.subs(next(points(difference, 1)), simultaneous=True), 40, maxn=120)

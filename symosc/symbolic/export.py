@@ -167,7 +167,7 @@ class _Program(NamedTuple):
         return [] if self.parameters else ["K"]
 
     def calls(self, first: int) -> list[tuple[str, str, str]]:
-        """Return for each mapping its function's name and the text of its arguments, then of those of its Jacobian."""
+        """Return for each mapping the name of its function, and the arguments of that and of its Jacobian as text."""
         found = []
         for n, label in enumerate(self.maps):
             z = {name: f"z[{2 * n + i + first}]" for i, name in enumerate(("x_i", "theta_i", "x_j", "theta_j"))}
@@ -299,7 +299,7 @@ def _names(node: ast.AST) -> set[str]:
 
 
 class _Fold(ast.NodeTransformer):
-    """A transformer of syntax trees: known conditions become True or False; if `fixed`, constants K.cm become K_cm."""
+    """Cut what fixed parameters decide from syntax trees: `known` conditions by their text; `fixed`: K.cm is K_cm."""
 
     def __init__(self, known: dict[str, bool], fixed: bool) -> None:
         self.known, self.fixed = known, fixed
@@ -362,7 +362,7 @@ class _Julia(ast.NodeTransformer):
         return text[1:-1] if isinstance(node, ast.IfExp) else text
 
     def visit(self, node: ast.AST) -> Any:
-        """Replace parts of a node, if the target language writes them differently, by names that spell its source."""
+        """Replace each part that the target language writes differently by a Name whose text is the finished source."""
         match node:
             case ast.BoolOp(op, values):
                 texts = [f"({self.expression(v)})" if isinstance(v, ast.BoolOp) else self.expression(v) for v in values]

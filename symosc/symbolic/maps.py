@@ -53,7 +53,7 @@ def convolve(expr: Expr) -> Expr:
 
 
 def repeated_apart() -> dict[str, Expr]:
-    """Return formulas for U0, U1, U2, V, W, P, Q and auxiliary D, u, z, y, n, if characteristic roots are not close."""
+    """Return formulas for the functions `REPEATED` by name, for roots far apart, with D, u, z, y, n shared by them."""
     # U1 = S*S is explicit; the others solve D f = g, which by their known rates has no derivatives left. With
     # p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
     first = (E1 - tau * (E0 + h * E1)) / (2 * solution.omega_d**2)

@@ -79,12 +79,12 @@ def next_derivative(y1: Expr, y0: Expr, forcing_n: Expr) -> Expr:
 
 
 def forcing(n: int) -> Expr:
-    """Return -d^n/dt^n (f0 cos theta), the term that `next_derivative` subtracts; f0 = B0/m, theta = Omega t."""
+    """Return `forcing_n` of `next_derivative`: minus the n-th derivative of f0 cos(Omega t), f0 = B0/m."""
     return -f0 * Omega**n * sp.cos(theta).diff(theta, n)
 
 
 def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
-    """Return F^(alpha) on a belt a time tau after a stick began (x = x_i + v tau), given its value at that start."""
+    """Return F^(alpha) at tau after a stick began: `start` is its value then, `cosines` the change of the cosine."""
     # `cosines` stands for cos(theta_i + Omega tau) - cos(theta_i), which a caller can compute without cancellation.
     here, there = acceleration(x_i, v, theta_i), acceleration(x_i + v * tau, v, theta_i + Omega * tau)
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
@@ -252,7 +252,7 @@ def possible_regimes(numbers: dict[Expr, Expr]) -> tuple[Regime, ...]:
 
 
 class Join(NamedTuple):
-    """A limit between damping regimes: the formulas of `source` become those of `target` as `letter` -> 0."""
+    """A border of damping regimes: as `letter` -> 0 on `path`, the basis functions of `source` become `target`'s."""
 
     source: str
     target: str

@@ -178,7 +178,7 @@ def window_phases(
 
 
 def _through_zero(first: Expr, last: Expr) -> Expr:
-    """Return the phases from `last` through 0 to `first` as a set in [0, 2 pi), without these two ends."""
+    """Return the arc of phases that begins at `last`, goes through 0 and ends at `first`, without these two ends."""
     # The two are disjoint, which sympy finds out slowly, and with symbols not at all: hence no evaluation.
     return sp.Union(_interval(sp.S.Zero, first, closed=True), _interval(last, 2 * sp.pi), evaluate=False)
 

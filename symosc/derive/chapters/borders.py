@@ -20,7 +20,7 @@ NAMES = ("grazing-sliding", "crossing-sliding", "switching-sliding", "adding-sli
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: the four kinds of border between words, examples, and why an atlas is complete."""
     jump = -2 * mu_lambda * FN / m
     on_belt = solution.in_paper_letters(solution.acceleration(solution.x_i, v_lambda)).subs(Omega * t, theta)
     first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, solution.v: v_lambda})
@@ -114,7 +114,7 @@ def items(scope: Scope) -> Items:
 
 
 def _names_table() -> Table:
-    """Return the table of the kinds of borders: the package's names for them, seen from either side."""
+    """Return the table of the four kinds of border, with the names of branch ends on both sides of each."""
     graze = "grazing", "grazing, or vanishing of a stick"
     rows = (
         (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", r"$\sqrt{\epsilon}$", *graze),
@@ -144,7 +144,7 @@ EXAMPLES: tuple[tuple[str, Parameters, str, str, tuple[str, str], int, int, str,
 
 
 def _examples_table() -> Table:
-    """Return the table of examples: ends of branches that the package finds, and the rate of the force that decides."""
+    """Return the table of examples: ends of branches, and the rate of change of the vanishing acceleration there."""
     rows, signs = [], []
     for where, p, word, name, ends, which, belt, border, negative in EXAMPLES:
         end = continue_orbit(p, word, name, ends).ends[which]

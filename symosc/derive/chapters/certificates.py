@@ -20,7 +20,7 @@ SECOND, FOURTH = named(r"\ddot{g}"), named(r"g^{(4)}")
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: why enclosures prove motions, orbits, branches, motions that settle, and grazing windows."""
     x, y = sp.Symbol("x", real=True), sp.Symbol("Y", real=True)
     f = sp.Function("f")(x)
     yield (
@@ -202,7 +202,7 @@ def items(scope: Scope) -> Items:
 
 
 def _flight_facts(wave: Any) -> Items:
-    """Return two checked facts used in the proof (L g and s'), for the free motion C = cos or C = cosh."""
+    """Return two steps for the straightened gap, L g in C and q and ds/du = 1/C^2, with C = cos or cosh."""
     C, q = wave(W * U), sp.Function("q")(U)
     kappa, S = C.diff(U, 2) / C, {sp.cos: sp.sin, sp.cosh: sp.sinh}[wave](W * U) / W
     g = sp.exp(-RATE * U) * C * q

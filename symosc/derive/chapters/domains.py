@@ -41,7 +41,7 @@ REGIME_WORDS = {
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: the closed form of a flight in every damping regime, and how the regimes join."""
     generic = generic_basis()
     rates = []
     for symbol, rate in solution.rates().items():
@@ -177,7 +177,7 @@ def items(scope: Scope) -> Items:
 
 
 def solved_functions(generic: dict[Any, Any]) -> Items:
-    """Return the corollary that expresses the other basis functions by E_0 and E_1."""
+    """Return the corollary that gives E_2, R_2, I_2 by E_0, E_1; `generic`: the closed forms of `generic_basis`."""
     still = sp.cos(Omega * tau) - E0 - cm * E1
     swing = sp.sin(Omega * tau) - Omega * E1
     meaning = generic | {name: value.xreplace(generic) for name, value in NORMS.items()}
@@ -229,7 +229,7 @@ MODES = {
 
 
 class PaperForm(NamedTuple):
-    """The motion in a regime as papers print it: x, v, the constants, the check of x, and what letters stand for."""
+    """The motion with constants of integration: x, v, the constants, the check of x, and the letters' meaning."""
 
     x: Any
     v: Any
@@ -240,7 +240,7 @@ class PaperForm(NamedTuple):
 
 @cache
 def paper_form(regime: solution.Regime) -> PaperForm:
-    """Return the motion in a regime in the usual form of papers, with the constants C1, C2, D1 and D2."""
+    """Return the motion in a regime with the constants of integration C1, C2 and a steady part with D1, D2."""
     first, second, below, steady, letters = MODES[regime.name]
     x, start = C1 * first + C2 * second + steady, {tau: sp.Integer(0)}
     v = x.diff(tau)
@@ -293,7 +293,7 @@ def basis_function(symbol: Any, regime: solution.Regime, **options: Any) -> Step
 
 
 def true_letters() -> dict[Any, Any]:
-    """Return h, eta, omega_d and omega_0 in m, c and k, from the roots of m z^2 + c z + k."""
+    """Return the rates h, eta and the frequencies omega_d, omega_0 in m, c, k: from the roots of m z^2 + c z + k."""
     z = sp.Symbol("z")
     polynomial = sp.Poly(m * z**2 + c * z + k, z)
     a, b, _ = polynomial.all_coeffs()
@@ -325,7 +325,7 @@ def tidy(expr: Any) -> Any:
 
 
 def _sampled(join: solution.Join) -> Step:
-    """Return the step that checks, just beside a join of two regimes, that R2 agrees with its limit there."""
+    """Return the step that the basis function R2 near a border of two damping regimes is close to its limit there."""
     source, target = solution.REGIMES[join.source].basis(), solution.REGIMES[join.target].basis()
     values = {solution.h: "3/7", omega_d: "5/4", eta: "2/9", omega_0: "7/5", Omega: "8/5", tau: "9/4"}
     point = {letter: sp.Rational(value) for letter, value in values.items()}

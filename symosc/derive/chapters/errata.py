@@ -21,7 +21,7 @@ TITLE = "Errata"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: the list of errors and gaps of the paper, and the computations behind some of them."""
     errata = read_errata()
     counts = ", ".join(
         rf"{sum(each.severity == severity for each in errata)} are \emph{{{severity}}} ({meaning})"
@@ -98,7 +98,7 @@ def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
 
 
 def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any]:
-    """Return the position x of a graze at the given time, and the state x0, v0 at t = 2.5 of the flow that grazes."""
+    """Return the x of a graze of a belt's speed at a time, and the x, v at the paper's t0 = 2.5 that lead to it."""
     scope = Scope(load_scene(scene))
     numbers = scope.numbers
     force = solution.in_paper_letters(solution.acceleration()).subs(solution.A, solution.force_constant(alpha))

@@ -31,13 +31,13 @@ SCENE, EVENTS, DIGITS = "fig5", 6, 30
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: derivatives of events by parameters, Lyapunov exponents, and why there is no chaos."""
     s, e = sp.symbols("s varepsilon", real=True)
     place, speed = named("x"), named(r"\dot{x}")
     near_x, near_v = place + speed * s + BEFORE * s**2 / 2 + e * (DX + DV * s), speed + BEFORE * s + e * DV
 
     def along(expr: Any) -> Any:
-        """Differentiate with respect to q along the event, whose time moves at the rate t_q."""
+        """Differentiate a quantity at the event by the parameter q; the event's time has the derivative t_q."""
         return expr.subs(s, e * T_Q).diff(e).subs(e, 0)
 
     reached = sp.solve(along(near_v) - V_Q, T_Q)[0]
@@ -219,7 +219,7 @@ def _exponents_table() -> Table:
     decay = CONTEXT.log(product) * number(load_scene("fig9-orbit").parameters.Omega) / (2 * CONTEXT.pi)
 
     def growth(scene: str, of: Any) -> Any:
-        """Return a Lyapunov exponent as growth from 50 to 100 periods; `of` picks it from those of the package."""
+        """Return `of` the Lyapunov exponents, measured over the periods 50 to 100 only: without the transient."""
         early, late = (of(sensitivities(scene, "x0", t_end=f"{n}T").lyapunov) for n in (50, 100))
         return 2 * late - early
 

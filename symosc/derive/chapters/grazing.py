@@ -33,7 +33,7 @@ CASES = (
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: what a contact fixes, Theorem 7 with all cases, the case of equality, and k = 0."""
     rows = []
     for mapping, place in PLACES.items():
         rate, sine = "<>" if place.side > 0 else "><"
@@ -216,7 +216,7 @@ def _window(mapping: str, gamma: Any, amplitude: Any) -> Step:
 
 
 def _with_name(phases: Any) -> Any:
-    """Replace asin(-gamma/a) by its name Theta_cr in the ends of a set of phases."""
+    """Print the critical phase asin(-gamma/a) in the ends of a set of phases as Theta^cr."""
     if isinstance(phases, sp.Union):
         return sp.Union(*(_with_name(part) for part in phases.args), evaluate=False)
     if not isinstance(phases, sp.Interval):
@@ -227,7 +227,7 @@ def _with_name(phases: Any) -> Any:
 
 
 def window(side: int, gamma: Any, amplitude: Any, names: Any = ()) -> Check:
-    """Return the check that the set on the right has just the phases with side (gamma + amplitude sin theta) > 0."""
+    """Return the check that a step's set has just the phases with side (gamma + amplitude sin theta) > 0."""
     # This is exact: the function has at most two zeros, and where the sine is 1, 0 or -1 its sign is decided.
 
     def angle(end: Any) -> Any:

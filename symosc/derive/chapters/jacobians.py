@@ -32,7 +32,7 @@ def partial(what: str, by: str) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: derivatives of f1 and f2, perturbations, saltation, and the monodromy matrix."""
     flow, found = solution.flow(), maps.flight_jacobian()
     ends = {maps.v_end: flow.v, maps.a_end: flow.a}
     rows = []

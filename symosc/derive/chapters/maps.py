@@ -26,7 +26,7 @@ def force(alpha: int, x: Any, v: Any, theta: Any) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: switching planes, the eight mappings, and the equations of flights and sticks."""
     rows: list[Any] = []
     for label in scope.maps:
         row = MAPS[label]

@@ -42,7 +42,7 @@ def newton(alpha: int) -> Any:
 
 
 def stick_force(belt: int) -> Any:
-    """Return the sum of all forces on the mass but this belt's friction, at this belt's speed (for belt 1: eq. (2))."""
+    """Return the sum of all other forces on a mass that moves with a belt, without that belt's friction: eq. (2)."""
     other = 3 - belt
     return A0 + B0 * WAVE - k * x - c * BELTS[belt] + MU[other] * FN * (1 if other == 2 else -1)
 
@@ -58,7 +58,7 @@ def at_both(scope: Scope) -> Check:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: forces, domains, monotone friction, uniqueness, and what a belt has to hold."""
     total, first, second = named(r"m\ddot{x}"), named("T_1"), named("T_2")
     checks = (
         exact({total: m * newton(alpha), first: one * mu1 * FN, second: two * mu2 * FN})

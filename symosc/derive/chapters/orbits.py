@@ -26,7 +26,7 @@ TITLE = "Periodic motions"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: one attractor or an interval of rests, and the orbits of Figs. 9 and 10 in numbers."""
     mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
     held, size = named(r"H_\lambda"), sp.Symbol("B_0", real=True)
     ends = [(held + sign * (mu * FN - sp.Abs(size))) / k for sign in (1, -1)]
@@ -97,7 +97,7 @@ def items(scope: Scope) -> Items:
 
 
 class Piece(NamedTuple):
-    """One map of an orbit: its row, the row of the map before, its start's symbols, f1, f2, other symbols' meaning."""
+    """One mapping of an orbit (row of `MAPS`), the one before, its start (x, theta), f1, f2, other letters' meaning."""
 
     row: Map
     before: Map
@@ -256,7 +256,7 @@ FUNCTIONS = [{name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "c
 def _extremes(
     scope: Scope, piece: Piece, start: tuple[Any, Any], end: Any
 ) -> Iterator[tuple[str, Any, str, list[tuple[str, Any]]]]:
-    """Yield each quantity with bounds in a map: its name, extreme value, bounds in words and as (op, bound)."""
+    """Yield name, extreme value and bounds (in words, and as operators with numbers) of what must stay in bounds."""
     row, belt = piece.row, piece.row.start.boundary
     speed, duration = BELTS[belt], ((end - start[1]) % (2 * CONTEXT.pi)) / steps.evaluate(Omega, scope.numbers)
 

@@ -18,13 +18,13 @@ TITLE = "Sticks and their two ends"
 
 
 def force_on_belt(phase: Any) -> Any:
-    """Return F^(alpha) a time tau after a stick began: its value a_i then, plus its change until the phase `phase`."""
+    """Return F^(alpha) during a stick, tau after its start with the value a_i, where the drive has a given phase."""
     here = solution.acceleration(x_i + v_lambda * tau, v_lambda, phase)
     return a_i + here - solution.acceleration(x_i, v_lambda, theta_i)
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: what changes during a stick, and its two ends."""
     moving = solution.in_paper_letters(solution.acceleration(x_i + v_lambda * (t - solution.t_i), v_lambda, theta))
     held = solution.stick_acceleration(a_i, sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)).subs(v, v_lambda)
     change = (m * moving.diff(t)).subs(Omega * t, theta)

@@ -16,12 +16,12 @@ TITLE = "What happens at a boundary"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: G-functions, the first that does not vanish, and Theorems 4 to 6."""
     n, y = sp.Function("n")(t), sp.Function("y")(t)
     first, second = named(r"G^{(0,\alpha)}"), named(r"G^{(1,\alpha)}")
 
     def product(normal: str, dot: str) -> Any:
-        """Return the symbol for a derivative of the normal (prefix `normal`) times one of the distance (`dot`)."""
+        """Return a symbol that prints a derivative of n ("", "D" or "D^2") times one of the distance (LaTeX accent)."""
         x_alpha, x_0 = (rf"{dot}{{\mathbf{{x}}}}^{{({each})}}" for each in (r"\alpha", "0"))
         return named(rf"{normal}\mathbf{{n}}^T ({x_alpha} - {x_0})".replace("{\\mathbf{x}}", r"{\mathbf{x}}"))
 
@@ -129,7 +129,7 @@ def items(scope: Scope) -> Items:
 
 
 def _gap_derivative(order: int) -> Any:
-    """Return the step stating that n.(x - x0) has the derivative of n.x, as x0 moves on a straight line normal to n."""
+    """Return the step that the distance from a straight boundary, n.(x - x0), has the derivatives of n.x alone."""
     n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
     first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
     gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
@@ -138,7 +138,7 @@ def _gap_derivative(order: int) -> Any:
 
 
 def g_functions() -> Items:
-    """Return the items of the lemma on the first G-functions."""
+    """Return the lemma on G^(1) to G^(3), the derivatives of the acceleration F^(alpha) along its flow."""
     path = sp.Function("x")(t)
     newton = (solution.A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     lower, rows = [v, F(r"\alpha")], []
