@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sympy as sp
 
@@ -43,7 +43,7 @@ class Fragment(NamedTuple):
 
     title: str
     items: Callable[[FragmentScope], Items]
-    tags: dict[str, str]
+    tags: dict[str, str] = {}  # noqa: RUF012 (nobody changes it)
 
 
 def check_fragment(name: str, scope: FragmentScope) -> Checked:
@@ -99,13 +99,6 @@ def _table(table: Table, scope: FragmentScope, tags: dict[str, str]) -> str:
 
 # --- the fragments ---
 
-FRAGMENTS: dict[str, Fragment] = {}
-
-
-def _fragment(name: str, title: str, tags: dict[str, str] | None = None) -> Callable[..., Any]:
-    """Return the decorator that registers a function as the one that returns a fragment's items."""
-    return lambda items: FRAGMENTS.setdefault(name, Fragment(title, items, tags or {})).items
-
 
 def _relabelled(items: Items, label: str) -> list[Step]:
     """Return the steps among some items of a chapter, relabelled as `label` followed by 1, 2, ..."""
@@ -126,7 +119,6 @@ def _acceleration() -> list[Step]:
     return [equation(general, right, cases(*checks), "F"), *map(_constant, (1, 2, 3))]
 
 
-@_fragment("friction", "The equation of motion", {"F": "9"})
 def _friction(scope: FragmentScope) -> Items:
     return (
         r"A mass $m$ on a spring $k$ and a damper $c$ is driven by $A_0 + B_0\cos\Omega t$ and pressed with the force "
@@ -140,7 +132,6 @@ def _friction(scope: FragmentScope) -> Items:
     )
 
 
-@_fragment("flow", "The motion in a domain")
 def _flow(scope: FragmentScope) -> Items:
     return (
         r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$, take the motion from $(x_i, \dot{x}_i)$ at "
@@ -149,7 +140,6 @@ def _flow(scope: FragmentScope) -> Items:
     )
 
 
-@_fragment("stick", "Sticks and their two ends", {"belt1-F2": "52", "belt2-F3": "53"})
 def _stick(scope: FragmentScope) -> Items:
     moving = sticks.force_on_belt(theta_i + Omega * tau)
     true = solution.in_paper_letters(moving.diff(tau)).subs(theta_i + Omega * tau, theta)
@@ -173,7 +163,6 @@ def _stick(scope: FragmentScope) -> Items:
     )
 
 
-@_fragment("gfunctions", "The G-functions", {"G1": "47"})
 def _g_functions(scope: FragmentScope) -> Items:
     return (
         r"The G-functions of the domain $\Omega_\alpha$ at a boundary $\dot{x} = v_\lambda$ are the derivatives of the "
@@ -210,11 +199,6 @@ def _theorem(name: str, scope: FragmentScope) -> Items:
     )
 
 
-for _name, _tags in (("theorem4", {}), ("theorem5", {}), ("theorem6", {"G1": "47"})):
-    _fragment(_name, f"Theorem {_name[-1]}", {"F": "9", **_tags})(partial(_theorem, _name))
-
-
-@_fragment("theorem7", "Theorem 7", {"column1": "(55), (57)", "column2": "(56), (58)"})
 def _theorem7(scope: FragmentScope) -> Items:
     letter, acceleration, rate = sp.Symbol("a", real=True), named(r"\ddot{x}"), named(r"\dot{x}")
     fixed = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
@@ -243,7 +227,6 @@ def _theorem7(scope: FragmentScope) -> Items:
     )
 
 
-@_fragment("saltation", "Saltation and perturbations")
 def _saltation(scope: FragmentScope) -> Items:
     ratios = [each for each in flat(jacobians.saltation()) if isinstance(each, Step) and each.op != "="]
     return (
@@ -357,8 +340,17 @@ def _stick_map(label: str, scope: FragmentScope) -> Items:
     )
 
 
+FRAGMENTS = {
+    "friction": Fragment("The equation of motion", _friction, {"F": "9"}),
+    "flow": Fragment("The motion in a domain", _flow),
+    "stick": Fragment("Sticks and their two ends", _stick, {"belt1-F2": "52", "belt2-F3": "53"}),
+    "gfunctions": Fragment("The G-functions", _g_functions, {"G1": "47"}),
+    **{name: Fragment(f"Theorem {name[-1]}", partial(_theorem, name), {"F": "9", "G1": "47"}) for name in AT_BOUNDARY},
+    "theorem7": Fragment("Theorem 7", _theorem7, {"column1": "(55), (57)", "column2": "(56), (58)"}),
+    "saltation": Fragment("Saltation and perturbations", _saltation),
+}
 for _name, _row in MAPS.items():
     _items, _tags = _flight_map, {"f1": r"54\,a", "f2": r"54\,b"}
     if _row.sticks:
         _items, _tags = _stick_map, {"f1": "52" if _name == "P1" else "53"}
-    _fragment(_name, f"The mapping $P_{_name[1]}$", _tags)(partial(_items, _name))
+    FRAGMENTS[_name] = Fragment(f"The mapping $P_{_name[1]}$", partial(_items, _name), _tags)

@@ -635,12 +635,11 @@ def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full:
     scale = abs(level.as_coeff_Mul()[0]) or sp.S.One  # k > 2, not 25 k > 50
     level, Omega = level / scale, values["Omega"] / scale
     drive, size = where.side * values["B0"] * Omega, sp.Abs(values["B0"]) * Omega
-    if isinstance(question.theta, PhaseInterval):
+    if question.asked == "contains":
         # The smallest value is where the sine is smallest if drive > 0, and where it is largest if drive < 0.
-        signs = [-1] * (not drive.is_negative) + [1] * (not drive.is_positive)
-        condition = sp.And(*(_region_at(level, drive, each, full) for each in question.theta.deciding(signs)))
-    elif question.asked == "contains":
-        condition = _region_at(level, drive, (question.theta, True), full)
+        signs, theta = [-1] * (not drive.is_negative) + [1] * (not drive.is_positive), question.theta
+        decided = theta.deciding(signs) if isinstance(theta, PhaseInterval) else [(theta, True)]
+        condition = sp.And(*(_region_at(level, drive, each, full) for each in decided))
     elif question.asked == "empty":
         condition = CLOSED_REGION(-level, size)
     else:
