@@ -58,12 +58,10 @@ def kernels() -> list[Kernel]:
     own = dict(zip(("y1", "y0", "forcing"), forces, strict=True)) | {"v": solution.v, "dc": sp.Symbol("dc")}
     belt = {"v": solution.v_i}
     here = {"x": solution.x, "v": solution.v, "c": sp.cos(solution.theta)}
-    first = _kernel(
-        "motion v0 a0 s0 c0 cm w0sq f0 Om E0 E1 E2 R2 I2",
-        "x - x0, v - v0 and a at tau after x0, v0, a0 and a phase with sine s0, cosine c0: the solution of eq. (5).",
-        {"dx": flow.x - solution.x_i, "dv": flow.v - solution.v_i, "a": flow.a},
-    )
     rows: list[tuple[str, str, dict[str, Expr], dict[str, Expr]]] = [
+        ("motion v0 a0 s0 c0 cm w0sq f0 Om E0 E1 E2 R2 I2",
+         "x - x0, v - v0 and a at tau after x0, v0, a0 and a phase with sine s0, cosine c0: the solution of eq. (5).",
+         {"dx": flow.x - solution.x_i, "dv": flow.v - solution.v_i, "a": flow.a}, {}),
         ("acceleration x v c A cm w0sq f0",
          "F^(alpha) in the domain with A = A_alpha/m at x, v and c = cos(Omega t): eq. (9).",
          {"F": solution.acceleration()}, here),
@@ -97,13 +95,14 @@ def kernels() -> list[Kernel]:
          "Derivatives of f2 (v_) of a stick by c, k, A_alpha, B0, v and m, of f1 (x_) by Omega and v; F = f2.",
          maps.stick_parameters(), belt),
     ]  # fmt: skip
-    return [first, _basis_apart(), _repeated_apart(), *(_kernel(*row) for row in rows)]
+    first, *others = (_kernel(*row) for row in rows)
+    return [first, _basis_apart(), _repeated_apart(), *others]
 
 
-def _kernel(head: str, doc: str, steps: dict[str, Expr], own: dict[str, Expr] | None = None) -> Kernel:
+def _kernel(head: str, doc: str, steps: dict[str, Expr], own: dict[str, Expr]) -> Kernel:
     """Make a kernel called `head` ("NAME ARGUMENT ...") that returns all `steps`; `own` describes further arguments."""
     name, *arguments = head.split()
-    return Kernel(name, doc, {each: (MEANING | (own or {}))[each] for each in arguments}, steps, tuple(steps))
+    return Kernel(name, doc, {each: (MEANING | own)[each] for each in arguments}, steps, tuple(steps))
 
 
 def _basis_apart() -> Kernel:
@@ -167,20 +166,19 @@ def function_source(kernel: Kernel) -> str:
     """Return the Python source of one kernel's function, with a final line break."""
     lines = list(_assignments(kernel))
     lines = [("return ", lines[0][1])] if len(lines) == 1 else [*lines, ("return ", ", ".join(kernel.returns))]
-    head = _wrapped(f"def {kernel.name}", ", ".join(kernel.arguments), indent="", always=True) + ":"
-    body = [_wrapped(f"    {start}", text, indent="    ") for start, text in lines]
+    arguments = ", ".join(kernel.arguments)
+    head = _wrapped(f"def {kernel.name}({arguments})", f"def {kernel.name}", arguments, "") + ":"
+    body = [_wrapped(f"    {start}{text}", f"    {start}", text, "    ") for start, text in lines]
     return "\n".join([head, f'    """{kernel.doc}"""', *body, ""])
 
 
-def _wrapped(start: str, text: str, indent: str, always: bool = False) -> str:
-    """Return start and text on one line, or the text in parentheses on several if it is too long, or `always`."""
-    line = f"{start}({text})" if always else f"{start}{text}"
+def _wrapped(line: str, start: str, text: str, indent: str) -> str:
+    """Return a line or, if it is too long, its start and then its text in parentheses on several lines."""
     if len(line) < KERNEL_WIDTH:
         return line
     fold = textwrap.TextWrapper(KERNEL_WIDTH, break_long_words=False, break_on_hyphens=False)
-    fold.initial_indent = fold.subsequent_indent = indent + "    "
-    folded = fold.fill(text)
-    return f"{start}(\n{folded}\n{indent})"
+    fold.initial_indent = fold.subsequent_indent = f"{indent}    "
+    return f"{start}(\n{fold.fill(text)}\n{indent})"
 
 
 def _assignments(kernel: Kernel) -> Iterator[tuple[str, str]]:
@@ -237,8 +235,7 @@ class ArithmeticPrinter:
             return str(expr)
         if _is_negative(expr):
             return f"-{self.text(-expr)}"
-        above: list[Expr] = []
-        below: list[Expr] = []
+        above, below = list[Expr](), list[Expr]()
         for factor in sp.Mul.make_args(expr):
             base, power = (factor, sp.Integer(1)) if factor.is_Rational else factor.as_base_exp()
             if base.is_Rational:
