@@ -70,21 +70,15 @@ def items(scope: Scope) -> Items:
         r"rates, and are equal at $\tau = 0$.\end{proof}",
         solved_functions(generic),
     )
-    flow = solution.flow()
-    force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
-    position, velocity, acceleration = named(r"x(\tau)"), named(r"\dot{x}(\tau)"), named(r"\ddot{x}(\tau)")
-    newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - a_i, a_i)[0]
-    by_v, by_a = ({name: solution.time_derivative(expr)} for name, expr in ((velocity, flow.x), (acceleration, flow.v)))
+    start, *motion = flow()
     yield (
         r"\subsection{The motion}",
         r"\begin{theorem}[the motion in a domain]\label{thm:domains-flow} "
         r"A motion that starts in $\Omega_\alpha$, or goes into it, at $t_i$ with the phase $\theta_i = \Omega t_i$, "
         r"the position $x_i$ and the velocity $\dot{x}_i$ is, as long as it stays in $\Omega_\alpha$,",
-        equation(position, flow.x, solves(force, x_i, v_i), "x"),
-        equation(velocity, flow.v, exact(by_v, solution.use_relations, independent=False), "v"),
-        equation(acceleration, flow.a, exact(by_a, solution.use_relations, independent=False), "a"),
+        motion,
         r"where the acceleration at the start is",
-        equation(named(r"\ddot{x}_i"), solution.acceleration(x_i, v_i, theta_i), newton, "start"),
+        start,
         r"This holds in every regime of damping and at resonance.\end{theorem}",
         r"\begin{proof} $L x = (A_\alpha + B_0\cos\theta)/m$ by \eqref{eq:motion-domain}. Variation of constants gives "
         r"$x$ as a combination of $E_0$, $E_1$, $E_2$, $R_2$ and $I_2$. Then $A_\alpha$ is eliminated in favour of "
@@ -173,6 +167,21 @@ def items(scope: Scope) -> Items:
             tuple(borders),
             tuple(_sampled(join) for join in solution.JOINS),
         ),
+    )
+
+
+def flow() -> tuple[Step, ...]:
+    """Return the steps on the acceleration at the start of a flight, and on its x, v and a a time tau later."""
+    flow = solution.flow()
+    force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
+    velocity, acceleration = named(r"\dot{x}(\tau)"), named(r"\ddot{x}(\tau)")
+    newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - a_i, a_i)[0]
+    by_v, by_a = ({name: solution.time_derivative(expr)} for name, expr in ((velocity, flow.x), (acceleration, flow.v)))
+    return (
+        equation(named(r"\ddot{x}_i"), solution.acceleration(x_i, v_i, theta_i), newton, "start"),
+        equation(named(r"x(\tau)"), flow.x, solves(force, x_i, v_i), "x"),
+        equation(velocity, flow.v, exact(by_v, solution.use_relations, independent=False), "v"),
+        equation(acceleration, flow.a, exact(by_a, solution.use_relations, independent=False), "a"),
     )
 
 

@@ -56,23 +56,20 @@ def items(scope: Scope) -> Items:
             tuple(rows),
         ),
     )
-    acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}_m")
-    at_contact = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
-    values = {GAMMA: k * v_lambda / m, AMPLITUDE: B0 * Omega / m}
-    force = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta})
-    solved = sp.solve(force, x)[0].subs(theta, THETA_M)
+    gamma, amplitude, position = contact_steps()
+    values = {GAMMA: gamma.right, AMPLITUDE: amplitude.right}
     first = solution.in_paper_letters(solution.g_function(1).subs(v, v_lambda)).subs(Omega * t, THETA_M)
     critical = {CRITICAL: sp.asin(-k * v_lambda / (B0 * Omega))}
     yield (
         r"\begin{lemma}[what a contact fixes]\label{thm:grazing-contact} "
         r"At such a contact the paper's $\gamma = (c/m)\ddot{x} + (k/m)\dot{x}$ is fixed by the parameters, and with "
         r"the amplitude $a$,",
-        equation(GAMMA, k * v_lambda / m, at_contact, "gamma"),
-        equation(AMPLITUDE, B0 * Omega / m, B0 * Omega / m, "a"),
+        gamma,
+        amplitude,
         r"the first G-function depends on the phase alone:",
-        equation(G(1), -(GAMMA + AMPLITUDE * sp.sin(THETA_M)), values | {G(1): first.subs(x, solved)}, "G1"),
+        equation(G(1), -(GAMMA + AMPLITUDE * sp.sin(THETA_M)), values | {G(1): first.subs(x, position.right)}, "G1"),
         r"For $k > 0$ the phase gives the position,",
-        equation(named("x_m"), (A + B0 * sp.cos(THETA_M) - c * v_lambda) / k, solved, "xm"),
+        position,
         r"and if $|\gamma| \le |a| \ne 0$, $G^{(1,\alpha)}$ vanishes at the phases "
         r"$\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$ and $\pi - \Theta^{\mathrm{cr}}$, where",
         equation(sp.sin(CRITICAL), -GAMMA / AMPLITUDE, values | critical, "critical"),
@@ -124,15 +121,14 @@ def items(scope: Scope) -> Items:
     on_end = {v_lambda: -solution.f0 * Omega * sp.sin(theta) / solution.w0sq}
     assert sp.simplify(g1.subs(on_end)) == 0
     wave = {solution.f0: B0 / m, solution.w0sq: k / m, solution.cm: c / m, theta: THETA_M}
-    amplitude = {AMPLITUDE: B0 * Omega / m}
     true2, true3 = (expr.subs(on_end).xreplace(wave) for expr in (g2, g3))
-    true = {third: true3, second: true2} | amplitude
+    true = {third: true3, second: true2, AMPLITUDE: B0 * Omega / m}
     yield (
         r"\subsection{The ends of a window, and the case of equality}",
         r"\begin{theorem}[the case of equality]\label{thm:grazing-equality} "
         r"Let $F^{(\alpha)} = G^{(1,\alpha)} = 0$ at a contact, with $a \ne 0$; this needs $|\gamma| \le |a|$.",
         r"The next G-functions are",
-        equation(second, -AMPLITUDE * Omega * sp.cos(THETA_M), {second: true2} | amplitude, "G2"),
+        equation(second, -AMPLITUDE * Omega * sp.cos(THETA_M), true, "G2"),
         equation(third, AMPLITUDE * Omega**2 * sp.sin(THETA_M) - c * second / m, true, "G3"),
         r"\begin{enumerate}"
         r"\item[(i)] If $|\gamma| < |a|$, then $G^{(2,\alpha)} \ne 0$: the flow of $\Omega_\alpha$ crosses the "
@@ -191,6 +187,19 @@ def items(scope: Scope) -> Items:
         facts(equation(curve, -B0 * Omega**2 * sp.cos(THETA_M) / m)),
         r"\begin{proof} This is Theorem~\ref{thm:grazing-theorem7} in the row $\gamma = 0$, and "
         r"Theorem~\ref{thm:grazing-equality} (i).\end{proof}",
+    )
+
+
+def contact_steps() -> tuple[Step, Step, Step]:
+    """Return the steps on gamma, the amplitude a and the position x_m at a contact without force."""
+    acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}_m")
+    at_contact = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
+    force = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta})
+    place = sp.solve(force, x)[0].subs(theta, THETA_M)
+    return (
+        equation(GAMMA, k * v_lambda / m, at_contact, "gamma"),
+        equation(AMPLITUDE, B0 * Omega / m, B0 * Omega / m, "a"),
+        equation(named("x_m"), (A + B0 * sp.cos(THETA_M) - c * v_lambda) / k, place, "xm"),
     )
 
 

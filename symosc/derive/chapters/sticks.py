@@ -9,7 +9,7 @@ import sympy as sp
 from symosc.derive.chapters.motion import MU, acceleration, newton
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, UPPER, F, Scope, mu_lambda, v_lambda
-from symosc.derive.steps import Illustration, Items, Table, cases, equation, exact, facts, sign, step
+from symosc.derive.steps import Illustration, Items, Step, Table, cases, equation, exact, facts, sign, step
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, FN, Omega, a_i, k, m, t, tau, theta, theta_i, v, x_i
@@ -23,11 +23,23 @@ def force_on_belt(phase: Any) -> Any:
     return a_i + here - solution.acceleration(x_i, v_lambda, theta_i)
 
 
+def rate() -> Step:
+    """Return the step on the rate at which the accelerations on both sides of a belt change during a stick."""
+    moving = solution.in_paper_letters(solution.acceleration(x_i + v_lambda * (t - solution.t_i), v_lambda, theta))
+    change = (m * moving.diff(t)).subs(Omega * t, theta)
+    return equation(named(r"m\dot{F}^{(\alpha)}"), -(k * v_lambda + B0 * Omega * sp.sin(theta)), change, "rate")
+
+
+def force(belt: int, alpha: int, label: str = "") -> Step:
+    """Return the step on m F^(alpha) at a belt's speed."""
+    at = {v: BELTS[belt], Omega * t: theta}
+    right = sp.expand(m * acceleration(alpha).subs(at))
+    return equation(m * F(alpha), right, {F(alpha): newton(alpha).subs(at)}, label)
+
+
 def items(scope: Scope) -> Items:
     """Yield the chapter: what changes during a stick, and its two ends."""
-    moving = solution.in_paper_letters(solution.acceleration(x_i + v_lambda * (t - solution.t_i), v_lambda, theta))
     held = solution.stick_acceleration(a_i, sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)).subs(v, v_lambda)
-    change = (m * moving.diff(t)).subs(Omega * t, theta)
     yield (
         r"\subsection{The mass on a belt}",
         r"\begin{definition}[stick]\label{thm:sticks-stick} "
@@ -41,7 +53,7 @@ def items(scope: Scope) -> Items:
         equation(named(r"F^{(\alpha)}(\tau)"), held, force_on_belt(theta_i + Omega * tau), "force"),
         r"with $\ddot{x}_i = F^{(\alpha)}(x_i, v_\lambda, t_i)$, each its own. They change at one rate, which depends "
         r"on the phase $\theta = \Omega t$ alone:",
-        equation(named(r"m\dot{F}^{(\alpha)}"), -(k * v_lambda + B0 * Omega * sp.sin(theta)), change, "rate"),
+        rate(),
         r"\end{lemma}",
         r"\begin{proof} Put $x = x_i + v_\lambda\tau$ and $\dot{x} = v_\lambda$ into \eqref{eq:motion-acceleration}, "
         r"and differentiate.\end{proof}",
@@ -77,11 +89,8 @@ def items(scope: Scope) -> Items:
     rows = []
     for belt in scope.boundaries:
         for alpha in NEIGHBOURS[belt]:
-            at = {v: BELTS[belt], Omega * t: theta}
-            right = sp.expand(m * acceleration(alpha).subs(at))
-            force = equation(m * F(alpha), right, {F(alpha): newton(alpha).subs(at)})
             way, paper = ("falls", "not in the paper") if alpha == belt else ("rises", f"the paper's ({51 + belt})")
-            rows.append((str(belt), rf"$F^{{({alpha})}}$ {way}", rf"$\Omega_{alpha}$", paper, force))
+            rows.append((str(belt), rf"$F^{{({alpha})}}$ {way}", rf"$\Omega_{alpha}$", paper, force(belt, alpha)))
     yield (
         Table(
             "tab:sticks-exits",

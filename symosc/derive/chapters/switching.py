@@ -8,7 +8,7 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import F, G, Scope, v_lambda
-from symosc.derive.steps import Illustration, Items, equation, exact, facts
+from symosc.derive.steps import Illustration, Items, Step, equation, exact, facts
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, Omega, c, k, m, t, tau, theta, theta_i, v, v_i, x_i
 
@@ -88,10 +88,6 @@ def items(scope: Scope) -> Items:
             0.8,
         ),
     )
-    speed = named(r"k v_\lambda")
-    first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, v: v_lambda})
-    stays = {G(1): first, F(r"\alpha"): solution.in_paper_letters(solution.acceleration()).subs(v, v_lambda)}
-    stays = {name: value.subs(Omega * t, theta) for name, value in stays.items()} | {speed: k * v_lambda}
     yield (
         r"\subsection{The paper's Lemmas 1 to 3 and Theorems 4 to 6}",
         r"\begin{theorem}[stick, passage, graze]\label{thm:switching-cases} "
@@ -123,7 +119,7 @@ def items(scope: Scope) -> Items:
         r"with $n = 1$ alone, leaves out the tangencies of higher order; this is where Theorem 7 loses its case of "
         r"equality (Theorem~\ref{thm:grazing-equality}).\end{remark}",
         r"What (iii) asks for is at the boundary $\dot{x} = v_\lambda$, on either side of either belt,",
-        equation(G(1), -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m, stays, "decides"),
+        at_belt("decides"),
         r"where the term with $F^{(\alpha)}$ vanishes at a graze.",
     )
 
@@ -135,6 +131,14 @@ def _gap_derivative(order: int) -> Any:
     gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
     right = n1 * first.diff(t, order) + n2 * second.diff(t, order)
     return equation(gap.diff(t, order), right, exact(independent=False))
+
+
+def at_belt(label: str) -> Step:
+    """Return the step on G^(1) at a belt's speed, in terms of the acceleration there."""
+    true = {G(1): solution.g_function(1), F(r"\alpha"): solution.acceleration()}
+    at = {Omega * t: theta, v: v_lambda}
+    true = {name: solution.in_paper_letters(value).subs(at) for name, value in true.items()}
+    return equation(G(1), -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m, true, label)
 
 
 def g_functions() -> Items:
