@@ -15,6 +15,7 @@ from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
+from symosc.symbolic.solution import PAPER_LETTERS
 from symosc.symbolic.theorem7 import rational
 from symosc.words import MAPS, read_word
 
@@ -25,13 +26,6 @@ mu_lambda = sp.Symbol(r"\mu_\lambda", nonnegative=True)
 LOWER, UPPER = r"\lambda", r"\lambda+1"
 #: The letters of the parameters.
 LETTERS = {name: getattr(solution, name) for name in PARAMETER_NAMES if name not in ("v1", "v2")} | {"v1": v1, "v2": v2}
-#: The paper's letters for the quantities divided by m.
-PAPER_LETTERS = {
-    solution.cm: solution.c / solution.m,
-    solution.w0sq: solution.k / solution.m,
-    solution.f0: solution.B0 / solution.m,
-    solution.A_m: solution.A / solution.m,
-}
 
 
 def F(alpha: int | str) -> Expr:

@@ -143,7 +143,7 @@ def stick_parameters() -> dict[str, Expr]:
     residual = stick_residual()
     A, B0, c, k = solution.A, solution.B0, solution.c, solution.k
     back = {c: cm * m, k: w0sq * m, B0: f0 * m, A: solution.A_m * m}
-    force = residual["f2"].xreplace({cm: c / m, w0sq: k / m, f0: B0 / m, solution.A_m: A / m})
+    force = residual["f2"].xreplace(solution.PAPER_LETTERS)
     found = {f"v_{name}": force.diff(q) for name, q in (("c", c), ("k", k), ("A", A), ("B", B0), ("v0", v_i))}
     found["v_m"] = -F / m
     assert sp.expand(force.diff(m) + force / m) == 0

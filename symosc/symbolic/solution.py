@@ -36,6 +36,9 @@ A_m, f0, a_i, theta_i = sp.symbols("A_m f0 a_i theta_i", real=True)
 BASIS = E0, E1, E2, R2, I2 = sp.symbols("E0 E1 E2 R2 I2", real=True)
 h, omega_d, eta, omega_0 = sp.symbols("h omega_d eta omega_0", positive=True)
 
+#: The paper's letters for what is divided by m.
+PAPER_LETTERS = {cm: c / m, w0sq: k / m, f0: B0 / m, A_m: A / m}
+
 
 class Flow(NamedTuple):
     """The motion in a domain: displacement, velocity and acceleration a time tau after its start."""
@@ -48,7 +51,7 @@ class Flow(NamedTuple):
 def in_paper_letters(expr: Expr) -> Expr:
     """Rewrite an expression in the paper's m, c, k, A, B0, Omega, t, x_i, v_i, t_i."""
     expr = expr.xreplace({a_i: acceleration(x_i, v_i, theta_i)})
-    return expr.xreplace({cm: c / m, w0sq: k / m, f0: B0 / m, A_m: A / m, theta_i: Omega * t_i, theta: Omega * t})
+    return expr.xreplace(PAPER_LETTERS | {theta_i: Omega * t_i, theta: Omega * t})
 
 
 # --- forces and G-functions ---

@@ -120,8 +120,7 @@ def items(scope: Scope) -> Items:
     g1, g2, g3 = (sp.expand(solution.g_function(n).subs(contact)) for n in (1, 2, 3))
     on_end = {v_lambda: -solution.f0 * Omega * sp.sin(theta) / solution.w0sq}
     assert sp.simplify(g1.subs(on_end)) == 0
-    wave = {solution.f0: B0 / m, solution.w0sq: k / m, solution.cm: c / m, theta: THETA_M}
-    true2, true3 = (expr.subs(on_end).xreplace(wave) for expr in (g2, g3))
+    true2, true3 = (expr.subs(on_end).xreplace(solution.PAPER_LETTERS | {theta: THETA_M}) for expr in (g2, g3))
     true = {third: true3, second: true2, AMPLITUDE: B0 * Omega / m}
     yield (
         r"\subsection{The ends of a window, and the case of equality}",

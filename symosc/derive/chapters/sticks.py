@@ -112,7 +112,7 @@ def items(scope: Scope) -> Items:
     )
     turn = named(r"\Delta_T F^{(\alpha)}")
     per_turn = force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
-    change = {turn: sp.simplify(per_turn.xreplace({solution.w0sq: k / m, solution.cm: solution.c / m}))}
+    change = {turn: sp.simplify(per_turn.xreplace(solution.PAPER_LETTERS))}
     yield (
         r"\begin{corollary}\label{thm:sticks-ends} "
         r"For $k v_\lambda \ne 0$ every stick ends: over each period $2\pi/\Omega$ both accelerations change by "

@@ -148,8 +148,7 @@ def g_functions() -> Items:
     lower, rows = [v, F(r"\alpha")], []
     for n in (1, 2, 3):
         true = newton.diff(t, n).doit().subs([(path.diff(t, j + 1), lower[j]) for j in range(n, -1, -1)])
-        right = solution.next_derivative(lower[n], lower[n - 1], solution.forcing(n).xreplace({solution.f0: B0 / m}))
-        right = right.xreplace({solution.cm: c / m, solution.w0sq: k / m})
+        right = solution.next_derivative(lower[n], lower[n - 1], solution.forcing(n)).xreplace(solution.PAPER_LETTERS)
         rows.append(equation(G(n), right, true.subs(Omega * t, theta), f"g{n}"))
         lower.append(G(n))
     return (
