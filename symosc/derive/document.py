@@ -166,7 +166,7 @@ def shown(step: Step, scope: Scope) -> Step:
 
 def _rows(display: list[Part], scope: Scope) -> Iterator[tuple[Part, list[str]]]:
     """Yield each step of a display with its LaTeX rows, of which the first is `left &= right`."""
-    decimals = scope.decimal or any(each.item.decimals for each in display)
+    decimals = bool(scope.values) or any(each.item.decimals for each in display)
     statements = [shown(each.item, scope) for each in display]
     left = max(width(latex(statement.left, decimals)) for statement in statements)
     for each, statement in zip(display, statements, strict=True):
@@ -191,7 +191,7 @@ def cell(value: Any, scope: Scope) -> str:
     """Return a cell of a table as LaTeX; a step shows its right side."""
     if not isinstance(value, Step):
         return str(value)
-    return rf"$\displaystyle {latex(scope.shown(value.right), scope.decimal or value.decimals)}$"
+    return rf"$\displaystyle {latex(scope.shown(value.right), bool(scope.values) or value.decimals)}$"
 
 
 def as_latex(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = None) -> str:

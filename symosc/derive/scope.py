@@ -45,19 +45,9 @@ class Scope:
     scene: Scene | None = None
 
     @property
-    def parameters(self) -> Parameters | None:
-        """The scene's parameters."""
-        return self.scene.parameters if self.scene else None
-
-    @property
     def values(self) -> tuple[tuple[str, Any], ...]:
-        """The parameters given as numbers."""
-        return tuple((name, getattr(self.parameters, name)) for name in PARAMETER_NAMES) if self.scene else ()
-
-    @property
-    def decimal(self) -> bool:
-        """Whether to print a number as a decimal if it has finitely many decimals."""
-        return bool(self.values)
+        """The parameters given as numbers; if there are some, numbers that end are printed as decimals."""
+        return tuple((name, getattr(self.scene.parameters, name)) for name in PARAMETER_NAMES) if self.scene else ()
 
     @cached_property
     def maps(self) -> tuple[str, ...]:
@@ -93,7 +83,7 @@ class Scope:
     @cached_property
     def display(self) -> dict[Expr, Expr]:
         """What to substitute before printing: numbers or, without a scene, the paper's symbols, such as c/m for cm."""
-        if self.parameters is None:
+        if self.scene is None:
             return PAPER_LETTERS
         return self.numbers | {name: value.subs(self.numbers) for name, value in self.regimes[0].letters.items()}
 

@@ -159,8 +159,9 @@ def _values(found: list[Piece], points: tuple[tuple[Any, Any], ...], meaning: di
 
 def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     """Yield the items of the section on one orbit: its equations, switching points, and checks in between."""
-    assert scope.parameters is not None
-    p, found, points = scope.parameters, pieces(scope, word), root(scope.parameters, word)
+    assert scope.scene is not None
+    p, found = scope.scene.parameters, pieces(scope, word)
+    points = root(p, word)
     equations: list[Any] = []
     for i, (row, before, _, f1, f2, meaning) in enumerate(found, 1):
         after = i % len(found) + 1
