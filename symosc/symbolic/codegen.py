@@ -83,7 +83,7 @@ def kernels() -> list[Kernel]:
          maps.flight_parameters(), {}),
         ("flight_phase s0 c0 f0 Om E1 R2 I2",
          "Derivatives of x (x_) and v (v_) at the end by the phase of the drive.",
-         maps.flight_phase(), {}),
+         {name: maps.by_start()[name] for name in ("x_ph", "v_ph")}, {}),
         ("stick_residual x0 v tau x1 c1 A cm w0sq f0",
          "f1, f2 of a stick at speed v from x0 to x1 that slips where A = A_alpha/m; "
          "c1 = cos(theta1): eqs. (52), (53).",

@@ -19,6 +19,7 @@ With D = d^2/dtau^2 + cm d/dtau + w0sq and * for the convolution from 0 to tau, 
 from __future__ import annotations
 
 from functools import cache
+from itertools import product
 
 import sympy as sp
 
@@ -77,11 +78,10 @@ def flight_residual() -> dict[str, Expr]:
 
 
 def by_start() -> dict[str, Expr]:
-    """Return the derivatives of x(tau) and v(tau) with respect to x_i and v_i."""
-    x, v = solution.flow().x, solution.flow().v
-    force = solution.acceleration(x_i, v_i, theta_i)
-    pairs = [(end, cause) for end in (("x", x), ("v", v)) for cause in (("x", x_i), ("v", v_i))]
-    return {f"{name}_{c}0": sp.expand(e.diff(q) + e.diff(a_i) * force.diff(q)) for (name, e), (c, q) in pairs}
+    """Return the derivatives of x(tau) and v(tau) with respect to x_i (x0), v_i (v0) and theta_i (ph)."""
+    flow, force = solution.flow(), solution.acceleration(x_i, v_i, theta_i)
+    pairs = product((("x", flow.x), ("v", flow.v)), (("x0", x_i), ("v0", v_i), ("ph", theta_i)))
+    return {f"{name}_{c}": sp.expand(e.diff(q) + e.diff(a_i) * force.diff(q)) for (name, e), (c, q) in pairs}
 
 
 def flight_jacobian() -> dict[str, Expr]:
@@ -110,13 +110,6 @@ def flight_parameters() -> dict[str, Expr]:
     for name, response in forcing.items():
         found[f"x_{name}"], found[f"v_{name}"] = solution.collected(response), solution.collected(rate(response))
     return found | {"x_v0": start["x_v0"], "v_v0": start["v_v0"] - 1}
-
-
-def flight_phase() -> dict[str, Expr]:
-    """Return the derivatives of x(tau) and v(tau) with respect to theta_i, at fixed x_i, v_i and tau."""
-    flow, force = solution.flow(), solution.acceleration(x_i, v_i, theta_i)
-    parts = (("x", flow.x), ("v", flow.v))
-    return {f"{name}_ph": sp.expand(e.diff(theta_i) + e.diff(a_i) * force.diff(theta_i)) for name, e in parts}
 
 
 def _operator(expr: Expr) -> Expr:
