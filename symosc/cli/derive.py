@@ -127,13 +127,13 @@ def _print_fragment(
 
 def _write_chapters(subject: str, scene: Text, path: Text, form: str, pdf: bool) -> int:
     from symosc.derive import document
-    from symosc.derive.pdf import has_latex, make_pdf
+    from symosc.derive.scope import Scope
     from symosc.derive.steps import StepError
     from symosc.scenes import load_scene
 
     if pdf and (form != "latex" or path == STDOUT):
         raise click.BadParameter("needs --format latex and a folder", param_hint="--pdf")
-    if pdf and not has_latex():
+    if pdf and not document.has_latex():
         raise click.BadParameter("there is no pdflatex here (Debian: texlive-latex-base)", param_hint="--pdf")
     folder = Path(path or ".")
     check_new_folder(folder, "--output names a folder")  # before the work, which may take minutes
@@ -142,7 +142,8 @@ def _write_chapters(subject: str, scene: Text, path: Text, form: str, pdf: bool)
     problem = None if scene is None else load_scene(scene)
     try:
         with _bars() as progress:
-            scope, chapters = document.build([subject], problem, progress)
+            keys, scope = [*CHAPTERS] if subject == "all" else [subject], Scope(problem)
+            chapters = [document.check_chapter(key, scope, progress) for key in keys]
     except StepError as error:
         output.fail(f"check failed: {error}")
     if path == STDOUT:
@@ -151,7 +152,7 @@ def _write_chapters(subject: str, scene: Text, path: Text, form: str, pdf: bool)
     paths, status = document.write_document(chapters, scope, folder, form), 0
     if pdf:
         try:
-            paths.insert(0, make_pdf(folder / document.MAIN))
+            paths.insert(0, document.make_pdf(folder / document.MAIN))
         except SymoscError as error:
             output.complain(f"{error}")
             status = output.FAILED

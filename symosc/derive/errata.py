@@ -62,9 +62,6 @@ class RecordsError(SymoscError, ValueError):
         self.where, self.reason = where, reason
         super().__init__(f"{where}: {reason}")
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.where, self.reason)
-
 
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the content of a TOML file."""

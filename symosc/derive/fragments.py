@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sympy as sp
 
@@ -17,14 +17,14 @@ import symosc
 from symosc.derive.chapters import domains, grazing, jacobians, motion, sticks, switching
 from symosc.derive.document import Checked, Part, align, cell, check
 from symosc.derive.latex import latex, named
-from symosc.derive.scope import BELTS, F, FragmentScope, G, v_lambda
-from symosc.derive.steps import Each, Exact, Items, Prose, Sign, Solves, Step, StepError, Table, equation, flat, step
+from symosc.derive.scope import BELTS, F, FragmentScope
+from symosc.derive.steps import Items, Prose, Step, StepError, Table, cases, equation, exact, flat, step
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import maps, solution, theorem7
-from symosc.symbolic.solution import B0, BASIS, E0, E1, E2, A, Omega, c, k, m, t, tau, theta, theta_i, v, v_i, x, x_i
+from symosc.symbolic.solution import B0, BASIS, E0, E1, E2, A, Omega, c, k, m, t, tau, theta_i, v, v_i, x, x_i
 from symosc.words import MAPS
 
 ALONE = "\\documentclass{article}\n\\usepackage{amsmath}\n\\begin{document}\n"
@@ -39,16 +39,16 @@ BASIS_TEXT = (
 
 
 class Fragment(NamedTuple):
-    """A fragment: its title, the function that returns its items, and equations' numbers in the paper by label."""
+    """A piece of theory for users' papers: title, function that returns its items, the paper's numbers by label."""
 
     title: str
     items: Callable[[FragmentScope], Items]
-    tags: dict[str, str]
+    tags: dict[str, str] = {}  # noqa: RUF012 (nobody changes it)
 
 
 def check_fragment(name: str, scope: FragmentScope) -> Checked:
     """Build a fragment and check its steps; StepError too if its numbers divide by 0."""
-    numbers = [f"${symbol} = {value}$" for symbol, value in scope.table()]
+    numbers = scope.given()
     given = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."] if numbers else []
     fragment = check(name, FRAGMENTS[name].title, flat([given, FRAGMENTS[name].items(scope)]))
     for each, _ in fragment.steps():
@@ -61,7 +61,7 @@ def check_fragment(name: str, scope: FragmentScope) -> Checked:
 def as_latex(
     fragment: Checked, scope: FragmentScope, prefix: str = PREFIX, paper_tags: bool = False, alone: bool = False
 ) -> str:
-    """Return a fragment as LaTeX, with labels that begin with `prefix` (symosc:P3-f1)."""
+    """Return a fragment as LaTeX, in which labels begin with `prefix` and a colon, as in symosc:P3-f1."""
     # `paper_tags` gives equations their numbers in the paper (LaTeX tags); `alone` makes a complete document.
     if not re.fullmatch(r"[A-Za-z0-9.:_-]*", prefix):
         raise ParameterError("prefix", prefix, "may have letters, digits and . : _ - only")
@@ -99,13 +99,6 @@ def _table(table: Table, scope: FragmentScope, tags: dict[str, str]) -> str:
 
 # --- the fragments ---
 
-FRAGMENTS: dict[str, Fragment] = {}
-
-
-def _fragment(name: str, title: str, tags: dict[str, str] | None = None) -> Callable[..., Any]:
-    """Return the decorator that registers a function as the one that returns a fragment's items."""
-    return lambda items: FRAGMENTS.setdefault(name, Fragment(title, items, tags or {})).items
-
 
 def _relabelled(items: Items, label: str) -> list[Step]:
     """Return the steps among some items of a chapter, relabelled as `label` followed by 1, 2, ..."""
@@ -121,12 +114,11 @@ def _constant(alpha: int) -> Step:
 def _acceleration() -> list[Step]:
     """Return the fragment of the acceleration."""
     general = F(r"\alpha")
-    checks = [Exact({general: motion.newton(a), A: solution.force_constant(a)}) for a in (1, 2, 3)]
+    checks = (exact({general: motion.newton(a), A: solution.force_constant(a)}) for a in (1, 2, 3))
     right = (A + B0 * sp.cos(Omega * t) - k * x - c * v) / m
-    return [equation(general, right, Each(tuple(checks)), "F"), *map(_constant, (1, 2, 3))]
+    return [equation(general, right, cases(*checks), "F"), *map(_constant, (1, 2, 3))]
 
 
-@_fragment("friction", "The equation of motion", {"F": "9"})
 def _friction(scope: FragmentScope) -> Items:
     return (
         r"A mass $m$ on a spring $k$ and a damper $c$ is driven by $A_0 + B_0\cos\Omega t$ and pressed with the force "
@@ -140,7 +132,6 @@ def _friction(scope: FragmentScope) -> Items:
     )
 
 
-@_fragment("flow", "The motion in a domain")
 def _flow(scope: FragmentScope) -> Items:
     return (
         r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$, take the motion from $(x_i, \dot{x}_i)$ at "
@@ -149,31 +140,20 @@ def _flow(scope: FragmentScope) -> Items:
     )
 
 
-@_fragment("stick", "Sticks and their two ends", {"belt1-F2": "52", "belt2-F3": "53"})
 def _stick(scope: FragmentScope) -> Items:
-    moving = sticks.force_on_belt(theta_i + Omega * tau)
-    true = solution.in_paper_letters(moving.diff(tau)).subs(theta_i + Omega * tau, theta)
-    true = (m * true).subs(Omega * (solution.t_i + tau), theta).subs(Omega * solution.t_i + Omega * tau, theta)
-
-    def force(belt: int, alpha: int) -> Step:
-        at = {v: BELTS[belt], Omega * t: theta}
-        right = sp.expand(m * motion.acceleration(alpha).subs(at))
-        return equation(m * F(alpha), right, {F(alpha): motion.newton(alpha).subs(at)}, f"belt{belt}-F{alpha}")
-
     return (
         r"While the mass moves with belt $\lambda$, $\dot{x} = v_\lambda$ and $\ddot{x} = 0$. The stick lasts as long "
         r"as $F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$, where $m F^{(\alpha)}$ is what all forces would sum up to if "
         r"friction were that of the domain below ($\alpha = \lambda$) or above ($\alpha = \lambda + 1$) the belt's "
         r"speed. It ends where the first of the two changes its sign, and the mass slips into that domain. On belt 1",
-        [force(1, 1), force(1, 2)],
+        [sticks.force(1, alpha, f"belt1-F{alpha}") for alpha in (1, 2)],
         "and on belt 2",
-        [force(2, 2), force(2, 3)],
+        [sticks.force(2, alpha, f"belt2-F{alpha}") for alpha in (2, 3)],
         r"with the phase $\theta = \Omega t$. All of them change at the rate",
-        equation(named(r"m\dot{F}^{(\alpha)}"), -(k * v_lambda + B0 * Omega * sp.sin(theta)), true, "rate"),
+        sticks.rate(),
     )
 
 
-@_fragment("gfunctions", "The G-functions", {"G1": "47"})
 def _g_functions(scope: FragmentScope) -> Items:
     return (
         r"The G-functions of the domain $\Omega_\alpha$ at a boundary $\dot{x} = v_\lambda$ are the derivatives of the "
@@ -196,43 +176,28 @@ AT_BOUNDARY = {
 
 def _theorem(name: str, scope: FragmentScope) -> Items:
     """Return the fragment of Theorem 4, 5 or 6."""
-    at = {Omega * t: theta, v: v_lambda}
-    first = solution.in_paper_letters(solution.g_function(1)).subs(at)
-    general = solution.in_paper_letters(solution.acceleration()).subs(at)
-    right = -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m
-    rate = equation(G(1), right, {G(1): first, F(r"\alpha"): general}, "G1")
     return (
         r"At the boundary $\dot{x} = v_\lambda$ between $\Omega_\lambda$ below and $\Omega_{\lambda+1}$ above it, "
         rf"{AT_BOUNDARY[name]}.",
         r"Here the acceleration in $\Omega_\alpha$ is",
         _acceleration(),
-        (r"With the phase $\theta = \Omega t$", rate) if name == "theorem6" else (),
+        (r"With the phase $\theta = \Omega t$", switching.at_belt("G1")) if name == "theorem6" else (),
     )
 
 
-for _name, _tags in (("theorem4", {}), ("theorem5", {}), ("theorem6", {"G1": "47"})):
-    _fragment(_name, f"Theorem {_name[-1]}", {"F": "9", **_tags})(partial(_theorem, _name))
-
-
-@_fragment("theorem7", "Theorem 7", {"column1": "(55), (57)", "column2": "(56), (58)"})
 def _theorem7(scope: FragmentScope) -> Items:
-    letter, acceleration, rate = sp.Symbol("a", real=True), named(r"\ddot{x}"), named(r"\dot{x}")
-    fixed = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
-    table = grazing.windows_table("theorem7")
-    force = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta})
-    place = (A + B0 * sp.cos(grazing.THETA_M) - c * v_lambda) / k
+    *letters, place = grazing.contact_steps()
+    table, windows = grazing.windows_table("theorem7"), list(_windows_in_numbers(scope))
     contact = (
         r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$ in $\Omega_\alpha$, the contact is at",
-        equation(named("x_m"), place, sp.solve(force, x)[0].subs(theta, grazing.THETA_M), "xm"),
+        place,
     )
-    windows = list(_windows_in_numbers(scope))
     return (
         r"Let the flow of $\Omega_\alpha$ have $\dot{x} = v_\lambda$ and $\ddot{x} = 0$ at the time $t_m$, with the "
         r"phase $\theta_m = \Omega t_m$ modulo $2\pi$: $P_2$ has $(\alpha, \lambda) = (1, 1)$, $P_3$ $(2, 1)$, $P_5$ "
         r"$(2, 2)$ and $P_6$ $(3, 2)$, with $\sigma = 1$ where the boundary is above the domain, and $\sigma = -1$ "
         r"where it is below. With",
-        equation(grazing.GAMMA, k * v_lambda / m, fixed, "gamma"),
-        equation(letter, B0 * Omega / m, B0 * Omega / m, "a"),
+        letters,
         r"and $\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$, the flow grazes the boundary to first order iff $\theta_m$ "
         r"is in the set below, for $a \ge 0$; for $a < 0$ the sets are those of $-a$, moved by $\pi$.",
         Table(table.label, "The phases at which a contact grazes.", table.heads, table.rows),
@@ -243,9 +208,8 @@ def _theorem7(scope: FragmentScope) -> Items:
     )
 
 
-@_fragment("saltation", "Saltation and perturbations")
 def _saltation(scope: FragmentScope) -> Items:
-    ratios = [each for each in flat(jacobians.saltation()) if isinstance(each, Step) and isinstance(each.check, Sign)]
+    ratios = [each for each in flat(jacobians.saltation()) if isinstance(each, Step) and each.op != "="]
     return (
         r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ before and $F^{+} \ne 0$ "
         r"after, a small change $(\delta x, \delta\dot{x})$ of its state is multiplied by the saltation matrix "
@@ -265,8 +229,8 @@ def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
         if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= given:
             gamma, amplitude = (e.xreplace(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m))
             phases = theorem7.window_phases(place, gamma, amplitude, False)
-            window = grazing.Window(place.side, gamma, amplitude)
-            yield step(grazing.THETA_M, "in", phases, window, note=rf"for $P_{mapping[1]}$", label=f"window-{mapping}")
+            check = grazing.window(place.side, gamma, amplitude)
+            yield step(grazing.THETA_M, "in", phases, check, note=rf"for $P_{mapping[1]}$", label=f"window-{mapping}")
 
 
 # --- the motion in a domain, and the mappings ---
@@ -274,7 +238,7 @@ def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
 
 def _motion(scope: FragmentScope) -> Items:
     """Return the items that state the motion from (x_i, v_i) at t_i, in the form that the scope asks for."""
-    regime, start = scope.regimes[0], named(r"\ddot{x}_i")
+    regime = scope.regimes[0]
     name, condition = domains.REGIME_WORDS[regime.name]
     letters = {letter: domains.true_letters()[letter] for letter in regime.letters}
     labels = {letter: f"letter-{letter.name.replace('_', '')}" for letter in letters}
@@ -289,19 +253,15 @@ def _motion(scope: FragmentScope) -> Items:
             [each for each in steps if each.left in form.x.free_symbols],
             domains.constants(form),
         )
-    flow = solution.flow()
-    force = solution._force_at_start() + solution.f0 * sp.cos(theta_i + Omega * tau)
-    by_v = {VELOCITY: solution.time_derivative(flow.x)}
-    newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - solution.a_i, solution.a_i)[0]
+    at_start, x_step, v_step, _ = domains.flow()
     solved = flat(domains.solved_functions(domains.generic_basis()))
     others = [each for each in solved if isinstance(each, Step) and each.left != E2]
     resonance = regime.name == "resonance"
     return (
         "The motion is",
-        equation(POSITION, flow.x, Solves(force, x_i, v_i, general=True), "x"),
-        equation(VELOCITY, flow.v, Exact(by_v, solution.use_relations, independent=False), "v"),
+        [x_step, v_step],
         "with the acceleration at the start",
-        equation(start, solution.acceleration(x_i, v_i, theta_i), newton, "start"),
+        at_start,
         rf"{BASIS_TEXT}. In the regime {name} ({condition})",
         steps,
         [domains.basis_function(f, regime, label=f.name) for f in (BASIS if resonance else (E0, E1, E2))],
@@ -357,8 +317,17 @@ def _stick_map(label: str, scope: FragmentScope) -> Items:
     )
 
 
+FRAGMENTS = {
+    "friction": Fragment("The equation of motion", _friction, {"F": "9"}),
+    "flow": Fragment("The motion in a domain", _flow),
+    "stick": Fragment("Sticks and their two ends", _stick, {"belt1-F2": "52", "belt2-F3": "53"}),
+    "gfunctions": Fragment("The G-functions", _g_functions, {"G1": "47"}),
+    **{name: Fragment(f"Theorem {name[-1]}", partial(_theorem, name), {"F": "9", "G1": "47"}) for name in AT_BOUNDARY},
+    "theorem7": Fragment("Theorem 7", _theorem7, {"column1": "(55), (57)", "column2": "(56), (58)"}),
+    "saltation": Fragment("Saltation and perturbations", _saltation),
+}
 for _name, _row in MAPS.items():
     _items, _tags = _flight_map, {"f1": r"54\,a", "f2": r"54\,b"}
     if _row.sticks:
         _items, _tags = _stick_map, {"f1": "52" if _name == "P1" else "53"}
-    _fragment(_name, f"The mapping $P_{_name[1]}$", _tags)(partial(_items, _name))
+    FRAGMENTS[_name] = Fragment(f"The mapping $P_{_name[1]}$", partial(_items, _name), _tags)

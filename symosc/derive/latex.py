@@ -41,6 +41,8 @@ SPEEDS = {"v_i", "v_1", "v_2", "v_lambda"}
 #: What stands in front of a product as a fraction of its own, such as k/m.
 PARAMETERS = {"m", "c", "k", "A", "A_0", "B_0", "Omega", "mu_1", "mu_2", "F_N", "cm", "w0sq", "f0", "h", "v_lambda"}
 PARAMETERS |= {r"\mu_\lambda", "a", r"\gamma", r"\kappa", "F"}
+#: Sums that the paper writes with mu_1 in front, and so with the other sign: mu_1 - mu_2 and mu_1 + mu_2.
+DRAGS = {solution.mu2 - solution.mu1, -solution.mu1 - solution.mu2}
 
 
 def named(latex: str, **assumptions: Any) -> Expr:
@@ -53,7 +55,7 @@ def _term_key(term: Expr) -> tuple[float, bool, Any]:
     outside = [factor for factor in sp.Mul.make_args(term) if not factor.is_Add and not isinstance(factor, sp.exp)]
     letters = {symbol.name for factor in outside or [term] for symbol in factor.free_symbols}
     letters = letters or {symbol.name for symbol in term.free_symbols}
-    first: float = next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
+    first: float = _place(letters)
     if first == len(ORDER):
         held = any(name.startswith("F_{s") for name in letters)
         first = -2 if "x_i" in letters or held else -1 if letters & SPEEDS else first
@@ -95,36 +97,32 @@ class PaperPrinter(LatexPrinter):
 
     def _print_Mul(self, expr: Expr) -> str:
         sign, expr = ("- ", -expr) if expr.could_extract_minus_sign() and expr.as_coeff_Mul()[0] < 0 else ("", expr)
-        expr, turned = _drag_in_front(expr)
-        if turned:
+        for drag in DRAGS.intersection(sp.Mul.make_args(expr)):
             sign = "" if sign else "- "
+            expr = sp.Mul(*(factor for factor in sp.Mul.make_args(expr) if factor != drag), -drag, evaluate=False)
         expr = _one_root(expr)
         if not expr.is_Mul:
             return sign + self._print(expr)
-        front_above: list[Expr] = []
-        front_below: list[Expr] = []
-        rest_above: list[Expr] = []
-        rest_below: list[Expr] = []
+        # Factors above and below the bar: in the fraction that stands in front, and all others.
+        above, below, rest_above, rest_below = (list[Expr]() for _ in range(4))
         for factor in expr.args:
-            if factor.is_Rational:
-                if self.decimals and "/" not in show(Fraction(int(factor.p), int(factor.q))):
-                    front_above.append(factor)
-                else:
-                    front_above += [sp.Integer(factor.p)] * (factor.p != 1)
-                    front_below += [sp.Integer(factor.q)] * (factor.q != 1)
-                continue
             base, power = factor.as_base_exp()
             known = {symbol.name for symbol in base.free_symbols} <= PARAMETERS
-            if power.is_Rational and power < 0 and not factor.has(sp.exp):
-                (front_below if known else rest_below).append(sp.Pow(base, -power))
+            if factor.is_Rational:
+                decimal = self.decimals and "/" not in show(Fraction(int(factor.p), int(factor.q)))
+                top, bottom = (factor, 1) if decimal else (sp.Integer(factor.p), sp.Integer(factor.q))
+                above += [top] * (top != 1)
+                below += [bottom] * (bottom != 1)
+            elif power.is_Rational and power < 0 and not factor.has(sp.exp):
+                (below if known else rest_below).append(sp.Pow(base, -power))
             else:
-                (front_above if known and not base.is_Add and not base.is_Function else rest_above).append(factor)
+                (above if known and not base.is_Add and not base.is_Function else rest_above).append(factor)
         if rest_below or not rest_above:
-            return sign + self._fraction([*front_above, *rest_above], [*front_below, *rest_below])
-        tall = any(factor.is_Add or factor.base.is_Add for factor in front_below if factor.is_Add or factor.is_Pow)
-        if not front_below or tall or (not front_above and len(rest_above) == 1):
-            return sign + self._fraction([*front_above, *rest_above], front_below)
-        return f"{sign}{self._fraction(front_above, front_below)} {self._product(rest_above, alone=False)}"
+            return sign + self._fraction(above + rest_above, below + rest_below)
+        tall = any(factor.is_Add or factor.base.is_Add for factor in below if factor.is_Add or factor.is_Pow)
+        if not below or tall or (not above and len(rest_above) == 1):
+            return sign + self._fraction(above + rest_above, below)
+        return f"{sign}{self._fraction(above, below)} {self._product(rest_above, alone=False)}"
 
     def _fraction(self, above: list[Expr], below: list[Expr]) -> str:
         """Return the LaTeX of a quotient of two products of factors, without fractions in fractions."""
@@ -137,8 +135,6 @@ class PaperPrinter(LatexPrinter):
 
     def _product(self, factors: list[Expr], alone: bool = True) -> str:
         """Return the LaTeX of a product, its factors in the paper's order; `alone`: with no other factor beside it."""
-        if not factors:
-            return "1"
         parts: list[str] = []
         for factor in sorted(factors, key=_factor_key):
             text = self._print(factor)
@@ -148,7 +144,7 @@ class PaperPrinter(LatexPrinter):
                 text = rf"\cdot {text}"
             parts.append(text)
         long = any(part.startswith(("x_{", r"\dot")) and ")" in part for part in parts[:-1])
-        return (r" \, " if long else " ").join(parts)
+        return (r" \, " if long else " ").join(parts) or "1"
 
     def _print_Pow(self, expr: Expr) -> str:
         base, power = expr.as_base_exp()
@@ -212,44 +208,34 @@ class PaperPrinter(LatexPrinter):
 def _factor_key(factor: Expr) -> tuple[int, int, Any]:
     """Return the key by which factors are sorted: numbers, parameters, other symbols, functions, sums."""
     base = factor.as_base_exp()[0]
-    if factor.is_Rational:
-        return 0, 0, sp.default_sort_key(factor)
-    if isinstance(factor, sp.exp):
-        return 3, 0, sp.default_sort_key(factor)
-    if base.is_Add and {symbol.name for symbol in base.free_symbols} <= {"mu_1", "mu_2"}:
-        return 0, 1, sp.default_sort_key(factor)
-    if base.is_Add:
-        return 2 if factor.is_Pow else 3, 1, sp.default_sort_key(factor)
-    if base.is_Function:
-        return 4, 0, sp.default_sort_key(factor)
     letters = {symbol.name for symbol in base.free_symbols}
-    place = next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
-    if letters == {"Omega"}:
-        place += 1  # behind m and a
-    if letters <= PARAMETERS:
-        return 1, place, sp.default_sort_key(factor)
-    return 2, int(not letters & {"x_i", "v_i", "a_i"}), sp.default_sort_key(factor)
+    if factor.is_Rational:
+        rank = 0, 0
+    elif isinstance(factor, sp.exp):
+        rank = 3, 0
+    elif base.is_Add:
+        rank = (0 if letters <= {"mu_1", "mu_2"} else 2 if factor.is_Pow else 3), 1
+    elif base.is_Function:
+        rank = 4, 0
+    elif letters <= PARAMETERS:
+        rank = 1, _place(letters) + (letters == {"Omega"})  # Omega behind m and a
+    else:
+        rank = 2, int(not letters & {"x_i", "v_i", "a_i"})
+    return *rank, sp.default_sort_key(factor)
 
 
-def _drag_in_front(expr: Expr) -> tuple[Expr, bool]:
-    """Turn a factor (-mu_1 + mu_2) into (mu_1 - mu_2), as the paper writes it; return also if the sign changed."""
-    for factor in sp.Mul.make_args(expr):
-        letters = {symbol.name for symbol in factor.free_symbols}
-        mu_1 = next((symbol for symbol in factor.free_symbols if symbol.name == "mu_1"), sp.S.One)
-        if factor.is_Add and letters == {"mu_1", "mu_2"} and factor.coeff(mu_1) == -1:
-            rest = [other for other in sp.Mul.make_args(expr) if other is not factor]
-            return sp.Mul(*rest, sp.Add(*(-term for term in factor.args)), evaluate=False), True
-    return expr, False
+def _place(letters: set[str]) -> int:
+    """Return the place in `ORDER` of the first letter that is one of these, its length if none is."""
+    return next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
 
 
 def _one_root(expr: Expr) -> Expr:
     """Write a quotient of roots, such as sqrt(k)/sqrt(m), as one root sqrt(k/m)."""
-    halves = [f for f in sp.Mul.make_args(expr) if f.is_Pow and f.exp in (sp.S.Half, -sp.S.Half) and f.base.is_Symbol]
+    halves = [f for f in sp.Mul.make_args(expr) if f.is_Pow and abs(f.exp) == sp.S.Half and f.base.is_Symbol]
     if not any(f.exp < 0 for f in halves):
         return expr
     rest = [f for f in sp.Mul.make_args(expr) if f not in halves]
-    inside = sp.Mul(*(f.base if f.exp > 0 else 1 / f.base for f in halves))
-    root = sp.Symbol(rf"\sqrt{{{latex(inside)}}}", positive=True)
+    root = sp.Symbol(rf"\sqrt{{{latex(sp.Mul(*halves) ** 2)}}}", positive=True)
     return sp.Mul(*rest, root, evaluate=False) if rest else root
 
 
@@ -302,49 +288,39 @@ def width(text: str) -> float:
 def lines(statement: Step, decimals: bool = False, left_width: float | None = None) -> list[str]:
     """Return a statement as the rows of an align environment: `left &= right`, broken before + and - where needed."""
     # `left_width` is the width of the column left of the relation sign, if other statements share it.
-    left = latex(statement.left, decimals)
-    taken = width(left) if left_width is None else left_width
-    rows = _broken(statement.right, decimals, max(LINE_WIDTH - taken - 4.0, 0.3 * LINE_WIDTH))
+    left, right = latex(statement.left, decimals), latex(statement.right, decimals)
+    room = max(LINE_WIDTH - 4.0 - (width(left) if left_width is None else left_width), 0.3 * LINE_WIDTH)
+    rows = [right]
+    if isinstance(statement.right, sp.Expr) and width(right) > room:
+        first, *rest = _pieces(statement.right, decimals, room)
+        rows = [first]
+        for piece in rest:
+            joined = f"{rows[-1]} {piece}"
+            rows[-1:] = [joined] if width(joined) <= room else [rows[-1], piece]
     return [f"{left} &{OPERATORS[statement.op]} {rows[0]}", *(rf"&\quad {row}" for row in rows[1:])]
 
 
-def _broken(expr: Expr, decimals: bool, room: float) -> list[str]:
-    """Return the LaTeX of an expression in rows as wide as `room`, broken before terms, if need be in parentheses."""
-    whole = latex(expr, decimals)
-    if not isinstance(expr, sp.Expr) or width(whole) <= room:
-        return [whole]
-    rows: list[str] = []
-    for piece in _pieces(expr, decimals, room):
-        if rows and width(f"{rows[-1]} {piece}") <= room:
-            rows[-1] = f"{rows[-1]} {piece}"
-        else:
-            rows.append(piece)
-    return rows
-
-
 def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
-    """Return the LaTeX of a sum in pieces between which a row may end: its terms with their signs, or parts of them."""
+    """Return the LaTeX of a sum in pieces, before each of which a row may end: its terms, with the long ones broken."""
     found: list[str] = []
     for term in terms(expr):
-        found += _term_pieces(term, decimals, room, not found)
+        text = _signed(latex(term, decimals), not found)
+        sums = [factor for factor in sp.Mul.make_args(term) if factor.is_Add]
+        if width(text) <= room or not sums:
+            found.append(text)
+            continue
+        longest = max(sums, key=lambda factor: width(latex(factor, decimals)))
+        rest = {"1": "", "- 1": "- "}.get(outside := latex(term / longest, decimals), outside)
+        head = _signed(rest, not found) if rest or found else ""
+        inner = _pieces(longest, decimals, room)
+        size = "bigg" if any(r"\frac" in part for part in inner) else "big"
+        inner[-1] += rf" \{size}r)"
+        if width(f"{head} {inner[0]}") > room:  # the opening parenthesis ends its row
+            inner.insert(0, rf"{head} \{size}l(")
+        else:
+            inner[0] = rf"{head} \{size}l( {inner[0]}"
+        found += inner
     return found
-
-
-def _term_pieces(term: Expr, decimals: bool, room: float, first: bool) -> list[str]:
-    """Return a term with its sign, broken inside its longest sum if it is too wide."""
-    text = _signed(latex(term, decimals), first)
-    sums = [factor for factor in sp.Mul.make_args(term) if factor.is_Add]
-    if width(text) <= room or not sums:
-        return [text]
-    longest = max(sums, key=lambda factor: width(latex(factor, decimals)))
-    rest = latex(term / longest, decimals)
-    rest = {"1": "", "- 1": "- "}.get(rest, rest)
-    inner = _pieces(longest, decimals, room)
-    head = _signed(rest, first) if rest else ("" if first else "+ ")
-    opening, closing = (r"\biggl(", r"\biggr)") if any(r"\frac" in part for part in inner) else (r"\bigl(", r"\bigr)")
-    if width(f"{head} {inner[0]}") > room:  # the opening parenthesis ends its row
-        return [f"{head} {opening}", *inner[:-1], f"{inner[-1]} {closing}"]
-    return [f"{head} {opening} {inner[0]}", *inner[1:-1], f"{inner[-1]} {closing}"]
 
 
 def _signed(text: str, first: bool) -> str:

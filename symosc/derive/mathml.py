@@ -17,6 +17,7 @@ FUNCTION = "<m[io]>(?:sin|cos|sinh|cosh|arcsin|det)</m[io]>"
 SPACE = '<mspace width="0.17em" />'
 WORDS = {"emph": "em", "textbf": "strong", "texttt": "code", "textsc": "small"}
 ITEMS = re.compile(r"\\begin\{(enumerate|itemize)\}(.*?)\\end\{\1\}", re.DOTALL)
+ITEM, ITEM_MARK = re.compile(r"\\item(?:\[([^\]]*)\])?\s*"), r"\\LIST \1 "
 LINK = re.compile(r"\\hyperlink\{([^{}]*)\}\{([^{}]*)\}")
 # MathML has no sizes of brackets that are set by hand: they grow by themselves.
 SIZES = re.compile(r"\\(?:bigg|Bigg|big|Big)[lr]?(?![a-z])")
@@ -37,7 +38,7 @@ def font_style() -> str:
 
 def words(text: str) -> str:
     """Return a paragraph of LaTeX, with formulas between dollars, as HTML."""
-    text = ITEMS.sub(_list_html, text)
+    text = ITEMS.sub(lambda found: rf"\OPENLIST {ITEM.sub(ITEM_MARK, found[2].strip())} \CLOSELIST", text)
     html = "".join(formula(part) if odd % 2 else _plain_text(part) for odd, part in enumerate(text.split("$")))
     # No line begins with the comma after a formula.
     return re.sub(r"(<math(?:(?!<math).)*</math>[,.;:)]+)", r'<span class="tight">\1</span>', html)
@@ -64,8 +65,3 @@ def _plain_text(text: str) -> str:
     text = text.replace(r"\LIST", "<li>").replace(r"\OPENLIST", "<ul>").replace(r"\CLOSELIST", "</ul>")
     text = text.replace("--", "–").replace("\0", "--").replace("~", "&nbsp;").replace(r"\'o", "ó").replace("\\ ", " ")
     return text.replace("``", "“").replace("''", "”")
-
-
-def _list_html(found: re.Match[str]) -> str:
-    items = re.sub(r"\\item(?:\[([^\]]*)\])?\s*", r"\\LIST \1 ", found[2].strip())
-    return rf"\OPENLIST {items} \CLOSELIST"

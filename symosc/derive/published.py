@@ -66,7 +66,7 @@ class Flight:
 
 
 class Formulas(Flight):
-    """The closed forms of the motion without stops; ParameterError without a spring or at undamped resonance."""
+    """Den Hartog's symmetric motion without stops, in numbers; ParameterError for k = 0, or c = 0 and k = m Omega^2."""
 
     def __init__(self, p: Parameters) -> None:
         if p.k == 0:
@@ -75,7 +75,7 @@ class Formulas(Flight):
             raise ParameterError("Omega", show(p.Omega), "must not be sqrt(k/m) for c = 0: the motion has no bound")
         super().__init__(p)
         self.half = self.basis(MP.pi / self.numbers[solution.Omega])
-        self.numbers[Q] = self.value(sp.sqrt(coulomb.frictionless_amplitude_squared()))
+        self.numbers[Q] = self.value(coulomb.FRICTIONLESS)
         steady = [self.value(part, self.half) for part in coulomb.half_period()]
         self.numbers |= dict(zip((G, H), steady, strict=True))
         self.amplitude = self.numbers[x_0] = self.value(coulomb.amplitude())
@@ -89,12 +89,12 @@ class Formulas(Flight):
         return trace**2 - 2 * determinant, determinant**2
 
     def slide_bound(self, angle: Any) -> Any:
-        """Return the slide bound B: at an angle after the highest point the mass moves down just if p_0 > B F/k."""
+        """Return B(phi), see `coulomb.slide_function`: at this angle the mass moves down if and only if p_0 > B F/k."""
         angle = MP.mpf(angle)
         return self.value(coulomb.slide_function(), self.basis(angle / self.numbers[solution.Omega]) | {phi: angle})
 
     def largest_slide_bound(self) -> tuple[Any, Any]:
-        """Return the supremum of the slide bound B over (0, pi) and its angle, 0 if it is the limit at the left end."""
+        """Return the supremum of B(phi) over (0, pi) and the angle where it is reached, 0 for the limit phi -> 0."""
         # A maximum inside counts if it is above that limit by 1e-10, relative to it: far above rounding errors.
         slope, limit = partial(MP.diff, self.slide_bound), self.value(coulomb.slide_limit())
         angles = np.linspace(0, pi, 4001)[1:-1]
@@ -108,7 +108,7 @@ class Formulas(Flight):
         return self.slide_bound(angle), angle
 
     def largest_force_ratio(self) -> Any:
-        """Return the largest F/P for which the symmetric motion has no stops."""
+        """Return the largest ratio F/P of friction to drive for which the symmetric motion has no stops."""
         largest = sp.Symbol("largest")
         return self.value(coulomb.largest_force_ratio(largest), {largest: self.largest_slide_bound()[0]})
 
@@ -152,7 +152,7 @@ def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
 
 
 def one_sided_orbit(F: Any, n: int, middle: Fraction) -> PeriodicOrbit:
-    """Return the orbit without stops at Omega = 1/(2 n), c = 0 whose turning points have the given middle."""
+    """Return the orbit without stops at Omega = 1/(2 n), c = 0, whose two turning points have a given mean."""
     # In doubles only: neighbouring motions are orbits too, so the equations are singular, which more digits would show.
     guess = [(0, float(middle + _free_amplitude(n))), (2 * pi * n, float(middle - _free_amplitude(n)))]
     return find_orbit(wall(F, Fraction(1, 2 * n)), "P32", guess=guess)
@@ -164,7 +164,7 @@ def _free_amplitude(n: int) -> Fraction:
 
 
 def one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajectory:
-    """Simulate some cycles from the highest point that an orbit without stops would have around a middle."""
+    """Simulate some cycles from where an orbit without stops, with this mean of its turning points, is highest."""
     t_end = cycles * Fraction(4 * pi * n)
     return simulate(wall(F, Fraction(1, 2 * n)), t0=0, x0=middle + _free_amplitude(n), v0=0, t_end=t_end, accuracy=1e-6)
 
@@ -180,7 +180,7 @@ def last_friction(n: int) -> float:
 
 
 def _largest_without_stops(motion: Callable[[Fraction], tuple[Any, int, Fraction]]) -> float:
-    """Bisect in (0, 1) for the largest argument of `motion` with which a run has four crossings and no other event."""
+    """Bisect for the largest number in (0, 1) with no stop in `one_sided_path` of the arguments that `motion` gives."""
     low, high = Fraction(0), Fraction(1)
     while high - low > 1e-9:
         middle = (low + high) / 2
@@ -193,7 +193,7 @@ def _largest_without_stops(motion: Callable[[Fraction], tuple[Any, int, Fraction
 
 
 def meeting_point(c: Any, guess: tuple[float, float]) -> tuple[Any, Any]:
-    """Return (Omega, F) with which the motion without stops turns at a peak of the drive and begins to stick there."""
+    """Return the (Omega, F) at which crossing-sliding meets a graze: the mass turns, and may stick, at a peak of P."""
 
     def conditions(Omega: Any, F: Any) -> tuple[Any, Any]:
         formulas = Formulas(wall(MP.nstr(F, 55), MP.nstr(Omega, 55), c))
@@ -232,7 +232,7 @@ def end_without_stops(c: Any, P: Any, near: float) -> tuple[Any, Any]:
 
 
 def base_and_wall(F: Any, Omega: Any) -> Parameters:
-    """Return a wall that moves with the base, y = cos(Omega t), m = k = 1, in the coordinate x - y."""
+    """Return the parameters of x - y where base and wall both move with y = cos(Omega t); m = k = 1."""
     return wall(F, Omega, P=Fraction(Omega) ** 2)
 
 
@@ -267,7 +267,7 @@ def transmissibility_by_running(F: Any, Omega: Any) -> float:
 
 
 def inversion(F: Any, height: Callable[[Any, Any], Any]) -> float:
-    """Return the frequency ratio r at which the amplitude `height` is 1/(r^2 - 1), as without friction."""
+    """Return the r = Omega at which friction leaves the mass's amplitude, height(F, Omega), as it is for F = 0."""
     return float(optimize.brentq(lambda r: float(height(F, Fraction(r))) * (r * r - 1) - 1, 1.38, 1.6, xtol=1e-13))
 
 
@@ -293,7 +293,7 @@ def from_rest(p: Parameters, cycles: int) -> Trajectory:
 
 
 class Border(NamedTuple):
-    """A border where the number of stops per cycle changes: F/P below, above, and halfway; the stops on both sides."""
+    """Two values of F/P between which the number of stops per cycle changes, their mean, and the numbers of stops."""
 
     low: float
     high: float
@@ -330,7 +330,7 @@ def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
 
 
 def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
-    """Solve for F/P at a border (c = 0); return also what happens there, "graze" (a new stop) or "birth" (a slide)."""
+    """Solve for F/P at a border, c = 0; return also what has no length there: a stop ("graze") or a slide ("birth")."""
     # With P = k = 1 half a cycle is n slides down. Each starts where a stop ends, x = cos(theta) + F, and ends at rest,
     # the last one at minus the first one's start: 2 n equations for n phases and n durations. The border is where
     # "graze": a slide comes to rest on the way without staying, v = x'' = 0: a stop of no length (with its time, two
@@ -354,7 +354,7 @@ def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
 
 
 def solve_stop_positions(p: Parameters) -> list[Any]:
-    """Return the positions of the stops in half a settled cycle, by equations, highest first; m = k = P = 1, any c."""
+    """Solve for the positions of the stops in half a settled cycle, the highest first; m = k = P = 1, any c."""
     slides, _ = _slides_near_border(p, (stops(p) or 0) // 2)
     n, F = len(slides), number(p.mu1)
     guess = [*(phase for phase, _ in slides), *(time for _, time in slides)]
@@ -366,32 +366,28 @@ def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
     x, v, _ = _slide(p)
     rows = list(zip(phases, times, _slide_ends(F, phases), strict=True))
     at_rest = [v(phase, time) for phase, time, _ in rows]
-    return at_rest + [x(MP.cos(phase) + F, phase, time) - end for phase, time, end in rows]
+    return at_rest + [x(phase, time, MP.cos(phase) + F) - end for phase, time, end in rows]
 
 
 def _slide_ends(F: Any, phases: Any) -> list[Any]:
-    """Return where each slide has to end: where the next starts, cos(theta) + F; the last at minus the first start."""
+    """Return where each slide ends: at the start cos(theta) + F of the next one, the last at minus the first start."""
     starts = [MP.cos(phase) + F for phase in phases]
     return [*starts[1:], -starts[0]]
 
 
 @cache
 def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
-    """Return the functions x(x_i, theta_i, tau), v(theta_i, tau), a(theta_i, tau) of a slide from rest with a = 0."""
+    """Return the functions x(theta_i, tau, x_i), v(theta_i, tau), a(theta_i, tau) of a slide from rest with a = 0."""
     flight, known = Flight(p), {solution.v_i: 0, solution.a_i: 0, solution.f0: 1}
-    x, v, a = (expr.xreplace(known) for expr in solution.flow(flight.regime))
 
-    def place(start: Any, phase: Any, time: Any) -> Any:
-        return flight.value(x, {solution.x_i: start, solution.theta_i: phase, tau: time})
+    def function(expr: Any, phase: Any, time: Any, start: Any = 0) -> Any:
+        return flight.value(expr, {solution.x_i: start, solution.theta_i: phase, tau: time})
 
-    def of_time(expr: Any, phase: Any, time: Any) -> Any:
-        return flight.value(expr, {solution.theta_i: phase, tau: time})
-
-    return place, partial(of_time, v), partial(of_time, a)
+    return tuple(partial(function, expr.xreplace(known)) for expr in solution.flow(flight.regime))
 
 
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:
-    """Return phase and duration of each slide down in half a settled cycle, and the grazes or births close by."""
+    """Return phase and duration of each slide down in half a cycle, and how near each is to a graze or a birth."""
     path = from_rest(p, 22)
     late = [event for event in path.events if event.t > 40 * pi / float(p.Omega)]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
@@ -525,7 +521,7 @@ def _ends() -> Iterator[Value]:
 
 @_compared("resonance", "Growth per cycle at resonance", "denhartog1930", "butikov2015")
 def _growth() -> Iterator[Value]:
-    """Yield, for each case, of the rises per cycle in a simulation the one that differs most from the formula."""
+    """Yield for each case the rise per cycle, by formula and the simulated one that differs most from it."""
     for F, P in (("0.5", "1"), ("0.3", "0.5")):
         formula, rises = MP.pi * MP.mpf(P) - 4 * MP.mpf(F), resonance_growth(F, P)
         _, worst = max((abs(MP.mpf(rise) - formula), rise) for rise in rises)
@@ -581,7 +577,7 @@ def _cycles() -> Iterator[Value]:
 
 @_compared("continuum", r"Motions around a middle $\bar{x}$", "csernak2007", "butikov2015")
 def _continuum() -> Iterator[Value]:
-    """Yield turning points and the second multiplier of some orbits of each continuum at Omega = 1/(2 n), c = 0."""
+    """Yield turning points and the second multiplier of some orbits that fill a continuum: Omega = 1/(2 n), c = 0."""
     for n, F, middles in CONTINUA:
         half, x_f, case = _free_amplitude(n), Fraction(F), rf"$\Omega = 1/{2 * n}$, $F = {F}$"
         end = half / (4 * n * n) - x_f

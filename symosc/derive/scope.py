@@ -15,6 +15,7 @@ from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
+from symosc.symbolic.solution import PAPER_LETTERS
 from symosc.symbolic.theorem7 import rational
 from symosc.words import MAPS, read_word
 
@@ -25,13 +26,6 @@ mu_lambda = sp.Symbol(r"\mu_\lambda", nonnegative=True)
 LOWER, UPPER = r"\lambda", r"\lambda+1"
 #: The letters of the parameters.
 LETTERS = {name: getattr(solution, name) for name in PARAMETER_NAMES if name not in ("v1", "v2")} | {"v1": v1, "v2": v2}
-#: The paper's letters for the quantities divided by m.
-PAPER_LETTERS = {
-    solution.cm: solution.c / solution.m,
-    solution.w0sq: solution.k / solution.m,
-    solution.f0: solution.B0 / solution.m,
-    solution.A_m: solution.A / solution.m,
-}
 
 
 def F(alpha: int | str) -> Expr:
@@ -51,19 +45,9 @@ class Scope:
     scene: Scene | None = None
 
     @property
-    def parameters(self) -> Parameters | None:
-        """The scene's parameters."""
-        return self.scene.parameters if self.scene else None
-
-    @property
     def values(self) -> tuple[tuple[str, Any], ...]:
-        """The parameters given as numbers."""
-        return tuple((name, getattr(self.parameters, name)) for name in PARAMETER_NAMES) if self.scene else ()
-
-    @property
-    def decimal(self) -> bool:
-        """Whether to print a number as a decimal if it has finitely many decimals."""
-        return bool(self.values)
+        """The parameters given as numbers; if there are some, numbers that end are printed as decimals."""
+        return tuple((name, getattr(self.scene.parameters, name)) for name in PARAMETER_NAMES) if self.scene else ()
 
     @cached_property
     def maps(self) -> tuple[str, ...]:
@@ -91,7 +75,7 @@ class Scope:
 
     @cached_property
     def numbers(self) -> dict[Expr, Expr]:
-        """The known numbers by their symbols; for a scene also those of cm, w0sq and f0, quantities divided by m."""
+        """The known numbers by their symbols; for a scene also those of cm = c/m, w0sq = k/m and f0 = B0/m."""
         found = {LETTERS[name]: rational(value) for name, value in self.values}
         derived = list(PAPER_LETTERS)[:3] if self.scene else []
         return found | {name: PAPER_LETTERS[name].xreplace(found) for name in derived}
@@ -99,7 +83,7 @@ class Scope:
     @cached_property
     def display(self) -> dict[Expr, Expr]:
         """What to substitute before printing: numbers or, without a scene, the paper's symbols, such as c/m for cm."""
-        if self.parameters is None:
+        if self.scene is None:
             return PAPER_LETTERS
         return self.numbers | {name: value.subs(self.numbers) for name, value in self.regimes[0].letters.items()}
 
@@ -107,9 +91,9 @@ class Scope:
         """Return an expression in the form to be printed, with `display` substituted."""
         return sp.sympify(expr).xreplace(self.display)
 
-    def table(self) -> list[tuple[str, str]]:
-        """Return the numbers as pairs of a parameter's LaTeX name and its value as text."""
-        return [(latex(LETTERS[name]), show(value)) for name, value in self.values]
+    def given(self) -> list[str]:
+        """Return the given numbers as LaTeX equations, such as "$m = 1$"."""
+        return [f"${latex(LETTERS[name])} = {show(value)}$" for name, value in self.values]
 
 
 @dataclass(frozen=True)
@@ -142,7 +126,7 @@ def _rounded(expr: Expr, digits: int) -> Expr:
 def fragment_scope(
     settings: dict[str, str], scene: Scene | None = None, form: str = "entire", digits: int | None = None
 ) -> FragmentScope:
-    """Return the scope of a fragment for parameters given as text; a scene supplies the others."""
+    """Return the scope of a fragment: parameters as text, those of a scene for the others; `form` as in the class."""
     # To check the given parameters, the others get any allowed values, and so does the speed of the other belt.
     base = scene.parameters if scene else Parameters(**dict.fromkeys(PARAMETER_NAMES, 1) | {"v1": -1, "v2": 1})
     given = {name: read_exact(name, settings[name]) for name in ("v1", "v2") if name in settings and not scene}

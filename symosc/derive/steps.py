@@ -14,8 +14,9 @@ from __future__ import annotations
 import random
 import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
+from inspect import isfunction
 from typing import Any, NamedTuple
 
 import sympy as sp
@@ -43,9 +44,6 @@ class StepError(SymoscError):
         self.statement, self.reason = statement, reason
         super().__init__(f"{statement}: {reason}")
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.statement, self.reason)
-
 
 class StepEvidence(NamedTuple):
     """How a step was shown: kind ("exact", "sign", "numeric"), difference or reason, points tried (0: a proof)."""
@@ -55,13 +53,6 @@ class StepEvidence(NamedTuple):
     points: int = 0
 
 
-class Check:
-    """Base class of the checks: calling one with a step returns the evidence for it, or raises StepError."""
-
-    def __call__(self, statement: Step) -> StepEvidence:
-        raise NotImplementedError
-
-
 @dataclass(frozen=True)
 class Step:
     """One displayed line: a statement, its check, its name for references in the chapter, and LaTeX text after it."""
@@ -69,7 +60,7 @@ class Step:
     left: Expr
     op: str  # one of = > < >= <= in
     right: Expr  # a set after "in"
-    check: Check
+    check: Callable[[Step], StepEvidence]
     label: str = ""
     note: str = ""
     decimals: bool = False  # print numbers as decimals where they end, also outside scenes
@@ -83,9 +74,9 @@ class Step:
 
 
 def step(left: Expr, op: str, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
-    """Return a step; `check` may be a Check, the value of `left`, or a dictionary of the values of symbols."""
-    if not isinstance(check, Check):
-        check = Exact({} if check is None else check if isinstance(check, dict) else {left: check})
+    """Return a step; `check`: a check; or what `exact` puts in for `left`, or for each symbol (a dictionary)."""
+    if not isfunction(check):
+        check = exact({} if check is None else check if isinstance(check, dict) else {left: check})
     return Step(sp.sympify(left), op, sp.sympify(right), check, label, **options)
 
 
@@ -176,76 +167,68 @@ def steps_of(item: Any) -> tuple[Step, ...]:
     return (*cells, *getattr(item, "facts", ()))
 
 
-# --- checks ---
+# --- checks: each returns the evidence for a step, or raises StepError ---
+
+Check = Callable[[Step], StepEvidence]
+Meaning = dict[Expr, Any]
 
 
-@dataclass(frozen=True)
-class Exact(Check):
-    """Check that both sides are equal after each name is replaced by its meaning."""
+def exact(meaning: Meaning | None = None, tidy: Callable[[Expr], Expr] = sp.expand, independent: bool = True) -> Check:
+    """Return the check that both sides are equal once `meaning` has been put in for the symbols that it defines."""
+    # `meaning` has an independent expression by its name, and is applied until nothing changes. `tidy` reduces a
+    # difference that vanishes to 0; what it leaves is simplified. Unless the letters that are left are `independent` of
+    # each other, no random values try to refute the statement first.
 
-    # `meaning` has an independent expression (or a function that returns it) by its name, and is applied until nothing
-    # changes. `tidy` reduces a difference that vanishes to 0; what it leaves is simplified. Unless the letters that are
-    # left are `independent` of each other, no random values try to refute the statement first.
-
-    meaning: dict[Expr, Any] = field(default_factory=dict)
-    tidy: Callable[[Expr], Expr] = sp.expand
-    independent: bool = True
-
-    def __call__(self, statement: Step) -> StepEvidence:
-        difference = resolve(statement.left, self.meaning) - resolve(statement.right, self.meaning)
-        if self.independent:
+    def check(statement: Step) -> StepEvidence:
+        difference = resolve(statement.left, meaning) - resolve(statement.right, meaning)
+        if independent:
             _refute(statement, difference)
-        _vanish(statement, self.tidy(difference), "the difference {} does not vanish")
+        _vanish(statement, tidy(difference), "the difference {} does not vanish")
         return StepEvidence("exact", "0")
 
+    return check
 
-@dataclass(frozen=True)
-class Each(Check):
-    """Check a statement by several checks, one for each meaning of its symbols, such as the two belts."""
 
-    checks: tuple[Check, ...]
+def cases(*checks: Check) -> Check:
+    """Return the check that runs several, one for each meaning of a statement's symbols, such as the two belts."""
 
-    def __call__(self, statement: Step) -> StepEvidence:
-        kinds = {each(statement).kind for each in self.checks}
+    def check(statement: Step) -> StepEvidence:
+        kinds = {each(statement).kind for each in checks}
         kind = next(kind for kind in ("numeric", "sign", "exact") if kind in kinds)
-        return StepEvidence(kind, f"{len(self.checks)} cases")
+        return StepEvidence(kind, f"{len(checks)} cases")
+
+    return check
 
 
-@dataclass(frozen=True)
-class Solves(Check):
-    """Check that y = right side + `shift` solves y'' + cm y' + w0sq y = `force` with y(0) = `start`, y'(0) = `rate`."""
+def solves(
+    force: Expr, start: Expr, rate: Expr, cm: Expr = solution.cm, w0sq: Expr = solution.w0sq, meaning: Any = None
+) -> Check:
+    """Return the check that y = right side solves y'' + cm y' + w0sq y = `force`, y(0) = `start`, y'(0) = `rate`."""
+    # Only one function does this, so every sign is checked. `meaning` is as for `exact`.
 
-    # Only one function does this, so every sign is checked. `general`: in the basis functions of all regimes.
-
-    force: Expr
-    start: Expr
-    rate: Expr
-    cm: Expr = solution.cm
-    w0sq: Expr = solution.w0sq
-    shift: Expr = sp.S.Zero
-    general: bool = False
-    meaning: dict[Expr, Expr] = field(default_factory=dict)
-
-    def __call__(self, statement: Step) -> StepEvidence:
-        y = resolve(statement.right + self.shift, self.meaning)
-        differentiate = solution.time_derivative if self.general else lambda expr: expr.diff(solution.tau)
+    def check(statement: Step) -> StepEvidence:
+        general = statement.right.has(*solution.BASIS)  # in the functions that are the same in all regimes
+        differentiate = solution.time_derivative if general else lambda expr: expr.diff(solution.tau)
+        y = resolve(statement.right, meaning)
         first = differentiate(y)
         at_start = solution.start_values() | {solution.tau: sp.Integer(0)}
         residuals = (
-            differentiate(first) + self.cm * first + self.w0sq * y - resolve(self.force, self.meaning),
-            y.subs(at_start) - self.start,
-            first.subs(at_start) - self.rate,
+            differentiate(first) + cm * first + w0sq * y - resolve(force, meaning),
+            y.subs(at_start) - start,
+            first.subs(at_start) - rate,
         )
-        tidy = solution.use_relations if self.general else modes
+        tidy = solution.use_relations if general else modes
         for residual in residuals:
-            if not self.general:
+            if not general:
                 _refute(statement, residual)
-            _vanish(statement, tidy(resolve(residual, self.meaning)), "does not solve its equation: {} remains")
+            _vanish(statement, tidy(resolve(residual, meaning)), "does not solve its equation: {} remains")
         return StepEvidence("exact", "0")
+
+    return check
 
 
 def modes(expr: Expr) -> Expr:
-    """Simplify a sum of modes (products of tau, exp, sin, ...) to 0 if it vanishes, else collect its modes."""
+    """Return 0 for a function of tau that vanishes, else the function sorted by its products of tau, exp, sin, ..."""
     expr = sp.expand_trig(expr)
     found = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
     # Modes count as independent symbols here: the expression vanishes for all their values if its numerator does.
@@ -253,55 +236,50 @@ def modes(expr: Expr) -> Expr:
     return sp.S.Zero if sp.expand(above) == 0 else solution.collect_modes(expr)
 
 
-@dataclass(frozen=True)
-class Sign(Check):
-    """Check an inequality that follows from the signs of its symbols, or holds between exact numbers."""
+def sign(meaning: Meaning | None = None) -> Check:
+    """Return the check of an inequality that follows from the signs of its symbols, or holds between exact numbers."""
 
-    meaning: dict[Expr, Any] = field(default_factory=dict)
-
-    def __call__(self, statement: Step) -> StepEvidence:
-        difference = resolve(statement.left, self.meaning) - resolve(statement.right, self.meaning)
+    def check(statement: Step) -> StepEvidence:
+        difference = resolve(statement.left, meaning) - resolve(statement.right, meaning)
         difference = sp.factor(sp.simplify(difference))
-        sign = {">": "positive", "<": "negative", ">=": "nonnegative", "<=": "nonpositive"}[statement.op]
-        holds = getattr(difference, f"is_{sign}")
+        wanted = {">": "positive", "<": "negative", ">=": "nonnegative", "<=": "nonpositive"}[statement.op]
+        holds = getattr(difference, f"is_{wanted}")
         if not holds:
             raise StepError(str(statement), f"the sign of {difference} is {'wrong' if holds is False else 'undecided'}")
         return StepEvidence("sign", str(difference) if difference.is_Rational else "by the signs of its letters")
 
+    return check
 
-@dataclass(frozen=True)
-class Close(Check):
-    """Check that the decimal printed on the right is the computed `value`, up to half a unit of its last digit."""
 
-    value: Callable[[], Any]
-    decimals: int
+def close(value: Callable[[], Any], decimals: int) -> Check:
+    """Return the check that the decimal on the right is a computed value, up to half a unit of its last digit."""
 
-    def __call__(self, statement: Step) -> StepEvidence:
-        off = abs(CONTEXT.mpf(self.value()) - CONTEXT.mpf(statement.right.p) / statement.right.q)
-        return _within(statement, off, CONTEXT.mpf(10) ** -self.decimals * CONTEXT.mpf("0.5000001"))
+    def check(statement: Step) -> StepEvidence:
+        off = abs(CONTEXT.mpf(value()) - CONTEXT.mpf(statement.right.p) / statement.right.q)
+        return _within(statement, off, CONTEXT.mpf(10) ** -decimals * CONTEXT.mpf("0.5000001"))
+
+    return check
 
 
 def decimal(name: str, number: Any, decimals: int, check: Check | None = None, **options: Any) -> Step:
     """Return the step "name = number", with the number rounded to `decimals` decimals."""
-    check = check or Close(lambda: number, decimals)
+    check = check or close(lambda: number, decimals)
     return step(sp.Symbol(name, real=True), "=", rounded(number, decimals), check, decimals=True, **options)
 
 
-@dataclass(frozen=True)
-class AtRoot(Check):
-    """Check with 50 digits that a statement holds at the numbers that `meaning` returns, such as a numerical root."""
+def at_root(meaning: Callable[[], Meaning], tolerance: Any = STEP_AGREEMENT) -> Check:
+    """Return the check that a statement holds with 50 digits at the numbers that `meaning` returns, such as a root."""
 
-    meaning: Callable[[], dict[Expr, Any]]
-    tolerance: Any = STEP_AGREEMENT
-
-    def __call__(self, statement: Step) -> StepEvidence:
-        values = self.meaning()
+    def check(statement: Step) -> StepEvidence:
+        values = meaning()
         left, right = (evaluate(side, values) for side in (statement.left, statement.right))
         if statement.op == "=":
-            return _within(statement, abs(left - right), self.tolerance)
+            return _within(statement, abs(left - right), tolerance)
         if not {">": left > right, "<": left < right}[statement.op]:
             raise StepError(str(statement), f"is wrong: {CONTEXT.nstr(left, 8)} and {CONTEXT.nstr(right, 8)}")
         return StepEvidence("numeric", CONTEXT.nstr(abs(left - right), 5), 1)
+
+    return check
 
 
 def _within(statement: Step, off: Any, tolerance: Any) -> StepEvidence:
@@ -314,21 +292,20 @@ def _within(statement: Step, off: Any, tolerance: Any) -> StepEvidence:
 # --- tools ---
 
 
-def resolve(expr: Expr, meaning: dict[Expr, Any]) -> Expr:
+def resolve(expr: Expr, meaning: Meaning | None) -> Expr:
     """Replace names in an expression by their meanings until no such name is left."""
-    expr = sp.sympify(expr)
-    for _ in range(10):
-        used = {name: value for name, value in meaning.items() if name in expr.free_symbols}
-        if not used:
-            return expr
-        expr = expr.xreplace({name: sp.sympify(value() if callable(value) else value) for name, value in used.items()})
+    expr, known = sp.sympify(expr), {name: sp.sympify(value) for name, value in (meaning or {}).items()}
+    for _ in range(10):  # a meaning in its own terms would go on for ever
+        if expr.free_symbols.isdisjoint(known):
+            break
+        expr = expr.xreplace(known)
         expr = expr.doit(deep=False) if expr.has(sp.Derivative) else expr
     return expr
 
 
 def points(expr: Expr, count: int) -> Iterator[dict[Expr, Any]]:
     """Yield random values of an expression's symbols that their assumptions allow, the same in every run."""
-    letters = sorted(expr.free_symbols, key=lambda symbol: symbol.name)
+    letters = sorted(expr.free_symbols, key=str)
     dice = random.Random(20161031)
     for _ in range(count):
         point = {letter: sp.Rational(dice.randint(100, 4999), 1009) for letter in letters}
@@ -363,10 +340,9 @@ def _vanish(statement: Step, rest: Expr, complaint: str) -> None:
 
 
 def _refute(statement: Step, difference: Expr) -> None:
-    """Raise StepError, without trying a proof, if a difference that should vanish is nonzero at one point."""
+    """Raise StepError if a difference that should vanish is not 0 at one random point; 0 there proves nothing."""
     if difference == 0 or difference.atoms(sp.Function) - difference.atoms(*KNOWN) or difference.has(sp.Derivative):
         return
-    for point in points(difference, count=1):
-        value = sp.N(difference.subs(point, simultaneous=True), 40, maxn=120)
-        if value.is_number and value.is_finite and abs(value) > DIFFERENT:
-            raise StepError(str(statement), f"the sides differ, for example by {sp.N(value, 5)}")
+    value = sp.N(difference.subs(next(points(difference, 1)), simultaneous=True), 40, maxn=120)
+    if value.is_number and value.is_finite and abs(value) > DIFFERENT:
+        raise StepError(str(statement), f"the sides differ, for example by {sp.N(value, 5)}")

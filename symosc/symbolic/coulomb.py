@@ -30,6 +30,8 @@ P, F, x_f = sp.symbols("P F x_f", positive=True)
 x_0, p_0, q_0 = sp.symbols("x_0 p_0 q_0", real=True)
 G, H = sp.symbols("G H", real=True)
 Q = sp.Symbol("Q", positive=True)
+#: The amplitude without friction, Q, in the parameters.
+FRICTIONLESS = sp.sqrt(P**2 / ((k - m * Omega**2) ** 2 + (c * Omega) ** 2))
 #: The angle since the highest point, Omega/omega_0, and the middle of the turning points.
 phi, r = sp.Symbol("varphi", positive=True), sp.Symbol("r", positive=True)
 d = sp.Symbol("d", real=True)
@@ -53,26 +55,21 @@ def transition() -> Expr:
     return matrix.subs(1 - w0sq * E2 - cm * E1, E0)  # the relation of E0, E1 and E2
 
 
-def frictionless_amplitude_squared() -> Expr:
-    """Return Q^2, the squared amplitude of the steady motion without friction: |P/(k - m Omega^2 + i c Omega)|^2."""
-    return P**2 / ((k - m * Omega**2) ** 2 + (c * Omega) ** 2)
-
-
 def symmetry() -> Expr:
-    """Return two expressions that are 0 on the symmetric motion: x + x_0 and v, both half a period after the start."""
+    """Return the column (x + x_0, v) half a period after the highest point x_0: it is 0 on the symmetric motion."""
     return transition() * FREE_START + sp.Matrix([x_f - p_0 + x_0, -Omega * q_0])
 
 
 @cache
 def half_period() -> tuple[Expr, Expr]:
-    """Solve the conditions of symmetry for G and H, which give the steady part: p_0 = x_0 + G x_f and q_0 = H x_f."""
+    """Solve `symmetry` for G and H, the numbers in the steady part's p_0 = x_0 + G x_f and q_0 = H x_f."""
     found = sp.solve(list(symmetry()), [p_0, q_0], dict=True)[0]
     return sp.simplify((found[p_0] - x_0) / x_f), sp.simplify(found[q_0] / x_f)
 
 
 @cache
 def amplitude() -> Expr:
-    """Return the highest point x_0 in Q, G, H and x_f: the larger root of p_0^2 + q_0^2 = Q^2."""
+    """Return the highest point x_0, the larger root of p_0^2 + q_0^2 = Q^2, in the letters Q, G, H and x_f = F/k."""
     roots = sp.solve((x_0 + G * x_f) ** 2 + (H * x_f) ** 2 - Q**2, x_0)
     return max(roots, key=lambda root: root.subs({G: 0, H: 0, Q: 1}))
 
@@ -104,13 +101,13 @@ def velocity() -> Expr:
 
 @cache
 def slide_function() -> Expr:
-    """Return B(phi): the mass moves down at the angle phi if and only if p_0 > B x_f; E0, E1 at tau = phi/Omega."""
+    """Return B(phi): at phi after its highest point the mass moves down iff p_0 > B x_f; E0, E1 at tau = phi/Omega."""
     return sp.simplify(sp.solve(velocity().subs(x_0, p_0 - G * x_f), p_0)[0] / x_f)
 
 
 @cache
 def slide_limit() -> Expr:
-    """Return the limit of B(phi) for phi -> 0, where the condition is that the acceleration is not upward."""
+    """Return the limit of B(phi) for phi -> 0: for larger p_0 the acceleration behind the highest point is downward."""
 
     def after(expr: Expr) -> Expr:  # differentiated by phi at phi = 0: E0 and E1 are functions of tau = phi/Omega
         rate = expr.diff(phi) + sum(expr.diff(name) * rate for name, rate in solution.rates().items()) / Omega
@@ -121,7 +118,7 @@ def slide_limit() -> Expr:
 
 
 def largest_force_ratio(largest: Expr) -> Expr:
-    """Return the largest F/P for which the symmetric motion has no stops, given the largest value of B(phi)."""
+    """Return the largest F/P (friction, drive) without stops in the symmetric motion; `largest`: of all B(phi)."""
     return k * Q / P / sp.sqrt(largest**2 + H**2)
 
 
@@ -135,7 +132,7 @@ def _steady(expr: Expr) -> Expr:
 
 @cache
 def resonance_growth() -> Expr:
-    """Return how far the turning points move outward per cycle at Omega^2 = k/m, c = 0: twice that of half a cycle."""
+    """Return how much higher the highest point is after a cycle at resonance, Omega^2 = k/m and c = 0."""
     # The highest point x_0 is at theta = pi/2, so that the drive pushes along with the velocity.
     regime = solution.REGIMES["resonance"]
     at = {x_i: x_0, v_i: 0, solution.theta_i: sp.pi / 2, a_i: solution.acceleration(x_0, sp.Integer(0), sp.pi / 2)}
@@ -150,12 +147,6 @@ def free_decay() -> Expr:
     lowest = solution.flow(solution.REGIMES["undamped"]).x.subs({v_i: 0, f0: 0, a_i: w0sq * (x_f - x_0), x_i: x_0})
     lowest = lowest.subs({w0sq: solution.omega_0**2, tau: sp.pi / solution.omega_0})
     return sp.simplify(x_0 + lowest)
-
-
-def one_sided_velocity() -> Expr:
-    """Return x'/Omega between d + x_0 and d - x_0 at c = 0, Omega = omega_0/(2 n): a free motion shifted by d."""
-    # Half a period is n periods of the free motion there, so that G = H = 0 and every d closes.
-    return velocity().subs({G: 0, H: 0}).subs(x_f, x_f - d)
 
 
 # --- closed forms ---
@@ -175,7 +166,7 @@ def den_hartog_damped() -> tuple[Expr, Expr]:
 
 
 def den_hartog_undamped() -> dict[Expr, Expr]:
-    """Return Den Hartog's formulas for c = 0 by his letters: V, U (our H), and S (our r^2 B(phi), written with U)."""
+    """Return Den Hartog's formulas for c = 0 by his letters: V = k Q/P, U = H and S = r^2 B(phi), r = Omega/omega_0."""
     return {
         V: 1 / (1 - r**2),
         U: sp.sin(sp.pi / r) / (r * (1 + sp.cos(sp.pi / r))),  # tan(pi/(2 r))/r

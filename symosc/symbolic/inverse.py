@@ -65,7 +65,7 @@ class PhaseInterval(NamedTuple):
     high_open: bool = False
 
     def deciding(self, signs: Sequence[int]) -> list[Extreme]:
-        """Return the phases of smallest (sign -1) and largest (1) sine; if one is excluded, also one in between."""
+        """Return the phases that decide for all of the interval: of least (-1) and largest (1) sine, and one inside."""
         extremes = [self._extreme(sign) for sign in signs]
         if not all(attained for _, attained in extremes):
             inside = (self.low + (self.high - self.low) / parts for parts in (2, 3, 5))  # not all three are extreme
@@ -524,7 +524,7 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
 def _containing(
     name: str, values: dict[str, Expr], domain: Expr, side: int, extreme: Extreme, full: bool
 ) -> Iterator[Answer]:
-    """Solve side (k v + B0 Omega sin theta) > 0 for k, v, B0 or Omega; >= 0 if theta is the open end of an interval."""
+    """Solve side (k v + B0 Omega sin theta) > 0 at an extreme phase for one letter; >= 0 if the interval lacks it."""
     theta, attained = extreme
     k, v, B0, Omega, sine = *(values[each] for each in ("k", "v", "B0", "Omega")), sp.sin(theta)
     # The left side is start + slope * parameter; level is side k v at its root.
@@ -545,7 +545,7 @@ def _containing(
 
 
 def _tangency_grazes(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield whether equality at theta is a tangency of fourth order that grazes (True, False), and the conditions."""
+    """Yield whether G^(1) = 0 at theta is a tangency of fourth order that grazes, and under which condition."""
     cosine = sp.cos(theta)
     if not cosine.free_symbols:
         yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]
@@ -560,7 +560,7 @@ def _tangency_grazes(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
 def _solve_for_all_phases(
     name: str, values: dict[str, Expr], domain: Expr, direction: int, closed: bool, at_zero: bool
 ) -> Iterator[Answer]:
-    """Solve direction k v >= |B0| Omega (> unless `closed`) for a parameter; `at_zero`: 0 = 0 counts as a solution."""
+    """Solve direction k v >= |B0| Omega (> unless `closed`) for a letter; `at_zero`: both sides may be 0 as well."""
     k, v, B0, Omega = (values[each] for each in ("k", "v", "B0", "Omega"))
     if name in ("Omega", "B0"):
         # |B0| Omega <= level
@@ -635,12 +635,11 @@ def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full:
     scale = abs(level.as_coeff_Mul()[0]) or sp.S.One  # k > 2, not 25 k > 50
     level, Omega = level / scale, values["Omega"] / scale
     drive, size = where.side * values["B0"] * Omega, sp.Abs(values["B0"]) * Omega
-    if isinstance(question.theta, PhaseInterval):
+    if question.asked == "contains":
         # The smallest value is where the sine is smallest if drive > 0, and where it is largest if drive < 0.
-        signs = [-1] * (not drive.is_negative) + [1] * (not drive.is_positive)
-        condition = sp.And(*(_region_at(level, drive, each, full) for each in question.theta.deciding(signs)))
-    elif question.asked == "contains":
-        condition = _region_at(level, drive, (question.theta, True), full)
+        signs, theta = [-1] * (not drive.is_negative) + [1] * (not drive.is_positive), question.theta
+        decided = theta.deciding(signs) if isinstance(theta, PhaseInterval) else [(theta, True)]
+        condition = sp.And(*(_region_at(level, drive, each, full) for each in decided))
     elif question.asked == "empty":
         condition = CLOSED_REGION(-level, size)
     else:
@@ -651,7 +650,7 @@ def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full:
 
 
 def _region_at(level: Expr, drive: Expr, extreme: Extreme, full: bool) -> Expr:
-    """Return the condition for a contact at a phase to graze; at an open end of an interval, equality is enough."""
+    """Return the condition level > -drive sin(theta) for a graze at a phase; >= if the interval lacks its end theta."""
     theta, attained = extreme
     left, right = level, -drive * sp.sin(theta)
     if not attained:

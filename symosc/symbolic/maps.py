@@ -19,6 +19,7 @@ With D = d^2/dtau^2 + cm d/dtau + w0sq and * for the convolution from 0 to tau, 
 from __future__ import annotations
 
 from functools import cache
+from itertools import product
 
 import sympy as sp
 
@@ -31,19 +32,16 @@ REPEATED = U0, U1, U2, V, W, P, Q = sp.symbols("U0 U1 U2 V W P Q", real=True)
 
 x_j, v_j, theta_j, v_end, a_end, F = sp.symbols("x_j v_j theta_j v_end a_end F", real=True)
 
+#: Their derivatives with respect to tau.
+REPEATED_RATES = {U0: E1 - cm * U0 - w0sq * U1, U1: U0, U2: U1}
+REPEATED_RATES |= {V: U1 - Omega * W, W: Omega * V, P: R2 - Omega * Q, Q: I2 + Omega * P}
 #: S * f for each f that the motion consists of; 1 stands for the constant.
 CONVOLVED = {sp.Integer(1): E2, E0: U0, E1: U1, E2: U2, R2: V, I2: W}
 
 
-def repeated_rates() -> dict[Expr, Expr]:
-    """Return the tau-derivatives of U0, U1, U2, V, W, P, Q, the extra functions that parameter derivatives need."""
-    of_roots = {U0: E1 - cm * U0 - w0sq * U1, U1: U0, U2: U1}
-    return of_roots | {V: U1 - Omega * W, W: Omega * V, P: R2 - Omega * Q, Q: I2 + Omega * P}
-
-
 def rate(expr: Expr) -> Expr:
     """Differentiate with respect to tau an expression in tau, the basis functions and U0, U1, U2, V, W, P, Q."""
-    chain = (expr.diff(symbol) * value for symbol, value in repeated_rates().items())
+    chain = (expr.diff(symbol) * value for symbol, value in REPEATED_RATES.items())
     return solution.time_derivative(expr) + sp.Add(*chain)
 
 
@@ -56,7 +54,7 @@ def convolve(expr: Expr) -> Expr:
 
 
 def repeated_apart() -> dict[str, Expr]:
-    """Return formulas for U0, U1, U2, V, W, P, Q and auxiliary D, u, z, y, n, if characteristic roots are not close."""
+    """Return formulas for the functions `REPEATED` by name, for roots far apart, with D, u, z, y, n shared by them."""
     # U1 = S*S is explicit; the others solve D f = g, which by their known rates has no derivatives left. With
     # p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
     first = (E1 - tau * (E0 + h * E1)) / (2 * solution.omega_d**2)
@@ -80,11 +78,10 @@ def flight_residual() -> dict[str, Expr]:
 
 
 def by_start() -> dict[str, Expr]:
-    """Return the derivatives of x(tau) and v(tau) with respect to x_i and v_i."""
-    x, v = solution.flow().x, solution.flow().v
-    force = solution.acceleration(x_i, v_i, theta_i)
-    pairs = [(end, cause) for end in (("x", x), ("v", v)) for cause in (("x", x_i), ("v", v_i))]
-    return {f"{name}_{c}0": sp.expand(e.diff(q) + e.diff(a_i) * force.diff(q)) for (name, e), (c, q) in pairs}
+    """Return the derivatives of x(tau) and v(tau) with respect to x_i (x0), v_i (v0) and theta_i (ph)."""
+    flow, force = solution.flow(), solution.acceleration(x_i, v_i, theta_i)
+    pairs = product((("x", flow.x), ("v", flow.v)), (("x0", x_i), ("v0", v_i), ("ph", theta_i)))
+    return {f"{name}_{c}": sp.expand(e.diff(q) + e.diff(a_i) * force.diff(q)) for (name, e), (c, q) in pairs}
 
 
 def flight_jacobian() -> dict[str, Expr]:
@@ -106,36 +103,13 @@ def flight_parameters() -> dict[str, Expr]:
     # At fixed x_i, theta_i and tau: where theta_j is fixed, a change of Omega moves the end as well.
     flow = solution.flow()
     c0, s0 = sp.cos(theta_i), sp.sin(theta_i)
-    forcing = {
-        "m": -convolve(flow.a) / m,
-        "c": -convolve(flow.v) / m,
-        "k": -convolve(flow.x) / m,
-        "A": E2 / m,
-        "B": (c0 * R2 - s0 * I2) / m,
-    }
-    found = {}
-    for name, response in forcing.items():
-        found[f"x_{name}"], found[f"v_{name}"] = _collected(response), _collected(rate(response))
+    forcing = {name: -convolve(flown) / m for name, flown in (("m", flow.a), ("c", flow.v), ("k", flow.x))}
     # d/dOmega f0 cos(theta_i + Omega t) = -f0 t sin(theta_i + Omega t)
-    swing = -f0 * (s0 * P + c0 * Q)
-    found["x_Om"], found["v_Om"] = _collected(swing), _collected(rate(swing))
-    start = by_start()
+    forcing |= {"A": E2 / m, "B": (c0 * R2 - s0 * I2) / m, "Om": -f0 * (s0 * P + c0 * Q)}
+    found, start = {}, by_start()
+    for name, response in forcing.items():
+        found[f"x_{name}"], found[f"v_{name}"] = solution.collected(response), solution.collected(rate(response))
     return found | {"x_v0": start["x_v0"], "v_v0": start["v_v0"] - 1}
-
-
-def flight_phase() -> dict[str, Expr]:
-    """Return the derivatives of x(tau) and v(tau) with respect to theta_i, at fixed x_i, v_i and tau."""
-    flow, force = solution.flow(), solution.acceleration(x_i, v_i, theta_i)
-    parts = (("x", flow.x), ("v", flow.v))
-    return {f"{name}_ph": sp.expand(e.diff(theta_i) + e.diff(a_i) * force.diff(theta_i)) for name, e in parts}
-
-
-def _collected(expr: Expr) -> Expr:
-    """Return an expression with its terms collected by x_i, v_i, a_i and f0, and with common factors outside."""
-    expr = sp.expand(expr)
-    waves = [sp.cos(theta_i), sp.sin(theta_i)]
-    sorted_ = (q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in (x_i, v_i, a_i, f0))
-    return sp.Add(*sorted_) + sp.collect(expr.xreplace({x_i: 0, v_i: 0, a_i: 0, f0: 0}), waves)
 
 
 def _operator(expr: Expr) -> Expr:
@@ -162,7 +136,7 @@ def stick_parameters() -> dict[str, Expr]:
     residual = stick_residual()
     A, B0, c, k = solution.A, solution.B0, solution.c, solution.k
     back = {c: cm * m, k: w0sq * m, B0: f0 * m, A: solution.A_m * m}
-    force = residual["f2"].xreplace({cm: c / m, w0sq: k / m, f0: B0 / m, solution.A_m: A / m})
+    force = residual["f2"].xreplace(solution.PAPER_LETTERS)
     found = {f"v_{name}": force.diff(q) for name, q in (("c", c), ("k", k), ("A", A), ("B", B0), ("v0", v_i))}
     found["v_m"] = -F / m
     assert sp.expand(force.diff(m) + force / m) == 0

@@ -36,6 +36,9 @@ A_m, f0, a_i, theta_i = sp.symbols("A_m f0 a_i theta_i", real=True)
 BASIS = E0, E1, E2, R2, I2 = sp.symbols("E0 E1 E2 R2 I2", real=True)
 h, omega_d, eta, omega_0 = sp.symbols("h omega_d eta omega_0", positive=True)
 
+#: The paper's letters for what is divided by m.
+PAPER_LETTERS = {cm: c / m, w0sq: k / m, f0: B0 / m, A_m: A / m}
+
 
 class Flow(NamedTuple):
     """The motion in a domain: displacement, velocity and acceleration a time tau after its start."""
@@ -48,7 +51,7 @@ class Flow(NamedTuple):
 def in_paper_letters(expr: Expr) -> Expr:
     """Rewrite an expression in the paper's m, c, k, A, B0, Omega, t, x_i, v_i, t_i."""
     expr = expr.xreplace({a_i: acceleration(x_i, v_i, theta_i)})
-    return expr.xreplace({cm: c / m, w0sq: k / m, f0: B0 / m, A_m: A / m, theta_i: Omega * t_i, theta: Omega * t})
+    return expr.xreplace(PAPER_LETTERS | {theta_i: Omega * t_i, theta: Omega * t})
 
 
 # --- forces and G-functions ---
@@ -79,12 +82,12 @@ def next_derivative(y1: Expr, y0: Expr, forcing_n: Expr) -> Expr:
 
 
 def forcing(n: int) -> Expr:
-    """Return -d^n/dt^n (f0 cos theta), the term that `next_derivative` subtracts; f0 = B0/m, theta = Omega t."""
+    """Return `forcing_n` of `next_derivative`: minus the n-th derivative of f0 cos(Omega t), f0 = B0/m."""
     return -f0 * Omega**n * sp.cos(theta).diff(theta, n)
 
 
 def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
-    """Return F^(alpha) on a belt a time tau after a stick began (x = x_i + v tau), given its value at that start."""
+    """Return F^(alpha) at tau after a stick began: `start` is its value then, `cosines` the change of the cosine."""
     # `cosines` stands for cos(theta_i + Omega tau) - cos(theta_i), which a caller can compute without cancellation.
     here, there = acceleration(x_i, v, theta_i), acceleration(x_i + v * tau, v, theta_i + Omega * tau)
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
@@ -154,7 +157,7 @@ def flow(regime: Regime | None = None) -> Flow:
     position = use_relations(shape.xreplace(constants).xreplace({A_m: _force_at_start()}))
     velocity = use_relations(time_derivative(position))
     acceleration_ = time_derivative(velocity)
-    return Flow(x_i + _collected(position - x_i), v_i + _collected(velocity - v_i), _collected(acceleration_))
+    return Flow(x_i + collected(position - x_i), v_i + collected(velocity - v_i), collected(acceleration_))
 
 
 def _force_at_start() -> Expr:
@@ -162,10 +165,11 @@ def _force_at_start() -> Expr:
     return sp.solve(acceleration(x_i, v_i, theta_i) - a_i, A_m)[0]
 
 
-def _collected(expr: Expr) -> Expr:
+def collected(expr: Expr) -> Expr:
     """Return an expression that is linear in x_i, v_i, a_i and f0, with its terms collected by these."""
-    expr, waves = sp.expand(expr), [sp.cos(theta_i), sp.sin(theta_i)]
-    return sp.Add(*(q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in (x_i, v_i, a_i, f0)))
+    expr, waves, causes = sp.expand(expr), [sp.cos(theta_i), sp.sin(theta_i)], (x_i, v_i, a_i, f0)
+    parts = (q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in causes)
+    return sp.Add(*parts) + sp.collect(expr.xreplace(dict.fromkeys(causes, sp.S.Zero)), waves)
 
 
 # --- the regimes ---
@@ -251,7 +255,7 @@ def possible_regimes(numbers: dict[Expr, Expr]) -> tuple[Regime, ...]:
 
 
 class Join(NamedTuple):
-    """A limit between damping regimes: the formulas of `source` become those of `target` as `letter` -> 0."""
+    """A border of damping regimes: as `letter` -> 0 on `path`, the basis functions of `source` become `target`'s."""
 
     source: str
     target: str

@@ -178,7 +178,7 @@ def window_phases(
 
 
 def _through_zero(first: Expr, last: Expr) -> Expr:
-    """Return the phases from `last` through 0 to `first` as a set in [0, 2 pi), without these two ends."""
+    """Return the arc of phases that begins at `last`, goes through 0 and ends at `first`, without these two ends."""
     # The two are disjoint, which sympy finds out slowly, and with symbols not at all: hence no evaluation.
     return sp.Union(_interval(sp.S.Zero, first, closed=True), _interval(last, 2 * sp.pi), evaluate=False)
 
@@ -199,16 +199,11 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
     found = []
     for amplitude_sign, sign in ((1, a > 0), (-1, a < 0)):
         size = amplitude_sign * a
-        low = [((0, -1), sp.Eq(g, 0)), ((-1, -1), (g < 0) & (g > -size))]
-        equal, beyond = ((-1, 0), sp.Eq(g, -size)), ((-1, 1), g < -size)
-        if where.side > 0:
-            high = [((1, 0), sp.Eq(g, size)), ((1, 1), g > size)]
-            low += [beyond, equal]
-        else:
-            high = [((1, 0), g >= size)]
-            low += [equal, beyond]
-        for (gamma_sign, excess_sign), condition in [((1, -1), (g > 0) & (g < size)), *high, *low]:
-            found.append(((gamma_sign, amplitude_sign, excess_sign), condition & sign))
+        rows = [((1, -1), (g > 0) & (g < size)), ((1, 0), sp.Eq(g, size)), ((1, 1), g > size), ((0, -1), sp.Eq(g, 0))]
+        rows += [((-1, -1), (g < 0) & (g > -size)), ((-1, 1), g < -size), ((-1, 0), sp.Eq(g, -size))]
+        if where.side < 0:
+            rows[5:], rows[1:3] = rows[:4:-1], [((1, 0), g >= size)]
+        found += [((of_gamma, amplitude_sign, excess), condition & sign) for (of_gamma, excess), condition in rows]
     nothing, everything = (g <= 0, g > 0) if where.side > 0 else (g >= 0, g < 0)
     for gamma_sign, condition in ((where.side, everything), (0, nothing)):
         found.append(((gamma_sign, 0, gamma_sign), condition & sp.Eq(a, 0)))

@@ -11,7 +11,7 @@ from scratch import Scratch
 CHAPTER = r'''"""The energy of the mass."""
 
 from symosc.derive.latex import named
-from symosc.derive.steps import Sign, equation, step
+from symosc.derive.steps import sign, equation, step
 from symosc.symbolic.solution import k, m, v, x
 
 TITLE = "Energy"
@@ -26,7 +26,7 @@ def items(scope):
         r"\begin{lemma}[energy]\label{thm:energy-sum} The energy \cite{newton1687} is",
         equation(energy, total, total, "total"),
         r"and never negative at rest:",
-        step(still, ">=", 0, Sign({still: total.subs(v, 0)})),
+        step(still, ">=", 0, sign({still: total.subs(v, 0)})),
         r"\end{lemma}",
     )
 '''
@@ -49,7 +49,7 @@ def test_a_chapter_is_added_as_contributing_says(tmp_path: Path) -> None:
     last = '    "certificates": "why each kind of certificate proves what it says",\n'
     scratch.replace("symosc/derive/chapters/__init__.py", last, last + '    "energy": "the energy of the mass",\n')
     symbol = r"$\mathcal{E}$, $\mathcal{E}_0$ & energy, at rest & \eqref{eq:energy-total} \\"
-    scratch.replace("symosc/derive/notation.py", '"""\nNOTATION', f'{symbol}\n"""\nNOTATION')
+    scratch.replace("symosc/derive/front.py", '"""\nNOTATION', f'{symbol}\n"""\nNOTATION')
     scratch.replace("symosc/derive/references.bib", "@article{luo2008", REFERENCE + "@article{luo2008")
     # All chapters would take long.
     log = json.loads(scratch.run("symosc", "derive", "energy", "-o", "derivations", "--json"))

@@ -21,10 +21,10 @@ from symbols import defined, listed, symbols
 from sympy.core.function import AppliedUndef
 
 from symosc.cli.derive import derive
-from symosc.derive import document, latex, pdf
+from symosc.derive import document, latex
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.errata import read_errata
-from symosc.derive.notation import NOTATION
+from symosc.derive.front import NOTATION
 from symosc.derive.scope import Scope
 from symosc.derive.steps import StepError, equation, points, steps_of
 from symosc.scenes import load_scene
@@ -38,7 +38,7 @@ QUICK = ("switching",)
 KEYS = [key if key in QUICK else pytest.param(key, marks=pytest.mark.slow) for key in CHAPTERS]
 SCENES = ("fig5", "fig8", "fig9", "fig10")
 ACCEPT = "accept it with: symosc derive all -o derivations"
-needs_latex = pytest.mark.skipif(not pdf.has_latex(), reason="no pdflatex")
+needs_latex = pytest.mark.skipif(not document.has_latex(), reason="no pdflatex")
 
 
 def run(*arguments: str) -> Any:
@@ -130,7 +130,9 @@ def test_latex_takes_it_and_counts_like_html(tmp_path: Path) -> None:
         command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-draftmode", document.MAIN]
         subprocess.run(command, cwd=work, capture_output=True, check=True)
     log = (work / document.MAIN).with_suffix(".log").read_text(encoding="latin-1")
-    assert [each for each in pdf.complaints_of(log) if "Rerun" not in each and "may have changed" not in each] == []
+    assert [
+        each for each in document.complaints_of(log) if "Rerun" not in each and "may have changed" not in each
+    ] == []
     aux = "".join(path.read_text(encoding="latin-1") for path in work.rglob("*.aux"))
     counted = dict(re.findall(r"\\newlabel\{([^{}]*)\}\{\{([\d.]*)\}", aux))
     numbers = document.numbers_of([unchecked(key) for key in CHAPTERS])
@@ -189,8 +191,8 @@ def test_command(tmp_path: Path) -> None:
     data = json.loads(result.stdout)
     assert {row["kind"] for row in data["steps"]} == {"exact"}
     assert all(Path(path).is_file() for path in data["files"])
-    if pdf.has_latex():
-        assert pdf.make_pdf(tmp_path / "new" / document.MAIN).stat().st_size > 10_000
+    if document.has_latex():
+        assert document.make_pdf(tmp_path / "new" / document.MAIN).stat().st_size > 10_000
     assert run("sticks", "-o", str(tmp_path), "--format", "html", "--scene", "fig9").exit_code == 0
     assert (tmp_path / document.PAGE).read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     printed = CliRunner().invoke(derive, ["sticks", "-o", "-"])

@@ -21,7 +21,7 @@ from symbols import KNOWN, symbols
 
 from symosc import grazing_window, residual
 from symosc.cli.app import main
-from symosc.derive import pdf
+from symosc.derive import document
 from symosc.derive.fragments import FRAGMENTS, as_latex, check_fragment
 from symosc.derive.latex import latex
 from symosc.derive.scope import LETTERS, fragment_scope
@@ -249,7 +249,7 @@ def test_options(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("unchecked")
-@pytest.mark.skipif(not pdf.has_latex(), reason="no pdflatex")
+@pytest.mark.skipif(not document.has_latex(), reason="no pdflatex")
 def test_latex_takes_all_of_them_in_an_article(tmp_path: Path) -> None:
     article = "\\documentclass{article}\n\\usepackage{amsmath,amsthm}\n\\begin{document}\n"
     for name, (form, numbers) in zip(FRAGMENTS, cycle((("entire", False), ("paper", True))), strict=False):
@@ -261,5 +261,5 @@ def test_latex_takes_all_of_them_in_an_article(tmp_path: Path) -> None:
     for _ in range(2):
         command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-draftmode", "mine.tex"]
         subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
-    complaints = pdf.complaints_of((tmp_path / "mine.log").read_text(encoding="latin-1"))
+    complaints = document.complaints_of((tmp_path / "mine.log").read_text(encoding="latin-1"))
     assert not [each for each in complaints if not each.startswith("Overfull")]

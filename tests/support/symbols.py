@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from symosc.derive.notation import NOTATION
+from symosc.derive.front import NOTATION
 
 #: Symbols that rows of the table stand for besides those that are listed, such as others with an index.
 INDEXED = re.compile(

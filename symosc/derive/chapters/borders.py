@@ -7,7 +7,7 @@ import sympy as sp
 from symosc.derive.latex import named
 from symosc.derive.published import wall
 from symosc.derive.scope import LOWER, UPPER, F, G, Scope, mu_lambda, v_lambda
-from symosc.derive.steps import CONTEXT, AtRoot, Items, Sign, Table, decimal, equation, number, step
+from symosc.derive.steps import CONTEXT, Items, Table, at_root, decimal, equation, number, sign, step
 from symosc.model import Parameters
 from symosc.orbits.branch import continue_orbit
 from symosc.scenes import load_scene
@@ -20,7 +20,7 @@ NAMES = ("grazing-sliding", "crossing-sliding", "switching-sliding", "adding-sli
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: the four kinds of border between words, examples, and why an atlas is complete."""
     jump = -2 * mu_lambda * FN / m
     on_belt = solution.in_paper_letters(solution.acceleration(solution.x_i, v_lambda)).subs(Omega * t, theta)
     first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, solution.v: v_lambda})
@@ -48,7 +48,7 @@ def items(scope: Scope) -> Items:
         equation(F(UPPER), jump, {F(UPPER): F(LOWER) + jump, F(LOWER): 0}, "other"),
         r"and if $F^{(\lambda+1)} = 0$ then",
         equation(F(LOWER), -jump, {F(LOWER): F(UPPER) - jump, F(UPPER): 0}),
-        step(2 * sp.Symbol(r"\mu_\lambda", positive=True) * sp.Symbol("F_N", positive=True) / m, ">", 0, Sign()),
+        step(2 * sp.Symbol(r"\mu_\lambda", positive=True) * sp.Symbol("F_N", positive=True) / m, ">", 0, sign()),
         r"so the acceleration of the other side always pushes towards the belt. Along the flow of $\Omega_\alpha$ and "
         r"along the belt $F^{(\alpha)}$ has the same rate there,",
         equation(G(1), RATE - c * F(r"\alpha") / m, same, "rate"),
@@ -114,7 +114,7 @@ def items(scope: Scope) -> Items:
 
 
 def _names_table() -> Table:
-    """Return the table of the kinds of borders: the package's names for them, seen from either side."""
+    """Return the table of the four kinds of border, with the names of branch ends on both sides of each."""
     graze = "grazing", "grazing, or vanishing of a stick"
     rows = (
         (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", r"$\sqrt{\epsilon}$", *graze),
@@ -144,7 +144,7 @@ EXAMPLES: tuple[tuple[str, Parameters, str, str, tuple[str, str], int, int, str,
 
 
 def _examples_table() -> Table:
-    """Return the table of examples: ends of branches that the package finds, and the rate of the force that decides."""
+    """Return the table of examples: ends of branches, and the rate of change of the vanishing acceleration there."""
     rows, signs = [], []
     for where, p, word, name, ends, which, belt, border, negative in EXAMPLES:
         end = continue_orbit(p, word, name, ends).ends[which]
@@ -152,7 +152,7 @@ def _examples_table() -> Table:
         phase = number(there.Omega) * number(end.conditions[0].t)
         push = number(there.k * there.belt(belt)) + number(there.B0 * there.Omega) * CONTEXT.sin(phase)
         rate = sp.Float(CONTEXT.nstr(-push / number(there.m), 20), 20)
-        signs.append(step(rate if negative else sp.Abs(rate), "<", 0 if negative else LEAST, AtRoot(dict)))
+        signs.append(step(rate if negative else sp.Abs(rate), "<", 0 if negative else LEAST, at_root(dict)))
         cell = decimal("z", end.value, 7)
         rows.append((border, f"$P_{{{word[1:]}}}$, {where}", f"${letter}$", cell, end.kind, decimal("z", rate, 3)))
     return Table(

@@ -8,7 +8,7 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.steps import Exact, Items, equation, facts
+from symosc.derive.steps import Items, equation, exact, facts
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta
 
 TITLE = "Certificates"
@@ -20,7 +20,7 @@ SECOND, FOURTH = named(r"\ddot{g}"), named(r"g^{(4)}")
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: why enclosures prove motions, orbits, branches, motions that settle, and grazing windows."""
     x, y = sp.Symbol("x", real=True), sp.Symbol("Y", real=True)
     f = sp.Function("f")(x)
     yield (
@@ -38,7 +38,7 @@ def items(scope: Scope) -> Items:
         r"fixed point in $X$, and it lies in $K$. $K$ is inside $X$, so all matrices in $1 - Y J$ shrink the box "
         r"$X - c$ strictly, in the norm whose ball it is. So $Y$ and all matrices in $J$ are regular, fixed points of "
         r"$\Phi$ are zeros of $f$, and $\Phi$ is a contraction: by Banach's theorem there is only one.\end{proof}",
-        facts(equation((x - y * f).diff(x), 1 - y * f.diff(x), Exact(independent=False))),
+        facts(equation((x - y * f).diff(x), 1 - y * f.diff(x), exact(independent=False))),
         r"\begin{theorem}[interval Newton]\label{thm:certificates-newton} "
         r"Let $P$ be continuously differentiable on $X = c + E$ and the ball matrix $D$ contain all its derivatives. "
         r"If all $1 - M$ with $M \in D$ are regular and the solutions $w$ of $(1 - M) w = P(c) - c$ lie inside $E$, "
@@ -202,12 +202,12 @@ def items(scope: Scope) -> Items:
 
 
 def _flight_facts(wave: Any) -> Items:
-    """Return two checked facts used in the proof (L g and s'), for the free motion C = cos or C = cosh."""
+    """Return two steps for the straightened gap, L g in C and q and ds/du = 1/C^2, with C = cos or cosh."""
     C, q = wave(W * U), sp.Function("q")(U)
     kappa, S = C.diff(U, 2) / C, {sp.cos: sp.sin, sp.cosh: sp.sinh}[wave](W * U) / W
     g = sp.exp(-RATE * U) * C * q
     operator = g.diff(U, 2) + 2 * RATE * g.diff(U) + (RATE**2 - kappa) * g
     letters = LG, _C, _C1, Q1, Q2, SLOPE = [named(each) for each in ("L g", "C", "C'", "q'", "q''", "s'")]
     meaning = dict(zip(letters, (operator, C, C.diff(U), q.diff(U), q.diff(U, 2), (S / C).diff(U)), strict=True))
-    check = Exact(meaning, lambda rest: sp.simplify(sp.expand(rest)), independent=False)
+    check = exact(meaning, lambda rest: sp.simplify(sp.expand(rest)), independent=False)
     return (equation(LG, sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check), equation(SLOPE, 1 / _C**2, check))

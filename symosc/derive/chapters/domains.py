@@ -9,7 +9,7 @@ import sympy as sp
 
 from symosc.derive.latex import latex, named
 from symosc.derive.scope import Scope
-from symosc.derive.steps import CONTEXT, AtRoot, Exact, Items, Solves, Step, Table, equation, modes
+from symosc.derive.steps import CONTEXT, Check, Items, Step, Table, at_root, equation, exact, modes, solves
 from symosc.symbolic import solution
 from symosc.symbolic.solution import BASIS, E0, E1, E2, I2, R2, Omega, a_i, cm, f0, tau, theta_i, v_i, w0sq, x_i
 
@@ -41,18 +41,18 @@ REGIME_WORDS = {
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: the closed form of a flight in every damping regime, and how the regimes join."""
     generic = generic_basis()
     rates = []
     for symbol, rate in solution.rates().items():
         name = named(rf"\dot{{{symbol.name[0]}}}_{symbol.name[1]}")
-        check = Exact(generic | {name: generic[symbol].diff(tau)}, modes)
+        check = exact(generic | {name: generic[symbol].diff(tau)}, modes)
         rates.append(equation(name, rate, check, f"rate-{symbol.name}"))
     laws = []
     values = {"step": sp.Integer(1), "cosine": sp.cos(Omega * tau), "sine": sp.sin(Omega * tau)}
     for (name, value), relation in zip(values.items(), solution.relations(), strict=True):
         left = sp.collect(sp.expand(relation + value), [R2, I2])
-        laws.append(equation(value, left, Exact(generic, modes), f"{name}"))
+        laws.append(equation(value, left, exact(generic, modes), f"{name}"))
     yield (
         r"\subsection{Five functions that hold every motion}",
         r"\begin{definition}[basis functions]\label{thm:domains-basis} "
@@ -70,21 +70,15 @@ def items(scope: Scope) -> Items:
         r"rates, and are equal at $\tau = 0$.\end{proof}",
         solved_functions(generic),
     )
-    flow = solution.flow()
-    force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
-    position, velocity, acceleration = named(r"x(\tau)"), named(r"\dot{x}(\tau)"), named(r"\ddot{x}(\tau)")
-    newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - a_i, a_i)[0]
-    by_v, by_a = ({name: solution.time_derivative(expr)} for name, expr in ((velocity, flow.x), (acceleration, flow.v)))
+    start, *motion = flow()
     yield (
         r"\subsection{The motion}",
         r"\begin{theorem}[the motion in a domain]\label{thm:domains-flow} "
         r"A motion that starts in $\Omega_\alpha$, or goes into it, at $t_i$ with the phase $\theta_i = \Omega t_i$, "
         r"the position $x_i$ and the velocity $\dot{x}_i$ is, as long as it stays in $\Omega_\alpha$,",
-        equation(position, flow.x, Solves(force, x_i, v_i, general=True), "x"),
-        equation(velocity, flow.v, Exact(by_v, solution.use_relations, independent=False), "v"),
-        equation(acceleration, flow.a, Exact(by_a, solution.use_relations, independent=False), "a"),
+        motion,
         r"where the acceleration at the start is",
-        equation(named(r"\ddot{x}_i"), solution.acceleration(x_i, v_i, theta_i), newton, "start"),
+        start,
         r"This holds in every regime of damping and at resonance.\end{theorem}",
         r"\begin{proof} $L x = (A_\alpha + B_0\cos\theta)/m$ by \eqref{eq:motion-domain}. Variation of constants gives "
         r"$x$ as a combination of $E_0$, $E_1$, $E_2$, $R_2$ and $I_2$. Then $A_\alpha$ is eliminated in favour of "
@@ -176,21 +170,36 @@ def items(scope: Scope) -> Items:
     )
 
 
+def flow() -> tuple[Step, ...]:
+    """Return the steps on the acceleration at the start of a flight, and on its x, v and a a time tau later."""
+    flow = solution.flow()
+    force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
+    velocity, acceleration = named(r"\dot{x}(\tau)"), named(r"\ddot{x}(\tau)")
+    newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - a_i, a_i)[0]
+    by_v, by_a = ({name: solution.time_derivative(expr)} for name, expr in ((velocity, flow.x), (acceleration, flow.v)))
+    return (
+        equation(named(r"\ddot{x}_i"), solution.acceleration(x_i, v_i, theta_i), newton, "start"),
+        equation(named(r"x(\tau)"), flow.x, solves(force, x_i, v_i), "x"),
+        equation(velocity, flow.v, exact(by_v, solution.use_relations, independent=False), "v"),
+        equation(acceleration, flow.a, exact(by_a, solution.use_relations, independent=False), "a"),
+    )
+
+
 def solved_functions(generic: dict[Any, Any]) -> Items:
-    """Return the corollary that expresses the other basis functions by E_0 and E_1."""
+    """Return the corollary that gives E_2, R_2, I_2 by E_0, E_1; `generic`: the closed forms of `generic_basis`."""
     still = sp.cos(Omega * tau) - E0 - cm * E1
     swing = sp.sin(Omega * tau) - Omega * E1
     meaning = generic | {name: value.xreplace(generic) for name, value in NORMS.items()}
     return (
         r"\begin{corollary}\label{thm:domains-solved} "
         r"$E_0$ and $E_1$ give the other three: for $k > 0$",
-        equation(E2, (1 - E0 - cm * E1) / w0sq, Exact(generic, modes), "E2"),
+        equation(E2, (1 - E0 - cm * E1) / w0sq, exact(generic, modes), "E2"),
         "and with",
         equation(KAPPA, NORMS[KAPPA], NORMS, "kappa"),
         equation(DELTA, KAPPA**2 + (cm * Omega) ** 2, NORMS, "Delta"),
         r"wherever $\Delta > 0$, that is everywhere but at undamped resonance,",
-        equation(R2, (KAPPA * still + cm * Omega * swing) / DELTA, Exact(meaning, modes), "R2"),
-        equation(I2, (KAPPA * swing - cm * Omega * still) / DELTA, Exact(meaning, modes), "I2"),
+        equation(R2, (KAPPA * still + cm * Omega * swing) / DELTA, exact(meaning, modes), "R2"),
+        equation(I2, (KAPPA * swing - cm * Omega * still) / DELTA, exact(meaning, modes), "I2"),
         r"\end{corollary}",
         r"\begin{proof} \eqref{eq:domains-step} is solved for $E_2$; \eqref{eq:domains-cosine} and "
         r"\eqref{eq:domains-sine} are two linear equations for $R_2$ and $I_2$ with the determinant "
@@ -201,17 +210,8 @@ def solved_functions(generic: dict[Any, Any]) -> Items:
 def generic_basis() -> dict[Any, Any]:
     """Return the basis functions for two different characteristic roots, as divided differences of exp(z tau)."""
     mean, half = sp.symbols("r q", positive=True)
-    roots = -mean + half, -mean - half
-    wave, conjugate = (solution.divided_difference(z, *roots) for z in (sp.I * Omega, -sp.I * Omega))
-    impulse = solution.divided_difference(*roots)
-    closed = (
-        impulse.diff(tau),
-        impulse,
-        solution.divided_difference(sp.Integer(0), *roots),
-        (wave + conjugate) / 2,
-        (wave - conjugate) / (2 * sp.I),
-    )
-    return dict(zip(BASIS, closed, strict=True)) | {cm: 2 * mean, w0sq: mean**2 - half**2}
+    regime = solution.Regime("two roots", sp.true, -mean, half, {})
+    return regime.basis() | regime.parameters()
 
 
 # --- the motion as papers print it: e^{-ct/2m} (C_1 cos omega_d t + C_2 sin omega_d t) and a steady part ---
@@ -238,17 +238,18 @@ MODES = {
 
 
 class PaperForm(NamedTuple):
-    """The motion in a regime in the usual form of papers: x, v, the values of C1, C2, ..., and the check of x."""
+    """The motion with constants of integration: x, v, the constants, the check of x, and the letters' meaning."""
 
     x: Any
     v: Any
     constants: dict[Any, Any]
-    check: Solves
+    check: Check
+    meaning: dict[Any, Any]
 
 
 @cache
 def paper_form(regime: solution.Regime) -> PaperForm:
-    """Return the motion in a regime in the usual form of papers, with the constants C1, C2, D1 and D2."""
+    """Return the motion in a regime with the constants of integration C1, C2 and a steady part with D1, D2."""
     first, second, below, steady, letters = MODES[regime.name]
     x, start = C1 * first + C2 * second + steady, {tau: sp.Integer(0)}
     v = x.diff(tau)
@@ -263,9 +264,10 @@ def paper_form(regime: solution.Regime) -> PaperForm:
     back = {c: m * values[cm], k: m * values[w0sq]}
     force = ((A + B0 * sp.cos(PHASE)) / m).xreplace(back)
     meaning = {name: value.xreplace(constants).xreplace(constants).xreplace(back) for name, value in constants.items()}
-    check = Solves(force, x_i, v_i, values[cm], values[w0sq], meaning=meaning | back)
+    meaning |= back
+    check = solves(force, x_i, v_i, values[cm], values[w0sq], meaning)
     joined = sp.collect(C1 * first + C2 * second, [DECAY]) + steady
-    return PaperForm(joined, _one_exponential(v, first), constants, check)
+    return PaperForm(joined, _one_exponential(v, first), constants, check, meaning)
 
 
 def _one_exponential(v: Any, mode: Any) -> Any:
@@ -286,7 +288,7 @@ def constants(form: PaperForm) -> list[Step]:
     steps = []
     for letter, value in form.constants.items():
         start_fits = {name: fitted[name] for name in (letter, C1) if letter in fitted}
-        meaning = start_fits or {name: form.check.meaning[name] for name in (letter, c, k)}
+        meaning = start_fits or {name: form.meaning[name] for name in (letter, c, k)}
         steps.append(equation(letter, value, meaning, letter.name.replace("_", "")))
     return steps
 
@@ -295,12 +297,12 @@ def basis_function(symbol: Any, regime: solution.Regime, **options: Any) -> Step
     """Return the step that states the closed form of a basis function in a regime, and checks it."""
     force, start, rate = map(sp.sympify, RESPONSES[symbol])
     parameters = regime.parameters()
-    solves = Solves(force, start, rate.xreplace(parameters), *parameters.values())
-    return equation(symbol, tidy(regime.basis()[symbol]), solves, **options)
+    check = solves(force, start, rate.xreplace(parameters), *parameters.values())
+    return equation(symbol, tidy(regime.basis()[symbol]), check, **options)
 
 
 def true_letters() -> dict[Any, Any]:
-    """Return h, eta, omega_d and omega_0 in m, c and k, from the roots of m z^2 + c z + k."""
+    """Return the rates h, eta and the frequencies omega_d, omega_0 in m, c, k: from the roots of m z^2 + c z + k."""
     z = sp.Symbol("z")
     polynomial = sp.Poly(m * z**2 + c * z + k, z)
     a, b, _ = polynomial.all_coeffs()
@@ -332,10 +334,10 @@ def tidy(expr: Any) -> Any:
 
 
 def _sampled(join: solution.Join) -> Step:
-    """Return the step that checks, just beside a join of two regimes, that R2 agrees with its limit there."""
+    """Return the step that the basis function R2 near a border of two damping regimes is close to its limit there."""
     source, target = solution.REGIMES[join.source].basis(), solution.REGIMES[join.target].basis()
     values = {solution.h: "3/7", omega_d: "5/4", eta: "2/9", omega_0: "7/5", Omega: "8/5", tau: "9/4"}
     point = {letter: sp.Rational(value) for letter, value in values.items()}
     near = source[R2].xreplace(join.path).xreplace({join.letter: sp.Rational(1, 10**25)}).subs(point)
     there = target[R2].subs({key: value for key, value in point.items() if key != join.letter})
-    return equation(sp.N(near, 40, maxn=200), sp.N(there, 40), AtRoot(dict, CONTEXT.mpf(10) ** -20))
+    return equation(sp.N(near, 40, maxn=200), sp.N(there, 40), at_root(dict, CONTEXT.mpf(10) ** -20))

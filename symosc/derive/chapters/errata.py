@@ -11,7 +11,7 @@ from symosc.derive.chapters.orbits import root
 from symosc.derive.errata import SEVERITIES, read_errata
 from symosc.derive.latex import named
 from symosc.derive.scope import F, Scope
-from symosc.derive.steps import AtRoot, Close, Items, Sign, Step, StepError, Table, decimal, equation, facts, step
+from symosc.derive.steps import Items, Step, StepError, Table, at_root, close, decimal, equation, facts, sign, step
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
@@ -21,7 +21,7 @@ TITLE = "Errata"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: the list of errors and gaps of the paper, and the computations behind some of them."""
     errata = read_errata()
     counts = ", ".join(
         rf"{sum(each.severity == severity for each in errata)} are \emph{{{severity}}} ({meaning})"
@@ -98,7 +98,7 @@ def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
 
 
 def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any]:
-    """Return the position x of a graze at the given time, and the state x0, v0 at t = 2.5 of the flow that grazes."""
+    """Return the x of a graze of a belt's speed at a time, and the x, v at the paper's t0 = 2.5 that lead to it."""
     scope = Scope(load_scene(scene))
     numbers = scope.numbers
     force = solution.in_paper_letters(solution.acceleration()).subs(solution.A, solution.force_constant(alpha))
@@ -117,7 +117,7 @@ def _start(x0: Any, v0: Any, label: str) -> list[Step]:
 
 def _four_decimals(printed: str, value: Any) -> Step:
     """Return the step that checks a number, which the paper prints with four decimals, against its exact value."""
-    return equation(named("z"), sp.Rational(printed), Close(lambda: value, 4))
+    return equation(named("z"), sp.Rational(printed), close(lambda: value, 4))
 
 
 def _figure7() -> Items:
@@ -131,7 +131,7 @@ def _figure7() -> Items:
         r"With the printed parameters the steady velocity in $\Omega_1$ does not reach $v_1 = 5$, whatever $A_0$ is: "
         r"by \eqref{eq:events-V0} its amplitude has",
         equation(square, 20, amplitude, "V0"),
-        step(square, "<", 25, Sign({square: amplitude})),
+        step(square, "<", 25, sign({square: amplitude})),
         r"so a graze can only be in the transient. The flow that touches $v_1$ at $t = \pi$, traced back to the "
         r"printed $t_0 = 2.5$, starts with the printed $A_0 = 5$ at",
         _start(x0, v0, "fig7-x0"),
@@ -153,7 +153,7 @@ def _figure8() -> Items:
         onset, end = _up_to_slip("fig8", 30, "Omega2")
         return {named("t"): sp.Float(str(end - onset), 30)}
 
-    short = step(named("t"), "<", sp.Rational(3, 1000), AtRoot(duration))
+    short = step(named("t"), "<", sp.Rational(3, 1000), at_root(duration))
     return (
         r"\subsection{Fig.~8: no error, but four decimals do not graze}",
         r"The starts at $t_0 = 2.5$ from which the flow grazes form a curve, with one point for each time $t_m$ of the "

@@ -7,7 +7,7 @@ import sympy as sp
 from symosc.derive.chapters.domains import DELTA, NORMS
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.steps import Exact, Items, Sign, equation, facts, modes, step
+from symosc.derive.steps import Items, equation, exact, facts, modes, sign, step
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, A, Omega, c, cm, k, m, t, tau, theta, w0sq
 
@@ -18,7 +18,7 @@ C4 = sp.Symbol("C_4", nonnegative=True)
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: the equation of the gap to a belt, how often it vanishes, and the bounds of the search."""
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     jerk = newton.diff(t).subs(path.diff(t, 2), newton)
@@ -45,7 +45,7 @@ def items(scope: Scope) -> Items:
     names = {letter: phi, rate: phi.diff(tau), slope: q.diff(tau), curve: q.diff(tau, 2)}
     closed = ((r.basis()[solution.E1], r.parameters()) for r in solution.REGIMES.values())
     applied = (y.diff(tau, 2) + at[cm] * y.diff(tau) + at[w0sq] * y for y, at in closed)
-    factored = Exact({LG: true} | names, independent=False)
+    factored = exact({LG: true} | names, independent=False)
     yield (
         r"\subsection{At most two zeros between critical phases}",
         r"\begin{theorem}[disconjugacy, after P\'olya]\label{thm:events-two} "
@@ -55,12 +55,12 @@ def items(scope: Scope) -> Items:
         r"\begin{proof} The interval lies in one on which a solution $\varphi > 0$ of $L\varphi = 0$ exists: $E_1$ of "
         r"Table~\ref{tab:domains-regimes}, started shortly before the interval, is positive for "
         r"$0 < \tau < \pi/\omega_d$, or for all $\tau > 0$.",
-        facts(*(equation(remains, 0, Exact(tidy=modes)) for remains in applied)),
+        facts(*(equation(remains, 0, exact(tidy=modes)) for remains in applied)),
         r"With $q = g/\varphi$",
         equation(LG, letter * curve + (2 * rate + cm * letter) * slope, factored, "factor"),
         r"which is P\'olya's factorisation \cite{polya1922} "
         r"$L g = \varphi^{-1} e^{-c\tau/m} \frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
-        facts(equation(true, inner, Exact(independent=False))),
+        facts(equation(true, inner, exact(independent=False))),
         r"By \eqref{eq:events-gap} $L g$ keeps its sign. If $\gamma$ and $a$ are not both 0, its zeros are isolated, "
         r"so $\varphi^2 e^{c\tau/m}\dot{q}$ is strictly monotone and $\dot{q}$ has at most one zero; $q$, and with it "
         r"$g$, has at most two. If $\gamma = a = 0$, $\varphi^2 e^{c\tau/m}\dot{q}$ is constant: $q$ is strictly "
@@ -96,7 +96,7 @@ def items(scope: Scope) -> Items:
         r"\begin{proof} $L u = 0$, so $L u^{(3)} = 0$, and",
         equation(energy, -2 * cm * fourth**2, rate, "energy"),
         r"which is never positive:",
-        step(energy, "<=", 0, Sign({energy: rate})),
+        step(energy, "<=", 0, sign({energy: rate})),
         r"so $|u^{(4)}|$ never exceeds the root of the present value, and $|V^{(4)}| \le V_0\Omega^4$.\end{proof}",
     )
     z = sp.Function("z")(tau)
@@ -128,7 +128,7 @@ def items(scope: Scope) -> Items:
         r"Let $g > 0$ now (for $g < 0$ take $-g$), and",
         equation(left, taylor - C4 * s**4 / 24, taylor - remainder, "p"),
         r"Then $g(\tau + s) \ge p(s)$ for all later times for which $C_4$ is a bound, and",
-        step(upper, "<=", C4 * s**4 / 12, Sign({upper: 2 * remainder}), "excess"),
+        step(upper, "<=", C4 * s**4 / 12, sign({upper: 2 * remainder}), "excess"),
         r"\end{lemma}",
         r"\begin{proof} Taylor's theorem with the remainder $\int_0^s (s - u)^3 g^{(4)}(\tau + u)\,du/6$, which is at "
         r"most $C_4 s^4/24$ in size.\end{proof}",

@@ -7,11 +7,11 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.chapters.jacobians import AFTER, BEFORE, force_at_belt
+from symosc.derive.chapters.jacobians import AFTER, BEFORE, force_at_belt, multiplier_products
 from symosc.derive.latex import named
 from symosc.derive.published import Flight
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.steps import CONTEXT, Close, Exact, Items, Sign, Table, decimal, equation, facts, number, step
+from symosc.derive.steps import CONTEXT, Items, Table, close, decimal, equation, exact, facts, number, sign, step
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.sensitivities import sensitivities
@@ -31,13 +31,13 @@ SCENE, EVENTS, DIGITS = "fig5", 6, 30
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: derivatives of events by parameters, Lyapunov exponents, and why there is no chaos."""
     s, e = sp.symbols("s varepsilon", real=True)
     place, speed = named("x"), named(r"\dot{x}")
     near_x, near_v = place + speed * s + BEFORE * s**2 / 2 + e * (DX + DV * s), speed + BEFORE * s + e * DV
 
     def along(expr: Any) -> Any:
-        """Differentiate with respect to q along the event, whose time moves at the rate t_q."""
+        """Differentiate a quantity at the event by the parameter q; the event's time has the derivative t_q."""
         return expr.subs(s, e * T_Q).diff(e).subs(e, 0)
 
     reached = sp.solve(along(near_v) - V_Q, T_Q)[0]
@@ -116,8 +116,8 @@ def items(scope: Scope) -> Items:
         r"\begin{theorem}[exponents]\label{thm:exponents-lyapunov} Let a motion graze nowhere, and let $\chi_j = "
         r"F^{+}/F^{-}$ at its crossings.\begin{enumerate}\item[(i)] $\Lambda_1 \le 0$.\item[(ii)] $\Lambda_2 = "
         r"-\infty$ once the mass has stuck. Without sticks a flight and its crossing contribute",
-        equation(change, -c * span / m + gone, Exact(true, lambda expr: sp.expand_log(sp.expand(expr))), "area"),
-        step(chi, "<=", 1, Sign({chi: after / (after + 2 * mu * solution.FN / m)}), "chi"),
+        equation(change, -c * span / m + gone, exact(true, lambda expr: sp.expand_log(sp.expand(expr))), "area"),
+        step(chi, "<=", 1, sign({chi: after / (after + 2 * mu * solution.FN / m)}), "chi"),
         r"so that $\Lambda_1 + \Lambda_2 \le -c/m$."
         r"\item[(iii)] On a periodic motion with the multipliers $\rho_j$, $\Lambda_j = \ln|\rho_j|/\mathcal{T}$."
         r"\item[(iv)] For $c > 0$ and $k > 0$ the motion that attracts all others has $\Lambda_1 < 0$ if it has "
@@ -145,14 +145,14 @@ def items(scope: Scope) -> Items:
         r"motions tend to one, or each to a rest (Theorem~\ref{thm:orbits-unique}), and then the rests of two motions "
         r"are no farther apart than their starts.\end{enumerate}\end{theorem}",
         r"\begin{proof} $\|\cdot\|$ is a norm, since $k > 0$ and $m > 0$.",
-        facts(*(step(form[i, i], ">", 0, Sign()) for i in (0, 1))),
+        facts(*(step(form[i, i], ">", 0, sign()) for i in (0, 1))),
         r"Along the difference of two motions its square does not grow by \eqref{eq:motion-energy} and "
         r"Lemma~\ref{thm:motion-monotone}. (i) Cover a compact invariant set with $N$ balls of the radius "
         r"$\epsilon/2$. Two states in one ball stay closer than $\epsilon$ under all iterates, so $N$ orbits of the "
         r"length $n$ represent all others to within $\epsilon$, for every $n$. The entropy at this scale is",
         equation(entropy, 0, {entropy: sp.limit(sp.log(count) / n, n, sp.oo)}, "entropy"),
         r"for all $\epsilon > 0$, while a horseshoe has at least",
-        step(horseshoe, ">", 0, Sign({horseshoe: sp.log(2)}), "horseshoe"),
+        step(horseshoe, ">", 0, sign({horseshoe: sp.log(2)}), "horseshoe"),
         r"(ii) Two motions that start closer than $\epsilon$ stay closer than $\epsilon$; "
         r"Theorem~\ref{thm:exponents-lyapunov} (i). (iii) Theorem~\ref{thm:jacobians-monodromy} (i); for $c > 0$ none "
         r"reaches it. (iv) The distance does not grow.\end{proof}",
@@ -196,11 +196,11 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
 
 def _events_table() -> Table:
     """Return the table of derivatives of a scene's event times: the package's, checked against the matrices."""
-    exact = {q: event_time_derivatives(SCENE, q == "mu1") for q in ("x0", "mu1")}
-    ran = {q: sensitivities(SCENE, q, digits=DIGITS) for q in exact}
+    known = {q: event_time_derivatives(SCENE, q == "mu1") for q in ("x0", "mu1")}
+    ran = {q: sensitivities(SCENE, q, digits=DIGITS) for q in known}
 
     def cell(q: str, n: int) -> Any:
-        return decimal("z", ran[q].dt[n, 0], 24, Close(partial(CONTEXT.mpf, exact[q][n]), 24))
+        return decimal("z", ran[q].dt[n, 0], 24, close(partial(CONTEXT.mpf, known[q][n]), 24))
 
     events = enumerate(ran["x0"].trajectory.events[:EVENTS])
     return Table(
@@ -208,21 +208,18 @@ def _events_table() -> Table:
         r"The first events of the paper's Fig.~5: $t_q$ as found by \texttt{sensitivities}, to 24 decimals (half a "
         r"unit of the last one). The matrices of this section, multiplied with 50 digits, give the same.",
         ("", "", "$t_q$ for $q = x_0$", r"$t_q$ for $q = \mu_1$"),
-        tuple((str(n + 1), event.kind, *(cell(q, n) for q in exact)) for n, event in events),
+        tuple((str(n + 1), event.kind, *(cell(q, n) for q in known)) for n, event in events),
         columns="rlrr",
     )
 
 
 def _exponents_table() -> Table:
     """Return the table of two orbits' Lyapunov exponents by the theorem, and by following motions with the package."""
-    p, orbit = load_scene("fig9-orbit").parameters, find_orbit("fig9-orbit", "P32", digits=DIGITS + 20)
-    decay = -number(p.c / p.m)
-    for (t, x), (before, after) in zip(orbit.points, ((2, 1), (1, 2)), strict=True):
-        end, start = (force_at_belt(p, alpha, 1, number(x), number(p.Omega) * number(t)) for alpha in (after, before))
-        decay += CONTEXT.log(end / start) / number(orbit.period)
+    _, product = multiplier_products("fig9-orbit", "P32")
+    decay = CONTEXT.log(product) * number(load_scene("fig9-orbit").parameters.Omega) / (2 * CONTEXT.pi)
 
     def growth(scene: str, of: Any) -> Any:
-        """Return a Lyapunov exponent as growth from 50 to 100 periods; `of` picks it from those of the package."""
+        """Return `of` the Lyapunov exponents, measured over the periods 50 to 100 only: without the transient."""
         early, late = (of(sensitivities(scene, "x0", t_end=f"{n}T").lyapunov) for n in (50, 100))
         return 2 * late - early
 
@@ -232,8 +229,8 @@ def _exponents_table() -> Table:
     total, rate = growth("fig9-orbit", sum), growth("fig10-orbit", max)
     values = ((r"$\Lambda_1 + \Lambda_2$ of $P_{32}$", decay, total), (r"$\Lambda_1$ of $P_{4645}$", largest, rate))
     rows: list[Any] = [
-        (name, decimal("z", exact, 11), decimal("z", number(run), 11, Close(partial(CONTEXT.mpf, exact), 11)))
-        for name, exact, run in values
+        (name, decimal("z", known, 11), decimal("z", number(run), 11, close(partial(CONTEXT.mpf, known), 11)))
+        for name, known, run in values
     ]
     rows.append((r"$\Lambda_2$ of $P_{4645}$", r"$-\infty$", r"$-\infty$"))
     return Table(

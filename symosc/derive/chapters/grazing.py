@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -34,7 +33,7 @@ CASES = (
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: what a contact fixes, Theorem 7 with all cases, the case of equality, and k = 0."""
     rows = []
     for mapping, place in PLACES.items():
         rate, sine = "<>" if place.side > 0 else "><"
@@ -57,23 +56,20 @@ def items(scope: Scope) -> Items:
             tuple(rows),
         ),
     )
-    acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}_m")
-    at_contact = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
-    values = {GAMMA: k * v_lambda / m, AMPLITUDE: B0 * Omega / m}
-    force = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta})
-    solved = sp.solve(force, x)[0].subs(theta, THETA_M)
+    gamma, amplitude, position = contact_steps()
+    values = {GAMMA: gamma.right, AMPLITUDE: amplitude.right}
     first = solution.in_paper_letters(solution.g_function(1).subs(v, v_lambda)).subs(Omega * t, THETA_M)
     critical = {CRITICAL: sp.asin(-k * v_lambda / (B0 * Omega))}
     yield (
         r"\begin{lemma}[what a contact fixes]\label{thm:grazing-contact} "
         r"At such a contact the paper's $\gamma = (c/m)\ddot{x} + (k/m)\dot{x}$ is fixed by the parameters, and with "
         r"the amplitude $a$,",
-        equation(GAMMA, k * v_lambda / m, at_contact, "gamma"),
-        equation(AMPLITUDE, B0 * Omega / m, B0 * Omega / m, "a"),
+        gamma,
+        amplitude,
         r"the first G-function depends on the phase alone:",
-        equation(G(1), -(GAMMA + AMPLITUDE * sp.sin(THETA_M)), values | {G(1): first.subs(x, solved)}, "G1"),
+        equation(G(1), -(GAMMA + AMPLITUDE * sp.sin(THETA_M)), values | {G(1): first.subs(x, position.right)}, "G1"),
         r"For $k > 0$ the phase gives the position,",
-        equation(named("x_m"), (A + B0 * sp.cos(THETA_M) - c * v_lambda) / k, solved, "xm"),
+        position,
         r"and if $|\gamma| \le |a| \ne 0$, $G^{(1,\alpha)}$ vanishes at the phases "
         r"$\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$ and $\pi - \Theta^{\mathrm{cr}}$, where",
         equation(sp.sin(CRITICAL), -GAMMA / AMPLITUDE, values | critical, "critical"),
@@ -124,16 +120,14 @@ def items(scope: Scope) -> Items:
     g1, g2, g3 = (sp.expand(solution.g_function(n).subs(contact)) for n in (1, 2, 3))
     on_end = {v_lambda: -solution.f0 * Omega * sp.sin(theta) / solution.w0sq}
     assert sp.simplify(g1.subs(on_end)) == 0
-    wave = {solution.f0: B0 / m, solution.w0sq: k / m, solution.cm: c / m, theta: THETA_M}
-    amplitude = {AMPLITUDE: B0 * Omega / m}
-    true2, true3 = (expr.subs(on_end).xreplace(wave) for expr in (g2, g3))
-    true = {third: true3, second: true2} | amplitude
+    true2, true3 = (expr.subs(on_end).xreplace(solution.PAPER_LETTERS | {theta: THETA_M}) for expr in (g2, g3))
+    true = {third: true3, second: true2, AMPLITUDE: B0 * Omega / m}
     yield (
         r"\subsection{The ends of a window, and the case of equality}",
         r"\begin{theorem}[the case of equality]\label{thm:grazing-equality} "
         r"Let $F^{(\alpha)} = G^{(1,\alpha)} = 0$ at a contact, with $a \ne 0$; this needs $|\gamma| \le |a|$.",
         r"The next G-functions are",
-        equation(second, -AMPLITUDE * Omega * sp.cos(THETA_M), {second: true2} | amplitude, "G2"),
+        equation(second, -AMPLITUDE * Omega * sp.cos(THETA_M), true, "G2"),
         equation(third, AMPLITUDE * Omega**2 * sp.sin(THETA_M) - c * second / m, true, "G3"),
         r"\begin{enumerate}"
         r"\item[(i)] If $|\gamma| < |a|$, then $G^{(2,\alpha)} \ne 0$: the flow of $\Omega_\alpha$ crosses the "
@@ -195,6 +189,19 @@ def items(scope: Scope) -> Items:
     )
 
 
+def contact_steps() -> tuple[Step, Step, Step]:
+    """Return the steps on gamma, the amplitude a and the position x_m at a contact without force."""
+    acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}_m")
+    at_contact = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
+    force = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta})
+    place = sp.solve(force, x)[0].subs(theta, THETA_M)
+    return (
+        equation(GAMMA, k * v_lambda / m, at_contact, "gamma"),
+        equation(AMPLITUDE, B0 * Omega / m, B0 * Omega / m, "a"),
+        equation(named("x_m"), (A + B0 * sp.cos(THETA_M) - c * v_lambda) / k, place, "xm"),
+    )
+
+
 @cache
 def windows_table(label: str = "tab:grazing-windows") -> Table:
     """Return the table of Theorem 7's windows, each checked: contacts from below (P2, P5) and from above (P3, P6)."""
@@ -212,12 +219,12 @@ def _window(mapping: str, gamma: Any, amplitude: Any) -> Step:
     place, values = PLACES[mapping], {g: gamma, a: amplitude}
     conditions = ((row, row.condition.subs(values, simultaneous=True)) for row in theorem7.all_cases(place, False))
     case = next(row for row, condition in conditions if sp.simplify(condition) == sp.true)
-    check = Window(place.side, gamma, amplitude, ((CRITICAL, sp.asin(-g / a)),))
+    check = window(place.side, gamma, amplitude, {CRITICAL: sp.asin(-g / a)})
     return step(THETA_M, "in", _with_name(case.phases), check)
 
 
 def _with_name(phases: Any) -> Any:
-    """Replace asin(-gamma/a) by its name Theta_cr in the ends of a set of phases."""
+    """Print the critical phase asin(-gamma/a) in the ends of a set of phases as Theta^cr."""
     if isinstance(phases, sp.Union):
         return sp.Union(*(_with_name(part) for part in phases.args), evaluate=False)
     if not isinstance(phases, sp.Interval):
@@ -227,43 +234,38 @@ def _with_name(phases: Any) -> Any:
     return sp.Basic.__new__(sp.Interval, low.subs(names), high.subs(names), *open_ends)
 
 
-@dataclass(frozen=True)
-class Window(Check):
-    """Check that the set on the right has exactly the phases theta with side (gamma + amplitude sin theta) > 0."""
-
+def window(side: int, gamma: Any, amplitude: Any, names: Any = ()) -> Check:
+    """Return the check that a step's set has just the phases with side (gamma + amplitude sin theta) > 0."""
     # This is exact: the function has at most two zeros, and where the sine is 1, 0 or -1 its sign is decided.
 
-    side: int
-    gamma: Any
-    amplitude: Any
-    names: tuple[tuple[Any, Any], ...] = ()
+    def angle(end: Any) -> Any:
+        return end.subs(names).subs({g: gamma, a: amplitude})
 
-    def __call__(self, statement: Step) -> StepEvidence:
+    def contains(part: Any, phase: Any) -> bool:
+        # Ends cannot cross a multiple of pi/2 while the signs stay: one set of numbers stands for all.
+        low, high = (angle(end).subs({p: sp.Rational(3, 7), q: sp.Rational(2, 5)}) for end in part.args[:2])
+        left_open, right_open = part.args[2:]
+        after = phase > low or (phase == low and not left_open)
+        return bool(after and (phase < high or (phase == high and not right_open)))
+
+    def check(statement: Step) -> StepEvidence:
         sets = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
         parts = [part for part in sets if isinstance(part, sp.Interval)]
         through_0 = any(part.args[0] == 0 and not part.args[2] for part in parts)
         for end in (end for part in parts for end in part.args[:2]):
-            zero = sp.simplify(sp.expand_trig(sp.sin(self._angle(end))) * self.amplitude + self.gamma)
+            zero = sp.simplify(sp.expand_trig(sp.sin(angle(end))) * amplitude + gamma)
             if zero != 0 and not (through_0 and end in (0, 2 * sp.pi)):
                 raise StepError(str(statement), f"{end} is no zero of gamma + a sin theta, which is {zero} there")
         for sine, phase in ((1, sp.pi / 2), (-1, 3 * sp.pi / 2), (0, sp.Integer(0)), (0, sp.pi)):
-            value = self.side * (self.gamma + self.amplitude * sine)
+            value = side * (gamma + amplitude * sine)
             inside = sp.simplify(value).is_positive
             if inside is None:
                 raise StepError(str(statement), f"the sign of {value} is undecided")
-            if inside != any(self._contains(part, phase) for part in parts):
+            if inside != any(contains(part, phase) for part in parts):
                 raise StepError(str(statement), f"is wrong at {phase}")
         return StepEvidence("exact", "0")
 
-    def _angle(self, end: Any) -> Any:
-        return end.subs(self.names).subs({g: self.gamma, a: self.amplitude})
-
-    def _contains(self, part: Any, phase: Any) -> bool:
-        # Ends cannot cross a multiple of pi/2 while the signs stay: one set of numbers stands for all.
-        low, high = (self._angle(end).subs({p: sp.Rational(3, 7), q: sp.Rational(2, 5)}) for end in part.args[:2])
-        left_open, right_open = part.args[2:]
-        after = phase > low or (phase == low and not left_open)
-        return bool(after and (phase < high or (phase == high and not right_open)))
+    return check
 
 
 def _numbers(scope: Scope, mapping: str) -> Items:
@@ -277,5 +279,5 @@ def _numbers(scope: Scope, mapping: str) -> Items:
         equation(GAMMA, gamma, gamma),
         equation(AMPLITUDE, amplitude, amplitude),
         r"and the flow grazes to first order at the phases",
-        step(THETA_M, "in", phases, Window(place.side, gamma, amplitude)),
+        step(THETA_M, "in", phases, window(place.side, gamma, amplitude)),
     )

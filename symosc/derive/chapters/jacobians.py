@@ -11,7 +11,8 @@ import sympy as sp
 from symosc.derive.chapters.domains import generic_basis
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope
-from symosc.derive.steps import CONTEXT, STEP_DIGITS, AtRoot, Exact, Items, Sign, equation, facts, modes, number, step
+from symosc.derive.steps import CONTEXT, STEP_DIGITS, Items, at_root, equation, exact, facts, modes, number, sign, step
+from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.symbolic import maps, solution
 from symosc.symbolic.solution import E0, E1, E2, FN, Omega, a_i, cm, m, tau, theta_i, v_i, w0sq, x_i
@@ -31,7 +32,7 @@ def partial(what: str, by: str) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: derivatives of f1 and f2, perturbations, saltation, and the monodromy matrix."""
     flow, found = solution.flow(), maps.flight_jacobian()
     ends = {maps.v_end: flow.v, maps.a_end: flow.a}
     rows = []
@@ -40,7 +41,7 @@ def items(scope: Scope) -> Items:
         true = {"x0": ("x_i", total(expr, x_i)), "th0": (r"\theta_i", total(expr, theta_i) - slope)}
         for key, (by, derivative) in (true | {"th1": (r"\theta_{i+1}", slope)}).items():
             letter = partial(f"f_{which}", by)
-            check = Exact({letter: derivative} | ends, solution.use_relations, independent=False)
+            check = exact({letter: derivative} | ends, solution.use_relations, independent=False)
             rows.append(equation(letter, found[f"{short}_{key}"], check, f"f{which}-{key}"))
     yield (
         r"\subsection{Derivatives of the governing equations}",
@@ -76,8 +77,8 @@ def items(scope: Scope) -> Items:
     product, bound = named(r"\rho_1\rho_2"), named(r"e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j")
 
     def values() -> dict[Any, Any]:
-        found, predicted = _multiplier_products("fig9-orbit", "P32")
-        return {product: _float(found), bound: _float(predicted)}
+        texts = (CONTEXT.nstr(value, STEP_DIGITS + 5) for value in multiplier_products("fig9-orbit", "P32"))
+        return {name: sp.Float(text, STEP_DIGITS + 10) for name, text in zip((product, bound), texts, strict=True)}
 
     energy, rate = named(r"\frac{d}{d\tau}\bigl(\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2\bigr)"), named(r"\dot{y}")
     bend, place = named(r"\ddot{y}"), named("y")
@@ -107,7 +108,7 @@ def items(scope: Scope) -> Items:
         r"\eqref{eq:jacobians-det} and Theorem~\ref{thm:jacobians-saltation}.\end{proof}",
         r"For the orbit $P_{32}$ of the paper's Fig.~9, whose multipliers are computed from "
         r"Proposition~\ref{thm:jacobians-flight}, both sides of (iii) agree to 40 digits:",
-        equation(product, bound, AtRoot(values, CONTEXT.mpf(10) ** -40), "product"),
+        equation(product, bound, at_root(values, CONTEXT.mpf(10) ** -40), "product"),
     )
 
 
@@ -123,11 +124,11 @@ def perturbations() -> Items:
     rows = []
     for n, (place, (expr, letter, entry)) in enumerate(entries.items(), 1):
         name = named(rf"\Phi_{{{place}}}")
-        check = Exact({name: total(expr, letter)}, solution.use_relations, independent=False)
+        check = exact({name: total(expr, letter)}, solution.use_relations, independent=False)
         rows.append(equation(name, entry, check, f"phi-{n}"))
     determinant = named(r"\det\Phi(\tau)")
     matrix = {determinant: (1 - w0sq * E2) * E0 + w0sq * E1**2}
-    area = Exact(matrix | generic_basis(), lambda expr: sp.simplify(modes(expr)))
+    area = exact(matrix | generic_basis(), lambda expr: sp.simplify(modes(expr)))
     return (
         r"\subsection{Perturbations of a motion}",
         r"\begin{lemma}[perturbations in a domain]\label{thm:jacobians-phi} "
@@ -161,8 +162,8 @@ def saltation() -> Items:
         r"not 0, a small change $(\delta x, \delta\dot{x}^{-})$ is multiplied by the matrix "
         r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, and",
         facts(*entries),
-        step(ratio, ">", 0, Sign(upward), "ratio"),
-        step(ratio, "<=", 1, Sign(upward), "bound"),
+        step(ratio, ">", 0, sign(upward), "ratio"),
+        step(ratio, "<=", 1, sign(upward), "bound"),
         r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end it is the "
         r"identity.\end{theorem}",
         r"\begin{proof} To first order the changed motion crosses later by",
@@ -180,10 +181,8 @@ def saltation() -> Items:
 
 
 @cache
-def _multiplier_products(scene: str, word: str) -> tuple[Any, Any]:
+def multiplier_products(scene: str, word: str) -> tuple[Any, Any]:
     """Return the product of an orbit's multipliers: the package's, and the one by the theorem; 50 digits."""
-    from symosc.orbits.find import find_orbit
-
     p = load_scene(scene).parameters
     found = find_orbit(p, word, digits=STEP_DIGITS + 5)
     product, ratios = prod(map(CONTEXT.mpmathify, found.multipliers)), CONTEXT.mpf(1)
@@ -197,7 +196,3 @@ def force_at_belt(p: Any, alpha: int, belt: int, x: Any, phase: Any) -> Any:
     """Return m F^(alpha) at a belt's speed, a position and a phase, computed anew from the parameters."""
     friction = {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1, 3: -p.mu1 - p.mu2}[alpha] * p.FN
     return number(p.A0 + friction - p.c * p.belt(belt)) + number(p.B0) * CONTEXT.cos(phase) - number(p.k) * x
-
-
-def _float(number: Any) -> Any:
-    return sp.Float(CONTEXT.nstr(number, STEP_DIGITS + 5), STEP_DIGITS + 10)

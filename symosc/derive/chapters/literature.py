@@ -10,7 +10,7 @@ import sympy as sp
 from symosc.derive.latex import named
 from symosc.derive.published import MP, Value, number, table
 from symosc.derive.scope import Scope
-from symosc.derive.steps import Close, Exact, Items, StepError, Table, decimal, equation
+from symosc.derive.steps import Items, StepError, Table, close, decimal, equation, exact
 from symosc.symbolic import coulomb, solution
 from symosc.symbolic.coulomb import F, G, H, P, Q, S, U, V, d, p_0, phi, q_0, r, x_0, x_f
 from symosc.symbolic.solution import BASIS, E0, E1, E2, FN, Omega, c, cm, k, m, omega_0, tau, w0sq
@@ -31,7 +31,7 @@ UNDAMPED = {cm: 0, c: 0, G: 0, Omega: r * sp.sqrt(w0sq)}
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: the symmetric motion, its end, borders, stops, continua, and moving bases, with numbers."""
     u_0, w_0 = named("u_0"), named(r"\dot{u}_0")
     x, v = _free_motion(u_0, w_0)
     x_u, v_u = coulomb.transition() * sp.Matrix([u_0, w_0])
@@ -58,14 +58,17 @@ def items(scope: Scope) -> Items:
         equation(P**2, (stiffness**2 + damping**2) * (p_0**2 + q_0**2), {P: push}),
         r"Call $Q = \sqrt{p_0^2 + q_0^2}$: the amplitude that the mass would have without friction.",
     )
-    matrix, steady = coulomb.transition(), _steady_part()
-    solved = dict(zip((G, H), coulomb.half_period(), strict=True))
+    matrix, solved = coulomb.transition(), dict(zip((G, H), coulomb.half_period(), strict=True))
+    rows = coulomb.symmetry()
+    both = rows.jacobian([p_0, q_0])
+    found = both.adjugate() * (-rows.subs({p_0: 0, q_0: 0})) / both.det()
+    steady = dict(zip((p_0, q_0), found, strict=True)) | solved
     meaning = {p_0: x_0 + G * x_f, q_0: H * x_f, **solved}
     traces = {T: matrix.trace(), D: matrix.det()}
     below, root = 1 + T + D, named("y", positive=True)
     yield (
         r"Half a period later position and velocity are those of the start, negated:",
-        [equation(0, row, meaning) for row in coulomb.symmetry()],
+        [equation(0, row, meaning) for row in rows],
         "These equations are linear in $p_0$ and $q_0$. They are solved by",
         equation(p_0, x_0 + G * x_f, steady),
         equation(q_0, H * x_f, steady),
@@ -90,7 +93,7 @@ def items(scope: Scope) -> Items:
     yield (
         r"For $0 < c^2 < 4 k m$ this is Den Hartog's form, with $h = c/(2m)$ and $\omega_d^2 = k/m - h^2$:",
         [
-            equation(letter, shown, Exact({letter: derived}, tidy))
+            equation(letter, shown, exact({letter: derived}, tidy))
             for letter, shown, derived in zip((G, H), coulomb.den_hartog_damped(), damped, strict=True)
         ],
         r"For $c = 0$, with $Q = P |V|/k$,",
@@ -227,7 +230,7 @@ def items(scope: Scope) -> Items:
         _numbers("decay", r"Turning points from $x = 0.95$; at the last one the package says \emph{equilibrium}."),
         r"With a damper, $0 < c^2 < 4 k m$, half a cycle takes $\pi/\omega_d$ (compare \cite{feeny1996}), and from a "
         r"highest point $x_i > x_f$, with $q = e^{-\pi h/\omega_d}$,",
-        equation(above, -left * named("x_i") + (1 + left) * x_f, Exact(decay, sp.simplify), "decrement"),
+        equation(above, -left * named("x_i") + (1 + left) * x_f, exact(decay, sp.simplify), "decrement"),
         _numbers("decrements", r"Turning points from $x = 1.5$ for $c = 0.2$, $F = 0.1$, $P = 0$."),
         r"\subsection{Stops per cycle}",
         r"Hong and Liu \cite{hongliu2000} sort the settled motions for $c = 0$ by their number of stops per cycle: 0, "
@@ -269,8 +272,10 @@ def items(scope: Scope) -> Items:
     meaning = {E0: closed[E0].subs(at), E1: closed[E1].subs(at), E2: closed[E2].subs(at)}
     rate = named(r"\dot{x}")
     wave = omega_0 * sp.sin(omega_0 * tau) / Omega**2
-    exact = {rate: Omega * coulomb.one_sided_velocity(), E1: wave * Omega**2 / omega_0**2, tau: phi / Omega}
-    exact |= {w0sq: omega_0**2, omega_0: 2 * n * Omega}
+    # The free part of the motion between the turning points is shifted by d.
+    shifted = coulomb.velocity().subs({G: 0, H: 0}).subs(x_f, x_f - d)
+    down = {rate: Omega * shifted, E1: wave * Omega**2 / omega_0**2, tau: phi / Omega}
+    down |= {w0sq: omega_0**2, omega_0: 2 * n * Omega}
     ratios = [(r**2 * x_0 + side * d - x_f) / (r**2 * x_0 + side * d + x_f) for side in (1, -1)]
     yield (
         r"\subsection{Continua of motions without stops}",
@@ -289,7 +294,7 @@ def items(scope: Scope) -> Items:
         equation(x_0, P / (k * (1 - r**2)), {x_0: P / (k - m * Omega**2), Omega: r * sp.sqrt(k / m)}),
         r"and a free motion $d \cos(\varphi/r)$ may be added to the symmetric one. Its turning points are then "
         r"$d + x_0$ and $d - x_0$, at the same times. On the way down",
-        equation(rate, 2 * n * Omega * (x_f - d) * sp.sin(2 * n * phi) - Omega * x_0 * sp.sin(phi), exact),
+        equation(rate, 2 * n * Omega * (x_f - d) * sp.sin(2 * n * phi) - Omega * x_0 * sp.sin(phi), down),
         r"and on the way up $-\dot{x}$ is the same with $x_f + d$ in place of $x_f - d$. As $|\sin 2 n\varphi| \le 2 n "
         r"\sin\varphi$ by \eqref{eq:literature-sine}, with equality in the limit at the turning points only, there is "
         r"no stop if and only if $x_f + |d| < r^2 x_0$.\end{proof}",
@@ -362,7 +367,7 @@ def _numbers(key: str, caption: str) -> Table:
     rows = []
     for value in values:
         formula = decimal("z", number(value.formula), value.decimals)
-        ran = decimal("z", number(value.package), value.decimals, Close(partial(_agreed, value), value.decimals))
+        ran = decimal("z", number(value.package), value.decimals, close(partial(_agreed, value), value.decimals))
         rows.append((f"${value.name}$", value.case, formula, ran, *([value.note] if noted else [])))
     heads = ("", "", "formula", "run", *([""] if noted else []))
     return Table(f"tab:literature-{key}", caption, heads, tuple(rows), columns="llrr" + "l" * noted)
@@ -373,11 +378,3 @@ def _free_motion(start: Any, rate: Any) -> tuple[Any, Any]:
     flow = solution.flow()
     at = {solution.x_i: start, solution.v_i: rate, solution.a_i: -w0sq * start - cm * rate, solution.f0: 0}
     return tuple(sp.expand(part.xreplace(at).xreplace(RELATION)) for part in (flow.x, flow.v))
-
-
-def _steady_part() -> dict[Any, Any]:
-    """Return the formulas of p_0, q_0 (solved from the two conditions of symmetry), G and H, each by its symbol."""
-    rows = coulomb.symmetry()
-    matrix = rows.jacobian([p_0, q_0])
-    p, q = matrix.adjugate() * (-rows.subs({p_0: 0, q_0: 0})) / matrix.det()
-    return dict(zip((p_0, q_0, G, H), (p, q, *coulomb.half_period()), strict=True))

@@ -8,10 +8,10 @@ import sympy as sp
 
 from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, Scope, v_lambda
-from symosc.derive.steps import Exact, Items, Solves, Table, equation
+from symosc.derive.steps import Items, Table, equation, exact, solves
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import maps, solution
-from symosc.symbolic.solution import A_m, Omega, a_i, f0, m, tau, theta_i, v_i, x_i
+from symosc.symbolic.solution import A_m, Omega, a_i, f0, m, tau, theta_i, v_i, w0sq, x_i
 from symosc.words import MAPS
 
 TITLE = "Switching planes and mappings"
@@ -26,7 +26,7 @@ def force(alpha: int, x: Any, v: Any, theta: Any) -> Any:
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: switching planes, the eight mappings, and the equations of flights and sticks."""
     rows: list[Any] = []
     for label in scope.maps:
         row = MAPS[label]
@@ -66,8 +66,8 @@ def items(scope: Scope) -> Items:
         r"$(x_{i+1}, \theta_{i+1})$ on $\dot{x} = v_{\lambda'}$ takes the time $\tau$ and satisfies $f_1 = f_2 = 0$ "
         r"with",
         equation(tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, "tau"),
-        equation(F1, first, Solves(driven, x_i, v_lambda, shift=maps.x_j, general=True), "f1"),
-        equation(F2, second, Exact(by_rate, solution.use_relations, independent=False), "f2"),
+        equation(F1, first, solves(driven - w0sq * maps.x_j, x_i - maps.x_j, v_lambda), "f1"),
+        equation(F2, second, exact(by_rate, solution.use_relations, independent=False), "f2"),
         r"where the basis functions are taken at $\tau$, and",
         equation(a_i, solution.acceleration(x_i, v_lambda, theta_i), newton, "start"),
         r"with $(\alpha, \lambda, \lambda')$ from Table~\ref{tab:maps-maps}. Conversely, a solution is a flight if the "

@@ -9,7 +9,7 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, LOWER, UPPER, F, Scope, mu_lambda, v_lambda
-from symosc.derive.steps import Each, Exact, Illustration, Items, Sign, Table, equation, facts, step
+from symosc.derive.steps import Check, Illustration, Items, Table, cases, equation, exact, facts, sign, step
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import A0, B0, FN, Omega, c, k, m, mu1, mu2, t, v, x
@@ -42,27 +42,26 @@ def newton(alpha: int) -> Any:
 
 
 def stick_force(belt: int) -> Any:
-    """Return the sum of all forces on the mass but this belt's friction, at this belt's speed (for belt 1: eq. (2))."""
+    """Return the sum of all other forces on a mass that moves with a belt, without that belt's friction: eq. (2)."""
     other = 3 - belt
     return A0 + B0 * WAVE - k * x - c * BELTS[belt] + MU[other] * FN * (1 if other == 2 else -1)
 
 
-def _values_at_belt(belt: int) -> dict[Any, Any]:
-    """Return what the symbols with index lambda stand for at a belt: forces on both sides, mu, v, static force."""
-    lower, upper = (newton(alpha).subs(v, BELTS[belt]) for alpha in NEIGHBOURS[belt])
-    return {F(LOWER): lower, F(UPPER): upper, mu_lambda: MU[belt], v_lambda: BELTS[belt], HELD: stick_force(belt)}
-
-
-def at_both(scope: Scope) -> Each:
+def at_both(scope: Scope) -> Check:
     """Return the check that a statement on belt lambda holds for each belt that occurs in the scope."""
-    return Each(tuple(Exact(_values_at_belt(belt)) for belt in scope.boundaries))
+    meanings = []
+    for belt in scope.boundaries:
+        lower, upper = (newton(alpha).subs(v, BELTS[belt]) for alpha in NEIGHBOURS[belt])
+        meanings.append({F(LOWER): lower, F(UPPER): upper, HELD: stick_force(belt)})
+        meanings[-1] |= {mu_lambda: MU[belt], v_lambda: BELTS[belt]}
+    return cases(*map(exact, meanings))
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: forces, domains, monotone friction, uniqueness, and what a belt has to hold."""
     total, first, second = named(r"m\ddot{x}"), named("T_1"), named("T_2")
-    checks = tuple(
-        Exact({total: m * newton(alpha), first: one * mu1 * FN, second: two * mu2 * FN})
+    checks = (
+        exact({total: m * newton(alpha), first: one * mu1 * FN, second: two * mu2 * FN})
         for alpha, (one, two) in enumerate(((1, 1), (-1, 1), (-1, -1)), 1)
     )
     yield (
@@ -72,7 +71,7 @@ def items(scope: Scope) -> Items:
         r"belts are pressed against it with the normal force $F_N \ge 0$ each; belt $\lambda$ runs with the constant "
         r"speed $v_\lambda$, $\lambda = 1, 2$, and $v_1 < v_2$. With the friction $T_\lambda$ that belt $\lambda$ "
         r"exerts on the mass, Newton's law is",
-        equation(total, A0 + B0 * WAVE - k * x - c * v + first + second, Each(checks), "newton"),
+        equation(total, A0 + B0 * WAVE - k * x - c * v + first + second, cases(*checks), "newton"),
         r"\begin{definition}[Coulomb friction]\label{thm:motion-coulomb} "
         r"Let $\operatorname{Sgn}(s) = \{1\}$ for $s > 0$, $\{-1\}$ for $s < 0$, and $[-1, 1]$ for $s = 0$. With the "
         r"friction coefficients $\mu_\lambda \ge 0$ the friction of belt $\lambda$ is a force "
@@ -105,7 +104,7 @@ def items(scope: Scope) -> Items:
         rows.append((rf"$\Omega_{alpha}$", VELOCITIES[alpha], *frictions, constant))
 
     gap = 2 * mu_lambda * FN / m
-    laws = tuple(Exact({general: newton(a), A: solution.force_constant(a)}) for a in scope.domains)
+    laws = (exact({general: newton(a), A: solution.force_constant(a)}) for a in scope.domains)
     yield (
         r"\subsection{Domains and boundaries}",
         r"The velocities of the belts cut the phase plane into the open domains $\Omega_1 = \{\dot{x} < v_1\}$, "
@@ -116,7 +115,7 @@ def items(scope: Scope) -> Items:
         r"$A_\alpha = A_0 + T_1 + T_2$ (Table~\ref{tab:motion-constants}). So the motion obeys",
         equation(ode, A + B0 * WAVE, free, note=r"in $\Omega_\alpha$,", label="domain"),
         r"or $\ddot{x} = F^{(\alpha)}(x, \dot{x}, t)$ with the acceleration",
-        equation(general, (A + B0 * WAVE - k * x - c * v) / m, Each(laws), "acceleration"),
+        equation(general, (A + B0 * WAVE - k * x - c * v) / m, cases(*laws), "acceleration"),
         Table(
             "tab:motion-constants",
             r"The domains, the frictions in them, and $A_\alpha$.",
@@ -127,7 +126,7 @@ def items(scope: Scope) -> Items:
         r"Where $\dot{x} = v_\lambda$, the accelerations below and above the boundary differ by",
         equation(F(LOWER) - F(UPPER), gap, at_both(scope), "jump"),
         r"which is not negative,",
-        step(gap, ">=", 0, Sign()),
+        step(gap, ">=", 0, sign()),
         r"so that the flow never leaves a boundary to both sides at once.\end{lemma}",
         r"\begin{proof} Subtract \eqref{eq:motion-acceleration} for $\alpha = \lambda + 1$ from that for "
         r"$\alpha = \lambda$, with Table~\ref{tab:motion-constants}. To leave downward needs $F^{(\lambda)} < 0$ or "
@@ -149,7 +148,7 @@ def items(scope: Scope) -> Items:
         r"\begin{lemma}[monotone friction]\label{thm:motion-monotone} "
         r"Let $T$ and $\tilde{T}$ be possible values of $T_1 + T_2$ at the velocities $w$ and $\tilde{w}$. Then "
         r"$(T - \tilde{T})(w - \tilde{w}) \le 0$.\end{lemma}",
-        facts(*(step(coulomb(a) - coulomb(a + 1), ">=", 0, Sign()) for a in scope.domains[:-1])),
+        facts(*(step(coulomb(a) - coulomb(a + 1), ">=", 0, sign()) for a in scope.domains[:-1])),
         r"\begin{proof} $s \mapsto \operatorname{Sgn}(s)$ never falls, so each $T_\lambda$ never grows with the "
         r"velocity: by Table~\ref{tab:motion-constants}, $A_1 - A_2 = 2\mu_1 F_N \ge 0$ and "
         r"$A_2 - A_3 = 2\mu_2 F_N \ge 0$, and at $\dot{x} = v_\lambda$ all values between those on both sides are "

@@ -9,23 +9,11 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from symosc.derive import steps
 from symosc.derive.chapters.maps import force
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, Scope
-from symosc.derive.steps import (
-    CONTEXT,
-    STEP_DIGITS,
-    AtRoot,
-    Items,
-    Sign,
-    Table,
-    decimal,
-    equation,
-    evaluate,
-    facts,
-    number,
-    step,
-)
+from symosc.derive.steps import CONTEXT, STEP_DIGITS, Items, Table, at_root, decimal, equation, facts, sign, step
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
@@ -38,7 +26,7 @@ TITLE = "Periodic motions"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: one attractor or an interval of rests, and the orbits of Figs. 9 and 10 in numbers."""
     mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
     held, size = named(r"H_\lambda"), sp.Symbol("B_0", real=True)
     ends = [(held + sign * (mu * FN - sp.Abs(size))) / k for sign in (1, -1)]
@@ -89,7 +77,7 @@ def items(scope: Scope) -> Items:
         r"$\mu_2 = \frac{1}{10}$, $F_N = 1$. Then $H_1 = \frac{1}{10}$, and the mass may rest at every $x$ from "
         r"$-\frac{4}{5}$ to $1$, for example at $0$, $\frac{1}{2}$ and $-\frac{3}{5}$.\end{example}",
         # |H - k x| + |B0| <= mu F_N: the worst phase, in exact numbers.
-        facts(*(step(sp.Abs(tenth - sp.Rational(x)) + tenth, "<=", 1, Sign()) for x in places)),
+        facts(*(step(sp.Abs(tenth - sp.Rational(x)) + tenth, "<=", 1, sign()) for x in places)),
         r"\begin{remark}[no damping]\label{thm:orbits-undamped} "
         r"For $c = 0$ no difference grows either, but nothing has to attract: a multiplier may be exactly 1, and the "
         r"motion is then marginal, neither attracting nor repelling. Such continua of marginal motions are known in "
@@ -109,7 +97,7 @@ def items(scope: Scope) -> Items:
 
 
 class Piece(NamedTuple):
-    """One map of an orbit: its row, the row of the map before, its start's symbols, f1, f2, other symbols' meaning."""
+    """One mapping of an orbit (row of `MAPS`), the one before, its start (x, theta), f1, f2, other letters' meaning."""
 
     row: Map
     before: Map
@@ -123,11 +111,10 @@ class Piece(NamedTuple):
 def root(parameters: Parameters, word: str) -> tuple[tuple[Any, Any], ...]:
     """Return the switching points (x, theta) of the orbit with a word to 50 digits, as `find_orbit` finds them."""
     orbit = find_orbit(parameters, word, digits=STEP_DIGITS + 5)
-    return tuple((x, number(parameters.Omega) * t) for t, x in orbit.points)
+    return tuple((x, steps.number(parameters.Omega) * t) for t, x in orbit.points)
 
 
-@cache
-def pieces(scope: Scope, word: str) -> tuple[Piece, ...]:
+def pieces(scope: Scope, word: str) -> list[Piece]:
     """Return the maps of an orbit with a word as Pieces, with the scene's numbers put in."""
     rows, basis = read_word(word).maps, scope.regimes[0].basis()
     found = []
@@ -152,7 +139,7 @@ def pieces(scope: Scope, word: str) -> tuple[Piece, ...]:
         f1, f2 = (_substituted(scope, f.xreplace(letters)) for f in (f1, f2))
         meaning = {name: _substituted(scope, value) for name, value in meaning.items()}
         found.append(Piece(row, before, here, f1, f2, meaning))
-    return tuple(found)
+    return found
 
 
 def _substituted(scope: Scope, expr: Any) -> Any:
@@ -160,11 +147,10 @@ def _substituted(scope: Scope, expr: Any) -> Any:
     return expr.xreplace(scope.display).xreplace(scope.numbers)
 
 
-def _values(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
+def _values(found: list[Piece], points: tuple[tuple[Any, Any], ...], meaning: dict[Any, Any]) -> dict[Any, Any]:
     """Return the values of all symbols at the orbit: of its switching points, and of what `meaning` defines."""
-    assert scope.parameters is not None
-    letters = [letter for piece in pieces(scope, word) for letter in piece.letters]
-    numbers = [CONTEXT.nstr(value, STEP_DIGITS + 8) for point in root(scope.parameters, word) for value in point]
+    letters = [letter for piece in found for letter in piece.letters]
+    numbers = [CONTEXT.nstr(value, STEP_DIGITS + 8) for point in points for value in point]
     values = {letter: sp.Float(text, STEP_DIGITS + 10) for letter, text in zip(letters, numbers, strict=True)}
     for name, value in meaning.items():
         values[name] = sp.N(value.subs(values), STEP_DIGITS + 10)
@@ -173,8 +159,9 @@ def _values(scope: Scope, word: str, meaning: dict[Any, Any]) -> dict[Any, Any]:
 
 def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     """Yield the items of the section on one orbit: its equations, switching points, and checks in between."""
-    assert scope.parameters is not None
-    p, found, points = scope.parameters, pieces(scope, word), root(scope.parameters, word)
+    assert scope.scene is not None
+    p, found = scope.scene.parameters, pieces(scope, word)
+    points = root(p, word)
     equations: list[Any] = []
     for i, (row, before, _, f1, f2, meaning) in enumerate(found, 1):
         after = i % len(found) + 1
@@ -186,10 +173,9 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
             rf"$P_{row.label[1]}$ from point {i} to point {after}, with $\tau_{i} = (\theta_{after}{turn} - "
             rf"\theta_{i})/\Omega${'' if row.sticks else start}:"
         )
-        check = AtRoot(partial(_values, scope, word, meaning), CONTEXT.mpf(10) ** -43)
+        check = at_root(partial(_values, found, points, meaning), CONTEXT.mpf(10) ** -43)
         equations += [equation(0, f, check, decimals=True) for f in (f1, f2)]
-    inner = r" \circ ".join(f"P_{digit}" for digit in word[1:])
-    numbers = ", ".join(f"${name} = {value}$" for name, value in scope.table())
+    numbers, inner = ", ".join(scope.given()), r" \circ ".join(f"P_{digit}" for digit in word[1:])
     yield (
         rf"\subsection{{{figure}: $P_{{{word[1:]}}} = {inner}$}}",
         rf"The numbers are {numbers}. The last map ends where the first one starts, one period of the drive later, so "
@@ -208,7 +194,7 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         tuple(rows),
     )
     # The accelerations at each switching point say which case of the theorem on boundaries applies.
-    values, rows, signs = _values(scope, word, {}), [], list[Any]()
+    values, rows, signs = _values(found, points, {}), [], list[Any]()
     for j, (row, before, (x, theta), *_) in enumerate(found, 1):
         belt = row.start.boundary
         signed: list[Any] = [str(j)]
@@ -217,10 +203,10 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
             if before.sticks and row.domain == alpha:
                 signed.append("0")  # the stick ends where this one vanishes: an equation above
                 continue
-            signed.append(decimal(f"F^{{({alpha})}}", evaluate(value, values), 10))
+            signed.append(decimal(f"F^{{({alpha})}}", steps.evaluate(value, values), 10))
             # On a belt, and on the other side at the end of a stick, both hold the mass; else both push it one way.
             upward = alpha == belt if row.sticks or before.sticks else row.domain != belt
-            signs.append(step(value, ">" if upward else "<", 0, AtRoot(lambda: values)))
+            signs.append(step(value, ">" if upward else "<", 0, at_root(lambda: values)))
         rows.append((*signed, f"$P_{row.label[1]}$"))
     yield Table(
         f"tab:orbits-forces-{word}",
@@ -233,12 +219,12 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     # Between the switching points no flight meets a belt, and each stick is held.
     rows, limited = [], list[Any]()
     for j, piece in enumerate(found):
-        for name, value, words, limits in _extremes(scope, word, j):
+        for name, value, words, limits in _extremes(scope, piece, points[j], points[(j + 1) % len(points)][1]):
             rows.append((f"$P_{piece.row.label[1]}$ from {j + 1}", name, decimal("z", value, 8), words))
             shown = sp.Float(CONTEXT.nstr(value, STEP_DIGITS), STEP_DIGITS)
-            limited += [step(shown, op, bound, AtRoot(dict)) for op, bound in limits]
+            limited += [step(shown, op, bound, at_root(dict)) for op, bound in limits]
     digits = named("P")
-    limited.append(equation(digits, int(word[1:]), AtRoot(lambda: {digits: _followed(p, word)})))
+    limited.append(equation(digits, int(word[1:]), at_root(lambda: {digits: _followed(p, word)})))
     yield (
         rf"Between the switching points nothing happens: Table~\ref{{tab:orbits-between-{word}}} has all extreme "
         r"values of the velocity inside the flights, and the least favourable accelerations during the sticks. The "
@@ -268,38 +254,33 @@ def _followed(p: Parameters, word: str) -> Any:
 FUNCTIONS = [{name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt", "mpf")}, "mpmath"]
 
 
-def _extremes(scope: Scope, word: str, j: int) -> Iterator[tuple[str, Any, str, list[tuple[str, Any]]]]:
-    """Yield each quantity with bounds in the j-th map: its name, extreme value, bounds in words and as (op, bound)."""
-    assert scope.parameters is not None
-    p, row, points = scope.parameters, pieces(scope, word)[j].row, root(scope.parameters, word)
-    (x, phase), (_, end) = points[j], points[(j + 1) % len(points)]
-    turn, belt = number(p.Omega), row.start.boundary
-    duration = ((end - phase) % (2 * CONTEXT.pi)) / turn
+def _extremes(
+    scope: Scope, piece: Piece, start: tuple[Any, Any], end: Any
+) -> Iterator[tuple[str, Any, str, list[tuple[str, Any]]]]:
+    """Yield name, extreme value and bounds (in words, and as operators with numbers) of what must stay in bounds."""
+    row, belt = piece.row, piece.row.start.boundary
+    speed, duration = BELTS[belt], ((end - start[1]) % (2 * CONTEXT.pi)) / steps.evaluate(Omega, scope.numbers)
+
+    def extremes(expr: Any, slope: Any) -> tuple[Any, list[Any]]:
+        """Return an expression as a function of the time since the start, and the times at which it is extreme."""
+        put = (_substituted(scope, each.xreplace(scope.display)) for each in (expr, slope))
+        value, rate = (partial(sp.lambdify((x_i, theta_i, tau), each, FUNCTIONS), *start) for each in put)
+        return value, _zeros(rate, duration)
+
     if row.sticks:
-        speed = number(p.belt(belt))
         for alpha, op, best, words in ((belt, ">", min, "least"), (belt + 1, "<", max, "largest")):
-            expr = _substituted(scope, force(alpha, x_i, BELTS[belt], theta_i))
-            code, step = sp.lambdify((x_i, theta_i), expr, FUNCTIONS), duration / 10**6
-
-            def value(at: Any, code: Any = code) -> Any:
-                return code(x + speed * at, phase + turn * at)
-
-            def slope(at: Any, value: Any = value, step: Any = step) -> Any:
-                return value(at + step) - value(at)
-
+            held = force(alpha, x_i + speed * tau, speed, theta_i + Omega * tau)
+            value, places = extremes(held, held.diff(tau))
             # The end of the stick, where one of both forces is 0, is left out.
-            places = [CONTEXT.mpf(0), *_zeros(slope, duration), duration * CONTEXT.mpf("0.9")]
-            what = rf"{words} $F^{{({alpha})}}$ on $[0, 0.9\tau]$"
-            yield what, best(value(at) for at in places), f"${op} 0$", [(op, 0)]
+            worst = best(value(at) for at in (CONTEXT.mpf(0), *places, duration * CONTEXT.mpf("0.9")))
+            yield rf"{words} $F^{{({alpha})}}$ on $[0, 0.9\tau]$", worst, f"${op} 0$", [(op, 0)]
         return
-    flow, start = solution.flow(scope.regimes[0]), force(row.domain, x_i, BELTS[belt], theta_i)
-    known = {a_i: start, v_i: BELTS[belt]}
-    put = (_substituted(scope, expr.xreplace(known).xreplace(scope.display)) for expr in flow[1:])
-    velocity, acceleration = (sp.lambdify((tau, x_i, theta_i), expr, FUNCTIONS) for expr in put)
+    known = {a_i: force(row.domain, x_i, speed, theta_i), v_i: speed}
+    value, places = extremes(*(each.xreplace(known) for each in solution.flow(scope.regimes[0])[1:]))
     limits = [(op, scope.numbers[BELTS[b]]) for op, b in ((">", row.domain - 1), ("<", row.domain)) if b in BELTS]
     words = {1: "$< v_1$", 2: "between $v_1$ and $v_2$", 3: "$> v_2$"}[row.domain]
-    for at in _zeros(lambda at: acceleration(at, x, phase), duration):
-        yield r"extreme of $\dot{x}$", velocity(at, x, phase), words, limits
+    for at in places:
+        yield r"extreme of $\dot{x}$", value(at), words, limits
 
 
 def _zeros(function: Any, duration: Any) -> list[Any]:

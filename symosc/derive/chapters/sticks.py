@@ -9,7 +9,7 @@ import sympy as sp
 from symosc.derive.chapters.motion import MU, acceleration, newton
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, UPPER, F, Scope, mu_lambda, v_lambda
-from symosc.derive.steps import Each, Exact, Illustration, Items, Sign, Table, equation, facts, step
+from symosc.derive.steps import Illustration, Items, Step, Table, cases, equation, exact, facts, sign, step
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, FN, Omega, a_i, k, m, t, tau, theta, theta_i, v, x_i
@@ -18,16 +18,28 @@ TITLE = "Sticks and their two ends"
 
 
 def force_on_belt(phase: Any) -> Any:
-    """Return F^(alpha) a time tau after a stick began: its value a_i then, plus its change until the phase `phase`."""
+    """Return F^(alpha) during a stick, tau after its start with the value a_i, where the drive has a given phase."""
     here = solution.acceleration(x_i + v_lambda * tau, v_lambda, phase)
     return a_i + here - solution.acceleration(x_i, v_lambda, theta_i)
 
 
-def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+def rate() -> Step:
+    """Return the step on the rate at which the accelerations on both sides of a belt change during a stick."""
     moving = solution.in_paper_letters(solution.acceleration(x_i + v_lambda * (t - solution.t_i), v_lambda, theta))
-    held = solution.stick_acceleration(a_i, sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)).subs(v, v_lambda)
     change = (m * moving.diff(t)).subs(Omega * t, theta)
+    return equation(named(r"m\dot{F}^{(\alpha)}"), -(k * v_lambda + B0 * Omega * sp.sin(theta)), change, "rate")
+
+
+def force(belt: int, alpha: int, label: str = "") -> Step:
+    """Return the step on m F^(alpha) at a belt's speed."""
+    at = {v: BELTS[belt], Omega * t: theta}
+    right = sp.expand(m * acceleration(alpha).subs(at))
+    return equation(m * F(alpha), right, {F(alpha): newton(alpha).subs(at)}, label)
+
+
+def items(scope: Scope) -> Items:
+    """Yield the chapter: what changes during a stick, and its two ends."""
+    held = solution.stick_acceleration(a_i, sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)).subs(v, v_lambda)
     yield (
         r"\subsection{The mass on a belt}",
         r"\begin{definition}[stick]\label{thm:sticks-stick} "
@@ -41,7 +53,7 @@ def items(scope: Scope) -> Items:
         equation(named(r"F^{(\alpha)}(\tau)"), held, force_on_belt(theta_i + Omega * tau), "force"),
         r"with $\ddot{x}_i = F^{(\alpha)}(x_i, v_\lambda, t_i)$, each its own. They change at one rate, which depends "
         r"on the phase $\theta = \Omega t$ alone:",
-        equation(named(r"m\dot{F}^{(\alpha)}"), -(k * v_lambda + B0 * Omega * sp.sin(theta)), change, "rate"),
+        rate(),
         r"\end{lemma}",
         r"\begin{proof} Put $x = x_i + v_\lambda\tau$ and $\dot{x} = v_\lambda$ into \eqref{eq:motion-acceleration}, "
         r"and differentiate.\end{proof}",
@@ -52,15 +64,15 @@ def items(scope: Scope) -> Items:
         r"stick is found without a search: on each such piece each of them has at most one zero, or never changes.",
     )
     zero = named(r"F^{(\lambda+1)}|_{F^{(\lambda)} = 0}")
-    lower = Each(tuple(Sign({zero: -(newton(lo) - newton(lo + 1))}) for lo in scope.boundaries))
-    jumps = (Exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}) for lo in scope.boundaries)
+    lower = cases(*(sign({zero: -(newton(lo) - newton(lo + 1))}) for lo in scope.boundaries))
+    jumps = (exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}) for lo in scope.boundaries)
     yield (
         r"\subsection{Both ends}",
         r"\begin{theorem}[both exits of a stick]\label{thm:sticks-exits} "
         r"A stick on belt $\lambda$ ends at the first time at which $F^{(\lambda)}$ falls below 0, and then the mass "
         r"goes into $\Omega_\lambda$; or at which $F^{(\lambda+1)}$ rises above 0, and then it goes into "
         r"$\Omega_{\lambda+1}$. Both cannot happen at once if the belt has friction: where $F^{(\lambda)} = 0$,",
-        equation(F(UPPER), -2 * mu_lambda * FN / m, Each(tuple(jumps)), "other"),
+        equation(F(UPPER), -2 * mu_lambda * FN / m, cases(*jumps), "other"),
         "which holds the mass on its upper side:",
         step(zero, "<=", 0, lower),
         r"\end{theorem}",
@@ -77,11 +89,8 @@ def items(scope: Scope) -> Items:
     rows = []
     for belt in scope.boundaries:
         for alpha in NEIGHBOURS[belt]:
-            at = {v: BELTS[belt], Omega * t: theta}
-            right = sp.expand(m * acceleration(alpha).subs(at))
-            force = equation(m * F(alpha), right, {F(alpha): newton(alpha).subs(at)})
             way, paper = ("falls", "not in the paper") if alpha == belt else ("rises", f"the paper's ({51 + belt})")
-            rows.append((str(belt), rf"$F^{{({alpha})}}$ {way}", rf"$\Omega_{alpha}$", paper, force))
+            rows.append((str(belt), rf"$F^{{({alpha})}}$ {way}", rf"$\Omega_{alpha}$", paper, force(belt, alpha)))
     yield (
         Table(
             "tab:sticks-exits",
@@ -103,7 +112,7 @@ def items(scope: Scope) -> Items:
     )
     turn = named(r"\Delta_T F^{(\alpha)}")
     per_turn = force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
-    change = {turn: sp.simplify(per_turn.xreplace({solution.w0sq: k / m, solution.cm: solution.c / m}))}
+    change = {turn: sp.simplify(per_turn.xreplace(solution.PAPER_LETTERS))}
     yield (
         r"\begin{corollary}\label{thm:sticks-ends} "
         r"For $k v_\lambda \ne 0$ every stick ends: over each period $2\pi/\Omega$ both accelerations change by "

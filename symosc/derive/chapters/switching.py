@@ -8,7 +8,7 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import F, G, Scope, v_lambda
-from symosc.derive.steps import Exact, Illustration, Items, equation, facts
+from symosc.derive.steps import Illustration, Items, Step, equation, exact, facts
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, Omega, c, k, m, t, tau, theta, theta_i, v, v_i, x_i
 
@@ -16,19 +16,19 @@ TITLE = "What happens at a boundary"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the texts and steps of the chapter."""
+    """Yield the chapter: G-functions, the first that does not vanish, and Theorems 4 to 6."""
     n, y = sp.Function("n")(t), sp.Function("y")(t)
     first, second = named(r"G^{(0,\alpha)}"), named(r"G^{(1,\alpha)}")
 
     def product(normal: str, dot: str) -> Any:
-        """Return the symbol for a derivative of the normal (prefix `normal`) times one of the distance (`dot`)."""
+        """Return a symbol that prints a derivative of n ("", "D" or "D^2") times one of the distance (LaTeX accent)."""
         x_alpha, x_0 = (rf"{dot}{{\mathbf{{x}}}}^{{({each})}}" for each in (r"\alpha", "0"))
         return named(rf"{normal}\mathbf{{n}}^T ({x_alpha} - {x_0})".replace("{\\mathbf{x}}", r"{\mathbf{x}}"))
 
     parts = {("", r"\ddot"): n * y.diff(t, 2), ("D", r"\dot"): n.diff(t) * y.diff(t), ("D^2", ""): n.diff(t, 2) * y}
     parts |= {("", r"\dot"): n * y.diff(t), ("D", ""): n.diff(t) * y}
     letters = {product(*key): value for key, value in parts.items()}
-    check = Exact({first: (n * y).diff(t), second: (n * y).diff(t, 2)} | letters, independent=False)
+    check = exact({first: (n * y).diff(t), second: (n * y).diff(t, 2)} | letters, independent=False)
     yield (
         r"\subsection{G-functions}",
         r"Luo's theory of flow switchability \cite{luo2008,luo2009} compares the flow $\mathbf{x}^{(\alpha)}(t)$ of a "
@@ -88,10 +88,6 @@ def items(scope: Scope) -> Items:
             0.8,
         ),
     )
-    speed = named(r"k v_\lambda")
-    first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, v: v_lambda})
-    stays = {G(1): first, F(r"\alpha"): solution.in_paper_letters(solution.acceleration()).subs(v, v_lambda)}
-    stays = {name: value.subs(Omega * t, theta) for name, value in stays.items()} | {speed: k * v_lambda}
     yield (
         r"\subsection{The paper's Lemmas 1 to 3 and Theorems 4 to 6}",
         r"\begin{theorem}[stick, passage, graze]\label{thm:switching-cases} "
@@ -123,29 +119,36 @@ def items(scope: Scope) -> Items:
         r"with $n = 1$ alone, leaves out the tangencies of higher order; this is where Theorem 7 loses its case of "
         r"equality (Theorem~\ref{thm:grazing-equality}).\end{remark}",
         r"What (iii) asks for is at the boundary $\dot{x} = v_\lambda$, on either side of either belt,",
-        equation(G(1), -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m, stays, "decides"),
+        at_belt("decides"),
         r"where the term with $F^{(\alpha)}$ vanishes at a graze.",
     )
 
 
 def _gap_derivative(order: int) -> Any:
-    """Return the step stating that n.(x - x0) has the derivative of n.x, as x0 moves on a straight line normal to n."""
+    """Return the step that the distance from a straight boundary, n.(x - x0), has the derivatives of n.x alone."""
     n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
     first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
     gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
     right = n1 * first.diff(t, order) + n2 * second.diff(t, order)
-    return equation(gap.diff(t, order), right, Exact(independent=False))
+    return equation(gap.diff(t, order), right, exact(independent=False))
+
+
+def at_belt(label: str) -> Step:
+    """Return the step on G^(1) at a belt's speed, in terms of the acceleration there."""
+    true = {G(1): solution.g_function(1), F(r"\alpha"): solution.acceleration()}
+    at = {Omega * t: theta, v: v_lambda}
+    true = {name: solution.in_paper_letters(value).subs(at) for name, value in true.items()}
+    return equation(G(1), -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m, true, label)
 
 
 def g_functions() -> Items:
-    """Return the items of the lemma on the first G-functions."""
+    """Return the lemma on G^(1) to G^(3), the derivatives of the acceleration F^(alpha) along its flow."""
     path = sp.Function("x")(t)
     newton = (solution.A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     lower, rows = [v, F(r"\alpha")], []
     for n in (1, 2, 3):
         true = newton.diff(t, n).doit().subs([(path.diff(t, j + 1), lower[j]) for j in range(n, -1, -1)])
-        right = solution.next_derivative(lower[n], lower[n - 1], solution.forcing(n).xreplace({solution.f0: B0 / m}))
-        right = right.xreplace({solution.cm: c / m, solution.w0sq: k / m})
+        right = solution.next_derivative(lower[n], lower[n - 1], solution.forcing(n)).xreplace(solution.PAPER_LETTERS)
         rows.append(equation(G(n), right, true.subs(Omega * t, theta), f"g{n}"))
         lower.append(G(n))
     return (
