@@ -194,10 +194,10 @@ def read_plan(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts:
         problem = scene if isinstance(scene, Scene) else load_scene(scene)
         if problem.original is not None:
             raise not_reduced_error(problem)
-    starts = _start_rows(starts)
-    if starts is not None and np.ndim(np.asarray(starts, dtype=object)) == 1 and len(starts) == 3:
-        problem, starts = problem.started(dict(zip(SWEPT_STARTS, starts, strict=True))), None
-    coordinates = read_coordinates(problem, over, starts)
+    rows = None if starts is None else _start_rows(starts)
+    if rows is not None and rows.ndim == 1:
+        problem, rows = problem.started(dict(zip(SWEPT_STARTS, rows, strict=True))), None
+    coordinates = read_coordinates(problem, over, rows)
     columns, sections = _read_record(record)
     end = Duration(problem.t_end) if t_end is None else read_duration("t_end", t_end)
     plan = SweepPlan(problem, coordinates, columns, sections, end, read_duration("skip", skip))
@@ -205,14 +205,15 @@ def read_plan(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts:
     return plan
 
 
-def read_coordinates(scene: Scene, over: Any, starts: Any = None) -> Coordinates:
-    """Return the swept values: axes by name, or columns of a table; with `starts` each is combined with every start."""
+def read_coordinates(scene: Scene, over: Any, starts: np.ndarray | None = None) -> Coordinates:
+    """Return the swept values: axes by name, or columns of a table, each with every one of the rows `starts` if any."""
     table = _table_columns(over)
     found = _axes(over) if table is None else {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
     if starts is not None:
         if twice := [name for name in SWEPT_STARTS if name in found]:
             raise ParameterError("starts", twice[0], "is swept too; give it in one place")
-        found |= _start_columns(starts)
+        columns = zip(SWEPT_STARTS, starts.T, strict=True)
+        found |= {name: Coordinate(START_AXIS, _numbers(name, values)) for name, values in columns}
     count = math.prod({each.dimension: len(each.values) for each in found.values()}.values())
     if count > MOST_SWEPT:
         raise ParameterError("over", f"{count} motions", f"must be at most {MOST_SWEPT}")
@@ -304,30 +305,24 @@ def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
     return columns
 
 
-def _start_rows(starts: Any) -> Any:
-    """Return starts as rows t0, x0, v0, a single one as one row, from rows or from columns with these names."""
+def _start_rows(starts: Any) -> np.ndarray:
+    """Return starts, given as rows or as columns by name, as an array of rows t0, x0, v0, or one row (3,)."""
     columns = named("starts", starts, SWEPT_STARTS)
-    if not isinstance(columns, Mapping):
-        return starts
-    each = [np.asarray(unmasked(name, column), dtype=object) for name, column in columns.items()]
+    if isinstance(columns, Mapping):
+        each = [np.asarray(unmasked(name, column), dtype=object) for name, column in columns.items()]
+        try:
+            rows = np.stack(np.broadcast_arrays(*each), axis=-1)
+        except ValueError:
+            lengths = [np.shape(column) for column in columns.values()]
+            raise ParameterError("starts", lengths, "the columns must be of one length") from None
+        return rows.ravel() if rows.size == 3 else rows
     try:
-        rows = np.stack(np.broadcast_arrays(*each), axis=-1)
-    except ValueError:
-        lengths = [np.shape(column) for column in columns.values()]
-        raise ParameterError("starts", lengths, "the columns must be of one length") from None
-    return rows.ravel() if rows.size == 3 else rows
-
-
-def _start_columns(starts: Any) -> Coordinates:
-    """Return swept starts, given as rows t0, x0, v0, as columns by name."""
-    unmasked("starts", starts)
-    try:
-        rows = np.atleast_2d(np.asarray(starts, dtype=object))
+        rows = np.asarray(unmasked("starts", starts), dtype=None if hasattr(starts, "dtype") else object)
     except ValueError:
         rows = np.zeros(0)
-    if rows.ndim != 2 or rows.shape[1] != 3 or not len(rows):
+    if rows.ndim not in (1, 2) or rows.shape[-1] != 3 or not len(rows):
         raise ParameterError("starts", starts, "must have shape (n, 3), rows of t0, x0, v0")
-    return {name: Coordinate(START_AXIS, _numbers(name, rows[:, i])) for i, name in enumerate(SWEPT_STARTS)}
+    return rows
 
 
 def _check_values(scene: Scene, coordinates: Coordinates) -> None:

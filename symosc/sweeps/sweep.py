@@ -186,8 +186,9 @@ def dask_client(address: str) -> Any:
     try:
         return Client(address, timeout=CONNECT_SECONDS)
     except (OSError, ValueError, TimeoutError) as error:
-        allowed = f"no scheduler of dask answers there ({_error_text(error)})"
-        raise ParameterError("executor", address, allowed) from None
+        raise ParameterError(
+            "executor", address, f"no scheduler of dask answers there ({_error_text(error)})"
+        ) from None
 
 
 def _carried_out(
